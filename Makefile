@@ -4,7 +4,7 @@ VENV := .venv
 ROS := .venv-ros
 BIN := $(VENV)/bin
 SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv') Cargo.toml Cargo.lock pyproject.toml \
-	rust/core/Cargo.toml rust/bindings/Cargo.toml
+	$(wildcard rust/*/Cargo.toml)
 
 SOAK ?= 50
 SOAKED = $(patsubst %,tests/%,core/oracles/test_batch.py core/oracles/test_rollout.py core/oracles/test_fast.py \
@@ -81,7 +81,7 @@ test-versions: $(VENV)/installed ## the boundary with the oldest NumPy, and with
 
 soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many cases; prints the worst ones
 	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED) -s -q
-	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-core --test controller
+	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-control --test controller
 
 # Some hours of one core; HOLDING="1e6 --seconds 600" for a look.
 HOLDING ?= 1e8
@@ -102,9 +102,9 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others
 	$(BIN)/python benches/run.py $(BENCH)
 
-bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark, criterion for the core
+bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark, criterion for the crates
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q
-	cargo bench --package six-wheel-core --locked
+	cargo bench --package six-wheel-kinematics --package six-wheel-terrain --locked
 
 instructions: ## callgrind's count of a dozen calls beside benches/instructions.csv: 3 % more fails; COUNT=--write makes it anew
 	$(PYTHON) benches/instructions.py $(COUNT)

@@ -16,7 +16,7 @@ from pathlib import Path
 
 FIGURES = Path(__file__).with_suffix(".csv")
 ROOT = FIGURES.parents[1]
-SOURCE = ROOT / "rust/core/benches/instructions.rs"
+SOURCE = ROOT / "rust/planner/benches/instructions.rs"
 MORE = 0.03  # of instructions: what a change of the compiler's mind may take
 # With names, but built as it is released.
 BUILD = {"CARGO_PROFILE_BENCH_STRIP": "none", "CARGO_PROFILE_BENCH_DEBUG": "0"}
@@ -35,7 +35,7 @@ def build() -> Path:
         "cargo",
         "bench",
         "--package",
-        "six-wheel-core",
+        "six-wheel-planner",
         "--bench",
         "instructions",
         "--locked",

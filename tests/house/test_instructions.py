@@ -34,7 +34,7 @@ def run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureF
 
 
 def test_every_job_has_its_figure() -> None:
-    source = (BENCHES.parent / "rust/core/benches/instructions.rs").read_text(encoding="utf-8")
+    source = (BENCHES.parent / "rust/planner/benches/instructions.rs").read_text(encoding="utf-8")
     with (BENCHES / "instructions.csv").open(newline="", encoding="utf-8") as file:
         figures = list(csv.reader(file))[1:]
     jobs = source.split("#[inline(never)]\nfn ")[1:]

@@ -14,6 +14,9 @@ import six_wheel
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(six_wheel.__file__).parent
 ROOMS = sorted(path.parent for path in PACKAGE.rglob("__init__.py"))
+CRATES = sorted(
+    path for path in (ROOT / "rust").glob("*/Cargo.toml") if path.parent.name not in ("fuzz", "python")
+)
 LINES = 3_300  # about three thousand
 FILES = 12
 
@@ -43,7 +46,8 @@ def folders() -> set[str]:
         pytest.skip("not a checkout of git")
     files = [Path(name).parent for name in listed]
     above = {folder for file in files for folder in (file, *file.parents)}
-    tops = ("rust/core/", "rust/bindings/src", "python/six_wheel", "tests", "benches", "examples", "docs")
+    tops = ("python/six_wheel", "tests", "benches", "examples", "docs", "rust/python/src")
+    tops += tuple(f"{crate.parent.relative_to(ROOT)}/" for crate in CRATES)
     return {str(folder) for folder in above if str(folder).startswith(tops)}
 
 

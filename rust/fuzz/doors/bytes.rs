@@ -1,8 +1,8 @@
 //! What the targets make of bytes: numbers of every kind, and rovers.
 
-use six_wheel_core::Rover;
-use six_wheel_core::steering::SteeringRange;
-use six_wheel_core::wheels::{Pivot, Wheel};
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::wheels::{Pivot, Wheel};
 
 /// Bytes read one after the other; zeros when they are used up.
 pub struct Bytes<'a>(pub &'a [u8]);

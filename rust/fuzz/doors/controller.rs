@@ -1,7 +1,8 @@
 //! Any commands, times and measured angles: no panic, finite outputs, and once inside their ranges joints stay there.
 
-use six_wheel_core::controller::{Align, Controller, Mode, Options};
-use six_wheel_core::{Limits, Twist};
+use six_wheel_control::controller::Limits;
+use six_wheel_control::controller::{Align, Controller, Mode, Options};
+use six_wheel_kinematics::geometry::Twist;
 
 use super::bytes::Bytes;
 

@@ -1,7 +1,11 @@
 //! Any rover, any twists and readings, every kernel: no panic, finite answers, and the kernels agree with the plain core.
 
-use six_wheel_core::batch::{self, Beside, Level, Readings, Table, Workers};
-use six_wheel_core::{Measured, Method, Twist, Unseen};
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::estimate::{Measured, Method, Unseen};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::table::{Beside, Readings, Table};
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::threads::workers::Workers;
 
 use super::bytes::Bytes;
 
@@ -14,7 +18,7 @@ pub fn one(data: &[u8]) {
     let twists: Vec<[f64; 3]> = (0..rows).map(|_| [bytes.number(), bytes.number(), bytes.number()]).collect();
     for twist in &twists {
         let _ = rover.check(Twist::from(*twist), None);
-        if let Ok(found) = rover.project(Twist::from(*twist), six_wheel_core::Keep::Curvature) {
+        if let Ok(found) = rover.project(Twist::from(*twist), six_wheel_kinematics::admissible::Keep::Curvature) {
             assert!(<[f64; 3]>::from(found).iter().all(|value| value.is_finite()));
         }
     }

@@ -1,7 +1,7 @@
 //! Any samples, commands and poses from outside: no panic, finite poses, no negative variance, and nothing changes on failure.
 
-use six_wheel_core::geometry::Pose;
-use six_wheel_core::odometry::{Odometry, Readings, Sample, Settings};
+use six_wheel_kinematics::geometry::Pose;
+use six_wheel_odometry::{Odometry, Readings, Sample, Settings};
 
 use super::bytes::Bytes;
 

@@ -1,0 +1,6 @@
+//! Motion over time within limits: a controller of single steps, and profiles of whole transitions.
+
+pub mod controller;
+pub mod profiles;
+
+pub use controller::{Controller, Limits};

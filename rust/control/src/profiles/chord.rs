@@ -1,0 +1,205 @@
+//! The straight way between two twists, and what the wheels do along it.
+//!
+//! A twist is a point in homogeneous coordinates of the centre of rotation, `ICR = (-vy, vx) / omega`, times a
+//! speed. Between two twists the centre moves along a straight line, on which infinity (driving straight) and the
+//! body's origin (turning on the spot) are points like any other. So does the velocity `u` of every pivot, in a
+//! plane: with `w = u' / u` as complex numbers, the wheel's angle and the logarithm of its speed change by the
+//! imaginary and real part of `w`, and `w' = -w^2`.
+
+use std::borrow::Cow;
+
+use nalgebra::{Complex, Vector3};
+
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, Mount, Rover};
+use six_wheel_kinematics::steering::ANGLE_TOLERANCE;
+use six_wheel_kinematics::wheels::{Pivot, REST};
+use six_wheel_numerics::error::radians;
+
+/// Speed of a pivot, as a share of its change along the chord, at which its wheel cannot follow the direction.
+const TOO_CLOSE: f64 = 1e-6;
+
+/// Share of an angle's sine that is rounding.
+const PARALLEL: f64 = 8.0 * f64::EPSILON;
+
+/// A steered wheel along a chord.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Joint {
+    /// Steering angle at the start [rad].
+    pub angle: f64,
+    /// Velocity of the pivot at the start, and its change over the chord [m/s].
+    origin: Complex<f64>,
+    change: Complex<f64>,
+    /// Whether the direction of that velocity changes.
+    turns: bool,
+}
+
+impl Joint {
+    fn velocity(&self, s: f64) -> Complex<f64> {
+        self.origin + self.change * s
+    }
+
+    /// How far the wheel has turned [rad]: never half a turn, as the velocity moves on a straight line.
+    pub fn swept(&self, s: f64) -> f64 {
+        if self.turns { (self.velocity(s) * self.origin.conj()).arg() } else { 0.0 }
+    }
+
+    /// Where the wheel has turned so far [share of the chord].
+    pub fn reaches(&self, swept: f64) -> f64 {
+        // The velocity is parallel to the one at the start turned by that angle.
+        let product = self.change * self.origin.conj();
+        let (sin, cos) = swept.sin_cos();
+        self.origin.norm_sqr() * sin / (product.im * cos - product.re * sin)
+    }
+
+    /// First three derivatives of the angle along the chord.
+    pub fn swing(&self, s: f64) -> [f64; 3] {
+        if !self.turns {
+            return [0.0; 3];
+        }
+        let w = self.change / self.velocity(s);
+        let square = w * w;
+        [w.im, -square.im, 2.0 * (square * w).im]
+    }
+
+    /// Speed of the pivot along the wheel's direction at the start, and its first two derivatives.
+    pub fn speed(&self, s: f64) -> [f64; 3] {
+        let velocity = self.velocity(s);
+        let speed = velocity.norm();
+        if !self.turns || speed == 0.0 {
+            return [speed, self.change.norm(), 0.0];
+        }
+        let slope = (velocity.conj() * self.change).re / speed;
+        let bend = (self.change.norm_sqr() - slope * slope) / speed;
+        [speed, slope, bend]
+    }
+
+    /// Where the pivot is slowest [share of the chord].
+    pub fn slowest(&self) -> f64 {
+        -(self.origin.conj() * self.change).re / self.change.norm_sqr()
+    }
+
+    /// Where the pivot has this speed, before or after it is slowest [share of the chord].
+    pub fn at_speed(&self, speed: f64, after: bool) -> f64 {
+        let nearest = (self.origin.conj() * self.change).im / self.change.norm();
+        let root = (speed * speed - nearest * nearest).max(0.0).sqrt() / self.change.norm();
+        self.slowest() + if after { root } else { -root }
+    }
+}
+
+/// All wheels between two twists.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Chord {
+    pub start: Vector3<f64>,
+    pub end: Vector3<f64>,
+    pub joints: Vec<Joint>,
+}
+
+/// Why a chord cannot be driven, or with which angles it can.
+pub(crate) enum Way {
+    /// Angles at the start, which those at hand may have to be brought to first.
+    Open(Chord),
+    /// What stands in the way.
+    Closed(Cow<'static, str>),
+}
+
+/// Whether a pivot rests, up to rounding.
+fn rests(twist: Twist, x: f64, y: f64) -> bool {
+    let u = twist.at(x, y);
+    let summed = twist.vx.abs() + twist.vy.abs() + twist.omega.abs() * (x.abs() + y.abs());
+    u.amax() <= REST * summed
+}
+
+impl Chord {
+    /// The chord from one twist to another with wheels that stand at these angles; both twists must be possible.
+    pub fn between(rover: &Rover, start: Twist, end: Twist, angles: &[f64]) -> Way {
+        let mut aligned = angles.to_vec();
+        let mut speeds = vec![0.0; rover.wheels().len()];
+        let inputs = Inputs { previous: Some(angles), ..Inputs::default() };
+        rover.solve(end, inputs, &mut aligned, &mut speeds);
+        let mut joints = Vec::with_capacity(angles.len());
+        for (j, &i) in rover.steered().iter().enumerate() {
+            let wheel = &rover.wheels()[i];
+            let Mount::Steered(range, _) = rover.mounts[i] else {
+                continue;
+            };
+            let velocity = |twist: Twist| {
+                let u = twist.at(wheel.x, wheel.y);
+                let still = rests(twist, wheel.x, wheel.y);
+                if still { Complex::default() } else { Complex::new(u.x, u.y) }
+            };
+            let (origin, target) = (velocity(start), velocity(end));
+            let change = target - origin;
+            let across = (change * origin.conj()).im;
+            // From or to rest, or right through it, the direction stays, though the wheel may roll back.
+            let turns = across.abs() > PARALLEL * origin.norm() * change.norm();
+            let joint = Joint {
+                angle: if origin == Complex::default() { aligned[j] } else { angles[j] },
+                origin,
+                change,
+                turns,
+            };
+            let least = joint.velocity(joint.slowest().clamp(0.0, 1.0)).norm();
+            if turns && least < TOO_CLOSE * change.norm() {
+                let name = &wheel.name;
+                let why = format!("the centre of rotation would pass over the pivot of {name:?}");
+                return Way::Closed(why.into());
+            }
+            let last = joint.angle + joint.swept(1.0);
+            if last < range.lower - ANGLE_TOLERANCE || last > range.upper + ANGLE_TOLERANCE {
+                let why = format!("{:?} would have to steer to {}, outside {range}", wheel.name, radians(last));
+                return Way::Closed(why.into());
+            }
+            joints.push(joint);
+        }
+        Way::Open(Self { start: start.into(), end: end.into(), joints })
+    }
+
+    /// Change of the twist over the chord.
+    pub fn change(&self) -> Vector3<f64> {
+        self.end - self.start
+    }
+
+    /// The twist, exact at both ends.
+    pub fn twist(&self, s: f64) -> Twist {
+        (self.start * (1.0 - s) + self.end * s).into()
+    }
+
+    /// A measure of the way that grows with the chord and with the turning of every wheel.
+    pub fn measure(&self, s: f64) -> f64 {
+        s + self.joints.iter().map(|joint| joint.swept(s).abs()).sum::<f64>()
+    }
+
+    /// Shares of the chord between which that measure grows alike.
+    pub fn nodes(&self, cells: usize) -> Vec<f64> {
+        let whole = self.measure(1.0);
+        let mut nodes = Vec::with_capacity(cells + 1);
+        let mut low = 0.0;
+        for k in 0..=cells {
+            let wanted = whole * k as f64 / cells as f64;
+            let (mut a, mut b) = (low, 1.0);
+            if k == 0 || k == cells {
+                nodes.push(k as f64 / cells as f64);
+                continue;
+            }
+            for _ in 0..50 {
+                let middle = f64::midpoint(a, b);
+                if self.measure(middle) < wanted {
+                    a = middle;
+                } else {
+                    b = middle;
+                }
+            }
+            low = a;
+            nodes.push(f64::midpoint(a, b));
+        }
+        nodes.dedup();
+        nodes
+    }
+}
+
+/// Whether a wheel is turned by a motor.
+pub(crate) fn is_driven(rover: &Rover, i: usize) -> bool {
+    let wheel = &rover.wheels()[i];
+    wheel.driven && wheel.pivot != Pivot::Castor
+}

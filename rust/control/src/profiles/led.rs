@@ -1,0 +1,291 @@
+//! Transitions led by one part of the rover: the body's twist, or each module's own angle and speed.
+
+use nalgebra::Vector3;
+
+use super::laws::pivot_swing;
+use super::limits::{Bounds, Moving, Synchronise};
+use super::optimal::time_optimal;
+use super::{Profile, Shape, linear};
+use six_wheel_kinematics::estimate::{Measured, Method, Unseen};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS, Mount, Rover};
+use six_wheel_kinematics::steering::ANGLE_TOLERANCE;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::error::{Error, finite, number};
+
+/// Where a transition writes what the wheels do: one value per steered wheel, speeds per wheel.
+#[derive(Debug)]
+pub struct Wheels<'a> {
+    /// Steering angles [rad].
+    pub steering: &'a mut [f64],
+    /// Wheel speeds [rad/s].
+    pub speeds: &'a mut [f64],
+    /// Steering rates [rad/s].
+    pub rates: &'a mut [f64],
+    /// Steering accelerations [rad/s²].
+    pub accelerations: &'a mut [f64],
+}
+
+impl Wheels<'_> {
+    /// Angles and speeds by the wheel equation, each angle the one next to what is there.
+    pub fn roll(&mut self, rover: &Rover, twist: Twist) {
+        let mut near = [0.0; MAX_WHEELS];
+        let near = &mut near[..self.steering.len()];
+        near.copy_from_slice(self.steering);
+        let inputs = Inputs { previous: Some(near), previous_speeds: None, steering_rates: Some(self.rates) };
+        rover.solve(twist, inputs, self.steering, self.speeds);
+    }
+
+    /// Speeds by the wheel equation at the angles and rates that are there, which suit the twist.
+    pub(crate) fn spin(&mut self, rover: &Rover, twist: Twist) {
+        let vector = Vector3::from(twist);
+        let mut joint = 0;
+        for (i, wheel) in rover.wheels().iter().enumerate() {
+            let rim_speed = match rover.mounts[i] {
+                Mount::Fixed(rows) => rows.rolling.dot(&vector),
+                Mount::Castor(heading) => wheel.castor(heading, twist).rim_speed,
+                Mount::Steered(..) => {
+                    let direction = Direction::from(wheel.heading + self.steering[joint]);
+                    let rolling = wheel.rows(direction).rolling.dot(&vector);
+                    joint += 1;
+                    rolling - wheel.scrub * self.rates[joint - 1]
+                }
+            };
+            self.speeds[i] = rim_speed / wheel.radius;
+        }
+    }
+
+    /// Steering angles by a profile, whose first axes they are.
+    pub fn follow(&mut self, profile: &Profile, time: f64) {
+        for (j, angle) in self.steering.iter_mut().enumerate() {
+            let [value, rate, acceleration, _] = profile.at(j, time);
+            *angle = value;
+            self.rates[j] = rate;
+            self.accelerations[j] = acceleration;
+        }
+    }
+
+    /// The twist that fits the wheels best, and how fast the worst of them slides under it [m/s].
+    pub fn scrub(&self, rover: &Rover) -> Result<(Twist, f64), Error> {
+        let measured = Measured { steering: self.steering, speeds: self.speeds, steering_rates: Some(self.rates) };
+        let (mut residual, mut weights) = ([0.0; MAX_WHEELS], [0.0; MAX_WHEELS]);
+        let count = self.speeds.len();
+        let residual = &mut residual[..count];
+        let method = Method::LeastSquares;
+        let fit = rover.fit(measured, method, Unseen::Zero, residual, &mut weights[..count])?;
+        Ok((fit.twist, residual.iter().fold(0.0, |worst: f64, slip| worst.max(*slip))))
+    }
+}
+
+/// Fails if the angle of a steered wheel depends on its own rate.
+pub(crate) fn check_trail(rover: &Rover) -> Result<(), Error> {
+    let trailing = rover.steered().iter().map(|&i| &rover.wheels()[i]).find(|wheel| wheel.trail != 0.0);
+    match trailing {
+        None => Ok(()),
+        Some(wheel) => {
+            let rule =
+                format!("have no steered wheel with trail: the angle of {:?} depends on its own rate", wheel.name);
+            Err(Error::value("rover", rule, number(wheel.trail)))
+        }
+    }
+}
+
+/// The body's twist follows a profile, the wheels follow the twist.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyTransition {
+    rover: Rover,
+    profile: Profile,
+    previous: Vec<f64>,
+}
+
+impl BodyTransition {
+    /// A rover that moves by a profile of `vx`, `vy` and `omega`; `previous` are the steering angles before it.
+    pub fn new(rover: &Rover, profile: Profile, previous: Option<&[f64]>) -> Result<Self, Error> {
+        check_trail(rover)?;
+        let inputs = Inputs { previous, ..Inputs::default() };
+        inputs.check()?;
+        let ends = [("start_twist", 0.0), ("end_twist", profile.duration())];
+        for (argument, time) in ends {
+            rover
+                .check(twist_at(&profile, time)[0].into(), None)
+                .map_err(|error| Error { argument: argument.into(), ..error })?;
+        }
+        let mut angles = vec![0.0; rover.steered().len()];
+        let mut speeds = vec![0.0; rover.wheels().len()];
+        let start = twist_at(&profile, 0.0)[0].into();
+        rover.solve(start, inputs, &mut angles, &mut speeds);
+        Ok(Self { rover: rover.clone(), profile, previous: angles })
+    }
+
+    /// As fast as limits of the acceleration and jerk of vx and vy each, and of omega, allow.
+    pub fn within(
+        rover: &Rover,
+        [start, end]: [Twist; 2],
+        [linear, angular]: [[f64; 2]; 2],
+        synchronise: Synchronise,
+        previous: Option<&[f64]>,
+    ) -> Result<Self, Error> {
+        let (start, end) = (<[f64; 3]>::from(start), <[f64; 3]>::from(end));
+        let limits = [linear, linear, angular];
+        let bounds = |axis: usize| {
+            let [first, second] = limits[axis];
+            // What does not change needs no limit.
+            let first = if start[axis] == end[axis] { first.min(1.0) } else { first };
+            Bounds::symmetric(first, second, f64::INFINITY)
+        };
+        let (from, to) = (Moving::resting(&start), Moving::resting(&end));
+        let profile = time_optimal(&from, &to, &[0, 1, 2].map(bounds), synchronise, None)?;
+        Self::new(rover, profile, previous)
+    }
+
+    /// How long it takes [s].
+    pub fn duration(&self) -> f64 {
+        self.profile.duration()
+    }
+
+    /// The rover it is for.
+    pub fn rover(&self) -> &Rover {
+        &self.rover
+    }
+
+    /// Twist and wheels at a time [s]; a wheel that would have to leave its range stands at its end.
+    pub fn at(&self, time: f64, wheels: &mut Wheels<'_>) -> Twist {
+        let moving = twist_at(&self.profile, time);
+        for (j, &i) in self.rover.steered().iter().enumerate() {
+            let [rate, acceleration] = pivot_swing(&self.rover, i, moving);
+            wheels.rates[j] = rate;
+            wheels.accelerations[j] = acceleration;
+        }
+        wheels.steering.copy_from_slice(&self.previous);
+        let twist = moving[0].into();
+        wheels.roll(&self.rover, twist);
+        twist
+    }
+}
+
+/// A twist and its first two derivatives.
+fn twist_at(profile: &Profile, time: f64) -> [Vector3<f64>; 3] {
+    let axes = [0, 1, 2].map(|axis| profile.at(axis, time));
+    [0, 1, 2].map(|order| Vector3::new(axes[0][order], axes[1][order], axes[2][order]))
+}
+
+/// Limits of a transition of modules; infinite where there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModuleLimits {
+    /// Of every steering joint [rad/s].
+    pub steering_rate: f64,
+    /// Of every steering joint [rad/s²].
+    pub steering_acceleration: f64,
+    /// Of every steering joint [rad/s³].
+    pub steering_jerk: f64,
+    /// Of every wheel [rad/s²].
+    pub wheel_acceleration: f64,
+    /// Of every wheel [rad/s³].
+    pub wheel_jerk: f64,
+}
+
+/// Angles of the steered wheels [rad] and speeds of all wheels [rad/s].
+#[derive(Clone, Copy, Debug)]
+pub struct Modules<'a> {
+    /// One per steered wheel.
+    pub steering: &'a [f64],
+    /// One per wheel.
+    pub speeds: &'a [f64],
+}
+
+impl Modules<'_> {
+    fn joined(&self) -> Vec<f64> {
+        [self.steering, self.speeds].concat()
+    }
+}
+
+/// Every steering angle and every wheel speed follows its own profile.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModuleTransition {
+    rover: Rover,
+    /// Steering angles, then wheel speeds.
+    profile: Profile,
+}
+
+impl ModuleTransition {
+    /// All modules by profiles of one shape.
+    pub fn shaped(
+        rover: &Rover,
+        start: Modules<'_>,
+        end: Modules<'_>,
+        shape: Shape,
+        duration: f64,
+    ) -> Result<Self, Error> {
+        check_modules(rover, start, end)?;
+        Ok(Self { rover: rover.clone(), profile: shape.between(&start.joined(), &end.joined(), duration)? })
+    }
+
+    /// All modules as fast as their limits allow; wheels without a limit at the pace of the steering.
+    pub fn within(
+        rover: &Rover,
+        start: Modules<'_>,
+        end: Modules<'_>,
+        limits: &ModuleLimits,
+        synchronise: Synchronise,
+    ) -> Result<Self, Error> {
+        check_modules(rover, start, end)?;
+        let steering = Bounds::symmetric(limits.steering_rate, limits.steering_acceleration, limits.steering_jerk);
+        let rolling = Bounds::symmetric(limits.wheel_acceleration, limits.wheel_jerk, f64::INFINITY);
+        let bounds = |bounds: Bounds, count: usize| vec![bounds; count];
+        let (joints, wheels) = (start.steering.len(), start.speeds.len());
+        let fastest = |from: &[f64], to: &[f64], bounds: &[Bounds]| {
+            time_optimal(&Moving::resting(from), &Moving::resting(to), bounds, synchronise, None)
+        };
+        let is_limited = |bounds: &Bounds| bounds.velocity.min(bounds.acceleration).is_finite();
+        let profile = if is_limited(&rolling) {
+            let bounds = [bounds(steering, joints), bounds(rolling, wheels)].concat();
+            fastest(&start.joined(), &end.joined(), &bounds)?
+        } else if joints == 0 {
+            let rule = "be finite for a rover that does not steer";
+            return Err(Error::value("wheel_acceleration", rule, number(rolling.velocity)));
+        } else {
+            let turning = fastest(start.steering, end.steering, &bounds(steering, joints))?;
+            let duration = turning.duration().max(f64::MIN_POSITIVE);
+            turning.beside(linear(start.speeds, end.speeds, duration)?)
+        };
+        Ok(Self { rover: rover.clone(), profile })
+    }
+
+    /// How long it takes [s].
+    pub fn duration(&self) -> f64 {
+        self.profile.duration()
+    }
+
+    /// The rover it is for.
+    pub fn rover(&self) -> &Rover {
+        &self.rover
+    }
+
+    /// What the wheels do at a time [s].
+    pub fn at(&self, time: f64, wheels: &mut Wheels<'_>) {
+        wheels.follow(&self.profile, time);
+        let joints = wheels.steering.len();
+        for (i, speed) in wheels.speeds.iter_mut().enumerate() {
+            *speed = self.profile.at(joints + i, time)[0];
+        }
+    }
+}
+
+/// Fails unless every number is finite and every angle within its range.
+fn check_modules(rover: &Rover, start: Modules<'_>, end: Modules<'_>) -> Result<(), Error> {
+    for (argument, modules) in [("start", start), ("end", end)] {
+        finite(argument, modules.steering)?;
+        finite(argument, modules.speeds)?;
+        for (&angle, &i) in modules.steering.iter().zip(rover.steered()) {
+            let wheel = &rover.wheels()[i];
+            let Some(range) = wheel.steering() else {
+                continue;
+            };
+            if (range.clip(angle) - angle).abs() > ANGLE_TOLERANCE {
+                let rule = format!("steer wheel {:?} within {range}", wheel.name);
+                return Err(Error::value(argument, rule, number(angle)));
+            }
+        }
+    }
+    Ok(())
+}

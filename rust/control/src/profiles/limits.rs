@@ -1,0 +1,119 @@
+//! States and limits of one axis, and the way in which several go together.
+
+use std::str::FromStr;
+
+use six_wheel_numerics::error::{Error, number, numbers};
+
+/// Where an axis is and how it moves there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moving {
+    /// Its value.
+    pub value: f64,
+    /// First derivative.
+    pub velocity: f64,
+    /// Second derivative; without a limit of jerk it takes any value at once.
+    pub acceleration: f64,
+}
+
+impl Moving {
+    /// Axes at rest.
+    pub fn resting(values: &[f64]) -> Vec<Self> {
+        let at_rest = |&value: &f64| Self { value, ..Self::default() };
+        values.iter().map(at_rest).collect()
+    }
+}
+
+/// Limits of one axis; infinite where there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Largest velocity, positive.
+    pub velocity: f64,
+    /// Smallest velocity, negative.
+    pub minimum_velocity: f64,
+    /// Largest acceleration, positive.
+    pub acceleration: f64,
+    /// Smallest acceleration, negative.
+    pub minimum_acceleration: f64,
+    /// Largest magnitude of the jerk, positive.
+    pub jerk: f64,
+}
+
+impl Bounds {
+    /// The same limits in both directions.
+    pub fn symmetric(velocity: f64, acceleration: f64, jerk: f64) -> Self {
+        Self { velocity, minimum_velocity: -velocity, acceleration, minimum_acceleration: -acceleration, jerk }
+    }
+
+    pub(super) fn check(&self, end: &Moving) -> Result<(), Error> {
+        let limits = [
+            ("velocity", self.velocity, 1.0),
+            ("minimum_velocity", self.minimum_velocity, -1.0),
+            ("acceleration", self.acceleration, 1.0),
+            ("minimum_acceleration", self.minimum_acceleration, -1.0),
+            ("jerk", self.jerk, 1.0),
+        ];
+        for (argument, limit, sign) in limits {
+            if limit.is_nan() || limit * sign <= 0.0 {
+                let rule = if sign > 0.0 { "be positive" } else { "be negative" };
+                return Err(Error::value(argument, rule, number(limit)));
+            }
+        }
+        if self.velocity == f64::INFINITY && self.acceleration == f64::INFINITY && self.jerk == f64::INFINITY {
+            let rule = "be finite where acceleration and jerk are not: something has to take time";
+            return Err(Error::value("velocity", rule, "inf"));
+        }
+        let within = |argument, value: f64, lower: f64, upper: f64| {
+            if value >= lower && value <= upper {
+                return Ok(());
+            }
+            let rule = format!("lie within {}", numbers(&[lower, upper]));
+            Err(Error::value(argument, rule, number(value)))
+        };
+        let (slowest, fastest) = (self.minimum_velocity, self.velocity);
+        within("end_velocity", end.velocity, slowest, fastest)?;
+        if self.jerk == f64::INFINITY {
+            return Ok(());
+        }
+        let (weakest, strongest) = (self.minimum_acceleration, self.acceleration);
+        within("end_acceleration", end.acceleration, weakest, strongest)?;
+        // The velocity before the end is at best that from which the jerk builds up the acceleration.
+        let before = end.velocity - end.acceleration * end.acceleration.abs() / (2.0 * self.jerk);
+        if before >= slowest && before <= fastest {
+            return Ok(());
+        }
+        let rule = format!(
+            "leave the velocity within {} just before, where the jerk builds it up from {}",
+            numbers(&[slowest, fastest]),
+            number(before)
+        );
+        Err(Error::value("end_acceleration", rule, number(end.acceleration)))
+    }
+}
+
+/// How the axes of one profile keep time with each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Synchronise {
+    /// They arrive together.
+    #[default]
+    Time,
+    /// They stay in proportion to each other where their start and end allow it, else they arrive together.
+    Phase,
+    /// Each takes its own least time.
+    None,
+}
+
+impl FromStr for Synchronise {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        match name {
+            "time" => Ok(Self::Time),
+            "phase" => Ok(Self::Phase),
+            "none" => Ok(Self::None),
+            _ => {
+                let rule = "be 'time', 'phase' or 'none'";
+                Err(Error::value("synchronise", rule, format!("{name:?}")))
+            }
+        }
+    }
+}

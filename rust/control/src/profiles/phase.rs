@@ -1,0 +1,48 @@
+//! The parts of a transition.
+
+use super::Profile;
+use super::chord::Chord;
+use super::timing::Timing;
+use six_wheel_kinematics::geometry::Twist;
+
+/// What happens in a phase of a transition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Drive along the path of the centre of rotation.
+    Drive,
+    /// Come to rest, steering angles held.
+    Stop,
+    /// Turn wheels whose pivots rest.
+    Align,
+}
+
+impl Action {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Drive => "drive",
+            Self::Stop => "stop",
+            Self::Align => "align",
+        }
+    }
+}
+
+/// A part of a transition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Phase {
+    /// What happens.
+    pub action: Action,
+    /// Why.
+    pub reason: String,
+    /// When it begins [s].
+    pub start: f64,
+    /// How long it takes [s].
+    pub duration: f64,
+    pub(super) motion: Motion,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Motion {
+    Along(Chord, Timing),
+    Turning(Twist, Profile),
+}

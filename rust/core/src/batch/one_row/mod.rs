@@ -1,6 +1,0 @@
-//! One row at a time: the lanes of a register are the wheels.
-
-pub(crate) mod forward;
-pub(crate) mod inverse;
-pub(crate) mod step;
-pub(crate) mod twist;

@@ -1,0 +1,217 @@
+//! How the wheels of a free pair turn it while the robot drives on.
+//!
+//! With the locked pair in line, the centre of rotation can move along that line. The wheels of the free pair
+//! turn at constant speeds, those of the locked pair follow: constant speeds of its wheels would hold the
+//! centre where it is.
+
+use nalgebra::{SMatrix, Vector3};
+
+use super::flow::gauss;
+use super::{Axles, Brake, Brakes, Drives, FourAxle, Pair, RANK_TOLERANCE};
+use six_wheel_kinematics::admissible::SLIP_TOLERANCE;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_numerics::error::number;
+use six_wheel_numerics::jacobi::Jacobi;
+
+/// Share of the asked pivot rate, and of the speed, that has to be left at every point of a turn under way.
+const LEAST_SHARE: f64 = 0.1;
+
+/// Relative accuracy of durations, and largest number of panels to get there.
+const DURATION_ACCURACY: f64 = 1e-14;
+const PANELS: usize = 4096;
+
+/// How the free pair gets from one angle to another under way.
+pub(super) struct Glide {
+    pub speeds: Drives,
+    pub duration: f64,
+    pub twist: Twist,
+}
+
+impl FourAxle {
+    /// Constant wheel speeds of one pair that turn it to its goal under way, the other pair rolling along.
+    pub(super) fn glide(
+        &self,
+        start: Axles,
+        twist: Twist,
+        pair: Pair,
+        goal: &Axles,
+        rate: f64,
+    ) -> Result<Glide, String> {
+        let path = Path::new(self, start, twist, pair, goal)?;
+        let speed = self.hinge_speed(twist);
+        let mut last = String::new();
+        // The rate is smallest at one of the ends.
+        for end in [0.0, 1.0] {
+            let speeds = path.wheel_speeds(end, speed, rate);
+            match path.duration(&speeds, speed, rate) {
+                Ok((duration, twist)) => {
+                    return Ok(Glide { speeds, duration, twist });
+                }
+                Err(refusal) => last = refusal,
+            }
+        }
+        Err(last)
+    }
+
+    /// Hinge speed of a motion along a unit twist [m/s].
+    fn scaled_dot(&self, way: &Vector3<f64>, twist: Twist) -> f64 {
+        let size = self.rover().size;
+        let length = self.hinge_speed(Twist::from(*way));
+        (way.x * twist.vx + way.y * twist.vy + way.z * twist.omega * size * size) / length
+    }
+}
+
+/// The way of the centre of rotation along the line of the locked axles: twists between two, in a straight
+/// line.
+struct Path<'a> {
+    car: &'a FourAxle,
+    pair: Pair,
+    brakes: Brakes,
+    start: Axles,
+    from: Vector3<f64>,
+    to: Vector3<f64>,
+}
+
+impl<'a> Path<'a> {
+    fn new(car: &'a FourAxle, start: Axles, twist: Twist, pair: Pair, goal: &Axles) -> Result<Self, String> {
+        let other = pair.other().name();
+        let mut end = start;
+        for i in pair.axles() {
+            end[i] = goal[i];
+        }
+        let normals = car.side_slip(&start);
+        let [first, second] = pair.other().axles();
+        let held = Jacobi::new(&SMatrix::<f64, 2, 3>::from_rows(&[
+            normals.row(first).into_owned(),
+            normals.row(second).into_owned(),
+        ]));
+        if held.values.y > SLIP_TOLERANCE {
+            return Err(format!(
+                "the {other} axles are not in line: locked they hold the centre of rotation where their \
+                 lines meet"
+            ));
+        }
+        let mobility = car.judge(&end);
+        if mobility.degree() != 1 || mobility.slip > SLIP_TOLERANCE {
+            return Err(format!(
+                "the {} axles would have no point in common with the {other} ones as they are",
+                pair.name()
+            ));
+        }
+        let from = Vector3::from(twist) / car.hinge_speed(twist);
+        let to = Vector3::from(mobility.least());
+        let path = |to| Self { car, pair, brakes: Brakes::LOCKED.with(pair, Brake::Free), start, from, to };
+        [path(to), path(-to)]
+            .into_iter()
+            .find(|path| path.leads_to(&end))
+            .ok_or_else(|| format!("the {} axles would have to turn past a quarter turn, or stop", pair.name()))
+    }
+
+    fn twist(&self, at: f64) -> Vector3<f64> {
+        self.from * (1.0 - at) + self.to * at
+    }
+
+    /// Axle angles on the way: the headings follow the velocities of their hinges.
+    fn angles(&self, at: f64) -> Axles {
+        let rows = self.car.rows(&self.start);
+        let twist = self.twist(at);
+        let mut angles = self.start;
+        for i in self.pair.axles() {
+            let along = |twist| self.car.along(i, &rows, twist);
+            let forwards = along(&self.from).signum();
+            let across = rows[i].side_slip.dot(&twist);
+            angles[i] += (forwards * across).atan2(forwards * along(&twist));
+        }
+        angles
+    }
+
+    fn leads_to(&self, end: &Axles) -> bool {
+        let rows = self.car.rows(&self.start);
+        let reached = self.angles(1.0);
+        // A locked pair must not be asked to roll backwards on the way, a hinge not to stand.
+        let rolls_on = (0..4).all(|i| {
+            let along = |twist| self.car.along(i, &rows, twist);
+            let turning = self.pair.axles().contains(&i);
+            along(&self.from).abs() > RANK_TOLERANCE && (turning || along(&self.from) * along(&self.to) > 0.0)
+        });
+        rolls_on && self.pair.axles().iter().all(|&i| (reached[i] - end[i]).abs() <= SLIP_TOLERANCE)
+    }
+
+    /// Angles and how fast they change along the way: `n . du = (e . u) dangle`.
+    fn slopes(&self, at: f64) -> (Axles, Axles) {
+        let angles = self.angles(at);
+        let rows = self.car.rows(&angles);
+        let twist = self.twist(at);
+        let mut slopes = [0.0; 4];
+        for i in self.pair.axles() {
+            slopes[i] = rows[i].side_slip.dot(&(self.to - self.from)) / self.car.along(i, &rows, &twist);
+        }
+        (angles, slopes)
+    }
+
+    /// Wheel speeds of the free pair that give this hinge speed and this rate of the faster axle.
+    fn wheel_speeds(&self, at: f64, speed: f64, rate: f64) -> Drives {
+        let (angles, slopes) = self.slopes(at);
+        let rows = self.car.rows(&angles);
+        let wheels = self.car.rover().wheels();
+        let twist = self.twist(at);
+        let twist = twist * (speed / self.car.hinge_speed(Twist::from(twist)));
+        let steepest = steepest(&slopes);
+        let mut speeds = [None; 4];
+        for i in self.pair.axles() {
+            let turning = rate * slopes[i] / slopes[steepest].abs();
+            let rim_speed = rows[i].rolling.dot(&twist) - wheels[i].scrub * turning;
+            speeds[i] = Some(rim_speed / wheels[i].radius);
+        }
+        speeds
+    }
+
+    /// How long these wheel speeds take, and the twist in which they end.
+    ///
+    /// The rates depend on the place alone, so the time is an integral over the way: no event to search for.
+    fn duration(&self, speeds: &Drives, speed: f64, rate: f64) -> Result<(f64, Twist), String> {
+        let mut duration = f64::INFINITY;
+        let mut panels = 8;
+        while panels <= PANELS {
+            let rule = gauss();
+            let mut sum = 0.0;
+            for panel in 0..panels {
+                for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
+                    let at = (panel as f64 + node) / panels as f64;
+                    let (pace, _) = self.progress(at, speeds, speed, rate)?;
+                    sum += weight / pace;
+                }
+            }
+            let next = sum / panels as f64;
+            if (next - duration).abs() <= DURATION_ACCURACY * next {
+                break;
+            }
+            duration = next;
+            panels *= 2;
+        }
+        let (_, twist) = self.progress(1.0, speeds, speed, rate)?;
+        Ok((duration, twist))
+    }
+
+    /// Share of the way per second, and the twist, with the wheels at these speeds.
+    fn progress(&self, at: f64, speeds: &Drives, speed: f64, rate: f64) -> Result<(f64, Twist), String> {
+        let (angles, slopes) = self.slopes(at);
+        let motion = self.car.velocities(&angles, self.brakes, speeds, true).map_err(|error| error.to_string())?;
+        let steepest = steepest(&slopes);
+        let pace = motion.pivot_rates[steepest] / slopes[steepest];
+        let along = self.car.scaled_dot(&self.twist(at), motion.twist);
+        if pace * slopes[steepest].abs() >= LEAST_SHARE * rate && along >= LEAST_SHARE * speed {
+            return Ok((pace, motion.twist));
+        }
+        Err(format!(
+            "no constant speeds of the {} wheels turn their axles all the way at {} rad/s and {} m/s",
+            self.pair.name(),
+            number(rate),
+            number(speed)
+        ))
+    }
+}
+
+fn steepest(slopes: &Axles) -> usize {
+    (0..4).fold(0, |best, i| if slopes[i].abs() > slopes[best].abs() { i } else { best })
+}

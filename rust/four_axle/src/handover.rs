@@ -1,0 +1,103 @@
+//! The moments at which a brake may be set or released.
+//!
+//! Both pairs may be locked where the axle lines share a point: else the robot is frozen. Both may be free
+//! where they do not: else nothing but the wheels holds the body, and those may as well swing the axles. At
+//! any angles one of the two is allowed, so that a standing robot can always hand over from one pair to the
+//! other.
+
+use nalgebra::{Matrix2, SMatrix, Vector2, Vector3};
+
+use super::brakes::{Brake, Brakes, Pair};
+use super::{Axles, FourAxle, RANK_TOLERANCE};
+use six_wheel_numerics::error::{Error, ErrorKind, numbers};
+use six_wheel_numerics::jacobi::Jacobi;
+
+impl FourAxle {
+    /// Locks a pair. Fails, and changes nothing, where both pairs locked could not move.
+    pub fn lock(&self, angles: &Axles, brakes: Brakes, pair: Pair) -> Result<Brakes, Error> {
+        self.check_angles(angles)?;
+        let locked = brakes.with(pair, Brake::Locked);
+        if locked == brakes || !locked.both(Brake::Locked) {
+            return Ok(locked);
+        }
+        self.check_free(angles, pair).map(|()| locked)
+    }
+
+    /// Fails if both pairs locked could not move, with the angles this pair would have to have.
+    pub(super) fn check_free(&self, angles: &Axles, pair: Pair) -> Result<(), Error> {
+        let mobility = self.judge(angles);
+        if mobility.degree() > 0 {
+            return Ok(());
+        }
+        let remedy = self
+            .remedy(angles, pair)
+            .map_or_else(|| "beyond the steering range".into(), |[left, right]| format!("({left:.6}, {right:.6})"));
+        let rule = format!(
+            "let the robot move with front and rear locked (axle lines without a common point: \
+             driving slides {:.3} m per metre, smallest singular value {:.3}; beside the {} axles as they \
+             are, {} must be at {remedy})",
+            mobility.slip,
+            mobility.singular_values[2],
+            pair.other().name(),
+            pair.name(),
+        );
+        Err(Error::value("angles", rule, numbers(angles)).of_kind(ErrorKind::Infeasible))
+    }
+
+    /// Frees a pair. Fails, and changes nothing, where both pairs free would leave the body adrift.
+    ///
+    /// The counterpart of [`Self::lock`]: with both pairs free the axle lines must not share a point, which
+    /// alone holds the body. Otherwise the same wheel speeds could drive it or swing its axles.
+    pub fn release(&self, angles: &Axles, brakes: Brakes, pair: Pair) -> Result<Brakes, Error> {
+        self.check_angles(angles)?;
+        let freed = brakes.with(pair, Brake::Free);
+        if freed == brakes || !freed.both(Brake::Free) || self.judge(angles).degree() == 0 {
+            return Ok(freed);
+        }
+        let rule = format!(
+            "hold the body while front and rear are free (the robot could move, and no brake would say how; \
+             lock {} first)",
+            pair.other().name()
+        );
+        Err(Error::value("angles", rule, numbers(angles)).of_kind(ErrorKind::Infeasible))
+    }
+
+    /// Sets both brakes: locks first, but where that would freeze the robot, releases first.
+    pub fn switch(&self, angles: &Axles, from: Brakes, to: Brakes) -> Result<Brakes, Error> {
+        let pairs = [Pair::Rear, Pair::Front];
+        let locks = |brakes| {
+            let wanted = pairs.into_iter().filter(|pair| to.of(*pair) == Brake::Locked);
+            wanted.into_iter().try_fold(brakes, |brakes, pair| self.lock(angles, brakes, pair))
+        };
+        let releases = |brakes| {
+            let wanted = pairs.into_iter().filter(|pair| to.of(*pair) == Brake::Free);
+            wanted.into_iter().try_fold(brakes, |brakes, pair| self.release(angles, brakes, pair))
+        };
+        locks(from).and_then(releases).or_else(|refused| releases(from).and_then(locks).map_err(|_| refused))
+    }
+
+    /// Angles of a pair nearest in slip at which it can be locked beside the other pair as it is.
+    fn remedy(&self, angles: &Axles, pair: Pair) -> Option<[f64; 2]> {
+        let normals = self.side_slip(angles);
+        let [left, right] = pair.axles();
+        let [first, second] = pair.other().axles();
+        let held = Jacobi::new(&SMatrix::<f64, 2, 3>::from_rows(&[
+            normals.row(first).into_owned(),
+            normals.row(second).into_owned(),
+        ]));
+        let (one, two) = (held.turn.column(2), held.turn.column(1));
+        let slip = |motion: &Vector3<f64>| {
+            Vector2::new(normals.row(left).transpose().dot(motion), normals.row(right).transpose().dot(motion))
+        };
+        let motion = if held.values.y > RANK_TOLERANCE {
+            one.into_owned()
+        } else {
+            // In line: the centre of rotation may lie anywhere on their line.
+            let slips = Matrix2::from_columns(&[slip(&one.into_owned()), slip(&two.into_owned())]);
+            let best = Jacobi::new(&slips).turn.column(1).into_owned();
+            one * best.x + two * best.y
+        };
+        let aimed = self.aim(self.unit(motion), angles).ok()?;
+        Some([aimed[left], aimed[right]])
+    }
+}

@@ -1,0 +1,237 @@
+//! What holds at the contacts of a rover that stands.
+
+use nalgebra::{Rotation3, Vector3};
+
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, WheelFrame};
+
+/// Rates: the body's `vx, vy, vz, wx, wy, wz` and those of the free angles.
+pub const COLUMNS: usize = 6 + MAX_FREE;
+
+/// Where `Placed::point_slopes` keeps the derivative by each of these rates: a body at the origin, level and
+/// heading along x, has `x, y, yaw, z, roll, pitch` for its rates.
+const SLOPE: [usize; 6] = [0, 1, 3, 4, 5, 2];
+
+/// The place of a rate's derivative.
+pub(crate) fn slope(column: usize) -> usize {
+    SLOPE.get(column).copied().unwrap_or(column)
+}
+
+/// Where a rover stands: one settled pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Footing<'a> {
+    /// Roll, pitch and yaw of the body [rad].
+    pub attitude: [f64; 3],
+    /// Free angles [rad].
+    pub joints: &'a [f64],
+    /// Steering angles [rad].
+    pub steering: &'a [f64],
+    /// Contact angle of every wheel [rad].
+    pub angles: &'a [f64],
+    /// Normal of the ground at every wheel, in world axes.
+    pub normals: &'a [[f64; 3]],
+    /// Which wheels touch the ground.
+    pub touching: [bool; MAX_WHEELS],
+    /// Which free angles are at a stop.
+    pub stopped: [bool; MAX_FREE],
+}
+
+impl Footing<'_> {
+    /// `world_from_body`.
+    pub fn rotation(&self) -> Rotation3<f64> {
+        let [roll, pitch, yaw] = self.attitude;
+        Rotation3::from_euler_angles(roll, pitch, yaw)
+    }
+}
+
+/// A chain in the axes of its own body. None where a differential does not reach.
+pub(crate) fn in_body<'a>(chain: &'a Chain, joints: &[f64], steering: &[f64]) -> Option<Placed<'a>> {
+    let mut state = [0.0; MAX_STATE];
+    for (angle, joint) in state[3..].iter_mut().zip(joints) {
+        *angle = *joint;
+    }
+    let origin = PlanPose { x: 0.0, y: 0.0, yaw: 0.0 };
+    chain.place(origin, &state, steering)
+}
+
+/// Derivatives of a velocity by the rates.
+pub type Row = [f64; COLUMNS];
+
+/// One wheel on the ground.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    /// Velocity of the touching point along the normal [m/s], by the rates.
+    pub normal: Row,
+    /// Rate of an encoder that does not slip [rad/s], by the rates.
+    pub rolling: Row,
+    /// Velocity of the touching point to the left [m/s], by the rates.
+    pub side: Row,
+    /// What the rate of its own steering adds along the normal and to the left [m/rad], and to the rate of an encoder:
+    /// nothing unless the wheel's centre lies off the steering axis.
+    pub swivel: [f64; 3],
+    /// Its steering joint.
+    pub steering: Option<usize>,
+    /// Whether it touches.
+    pub touching: bool,
+}
+
+/// Which side of a rim touches, seen from the plane on which it does: the near one, but where a wheel that leans far lies on
+/// the edge of something steeper than it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    Near,
+    Far,
+}
+
+/// A wheel, the plane it stands on, and where it touches.
+pub(crate) struct Tread {
+    pub frame: WheelFrame,
+    pub normal: Vector3<f64>,
+    pub radius: f64,
+    /// Of the contact angle.
+    pub at: Direction,
+}
+
+impl Tread {
+    /// A wheel turned against the ground: its contact moves along the plane, on the side of the rim that touches it.
+    pub fn on_plane(frame: WheelFrame, normal: Vector3<f64>, radius: f64, side: Side) -> Self {
+        let (ahead, up) = (frame.forward.dot(&normal), frame.up.dot(&normal));
+        let length = match side {
+            Side::Near => ahead.hypot(up),
+            Side::Far => -ahead.hypot(up),
+        };
+        // A wheel that lies flat touches anywhere.
+        let at = match length {
+            0.0 => Direction::from(0.0),
+            _ => Direction { sin: -ahead / length, cos: up / length },
+        };
+        Self { frame, normal, radius, at }
+    }
+
+    /// Which side touches.
+    pub fn side(&self) -> Side {
+        if self.spoke().dot(&self.normal) > 0.0 { Side::Far } else { Side::Near }
+    }
+
+    /// The direction in which it rolls.
+    pub fn tangent(&self) -> Vector3<f64> {
+        self.frame.forward * self.at.cos + self.frame.up * self.at.sin
+    }
+
+    /// From its centre to the touching point [m].
+    pub fn spoke(&self) -> Vector3<f64> {
+        (self.frame.forward * self.at.sin - self.frame.up * self.at.cos) * self.radius
+    }
+}
+
+/// The contacts of all wheels: everything that is linear in the rates.
+#[derive(Clone, Copy, Debug)]
+pub struct Contacts {
+    /// Wheel by wheel; the first `count` are filled.
+    pub wheels: [Contact; MAX_WHEELS],
+    /// Number of wheels.
+    pub count: usize,
+    /// Number of free angles.
+    pub joints: usize,
+    /// Which of them are at a stop, and do not turn.
+    pub stopped: [bool; MAX_FREE],
+}
+
+impl Contacts {
+    /// Nothing touches yet.
+    pub(crate) fn none(chain: &Chain, stopped: [bool; MAX_FREE]) -> Self {
+        let blank = Contact {
+            normal: [0.0; COLUMNS],
+            rolling: [0.0; COLUMNS],
+            side: [0.0; COLUMNS],
+            swivel: [0.0; 3],
+            steering: None,
+            touching: false,
+        };
+        Self { wheels: [blank; MAX_WHEELS], count: chain.wheels().len(), joints: chain.joints().len(), stopped }
+    }
+
+    /// Those of a footing, or of other steering angles on the planes that it stands on. None where a differential
+    /// does not reach.
+    pub fn new(chain: &Chain, footing: &Footing<'_>, steering: Option<&[f64]>) -> Option<Self> {
+        let placed = in_body(chain, footing.joints, steering.unwrap_or(footing.steering))?;
+        let stands = match steering {
+            Some(_) => Some(in_body(chain, footing.joints, footing.steering)?),
+            None => None,
+        };
+        let body_from_world = footing.rotation().inverse();
+        let mut contacts = Self::none(chain, footing.stopped);
+        for (k, mount) in chain.wheels().iter().enumerate() {
+            let normal = body_from_world * Vector3::from(footing.normals[k]);
+            let radius = mount.radius;
+            let own = |frame| Tread { frame, normal, radius, at: Direction::from(footing.angles[k]) };
+            let frame = placed.wheel(k);
+            let tread = match &stands {
+                Some(stands) => Tread::on_plane(frame, normal, radius, own(stands.wheel(k)).side()),
+                None => own(frame),
+            };
+            contacts.wheels[k] = Contact::new(&placed, k, &tread, footing.touching[k]);
+        }
+        Some(contacts)
+    }
+}
+
+impl Contact {
+    pub(crate) fn new(placed: &Placed<'_>, wheel: usize, tread: &Tread, touching: bool) -> Self {
+        let (tangent, spoke) = (tread.tangent(), tread.spoke());
+        let (normal, left) = (tread.normal, tread.normal.cross(&tangent));
+        let axle = tread.frame.axle;
+        let centres = placed.point_slopes(wheel, tread.frame.centre);
+        let touches = placed.point_slopes(wheel, tread.frame.centre + spoke);
+        // How the link turns: with the body about its axes, and with the free angles.
+        let mut turns = [Vector3::zeros(); COLUMNS];
+        for (axis, turn) in turns[3..6].iter_mut().enumerate() {
+            turn[axis] = 1.0;
+        }
+        for (joint, axis, _) in placed.free_axes(wheel) {
+            turns[6 + joint] += axis;
+        }
+        let swivels = placed.steering_axes(wheel).next();
+        Self {
+            normal: std::array::from_fn(|k| touches[slope(k)].dot(&normal)),
+            rolling: std::array::from_fn(|k| centres[slope(k)].dot(&tangent) / tread.radius - turns[k].dot(&axle)),
+            side: std::array::from_fn(|k| touches[slope(k)].dot(&left)),
+            swivel: swivels.map_or([0.0; 3], |(_, axis, origin)| {
+                let centre = axis.cross(&(tread.frame.centre - origin));
+                let moved = centre + axis.cross(&spoke);
+                [moved.dot(&normal), moved.dot(&left), centre.dot(&tangent) / tread.radius - axis.dot(&axle)]
+            }),
+            steering: swivels.map(|(joint, _, _)| joint),
+            touching,
+        }
+    }
+}
+
+/// The velocity field of a wheel's carrier for given rates: of its centre [m/s], and its rotation [rad/s].
+pub(crate) fn carried(placed: &Placed<'_>, wheel: usize, rates: &Row) -> (Vector3<f64>, Vector3<f64>) {
+    let centre = placed.wheel(wheel).centre;
+    let [vx, vy, vz, wx, wy, wz, joint_rates @ ..] = *rates;
+    let mut turn = Vector3::new(wx, wy, wz);
+    let mut velocity = Vector3::new(vx, vy, vz) + turn.cross(&centre);
+    for (joint, axis, origin) in placed.free_axes(wheel) {
+        let swing = axis * joint_rates[joint];
+        velocity += swing.cross(&(centre - origin));
+        turn += swing;
+    }
+    (velocity, turn)
+}
+
+/// How far behind the body's origin the unsteered wheels have their centre, all angles 0 [m]: a rover that turns
+/// about a point abreast of it scrubs least on level ground.
+pub fn rest_offset(chain: &Chain) -> f64 {
+    let Some(placed) = in_body(chain, &[], &[]) else {
+        return 0.0;
+    };
+    let fixed = |wheel: &usize| placed.steering_axes(*wheel).next().is_none();
+    let unsteered: Vec<f64> =
+        (0..chain.wheels().len()).filter(fixed).map(|wheel| placed.wheel(wheel).centre.x).collect();
+    if unsteered.is_empty() {
+        return 0.0;
+    }
+    0.0 - unsteered.iter().sum::<f64>() / unsteered.len() as f64 // not minus zero
+}

@@ -1,0 +1,48 @@
+//! Commands and measurements for the traction of many rows, and the places of its results.
+
+use super::traction::Lift;
+
+/// What turning is commanded, one number or one per row.
+#[derive(Clone, Copy, Debug)]
+pub enum Turns<'a> {
+    /// Yaw rate per speed [1/m].
+    Curvature(&'a [f64]),
+    /// Yaw rate [rad/s].
+    YawRate(&'a [f64]),
+}
+
+/// What is commanded and measured, row after row; all numbers are finite.
+#[derive(Clone, Copy, Debug)]
+pub struct Driving<'a> {
+    /// Commanded forward speed of the body, one or one per row [m/s].
+    pub speed: &'a [f64],
+    /// How it is to turn.
+    pub turning: Turns<'a>,
+    /// Rates of the body about its axes [rad/s].
+    pub angular_velocity: &'a [[f64; 3]],
+    /// Free angles [rad].
+    pub joints: &'a [f64],
+    /// Their rates [rad/s].
+    pub joint_rates: &'a [f64],
+    /// Present steering angles [rad].
+    pub steering: Option<&'a [f64]>,
+    /// Measured speeds of the wheels [rad/s].
+    pub wheel_speeds: Option<&'a [f64]>,
+    /// When a wheel is off the ground.
+    pub lift: Lift,
+}
+
+/// What the wheels have to do, row after row: see [`super::Driven`].
+#[derive(Debug)]
+pub struct Drives<'a> {
+    /// Of the steering joints [rad].
+    pub steering: &'a mut [f64],
+    /// Of the wheels [rad/s].
+    pub speeds: &'a mut [f64],
+    /// Of the wheels [rad].
+    pub contact_angles: &'a mut [f64],
+    /// Of the wheels.
+    pub lifted: &'a mut [bool],
+    /// One per row [m/s].
+    pub vertical: &'a mut [f64],
+}

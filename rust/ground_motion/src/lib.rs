@@ -1,0 +1,36 @@
+//! Rovers on real ground: how the rates of body, joints and wheels belong together.
+//!
+//! At a contact the normal of the ground is `n`, the tangent of the rim `T = h cos t + u sin t`, and
+//! `l = n x T` points to the left. The touching point of the wheel has no velocity along `n`, along `T` after the
+//! wheel's own turning, and along `l` where it does not slip. All of it is linear in the body's six rates and
+//! the rates of the joints ([`Contacts`]); vectors are in the axes of the body, a twist is
+//! `(vx, vy, vz, wx, wy, wz)` of the body's origin.
+//!
+//! An encoder turns against the link that carries it: its rate is `v_c . T / r - w . axle`, with the velocity
+//! `v_c` of the wheel's centre and the rotation `w` of the link.
+//!
+//! (M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005;
+//! N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.)
+
+mod contact;
+pub mod driving;
+mod motion;
+mod response;
+mod rows;
+mod slip;
+pub mod spatial;
+mod steer;
+mod traction;
+mod unmapped;
+
+pub use contact::{COLUMNS, Contacts, Footing, Row, rest_offset};
+pub use driving::{Drives, Driving, Turns};
+pub use motion::{Command, Commanded, Moving, Readings, View, Wanted, inverse};
+pub use response::Response;
+pub use rows::{
+    Commands, Footings, Movings, Prepared, ReadingRows, Slips, Told, forward_rows, inverse_rows, slip_rows,
+    traction_rows,
+};
+pub use slip::{Slip, SlipTest, slip};
+pub use traction::{Closure, Driven, Lift, Rates, traction};
+pub use unmapped::{Climb, Found, MEMORY, Unmapped};

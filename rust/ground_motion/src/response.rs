@@ -1,0 +1,152 @@
+//! How a motion answers to what was read: derivatives of `Contacts::forward`, which is linear in its readings.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::contact::{COLUMNS, Contacts, Row};
+use super::motion::{Follow, Readings, dot, weights};
+use six_wheel_numerics::jacobi::Jacobi;
+use six_wheel_numerics::least_squares::DEPENDENT;
+use six_wheel_terrain::suspension::MAX_WHEELS;
+
+/// Derivatives of a twist `vx, vy, vz, wx, wy, wz`.
+pub type Answer = [f64; 6];
+
+/// Derivatives of the twist that the wheels tell, by everything that is read of one motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Response {
+    /// By the speed of every wheel.
+    pub by_speed: [Answer; MAX_WHEELS],
+    /// By a velocity to the left that the touching point of every wheel has.
+    pub by_side: [Answer; MAX_WHEELS],
+    /// By the rate of every steering joint.
+    pub by_steering_rate: [Answer; MAX_WHEELS],
+    /// By the body's rates about x and y, where they were measured.
+    pub by_tilting: [Answer; 2],
+    /// By the rate of every free angle, where it was measured.
+    pub by_joint_rate: [Answer; COLUMNS - 6],
+}
+
+/// Three rows of a contact, as the fit of the motion in plan has them.
+#[derive(Clone, Copy)]
+struct Rows {
+    directions: [Row; 3],
+    plan: [Vector3<f64>; 3],
+    /// What each counts.
+    shares: [f64; 3],
+    /// Each in m/s.
+    units: [f64; 3],
+    swivel: [f64; 3],
+    steering: Option<usize>,
+}
+
+/// The fit with everything that it needs again for every derivative.
+struct Fit {
+    follow: Follow,
+    inverse: Matrix3<f64>,
+    rows: [Option<Rows>; MAX_WHEELS],
+}
+
+impl Contacts {
+    /// The derivatives of [`Self::forward`] at these readings.
+    pub fn response(&self, readings: &Readings<'_>, radii: &[f64; MAX_WHEELS]) -> Response {
+        let known = readings.known(self);
+        let fit = self.fit(readings, radii, &known);
+        let mut response = Response {
+            by_speed: [[0.0; 6]; MAX_WHEELS],
+            by_side: [[0.0; 6]; MAX_WHEELS],
+            by_steering_rate: [[0.0; 6]; MAX_WHEELS],
+            by_tilting: [[0.0; 6]; 2],
+            by_joint_rate: [[0.0; 6]; COLUMNS - 6],
+        };
+        let none = [0.0; COLUMNS];
+        for (wheel, rows) in fit.rows.iter().enumerate() {
+            let Some(rows) = rows else { continue };
+            let told = |row: usize, by: f64| rows.plan[row] * (rows.shares[row] * by);
+            response.by_speed[wheel] = fit.moved(&none, told(1, rows.units[1]));
+            response.by_side[wheel] = fit.moved(&none, told(2, 1.0));
+        }
+        // Rates that were measured, one at a time.
+        let unit = |column: usize| {
+            let mut rates = known.map(|rate| if rate.is_nan() { rate } else { 0.0 });
+            rates[column] = 1.0;
+            self.follow(&rates, &[0.0; MAX_WHEELS]).offset
+        };
+        for (axis, answer) in response.by_tilting.iter_mut().enumerate() {
+            if !known[3 + axis].is_nan() {
+                *answer = fit.answer(&unit(3 + axis), None);
+            }
+        }
+        let joints = response.by_joint_rate[..self.joints].iter_mut();
+        for (joint, answer) in joints.enumerate() {
+            if !known[6 + joint].is_nan() && !self.stopped[joint] {
+                *answer = fit.answer(&unit(6 + joint), None);
+            }
+        }
+        let still = known.map(|rate| if rate.is_nan() { rate } else { 0.0 });
+        for (joint, answer) in response.by_steering_rate.iter_mut().enumerate() {
+            let mut swivels = [0.0; MAX_WHEELS];
+            let turned = |rows: &Option<Rows>| rows.is_some_and(|rows| rows.steering == Some(joint));
+            for (swivel, rows) in swivels.iter_mut().zip(&fit.rows) {
+                *swivel = if turned(rows) { 1.0 } else { 0.0 };
+            }
+            if swivels.contains(&1.0) {
+                *answer = fit.answer(&self.follow(&still, &swivels).offset, Some(joint));
+            }
+        }
+        response
+    }
+
+    fn fit(&self, readings: &Readings<'_>, radii: &[f64; MAX_WHEELS], known: &Row) -> Fit {
+        let follow = self.follow(known, &[0.0; MAX_WHEELS]);
+        let mut rows = [None; MAX_WHEELS];
+        let mut normal = Matrix3::zeros();
+        for (wheel, contact) in self.touching() {
+            let [mut roll, side] = weights(readings.weights, self.count, wheel);
+            if readings.speeds[wheel].is_nan() {
+                roll = 0.0;
+            }
+            let directions = [contact.normal, contact.rolling, contact.side];
+            let units = [1.0, radii[wheel], 1.0];
+            let shares = [roll.max(side), roll, side];
+            let plan: [Vector3<f64>; 3] =
+                std::array::from_fn(|i| Vector3::from(follow.plan(&directions[i])) * units[i]);
+            for (row, share) in plan.iter().zip(shares) {
+                normal += row * row.transpose() * share;
+            }
+            let [lift, aside, rolled] = contact.swivel;
+            rows[wheel] = Some(Rows {
+                directions,
+                plan,
+                shares,
+                units,
+                swivel: [lift, rolled, aside],
+                steering: contact.steering,
+            });
+        }
+        let values = Jacobi::new(&normal);
+        let bound = DEPENDENT * DEPENDENT * values.values[0];
+        Fit { follow, inverse: values.inverse(bound), rows }
+    }
+}
+
+impl Fit {
+    /// The twist for rates beside those in plan, and what the rows then ask for in plan.
+    fn moved(&self, beside: &Row, asked: Vector3<f64>) -> Answer {
+        let plan = self.inverse * asked;
+        std::array::from_fn(|c| beside[c] + Vector3::from(self.follow.spread[c]).dot(&plan))
+    }
+
+    /// The same where the rates beside it, and the turning of a steering joint, move the contacts.
+    fn answer(&self, beside: &Row, swivelled: Option<usize>) -> Answer {
+        let mut asked = Vector3::zeros();
+        for rows in self.rows.iter().flatten() {
+            let swivels = swivelled.is_some() && rows.steering == swivelled;
+            for i in 0..3 {
+                let swivel = if swivels { rows.swivel[i] } else { 0.0 };
+                let moved = rows.units[i] * (dot(&rows.directions[i], beside) + swivel);
+                asked -= rows.plan[i] * (rows.shares[i] * moved);
+            }
+        }
+        self.moved(beside, asked)
+    }
+}

@@ -1,0 +1,187 @@
+//! Slip of wheels, and slip of the whole rover.
+
+use nalgebra::{SMatrix, SVector, Vector3};
+
+use super::contact::{Contacts, Footing, Row, Tread, carried, in_body};
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::error::{Error, number};
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
+
+/// How a wheel slips.
+#[derive(Clone, Copy, Debug)]
+pub struct Slip {
+    /// `1 - v . T / (r q)`: 0 rolling, 1 turning on the spot, negative braking; NaN where the wheel does not turn.
+    pub ratio: f64,
+    /// Of the touching point's way against the wheel's heading, positive to the left [rad].
+    pub angle: f64,
+}
+
+/// The slip of every wheel at a known motion; NaN in the air.
+pub fn slip(chain: &Chain, footing: &Footing<'_>, rates: &Row, speeds: &[f64]) -> [Slip; MAX_WHEELS] {
+    let mut slips = [Slip { ratio: f64::NAN, angle: f64::NAN }; MAX_WHEELS];
+    let placed = in_body(chain, footing.joints, footing.steering);
+    let contacts = Contacts::new(chain, footing, None);
+    let (Some(placed), Some(contacts)) = (placed, contacts) else {
+        return slips;
+    };
+    let body_from_world = footing.rotation().inverse();
+    for (wheel, mount) in chain.wheels().iter().enumerate() {
+        if !footing.touching[wheel] {
+            continue;
+        }
+        let frame = placed.wheel(wheel);
+        let tread = Tread {
+            frame,
+            normal: body_from_world * Vector3::from(footing.normals[wheel]),
+            radius: mount.radius,
+            at: Direction::from(footing.angles[wheel]),
+        };
+        let (velocity, turn) = carried(&placed, wheel, rates);
+        let ahead = velocity.dot(&tread.tangent());
+        let side = contacts.wheels[wheel].side;
+        let aside: f64 = side.iter().zip(rates).map(|(a, b)| a * b).sum();
+        // The rim turns with the encoder and with the link.
+        let rim = mount.radius * (speeds[wheel] + turn.dot(&frame.axle));
+        slips[wheel] = Slip {
+            ratio: if rim == 0.0 { f64::NAN } else { 1.0 - ahead / rim },
+            angle: if ahead < 0.0 { (-aside).atan2(-ahead) } else { aside.atan2(ahead) },
+        };
+    }
+    slips
+}
+
+/// Largest length of a motion.
+pub const LARGEST: usize = 6;
+
+/// Whether two estimates of a motion differ by more than their noise.
+#[derive(Clone, Copy, Debug)]
+pub struct SlipTest {
+    /// Squared distance in the metric of the covariance.
+    pub statistic: f64,
+    /// What a rover that does not slip stays below, but for the false alarms.
+    pub threshold: f64,
+    /// Probability that one that does not slip is as far off.
+    pub probability: f64,
+}
+
+impl SlipTest {
+    /// Of a navigated motion less a kinematic one, with the covariance of the difference (`n * n`, row by row).
+    /// Fails unless that is positive definite and the rate of false alarms between 0 and 1.
+    pub fn new(slip: &[f64], covariance: &[f64], false_alarm: f64) -> Result<Self, Error> {
+        let length = slip.len();
+        if !(false_alarm > 0.0 && false_alarm < 1.0) {
+            let rule = "be between 0 and 1";
+            return Err(Error::value("false_alarm", rule, number(false_alarm)));
+        }
+        let mut matrix = SMatrix::<f64, LARGEST, LARGEST>::identity();
+        let mut vector = SVector::<f64, LARGEST>::zeros();
+        for i in 0..length {
+            vector[i] = slip[i];
+            for k in 0..length {
+                matrix[(i, k)] = covariance[i * length + k];
+            }
+        }
+        let Some(factor) = matrix.cholesky() else {
+            let rule = "be symmetric and positive definite";
+            return Err(Error::value("covariance", rule, "one that is not"));
+        };
+        let statistic = vector.dot(&factor.solve(&vector));
+        Ok(Self { statistic, threshold: quantile(length, false_alarm), probability: survival(length, statistic) })
+    }
+
+    /// Whether it slips.
+    pub fn slips(&self) -> bool {
+        self.statistic > self.threshold
+    }
+}
+
+/// Probability that a chi-squared number of this many degrees of freedom is larger: the regularised upper
+/// incomplete gamma function, by its series below `a + 1` and by Lentz's continued fraction above.
+///
+/// (W. Press et al., Numerical Recipes, 3rd ed., 6.2; M. Abramowitz, I. Stegun, 6.5.29 and 6.5.31.)
+fn survival(degrees: usize, value: f64) -> f64 {
+    if value.is_nan() {
+        return f64::NAN;
+    }
+    let (a, x) = (degrees as f64 / 2.0, value / 2.0);
+    if x <= 0.0 {
+        return 1.0;
+    }
+    // Gamma of halves: from 1/2 or 1 upwards.
+    let mut gamma = if degrees % 2 == 1 { std::f64::consts::PI.sqrt() } else { 1.0 };
+    let mut at = if degrees % 2 == 1 { 0.5 } else { 1.0 };
+    while at < a {
+        gamma *= at;
+        at += 1.0;
+    }
+    let front = (a * x.ln() - x).exp() / gamma;
+    if x < a + 1.0 {
+        let (mut term, mut sum, mut n) = (1.0 / a, 1.0 / a, a);
+        while term > sum * f64::EPSILON {
+            n += 1.0;
+            term *= x / n;
+            sum += term;
+        }
+        return 1.0 - front * sum;
+    }
+    let mut b = x + 1.0 - a;
+    let mut c = 1.0 / f64::MIN_POSITIVE;
+    let mut d = 1.0 / b;
+    let mut fraction = d;
+    for n in 1..500 {
+        let n = f64::from(n);
+        let factor = -n * (n - a);
+        b += 2.0;
+        d = 1.0 / (factor * d + b);
+        c = b + factor / c;
+        let change = c * d;
+        fraction *= change;
+        if (change - 1.0).abs() < f64::EPSILON {
+            break;
+        }
+    }
+    front * fraction
+}
+
+/// What a chi-squared number exceeds with this probability, by bisection.
+fn quantile(degrees: usize, probability: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    while survival(degrees, high) > probability {
+        high *= 2.0;
+    }
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if survival(degrees, middle) > probability {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_the_tables() {
+        // Printed tables of the chi-squared distribution, to their last digit.
+        for (degrees, probability, value) in [
+            (1, 0.05, 3.841_458_820_694_124),
+            (2, 0.01, 9.210_340_371_976_182),
+            (3, 0.05, 7.814_727_903_251_179),
+            (6, 0.001, 22.457_744_484_825_32),
+        ] {
+            assert!((quantile(degrees, probability) - value).abs() < 1e-11 * value);
+        }
+        assert!((survival(2, 3.0) - (-1.5_f64).exp()).abs() < 1e-15);
+        assert!((survival(2, 30.0) - (-15.0_f64).exp()).abs() < 1e-20);
+    }
+
+    #[test]
+    fn a_covariance_that_is_none_is_refused() {
+        let test = SlipTest::new(&[0.1, 0.0], &[1.0, 2.0, 2.0, 1.0], 0.01);
+        assert!(test.is_err_and(|error| error.to_string().starts_with("covariance must")));
+    }
+}

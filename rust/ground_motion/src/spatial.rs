@@ -1,0 +1,327 @@
+//! Dead reckoning in space: a rover on ground, its attitude from an IMU or from the ground it stands on.
+//!
+//! The motion of a step is that of [`crate`]: wheels on a map, or on ground of which the joints alone tell
+//! ([`crate::Unmapped`]). It is held as one screw, `exp` of SE(3). Roll and pitch that were measured are taken as
+//! they are at both ends, and their error does not add up; the yaw comes from the wheels, a gyroscope or the
+//! attitude's own. On a map the rover stands where it settles: z, roll and pitch follow x, y and yaw.
+//!
+//! On flat ground, for a rover that stands level, all of it is [`six_wheel_odometry::Odometry`].
+
+mod correct;
+mod history;
+mod noise;
+mod sample;
+pub mod settings;
+mod site;
+mod spread;
+mod state;
+mod step;
+mod tolerant;
+mod way;
+
+use std::sync::Arc;
+
+use nalgebra::Matrix6;
+
+use history::History;
+use sample::Read;
+pub use sample::{Attitude, OVERTURNED, Recording3, Sample3, attitude};
+pub use settings::Settings3;
+use six_wheel_numerics::error::{Error, finite, number, numbers};
+use six_wheel_odometry::Suspect;
+use six_wheel_odometry::health::{Health, Refusal};
+use six_wheel_odometry::recording::Sample;
+use six_wheel_odometry::settings::Readings;
+use six_wheel_odometry::state::check_pose;
+use six_wheel_terrain::suspension::{Chain, MAX_STATE, MAX_WHEELS, PlanPose};
+use six_wheel_terrain::terrain::Terrain;
+use spread::StepNoise;
+pub use state::Pose3;
+use state::{Fixed, State};
+pub use tolerant::TrackRows3;
+
+/// Dead reckoning of one rover on ground: its pose, its motion, and how far they may be off.
+#[derive(Clone, Debug)]
+pub struct Odometry3 {
+    fixed: Fixed,
+    /// The sample from which the next one counts.
+    reference: Option<Read>,
+    state: State,
+    /// Of the last step.
+    noise: StepNoise,
+    last_dt: f64,
+    slip: [[f64; 2]; MAX_WHEELS],
+    health: Health,
+    history: History,
+    suspect: Suspect,
+}
+
+impl Odometry3 {
+    /// At the origin, waiting for a first sample.
+    pub fn new(chain: Chain, ground: Option<Arc<Terrain>>, settings: Settings3) -> Result<Self, Error> {
+        settings.check(&chain)?;
+        let (wheels, joints) = (chain.wheels().len(), chain.steering().len());
+        let history = History::new(&settings.common);
+        let origin = PlanPose::from([0.0; 3]);
+        let reach = chain.place(origin, &[0.0; MAX_STATE], &[]).map_or(1.0, |placed| {
+            let centres = (0..wheels).map(|wheel| placed.wheel(wheel).centre.norm());
+            centres.fold(0.0, f64::max)
+        });
+        let doubt = settings.doubt(reach);
+        let mut radii = [0.0; MAX_WHEELS];
+        for (radius, wheel) in radii.iter_mut().zip(chain.wheels()) {
+            *radius = wheel.radius;
+        }
+        Ok(Self {
+            fixed: Fixed { chain, ground, settings, radii, doubt },
+            reference: None,
+            state: State::new(Pose3::default(), Matrix6::zeros()),
+            noise: StepNoise::none(),
+            last_dt: 0.0,
+            slip: [[0.0; 2]; MAX_WHEELS],
+            health: Health::GOOD,
+            history,
+            suspect: Suspect::new(wheels, joints),
+        })
+    }
+
+    /// The suspension.
+    pub fn chain(&self) -> &Chain {
+        &self.fixed.chain
+    }
+
+    /// How it works.
+    pub fn settings(&self) -> &Settings3 {
+        &self.fixed.settings
+    }
+
+    /// Where the rover is.
+    pub fn pose(&self) -> Pose3 {
+        self.state.pose()
+    }
+
+    /// Mean twist over the last step, in axes of the body: `vx, vy, vz, wx, wy, wz`.
+    pub fn twist(&self) -> [f64; 6] {
+        self.state.twist
+    }
+
+    /// Covariance of the pose: x, y, z [m] and about the axes of the world [rad].
+    pub fn covariance(&self) -> [[f64; 6]; 6] {
+        self.state.errors.reported().into()
+    }
+
+    /// Covariance of the twist over the last step; variances are infinite where no step has been made since the first
+    /// sample or a pose from outside.
+    pub fn twist_covariance(&self) -> [[f64; 6]; 6] {
+        let rate = 1.0 / (self.last_dt * self.last_dt);
+        if rate == f64::INFINITY {
+            return Matrix6::from_diagonal_element(f64::INFINITY).into();
+        }
+        let total = self.noise.total() * rate;
+        ((total + total.transpose()) * 0.5).into()
+    }
+
+    /// Speed at which each wheel's contact slid over the last step, along its rim and to its left [m/s]; NaN in the
+    /// air.
+    pub fn slip(&self) -> &[[f64; 2]] {
+        &self.slip[..self.fixed.chain.wheels().len()]
+    }
+
+    /// What there is to say about the last sample.
+    pub fn health(&self) -> Health {
+        self.health
+    }
+
+    /// When the last sample was taken [s]; None before the first one.
+    pub fn stamp(&self) -> Option<f64> {
+        self.reference.map(|read| read.stamp)
+    }
+
+    /// Goes on from this pose; the readings count on from the last sample. Roll and pitch that are measured, and z,
+    /// roll and pitch that follow from a map, are those, whatever the pose says. On failure nothing has changed.
+    pub fn set_pose(&mut self, pose: Pose3, covariance: [[f64; 6]; 6]) -> Result<(), Error> {
+        check_pose(&pose.numbers())?;
+        let covariance = state::check_covariance(covariance, false)?;
+        let mut state = State::new(pose, covariance);
+        if let Some(read) = &self.reference {
+            self.fixed.begin(&mut state, read)?;
+        }
+        self.state = state;
+        self.last_dt = 0.0;
+        self.history.clear();
+        Ok(())
+    }
+
+    /// Starts over from a pose: the next sample is a first one. On failure nothing has changed.
+    pub fn start_over(&mut self, pose: Pose3, covariance: [[f64; 6]; 6]) -> Result<(), Error> {
+        check_pose(&pose.numbers())?;
+        let covariance = state::check_covariance(covariance, false)?;
+        self.state = State::new(pose, covariance);
+        self.reference = None;
+        self.last_dt = 0.0;
+        self.slip = [[0.0; 2]; MAX_WHEELS];
+        self.health = Health::GOOD;
+        self.history.clear();
+        self.suspect.clear();
+        Ok(())
+    }
+
+    /// Takes in a sample. On failure nothing has changed.
+    pub fn update(&mut self, sample: Sample3<'_>) -> Result<Health, Error> {
+        self.take(sample).map_err(|refusal| refusal.error)
+    }
+
+    fn take(&mut self, sample: Sample3<'_>) -> Result<Health, Refusal> {
+        self.check_numbers(&sample)?;
+        let Some(before) = self.reference else {
+            return self.take_first(&sample);
+        };
+        let dt = sample.stamp - before.stamp;
+        if dt <= 0.0 {
+            let flag = if dt == 0.0 { Health::DUPLICATE } else { Health::BACKWARDS };
+            let rule = format!("be later than the last one, {}", number(before.stamp));
+            return Err(Refusal::new(flag, Error::value("stamp", rule, number(sample.stamp))));
+        }
+        let (turned, angles, wrapped) = self.difference(&sample, &before, dt);
+        self.check_jump(&turned, &before.angles, &angles, dt).map_err(|error| Refusal::new(Health::JUMP, error))?;
+        let after = Read::of(&sample, angles);
+        let mut state = self.state;
+        let taken = self.fixed.advance([&before, &after], &turned, dt, &mut state)?;
+        self.state = state;
+        self.noise = taken.noise;
+        self.slip = taken.slid.map(|slid| slid.map(|way| way / dt));
+        let is_gap = self.fixed.settings.common.max_gap.is_some_and(|gap| dt > gap);
+        self.health = Health::WRAPPED.when(wrapped)
+            | Health::SLIP.when(taken.slips)
+            | Health::GAP.when(is_gap)
+            | Health::UNSETTLED.when(!taken.settled);
+        self.reference = Some(after);
+        self.last_dt = dt;
+        self.suspect.clear();
+        self.history.push(after, &turned, dt, &self.state);
+        Ok(self.health)
+    }
+
+    /// The sample from which the next one counts.
+    fn take_first(&mut self, sample: &Sample3<'_>) -> Result<Health, Refusal> {
+        let mut angles = [0.0; MAX_WHEELS];
+        for (joint, reading) in sample.steering.iter().enumerate() {
+            let encoder = self.fixed.settings.common.steering_encoder(joint);
+            angles[joint] = encoder.first_angle(*reading);
+        }
+        let read = Read::of(sample, angles);
+        let mut state = self.state;
+        self.fixed.begin(&mut state, &read).map_err(|error| Refusal::new(Health::OFF_GROUND, error))?;
+        self.state = state;
+        self.reference = Some(read);
+        self.health = Health::FIRST;
+        Ok(Health::FIRST)
+    }
+
+    /// Fails unless what has to be read was.
+    fn check_numbers(&self, sample: &Sample3<'_>) -> Result<(), Refusal> {
+        let missing = |error| Refusal::new(Health::NOT_FINITE, error);
+        finite("steering", sample.steering).map_err(missing)?;
+        if sample.wheels.iter().any(|reading| reading.is_infinite()) {
+            let error =
+                Error::value("wheel_angles", "be finite, or NaN where a wheel has no encoder", numbers(sample.wheels));
+            return Err(missing(error));
+        }
+        if sample.wheels.iter().all(|reading| reading.is_nan()) {
+            let error = Error::value("wheel_angles", "be finite", numbers(sample.wheels));
+            return Err(missing(error));
+        }
+        finite("stamp", &[sample.stamp]).map_err(missing)?;
+        finite("yaw_rate", &[sample.yaw_rate.unwrap_or(0.0)]).map_err(missing)?;
+        if let Some(attitude) = &sample.attitude {
+            attitude.check_upright().map_err(|error| Refusal::new(Health::OVERTURNED, error))?;
+        }
+        let joints = sample.joints.unwrap_or(&[]);
+        if joints.iter().any(|angle| angle.is_infinite()) {
+            return Err(missing(Error::value("joints", "be finite", numbers(joints))));
+        }
+        if self.fixed.ground.is_some() {
+            return Ok(());
+        }
+        if sample.attitude.is_none() {
+            let rule = "be given where there is no ground to stand on (ground=)";
+            return Err(missing(Error::value("attitude", rule, "None")));
+        }
+        let free = self.fixed.chain.joints().len();
+        if free > 0 && sample.joints.is_none() {
+            let rule = format!("hold {free} angles where there is no ground to stand on (ground=)");
+            return Err(missing(Error::value("joints", rule, "None")));
+        }
+        finite("joints", joints).map_err(missing)
+    }
+
+    /// What wheels and steering joints turned since the reference, and whether a counter started over.
+    fn difference(&self, sample: &Sample3<'_>, before: &Read, dt: f64) -> ([f64; MAX_WHEELS], [f64; MAX_WHEELS], bool) {
+        let settings = &self.fixed.settings.common;
+        let (mut turned, mut angles, mut wrapped) = ([0.0; MAX_WHEELS], before.angles, false);
+        for (wheel, reading) in sample.wheels.iter().enumerate() {
+            let encoder = settings.wheel_encoder(wheel);
+            let counts = match settings.readings {
+                Readings::Angles => {
+                    let (counts, over) = encoder.difference(before.wheels[wheel], *reading);
+                    wrapped |= over;
+                    counts
+                }
+                Readings::Speeds => f64::midpoint(before.wheels[wheel], *reading) * dt,
+                Readings::Increments => reading + self.suspect.owed(wheel),
+            };
+            turned[wheel] = counts * encoder.angle_per_count();
+        }
+        for (joint, reading) in sample.steering.iter().enumerate() {
+            let encoder = settings.steering_encoder(joint);
+            let (counts, over) = encoder.difference(before.steering[joint], *reading);
+            wrapped |= over;
+            angles[joint] += counts * encoder.angle_per_count();
+        }
+        (turned, angles, wrapped)
+    }
+
+    /// Fails if the rover would have moved faster than it can.
+    fn check_jump(
+        &self,
+        turned: &[f64; MAX_WHEELS],
+        before: &[f64; MAX_WHEELS],
+        angles: &[f64; MAX_WHEELS],
+        dt: f64,
+    ) -> Result<(), Error> {
+        let Fixed { chain, settings, .. } = &self.fixed;
+        if let Some(limit) = settings.common.max_speed {
+            for (wheel, mount) in chain.wheels().iter().enumerate() {
+                let encoder = settings.common.wheel_encoder(wheel);
+                let owed = self.suspect.owed(wheel) * encoder.angle_per_count();
+                let speed = mount.radius * (turned[wheel] - owed) / dt;
+                if speed.abs() > limit {
+                    let rule = format!("keep {} at a rim speed of {limit} m/s at most", mount.name);
+                    return Err(Error::value("wheel_angles", rule, number(speed)));
+                }
+            }
+        }
+        if let Some(limit) = settings.common.max_steering_rate {
+            for joint in 0..chain.steering().len() {
+                let rate = (angles[joint] - before[joint]) / dt;
+                if rate.abs() > limit {
+                    let name = chain.steered_name(joint);
+                    let rule = format!("keep {name} at a steering rate of {limit} rad/s at most");
+                    return Err(Error::value("steering", rule, number(rate)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The planar part of a sample, for what is remembered of one that was left out.
+    fn plain<'a>(sample: &Sample3<'a>) -> Sample<'a> {
+        Sample {
+            steering: sample.steering,
+            wheels: sample.wheels,
+            stamp: sample.stamp,
+            yaw: None,
+            yaw_rate: sample.yaw_rate,
+        }
+    }
+}

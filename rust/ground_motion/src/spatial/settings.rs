@@ -1,0 +1,40 @@
+//! All that does not change while odometry in space works.
+
+use six_wheel_numerics::error::{Error, number};
+use six_wheel_odometry::settings::Settings;
+use six_wheel_terrain::suspension::Chain;
+
+/// How odometry in space works.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings3 {
+    /// As in the plane; wheels are weighed alike, and nothing is inflated.
+    pub common: Settings,
+    /// Standard deviation of roll and of pitch, as read [rad].
+    pub attitude_noise: f64,
+    /// Standard deviation of every free angle, as read [rad].
+    pub joint_noise: f64,
+}
+
+impl Default for Settings3 {
+    fn default() -> Self {
+        Self { common: Settings::default(), attitude_noise: 0.002, joint_noise: 0.001 }
+    }
+}
+
+impl Settings3 {
+    pub(crate) fn check(&self, chain: &Chain) -> Result<(), Error> {
+        self.common.check_for(chain.wheels().len(), chain.steering().len())?;
+        let deviations = [("attitude_noise", self.attitude_noise), ("joint_noise", self.joint_noise)];
+        for (argument, value) in deviations {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(Error::value(argument, "be finite and not negative", number(value)));
+            }
+        }
+        Ok(())
+    }
+
+    /// By how much the way of a wheel's centre across the ground may be off over one step [m].
+    pub(crate) fn doubt(&self, reach: f64) -> f64 {
+        reach * (2.0 * (self.attitude_noise.powi(2) + self.joint_noise.powi(2))).sqrt()
+    }
+}

@@ -1,0 +1,95 @@
+//! Where a step takes place: on a map, or on ground of which nothing is known.
+
+use nalgebra::Vector3;
+
+use crate::Footing;
+use six_wheel_terrain::ground::{Settler, Stand, Status};
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, PlanPose};
+use six_wheel_terrain::terrain::{Terrain, normal};
+
+/// Where the contacts of a step come from.
+pub(crate) enum Site<'a> {
+    /// From the joints.
+    Unmapped,
+    /// From a settled pose.
+    Ground(&'a Place),
+}
+
+/// A settled pose, as the motion on it takes it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub pose: PlanPose,
+    pub stand: Stand,
+    pub angles: [f64; MAX_WHEELS],
+    steering: [f64; MAX_WHEELS],
+    normals: [[f64; 3]; MAX_WHEELS],
+    touching: [bool; MAX_WHEELS],
+    stopped: [bool; MAX_FREE],
+    joints: usize,
+    steered: usize,
+    wheels: usize,
+}
+
+impl Place {
+    /// Settles a chain; the status where it does not stand.
+    pub fn find(chain: &Chain, ground: &Terrain, pose: PlanPose, steering: &[f64; MAX_WHEELS]) -> Result<Self, Status> {
+        if ![pose.x, pose.y, pose.yaw].iter().all(|part| part.is_finite()) {
+            return Err(Status::NotConverged);
+        }
+        let steered = chain.steering().len();
+        let settled = Settler::new(ground, chain).settle_finite(pose, &steering[..steered]);
+        if !settled.status.stands() {
+            return Err(settled.status);
+        }
+        let stand = Stand::of(&settled);
+        let mut place = Self {
+            pose,
+            angles: [f64::NAN; MAX_WHEELS],
+            steering: *steering,
+            normals: [[f64::NAN; 3]; MAX_WHEELS],
+            touching: [false; MAX_WHEELS],
+            stopped: [false; MAX_FREE],
+            joints: chain.joints().len(),
+            steered,
+            wheels: chain.wheels().len(),
+            stand,
+        };
+        for wheel in 0..place.wheels {
+            let contact = &stand.wheels[wheel];
+            place.angles[wheel] = contact.angle();
+            place.normals[wheel] = normal(contact.gradient).into();
+            place.touching[wheel] = stand.touches(wheel);
+        }
+        for (stopped, stop) in place.stopped.iter_mut().zip(stand.stops) {
+            *stopped = stop != 0;
+        }
+        Ok(place)
+    }
+
+    /// What `moving` asks for.
+    pub fn footing(&self) -> Footing<'_> {
+        let [_, roll, pitch, ref joints @ ..] = self.stand.state;
+        Footing {
+            attitude: [roll, pitch, self.pose.yaw],
+            joints: &joints[..self.joints],
+            steering: &self.steering[..self.steered],
+            angles: &self.angles[..self.wheels],
+            normals: &self.normals[..self.wheels],
+            touching: self.touching,
+            stopped: self.stopped,
+        }
+    }
+
+    /// How z, and the turn of the body in axes of the world, answer to x, y and yaw. None where that is not
+    /// determined.
+    pub fn slopes(&self, chain: &Chain) -> Option<[(f64, Vector3<f64>); 3]> {
+        let steering = &self.steering[..self.steered];
+        let placed = self.stand.place(chain, self.pose, steering)?;
+        let by = six_wheel_terrain::ground::by_pose(chain, &placed, &self.stand)?;
+        Some(std::array::from_fn(|k| {
+            let about = placed.roll_axis * by[1][k] + placed.pitch_axis * by[2][k];
+            let upright = if k == 2 { Vector3::z() } else { Vector3::zeros() };
+            (by[0][k], about + upright)
+        }))
+    }
+}

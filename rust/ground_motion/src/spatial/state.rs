@@ -1,0 +1,356 @@
+//! Pose, motion and their uncertainty in space, one step at a time.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix6, RowVector6, UnitQuaternion, Vector3, Vector6};
+
+use super::sample::{Read, tilting_axes};
+use super::settings::Settings3;
+use super::site::{Place, Site};
+use super::spread::{Errors, StepNoise, TILT, whole};
+use super::step::{displace, halfway, middle_angles};
+use super::way::Way;
+use six_wheel_kinematics::geometry::{Sum, Walk, wrap_angle};
+use six_wheel_numerics::error::{Error, ErrorKind, HUGE, number, numbers};
+use six_wheel_odometry::health::{Health, Refusal};
+use six_wheel_odometry::preintegrated::space::Motion3;
+use six_wheel_odometry::state::read_variance;
+use six_wheel_terrain::ground::Status;
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS, PlanPose};
+use six_wheel_terrain::terrain::Terrain;
+
+/// A pose in space: `Rz(yaw) Ry(pitch) Rx(roll)` at x, y, z.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose3 {
+    /// Of the body's origin [m].
+    pub x: f64,
+    /// Of the body's origin [m].
+    pub y: f64,
+    /// Of the body's origin [m].
+    pub z: f64,
+    /// Positive with the right side down [rad].
+    pub roll: f64,
+    /// Positive with the nose down [rad].
+    pub pitch: f64,
+    /// With its full turns [rad].
+    pub yaw: f64,
+}
+
+impl From<[f64; 6]> for Pose3 {
+    fn from([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Self {
+        Self { x, y, z, roll, pitch, yaw }
+    }
+}
+
+impl Pose3 {
+    /// x, y, z [m], roll, pitch, yaw [rad].
+    pub fn numbers(&self) -> [f64; 6] {
+        [self.x, self.y, self.z, self.roll, self.pitch, self.yaw]
+    }
+
+    /// `world_from_body`
+    pub fn motion(&self) -> Motion3 {
+        Motion3 {
+            rotation: UnitQuaternion::from_euler_angles(self.roll, self.pitch, self.yaw),
+            translation: Vector3::new(self.x, self.y, self.z),
+        }
+    }
+
+    /// From a motion `world_from_body`, with the yaw next to 0.
+    pub fn of(motion: &Motion3) -> Self {
+        let (roll, pitch, yaw) = motion.rotation.euler_angles();
+        let place = motion.translation;
+        Self { x: place.x, y: place.y, z: place.z, roll, pitch, yaw }
+    }
+}
+
+/// All that does not change while it works.
+#[derive(Clone, Debug)]
+pub(crate) struct Fixed {
+    pub chain: Chain,
+    pub ground: Option<Arc<Terrain>>,
+    pub settings: Settings3,
+    pub radii: [f64; MAX_WHEELS],
+    /// By how much the way of a wheel's centre across the ground may be off over one step [m].
+    pub doubt: f64,
+}
+
+/// What changes from sample to sample and is taken back when a late pose comes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct State {
+    pub walk: Walk,
+    pub z: Sum,
+    pub roll: f64,
+    pub pitch: f64,
+    pub twist: [f64; 6],
+    pub errors: Errors,
+    /// How steeply every wheel has climbed against the plane of all, as a sine; 0 on a map.
+    slopes: [f64; MAX_WHEELS],
+    /// Where it stands on the map, if it does.
+    place: Option<Place>,
+}
+
+/// What there is to say about a step.
+pub(crate) struct Taken {
+    pub noise: StepNoise,
+    /// How far every contact slid along its rim and to the left [m].
+    pub slid: [[f64; 2]; MAX_WHEELS],
+    pub slips: bool,
+    /// Whether it stands where the map says, if there is one.
+    pub settled: bool,
+}
+
+impl State {
+    pub fn new(pose: Pose3, covariance: Matrix6<f64>) -> Self {
+        let mut errors = Errors::none();
+        errors.settled = covariance;
+        Self {
+            walk: Walk::new([pose.x, pose.y, pose.yaw]),
+            z: Sum::new(pose.z),
+            roll: pose.roll,
+            pitch: pose.pitch,
+            twist: [0.0; 6],
+            errors,
+            slopes: [0.0; MAX_WHEELS],
+            place: None,
+        }
+    }
+
+    pub fn pose(&self) -> Pose3 {
+        Pose3 {
+            x: self.walk.x.value(),
+            y: self.walk.y.value(),
+            z: self.z.value(),
+            roll: self.roll,
+            pitch: self.pitch,
+            yaw: self.walk.yaw.value(),
+        }
+    }
+
+    fn plan(&self) -> PlanPose {
+        PlanPose { x: self.walk.x.value(), y: self.walk.y.value(), yaw: self.walk.heading.value() }
+    }
+
+    pub fn rotation(&self) -> UnitQuaternion<f64> {
+        UnitQuaternion::from_euler_angles(self.roll, self.pitch, self.walk.heading.value())
+    }
+
+    /// How the yaw answers to an error of the pose.
+    pub fn yaw_row(&self) -> RowVector6<f64> {
+        let (sin, cos) = self.walk.heading.value().sin_cos();
+        let slope = self.pitch.tan();
+        RowVector6::new(0.0, 0.0, 0.0, slope * cos, slope * sin, 1.0)
+    }
+
+    /// What leaves place and yaw of a pose as they are, and nothing of its tilt.
+    pub fn upright(&self) -> Matrix6<f64> {
+        let mut keeps = Matrix6::zeros();
+        for k in 0..3 {
+            keeps[(k, k)] = 1.0;
+        }
+        keeps.set_row(5, &self.yaw_row());
+        keeps
+    }
+
+    /// Moves place and yaw by an error in axes of the world; tilt is measured, or follows from the map.
+    pub fn shift(&mut self, by: &Vector6<f64>) {
+        let turn = (self.yaw_row() * by)[0];
+        self.walk.shift(by[0], by[1]);
+        self.z.add(by[2]);
+        self.walk.turn(turn);
+    }
+
+    /// Turns to a rotation, its yaw the short way round.
+    fn face(&mut self, rotation: &UnitQuaternion<f64>) {
+        let (roll, pitch, yaw) = rotation.euler_angles();
+        (self.roll, self.pitch) = (roll, pitch);
+        self.walk.turn(wrap_angle(yaw - self.walk.heading.value()));
+    }
+}
+
+impl Fixed {
+    /// Puts a pose where its first readings say that it stands.
+    pub fn begin(&self, state: &mut State, read: &Read) -> Result<(), Error> {
+        self.measure_tilt(state, read);
+        let Some(ground) = &self.ground else {
+            return Ok(());
+        };
+        match self.stand(state, read, ground) {
+            Ok(()) => Ok(()),
+            // Off the map what was measured will do.
+            Err(_) if self.is_told(read) => Ok(()),
+            Err(status) => {
+                let PlanPose { x, y, .. } = state.plan();
+                let value = format!("{} at x {}, y {}", status.name(), number(x), number(y));
+                Err(Error::value("pose", "be one at which the rover stands on the ground", value))
+            }
+        }
+    }
+
+    /// Whether joints and attitude say without a map how the wheels stand.
+    fn is_told(&self, read: &Read) -> bool {
+        let joints = &read.joints[..self.chain.joints().len()];
+        read.attitude.is_some() && joints.iter().all(|joint| !joint.is_nan())
+    }
+
+    /// Takes the tilt of an attitude at its word, and its error for that of the pose.
+    pub fn measure_tilt(&self, state: &mut State, read: &Read) {
+        let Some(attitude) = read.attitude else {
+            return;
+        };
+        state.errors.map(&state.upright());
+        (state.roll, state.pitch) = (attitude.roll, attitude.pitch);
+        let axes = tilting_axes(state.walk.heading.value(), state.pitch);
+        for (k, axis) in axes.into_iter().enumerate() {
+            let about = axis * self.settings.attitude_noise;
+            state.errors.carried[TILT + k] += whole(&Vector3::zeros(), &about);
+        }
+    }
+
+    /// Settles a pose: its height, and its tilt unless that was measured, follow from the map.
+    pub fn stand(&self, state: &mut State, read: &Read, ground: &Terrain) -> Result<(), Status> {
+        state.place = None;
+        let place = Place::find(&self.chain, ground, state.plan(), &read.angles)?;
+        let slopes = place.slopes(&self.chain);
+        let [z, roll, pitch, ..] = place.stand.state;
+        state.z = Sum::new(z);
+        if read.attitude.is_none() {
+            (state.roll, state.pitch) = (roll, pitch);
+        }
+        if let Some(slopes) = slopes {
+            let yaw = state.yaw_row();
+            let mut rows = [RowVector6::zeros(), RowVector6::zeros(), yaw];
+            rows[0][0] = 1.0;
+            rows[1][1] = 1.0;
+            let mut keeps = Matrix6::identity();
+            keeps.row_mut(2).fill(0.0);
+            if read.attitude.is_none() {
+                keeps.fixed_view_mut::<3, 3>(3, 3).fill(0.0);
+            }
+            for ((height, about), row) in slopes.iter().zip(&rows) {
+                let about = match read.attitude {
+                    None => *about,
+                    Some(_) => Vector3::zeros(),
+                };
+                keeps += whole(&Vector3::new(0.0, 0.0, *height), &about) * row;
+            }
+            state.errors.map(&keeps);
+        }
+        state.place = Some(place);
+        Ok(())
+    }
+
+    /// One step of the state, which is of no use after a failure.
+    pub fn advance(
+        &self,
+        [before, after]: [&Read; 2],
+        turned: &[f64; MAX_WHEELS],
+        dt: f64,
+        state: &mut State,
+    ) -> Result<Taken, Refusal> {
+        let slopes = state.slopes;
+        let way = Way {
+            chain: &self.chain,
+            settings: &self.settings,
+            radii: &self.radii,
+            doubt: self.doubt,
+            slopes: &slopes,
+            before,
+            after,
+            turned,
+            dt,
+        };
+        let start = state.rotation();
+        let place = match &self.ground {
+            None => None,
+            Some(ground) => match self.middle(state, &way, ground) {
+                Ok(place) => Some(place),
+                Err(_) if self.is_told(before) && self.is_told(after) => None,
+                Err(status) => return Err(off_ground(state, status)),
+            },
+        };
+        let site = place.as_ref().map_or(Site::Unmapped, Site::Ground);
+        let step = displace(&way, &site).map_err(|error| {
+            let flag = match error.kind {
+                ErrorKind::Underdetermined => Health::UNDETERMINED,
+                _ => Health::NOT_FINITE,
+            };
+            Refusal::new(flag, error)
+        })?;
+        state.errors.propagate(&start, &step.tangent, &step.noise);
+        let moved = Motion3::exp(&step.tangent);
+        let shift = start * moved.translation;
+        state.walk.shift(shift.x, shift.y);
+        state.z.add(shift.z);
+        match (step.yaw, after.attitude) {
+            (Some(yaw), Some(attitude)) => {
+                state.walk.turn(yaw);
+                (state.roll, state.pitch) = (attitude.roll, attitude.pitch);
+            }
+            _ => {
+                state.face(&(start * moved.rotation));
+                self.measure_tilt(state, after);
+            }
+        }
+        state.twist = (step.tangent / dt).into();
+        state.slopes = step.slopes;
+        let settled = match &self.ground {
+            None => true,
+            Some(ground) => self.stand(state, after, ground).is_ok() && place.is_some(),
+        };
+        Ok(Taken { noise: step.noise, slid: step.slid, slips: step.slips, settled })
+    }
+
+    /// Where the rover stands in the middle of a step.
+    fn middle(&self, state: &State, way: &Way<'_>, ground: &Terrain) -> Result<Place, Status> {
+        let as_before = || Vector6::from(state.twist) * (way.dt * 0.5);
+        let ahead = state.place.as_ref().and_then(|place| halfway(way, place));
+        let half = Motion3::exp(&ahead.unwrap_or_else(as_before));
+        let start = state.rotation();
+        let shift = start * half.translation;
+        let (_, _, yaw) = (start * half.rotation).euler_angles();
+        let plan = state.plan();
+        let pose = PlanPose { x: plan.x + shift.x, y: plan.y + shift.y, yaw };
+        Place::find(&self.chain, ground, pose, &middle_angles(way))
+    }
+}
+
+fn off_ground(state: &State, status: Status) -> Refusal {
+    let PlanPose { x, y, .. } = state.plan();
+    let value = format!("{} near x {}, y {}", status.name(), number(x), number(y));
+    let rule = "hold the rover, or attitude and joints come with every sample";
+    Refusal::new(Health::OFF_GROUND, Error::value("ground", rule, value))
+}
+
+/// A covariance that is symmetric and has no negative variance; infinite ones, where they may be, say nothing of a
+/// direction.
+pub(crate) fn check_covariance(covariance: [[f64; 6]; 6], may_be_infinite: bool) -> Result<Matrix6<f64>, Error> {
+    let mut matrix = Matrix6::from(covariance);
+    for k in 0..6 {
+        matrix[(k, k)] = read_variance(matrix[(k, k)]);
+    }
+    let refused = |rule| Err(Error::value("covariance", rule, numbers(matrix.as_slice())));
+    let open = |k: usize| may_be_infinite && matrix[(k, k)] == f64::INFINITY;
+    for i in 0..6 {
+        for k in 0..6 {
+            let value = matrix[(i, k)];
+            if !(value.abs() < HUGE || i == k && open(i)) || i == k && value < 0.0 {
+                return refused("hold variances on its diagonal and finite covariances beside it");
+            }
+        }
+    }
+    let known = Matrix6::from_fn(|i, k| if open(i) || open(k) { 0.0 } else { matrix[(i, k)] });
+    let size = |i: usize, k: usize| (known[(i, i)] * known[(k, k)]).sqrt();
+    for i in 0..6 {
+        for k in 0..i {
+            if (known[(i, k)] - known[(k, i)]).abs() > 1e-9 * size(i, k) {
+                return refused("be symmetric");
+            }
+        }
+    }
+    let symmetric = (known + known.transpose()) * 0.5;
+    if symmetric.symmetric_eigenvalues().min() < -1e-9 * symmetric.trace() {
+        return refused("have no negative variance in any direction");
+    }
+    Ok((matrix + matrix.transpose()) * 0.5)
+}

@@ -1,0 +1,246 @@
+//! The displacement over one step in space, from what wheels, joints and an IMU read.
+//!
+//! The motion is that of `moving`: at contacts in the middle of the step the rates of body and joints over the whole
+//! of it, as if they were constant. Steering counts as in the plane.
+
+use nalgebra::Vector6;
+
+use super::noise::{errors, share};
+use super::site::{Place, Site};
+use super::spread::StepNoise;
+use super::way::{Tilt, Told, Way};
+use crate::{COLUMNS, Climb, Contacts, Found, Readings, Row, Unmapped};
+use six_wheel_numerics::error::HUGE;
+use six_wheel_numerics::error::{Error, ErrorKind, numbers};
+use six_wheel_odometry::step::chord;
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+
+/// Rounds in which turn, contacts and way are found together.
+const ROUNDS: usize = 12;
+
+/// Change of way [m] and turn [rad] at which they are found.
+const FOUND: f64 = 1e-14;
+
+/// What came of it.
+pub(crate) struct Step {
+    /// `log(start⁻¹ end)`
+    pub tangent: Vector6<f64>,
+    /// Change of the yaw, where the tilt at both ends was measured [rad].
+    pub yaw: Option<f64>,
+    pub noise: StepNoise,
+    /// How far every contact slid along its rim and to the left [m].
+    pub slid: [[f64; 2]; MAX_WHEELS],
+    /// Whether one slid further than the noise explains.
+    pub slips: bool,
+    /// How steeply every wheel has climbed against the plane of all.
+    pub slopes: [f64; MAX_WHEELS],
+}
+
+/// The displacement over one step.
+pub(crate) fn displace(way: &Way<'_>, site: &Site<'_>) -> Result<Step, Error> {
+    let huge = || {
+        let rule = "be small enough for a finite pose and covariance";
+        let count = way.chain.wheels().len();
+        Error::value("wheel_angles", rule, numbers(&way.turned[..count]))
+    };
+    let mut read = way.turned.iter().chain(&way.after.angles);
+    if !read.all(|value| value.abs() < HUGE || value.is_nan()) {
+        return Err(huge());
+    }
+    let tilt = Tilt::of(way);
+    let told = tell(way, site, tilt.as_ref())?;
+    let mut noise = StepNoise::none();
+    let slips = errors(way, &told, tilt.as_ref(), &mut noise);
+    let mut tangent = Vector6::from(told.twist);
+    let mut yaw = told.yaw;
+    if let Some(change) = share(way, &told, tilt.as_ref(), &mut noise) {
+        tangent += change;
+        if let Some(tilt) = &tilt {
+            yaw += (tangent[5] - tilt.turn(yaw).z) / tilt.up.z;
+        }
+    }
+    if let Some(tilt) = &tilt {
+        let turn = tilt.turn(yaw);
+        tangent.fixed_rows_mut::<3>(3).copy_from(&turn);
+    }
+    let finite = tangent.iter().all(|part| part.abs() < HUGE)
+        && noise.own.iter().all(|part| part.abs() < HUGE)
+        && tangent.iter().all(|part| (part / way.dt).is_finite());
+    if !finite {
+        return Err(huge());
+    }
+    Ok(Step { tangent, yaw: tilt.map(|_| yaw), noise, slid: told.slid, slips, slopes: told.slopes })
+}
+
+/// What a step says to `moving`: everything over the whole of it, angles in its middle.
+struct Input {
+    speeds: [f64; MAX_WHEELS],
+    /// Steering angles in the middle.
+    angles: [f64; MAX_WHEELS],
+    /// Their changes.
+    swivels: [f64; MAX_WHEELS],
+    joints: [f64; MAX_FREE],
+    turned: [f64; MAX_FREE],
+    wheels: usize,
+    steered: usize,
+    free: usize,
+}
+
+impl Input {
+    /// A pivot whose wheel steers by `d` meanwhile goes along an arc in body axes, whose chord is `sin(d/2) / (d/2)` of
+    /// the way the wheel rolled, as in the plane.
+    fn of(way: &Way<'_>) -> Self {
+        let chain = way.chain;
+        let mut input = Self {
+            speeds: *way.turned,
+            angles: [0.0; MAX_WHEELS],
+            swivels: [0.0; MAX_WHEELS],
+            joints: [0.0; MAX_FREE],
+            turned: [0.0; MAX_FREE],
+            wheels: chain.wheels().len(),
+            steered: chain.steering().len(),
+            free: chain.joints().len(),
+        };
+        let mut chords = [1.0; MAX_WHEELS];
+        for (joint, share) in chords.iter_mut().enumerate().take(input.steered) {
+            let (first, last) = (way.before.angles[joint], way.after.angles[joint]);
+            *share = chord(last - first);
+            input.swivels[joint] = (last - first) * *share;
+            input.angles[joint] = f64::midpoint(first, last);
+        }
+        for joint in 0..input.free {
+            let (first, last) = (way.before.joints[joint], way.after.joints[joint]);
+            input.turned[joint] = last - first;
+            input.joints[joint] = f64::midpoint(first, last);
+        }
+        for (wheel, speed) in input.speeds[..input.wheels].iter_mut().enumerate() {
+            if let Some(joint) = chain.steering_joint(wheel) {
+                *speed *= chords[joint];
+            }
+        }
+        input
+    }
+
+    fn joints(&self) -> &[f64] {
+        &self.joints[..self.free]
+    }
+
+    fn readings<'a>(&'a self, body: Option<&'a [f64; 3]>) -> Readings<'a> {
+        Readings {
+            speeds: &self.speeds[..self.wheels],
+            steering_rates: Some(&self.swivels[..self.steered]),
+            joint_rates: Some(&self.turned[..self.free]),
+            angular_velocity: body.map(|body| &body[..]),
+            weights: None,
+        }
+    }
+
+    /// What it stands on at a site.
+    fn stand<'a>(&self, chain: &'a Chain, site: &Site<'_>) -> Result<Underfoot<'a>, Error> {
+        let underfoot = match site {
+            Site::Unmapped => {
+                let steering = &self.angles[..self.steered];
+                Unmapped::new(chain, self.joints(), steering).map(Underfoot::Unmapped)
+            }
+            Site::Ground(place) => {
+                let contacts = Contacts::new(chain, &place.footing(), None);
+                contacts.map(|contacts| {
+                    Underfoot::Ground(Found {
+                        contacts: contacts.sharing_sides(),
+                        at: place.stand.wheels.map(|contact| contact.at),
+                        slopes: [0.0; MAX_WHEELS],
+                    })
+                })
+            }
+        };
+        underfoot.ok_or_else(|| {
+            let rule = "be within reach of the differential, with wheels that stand in no line";
+            Error::value("joints", rule, numbers(self.joints()))
+        })
+    }
+
+    /// The contacts there, sides shared, as far as the motion is known.
+    fn contacts(&self, way: &Way<'_>, underfoot: &Underfoot<'_>, motion: Option<&Row>) -> Found {
+        match underfoot {
+            Underfoot::Unmapped(unmapped) => {
+                let climb = Climb { motion, turned: &self.speeds[..self.wheels], slopes: way.slopes, doubt: way.doubt };
+                let found = unmapped.contacts(way.chain, &climb);
+                Found { contacts: found.contacts.sharing_sides(), ..found }
+            }
+            Underfoot::Ground(found) => *found,
+        }
+    }
+}
+
+/// What is known of a site before the motion is.
+#[allow(clippy::large_enum_variant)] // one per step, on the stack
+enum Underfoot<'a> {
+    Unmapped(Unmapped<'a>),
+    Ground(Found),
+}
+
+/// Where half of a step leads from a settled start, in axes of its body.
+pub(crate) fn halfway(way: &Way<'_>, start: &Place) -> Option<Vector6<f64>> {
+    let input = Input::of(way);
+    let underfoot = input.stand(way.chain, &Site::Ground(start)).ok()?;
+    let found = input.contacts(way, &underfoot, None);
+    let half = Vector6::from(found.contacts.forward(&input.readings(None), way.radii).twist) * 0.5;
+    half.iter().all(|part| part.is_finite()).then_some(half)
+}
+
+/// Steering angles in the middle of a step.
+pub(crate) fn middle_angles(way: &Way<'_>) -> [f64; MAX_WHEELS] {
+    Input::of(way).angles
+}
+
+/// The motion of the wheels. With measured tilt the yaw is what makes the body turn about its own z axis as the wheels
+/// say; without a map contacts are where the wheels go.
+fn tell(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<Told, Error> {
+    let input = Input::of(way);
+    let underfoot = input.stand(way.chain, site)?;
+    let mut yaw = tilt.and_then(|tilt| tilt.yaw).unwrap_or(0.0);
+    let mut rates: Option<Row> = None;
+    let mut round = 0;
+    loop {
+        let turn = tilt.map(|tilt| tilt.turn(yaw));
+        let Found { contacts, at, slopes } = input.contacts(way, &underfoot, rates.as_ref());
+        let body = turn.map(|turn| [turn.x, turn.y, f64::NAN]);
+        let readings = input.readings(body.as_ref());
+        let moving = contacts.forward(&readings, way.radii);
+        if moving.twist.iter().any(|rate| rate.is_nan()) {
+            let rule = "determine the motion, with attitude and joints";
+            let value = numbers(&way.turned[..input.wheels]);
+            return Err(Error::value("wheel_angles", rule, value).of_kind(ErrorKind::Underdetermined));
+        }
+        let mut now = [0.0; COLUMNS];
+        now[..6].copy_from_slice(&moving.twist);
+        now[6..].copy_from_slice(&moving.joint_rates);
+        let mut missing: f64 = 0.0;
+        if let (Some(Tilt { up, yaw: None, .. }), Some(turn)) = (tilt, turn) {
+            missing = now[5] - turn.z;
+            yaw += missing / up.z;
+        }
+        let apart = |before: &Row| {
+            let pairs = before.iter().zip(&now);
+            pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
+        };
+        let change = match site {
+            Site::Unmapped => rates.as_ref().map_or(f64::INFINITY, apart),
+            Site::Ground(_) => 0.0,
+        };
+        rates = Some(now);
+        round += 1;
+        if (missing.abs() <= FOUND && change <= FOUND) || round == ROUNDS {
+            return Ok(Told {
+                twist: moving.twist,
+                turn,
+                yaw,
+                response: contacts.response(&readings, way.radii),
+                contacts,
+                at,
+                slopes,
+                slid: moving.residual.map(|[_, along, aside]| [along, aside]),
+            });
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! One step as it is read at its ends, and the answer of wheels, joints and tilt to it.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::sample::Read;
+use super::settings::Settings3;
+use crate::{Contacts, Response};
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
+
+/// One step: what was read at its ends.
+pub(crate) struct Way<'a> {
+    pub chain: &'a Chain,
+    pub settings: &'a Settings3,
+    pub radii: &'a [f64; MAX_WHEELS],
+    /// By how much the way of a wheel's centre across the ground may be off [m].
+    pub doubt: f64,
+    /// How steeply every wheel has climbed against the plane of all.
+    pub slopes: &'a [f64; MAX_WHEELS],
+    pub before: &'a Read,
+    pub after: &'a Read,
+    /// What every wheel turned [rad].
+    pub turned: &'a [f64; MAX_WHEELS],
+    pub dt: f64,
+}
+
+/// Tilt at both ends of a step.
+#[derive(Clone, Copy)]
+pub(crate) struct Tilt {
+    pub ends: [UnitQuaternion<f64>; 2],
+    /// What the attitudes say of the yaw [rad].
+    pub yaw: Option<f64>,
+    /// The vertical in the body in the middle of the step.
+    pub up: Vector3<f64>,
+}
+
+impl Tilt {
+    pub fn of(way: &Way<'_>) -> Option<Self> {
+        let (first, last) = (way.before.attitude?, way.after.attitude?);
+        let ends = [first.tilt(), last.tilt()];
+        let up = ends.map(|tilt| tilt.inverse() * Vector3::z());
+        let yaw = first.yaw.zip(last.yaw);
+        Some(Self {
+            ends,
+            yaw: yaw.map(|(first, last)| six_wheel_kinematics::geometry::wrap_angle(last - first)),
+            up: (up[0] + up[1]) * 0.5,
+        })
+    }
+
+    /// The turn of the body that changes the yaw by this much.
+    pub fn turn(&self, yaw: f64) -> Vector3<f64> {
+        let [first, last] = &self.ends;
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
+        (first.inverse() * turn * last).scaled_axis()
+    }
+
+    /// How the turn answers to roll and to pitch at the start and at the end, the yaw held.
+    pub fn by_ends(&self, turn: &Vector3<f64>, way: &Way<'_>) -> [[Vector3<f64>; 2]; 2] {
+        let rolls = [way.before, way.after].map(|read| read.attitude.map_or(0.0, |one| one.roll));
+        let axes = rolls.map(|roll| {
+            let (sin, cos) = roll.sin_cos();
+            [Vector3::x(), Vector3::new(0.0, cos, -sin)]
+        });
+        [axes[0].map(|axis| turn.cross(&axis) * 0.5 - axis), axes[1].map(|axis| axis + turn.cross(&axis) * 0.5)]
+    }
+}
+
+/// What wheels, joints and tilt say of a step, before a gyroscope has its say.
+pub(crate) struct Told {
+    pub twist: [f64; 6],
+    pub turn: Option<Vector3<f64>>,
+    pub yaw: f64,
+    pub contacts: Contacts,
+    /// Of the contact angle of every wheel.
+    pub at: [Direction; MAX_WHEELS],
+    pub slopes: [f64; MAX_WHEELS],
+    pub slid: [[f64; 2]; MAX_WHEELS],
+    pub response: Response,
+}

@@ -1,0 +1,43 @@
+//! Whole arrays at once: every row is checked before the first one is written.
+//!
+//! From an array to a register and back, for one batch:
+//!
+//! 1. A **call** (one file a kind, here) has rows of numbers as the caller keeps them (a [`Table`]), and [`Workers`]: a level and
+//!    a number of threads. It cuts the rows into shares, one per thread (`threads/workers.rs` in `six_wheel_numerics`), and those into blocks
+//!    that stay in the caches.
+//! 2. It makes a plan of the rover: what a formula needs to know of it, as plain numbers. No plan, or the level
+//!    [`Level::Plain`]: the plain core does it row by row. That is also the oracle of everything here.
+//! 3. [`Level::run`] enters a function that is compiled once per set of instructions, with a token `S`
+//!    that proves the processor has them. Everything below it is `#[inline(always)]`.
+//! 4. A **formula** ([`crate::formulas`], one file a job) takes 64 rows at a time apart (`weave.rs`): row after row in
+//!    memory becomes one column per number, so that a register holds the same number of 4 or 8 successive rows.
+//! 5. It computes with `Lanes`, a register with the operators of a number (`simd/lanes.rs`), and functions of
+//!    `simd/polynomials.rs`. There are no branches on a lane: a `Mask` says which rows the formula decides for sure.
+//! 6. The columns of the results are woven together into rows and stored, past the caches if they would not stay there
+//!    anyway (`stream.rs`).
+//! 7. Rows that were not sure (at an end of a range, at rest, huge, NaN) are done again by the plain core.
+//!
+//! **One row** ([`crate::one_row`]) goes the same way, but its lanes are the wheels, so nothing has to be woven; its plans are
+//! made with the rover.
+
+mod blocks;
+mod maps;
+pub mod poses;
+mod rows;
+mod single;
+mod singly;
+mod twists;
+
+pub use crate::formulas::fit::Fits;
+pub use crate::formulas::maps::Map;
+pub use crate::table::{Beside, Durations, Log, Readings, Source, Table};
+pub use maps::{differentiate, map};
+pub use poses::integrate;
+pub use rows::{forward, inverse};
+pub use single::{admissible_one, forward_one, inverse_one, project_one};
+pub use singly::{fill, fit, sensitivity};
+pub use six_wheel_numerics::places::Places;
+pub use six_wheel_numerics::simd::level::Level;
+pub use six_wheel_numerics::sizes::are_finite;
+pub use six_wheel_numerics::threads::workers::Workers;
+pub use twists::{admissible, project};

@@ -1,0 +1,284 @@
+//! Poses along logs: checked, shared out, and handed to the kernels block by block.
+
+use std::ops::Range;
+
+use super::blocks::BLOCK_ROWS;
+use crate::geometry::{Bound, Steps, Twist, Walk};
+use crate::pose_logs::integrate::{LARGEST_TOTAL, follow, place};
+use crate::pose_logs::logs::Logs;
+use crate::rover::Rover;
+use crate::table::{Durations, Table};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::sizes::sum_of_sizes;
+use six_wheel_numerics::stream::is_large;
+use six_wheel_numerics::threads::workers::Workers;
+
+/// Logs up to this long are checked and read several at a time.
+const SHORT_LOG: usize = 1024;
+
+/// Logs worked on together: as many as the widest register has lanes.
+const GROUP: usize = 8;
+
+/// Logs of `count` steps each, and what they begin with: one start for every log, or one for all.
+#[derive(Clone, Copy)]
+pub struct Journey<'a> {
+    /// Twists, row after row.
+    pub twists: Table<'a>,
+    /// Steps of a log.
+    pub count: usize,
+    /// Durations of the steps [s].
+    pub steps: Durations<'a>,
+    /// First poses.
+    pub starts: &'a [[f64; 3]],
+    /// The longest step [s].
+    pub longest: f64,
+    /// Sizes up to here need no second look.
+    pub largest: f64,
+    /// Whose wheel speeds have to be finite too.
+    pub rover: Option<&'a Rover>,
+    /// Whether poses of a log on its own are written past the caches.
+    pub past: bool,
+}
+
+/// Memory of one thread for what has to be read.
+#[derive(Default)]
+pub struct Buffers {
+    /// Twists that were read.
+    pub twists: Vec<f64>,
+    /// Durations that were read [s].
+    pub steps: Vec<f64>,
+}
+
+impl<'a> Journey<'a> {
+    /// Fails where a duration is not one.
+    #[inline]
+    pub fn new(twists: Table<'a>, count: usize, steps: Durations<'a>, starts: &'a [[f64; 3]]) -> Result<Self, Error> {
+        Ok(Self {
+            twists,
+            count,
+            steps,
+            starts,
+            longest: steps.check(count, BLOCK_ROWS)?,
+            largest: LARGEST_TOTAL,
+            rover: None,
+            past: false,
+        })
+    }
+
+    /// First pose of a log.
+    #[inline]
+    pub fn start(&self, log: usize) -> [f64; 3] {
+        let one = self.starts.len() == 1;
+        self.starts[if one { 0 } else { log }]
+    }
+
+    /// Whether so many logs are worked on side by side. It depends on nothing else, so that no result does.
+    #[inline]
+    pub fn is_side_by_side(&self, level: Level, logs: usize) -> bool {
+        level != Level::Plain && logs >= GROUP && self.count <= SHORT_LOG
+    }
+
+    /// So many logs are read at a time.
+    #[inline]
+    pub fn block(&self) -> usize {
+        (BLOCK_ROWS / self.count.max(1)).next_multiple_of(GROUP).max(GROUP)
+    }
+
+    /// The steps of a log from `first` on, at most a block of them.
+    fn piece<'b>(&self, log: usize, first: usize, buffers: &'b mut Buffers) -> (&'b [[f64; 3]], Steps<'b>)
+    where
+        'a: 'b,
+    {
+        let end = self.count.min(first + BLOCK_ROWS);
+        let from = log * self.count;
+        let numbers = self.twists.get(3 * (from + first), 3 * (from + end), &mut buffers.twists);
+        let steps = self.steps.get(first, end, &mut buffers.steps);
+        (numbers.as_chunks().0, steps)
+    }
+
+    /// All steps of some short logs.
+    pub fn logs<'b>(&self, logs: Range<usize>, buffers: &'b mut Buffers) -> Logs<'b>
+    where
+        'a: 'b,
+    {
+        let (first, end) = (logs.start * self.count, logs.end * self.count);
+        let numbers = self.twists.get(3 * first, 3 * end, &mut buffers.twists);
+        Logs {
+            twists: numbers.as_chunks().0,
+            count: self.count,
+            steps: self.steps.get(0, self.count, &mut buffers.steps),
+            starts: match self.starts {
+                [_] => self.starts,
+                starts => &starts[logs],
+            },
+        }
+    }
+
+    /// What the first pose adds to the bound of all others.
+    fn size_of_start(&self, log: usize) -> f64 {
+        self.start(log).iter().map(|value| value.abs()).sum()
+    }
+
+    /// Whether sizes of twists surely lead to finite poses. False for NaN.
+    fn is_small(&self, start: f64, sizes: f64) -> bool {
+        start + sizes * self.longest * 2.0 <= self.largest
+    }
+
+    /// Fails at the first step that does not lead to a finite pose.
+    pub fn check(&self, level: Level, logs: Range<usize>) -> Result<(), Error> {
+        let buffers = &mut Buffers::default();
+        let short = self.count <= SHORT_LOG;
+        let mut rest = logs;
+        while short && !rest.is_empty() {
+            let end = if self.twists.is_read() { rest.end.min(rest.start + self.block()) } else { rest.end };
+            let block = rest.start..end;
+            let (first, last) = (3 * block.start * self.count, 3 * end * self.count);
+            let numbers = self.twists.get(first, last, &mut buffers.twists);
+            let starts = match self.starts {
+                [_] => self.size_of_start(0),
+                _ => block.clone().map(|log| self.size_of_start(log)).sum(),
+            };
+            if !self.is_small(starts, sum_of_sizes(level, numbers)) {
+                for log in block {
+                    self.check_steps(log, buffers)?;
+                }
+            }
+            rest.start = end;
+        }
+        for log in rest {
+            let mut bound = LogBound::new(self, log);
+            for first in (0..self.count).step_by(BLOCK_ROWS) {
+                let twists = self.piece(log, first, buffers).0;
+                if !bound.holds(level, twists) {
+                    self.check_steps(log, buffers)?;
+                    break;
+                }
+            }
+            // A log without steps has a start.
+            if !bound.holds(level, &[]) {
+                self.check_steps(log, buffers)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// [`Self::check`] of one log, step by step.
+    fn check_steps(&self, log: usize, buffers: &mut Buffers) -> Result<(), Error> {
+        let mut bound = Bound::new(self.start(log))?;
+        for first in (0..self.count).step_by(BLOCK_ROWS) {
+            let (twists, steps) = self.piece(log, first, buffers);
+            let from = log * self.count + first;
+            for (k, twist) in twists.iter().enumerate() {
+                let step = Steps::Constant(steps.get(k));
+                let twist = std::slice::from_ref(twist);
+                bound.extend(twist, step).map_err(|error| error.below(from + k))?;
+                if let Some(rover) = self.rover {
+                    rover.check_speeds(Twist::from(twist[0]), None).map_err(|error| error.at_row(from + k))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The poses of one log, block by block, checked first unless that has been done.
+    #[inline]
+    pub fn follow(
+        &self,
+        level: Level,
+        log: usize,
+        mut checked: bool,
+        poses: &mut [[f64; 3]],
+        buffers: &mut Buffers,
+    ) -> Result<(), Error> {
+        let start = self.start(log);
+        let Some((first, poses)) = poses.split_first_mut() else {
+            return Ok(());
+        };
+        *first = start;
+        let mut bound = LogBound::new(self, log);
+        if !(checked || bound.holds(level, &[])) {
+            self.check_steps(log, buffers)?;
+            checked = true;
+        }
+        let mut walk = Walk::new(start);
+        for (k, poses) in poses.chunks_mut(BLOCK_ROWS).enumerate() {
+            let (twists, steps) = self.piece(log, k * BLOCK_ROWS, buffers);
+            if checked || bound.holds(level, twists) {
+                follow(level, twists, steps, poses, self.past, &mut walk);
+                continue;
+            }
+            self.check_steps(log, buffers)?;
+            checked = true;
+            let (twists, steps) = self.piece(log, k * BLOCK_ROWS, buffers);
+            follow(level, twists, steps, poses, self.past, &mut walk);
+        }
+        Ok(())
+    }
+}
+
+/// The quick form of [`Bound`]: a sum of sizes.
+struct LogBound<'j, 'a> {
+    journey: &'j Journey<'a>,
+    start: f64,
+    sizes: f64,
+}
+
+impl<'j, 'a> LogBound<'j, 'a> {
+    fn new(journey: &'j Journey<'a>, log: usize) -> Self {
+        Self { journey, start: journey.size_of_start(log), sizes: 0.0 }
+    }
+
+    /// Whether all poses up to the end of these twists are surely finite.
+    fn holds(&mut self, level: Level, twists: &[[f64; 3]]) -> bool {
+        self.sizes += sum_of_sizes(level, twists.as_flattened());
+        self.journey.is_small(self.start, self.sizes)
+    }
+}
+
+/// Poses along logs of `count` twists each, every twist held over its step: exact, whatever its length.
+///
+/// There is one start per log, or one for all; `poses` takes `count + 1` rows per log, the first of which is its
+/// start. Rows of errors count over all logs.
+pub fn integrate<'a>(
+    twists: impl Into<Table<'a>>,
+    count: usize,
+    steps: impl Into<Durations<'a>>,
+    starts: &'a [[f64; 3]],
+    poses: &mut [[f64; 3]],
+    workers: Workers,
+) -> Result<(), Error> {
+    let Workers { level, fresh, .. } = workers.here();
+    let journey = Journey {
+        past: is_large(poses.as_flattened().len()),
+        ..Journey::new(twists.into(), count, steps.into(), starts)?
+    };
+    let logs = poses.len() / (count + 1);
+    let share = workers.share_of_logs(logs, count);
+    let short = level != Level::Plain && count <= SHORT_LOG;
+    if !fresh {
+        let shares = (0..logs).step_by(share);
+        workers.each(shares, |first| journey.check(level, first..logs.min(first + share)))?;
+    }
+    let targets = poses.chunks_mut(share * (count + 1)).enumerate();
+    workers.each(targets, |(k, poses)| {
+        let buffers = &mut Buffers::default();
+        let first = k * share;
+        if !short {
+            for (k, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
+                journey.follow(level, first + k, !fresh, poses, buffers)?;
+            }
+            return Ok(());
+        }
+        let block = journey.block();
+        for (k, poses) in poses.chunks_mut(block * (count + 1)).enumerate() {
+            let first = first + k * block;
+            let logs = first..first + poses.len() / (count + 1);
+            if fresh {
+                journey.check(level, logs.clone())?;
+            }
+            place(level, journey.logs(logs, buffers), poses, journey.past);
+        }
+        Ok(())
+    })
+}

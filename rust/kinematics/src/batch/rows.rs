@@ -1,0 +1,251 @@
+//! Inverse and forward kinematics of many rows: checked, shared out, and handed to the kernels block by block.
+
+use std::ops::Range;
+
+use super::blocks::BLOCK_ROWS;
+use super::single;
+use crate::estimate::{Measured, Unseen};
+use crate::formulas::{forward as estimate, inverse as command};
+use crate::geometry::Twist;
+use crate::rover::Rover;
+use crate::rover_data::Inputs;
+use crate::table::{Beside, Log, Readings, Table};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::stream::is_large;
+use six_wheel_numerics::threads::workers::Workers;
+
+/// Rows from which a batch is worth setting up a kernel for.
+pub(crate) const FEW: usize = 8;
+
+/// The rows in blocks of this size.
+fn blocks(rows: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>> {
+    let end = rows.end;
+    rows.step_by(size).map(move |first| first..end.min(first + size))
+}
+
+/// Rows at a time out of a share: all, unless they have to be read.
+fn block_of<const N: usize>(share: usize, tables: [Option<Table<'_>>; N]) -> usize {
+    if tables.into_iter().flatten().any(Table::is_read) {
+        return share.min(BLOCK_ROWS);
+    }
+    share
+}
+
+/// Twists with what goes with them.
+struct Commands<'a> {
+    rover: &'a Rover,
+    plan: Option<command::Plan<'a>>,
+    level: Level,
+    twists: Table<'a>,
+    beside: Beside<'a>,
+    /// Whether what is written goes past the caches.
+    past: bool,
+}
+
+impl<'a> Commands<'a> {
+    fn rows<'b>(
+        &self,
+        rows: Range<usize>,
+        [twists, previous, speeds, rates]: &'b mut [Vec<f64>; 4],
+    ) -> (&'b [[f64; 3]], Inputs<'b>)
+    where
+        'a: 'b,
+    {
+        let (joints, wheels) = (self.rover.steered().len(), self.rover.wheels().len());
+        let twists = self.twists.rows(rows.clone(), 3, twists);
+        let Beside { previous: held, previous_speeds, steering_rates } = self.beside;
+        let inputs = Inputs {
+            previous: held.map(|table| table.rows(rows.clone(), joints, previous)),
+            previous_speeds: previous_speeds.map(|table| table.rows(rows.clone(), wheels, speeds)),
+            steering_rates: steering_rates.map(|table| table.rows(rows, joints, rates)),
+        };
+        (twists.as_chunks().0, inputs)
+    }
+
+    /// Fails at the first row that the rover cannot make.
+    fn check(&self, first: usize, twists: &[[f64; 3]], inputs: Inputs<'_>) -> Result<(), Error> {
+        if let Some(plan) = &self.plan {
+            return plan.check(self.level, twists, inputs, first);
+        }
+        for (k, twist) in twists.iter().enumerate() {
+            let inputs = inputs.row(self.rover, k);
+            single::check_row(self.level, self.rover, Twist::from(*twist), inputs)
+                .map_err(|error| error.at_row(first + k))?;
+        }
+        Ok(())
+    }
+
+    fn solve(&self, twists: &[[f64; 3]], inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
+        if let Some(plan) = &self.plan {
+            return plan.solve(self.level, twists, inputs, steering, speeds, self.past);
+        }
+        let joints = self.rover.steered().len();
+        let speeds = speeds.chunks_exact_mut(self.rover.wheels().len());
+        for (k, (twist, speeds)) in twists.iter().zip(speeds).enumerate() {
+            let steering = &mut steering[k * joints..(k + 1) * joints];
+            let inputs = inputs.row(self.rover, k);
+            let twist = Twist::from(*twist);
+            single::solve_row(self.level, self.rover, twist, inputs, steering, speeds);
+        }
+    }
+}
+
+/// [`Rover::inverse`] of every twist.
+pub fn inverse<'a>(
+    rover: &'a Rover,
+    twists: impl Into<Table<'a>>,
+    inputs: impl Into<Beside<'a>>,
+    steering: &mut [f64],
+    speeds: &mut [f64],
+    workers: Workers,
+) -> Result<(), Error> {
+    let Workers { level, fresh, .. } = workers.here();
+    let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+    let (count, beside) = (speeds.len() / wheels, inputs.into());
+    let planned = level != Level::Plain && count >= FEW;
+    let commands = Commands {
+        rover,
+        plan: planned.then(|| command::Plan::new(rover, rover.cone.as_ref()?)).flatten(),
+        level,
+        twists: twists.into(),
+        beside,
+        past: is_large(steering.len() + speeds.len()),
+    };
+    let share = workers.share(count);
+    let (twists, beside) = (Some(commands.twists), commands.beside);
+    let block = block_of(share, [twists, beside.previous, beside.previous_speeds, beside.steering_rates]);
+    if !fresh {
+        workers.each((0..count).step_by(share), |first| {
+            let buffers = &mut Default::default();
+            for rows in blocks(first..count.min(first + share), block) {
+                let (twists, inputs) = commands.rows(rows.clone(), buffers);
+                commands.check(rows.start, twists, inputs)?;
+            }
+            Ok(())
+        })?;
+    }
+    let block = if fresh { block.min(BLOCK_ROWS) } else { block };
+    // A rover without steered wheels has no columns to cut.
+    let mut steering = steering.chunks_mut((share * joints).max(1));
+    let targets = speeds.chunks_mut(share * wheels).map(|speeds| (steering.next().unwrap_or_default(), speeds));
+    workers.each(targets.enumerate(), |(k, (steering, speeds))| {
+        let buffers = &mut Default::default();
+        let first = k * share;
+        for rows in blocks(first..first + speeds.len() / wheels, block) {
+            let (twists, inputs) = commands.rows(rows.clone(), buffers);
+            if fresh {
+                commands.check(rows.start, twists, inputs)?;
+            }
+            let (from, end) = (rows.start - first, rows.end - first);
+            let steering = &mut steering[from * joints..end * joints];
+            commands.solve(twists, inputs, steering, &mut speeds[from * wheels..end * wheels]);
+        }
+        Ok(())
+    })
+}
+
+/// Readings and how they are understood.
+struct Reports<'a> {
+    rover: &'a Rover,
+    plan: Option<estimate::Plan<'a>>,
+    level: Level,
+    readings: Readings<'a>,
+    unseen: Unseen,
+    /// Whether what is written goes past the caches.
+    past: bool,
+}
+
+impl<'a> Reports<'a> {
+    fn rows<'b>(&self, rows: Range<usize>, [steering, speeds, rates]: &'b mut [Vec<f64>; 3]) -> Log<'b>
+    where
+        'a: 'b,
+    {
+        let (joints, wheels) = (self.rover.steered().len(), self.rover.wheels().len());
+        let readings = self.readings;
+        Log {
+            steering: readings.steering.rows(rows.clone(), joints, steering),
+            speeds: readings.speeds.rows(rows.clone(), wheels, speeds),
+            steering_rates: readings.steering_rates.map(|table| table.rows(rows, joints, rates)),
+        }
+    }
+
+    /// Fails at the first row that cannot be read; rows of errors count from the log's first.
+    fn check(&self, log: Log<'_>, count: usize) -> Result<(), Error> {
+        if let Some(plan) = &self.plan {
+            return plan.check(self.level, log, 0..count, self.unseen);
+        }
+        // Where the rows depend on the angles or on gaps in the readings, only solving shows whether it works.
+        let solvable = |measured: Measured<'_>| {
+            if self.rover.solution.is_some() && measured.is_complete() {
+                self.rover.check_readings(measured)
+            } else {
+                self.rover.forward(measured, self.unseen).map(drop)
+            }
+        };
+        (0..count).try_for_each(|k| solvable(log.row(self.rover, k)).map_err(|error| error.at_row(k)))
+    }
+
+    fn solve(&self, log: Log<'_>, twists: &mut [[f64; 3]]) -> Result<(), Error> {
+        if let Some(plan) = &self.plan {
+            return plan.solve(self.level, log, self.unseen, twists, self.past);
+        }
+        for (k, twist) in twists.iter_mut().enumerate() {
+            let measured = log.row(self.rover, k);
+            *twist = single::read_row(self.level, self.rover, measured, self.unseen)?.into();
+        }
+        Ok(())
+    }
+}
+
+/// [`Rover::forward`] of every row of a log.
+pub fn forward<'a>(
+    rover: &'a Rover,
+    readings: impl Into<Readings<'a>>,
+    unseen: Unseen,
+    twists: &mut [[f64; 3]],
+    workers: Workers,
+) -> Result<(), Error> {
+    let Workers { level, fresh, .. } = workers.here();
+    let (count, readings) = (twists.len(), readings.into());
+    let planned = level != Level::Plain && count >= FEW;
+    let reports = Reports {
+        rover,
+        plan: planned.then(|| estimate::Plan::new(rover)).flatten(),
+        level,
+        readings,
+        unseen,
+        past: is_large(twists.as_flattened().len()),
+    };
+    let share = workers.share(count);
+    let tables = [Some(readings.steering), Some(readings.speeds), readings.steering_rates];
+    let block = block_of(share, tables);
+    let check = |rows: Range<usize>, log: Log<'_>| {
+        let checked = reports.check(log, rows.len());
+        checked.map_err(|error| error.below(rows.start))
+    };
+    if !fresh {
+        workers.each((0..count).step_by(share), |first| {
+            let buffers = &mut Default::default();
+            for rows in blocks(first..count.min(first + share), block) {
+                let log = reports.rows(rows.clone(), buffers);
+                check(rows, log)?;
+            }
+            Ok(())
+        })?;
+    }
+    let block = if fresh { block.min(BLOCK_ROWS) } else { block };
+    workers.each(twists.chunks_mut(share).enumerate(), |(k, twists)| {
+        let buffers = &mut Default::default();
+        for (b, twists) in twists.chunks_mut(block).enumerate() {
+            let first = k * share + b * block;
+            let rows = first..first + twists.len();
+            let log = reports.rows(rows.clone(), buffers);
+            if fresh {
+                check(rows, log)?;
+            }
+            reports.solve(log, twists)?;
+        }
+        Ok(())
+    })
+}

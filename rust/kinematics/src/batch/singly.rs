@@ -1,0 +1,118 @@
+//! Calls that go through the plain core row by row.
+
+use super::rows::FEW;
+use crate::estimate::sensitivity::Quantity;
+use crate::estimate::{Method, Unseen};
+use crate::formulas::fit::{Fits, Plan};
+use crate::formulas::forward;
+use crate::formulas::sensitivity::{Ask, plain};
+use crate::rover::Rover;
+use crate::table::Log;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::threads::workers::Workers;
+
+/// A value for every row, each on its own.
+pub fn fill<const N: usize>(
+    targets: &mut [[f64; N]],
+    workers: Workers,
+    value: impl Fn(usize) -> [f64; N] + Sync,
+) -> Result<(), Error> {
+    let share = workers.share(targets.len());
+    workers.each(targets.chunks_mut(share).enumerate(), |(k, targets)| {
+        for (row, target) in targets.iter_mut().enumerate() {
+            *target = value(k * share + row);
+        }
+        Ok(())
+    })
+}
+
+/// [`Rover::fit`] of every row of a log.
+pub fn fit(
+    rover: &Rover,
+    log: Log<'_>,
+    method: Method,
+    unseen: Unseen,
+    fits: Fits<'_>,
+    workers: Workers,
+) -> Result<(), Error> {
+    let (count, wheels) = (fits.twists.len(), rover.wheels().len());
+    let share = workers.share(count);
+    let plan = ((count >= FEW || method == Method::Robust) && log.steering_rates.is_none())
+        .then(|| Plan::new(rover, method, unseen))
+        .flatten();
+    let twists = fits.twists.chunks_mut(share).zip(fits.ranks.chunks_mut(share));
+    let slips = fits.residual.chunks_mut(share * wheels);
+    let says = fits.weights.chunks_mut(share * wheels);
+    let parts = twists.zip(fits.sigmas.chunks_mut(share)).zip(slips).zip(says);
+    workers.each(parts.enumerate(), |(k, ((((twists, ranks), sigmas), residual), weights))| {
+        let count = twists.len();
+        let log = log.rows(rover, k * share..k * share + count);
+        let failed = |error: Error| error.below(k * share);
+        let mut fits = Fits { twists, ranks, sigmas, residual, weights };
+        if let Some(plan) = &plan
+            && let Some(done) = plan.fit(workers.here().level, log, &mut fits)
+        {
+            return done.map_err(failed);
+        }
+        for k in 0..count {
+            let solve = |residual: &mut [f64], weights: &mut [f64]| {
+                rover.fit(log.row(rover, k), method, unseen, residual, weights)
+            };
+            let solved = fits.one(k, wheels, solve);
+            solved.map_err(|error| failed(error.at_row(k)))?;
+        }
+        Ok(())
+    })
+}
+
+/// The twist of every row of a log and its derivatives. A target takes `3 x wheels` numbers per row, or `3 x
+/// steered wheels` for quantities of the steering.
+#[inline]
+pub fn sensitivity(
+    rover: &Rover,
+    log: Log<'_>,
+    twists: &mut [[f64; 3]],
+    targets: &mut [(Quantity, &mut [f64])],
+    workers: Workers,
+) -> Result<(), Error> {
+    let (share, all) = (workers.share(twists.len()), (0..rover.wheels().len()));
+    let all: Vec<_> = all.collect();
+    let plan = forward::Plan::new(rover);
+    let mut parts: Vec<_> = targets
+        .iter_mut()
+        .map(|(quantity, target)| {
+            let wheels = match quantity {
+                Quantity::Steering | Quantity::SteeringRate => rover.steered(),
+                _ => &all,
+            };
+            // A rover without steered wheels has no columns to cut.
+            let size = (share * 3 * wheels.len()).max(1);
+            (*quantity, wheels, target.chunks_mut(size))
+        })
+        .collect();
+    let jobs: Vec<_> = twists
+        .chunks_mut(share)
+        .map(|twists| {
+            let parts = parts
+                .iter_mut()
+                .map(|(quantity, wheels, parts)| (*quantity, *wheels, parts.next().unwrap_or_default()));
+            (twists, parts.collect::<Vec<_>>())
+        })
+        .collect();
+    workers.each(jobs.into_iter().enumerate(), |(k, (twists, mut targets))| {
+        let log = log.rows(rover, k * share..k * share + twists.len());
+        let failed = |error: Error| error.below(k * share);
+        if let Some(plan) = &plan {
+            let gradients: Vec<_> = targets.iter().map(|(quantity, ..)| rover.gradients(*quantity)).collect();
+            let ask = Ask { plan, log, twists, targets: &mut targets, gradients: &gradients };
+            if let Some(done) = workers.here().level.run(ask) {
+                return done.map_err(failed);
+            }
+        }
+        for (k, twist) in twists.iter_mut().enumerate() {
+            let done = plain(rover, log, k, k, twist, &mut targets);
+            done.map_err(|error| failed(error.at_row(k)))?;
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,434 @@
+//! Wheels to twist: the rows of every wheel, stacked and solved by least squares.
+
+pub(crate) mod gradients;
+pub mod sensitivity;
+
+use std::str::FromStr;
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::geometry::Twist;
+use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
+use crate::wheels::{Direction, Pivot};
+use six_wheel_numerics::error::{Error, ErrorKind, finite, numbers};
+use six_wheel_numerics::jacobi::{Jacobi, triangle};
+
+/// Singular values below this share of the largest are zero.
+const RANK_TOLERANCE: f64 = 1e-9;
+
+/// Smallest pivot of the normal equations, as a share of their trace, that still determines a direction.
+const PIVOT_TOLERANCE: f64 = 1e-13;
+
+/// Share of an unseen motion's largest component below which another one is rounding.
+const VANISHED: f64 = 1e-12;
+
+/// Slip that counts as noise in a robust fit: this share of the root mean square rim speed at least, and
+/// this many times the median residual.
+pub(crate) const NOISE: f64 = 0.01;
+pub(crate) const MEDIANS: f64 = 3.0;
+
+/// Change of the weights at which a robust fit has settled, and rounds after which it stops regardless.
+pub(crate) const SETTLED: f64 = 1e-12;
+pub(crate) const ROUNDS: usize = 100;
+
+/// The wheel that disagrees most: the first of the largest residuals, none where every residual is 0 or unknown.
+pub fn worst_wheel(residuals: &[f64]) -> Option<usize> {
+    let largest = residuals.iter().copied().fold(0.0, f64::max);
+    residuals.iter().position(|residual| *residual == largest && largest > 0.0)
+}
+
+/// How the wheels' readings are weighed against each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Every wheel alike.
+    LeastSquares,
+    /// The unsteered wheels alone.
+    MiddleWheels,
+    /// Iteratively re-weighted: a wheel that disagrees with the others loses its say.
+    Robust,
+}
+
+impl FromStr for Method {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        match name {
+            "least_squares" => Ok(Self::LeastSquares),
+            "middle_wheels" => Ok(Self::MiddleWheels),
+            "robust" => Ok(Self::Robust),
+            _ => {
+                let rule = "be 'least_squares', 'middle_wheels' or 'robust'";
+                Err(Error::value("method", rule, format!("{name:?}")))
+            }
+        }
+    }
+}
+
+/// What becomes of a motion that no reading sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Unseen {
+    /// It is an error.
+    #[default]
+    Refuse,
+    /// It is taken to be zero, about the middle of the wheels.
+    Zero,
+}
+
+/// What a fit says beside the residuals and weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// The estimate.
+    pub twist: Twist,
+    /// Number of independent directions of the twist that the readings determine.
+    pub rank: usize,
+    /// Smallest singular value of the stacked, weighted rows.
+    pub sigma_min: f64,
+}
+
+/// Both rows of one wheel with their right-hand sides.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// Rolling row.
+    pub rolling: Vector3<f64>,
+    /// Side-slip row.
+    pub side_slip: Vector3<f64>,
+    /// Right-hand side of the rolling row [m/s].
+    pub rolled: f64,
+    /// Right-hand side of the side-slip row [m/s].
+    pub slipped: f64,
+}
+
+impl Reading {
+    /// Rows of a wheel that measures nothing.
+    pub const NONE: Self = Self {
+        rolling: Vector3::new(0.0, 0.0, 0.0),
+        side_slip: Vector3::new(0.0, 0.0, 0.0),
+        rolled: 0.0,
+        slipped: 0.0,
+    };
+
+    /// Length of the two residuals: how fast the contact slides under this twist [m/s].
+    #[inline]
+    pub fn residual(&self, twist: &Vector3<f64>) -> f64 {
+        let along = self.rolling.dot(twist) - self.rolled;
+        let across = self.side_slip.dot(twist) - self.slipped;
+        along.hypot(across)
+    }
+}
+
+/// What the wheels report at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// Angles of the steered wheels [rad].
+    pub steering: &'a [f64],
+    /// Speeds of all wheels [rad/s]. NaN where a passive wheel has no encoder.
+    pub speeds: &'a [f64],
+    /// Rates of the steered wheels [rad/s]; they matter to wheels with scrub or trail.
+    pub steering_rates: Option<&'a [f64]>,
+}
+
+impl Measured<'_> {
+    /// Whether every wheel has a reading.
+    #[inline]
+    pub fn is_complete(&self) -> bool {
+        self.speeds.iter().all(|speed| !speed.is_nan())
+    }
+}
+
+impl RoverData {
+    /// The twist that fits the readings of all wheels best, in the sense of least squares.
+    #[inline]
+    pub fn forward(&self, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
+        self.check_readings(measured)?;
+        let mut readings = [Reading::NONE; MAX_WHEELS];
+        let readings = self.read(measured, &mut readings);
+        self.least_squares(readings, measured, unseen)
+    }
+
+    /// Fails unless every reading is finite, passive wheels apart, and none is so large that the twist
+    /// would not be.
+    pub(crate) fn check_readings(&self, measured: Measured<'_>) -> Result<(), Error> {
+        finite("steering", measured.steering)?;
+        let rates = measured.steering_rates.unwrap_or_default();
+        finite("steering_rates", rates)?;
+        for (wheel, speed) in self.wheels().iter().zip(measured.speeds) {
+            if !(speed.is_finite() || speed.is_nan() && !wheel.driven) {
+                return Err(Error::value("speeds", "be finite", numbers(measured.speeds)));
+            }
+        }
+        let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let bound = largest(measured.speeds) + largest(rates);
+        if (bound * self.reading_bound).is_finite() {
+            Ok(())
+        } else {
+            let rule = "be small enough for a finite twist";
+            Err(Error::value("speeds", rule, numbers(measured.speeds)))
+        }
+    }
+
+    /// The solution of the normal equations, where it does not depend on the steering angles: a steered
+    /// wheel without scrub and trail measures its pivot's whole velocity, whichever way it points.
+    pub(crate) fn constant_solution(&self) -> Option<Matrix3<f64>> {
+        let centred = |&i: &usize| self.wheels()[i].is_centred();
+        if !self.steered().iter().all(centred) {
+            return None;
+        }
+        let zeros = [0.0; MAX_WHEELS];
+        let mut readings = [Reading::NONE; MAX_WHEELS];
+        let at_rest = Measured { steering: &zeros, speeds: &zeros, steering_rates: None };
+        let readings = self.read(at_rest, &mut readings);
+        self.solution(self.normal(readings, |_| 1.0), Unseen::Refuse).ok()
+    }
+
+    /// The twist with residual [m/s] and weight of every wheel, rank and smallest singular value.
+    pub fn fit(
+        &self,
+        measured: Measured<'_>,
+        method: Method,
+        unseen: Unseen,
+        residual: &mut [f64],
+        weights: &mut [f64],
+    ) -> Result<Fit, Error> {
+        self.check_readings(measured)?;
+        let mut readings = [Reading::NONE; MAX_WHEELS];
+        let readings = self.read(measured, &mut readings);
+        let twist = self.estimate(readings, measured, method, unseen, weights)?;
+        for (reading, residual) in readings.iter().zip(residual) {
+            *residual = reading.residual(&twist.into());
+        }
+        let (rank, sigma_min) = self.singular_values(readings, weights);
+        Ok(Fit { twist, rank, sigma_min })
+    }
+
+    /// The twist by any method, and the weights it gave the wheels.
+    pub fn estimate(
+        &self,
+        readings: &[Reading],
+        measured: Measured<'_>,
+        method: Method,
+        unseen: Unseen,
+        weights: &mut [f64],
+    ) -> Result<Twist, Error> {
+        weights.fill(1.0);
+        match method {
+            Method::LeastSquares => self.least_squares(readings, measured, unseen),
+            Method::MiddleWheels => {
+                for (weight, wheel) in weights.iter_mut().zip(self.wheels()) {
+                    *weight = if wheel.pivot == Pivot::Fixed { 1.0 } else { 0.0 };
+                }
+                if weights.iter().all(|weight| *weight == 0.0) {
+                    let rule = "be another one for a rover without unsteered wheels";
+                    return Err(Error::value("method", rule, "'middle_wheels'"));
+                }
+                self.weighted(readings, weights, unseen)
+            }
+            Method::Robust => {
+                let start = self.least_squares(readings, measured, unseen)?;
+                self.reweigh(readings, measured.speeds, start, weights, unseen)
+            }
+        }
+    }
+
+    /// Puts the readings into the wheel equation.
+    pub fn read<'r>(&self, measured: Measured<'_>, readings: &'r mut [Reading]) -> &'r [Reading] {
+        let mut joint = 0;
+        let wheels = self.wheels().iter().zip(&self.mounts).zip(measured.speeds);
+        for (((wheel, mount), speed), reading) in wheels.zip(readings.iter_mut()) {
+            let mut rate = 0.0;
+            let rows = match *mount {
+                Mount::Fixed(rows) => rows,
+                Mount::Castor(_) => continue,
+                Mount::Steered(..) => {
+                    rate = measured.steering_rates.map_or(0.0, |rates| rates[joint]);
+                    let angle = wheel.heading + measured.steering[joint];
+                    joint += 1;
+                    wheel.rows(Direction::from(angle))
+                }
+            };
+            reading.side_slip = rows.side_slip;
+            reading.slipped = wheel.trail * rate;
+            if speed.is_finite() {
+                reading.rolling = rows.rolling;
+                reading.rolled = wheel.radius * speed + wheel.scrub * rate;
+            } else {
+                reading.rolling = Vector3::zeros();
+                reading.rolled = 0.0;
+            }
+        }
+        &readings[..self.wheels().len()]
+    }
+
+    /// A row for the unknowns about the centre of the pivots, scaled by their spread: the normal equations
+    /// are then close to a multiple of the identity and lose no digits.
+    #[inline]
+    pub fn shifted(&self, row: &Vector3<f64>) -> Vector3<f64> {
+        let moment = row.z + row.x * self.centre.y - row.y * self.centre.x;
+        Vector3::new(row.x, row.y, moment / self.size)
+    }
+
+    /// Normal equations about the centre of the pivots, every wheel by its weight.
+    pub fn normal(&self, readings: &[Reading], weight: impl Fn(usize) -> f64) -> Matrix3<f64> {
+        let mut normal = Matrix3::zeros();
+        for (i, reading) in readings.iter().enumerate() {
+            let (rolling, side_slip) = (self.shifted(&reading.rolling), self.shifted(&reading.side_slip));
+            normal += (rolling * rolling.transpose() + side_slip * side_slip.transpose()) * weight(i);
+        }
+        normal
+    }
+
+    /// What turns the right-hand side of the normal equations into their solution.
+    pub fn solution(&self, normal: Matrix3<f64>, unseen: Unseen) -> Result<Matrix3<f64>, Error> {
+        let least = PIVOT_TOLERANCE * normal.trace();
+        let determined = normal.cholesky().filter(|factor| {
+            let diagonal = factor.l_dirty().diagonal();
+            diagonal.iter().all(|pivot| pivot * pivot > least)
+        });
+        match (determined, unseen) {
+            (Some(factor), _) => Ok(factor.inverse()),
+            (None, Unseen::Zero) => Ok(Jacobi::new(&normal).inverse(least)),
+            (None, Unseen::Refuse) => Err(self.underdetermined(normal)),
+        }
+    }
+
+    pub(crate) fn solve_for_twist(
+        &self,
+        solution: &Matrix3<f64>,
+        readings: &[Reading],
+        weight: impl Fn(usize) -> f64,
+    ) -> Twist {
+        let mut gradient = Vector3::zeros();
+        for (i, reading) in readings.iter().enumerate() {
+            let rolling = self.shifted(&reading.rolling) * reading.rolled;
+            let side_slip = self.shifted(&reading.side_slip) * reading.slipped;
+            gradient += (rolling + side_slip) * weight(i);
+        }
+        self.unshifted(&(solution * gradient)).into()
+    }
+
+    /// The twist whose unknowns about the centre of the pivots these are.
+    #[inline]
+    pub fn unshifted(&self, centred: &Vector3<f64>) -> Vector3<f64> {
+        let omega = centred.z / self.size;
+        Vector3::new(centred.x + omega * self.centre.y, centred.y - omega * self.centre.x, omega)
+    }
+
+    /// The inverse of the normal equations of the twist itself, from that about the centre of the pivots.
+    pub fn unshifted_inverse(&self, solution: &Matrix3<f64>) -> Matrix3<f64> {
+        let turn = Matrix3::new(
+            1.0,
+            0.0,
+            self.centre.y / self.size, //
+            0.0,
+            1.0,
+            -self.centre.x / self.size, //
+            0.0,
+            0.0,
+            1.0 / self.size,
+        );
+        turn * solution * turn.transpose()
+    }
+
+    /// Least squares, every wheel alike.
+    fn least_squares(&self, readings: &[Reading], measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
+        let solution = self.solution_for(readings, measured, unseen)?;
+        Ok(self.solve_for_twist(&solution, readings, |_| 1.0))
+    }
+
+    /// The solution of the normal equations, every wheel alike.
+    pub fn solution_for(
+        &self,
+        readings: &[Reading],
+        measured: Measured<'_>,
+        unseen: Unseen,
+    ) -> Result<Matrix3<f64>, Error> {
+        match self.solution.filter(|_| measured.is_complete()) {
+            Some(solution) => Ok(solution),
+            None => self.solution(self.normal(readings, |_| 1.0), unseen),
+        }
+    }
+
+    /// Weighted least squares.
+    fn weighted(&self, readings: &[Reading], weights: &[f64], unseen: Unseen) -> Result<Twist, Error> {
+        let solution = self.solution(self.normal(readings, |i| weights[i]), unseen)?;
+        Ok(self.solve_for_twist(&solution, readings, |i| weights[i]))
+    }
+
+    /// Names the motion that no reading sees.
+    fn underdetermined(&self, normal: Matrix3<f64>) -> Error {
+        let twist = self.unshifted(&Jacobi::new(&normal).turn.column(2).into_owned());
+        // To be read: the largest component is 1, and what vanishes beside it is 0.
+        let largest = twist[twist.iamax()];
+        let twist: [f64; 3] = (twist / largest).map(|part| if part.abs() < VANISHED { 0.0 } else { part }).into();
+        let rule = "determine the twist";
+        let value = format!("no reading of the motion (vx, vy, omega) = {}", numbers(&twist));
+        Error::value("wheels", rule, value).of_kind(ErrorKind::Underdetermined)
+    }
+
+    /// Geman-McClure weights, their scale halved from the largest residual down to the noise: graduated
+    /// non-convexity (H. Yang et al., IEEE RA-L 5(2), 2020), so that no wheel is dropped at first sight.
+    fn reweigh(
+        &self,
+        readings: &[Reading],
+        speeds: &[f64],
+        start: Twist,
+        weights: &mut [f64],
+        unseen: Unseen,
+    ) -> Result<Twist, Error> {
+        let rim_speeds = self
+            .wheels()
+            .iter()
+            .zip(speeds)
+            .filter(|(wheel, speed)| wheel.pivot != Pivot::Castor && speed.is_finite())
+            .map(|(wheel, speed)| wheel.radius * speed);
+        let squares: f64 = rim_speeds.map(|speed| speed * speed).sum();
+        let least_noise = NOISE * (squares / readings.len() as f64).sqrt();
+        let mut residuals = [0.0; MAX_WHEELS];
+        let mut twist = start;
+        let mut scale = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            for (residual, reading) in residuals.iter_mut().zip(readings) {
+                *residual = reading.residual(&twist.into());
+            }
+            let mut sorted = residuals;
+            let sorted = &mut sorted[..readings.len()];
+            sorted.sort_unstable_by(f64::total_cmp);
+            let noise = (MEDIANS * median(sorted)).max(least_noise);
+            if scale.is_infinite() {
+                scale = sorted[sorted.len() - 1].max(least_noise);
+            }
+            scale = scale.min(noise.max(scale / 2.0));
+            if scale == 0.0 {
+                break;
+            }
+            let mut change: f64 = 0.0;
+            for (weight, residual) in weights.iter_mut().zip(&residuals) {
+                let ratio = residual / scale;
+                let next = (1.0 + ratio * ratio).powi(-2);
+                change = change.max((next - *weight).abs());
+                *weight = next;
+            }
+            twist = self.weighted(readings, weights, unseen)?;
+            if change <= SETTLED {
+                break;
+            }
+        }
+        Ok(twist)
+    }
+
+    /// Rank and smallest singular value of the stacked rows.
+    pub fn singular_values(&self, readings: &[Reading], weights: &[f64]) -> (usize, f64) {
+        let rows = readings.iter().zip(weights).flat_map(|(reading, weight)| {
+            let root = weight.sqrt();
+            [reading.rolling * root, reading.side_slip * root]
+        });
+        let decomposed = Jacobi::new(&triangle(rows));
+        let rank = decomposed.rank(RANK_TOLERANCE * decomposed.values.x);
+        (rank, decomposed.values.z)
+    }
+}
+
+/// Median of sorted values.
+fn median(sorted: &[f64]) -> f64 {
+    let middle = sorted.len() / 2;
+    if sorted.len() % 2 == 1 { sorted[middle] } else { f64::midpoint(sorted[middle - 1], sorted[middle]) }
+}

@@ -1,0 +1,244 @@
+//! How the twist answers to its readings and to the dimensions of the rover: analytic derivatives.
+//!
+//! The twist solves `Aᵀ W A t = Aᵀ W b`. With the residual `r = b - A t`, differentiating gives
+//!
+//! ```text
+//! dt = (Aᵀ W A)⁻¹ [dAᵀ W r + Aᵀ W (db - dA t)]
+//! ```
+//!
+//! for whatever moves the rows `A` or the readings `b`; the weights `W` are held. One quantity of one wheel moves
+//! that wheel's two rows only, apart from unsteered wheels with about parallel axles: they share the mean of their
+//! side-slip rows, to which each contributes its part, which depends on their headings.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::{Measured, Reading, Unseen};
+use crate::geometry::Twist;
+use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
+use crate::wheels::{Direction, Pivot, Wheel};
+use six_wheel_numerics::error::Error;
+
+/// Something of one wheel on which the twist depends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Reading of its speed [rad/s].
+    Speed,
+    /// Reading of its steering angle [rad]; 0 for a wheel that does not steer.
+    Steering,
+    /// Rate of its steering angle [rad/s].
+    SteeringRate,
+    /// Speed at which its contact slips forwards [m/s].
+    Slip,
+    /// Speed at which its contact slips to its left [m/s].
+    SideSlip,
+    /// Its pivot, forward [m].
+    X,
+    /// Its pivot, to the left [m].
+    Y,
+    /// Its direction at steering angle 0 [rad]: for a steered wheel the offset of its angle.
+    Heading,
+    /// Its radius [m].
+    Radius,
+    /// Its contact, to the left of the steering axis [m].
+    Scrub,
+    /// Its contact, behind the steering axis [m].
+    Trail,
+    /// The angle of its rollers [rad]; 0 for a wheel without.
+    RollerAngle,
+}
+
+impl Quantity {
+    /// All there are, in their order.
+    pub const ALL: [Self; 12] = [
+        Self::Speed,
+        Self::Steering,
+        Self::SteeringRate,
+        Self::Slip,
+        Self::SideSlip,
+        Self::X,
+        Self::Y,
+        Self::Heading,
+        Self::Radius,
+        Self::Scrub,
+        Self::Trail,
+        Self::RollerAngle,
+    ];
+}
+
+/// Change of a wheel's rows and right-hand sides per unit of a quantity.
+#[derive(Clone, Copy, Default)]
+struct Change {
+    rolling: Vector3<f64>,
+    side_slip: Vector3<f64>,
+    rolled: f64,
+    slipped: f64,
+}
+
+impl Change {
+    /// Of a wheel that rolls in `direction`, before rollers mix its rows.
+    fn of(wheel: &Wheel, Direction { sin, cos }: Direction, quantity: Quantity) -> Self {
+        let lever = Vector3::new(0.0, 0.0, 1.0);
+        let mut change = Self::default();
+        match quantity {
+            Quantity::X => {
+                change.rolling = lever * sin;
+                change.side_slip = lever * cos;
+            }
+            Quantity::Y => {
+                change.rolling = lever * -cos;
+                change.side_slip = lever * sin;
+            }
+            Quantity::Steering | Quantity::Heading => {
+                let (along, across) = (wheel.x * cos + wheel.y * sin, wheel.y * cos - wheel.x * sin);
+                change.rolling = Vector3::new(-sin, cos, along);
+                change.side_slip = Vector3::new(-cos, -sin, across);
+            }
+            Quantity::Scrub => change.rolling = -lever,
+            Quantity::Trail => change.side_slip = -lever,
+            Quantity::Slip => change.rolled = 1.0,
+            Quantity::SideSlip => change.slipped = 1.0,
+            Quantity::Speed => change.rolled = wheel.radius,
+            Quantity::SteeringRate => {
+                change.rolled = wheel.scrub;
+                change.slipped = wheel.trail;
+            }
+            Quantity::Radius | Quantity::RollerAngle => {}
+        }
+        change
+    }
+}
+
+/// The twist of one instant with all that its derivatives need.
+#[derive(Debug)]
+pub struct Linearised<'a> {
+    /// The rover.
+    pub rover: &'a RoverData,
+    /// Rows of its wheels.
+    pub readings: &'a [Reading],
+    /// Readings of the instant.
+    pub measured: Measured<'a>,
+    /// Inverse of the normal equations about the centre of the pivots.
+    pub solution: Matrix3<f64>,
+    /// The twist that fits them.
+    pub twist: Vector3<f64>,
+    /// Say of each wheel.
+    pub weights: Option<&'a [f64]>,
+}
+
+impl Linearised<'_> {
+    /// The twist.
+    #[inline]
+    pub fn twist(&self) -> Twist {
+        self.twist.into()
+    }
+
+    /// Which of the steered wheels one is.
+    #[inline]
+    pub fn joint(&self, wheel: usize) -> Option<usize> {
+        self.rover.steered().iter().position(|&k| k == wheel)
+    }
+
+    /// Derivative of the twist with respect to a quantity of one wheel.
+    #[inline]
+    pub fn derivative(&self, wheel: usize, quantity: Quantity) -> Vector3<f64> {
+        self.solve(self.gradient(wheel, quantity))
+    }
+
+    /// What turns a gradient of the normal equations into a twist.
+    fn solve(&self, gradient: Vector3<f64>) -> Vector3<f64> {
+        let centred = self.solution * self.rover.shifted(&gradient);
+        self.rover.unshifted(&centred)
+    }
+
+    fn weight(&self, wheel: usize) -> f64 {
+        self.weights.map_or(1.0, |weights| weights[wheel])
+    }
+
+    /// `dAᵀ W r + Aᵀ W (db - dA t)` for a quantity of one wheel.
+    pub fn gradient(&self, i: usize, quantity: Quantity) -> Vector3<f64> {
+        let (wheel, reading) = (&self.rover.wheels()[i], &self.readings[i]);
+        if wheel.pivot == Pivot::Castor {
+            return Vector3::zeros();
+        }
+        let read = self.measured.speeds[i].is_finite();
+        let rate = || match (self.measured.steering_rates, self.joint(i)) {
+            (Some(rates), Some(joint)) => rates[joint],
+            _ => 0.0,
+        };
+        match (quantity, wheel.steering()) {
+            (Quantity::Steering, None) => return Vector3::zeros(),
+            // Both rows turn together and AᵀA stays: what is left of the sum below is that of Aᵀ db.
+            (Quantity::Steering, Some(_)) if wheel.is_centred() && read => {
+                return reading.side_slip * (reading.rolled * self.weight(i));
+            }
+            _ => {}
+        }
+        let direction = match self.rover.mounts[i] {
+            Mount::Steered(..) => Direction { sin: -reading.side_slip.x, cos: reading.side_slip.y },
+            Mount::Fixed(_) | Mount::Castor(_) => Direction::from(wheel.heading),
+        };
+        let mut change = Change::of(wheel, direction, quantity);
+        match quantity {
+            Quantity::Radius if read => change.rolled = self.measured.speeds[i],
+            Quantity::Scrub => change.rolled = rate(),
+            Quantity::Trail => change.slipped = rate(),
+            _ => {}
+        }
+        if let Some(angle) = wheel.roller_angle {
+            let (sin, cos) = angle.sin_cos();
+            if quantity == Quantity::RollerAngle {
+                change.rolling = wheel.bare_rows(direction).side_slip / -(sin * sin);
+            } else {
+                change.rolling += change.side_slip * (cos / sin);
+                change.rolled += change.slipped * (cos / sin);
+            }
+            change.side_slip = Vector3::zeros();
+            change.slipped = 0.0;
+        }
+        if !read {
+            change.rolling = Vector3::zeros();
+            change.rolled = 0.0;
+        }
+        let along = respond(&self.twist, &reading.rolling, reading.rolled, &change.rolling, change.rolled);
+        along * self.weight(i) + self.across(i, &change, quantity)
+    }
+
+    /// The part of the side-slip rows. Unsteered wheels with about parallel axles have a share in each other's.
+    fn across(&self, i: usize, change: &Change, quantity: Quantity) -> Vector3<f64> {
+        let respond = |k: usize, by: &Vector3<f64>, slipped: f64| {
+            let reading = &self.readings[k];
+            let response = respond(&self.twist, &reading.side_slip, reading.slipped, by, slipped);
+            response * self.weight(k)
+        };
+        let wheel = &self.rover.wheels()[i];
+        let is_shared = matches!(self.rover.mounts[i], Mount::Fixed(_)) && wheel.roller_angle.is_none();
+        if quantity == Quantity::SideSlip || !is_shared {
+            return respond(i, &change.side_slip, change.slipped);
+        }
+        self.rover.changes_with(i, change.side_slip).map(|(k, by)| respond(k, &by, 0.0)).sum()
+    }
+}
+
+/// How one row of the normal equations answers: `da r + a (db - da t)`.
+fn respond(
+    twist: &Vector3<f64>,
+    row: &Vector3<f64>,
+    reading: f64,
+    row_change: &Vector3<f64>,
+    reading_change: f64,
+) -> Vector3<f64> {
+    let residual = reading - row.dot(twist);
+    row_change * residual + row * (reading_change - row_change.dot(twist))
+}
+
+impl RoverData {
+    /// What the readings of one instant say about the derivatives of their twist, all wheels alike.
+    pub fn sensitivity<T>(&self, measured: Measured<'_>, ask: impl FnOnce(&Linearised<'_>) -> T) -> Result<T, Error> {
+        self.check_readings(measured)?;
+        let mut readings = [Reading::NONE; MAX_WHEELS];
+        let readings = self.read(measured, &mut readings);
+        let solution = self.solution_for(readings, measured, Unseen::Refuse)?;
+        let twist = self.solve_for_twist(&solution, readings, |_| 1.0);
+        Ok(ask(&Linearised { rover: self, readings, measured, solution, twist: twist.into(), weights: None }))
+    }
+}

@@ -1,0 +1,17 @@
+//! What is computed, one file a job: kernels over whole registers of rows, the same for every level.
+
+pub(crate) mod admissible;
+pub(crate) mod choice;
+pub mod cone;
+pub mod fit;
+pub(crate) mod forward;
+pub mod inverse;
+pub mod maps;
+pub mod readings;
+pub(crate) mod robust;
+pub(crate) mod sensitivity;
+pub mod steered;
+pub mod usual;
+
+#[cfg(test)]
+mod tests;

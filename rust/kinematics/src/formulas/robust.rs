@@ -1,0 +1,226 @@
+//! Robust fits of whole registers of readings: the rounds of [`crate::rover::Rover::fit`], until all rows of a block have settled.
+//!
+//! A steered wheel without scrub and trail measures its pivot's whole velocity, so what a wheel adds to the normal
+//! equations is a constant of the rover times its weight; the rounds need no angle.
+
+mod block;
+mod rounds;
+
+use self::block::LANES;
+pub(crate) use self::block::{Block, MOST, Plan};
+use self::rounds::Rounds;
+use super::readings::Kept;
+use crate::estimate::{NOISE, ROUNDS};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::{BLOCK, Column};
+
+/// Rounds after which the rows that have not settled yet try a leap, and are put together anew: some take ten times as many
+/// as most. After the first ones, those of many blocks go on together.
+pub(crate) const EARLY: [usize; 2] = [6, 8];
+pub(crate) const LATE: [usize; 4] = [12, 16, 28, 30];
+const _: () = assert!(EARLY[0] + EARLY[1] + LATE[0] + LATE[1] + LATE[2] + LATE[3] == ROUNDS);
+
+/// Sums of squares of rim speeds whose squares neither overflow nor lose digits [m²/s²].
+const SQUARES: [f64; 2] = [1e-100, 1e100];
+
+/// Smallest eigenvalue of the weighted rows, as a share of the largest, whose root is exact to 1e-12. Below it, the plain
+/// core.
+const PLAIN_BELOW: f64 = 1e-3;
+
+/// Rotations are over when what they take away is this share of the trace.
+const DIAGONAL: f64 = 1e-18;
+const SWEEPS: usize = 8;
+
+impl<'a> Block<'a> {
+    /// No rows yet.
+    #[inline]
+    pub fn new(seen: &'a mut [[Column; 2]], weights: &'a mut [Column]) -> Self {
+        Self {
+            kept: Kept::new(seen),
+            weights,
+            least: Column::ZERO,
+            scale: Column::ZERO,
+            active: [0; BLOCK],
+            left: 0,
+            rounds: ROUNDS,
+        }
+    }
+
+    /// Begins with the least squares of a block, but for the rows that are for the plain core.
+    #[inline(always)]
+    pub fn begin<S: Vector>(&mut self, simd: S, plan: &Plan, count: usize) {
+        let one = Lanes::splat(simd, 1.0);
+        fill(one, self.weights);
+        self.scale = Column([f64::INFINITY; BLOCK]);
+        let zero = Lanes::splat(simd, 0.0);
+        let share = Lanes::splat(simd, NOISE * NOISE / plan.wheels.len() as f64);
+        let tiny = Lanes::splat(simd, SQUARES[0]);
+        let huge = Lanes::splat(simd, SQUARES[1]);
+        for k in 0..count.div_ceil(S::F64_LANES) {
+            let rolling = self.kept.rolling.load(simd, k);
+            self.least.store(k, rolling * share);
+            let sure = rolling.at_most(zero) | (tiny.at_most(rolling) & rolling.at_most(huge));
+            let doubts = sure.select(self.kept.doubts.load(simd, k), one);
+            self.kept.doubts.store(k, doubts);
+        }
+        (self.left, self.rounds) = (0, ROUNDS);
+        for row in 0..count.min(BLOCK) {
+            if self.kept.doubts.0[row] == 0.0 {
+                self.active[self.left] = row;
+                self.left += 1;
+            }
+        }
+    }
+
+    /// Takes over the `k`th row of those left to another block.
+    pub fn take(&mut self, other: &Block<'_>, k: usize) {
+        let (from, to) = (other.active[k] % BLOCK, self.left % BLOCK);
+        let move_to = |column: &mut Column, other: &Column| column.0[to] = other.0[from];
+        for (seen, other) in self.kept.seen.iter_mut().zip(&*other.kept.seen) {
+            move_to(&mut seen[0], &other[0]);
+            move_to(&mut seen[1], &other[1]);
+        }
+        for (weight, other) in self.weights.iter_mut().zip(&*other.weights) {
+            move_to(weight, other);
+        }
+        for (unknown, other) in self.kept.unknowns.iter_mut().zip(&other.kept.unknowns) {
+            move_to(unknown, other);
+        }
+        move_to(&mut self.least, &other.least);
+        move_to(&mut self.scale, &other.scale);
+        self.kept.doubts.0[to] = 0.0;
+        self.active[to] = to;
+        self.rounds = other.rounds;
+        self.left += 1;
+    }
+
+    /// The row of the block that is the `k`th of those left.
+    #[inline]
+    pub fn row(&self, k: usize) -> usize {
+        self.active[k]
+    }
+
+    /// So many rounds, or until all rows have settled.
+    #[inline(always)]
+    pub fn go_on<S: Vector>(&mut self, simd: S, plan: &Plan, phases: &[usize]) {
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        for phase in phases {
+            let mut kept = 0;
+            self.rounds = self.rounds.saturating_sub(*phase);
+            for first in (0..self.left).step_by(2 * S::F64_LANES) {
+                let mut chosen = [0; 2 * LANES];
+                let chunk = &self.active[first..self.left.min(first + 2 * S::F64_LANES)];
+                chosen[..chunk.len()].copy_from_slice(chunk);
+                let length = chunk.len();
+                let of = |half: usize| &chosen[half * S::F64_LANES..(half + 1) * S::F64_LANES];
+                let more = length.saturating_sub(S::F64_LANES);
+                let mut pair =
+                    [Rounds::load(simd, plan, self, of(0), length), Rounds::load(simd, plan, self, of(1), more)];
+                let pair = &mut pair[..1 + usize::from(more > 0)];
+                for _ in 0..*phase {
+                    let mut active = zero.below(zero);
+                    for rounds in &mut *pair {
+                        rounds.round::<false>(simd, plan);
+                        active = active | rounds.active;
+                    }
+                    if !active.any() {
+                        break;
+                    }
+                }
+                let mut marks = [[0.0; LANES]; 4];
+                for (half, rounds) in pair.iter_mut().enumerate() {
+                    rounds.leap(simd, plan, self.rounds);
+                    let there = length.min((half + 1) * S::F64_LANES) - half * S::F64_LANES;
+                    rounds.store(plan, self, &of(half)[..there]);
+                    for (mark, mask) in [(0, rounds.active), (2, !rounds.sure)] {
+                        let lanes = mask.select(one, zero);
+                        lanes.store(S::as_mut_simd_f64s(&mut marks[mark + half]).0, 0);
+                    }
+                }
+                for (j, row) in chosen.into_iter().enumerate().take(length) {
+                    let (half, lane) = (j / S::F64_LANES, j % S::F64_LANES);
+                    if marks[2 + half][lane] != 0.0 {
+                        self.kept.doubts.0[row] = 1.0;
+                    } else if marks[half][lane] != 0.0 {
+                        // Not further than where it was read from.
+                        self.active[kept] = row;
+                        kept += 1;
+                    }
+                }
+            }
+            self.left = kept;
+            if kept == 0 {
+                break;
+            }
+        }
+    }
+
+    /// Smallest singular values. Marks the rows that are for the plain core; whether there are none.
+    #[inline(always)]
+    pub fn finish<S: Vector>(&mut self, simd: S, plan: &Plan, count: usize, sigmas: &mut Column) -> bool {
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let mut all = zero.at_most(zero);
+        for k in 0..count.div_ceil(S::F64_LANES) {
+            let mut weights = [zero; MOST];
+            for (weight, column) in weights.iter_mut().zip(self.weights.iter()) {
+                *weight = column.load(simd, k);
+            }
+            let (least, exact) = smallest(simd, plan, &weights);
+            sigmas.store(k, least.sqrt());
+            let sure = exact & self.kept.doubts.load(simd, k).at_most(zero);
+            self.kept.doubts.store(k, sure.select(zero, one));
+            all = all & sure;
+        }
+        !(!all).any()
+    }
+}
+
+/// The same number in all columns; of slices, the compiler makes scattered stores.
+#[inline(always)]
+fn fill<S: Vector>(number: Lanes<S>, columns: &mut [Column]) {
+    for column in columns {
+        for k in 0..BLOCK / S::F64_LANES {
+            column.store(k, number);
+        }
+    }
+}
+
+/// Smallest eigenvalue of the weighted rows of the twist itself, by rotations, and where its root is exact.
+#[inline(always)]
+fn smallest<S: Vector>(simd: S, plan: &Plan, weights: &[Lanes<S>; MOST]) -> (Lanes<S>, Mask<S>) {
+    let splat = |number| Lanes::splat(simd, number);
+    let mut sum = [splat(0.0); 6];
+    for (wheel, weight) in plan.wheels.iter().zip(weights) {
+        for (sum, part) in sum.iter_mut().zip(wheel.raw) {
+            *sum = weight.mul_add(splat(part), *sum);
+        }
+    }
+    let [mut a, mut b, mut c, mut d, mut e, mut f] = sum;
+    let enough = (a + d + f) * splat(DIAGONAL);
+    for _ in 0..SWEEPS {
+        [a, d, b, c, e] = turned(simd, [a, d, b, c, e]);
+        [a, f, c, b, e] = turned(simd, [a, f, c, b, e]);
+        [d, f, e, b, c] = turned(simd, [d, f, e, b, c]);
+        if !enough.below(b.abs().max(c.abs()).max(e.abs())).any() {
+            break;
+        }
+    }
+    let (least, most) = (a.min(d).min(f), a.max(d).max(f));
+    (least, (most * splat(PLAIN_BELOW)).below(least))
+}
+
+/// Turns two axes until their product vanishes: their squares, the product, their products with the third one.
+#[inline(always)]
+fn turned<S: Vector>(simd: S, [p, q, pq, pr, qr]: [Lanes<S>; 5]) -> [Lanes<S>; 5] {
+    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let (apart, twice) = (q - p, pq + pq);
+    let length = apart.mul_add(apart, twice * twice).sqrt();
+    let under = apart.abs() + length;
+    let nothing = under.at_most(zero);
+    let tangent = twice.quotient(nothing.select(one, under)).flip(apart.sign());
+    let cos = one.quotient(tangent.mul_add(tangent, one).sqrt());
+    let sin = tangent * cos;
+    let moved = tangent * pq;
+    [p - moved, q + moved, zero, cos * pr - sin * qr, sin * pr + cos * qr]
+}

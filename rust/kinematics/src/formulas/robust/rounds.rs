@@ -1,0 +1,289 @@
+//! A register of rows in its rounds: weights by residuals, and the least squares with them.
+
+use super::block::{Block, LANES, MOST, Plan};
+use crate::estimate::{MEDIANS, SETTLED};
+use crate::formulas::readings::solve;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::{BLOCK, Column};
+
+/// Change of the weights from which on Newton's method is tried, and its rounds at most.
+const NEAR: f64 = 0.1;
+const LEAPS: usize = 7;
+
+/// Change of the weights that would be left after the rounds it replaces, and of these rounds as many that do not count:
+/// [`SETTLED`] with room for what is not yet linear.
+const SURELY_SETTLED: f64 = 1e-13;
+const SPARE: usize = 8;
+
+/// A matrix in every lane.
+type Columns<S> = [[Lanes<S>; 3]; 3];
+
+/// Puts pairs in order, one after the other. Names and not places, so that they stay in registers: through memory, this
+/// took a third of a round.
+macro_rules! order {
+    ($($low: ident $high: ident),*) => {
+        $(($low, $high) = ($low.min($high), $low.max($high));)*
+    };
+}
+
+/// A register of rows in its rounds.
+#[derive(Clone, Copy)]
+pub(crate) struct Rounds<S: Vector> {
+    seen: [[Lanes<S>; 2]; MOST],
+    /// About the centre of the pivots, the last one a speed.
+    unknowns: [Lanes<S>; 3],
+    weights: [Lanes<S>; MOST],
+    /// Squares of the noise at least, and of the scale of the last round [m²/s²].
+    least: Lanes<S>,
+    scale: Lanes<S>,
+    /// Of the weights, and whether the scale stayed, in the last round.
+    change: Lanes<S>,
+    held: Mask<S>,
+    pub active: Mask<S>,
+    pub sure: Mask<S>,
+}
+
+/// These rows of a column.
+#[inline(always)]
+fn gathered<S: Vector>(simd: S, column: &Column, rows: &[usize]) -> Lanes<S> {
+    let mut room = [0.0; LANES];
+    for (place, row) in room.iter_mut().zip(rows) {
+        *place = column.0[*row % BLOCK];
+    }
+    Lanes::load(simd, S::as_simd_f64s(&room).0, 0)
+}
+
+#[inline(always)]
+fn scattered<S: Vector>(lanes: Lanes<S>, column: &mut Column, rows: &[usize]) {
+    let mut room = [0.0; LANES];
+    lanes.store(S::as_mut_simd_f64s(&mut room).0, 0);
+    for (value, row) in room.into_iter().zip(rows) {
+        column.0[*row % BLOCK] = value;
+    }
+}
+
+impl<S: Vector> Rounds<S> {
+    /// Some rows, the first `count` of which are meant.
+    #[inline(always)]
+    pub fn load(simd: S, plan: &Plan, rows: &Block<'_>, chosen: &[usize], count: usize) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        let mut order = [0.0; LANES];
+        for (k, place) in order.iter_mut().enumerate() {
+            *place = k as f64;
+        }
+        let order = Lanes::load(simd, S::as_simd_f64s(&order).0, 0);
+        let mut rounds = Self {
+            seen: [[zero; 2]; MOST],
+            unknowns: [zero; 3],
+            weights: [zero; MOST],
+            least: gathered(simd, &rows.least, chosen),
+            scale: gathered(simd, &rows.scale, chosen),
+            change: zero,
+            held: zero.below(zero),
+            active: order.below(Lanes::splat(simd, count as f64)),
+            sure: zero.at_most(zero),
+        };
+        for (unknown, column) in rounds.unknowns.iter_mut().zip(&rows.kept.unknowns) {
+            *unknown = gathered(simd, column, chosen);
+        }
+        for i in 0..plan.wheels.len() {
+            for (seen, column) in rounds.seen[i].iter_mut().zip(&rows.kept.seen[i]) {
+                *seen = gathered(simd, column, chosen);
+            }
+            rounds.weights[i] = gathered(simd, &rows.weights[i], chosen);
+        }
+        rounds
+    }
+
+    #[inline(always)]
+    pub fn store(&self, plan: &Plan, rows: &mut Block<'_>, chosen: &[usize]) {
+        for (unknown, column) in self.unknowns.iter().zip(&mut rows.kept.unknowns) {
+            scattered(*unknown, column, chosen);
+        }
+        for i in 0..plan.wheels.len() {
+            scattered(self.weights[i], &mut rows.weights[i], chosen);
+        }
+        scattered(self.scale, &mut rows.scale, chosen);
+    }
+
+    /// One round, where it has not settled. In squares of residuals and scales, with one root and few divisions: these
+    /// are what takes the time. `NEWTON` takes along how the weights follow the twist, instead of holding them.
+    #[inline(always)]
+    pub fn round<const NEWTON: bool>(&mut self, simd: S, plan: &Plan) {
+        let splat = |number| Lanes::splat(simd, number);
+        let (zero, one) = (splat(0.0), splat(1.0));
+        let count = plan.wheels.len();
+        // What is not there comes last.
+        let mut squares = [splat(f64::MAX); MOST];
+        for (i, wheel) in plan.wheels.iter().enumerate() {
+            squares[i] = wheel.rows.square(simd, self.seen[i], self.unknowns);
+        }
+        let [mut a, mut b, mut c, mut d, mut e, mut f, mut g, mut h] = squares;
+        order!(a c, b d, e g, f h, a e, b f, c g, d h, a b, c d);
+        order!(e f, g h, c e, d f, b e, d g, b c, d e, f g);
+        let sorted = [a, b, c, d, e, f, g, h];
+        let mut median = sorted[count / 2];
+        if count.is_multiple_of(2) {
+            let lower = sorted[count / 2 - 1];
+            let twice = (lower * median).sqrt();
+            median = ((lower + median) + (twice + twice)) * splat(0.25);
+        }
+        let noise = (median * splat(MEDIANS * MEDIANS)).max(self.least);
+        // The first one starts at the largest residual.
+        let first = splat(f64::MAX).below(self.scale);
+        self.scale = first.select(sorted[count - 1].max(self.least), self.scale);
+        let before = self.scale;
+        self.scale = before.min(noise.max(before * splat(0.25)));
+        self.held = before.at_most(self.scale);
+        // Where nothing disagrees at all, nothing is weighed.
+        let active = self.active & zero.below(self.scale);
+        let per_square = one.quotient(self.scale);
+        // One over each of the ratios, from one over their product.
+        let (mut ratios, mut products) = ([one; MOST], [one; MOST]);
+        let mut product = one;
+        for i in 0..count {
+            ratios[i] = squares[i].mul_add(per_square, one);
+            products[i] = product;
+            product = product * ratios[i];
+        }
+        let mut rest = one.quotient(product);
+        let mut change = zero;
+        let (mut normal, mut right) = ([zero; 6], [zero; 3]);
+        for (i, wheel) in plan.wheels.iter().enumerate().rev() {
+            let inverse = rest * products[i];
+            rest = rest * ratios[i];
+            let next = active.select(inverse * inverse, self.weights[i]);
+            change = change.max((next - self.weights[i]).abs());
+            self.weights[i] = next;
+            for (sum, part) in normal.iter_mut().zip(wheel.normal) {
+                *sum = next.mul_add(splat(part), *sum);
+            }
+            for (sum, part) in right.iter_mut().zip(wheel.rows.moment(simd, self.seen[i])) {
+                *sum = next.mul_add(part, *sum);
+            }
+            if NEWTON {
+                let slope = wheel.rows.slope(simd, self.seen[i], self.unknowns);
+                let share = inverse * next * per_square * splat(-4.0);
+                let pull = share * along(slope, self.unknowns);
+                add_square(&mut normal, share, slope);
+                for (sum, part) in right.iter_mut().zip(slope) {
+                    *sum = pull.mul_add(part, *sum);
+                }
+            }
+        }
+        let (solved, determined) = solve(simd, normal, right);
+        if NEWTON {
+            self.held = self.held & determined;
+        } else {
+            self.sure = self.sure & (determined | !active);
+        }
+        self.change = change;
+        for (unknown, solved) in self.unknowns.iter_mut().zip(solved) {
+            *unknown = active.select(solved, *unknown);
+        }
+        self.active = active & self.sure & splat(SETTLED).below(change);
+    }
+    /// Rounds of Newton's method, which end where all the `left` rounds would: at this scale they come nearer to one twist
+    /// by a matrix, whose power says by how much. Where that is not far enough, or the scale would not stay, nothing is
+    /// changed.
+    #[inline(always)]
+    pub fn leap(&mut self, simd: S, plan: &Plan, left: usize) {
+        let near = self.change.below(Lanes::splat(simd, NEAR));
+        let trusted = self.active & self.held & near & self.comes_near(simd, plan, left);
+        if !trusted.any() {
+            return;
+        }
+        let mut ahead = Self { active: trusted, held: trusted, ..*self };
+        let mut kept = trusted;
+        for _ in 0..LEAPS {
+            let settled = !ahead.active;
+            ahead.round::<true>(simd, plan);
+            kept = kept & (settled | ahead.held);
+            ahead.active = ahead.active & kept;
+            if !ahead.active.any() {
+                break;
+            }
+        }
+        let there = kept & !ahead.active;
+        for (unknown, ahead) in self.unknowns.iter_mut().zip(ahead.unknowns) {
+            *unknown = there.select(ahead, *unknown);
+        }
+        for (weight, ahead) in self.weights.iter_mut().zip(ahead.weights) {
+            *weight = there.select(ahead, *weight);
+        }
+        self.active = self.active & !there;
+    }
+
+    /// Whether so many rounds would surely settle the weights.
+    #[inline(always)]
+    fn comes_near(&self, simd: S, plan: &Plan, left: usize) -> Mask<S> {
+        let splat = |number| Lanes::splat(simd, number);
+        let zero = splat(0.0);
+        let per_square = splat(4.0).quotient(self.scale);
+        let (mut normal, mut follow) = ([zero; 6], [zero; 6]);
+        for (i, wheel) in plan.wheels.iter().enumerate() {
+            let weight = self.weights[i];
+            for (sum, part) in normal.iter_mut().zip(wheel.normal) {
+                *sum = weight.mul_add(splat(part), *sum);
+            }
+            let slope = wheel.rows.slope(simd, self.seen[i], self.unknowns);
+            add_square(&mut follow, weight * weight.sqrt() * per_square, slope);
+        }
+        let [a, b, c, d, e, f] = follow;
+        let mut step = [[zero; 3]; 3];
+        let mut sure = zero.at_most(zero);
+        for (column, right) in step.iter_mut().zip([[a, b, c], [b, d, e], [c, e, f]]) {
+            let (solved, determined) = solve(simd, normal, right);
+            (*column, sure) = (solved, sure & determined);
+        }
+        let mut power = None;
+        let mut rest = left.saturating_sub(SPARE) / SPARE * SPARE;
+        while rest > 0 {
+            if rest % 2 == 1 {
+                power = match power {
+                    Some(power) => Some(product(power, step)),
+                    None => Some(step),
+                };
+            }
+            rest /= 2;
+            if rest > 0 {
+                step = product(step, step);
+            }
+        }
+        let Some([x, y, z]) = power else {
+            return zero.below(zero);
+        };
+        // Eigenvalues of what pulls are at least 0: their sum bounds the largest.
+        let most = x[0] + y[1] + z[2];
+        sure & (self.change * most).below(splat(SURELY_SETTLED))
+    }
+}
+
+#[inline(always)]
+fn along<S: Vector>([x, y, z]: [Lanes<S>; 3], [u, v, w]: [Lanes<S>; 3]) -> Lanes<S> {
+    x.mul_add(u, y.mul_add(v, z * w))
+}
+
+/// Adds a multiple of the products of a row with itself.
+#[inline(always)]
+fn add_square<S: Vector>(sums: &mut [Lanes<S>; 6], share: Lanes<S>, [x, y, z]: [Lanes<S>; 3]) {
+    let [u, v, w] = [share * x, share * y, share * z];
+    let pairs = [(u, x), (u, y), (u, z), (v, y), (v, z), (w, z)];
+    for (sum, (left, right)) in sums.iter_mut().zip(pairs) {
+        *sum = left.mul_add(right, *sum);
+    }
+}
+
+/// The product of two matrices, column by column.
+#[inline(always)]
+fn product<S: Vector>(left: Columns<S>, right: Columns<S>) -> Columns<S> {
+    let [a, b, c] = left;
+    let mut product = right;
+    for (column, [x, y, z]) in product.iter_mut().zip(right) {
+        for row in 0..3 {
+            column[row] = a[row].mul_add(x, b[row].mul_add(y, c[row] * z));
+        }
+    }
+    product
+}

@@ -1,0 +1,92 @@
+//! Results are the same whether they are stored past the caches or not.
+
+use crate::estimate::Unseen;
+use crate::formulas::{forward, inverse};
+use crate::geometry::{Steps, Walk};
+use crate::pose_logs::integrate;
+use crate::presets::preset;
+use crate::rover::Inputs;
+use crate::table::Log;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::stream::LINE;
+
+/// Numbers between -1 and 1, the same every time, and a few zeros.
+fn numbers(count: usize) -> Vec<f64> {
+    let number = |k: usize| ((k * 2_654_435_761) % 2001) as f64 / 1000.0 - 1.0;
+    (0..count).map(|k| if k % 97 < 3 { 0.0 } else { number(k) }).collect()
+}
+
+/// What `write` writes to the same bits past the caches and not, for every place in a line the output may begin at;
+/// nothing beside it is touched.
+fn is_the_same(count: usize, mut write: impl FnMut(&mut [f64], bool)) {
+    for first in 0..LINE {
+        let [mut direct, mut past] = [vec![f64::MAX; count + 2 * LINE], vec![f64::MAX; count + 2 * LINE]];
+        // Both at the same place of a line.
+        let place = |values: &[f64]| (LINE - values.as_ptr().addr() / size_of::<f64>() % LINE) % LINE + first;
+        let (from, to) = (place(&direct), place(&past));
+        let margin = |values: &[f64], at: usize| {
+            let beside = values.iter().enumerate().filter(|(k, _)| !(at..at + count).contains(k));
+            beside.filter(|(_, value)| **value == f64::MAX).count()
+        };
+        write(&mut direct[from..from + count], false);
+        write(&mut past[to..to + count], true);
+        assert_eq!(margin(&past, to), 2 * LINE, "beside");
+        let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&direct[from..from + count]), bits(&past[to..to + count]), "{first}");
+    }
+}
+
+const COUNTS: [usize; 7] = [1, 2, 63, 64, 65, 333, 2048];
+
+#[test]
+fn rows_are_the_same_past_the_caches() -> Result<(), Error> {
+    for (name, count) in COUNTS.into_iter().flat_map(|n| [("perseverance", n), ("husky", n)]) {
+        let rover = preset(name, None)?;
+        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+        let mut twists = numbers(3 * count);
+        for twist in twists.as_chunks_mut::<3>().0 {
+            // What fixed wheels in the middle allow, some at rest and some for the plain core.
+            *twist = [twist[0], 0.0, twist[2] * if twist[1] < 0.0 { 1e-120 } else { 0.3 }];
+        }
+        let readings = numbers(wheels * count);
+        let log = Log { steering: &readings[..joints * count], speeds: &readings, steering_rates: None };
+        for level in Level::available().into_iter().filter(|level| *level != Level::Plain) {
+            if let Some(plan) = rover.cone.as_ref().and_then(|cone| inverse::Plan::new(&rover, cone)) {
+                let mut others = vec![0.0; wheels * count];
+                is_the_same(joints * count, |steering, past| {
+                    let inputs = Inputs::default();
+                    plan.solve(level, twists.as_chunks().0, inputs, steering, &mut others, past);
+                });
+                let mut others = vec![0.0; joints * count];
+                is_the_same(wheels * count, |speeds, past| {
+                    let inputs = Inputs::default();
+                    plan.solve(level, twists.as_chunks().0, inputs, &mut others, speeds, past);
+                });
+            }
+            if let Some(plan) = forward::Plan::new(&rover) {
+                is_the_same(3 * count, |twists, past| {
+                    let twists = twists.as_chunks_mut().0;
+                    let solved = plan.solve(level, log, Unseen::Refuse, twists, past);
+                    assert!(solved.is_ok());
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn poses_are_the_same_past_the_caches() {
+    for count in COUNTS {
+        let twists = numbers(3 * count);
+        let (twists, steps) = (twists.as_chunks().0, Steps::Constant(0.7));
+        for level in Level::available().into_iter().filter(|level| *level != Level::Plain) {
+            is_the_same(3 * count, |poses, past| {
+                let walk = &mut Walk::new([1.0, 2.0, 3.0]);
+                let poses = poses.as_chunks_mut().0;
+                integrate::follow(level, twists, steps, poses, past, walk);
+            });
+        }
+    }
+}

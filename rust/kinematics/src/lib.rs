@@ -1,0 +1,42 @@
+//! Kinematics of wheeled rovers: one wheel equation, any layout.
+//!
+//! A rover is data: a list of [`Wheel`]s. [`Rover`] checks it once and then answers, without state and
+//! without allocation, what every wheel has to do for a wanted body twist ([`Rover::inverse`]), which
+//! twist the wheels report ([`Rover::forward`], [`Rover::fit`]), and which twists the layout can make at
+//! all ([`Rover::check`], [`Rover::project`]).
+//!
+//! Conventions (REP 103): x forward, y left, angles counter-clockwise in radians, SI units. A twist is
+//! the velocity of the body frame in body axes. Nothing here divides by a turning radius, so driving
+//! straight, on the spot and sideways are ordinary values of the same expressions.
+//!
+//! Modules, from below: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`steering`] (the angle
+//! that a wheel takes), [`rover_data`] (a checked list of wheels), [`admissible`] (limits, projection), [`estimate`]
+//! (forward, fit, derivatives), [`formulas`], [`pose_logs`] and [`one_row`] (the same in registers), [`rover`] (the data
+//! with the constants of its kernels), [`layouts`] and [`presets`] (named vehicles), [`mobility`] (rank of the
+//! constraints), [`units`] (numbers that cannot be metres and radians), [`batch`] (whole arrays).
+
+pub mod admissible;
+pub mod batch;
+pub mod estimate;
+pub mod formulas;
+pub mod geometry;
+pub mod layouts;
+pub mod mobility;
+pub mod one_row;
+pub mod pose_logs;
+pub mod presets;
+pub mod rover;
+pub mod rover_data;
+pub mod steering;
+pub mod table;
+pub mod units;
+pub mod wheels;
+
+pub use admissible::Keep;
+pub use estimate::{Fit, Measured, Method, Unseen};
+pub use geometry::{Pose, Twist};
+pub use layouts::{Drive, SkidCentres};
+pub use mobility::Mobility;
+pub use rover::{Inputs, Rover};
+pub use steering::SteeringRange;
+pub use wheels::{Pivot, Wheel};

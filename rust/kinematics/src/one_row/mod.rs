@@ -1,0 +1,4 @@
+//! One row at a time: the lanes of a register are the wheels.
+
+pub(crate) mod forward;
+pub mod inverse;

@@ -1,0 +1,226 @@
+//! Poses along logs, one log after the other: a register holds successive steps, and its sums run along its lanes.
+
+use super::logs::Logs;
+use super::tile::LANES;
+use crate::geometry::{Steps, Sum, Walk};
+use six_wheel_numerics::simd::lanes::{Lanes, Lockstep};
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::polynomials::{direction, sinc_of_square};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::stream::{Output, fetch_ahead};
+
+/// Registers of steps in lockstep: their sums are short chains that wait for each other.
+const ABREAST: usize = 4;
+
+/// Half of a step's turn up to which the chord is a polynomial [rad].
+const LARGEST_HALF_TURN: f64 = std::f64::consts::FRAC_PI_4;
+
+/// Half a turn and what rounding adds: a heading beyond it has turned so far in one step that it has no digits.
+const LARGEST_HEADING: f64 = 4.0;
+
+/// Numbers up to here surely add up to something finite.
+pub(crate) const LARGEST_TOTAL: f64 = 1e300;
+
+/// Goes on along a log that has been checked; the pose after every step.
+pub(crate) fn follow(
+    level: Level,
+    twists: &[[f64; 3]],
+    steps: Steps<'_>,
+    poses: &mut [[f64; 3]],
+    past: bool,
+    walk: &mut Walk,
+) {
+    if level == Level::Plain {
+        return walk.follow(twists, steps, poses);
+    }
+    level.run(Follow { twists, steps, poses, past, walk });
+}
+
+struct Follow<'a> {
+    twists: &'a [[f64; 3]],
+    steps: Steps<'a>,
+    poses: &'a mut [[f64; 3]],
+    past: bool,
+    walk: &'a mut Walk,
+}
+
+impl Kernel for Follow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) {
+        let room = 3 * ABREAST * S::F64_LANES;
+        let mut output = Output::new(simd, self.poses.as_flattened_mut(), room, self.past);
+        along(simd, self.twists, self.steps, &mut output, self.walk);
+    }
+}
+
+/// Whole logs that have been checked: their starts, and one pose after every step.
+pub(crate) fn place(level: Level, logs: Logs<'_>, poses: &mut [[f64; 3]], past: bool) {
+    level.run(Place { logs, poses, past });
+}
+
+/// The kernel of poses along whole logs, one log in every lane.
+pub struct Place<'a> {
+    /// Logs that have been checked.
+    pub logs: Logs<'a>,
+    /// Their starts, and one pose after every step.
+    pub poses: &'a mut [[f64; 3]],
+    /// True where poses are written past the caches.
+    pub past: bool,
+}
+
+impl Kernel for Place<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) {
+        let Logs { count, steps, starts, .. } = self.logs;
+        let room = 3 * ABREAST * S::F64_LANES;
+        let logs = self.poses.len() / (count + 1);
+        let mut output = Output::new(simd, self.poses.as_flattened_mut(), room, self.past);
+        let mut walk = Walk::new(starts[0]);
+        let first = walk;
+        for log in 0..logs {
+            let start = match starts {
+                [one] => *one,
+                starts => starts[log],
+            };
+            walk = if start == starts[0] { first } else { Walk::new(start) };
+            output.next(3).copy_from_slice(&start);
+            let twists = &self.logs.twists[log * count..(log + 1) * count];
+            along(simd, twists, steps, &mut output, &mut walk);
+        }
+    }
+}
+
+/// All steps of a log, or of a piece of one.
+#[inline(always)]
+fn along<S: Vector>(simd: S, twists: &[[f64; 3]], steps: Steps<'_>, output: &mut Output<'_, S>, walk: &mut Walk) {
+    let (many, few) = (ABREAST * S::F64_LANES, S::F64_LANES);
+    let mut first = 0;
+    while first < twists.len() {
+        let left = twists.len() - first;
+        let size = if left >= many { many } else { few.min(left) };
+        let twists = &twists[first..first + size];
+        let steps = steps.of(first..first + size);
+        let poses = output.next(3 * size);
+        let done = if size == many {
+            fetch_ahead(simd, twists.as_flattened(), 0, 1);
+            go::<S, ABREAST>(simd, twists.as_flattened(), steps, poses, walk)
+        } else if size == few {
+            go::<S, 1>(simd, twists.as_flattened(), steps, poses, walk)
+        } else {
+            // The last steps: those that are missing stand still.
+            let mut padded = [[0.0; 3]; LANES];
+            let mut dts = [0.0; LANES];
+            padded[..size].copy_from_slice(twists);
+            for (k, dt) in dts.iter_mut().enumerate().take(size) {
+                *dt = steps.get(k);
+            }
+            let mut placed = [0.0; 3 * LANES];
+            let done = go::<S, 1>(simd, padded.as_flattened(), Steps::Each(&dts), &mut placed, walk);
+            poses.copy_from_slice(&placed[..3 * size]);
+            done
+        };
+        if !done {
+            walk.follow(twists, steps, poses.as_chunks_mut().0);
+        }
+        first += size;
+    }
+}
+
+/// `N` registers of steps. Whether none of them turns too far for the polynomials; if one does, nothing has happened to
+/// `walk`. From register to register sums are plain, from call to call compensated: rounding grows with the length of a
+/// few steps, not with that of the log.
+#[inline(always)]
+fn go<S: Vector, const N: usize>(
+    simd: S,
+    twists: &[f64],
+    steps: Steps<'_>,
+    poses: &mut [f64],
+    walk: &mut Walk,
+) -> bool {
+    if walk.heading.sum.abs() > LARGEST_HEADING {
+        return false;
+    }
+    let width = 3 * S::F64_LANES;
+    let (zero, half) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 0.5));
+    let largest = Lanes::splat(simd, LARGEST_HALF_TURN);
+    let mut near = zero.at_most(zero);
+    let [mut ahead, mut left, mut turns] = [[zero; N]; 3];
+    let [mut headings, mut squares] = [Lockstep([zero; N]); 2];
+    let heading = Sums::splat(simd, &walk.heading);
+    let mut turned = zero;
+    for m in 0..N {
+        let [vx, vy, omega] = Lanes::unbraid(simd, &twists[width * m..]);
+        let dt = match steps {
+            Steps::Constant(dt) => Lanes::splat(simd, dt),
+            Steps::Each(dts) => Lanes::load(simd, S::as_simd_f64s(dts).0, m),
+        };
+        (ahead[m], left[m]) = (vx * dt, vy * dt);
+        let turn = omega * dt;
+        let half = turn * half;
+        near = near & half.abs().at_most(largest);
+        squares.0[m] = half * half;
+        let upto = so_far(simd, turn);
+        turns[m] = turned + upto;
+        // Along the chord, which leaves at half the turn.
+        headings.0[m] = heading.beyond(turns[m] - half);
+        turned = turned + upto.spread(simd);
+    }
+    if (!near).any() {
+        return false;
+    }
+    let (sin, cos) = direction(simd, headings);
+    let length = sinc_of_square(simd, squares);
+    let [x, y, yaw] = [&walk.x, &walk.y, &walk.yaw].map(|sum| Sums::splat(simd, sum));
+    let [mut east, mut north] = [zero; 2];
+    for m in 0..N {
+        let (sin, cos) = (sin.0[m], cos.0[m]);
+        let (ahead, left) = (ahead[m] * length.0[m], left[m] * length.0[m]);
+        let easts = so_far(simd, cos * ahead - sin * left);
+        let norths = so_far(simd, sin.mul_add(ahead, cos * left));
+        let pose = [x.beyond(east + easts), y.beyond(north + norths), yaw.beyond(turns[m])];
+        Lanes::braid(pose, &mut poses[width * m..]);
+        east = east + easts.spread(simd);
+        north = north + norths.spread(simd);
+    }
+    walk.turn(turned.last(simd));
+    walk.shift(east.last(simd), north.last(simd));
+    true
+}
+
+/// Where every lane has come to: compensated sums.
+#[derive(Clone, Copy)]
+struct Sums<S: Vector> {
+    sum: Lanes<S>,
+    lost: Lanes<S>,
+}
+
+impl<S: Vector> Sums<S> {
+    /// The same in every lane.
+    #[inline(always)]
+    fn splat(simd: S, sum: &Sum) -> Self {
+        Self { sum: Lanes::splat(simd, sum.sum), lost: Lanes::splat(simd, sum.lost) }
+    }
+
+    /// So much more than the sum.
+    #[inline(always)]
+    fn beyond(&self, more: Lanes<S>) -> Lanes<S> {
+        self.sum + (self.lost + more)
+    }
+}
+
+/// What the lanes come to, each with all before it.
+#[inline(always)]
+fn so_far<S: Vector>(simd: S, terms: Lanes<S>) -> Lanes<S> {
+    let mut sum = terms + Lanes::shift::<0>(simd, terms);
+    if S::F64_LANES > 2 {
+        sum = sum + Lanes::shift::<1>(simd, sum);
+    }
+    if S::F64_LANES > 4 {
+        sum = sum + Lanes::shift::<2>(simd, sum);
+    }
+    sum
+}

@@ -1,0 +1,346 @@
+//! The data of a rover: a list of wheels, checked once, and what follows from them without any kernel.
+
+use nalgebra::{Matrix3, Vector2, Vector3};
+
+use crate::geometry::Twist;
+use crate::steering::{Choice, SteeringRange, Way};
+use crate::wheels::{Direction, Pivot, Rows, Wheel};
+use six_wheel_numerics::error::{Error, finite};
+
+/// Largest number of wheels of one rover.
+pub const MAX_WHEELS: usize = 64;
+
+/// Sine of the angle up to which two headings count as parallel: rounding of a heading given in degrees.
+const PARALLEL: f64 = 1e-9;
+
+/// Share of their distance from the origin by which pivots lie apart, at least, where twists are measured: below 1e-8 the
+/// rounding of squared distances hides it.
+const CLOSE: f64 = 1e-6;
+
+/// Sine of the angle between two axles, 10 degrees, from which on fixed wheels have no say in each other's side-slip row:
+/// beyond what any wheel is out of true by, and less than what a designer means.
+const ASIDE: f64 = 0.173_648_177_666_930_33;
+
+/// Fixed wheels with parallel axles. Together they allow turning about any point of one line, the mean of
+/// their axles: on several axles the wheels ahead of it and behind it scrub by design.
+#[derive(Clone, Debug)]
+pub struct Bank {
+    /// No side slip on the mean axle: this row times the twist is zero.
+    pub row: Vector3<f64>,
+    /// Indices of its wheels.
+    pub wheels: Vec<usize>,
+}
+
+/// The angle of a wheel as part of the layout or of the motion.
+#[derive(Clone, Copy, Debug)]
+pub enum Mount {
+    /// Always in this direction: the rows are constant.
+    Fixed(Rows),
+    /// Steered; the direction is that of steering angle 0.
+    Steered(SteeringRange, Direction),
+    /// Free to swivel.
+    Castor(Direction),
+}
+
+/// The data of a wheeled vehicle: its wheels, checked, and what follows from them alone. Every kernel takes it.
+///
+/// Immutable, without state: every method may be called from any number of threads.
+#[derive(Clone, Debug)]
+pub struct RoverData {
+    wheels: Vec<Wheel>,
+    steered: Vec<usize>,
+    /// Constants of every wheel, by its kind.
+    pub mounts: Vec<Mount>,
+    /// Groups of fixed wheels with parallel axles.
+    pub banks: Vec<Bank>,
+    /// Mean of the pivots, about which the twist is estimated.
+    pub centre: Vector2<f64>,
+    /// Root mean square distance of the pivots from it.
+    pub size: f64,
+    /// Mean over the wheels of the squared pivot velocity, as a quadratic form of the twist; positive definite.
+    pub metric: Matrix3<f64>,
+    /// Solution of the normal equations of the forward kinematics, where it does not depend on the steering angles.
+    pub solution: Option<Matrix3<f64>>,
+    /// Readings times this must be finite.
+    pub reading_bound: f64,
+}
+
+impl RoverData {
+    /// Fails if a wheel is not well formed or two share a name. The solution is for who knows the estimate.
+    pub fn new(wheels: Vec<Wheel>) -> Result<Self, Error> {
+        if wheels.is_empty() || wheels.len() > MAX_WHEELS {
+            let rule = format!("hold 1 to {MAX_WHEELS} wheels");
+            return Err(Error::value("wheels", rule, wheels.len().to_string()));
+        }
+        for (i, wheel) in wheels.iter().enumerate() {
+            wheel.check()?;
+            if wheels[..i].iter().any(|other| other.name == wheel.name) {
+                let rule = "have a name each";
+                return Err(Error::value("wheels", rule, format!("{:?} twice", wheel.name)));
+            }
+        }
+        let steered = (0..wheels.len()).filter(|&i| wheels[i].steering().is_some()).collect();
+        let banks = banks(&wheels);
+        let mounts = mounts(&wheels, &banks);
+        let pivots = || wheels.iter().map(|wheel| Vector2::new(wheel.x, wheel.y));
+        let count = wheels.len() as f64;
+        let centre = pivots().sum::<Vector2<f64>>() / count;
+        let spread = pivots().map(|pivot| (pivot - centre).norm_squared()).sum::<f64>() / count;
+        // All pivots on one point: any length will do, so take that of the wheels.
+        let size = if spread > 0.0 { spread.sqrt() } else { wheels[0].radius };
+        // What turns about pivots that are far away and close together moves by more than rounding.
+        let turned = size.max(CLOSE * centre.norm());
+        let square = centre.norm_squared() + turned * turned;
+        let metric = Matrix3::new(
+            1.0, 0.0, -centre.y, //
+            0.0, 1.0, centre.x, //
+            -centre.y, centre.x, square,
+        );
+        let lengths = |wheel: &Wheel| wheel.radius + wheel.scrub.abs() + wheel.trail.abs();
+        let reading_bound = wheels.iter().map(lengths).sum::<f64>() * (square + 1.0) / (size * size);
+        Ok(Self { wheels, steered, mounts, banks, centre, size, metric, solution: None, reading_bound })
+    }
+
+    /// The wheels, in the order of every array.
+    #[inline]
+    pub fn wheels(&self) -> &[Wheel] {
+        &self.wheels
+    }
+
+    /// Indices of the steered wheels, in the order of the steering arrays.
+    #[inline]
+    pub fn steered(&self) -> &[usize] {
+        &self.steered
+    }
+
+    /// The lines on which the fixed wheels allow the centre of rotation.
+    #[inline]
+    pub fn banks(&self) -> &[Bank] {
+        &self.banks
+    }
+
+    /// The inverse kinematics of a twist that has been checked.
+    pub fn solve(&self, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
+        let vector = Vector3::from(twist);
+        let mut undecided = Undecided::default();
+        let mut joint = 0;
+        let wheels = self.wheels.iter().zip(&self.mounts);
+        for (i, ((wheel, mount), speed)) in wheels.zip(speeds.iter_mut()).enumerate() {
+            let rim_speed = match *mount {
+                Mount::Fixed(rows) => rows.rolling.dot(&vector),
+                Mount::Castor(heading) => wheel.castor(heading, twist).rim_speed,
+                Mount::Steered(range, heading) => {
+                    let (previous, rate) = inputs.of_joint(joint);
+                    let choice = wheel.choice(range, heading, twist, rate, previous);
+                    let way = choice.nearest();
+                    undecided.note(&choice, way, inputs.of_wheel(i));
+                    let command = choice.command(way);
+                    steering[joint] = command.angle;
+                    joint += 1;
+                    command.rim_speed
+                }
+            };
+            *speed = rim_speed / wheel.radius;
+        }
+        if let Some(way) = undecided.common_way() {
+            self.agree(twist, inputs, way, steering, speeds);
+        }
+    }
+
+    /// Has every undecided wheel go the same way.
+    fn agree(&self, twist: Twist, inputs: Inputs<'_>, way: Way, steering: &mut [f64], speeds: &mut [f64]) {
+        for (joint, &i) in self.steered.iter().enumerate() {
+            let Mount::Steered(range, heading) = self.mounts[i] else {
+                continue;
+            };
+            let (previous, rate) = inputs.of_joint(joint);
+            let choice = self.wheels[i].choice(range, heading, twist, rate, previous);
+            if choice.undecided().is_some() {
+                let command = choice.command(way);
+                steering[joint] = command.angle;
+                speeds[i] = command.rim_speed / self.wheels[i].radius;
+            }
+        }
+    }
+}
+
+/// What the inverse may be told beside the twist, one value per steered wheel or per wheel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Inputs<'a> {
+    /// Present steering angles [rad]: what a wheel at rest holds, and which equivalent angle is nearer.
+    /// Default 0.
+    pub previous: Option<&'a [f64]>,
+    /// Present wheel speeds [rad/s]: which way round undecided wheels roll already.
+    pub previous_speeds: Option<&'a [f64]>,
+    /// Rates of the steering angles [rad/s]; they matter to wheels with scrub or trail. Default 0.
+    pub steering_rates: Option<&'a [f64]>,
+}
+
+impl Inputs<'_> {
+    /// Fails unless every value is finite.
+    #[inline]
+    pub fn check(&self) -> Result<(), Error> {
+        finite("previous", self.previous.unwrap_or_default())?;
+        finite("previous_speeds", self.previous_speeds.unwrap_or_default())?;
+        finite("steering_rates", self.steering_rates.unwrap_or_default())
+    }
+
+    /// Previous angle and rate of a steering joint.
+    fn of_joint(&self, joint: usize) -> (f64, f64) {
+        let at = |values: Option<&[f64]>| values.map_or(0.0, |values| values[joint]);
+        (at(self.previous), at(self.steering_rates))
+    }
+
+    /// Previous speed of a wheel.
+    fn of_wheel(&self, i: usize) -> f64 {
+        self.previous_speeds.map_or(0.0, |speeds| speeds[i])
+    }
+}
+
+/// The wheels for which rolling forwards and backwards are about equally near.
+#[derive(Clone, Copy, Debug, Default)]
+struct Undecided {
+    /// How many of them would go forwards and backwards on their own.
+    votes: [usize; 2],
+    /// How much shorter the way backwards is for all of them together [rad].
+    lead: f64,
+    /// Which way they roll already [rad/s].
+    rolling: f64,
+}
+
+impl Undecided {
+    fn note(&mut self, choice: &Choice, way: Way, speed: f64) {
+        if let Some(lead) = choice.undecided() {
+            self.votes[way as usize] += 1;
+            self.lead += lead;
+            self.rolling += speed;
+        }
+    }
+
+    /// The way for all of them, unless they agree on their own: as they roll already, otherwise the way
+    /// that is shorter for all together.
+    fn common_way(&self) -> Option<Way> {
+        let [forwards, backwards] = self.votes;
+        if forwards + backwards == 0 || (self.rolling == 0.0 && forwards * backwards == 0) {
+            return None;
+        }
+        let backwards = if self.rolling == 0.0 { self.lead > 0.0 } else { self.rolling < 0.0 };
+        Some(if backwards { Way::Backwards } else { Way::Forwards })
+    }
+}
+
+/// Groups the fixed wheels by the direction of their axles and averages each group's side-slip row.
+fn banks(wheels: &[Wheel]) -> Vec<Bank> {
+    let mut banks: Vec<Bank> = Vec::new();
+    let fixed =
+        wheels.iter().enumerate().filter(|(_, wheel)| wheel.pivot == Pivot::Fixed && wheel.roller_angle.is_none());
+    for (i, wheel) in fixed {
+        let row = wheel.rows(Direction::from(wheel.heading)).side_slip;
+        let parallel = |bank: &&mut Bank| (bank.row.x * row.y - bank.row.y * row.x).abs() <= PARALLEL;
+        match banks.iter_mut().find(parallel) {
+            Some(bank) => {
+                // The normal may point the other way: the wheel then rolls the bank's way backwards.
+                let same_way = (bank.row.x * row.x + bank.row.y * row.y).signum();
+                let count = bank.wheels.len() as f64;
+                bank.row.z += (same_way * row.z - bank.row.z) / (count + 1.0);
+                bank.wheels.push(i);
+            }
+            None => banks.push(Bank { row, wheels: vec![i] }),
+        }
+    }
+    banks
+}
+
+/// Say of one fixed wheel in the side-slip row of another, by both rows: 1 with parallel axles, falling smoothly to 0 at
+/// [`ASIDE`], negative if they roll opposite ways. So the estimate is a continuous function of the headings.
+fn say(row: &Vector3<f64>, other: &Vector3<f64>) -> f64 {
+    let sine = (row.x * other.y - row.y * other.x) / ASIDE;
+    let falling = (1.0 - sine * sine).max(0.0);
+    (falling * falling).copysign(row.x * other.x + row.y * other.y)
+}
+
+/// How [`say`] changes with the other row.
+fn say_change(row: &Vector3<f64>, other: &Vector3<f64>, change: &Vector3<f64>) -> f64 {
+    let sine = (row.x * other.y - row.y * other.x) / ASIDE;
+    let sine_change = (row.x * change.y - row.y * change.x) / ASIDE;
+    let falling = (1.0 - sine * sine).max(0.0);
+    (-4.0 * falling * sine * sine_change) * (row.x * other.x + row.y * other.y).signum()
+}
+
+impl RoverData {
+    /// The side-slip row of a fixed wheel before it is shared; none of wheels that share nothing.
+    fn own_row(&self, k: usize) -> Option<Vector3<f64>> {
+        let wheel = &self.wheels[k];
+        match self.mounts[k] {
+            Mount::Fixed(Rows { rolling, .. }) if wheel.roller_angle.is_none() => {
+                let (cos, sin) = (rolling.x, rolling.y);
+                Some(wheel.bare_rows(Direction { sin, cos }).side_slip)
+            }
+            _ => None,
+        }
+    }
+
+    /// How the side-slip row of every fixed wheel changes when the own row of wheel `i` does: as part of their means, and
+    /// by what each of the two has to say to the other.
+    pub(crate) fn changes_with(&self, i: usize, change: Vector3<f64>) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+        let rows = move || (0..self.wheels.len()).filter_map(|k| Some((k, self.own_row(k)?)));
+        rows().filter_map(move |(k, own)| {
+            let (mut sum, mut total) = (Vector3::zeros(), 0.0);
+            let (mut sum_change, mut total_change) = (Vector3::zeros(), 0.0);
+            for (j, row) in rows() {
+                let part = say(&own, &row);
+                sum += row * part;
+                total += part.abs();
+                if j == i {
+                    sum_change += change * part;
+                }
+                if (j == i) != (k == i) {
+                    let part_change =
+                        if j == i { say_change(&own, &row, &change) } else { say_change(&row, &own, &change) };
+                    sum_change += row * part_change;
+                    total_change += part_change * part.signum();
+                }
+            }
+            let row_change = (sum_change - sum * (total_change / total)) / total;
+            // A row that several wheels share may point the other way than that of one of them.
+            let Mount::Fixed(Rows { side_slip, .. }) = self.mounts[k] else {
+                return None;
+            };
+            let same_way = (side_slip.x * own.x + side_slip.y * own.y).signum();
+            (row_change != Vector3::zeros()).then_some((k, row_change * same_way))
+        })
+    }
+}
+
+/// The side-slip row of a fixed wheel: the mean over all whose axles are about parallel to its own, each by its say.
+fn shared_row(wheels: &[Wheel], banks: &[Bank], i: usize, own: Vector3<f64>) -> Vector3<f64> {
+    let Some(bank) = banks.iter().find(|bank| bank.wheels.contains(&i)) else {
+        return own; // with rollers
+    };
+    let apart = |other: &&Bank| say(&other.row, &own) != 0.0;
+    if banks.iter().filter(apart).count() == 1 {
+        return bank.row;
+    }
+    let (mut sum, mut total) = (Vector3::zeros(), 0.0);
+    for &k in banks.iter().flat_map(|bank| &bank.wheels) {
+        let row = wheels[k].rows(Direction::from(wheels[k].heading)).side_slip;
+        let say = say(&own, &row);
+        sum += row * say;
+        total += say.abs();
+    }
+    sum / total
+}
+
+/// What each wheel contributes: constant rows, with the line it shares for its own, or a steering range.
+fn mounts(wheels: &[Wheel], banks: &[Bank]) -> Vec<Mount> {
+    let mount = |(i, wheel): (usize, &Wheel)| {
+        let direction = Direction::from(wheel.heading);
+        let own = wheel.rows(direction);
+        match wheel.pivot {
+            Pivot::Steered(range) => Mount::Steered(range, direction),
+            Pivot::Castor => Mount::Castor(direction),
+            Pivot::Fixed => Mount::Fixed(Rows { side_slip: shared_row(wheels, banks, i, own.side_slip), ..own }),
+        }
+    };
+    wheels.iter().enumerate().map(mount).collect()
+}

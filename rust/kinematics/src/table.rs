@@ -1,0 +1,243 @@
+//! Arguments of a batch where the caller keeps them: as the kernels take them, or read a block at a time.
+
+use std::fmt;
+use std::ops::Range;
+
+use crate::estimate::Measured;
+use crate::geometry::Steps;
+use crate::rover_data::{Inputs, RoverData};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::sizes;
+
+/// Rows of numbers.
+#[derive(Clone, Copy)]
+pub enum Table<'a> {
+    /// Row after row.
+    Flat(&'a [f64]),
+    /// In any other order or form.
+    Read(&'a dyn Source),
+}
+
+/// Something that can be read as rows of numbers, by several threads at once.
+pub trait Source: Sync {
+    /// Reads the numbers from number `first` on, as many as there is room for.
+    fn read(&self, first: usize, target: &mut [f64]);
+}
+
+impl fmt::Debug for Table<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Flat(values) => f.debug_tuple("Flat").field(&values.len()).finish(),
+            Self::Read(_) => f.write_str("Read"),
+        }
+    }
+}
+
+impl<'a> Table<'a> {
+    /// Whether it has to be read.
+    pub(crate) fn is_read(self) -> bool {
+        matches!(self, Self::Read(_))
+    }
+
+    /// Rows of `width` numbers.
+    pub fn rows<'b>(self, rows: Range<usize>, width: usize, buffer: &'b mut Vec<f64>) -> &'b [f64]
+    where
+        'a: 'b,
+    {
+        self.get(rows.start * width, rows.end * width, buffer)
+    }
+
+    /// The numbers from `first` to `end`, in the buffer if they have to be read.
+    pub fn get<'b>(self, first: usize, end: usize, buffer: &'b mut Vec<f64>) -> &'b [f64]
+    where
+        'a: 'b,
+    {
+        match self {
+            Self::Flat(values) => &values[first..end],
+            Self::Read(source) => {
+                buffer.resize(end - first, 0.0);
+                source.read(first, buffer);
+                buffer
+            }
+        }
+    }
+}
+
+impl<'a> From<&'a [f64]> for Table<'a> {
+    fn from(values: &'a [f64]) -> Self {
+        Self::Flat(values)
+    }
+}
+
+impl<'a, const N: usize> From<&'a [[f64; N]]> for Table<'a> {
+    fn from(rows: &'a [[f64; N]]) -> Self {
+        Self::Flat(rows.as_flattened())
+    }
+}
+
+impl<'a, const N: usize, const M: usize> From<&'a [[f64; N]; M]> for Table<'a> {
+    fn from(rows: &'a [[f64; N]; M]) -> Self {
+        Self::Flat(rows.as_flattened())
+    }
+}
+
+impl<'a, const N: usize> From<&'a Vec<[f64; N]>> for Table<'a> {
+    fn from(rows: &'a Vec<[f64; N]>) -> Self {
+        Self::Flat(rows.as_flattened())
+    }
+}
+
+/// [`Inputs`] of a batch.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Beside<'a> {
+    /// Present steering angles [rad].
+    pub previous: Option<Table<'a>>,
+    /// Present wheel speeds [rad/s].
+    pub previous_speeds: Option<Table<'a>>,
+    /// Rates of the steering angles [rad/s].
+    pub steering_rates: Option<Table<'a>>,
+}
+
+impl<'a> From<Inputs<'a>> for Beside<'a> {
+    fn from(inputs: Inputs<'a>) -> Self {
+        Self {
+            previous: inputs.previous.map(Table::Flat),
+            previous_speeds: inputs.previous_speeds.map(Table::Flat),
+            steering_rates: inputs.steering_rates.map(Table::Flat),
+        }
+    }
+}
+
+/// Readings of many instants, row after row.
+#[derive(Clone, Copy, Debug)]
+pub struct Log<'a> {
+    /// Steering angles [rad], one row of steered wheels per instant.
+    pub steering: &'a [f64],
+    /// Wheel speeds [rad/s], one row of wheels per instant.
+    pub speeds: &'a [f64],
+    /// Steering rates [rad/s].
+    pub steering_rates: Option<&'a [f64]>,
+}
+
+/// A [`Log`] that need not be in memory as it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Readings<'a> {
+    /// Steering angles [rad], one row of steered wheels per instant.
+    pub steering: Table<'a>,
+    /// Wheel speeds [rad/s], one row of wheels per instant.
+    pub speeds: Table<'a>,
+    /// Steering rates [rad/s].
+    pub steering_rates: Option<Table<'a>>,
+}
+
+impl<'a> From<Log<'a>> for Readings<'a> {
+    fn from(log: Log<'a>) -> Self {
+        Self {
+            steering: Table::Flat(log.steering),
+            speeds: Table::Flat(log.speeds),
+            steering_rates: log.steering_rates.map(Table::Flat),
+        }
+    }
+}
+
+/// [`Steps`] that need not be in memory as they are.
+#[derive(Clone, Copy, Debug)]
+pub enum Durations<'a> {
+    /// Every step takes the same time [s].
+    Constant(f64),
+    /// One duration per step [s]: so many of them.
+    Each(Table<'a>, usize),
+}
+
+impl<'a> From<Steps<'a>> for Durations<'a> {
+    fn from(steps: Steps<'a>) -> Self {
+        match steps {
+            Steps::Constant(dt) => Self::Constant(dt),
+            Steps::Each(dts) => Self::Each(Table::Flat(dts), dts.len()),
+        }
+    }
+}
+
+impl<'a> Durations<'a> {
+    /// The durations from step `first` to `end`.
+    pub fn get<'b>(self, first: usize, end: usize, buffer: &'b mut Vec<f64>) -> Steps<'b>
+    where
+        'a: 'b,
+    {
+        match self {
+            Self::Constant(dt) => Steps::Constant(dt),
+            Self::Each(table, _) => Steps::Each(table.get(first, end, buffer)),
+        }
+    }
+
+    /// [`Steps::check`]; the longest of them [s].
+    pub fn check(self, count: usize, block: usize) -> Result<f64, Error> {
+        let (table, length) = match self {
+            Self::Each(table, length) if length == count => (table, length),
+            Self::Each(_, length) => {
+                return Err(Error::value(
+                    "dt",
+                    format!("be one number or have {count} of them, one per step"),
+                    length.to_string(),
+                ));
+            }
+            Self::Constant(dt) => return Steps::Constant(dt).check(count).map(|()| dt),
+        };
+        let mut buffer = Vec::new();
+        let mut longest = 0.0_f64;
+        for first in (0..length).step_by(block) {
+            let end = length.min(first + block);
+            let dts = table.get(first, end, &mut buffer);
+            let Some(here) = sizes::longest(dts) else {
+                let checked = Steps::Each(dts).check(dts.len());
+                return checked.map(|()| longest).map_err(|error| error.below(first));
+            };
+            longest = longest.max(here);
+        }
+        Ok(longest)
+    }
+}
+
+impl<'a> Inputs<'a> {
+    /// The inputs of one row of a batch.
+    pub fn row(&self, rover: &RoverData, k: usize) -> Self {
+        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+        let at = |values: Option<&'a [f64]>, width| values.map(|values| row(values, width, k));
+        Self {
+            previous: at(self.previous, joints),
+            previous_speeds: at(self.previous_speeds, wheels),
+            steering_rates: at(self.steering_rates, joints),
+        }
+    }
+}
+
+impl<'a> Log<'a> {
+    /// The readings of these rows.
+    pub fn rows(&self, rover: &RoverData, rows: Range<usize>) -> Self {
+        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+        let of = |values: &'a [f64], width| &values[rows.start * width..rows.end * width];
+        Self {
+            steering: of(self.steering, joints),
+            speeds: of(self.speeds, wheels),
+            steering_rates: self.steering_rates.map(|rates| of(rates, joints)),
+        }
+    }
+
+    /// The readings of one row.
+    pub fn row(&self, rover: &RoverData, k: usize) -> Measured<'a> {
+        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+        Measured {
+            steering: row(self.steering, joints, k),
+            speeds: row(self.speeds, wheels, k),
+            steering_rates: self.steering_rates.map(|rates| row(rates, joints, k)),
+        }
+    }
+}
+
+pub(crate) fn row(values: &[f64], width: usize, k: usize) -> &[f64] {
+    &values[k * width..(k + 1) * width]
+}
+
+pub(crate) fn row_mut(values: &mut [f64], width: usize, k: usize) -> &mut [f64] {
+    &mut values[k * width..(k + 1) * width]
+}

@@ -1,0 +1,330 @@
+//! Numbers that cannot be a rover's in metres and radians: questions, each with the unit that is likely.
+//!
+//! They are no errors: what is asked about is computed all the same.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use crate::rover_data::RoverData;
+use crate::steering::SteeringRange;
+use crate::table::Table;
+use crate::wheels::Wheel;
+use six_wheel_numerics::error::short;
+
+/// Quantities that have a plausible range: from minus to plus [`Self::largest`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Hub to ground [m].
+    Radius,
+    /// Origin to a wheel [m].
+    Distance,
+    /// Angle of a steering joint [rad].
+    SteeringAngle,
+    /// Angle of a module that counts its turns [rad].
+    ModuleAngle,
+    /// Heading of a wheel, or angle of its rollers [rad].
+    Direction,
+    /// Roll, pitch or tilt of a body, or angle of a suspension joint [rad].
+    Inclination,
+    /// Standard deviation of a steering angle [rad].
+    AngleError,
+    /// Rate of a steering joint or of the body, or its standard deviation [rad/s].
+    Rate,
+}
+
+impl Quantity {
+    /// Largest plausible magnitude, in metres, radians and seconds; the one table for files and constructors.
+    pub const fn largest(self) -> f64 {
+        match self {
+            Self::Radius => 2.0, // the largest tyres of trucks
+            Self::Distance => 50.0,
+            Self::SteeringAngle => PI,
+            Self::ModuleAngle => 10.0 * PI, // beyond what cables allow
+            Self::Direction => 2.0 * TAU,   // places around a circle and a quarter turn come to less
+            Self::Inclination => FRAC_PI_2,
+            Self::AngleError => 0.5,
+            Self::Rate => 8.0 * PI,
+        }
+    }
+
+    /// Whether a value is none of it in its unit. Infinity is "without a limit".
+    fn excludes(self, value: f64) -> bool {
+        value.is_finite() && value.abs() > self.largest()
+    }
+}
+
+/// A radius [m] that would be none in centimetres either.
+const MILLIMETRES: f64 = 20.0;
+
+/// What is odd about a number, and what it may have been meant as.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Question {
+    /// The argument.
+    pub about: &'static str,
+    /// What is odd.
+    pub says: String,
+    /// What is likely.
+    pub likely: String,
+}
+
+/// Settings that have a plausible range, by the names that `Limits`, `Noise` and `FeasibilityLimits` have for them.
+const SETTINGS: [(&str, Quantity); 9] = [
+    ("steering_limit", Quantity::SteeringAngle),
+    ("steering_rate", Quantity::Rate),
+    ("yaw_rate", Quantity::Rate),
+    ("steering", Quantity::AngleError),
+    ("roll", Quantity::Inclination),
+    ("pitch", Quantity::Inclination),
+    ("tilt", Quantity::Inclination),
+    ("rocker", Quantity::Inclination),
+    ("bogie", Quantity::Inclination),
+];
+
+/// Everything that is odd about some settings, by their names.
+pub fn settings<'a>(given: impl IntoIterator<Item = (&'a str, f64)>) -> Vec<Question> {
+    let known = |(name, value)| {
+        let found = SETTINGS.iter().find(|(setting, _)| *setting == name);
+        found.map(|&(setting, quantity)| (setting, quantity, value))
+    };
+    arguments(given.into_iter().filter_map(known))
+}
+
+/// Everything that is odd about the angles of one wheel, which may be of any rover.
+pub fn wheel(wheel: &Wheel) -> Vec<Question> {
+    wheel.steering().into_iter().flat_map(steering).chain(direction(wheel)).collect()
+}
+
+/// Everything that is odd about the range of a steering joint.
+pub fn steering(range: SteeringRange) -> Vec<Question> {
+    arguments([("steering_limit", Quantity::SteeringAngle, widest(range))])
+}
+
+/// Everything that is odd about the arguments of a constructor: name, quantity and value of each.
+fn arguments(given: impl IntoIterator<Item = (&'static str, Quantity, f64)>) -> Vec<Question> {
+    let odd = given.into_iter().filter(|&(_, quantity, value)| quantity.excludes(value));
+    odd.map(|(about, quantity, value)| too_large(about, quantity, value)).collect()
+}
+
+/// A value in radians, or radians per second, that is likely one in degrees.
+fn too_large(about: &'static str, quantity: Quantity, value: f64) -> Question {
+    let (shown, turns) = (digits(value), digits(value / TAU));
+    let (says, likely) = match quantity {
+        Quantity::Rate => (
+            format!("{about} of {shown} rad/s is {turns} turns per second"),
+            format!("{shown} degrees per second are {} rad/s", short(value.to_radians())),
+        ),
+        _ => (format!("{about} of {shown} rad is {turns} turns"), in_degrees(value)),
+    };
+    Question { about, says, likely }
+}
+
+/// Everything that is odd about the dimensions of a rover.
+#[inline]
+pub fn dimensions(rover: &RoverData) -> Vec<Question> {
+    let wheels = rover.wheels();
+    let one_each = [lengths(wheels), exchanged(wheels), range(rover)];
+    let turned = wheels.iter().find_map(direction);
+    one_each.into_iter().flatten().chain(turned).collect()
+}
+
+fn lengths(wheels: &[Wheel]) -> Option<Question> {
+    let radius = largest(wheels.iter().map(|wheel| wheel.radius));
+    let reach = largest(wheels.iter().map(|wheel| wheel.x.abs().max(wheel.y.abs())));
+    if !Quantity::Radius.excludes(radius) && !Quantity::Distance.excludes(reach) {
+        return None;
+    }
+    let (unit, metres) = if radius >= MILLIMETRES { ("millimetres", 1e-3) } else { ("centimetres", 1e-2) };
+    Some(Question {
+        about: "wheel_radius",
+        says: format!("a wheel has a radius of {} m, and is {} m from the origin", digits(radius), digits(reach)),
+        likely: format!(
+            "lengths are in metres; in {unit} they would be {} m and {} m",
+            digits(radius * metres),
+            digits(reach * metres)
+        ),
+    })
+}
+
+/// A wheel that reaches beyond the farthest other one: of two lengths, the first is likely the second.
+fn exchanged(wheels: &[Wheel]) -> Option<Question> {
+    let radius = largest(wheels.iter().map(|wheel| wheel.radius));
+    let apart = wheels.iter().enumerate().flat_map(|(k, one)| {
+        let others = wheels[..k].iter();
+        others.map(move |other| (one.x - other.x).hypot(one.y - other.y))
+    });
+    let apart = largest(apart);
+    (apart > 0.0 && radius > apart).then(|| Question {
+        about: "wheel_radius",
+        says: format!(
+            "a wheel has a radius of {} m, and no two wheels are more than {} m apart",
+            digits(radius),
+            digits(apart)
+        ),
+        likely: "two lengths may have changed places".into(),
+    })
+}
+
+/// A wheel or rollers in a direction that is many turns round.
+fn direction(wheel: &Wheel) -> Option<Question> {
+    let angles = [("heading", wheel.heading), ("roller_angle", wheel.roller_angle.unwrap_or_default())];
+    let far = |&(_, angle): &(&str, f64)| Quantity::Direction.excludes(angle);
+    let (about, angle) = angles.into_iter().find(far)?;
+    Some(Question {
+        about,
+        says: format!("{about} of wheel {:?} is {} rad, {} turns", wheel.name, digits(angle), digits(angle / TAU)),
+        likely: in_degrees(angle),
+    })
+}
+
+fn range(rover: &RoverData) -> Option<Question> {
+    let wheels = rover.wheels();
+    let ranges = wheels.iter().filter_map(Wheel::steering);
+    let widest = largest(ranges.map(widest).filter(|angle| angle.is_finite()));
+    let are_modules = rover.steered().len() == wheels.len();
+    let quantity = if are_modules { Quantity::ModuleAngle } else { Quantity::SteeringAngle };
+    arguments([("steering_limit", quantity, widest)]).pop()
+}
+
+/// Up to which angle [`angles`] asks nothing, whichever wheel's it is [rad].
+pub(crate) fn plain_angle(rover: &RoverData) -> f64 {
+    let wheels = rover.wheels().iter();
+    let ranges = wheels.filter_map(Wheel::steering).map(widest);
+    ranges.fold(f64::INFINITY, f64::min) + PI
+}
+
+/// The first of some steering angles [rad] that lies more than half a turn beyond its joint's range. Rows are looked at
+/// here and there: a log is in one unit.
+pub fn angles(rover: &RoverData, table: Table<'_>, count: usize) -> Option<Question> {
+    let (joints, buffer) = (rover.steered().len(), &mut Vec::new());
+    if joints == 0 {
+        return None;
+    }
+    let rows = (0..count).step_by(count.div_ceil(ROWS).max(1));
+    rows.into_iter().find_map(|k| {
+        let row = table.rows(k..k + 1, joints, buffer);
+        let named = rover.steered().iter().zip(row);
+        named.into_iter().find_map(|(&wheel, &angle)| beyond(&rover.wheels()[wheel], angle))
+    })
+}
+
+/// Rows of a log that are looked at.
+const ROWS: usize = 64;
+
+fn beyond(wheel: &Wheel, angle: f64) -> Option<Question> {
+    let beyond = angle.abs() - widest(wheel.steering()?);
+    (angle.is_finite() && beyond > PI).then(|| Question {
+        about: "steering",
+        says: format!(
+            "an angle of wheel {:?} is {} rad, {} turns beyond its range",
+            wheel.name,
+            digits(angle),
+            digits(beyond / TAU)
+        ),
+        likely: in_degrees(angle),
+    })
+}
+
+/// The larger of a range's ends [rad].
+fn widest(range: SteeringRange) -> f64 {
+    range.lower.abs().max(range.upper.abs())
+}
+
+fn in_degrees(angle: f64) -> String {
+    let (shown, meant) = (digits(angle), short(angle.to_radians()));
+    let are = if shown == "1" { "degree is" } else { "degrees are" };
+    format!("{shown} {are} {meant} radians")
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
+}
+
+/// Four digits, and no more places than there are.
+fn digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    format!("{rounded}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layouts::SkidCentres;
+    use crate::presets;
+    use crate::rover::Rover;
+
+    #[test]
+    fn published_rovers_raise_no_question() -> Result<(), six_wheel_numerics::error::Error> {
+        for preset in presets::PRESETS {
+            let rover = presets::preset(preset.name, None)?;
+            assert_eq!(dimensions(&rover), []);
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn settings_are_asked_about_beyond_their_range_and_not_at_its_ends() {
+        for (name, quantity) in SETTINGS {
+            let largest = quantity.largest();
+            for (value, odd) in [(largest, false), (largest.next_up(), true), (f64::INFINITY, false), (f64::NAN, false)]
+            {
+                for value in [value, -value] {
+                    let asked = settings([(name, value), ("speed", 1e9)]);
+                    assert_eq!(asked.iter().map(|question| question.about).collect::<Vec<_>>(), vec![name; odd.into()]);
+                }
+            }
+        }
+        let likely: Vec<String> = settings([("yaw_rate", 60.0)]).into_iter().map(|question| question.likely).collect();
+        assert_eq!(likely, ["60 degrees per second are 1.047 rad/s"]);
+    }
+
+    #[test]
+    fn a_module_may_count_its_turns_and_another_wheel_not() -> Result<(), six_wheel_numerics::error::Error> {
+        let square = [[0.4, 0.3], [0.4, -0.3], [-0.4, 0.3], [-0.4, -0.3]];
+        for (limit, of_module, of_other) in
+            [(PI, false, false), (PI.next_up(), false, true), (10.0 * PI, false, true), (32.0, true, true)]
+        {
+            let limit = SteeringRange::symmetric(limit)?;
+            let modules = Rover::swerve(&square, None, 0.1, limit)?;
+            let other = Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?;
+            assert_eq!([!dimensions(&modules).is_empty(), !dimensions(&other).is_empty()], [of_module, of_other]);
+            assert_eq!(!wheel(&other.wheels()[0]).is_empty(), of_other);
+        }
+        let endless = Rover::swerve(&square, None, 0.1, SteeringRange::ENDLESS)?;
+        assert_eq!(dimensions(&endless), []);
+        Ok(())
+    }
+
+    #[test]
+    fn degrees_and_centimetres_and_exchanged_lengths_do() -> Result<(), six_wheel_numerics::error::Error> {
+        let about = |rover: &Rover| dimensions(rover).first().map(|question| question.about);
+        let limit = SteeringRange::symmetric(40.0)?;
+        assert_eq!(about(&Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?), Some("steering_limit"));
+        for (track, radius) in [(50.0, 10.0), (500.0, 100.0), (0.1, 0.5)] {
+            let rover = Rover::differential(track, [radius; 2], 1, 0.0, SkidCentres::default())?;
+            assert_eq!(about(&rover), Some("wheel_radius"));
+        }
+        let ring = [[0.2, 0.0], [-0.1, 0.17], [-0.1, -0.17]];
+        for (third, asked) in [(5.76, None), (330.0, Some("heading"))] {
+            let rover = Rover::omni(&ring, &[0.0, 3.67, third], None, 0.05, None)?;
+            assert_eq!(about(&rover), asked);
+        }
+        let rover = Rover::mecanum(0.3, 0.3, 0.1, 45.0)?;
+        assert_eq!(about(&rover), Some("roller_angle"));
+        Ok(())
+    }
+
+    #[test]
+    fn angles_are_asked_about_half_a_turn_beyond_their_range() -> Result<(), six_wheel_numerics::error::Error> {
+        let limit = SteeringRange::symmetric(1.0)?;
+        let rover = Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?;
+        for (angle, asked) in [(1.0 + PI, false), (1.0 + PI + 1e-9, true), (f64::NAN, false)] {
+            let row = [0.0, -angle, 0.0, 0.0];
+            assert_eq!(angles(&rover, Table::Flat(&row), 1).is_some(), asked);
+            assert_eq!(rover.are_plain(&row), !asked && !angle.is_nan());
+        }
+        let mut log = vec![0.0; 4000];
+        assert_eq!(angles(&rover, Table::Flat(&log), 1000), None);
+        log.fill(40.0);
+        assert!(angles(&rover, Table::Flat(&log), 1000).is_some());
+        Ok(())
+    }
+}

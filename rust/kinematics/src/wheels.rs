@@ -1,0 +1,306 @@
+//! The wheel equation: what one wheel, fixed or steered, with scrub and trail, asks of a twist.
+//!
+//! A wheel's contact lies at `pivot + trail (-e) + scrub n`, where `e` is its heading and `n` the left
+//! normal of that. With the pivot's velocity `u`, the contact moves at
+//!
+//! ```text
+//! c = u + (omega + steering_rate) (-scrub e - trail n)
+//! rolling        e . c = radius * speed
+//! no side slip   n . c = 0
+//! ```
+//!
+//! (R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.)
+
+use std::f64::consts::PI;
+
+use nalgebra::{Vector2, Vector3};
+
+use crate::geometry::Twist;
+use crate::steering::{Choice, SteeringRange, Way, WheelCommand};
+use six_wheel_numerics::error::{Error, HUGE, TINY, finite, number, positive};
+
+/// Heading of a wheel beyond which its sum with a steering angle is no longer one to rounding [rad].
+const LARGEST_HEADING: f64 = 1e3;
+
+/// Sine of a roller angle that is none: the drive would have to be this much stronger than the push.
+const FLAT_ROLLERS: f64 = 1e-6;
+
+/// Share of the summed speeds at a pivot below which their sum is nothing but rounding.
+pub const REST: f64 = 4.0 * f64::EPSILON;
+
+/// One wheel of a rover, as data.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wheel {
+    /// Unique within its rover.
+    pub name: String,
+    /// Pivot, forward of the body's origin [m].
+    pub x: f64,
+    /// Pivot, left of the body's origin [m].
+    pub y: f64,
+    /// Hub to ground [m].
+    pub radius: f64,
+    /// Direction in which the wheel rolls at steering angle 0 [rad].
+    pub heading: f64,
+    /// What decides the wheel's direction.
+    pub pivot: Pivot,
+    /// Contact to the left of the steering axis [m].
+    pub scrub: f64,
+    /// Contact behind the steering axis [m].
+    pub trail: f64,
+    /// Angle of the rollers' axes to the axle [rad]: a quarter turn for an omni wheel, an eighth for a
+    /// mecanum wheel; `None` without rollers.
+    pub roller_angle: Option<f64>,
+    /// Whether a motor turns it; one that rolls along need not have an encoder.
+    pub driven: bool,
+}
+
+/// What decides the direction of a wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pivot {
+    /// It is mounted that way.
+    Fixed,
+    /// A steering joint within its range.
+    Steered(SteeringRange),
+    /// Nothing: it swivels freely behind its pivot and constrains no motion.
+    Castor,
+}
+
+/// Sine and cosine of one angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Direction {
+    /// Sine.
+    pub sin: f64,
+    /// Cosine.
+    pub cos: f64,
+}
+
+impl From<f64> for Direction {
+    fn from(angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { sin, cos }
+    }
+}
+
+/// The two rows of the wheel equation at one steering angle, each to be multiplied by `(vx, vy, omega)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Rows {
+    /// Gives `radius * speed + scrub * steering_rate`.
+    pub rolling: Vector3<f64>,
+    /// Gives `trail * steering_rate`.
+    pub side_slip: Vector3<f64>,
+}
+
+impl Wheel {
+    /// A fixed wheel that points forward.
+    pub fn new(name: impl Into<String>, x: f64, y: f64, radius: f64) -> Self {
+        let name = name.into();
+        Self {
+            name,
+            x,
+            y,
+            radius,
+            heading: 0.0,
+            pivot: Pivot::Fixed,
+            scrub: 0.0,
+            trail: 0.0,
+            roller_angle: None,
+            driven: true,
+        }
+    }
+
+    /// The same wheel on a steering axis.
+    #[must_use]
+    #[inline]
+    pub fn steered(mut self, range: SteeringRange) -> Self {
+        self.pivot = Pivot::Steered(range);
+        self
+    }
+
+    /// The same wheel without a motor.
+    #[must_use]
+    pub fn passive(mut self) -> Self {
+        self.driven = false;
+        self
+    }
+
+    /// Where it can steer, if it can.
+    #[inline]
+    pub fn steering(&self) -> Option<SteeringRange> {
+        match self.pivot {
+            Pivot::Steered(range) => Some(range),
+            Pivot::Fixed | Pivot::Castor => None,
+        }
+    }
+
+    /// Fails unless every number makes sense.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.name.is_empty() {
+            return Err(Error::value("name", "not be empty", "''"));
+        }
+        positive("radius", self.radius)?;
+        if self.radius < TINY {
+            let rule = format!("be at least {TINY:e}");
+            return Err(Error::value("radius", rule, number(self.radius)));
+        }
+        let lengths =
+            [("radius", self.radius), ("x", self.x), ("y", self.y), ("scrub", self.scrub), ("trail", self.trail)];
+        for (argument, value) in lengths {
+            finite(argument, &[value])?;
+            if value.abs() >= HUGE {
+                let rule = format!("be smaller than {HUGE:e}");
+                return Err(Error::value(argument, rule, number(value)));
+            }
+        }
+        finite("heading", &[self.heading])?;
+        if self.heading.abs() > LARGEST_HEADING {
+            let rule = format!("be an angle, at most {LARGEST_HEADING} rad");
+            return Err(Error::value("heading", rule, number(self.heading)));
+        }
+        if let Some(angle) = self.roller_angle {
+            self.check_rollers(angle)?;
+        }
+        if self.pivot == Pivot::Castor && self.trail == 0.0 {
+            let rule = "not be 0 for a castor: the contact has to follow the pivot";
+            return Err(Error::value("trail", rule, number(self.trail)));
+        }
+        self.steering().map_or(Ok(()), SteeringRange::check)
+    }
+
+    fn check_rollers(&self, angle: f64) -> Result<(), Error> {
+        if !angle.is_finite() || angle.sin().abs() < FLAT_ROLLERS {
+            let rule = "be finite and no multiple of pi: rollers along the axle leave nothing to drive";
+            return Err(Error::value("roller_angle", rule, number(angle)));
+        }
+        if self.pivot != Pivot::Fixed {
+            let rule = "be left out for a wheel that turns about a pivot";
+            return Err(Error::value("roller_angle", rule, number(angle)));
+        }
+        Ok(())
+    }
+
+    /// Whether a steering angle is a fixed offset of the contact: neither scrub nor trail.
+    #[inline]
+    pub fn is_centred(&self) -> bool {
+        self.scrub == 0.0 && self.trail == 0.0
+    }
+
+    /// The wheel equation with the wheel rolling in `direction` (body axes).
+    ///
+    /// Rollers give way across their axes: what is left of both rows is the one along them.
+    #[inline]
+    pub fn rows(&self, direction: Direction) -> Rows {
+        let Rows { rolling, side_slip } = self.bare_rows(direction);
+        match self.passed_on() {
+            None => Rows { rolling, side_slip },
+            Some(share) => Rows { rolling: rolling + side_slip * share, side_slip: Vector3::zeros() },
+        }
+    }
+
+    /// What rollers pass on along the wheel of a metre across it; nothing where there are none.
+    #[inline]
+    pub fn passed_on(&self) -> Option<f64> {
+        self.roller_angle.map(|angle| angle.cos() / angle.sin())
+    }
+
+    /// What two rows of a steered wheel measure together, whichever way it points, where it has neither scrub nor trail: the
+    /// velocity of its pivot, along the axes.
+    pub(crate) fn pivot_rows(&self) -> [Vector3<f64>; 2] {
+        [Vector3::new(1.0, 0.0, -self.y), Vector3::new(0.0, 1.0, self.x)]
+    }
+
+    /// The wheel equation without regard to rollers.
+    pub(crate) fn bare_rows(&self, Direction { sin, cos }: Direction) -> Rows {
+        Rows {
+            rolling: Vector3::new(cos, sin, self.x * sin - self.y * cos - self.scrub),
+            side_slip: Vector3::new(-sin, cos, self.x * cos + self.y * sin - self.trail),
+        }
+    }
+
+    /// The wheel equation solved for angle and rim speed of a wheel that turns about its pivot, forwards
+    /// and backwards.
+    ///
+    /// A pivot at rest holds `previous`. Where the range does not allow the motion its nearest end is
+    /// returned: whether the motion is possible is for [`Self::side_slip`] to say.
+    pub(crate) fn choice(
+        &self,
+        range: SteeringRange,
+        heading: Direction,
+        twist: Twist,
+        steering_rate: f64,
+        previous: f64,
+    ) -> Choice {
+        let previous = range.clip(previous);
+        let turning = twist.omega + steering_rate;
+        let command = |angle: f64, along: f64| WheelCommand { angle, rim_speed: along - self.scrub * turning };
+        let Some(u) = self.pivot_velocity(heading, twist) else {
+            return Choice::stay(command(previous, 0.0));
+        };
+        // Work in the half plane where the pivot moves forwards: the small angles lose no digits.
+        let sign = if u.x < 0.0 { -1.0 } else { 1.0 };
+        let half = (sign * u.y).atan2(sign * u.x);
+        let speed = u.x.hypot(u.y);
+        // n . u = trail (omega + steering_rate) has two solutions, half a turn apart without trail.
+        let across = self.trail * turning;
+        let along =
+            if across == 0.0 { speed } else { (speed - across).max(0.0).sqrt() * (speed + across).max(0.0).sqrt() };
+        let lean = (sign * across).atan2(along);
+        let near = command(half - lean, sign * along);
+        let far = command(half + lean + PI, -sign * along);
+        let ways = if sign > 0.0 { [near, far] } else { [far, near] };
+        Choice::new(range, previous, ways)
+    }
+
+    /// How a castor rolls once it has swung in behind its pivot.
+    #[inline]
+    pub fn castor(&self, heading: Direction, twist: Twist) -> WheelCommand {
+        let choice = self.choice(SteeringRange::WHOLE_TURN, heading, twist, 0.0, 0.0);
+        // The contact ends up behind the pivot, whichever way the heading counts.
+        choice.command(if self.trail < 0.0 { Way::Backwards } else { Way::Forwards })
+    }
+
+    /// Speed at which the contact slides sideways at this angle [m/s].
+    #[inline]
+    pub fn side_slip(&self, angle: f64, twist: Twist, steering_rate: f64) -> f64 {
+        let rows = self.rows(Direction::from(self.heading + angle));
+        rows.side_slip.dot(&Vector3::from(twist)) - self.trail * steering_rate
+    }
+
+    /// Velocity of the pivot in the axes of steering angle 0, or nothing where it rests.
+    fn pivot_velocity(&self, heading: Direction, twist: Twist) -> Option<Vector2<f64>> {
+        let Direction { sin, cos } = heading;
+        let u = twist.at(self.x, self.y);
+        let summed = twist.vx.abs() + twist.vy.abs() + twist.omega.abs() * (self.x.abs() + self.y.abs());
+        (u.amax() > REST * summed).then(|| Vector2::new(cos * u.x + sin * u.y, cos * u.y - sin * u.x))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pivot_rests_up_to_rounding_and_no_further() {
+        let wheel = Wheel::new("w", 0.3, 0.4, 0.1).steered(SteeringRange::default());
+        let forward = Direction::from(0.0);
+        let about = |shift: f64| Twist { vx: 0.4, vy: -0.3 + shift, omega: 1.0 };
+        let summed = 0.4 + 0.3 + 0.7;
+        for (shift, rests) in [(0.0, true), (2.0 * f64::EPSILON * summed, true), (1e-14, false)] {
+            assert_eq!(wheel.pivot_velocity(forward, about(shift)).is_none(), rests, "{shift}");
+        }
+    }
+
+    #[test]
+    fn an_angle_past_the_range_by_rounding_is_clipped() {
+        let range = SteeringRange { lower: -0.5, upper: 0.5 };
+        let wheel = Wheel::new("w", 0.0, 0.0, 0.1).steered(range);
+        let forward = Direction::from(0.0);
+        for (angle, expected) in [(0.5 + 1e-10, 0.5), (0.5 - 1e-10, 0.5 - 1e-10), (-0.7, -0.5)] {
+            let (vy, vx) = f64::sin_cos(angle);
+            let twist = Twist { vx, vy, omega: 0.0 };
+            let choice = wheel.choice(range, forward, twist, 0.0, 0.0);
+            let command = choice.command(choice.nearest());
+            assert!((command.angle - expected).abs() < 1e-15, "{angle}: {command:?}");
+        }
+    }
+}

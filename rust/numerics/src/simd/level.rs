@@ -1,0 +1,155 @@
+//! Which instructions the kernels use: chosen at run time for the processor, or by the caller.
+
+use std::str::FromStr;
+
+#[cfg(target_arch = "aarch64")]
+use pulp::aarch64::Neon;
+#[cfg(target_arch = "x86_64")]
+use pulp::x86::{V3, V4};
+use pulp::{NullaryFnOnce, Scalar};
+
+use super::vector::Vector;
+use crate::error::Error;
+
+/// A set of vector instructions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// Row by row, as one call: the oracle of the others, and there on every machine.
+    Plain,
+    /// Two numbers at a time (aarch64).
+    Neon,
+    /// Four numbers at a time (x86-64 with AVX2 and FMA).
+    Avx2,
+    /// Eight numbers at a time (x86-64 with AVX-512).
+    Avx512,
+}
+
+/// What can be asked for, best last.
+const LEVELS: [Level; 4] = [Level::Plain, Level::Neon, Level::Avx2, Level::Avx512];
+
+impl Level {
+    /// The name Python knows it by.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "scalar",
+            Self::Neon => "neon",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+
+    /// Whether this machine has it.
+    #[inline]
+    pub fn is_here(self) -> bool {
+        self == Self::Plain || self.run(Nothing).is_some()
+    }
+
+    /// The levels this machine has, best last.
+    #[inline]
+    pub fn available() -> Vec<Self> {
+        LEVELS.into_iter().filter(|level| level.is_here()).collect()
+    }
+
+    /// Numbers in a register.
+    pub fn lanes(self) -> usize {
+        match self {
+            Self::Plain => 1,
+            Self::Neon => 2,
+            Self::Avx2 => 4,
+            Self::Avx512 => 8,
+        }
+    }
+
+    /// The best level this machine has.
+    #[inline]
+    pub fn best() -> Self {
+        let best = LEVELS.into_iter().rev().find(|level| level.is_here());
+        best.unwrap_or(Self::Plain)
+    }
+
+    /// Runs a kernel with these instructions, if the machine has them. [`Self::Plain`] has no kernels.
+    pub fn run<K: Kernel>(self, kernel: K) -> Option<K::Output> {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => V4::try_new().map(|simd| simd.vectorize(Run { kernel, simd })),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => V3::try_new().map(|simd| simd.vectorize(Run { kernel, simd })),
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => Neon::try_new().map(|simd| simd.vectorize(Run { kernel, simd })),
+            _ => None,
+        }
+    }
+}
+
+impl Level {
+    /// The same for kernels that know no other way: without instructions of its own, [`Self::Plain`] takes one number
+    /// at a time.
+    pub fn run_any<K: Kernel>(self, kernel: K) -> K::Output {
+        #[cfg(target_arch = "x86_64")]
+        if self == Self::Avx512
+            && let Some(simd) = V4::try_new()
+        {
+            return simd.vectorize(Run { kernel, simd });
+        }
+        #[cfg(target_arch = "x86_64")]
+        if self == Self::Avx2
+            && let Some(simd) = V3::try_new()
+        {
+            return simd.vectorize(Run { kernel, simd });
+        }
+        #[cfg(target_arch = "aarch64")]
+        if self == Self::Neon
+            && let Some(simd) = Neon::try_new()
+        {
+            return simd.vectorize(Run { kernel, simd });
+        }
+        kernel.run(Scalar)
+    }
+}
+
+/// What is compiled once for every level.
+pub trait Kernel {
+    /// Result of the kernel.
+    type Output;
+
+    /// Has to be `#[inline(always)]`, with everything it calls that works on registers.
+    fn run<S: Vector>(self, simd: S) -> Self::Output;
+}
+
+/// A kernel on its way into the function that has the instructions of its level.
+struct Run<K, S> {
+    kernel: K,
+    simd: S,
+}
+
+impl<K: Kernel, S: Vector> NullaryFnOnce for Run<K, S> {
+    type Output = K::Output;
+
+    #[inline(always)]
+    fn call(self) -> K::Output {
+        self.kernel.run(self.simd)
+    }
+}
+
+impl FromStr for Level {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        let available = Self::available();
+        let found = available.iter().find(|level| level.name() == name);
+        found.copied().ok_or_else(|| {
+            let names: Vec<_> = available.iter().map(|level| format!("{:?}", level.name())).collect();
+            let rule = format!("be one this machine has ({})", names.join(", "));
+            Error::value("level", rule, format!("{name:?}"))
+        })
+    }
+}
+
+/// A kernel that only asks whether the level is there.
+struct Nothing;
+
+impl Kernel for Nothing {
+    type Output = ();
+
+    fn run<S: Vector>(self, _: S) {}
+}

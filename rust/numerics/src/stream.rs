@@ -1,0 +1,143 @@
+//! Writing past the caches: a batch larger than they are would fetch every line of its output only to overwrite
+//! it, and push out what it is about to read.
+
+use super::weave::BLOCK;
+use crate::simd::vector::Vector;
+
+/// Numbers of a line of the caches.
+pub const LINE: usize = 8;
+
+/// Outputs of more numbers than this do not stay in the caches anyway: 32 MB.
+const LARGE: usize = (32 << 20) / size_of::<f64>();
+
+/// Blocks from the one that is worked on to the one that is fetched.
+const AHEAD: usize = 4;
+
+/// Whether an output of so many numbers is written past the caches.
+#[inline]
+pub fn is_large(numbers: usize) -> bool {
+    numbers > LARGE
+}
+
+/// Asks for the rows a few blocks after these, part `k` of them: left to itself, the processor starts anew at every
+/// page, and it can wait for some lines only at a time.
+#[inline(always)]
+pub fn fetch_ahead<S: Vector>(simd: S, rows: &[f64], k: usize, parts: usize) {
+    let part = rows.len() / parts;
+    let first = rows.as_ptr().wrapping_add(AHEAD * rows.len() + k * part);
+    for line in 0..part.div_ceil(LINE) {
+        simd.fetch(first.wrapping_add(line * LINE));
+    }
+}
+
+/// Numbers that wait at most: a block of rows of up to eight, and what is left of a line.
+const ROOM: usize = 8 * BLOCK + LINE;
+
+/// Where a kernel writes its rows, one piece after the other, of at most `ROOM - LINE` numbers.
+#[allow(clippy::large_enum_variant)] // on the stack of the kernel, one per array; a box would be an allocation
+pub enum Output<'a, S: Vector> {
+    /// Where they belong.
+    Direct(&'a mut [f64]),
+    /// Past the caches.
+    Past(Stream<'a, S>),
+}
+
+impl<'a, S: Vector> Output<'a, S> {
+    /// Pieces are of so many numbers at most.
+    #[inline(always)]
+    pub fn new(simd: S, target: &'a mut [f64], piece: usize, past: bool) -> Self {
+        if past && S::STREAMS && piece + LINE <= ROOM {
+            Self::Past(Stream::new(simd, target))
+        } else {
+            Self::Direct(target)
+        }
+    }
+
+    /// Room for the next numbers. They are written when there is no more to do to them: at the next call, or
+    /// at the end.
+    #[inline(always)]
+    pub fn next(&mut self, count: usize) -> &mut [f64] {
+        match self {
+            Self::Direct(target) => {
+                let (next, rest) = std::mem::take(target).split_at_mut(count);
+                *target = rest;
+                next
+            }
+            Self::Past(stream) => stream.next(count),
+        }
+    }
+}
+
+#[repr(align(64))]
+struct Buffer([f64; ROOM]);
+
+/// Numbers on their way, in whole lines: a line written in two pieces costs more than it saves.
+pub struct Stream<'a, S: Vector> {
+    simd: S,
+    /// What is not written yet.
+    target: &'a mut [f64],
+    /// What waits to be written, at the same places of the lines as in the target.
+    buffer: Buffer,
+    first: usize,
+    end: usize,
+}
+
+impl<'a, S: Vector> Stream<'a, S> {
+    #[inline(always)]
+    fn new(simd: S, target: &'a mut [f64]) -> Self {
+        let first = target.as_ptr().addr() / size_of::<f64>() % LINE;
+        Self { simd, target, buffer: Buffer([0.0; ROOM]), first, end: first }
+    }
+
+    #[inline(always)]
+    fn next(&mut self, count: usize) -> &mut [f64] {
+        self.send();
+        let first = self.end;
+        self.end += count;
+        &mut self.buffer.0[first..self.end]
+    }
+
+    /// The next numbers that wait, and where they go.
+    #[inline(always)]
+    fn take(&mut self, count: usize) -> (&[f64], &mut [f64]) {
+        let (target, rest) = std::mem::take(&mut self.target).split_at_mut(count);
+        self.target = rest;
+        let first = self.first;
+        self.first += count;
+        (&self.buffer.0[first..self.first], target)
+    }
+
+    /// Writes all that waits, but for the beginning of a line.
+    #[inline(always)]
+    fn send(&mut self) {
+        let simd = self.simd;
+        let waiting = self.first..self.end;
+        // Only the target's first line begins before it.
+        let head = waiting.start.next_multiple_of(LINE).min(waiting.end) - waiting.start;
+        let (numbers, target) = self.take(head);
+        target.copy_from_slice(numbers);
+        let lines = (self.end - self.first) / LINE * LINE;
+        let (numbers, target) = self.take(lines);
+        let registers = S::as_simd_f64s(numbers).0;
+        let targets = S::as_mut_simd_f64s(target).0;
+        for (target, register) in targets.iter_mut().zip(registers) {
+            // SAFETY: after the head lines begin. Nobody looks at the target before this value is dropped,
+            // which ends with the fence.
+            unsafe { simd.stream(target, *register) };
+        }
+        let first = self.first % LINE;
+        self.buffer.0.copy_within(self.first..self.end, first);
+        self.end = first + (self.end - self.first);
+        self.first = first;
+    }
+}
+
+impl<S: Vector> Drop for Stream<'_, S> {
+    #[inline(always)]
+    fn drop(&mut self) {
+        self.send();
+        let (numbers, target) = self.take(self.end - self.first);
+        target.copy_from_slice(numbers);
+        self.simd.fence();
+    }
+}

@@ -1,0 +1,4 @@
+//! Work shared between threads.
+
+mod crew;
+pub mod workers;

@@ -1,0 +1,199 @@
+//! How a batch is worked through: with which instructions, and by how many threads.
+
+use std::sync::{Mutex, PoisonError};
+
+use super::crew::together;
+use crate::error::Error;
+use crate::simd::level::Level;
+use crate::weave::BLOCK;
+
+/// Rows under which no thread waits for another: waking one takes as long as some hundred to some thousand rows.
+const WORTH_A_THREAD: usize = 20_000;
+
+/// Shares of a batch for every thread: who comes late, or is held up, takes fewer of them.
+const SHARES: usize = 4;
+
+/// Rows of a share at least, so that taking it costs nothing beside them.
+const LEAST: usize = 2048;
+
+/// Instructions and threads of a batch. Results depend on the instructions in their last digits, on the number
+/// of threads not at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Workers {
+    /// Which instructions.
+    pub level: Level,
+    /// How many threads at most.
+    pub threads: usize,
+    /// Whether a failure may leave the outputs half written, since nobody sees them then. Every row is
+    /// otherwise checked before the first is written.
+    pub fresh: bool,
+}
+
+impl Workers {
+    /// One thread, row by row.
+    pub const PLAIN: Self = Self { level: Level::Plain, threads: 1, fresh: false };
+
+    /// The same without instructions that the machine does not have.
+    #[inline]
+    pub fn here(self) -> Self {
+        if self.level.is_here() {
+            return self;
+        }
+        Self { level: Level::Plain, ..self }
+    }
+
+    fn hands(self) -> usize {
+        self.threads.clamp(1, MOST_HELPERS + 1)
+    }
+
+    /// Rows that one thread takes at a time, out of so many.
+    pub fn share(self, rows: usize) -> usize {
+        if rows < WORTH_A_THREAD {
+            return rows.max(1);
+        }
+        if self.hands() == 1 {
+            return rows;
+        }
+        let share = rows.div_ceil(self.hands() * SHARES).max(LEAST);
+        share.next_multiple_of(BLOCK)
+    }
+
+    /// Logs that one thread takes at a time, out of so many of so many rows each.
+    pub fn share_of_logs(self, logs: usize, count: usize) -> usize {
+        if logs * count < WORTH_A_THREAD {
+            return logs.max(1);
+        }
+        if self.hands() == 1 {
+            return logs;
+        }
+        let share = logs.div_ceil(self.hands() * SHARES);
+        share.max(LEAST.div_ceil(count.max(1))).next_multiple_of(8)
+    }
+
+    /// Computes every one of `count` rows: of an output of width `w` row `k` gets the `w` elements from `k w` on to
+    /// write to. Fails with the first row that does.
+    pub fn rows<T: Send, const N: usize>(
+        self,
+        count: usize,
+        outputs: [(&mut [T], usize); N],
+        row: impl Fn(usize, [&mut [T]; N]) -> Result<(), Error> + Sync,
+    ) -> Result<(), Error> {
+        let share = self.share(count);
+        let mut rest = outputs;
+        let jobs = (0..count).step_by(share).map(|first| {
+            let end = count.min(first + share);
+            let parts = rest.each_mut().map(|(values, width)| {
+                let (part, after) = std::mem::take(values).split_at_mut((end - first) * *width);
+                *values = after;
+                (part, *width)
+            });
+            (first..end, parts)
+        });
+        self.each(jobs, |(places, mut parts)| {
+            for (k, place) in places.enumerate() {
+                let outputs = parts.each_mut();
+                row(place, outputs.map(|(part, width)| &mut part[k * *width..][..*width]))?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Does every job with as many threads as there are to be.
+    pub fn each<J: Send>(
+        self,
+        jobs: impl Iterator<Item = J> + Send,
+        work: impl Fn(J) -> Result<(), Error> + Sync,
+    ) -> Result<(), Error> {
+        let jobs_at_most = jobs.size_hint().1.unwrap_or(usize::MAX);
+        shared_out(self.hands().min(jobs_at_most), jobs, work)
+    }
+}
+
+/// Threads of one batch beside the calling one, at most: more than any machine makes use of for these kernels, and few
+/// enough that their stacks do not matter.
+const MOST_HELPERS: usize = 63;
+
+/// Does every job, here and in as many other threads as there are jobs for, up to [`MOST_HELPERS`].
+pub fn each<J: Send>(
+    jobs: impl Iterator<Item = J> + Send,
+    work: impl Fn(J) -> Result<(), Error> + Sync,
+) -> Result<(), Error> {
+    let jobs_at_most = jobs.size_hint().1.unwrap_or(usize::MAX);
+    shared_out(jobs_at_most.min(MOST_HELPERS + 1), jobs, work)
+}
+
+/// Does every job by so many hands at most, this thread's among them: jobs are handed out one by one to whoever is
+/// there. The failure of the first job that fails.
+fn shared_out<J: Send>(
+    hands: usize,
+    jobs: impl Iterator<Item = J> + Send,
+    work: impl Fn(J) -> Result<(), Error> + Sync,
+) -> Result<(), Error> {
+    if hands <= 1 {
+        let mut jobs = jobs;
+        return jobs.try_for_each(work);
+    }
+    let queue = Mutex::new(jobs.enumerate());
+    let failed: Mutex<Option<(usize, Error)>> = Mutex::new(None);
+    let work_through = || {
+        loop {
+            let next = queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let Some((number, job)) = next else { return };
+            if let Err(error) = work(job) {
+                let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                if failed.as_ref().is_none_or(|(first, _)| number < *first) {
+                    *failed = Some((number, error));
+                }
+            }
+        }
+    };
+    together(hands - 1, &work_through);
+    let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
+    failed.map_or(Ok(()), |(_, error)| Err(error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_gets_its_own_numbers_and_the_first_that_fails_is_told() {
+        for count in [0, 1, 5, 30_001] {
+            for threads in [1, 2, 3] {
+                let (mut pairs, mut ones, mut none) = (vec![0.0; 2 * count], vec![0.0; count], []);
+                let outputs: [(&mut [f64], usize); 3] = [(&mut pairs, 2), (&mut ones, 1), (&mut none, 0)];
+                let workers = Workers { threads, ..Workers::PLAIN };
+                let result = workers.rows(count, outputs, |row, [pair, one, none]| {
+                    pair.fill(row as f64);
+                    one[0] += 1.0;
+                    match row {
+                        3 | 29_000 => Err(Error::value("row", "work", row.to_string())),
+                        _ if none.is_empty() => Ok(()),
+                        _ => Err(Error::value("width", "be 0", none.len().to_string())),
+                    }
+                });
+                let told = result.err().map(|error| error.value);
+                assert_eq!(told, (count > 3).then(|| "3".to_owned()));
+                let places = || pairs.chunks(2).enumerate();
+                assert!(places().all(|(k, pair)| pair == [k as f64; 2] || ones[k] == 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn every_job_is_done_once_and_the_first_failure_is_told() {
+        for count in [0, 1, 2, 7, 1000] {
+            let mut done = vec![0; count];
+            let workers = Workers { threads: 3, ..Workers::PLAIN };
+            let result = workers.each(done.iter_mut().enumerate(), |(number, times)| {
+                *times += 1;
+                match number {
+                    5 | 900 => Err(Error::value("job", "work", number.to_string())),
+                    _ => Ok(()),
+                }
+            });
+            assert!(done.iter().all(|times| *times == 1));
+            assert_eq!(result.err().map(|error| error.value), (count > 5).then(|| "5".to_owned()));
+        }
+    }
+}

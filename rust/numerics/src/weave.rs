@@ -1,0 +1,193 @@
+//! Between rows, as the caller keeps them, and columns, as the kernels take them, one block at a time.
+
+use pulp::Simd;
+
+use crate::simd::lanes::Lanes;
+use crate::simd::vector::Vector;
+
+/// Rows of a block. Its columns stay in the first-level cache for any rover of a usual size.
+pub const BLOCK: usize = 64;
+
+/// Columns of the largest rover: steering and speeds of 64 wheels, and as many of three things beside.
+const MAX_COLUMNS: usize = 5 * 64;
+
+/// Columns of a square of registers.
+const TILE: usize = 8;
+
+/// One number per row of a block.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub struct Column(pub [f64; BLOCK]);
+
+impl Column {
+    /// All zero.
+    pub const ZERO: Self = Self([0.0; BLOCK]);
+
+    /// Register `k` of it.
+    #[inline(always)]
+    pub fn load<S: Simd>(&self, simd: S, k: usize) -> Lanes<S> {
+        Lanes::load(simd, S::as_simd_f64s(&self.0).0, k)
+    }
+
+    /// Writes register `k` of it.
+    #[inline(always)]
+    pub fn store<S: Simd>(&mut self, k: usize, lanes: Lanes<S>) {
+        lanes.store(S::as_mut_simd_f64s(&mut self.0).0, k);
+    }
+}
+
+/// Columns of a usual rover, steering and speeds; the same with as many that are read beside the twists.
+const FEW: usize = 16;
+const SOME: usize = 32;
+
+/// So many columns to work in, all zero. Most rovers need few, and zeroing those of the largest takes as long as
+/// some hundred rows.
+pub fn with_columns<T>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
+    if count == 0 {
+        work(&mut [])
+    } else if count <= FEW {
+        work(&mut [Column::ZERO; FEW][..count])
+    } else if count <= SOME {
+        with_room::<T, SOME>(count, work)
+    } else {
+        with_room::<T, { MAX_COLUMNS }>(count, work)
+    }
+}
+
+#[inline(never)] // for its large frame
+fn with_room<T, const N: usize>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
+    work(&mut [Column::ZERO; N][..count])
+}
+
+/// Registers of rows into one register per column, group by group. A macro, because a closure may be left
+/// to call.
+macro_rules! unweave_groups {
+    ($S: ident, $rows: ident, $columns: ident, $width: literal, |$group: ident| $apart: expr) => {{
+        let groups = $S::as_simd_f64s($rows).0.as_chunks::<$width>().0;
+        for (k, $group) in groups.iter().enumerate() {
+            let $group = *$group;
+            let registers = $apart;
+            for j in 0..$width {
+                $S::as_mut_simd_f64s(&mut $columns[j].0).0[k] = registers[j];
+            }
+        }
+    }};
+}
+
+/// One register per column into registers of rows, group by group.
+macro_rules! weave_groups {
+    ($S: ident, $columns: ident, $rows: ident, $width: literal, |$group: ident| $together: expr) => {{
+        let groups = $S::as_mut_simd_f64s($rows).0.as_chunks_mut::<$width>().0;
+        for (k, rows) in groups.iter_mut().enumerate() {
+            let mut $group = [$S::as_simd_f64s(&$columns[0].0).0[k]; $width];
+            for j in 1..$width {
+                $group[j] = $S::as_simd_f64s(&$columns[j].0).0[k];
+            }
+            *rows = $together;
+        }
+    }};
+}
+
+/// Takes rows apart. Rows that are missing become zero.
+#[inline(always)]
+pub fn unweave<S: Vector>(simd: S, rows: &[f64], columns: &mut [Column]) {
+    let width = columns.len();
+    let whole = rows.len() == width * BLOCK;
+    match width {
+        3 if whole => unweave_groups!(S, rows, columns, 3, |group| simd.unbraid(group)),
+        4 if whole => unweave_groups!(S, rows, columns, 4, |group| apart_4(simd, group)),
+        6 if whole => unweave_groups!(S, rows, columns, 6, |group| apart_6(simd, group)),
+        8 if whole => unweave_groups!(S, rows, columns, 8, |group| apart_8(simd, group)),
+        _ => unweave_singly(rows, columns),
+    }
+}
+
+/// Puts rows together, as many as there is room for.
+#[inline(always)]
+pub fn weave<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
+    let width = columns.len();
+    let whole = rows.len() == width * BLOCK;
+    match width {
+        3 if whole => weave_groups!(S, columns, rows, 3, |group| simd.braid(group)),
+        4 if whole => weave_groups!(S, columns, rows, 4, |group| together_4(simd, group)),
+        6 if whole => weave_groups!(S, columns, rows, 6, |group| together_6(simd, group)),
+        _ => weave_tiles(simd, columns, rows),
+    }
+}
+
+/// Puts rows of any width together, as many as there is room for, by squares of eight columns.
+#[inline(always)]
+pub fn weave_tiles<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
+    let (width, lanes) = (columns.len(), S::F64_LANES);
+    for (k, rows) in rows.chunks_mut((width * lanes).max(1)).enumerate() {
+        if width < TILE || rows.len() < width * lanes {
+            for (row, values) in rows.chunks_exact_mut(width).enumerate() {
+                for (value, column) in values.iter_mut().zip(columns) {
+                    *value = column.0[k * lanes + row];
+                }
+            }
+            continue;
+        }
+        // The last one overlaps the one before, and writes the same once more.
+        for first in (0..width).step_by(TILE).map(|at| at.min(width - TILE)) {
+            let mut tile = [S::as_simd_f64s(&columns[first].0).0[k]; TILE];
+            for (register, column) in tile.iter_mut().zip(&columns[first..]) {
+                *register = S::as_simd_f64s(&column.0).0[k];
+            }
+            for (j, register) in simd.transpose(tile).into_iter().enumerate() {
+                let at = j % lanes * width + first + j / lanes * lanes;
+                S::as_mut_simd_f64s(&mut rows[at..at + lanes]).0[0] = register;
+            }
+        }
+    }
+}
+
+// Interleaving 2 m columns is zipping column j with column j + m, and then interleaving m pairs.
+
+#[inline(always)]
+fn together_4<S: Vector>(simd: S, [a, b, c, d]: [S::f64s; 4]) -> [S::f64s; 4] {
+    let ([a, c], [b, d]) = (simd.zip([a, c]), simd.zip([b, d]));
+    let ([first, second], [third, fourth]) = (simd.zip([a, b]), simd.zip([c, d]));
+    [first, second, third, fourth]
+}
+
+#[inline(always)]
+fn apart_4<S: Vector>(simd: S, [first, second, third, fourth]: [S::f64s; 4]) -> [S::f64s; 4] {
+    let ([a, b], [c, d]) = (simd.unzip([first, second]), simd.unzip([third, fourth]));
+    let ([a, c], [b, d]) = (simd.unzip([a, c]), simd.unzip([b, d]));
+    [a, b, c, d]
+}
+
+#[inline(always)]
+fn together_6<S: Vector>(simd: S, [a, b, c, d, e, f]: [S::f64s; 6]) -> [S::f64s; 6] {
+    let ([a, d], [b, e], [c, f]) = (simd.zip([a, d]), simd.zip([b, e]), simd.zip([c, f]));
+    let ([a, b, c], [d, e, f]) = (simd.braid([a, b, c]), simd.braid([d, e, f]));
+    [a, b, c, d, e, f]
+}
+
+#[inline(always)]
+fn apart_6<S: Vector>(simd: S, [a, b, c, d, e, f]: [S::f64s; 6]) -> [S::f64s; 6] {
+    let ([a, b, c], [d, e, f]) = (simd.unbraid([a, b, c]), simd.unbraid([d, e, f]));
+    let ([a, d], [b, e], [c, f]) = (simd.unzip([a, d]), simd.unzip([b, e]), simd.unzip([c, f]));
+    [a, b, c, d, e, f]
+}
+
+#[inline(always)]
+fn apart_8<S: Vector>(simd: S, [a, b, c, d, e, f, g, h]: [S::f64s; 8]) -> [S::f64s; 8] {
+    let ([a, b, c, d], [e, f, g, h]) = (apart_4(simd, [a, b, c, d]), apart_4(simd, [e, f, g, h]));
+    let ([a, e], [b, f]) = (simd.unzip([a, e]), simd.unzip([b, f]));
+    let ([c, g], [d, h]) = (simd.unzip([c, g]), simd.unzip([d, h]));
+    [a, b, c, d, e, f, g, h]
+}
+
+/// Number by number: widths without shuffles, and the last rows.
+#[inline(always)]
+fn unweave_singly(rows: &[f64], columns: &mut [Column]) {
+    let width = columns.len();
+    for (j, column) in columns.iter_mut().enumerate() {
+        *column = Column::ZERO;
+        for (value, row) in column.0.iter_mut().zip(rows.chunks_exact(width)) {
+            *value = row[j];
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! What there is to say about one sample.
+
+use std::ops::{BitOr, BitOrAssign};
+
+use six_wheel_numerics::error::Error;
+
+/// Flags of one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Health(pub u32);
+
+impl Health {
+    /// Nothing to report.
+    pub const GOOD: Self = Self(0);
+    /// It is the reference from which the next one counts.
+    pub const FIRST: Self = Self(1);
+    /// It came after more than the longest gap; the way in between is one arc.
+    pub const GAP: Self = Self(2);
+    /// A counter started over.
+    pub const WRAPPED: Self = Self(4);
+    /// A wheel contradicts the others by more than the noise explains.
+    pub const SLIP: Self = Self(8);
+    /// Left out: a reading is not a finite number.
+    pub const NOT_FINITE: Self = Self(16);
+    /// Left out: its stamp is that of the sample before.
+    pub const DUPLICATE: Self = Self(32);
+    /// Left out: its stamp is before that of the sample before.
+    pub const BACKWARDS: Self = Self(64);
+    /// Left out: the rover would have moved faster than it can.
+    pub const JUMP: Self = Self(128);
+    /// Left out: its wheels do not determine the motion.
+    pub const UNDETERMINED: Self = Self(256);
+    /// The clock or the counters went on from another value for good; this sample follows the one left out before.
+    pub const RESTARTED: Self = Self(512);
+    /// Left out: the attitude is that of a rover that does not stand on its wheels.
+    pub const OVERTURNED: Self = Self(1024);
+    /// It does not settle on the ground there; the pose goes by joints and attitude, or on as it went.
+    pub const UNSETTLED: Self = Self(2048);
+    /// Left out: it does not settle on the ground there, and nothing else says how its wheels stand.
+    pub const OFF_GROUND: Self = Self(4096);
+
+    /// Flags of samples that were left out.
+    const LEFT_OUT: Self = Self(16 | 32 | 64 | 128 | 256 | 1024 | 4096);
+
+    /// Whether the sample was left out.
+    #[inline]
+    pub fn is_left_out(self) -> bool {
+        self.0 & Self::LEFT_OUT.0 != 0
+    }
+
+    /// Whether a flag is raised.
+    pub fn has(self, flag: Self) -> bool {
+        self.0 & flag.0 != 0
+    }
+
+    /// The flag, if it applies.
+    #[inline]
+    pub fn when(self, applies: bool) -> Self {
+        if applies { self } else { Self::GOOD }
+    }
+}
+
+impl BitOr for Health {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl BitOrAssign for Health {
+    fn bitor_assign(&mut self, other: Self) {
+        self.0 |= other.0;
+    }
+}
+
+/// Why a sample is refused.
+pub struct Refusal {
+    /// The reason as a flag.
+    pub flag: Health,
+    /// The reason in words.
+    pub error: Error,
+}
+
+impl Refusal {
+    /// A refusal with its reason.
+    #[inline]
+    pub fn new(flag: Health, error: Error) -> Self {
+        Self { flag, error }
+    }
+}

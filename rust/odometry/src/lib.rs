@@ -1,0 +1,25 @@
+//! Dead reckoning that knows its error, in the plane, and factors of it for graphs.
+
+pub(crate) mod arithmetic;
+pub mod health;
+pub mod motion;
+mod planar;
+pub mod preintegrated;
+pub mod recording;
+pub(crate) mod registers;
+pub mod settings;
+pub(crate) mod spread;
+pub mod state;
+pub mod step;
+pub(crate) mod uncertainty;
+
+pub use health::Health;
+pub use planar::Odometry;
+pub use planar::Suspect;
+pub use preintegrated::Preintegrated;
+pub use recording::{Recording, Sample, TrackRows};
+pub use settings::dimensions::{self, Deviations};
+pub use settings::encoder::{self, Encoder};
+pub use settings::gyroscope::{self, Gyroscope};
+pub use settings::noise::{self, Noise};
+pub use settings::{Readings, Settings};

@@ -1,0 +1,272 @@
+//! Dead reckoning that knows its error: where the wheels say the rover is, and how far that may be off.
+//!
+//! [`Odometry`] is one visible struct of state, stepped by one method. A step is exact: the displacement that fits
+//! the turns of all wheels best, at the steering angles of its middle, is held as one arc ([`Twist::exp`]). Its
+//! covariance comes from the analytic derivatives of that fit (`estimate::sensitivity`).
+
+mod advance;
+mod correct;
+mod history;
+mod quick;
+mod suspect;
+mod take;
+mod tolerant;
+
+use self::advance::advance;
+use self::history::History;
+pub use self::suspect::Suspect;
+use crate::health::Health;
+use crate::motion::Motion;
+use crate::registers::Plan;
+use crate::settings::{Readings, Settings};
+use crate::spread::Spread;
+use crate::state::{State, check_covariance, check_pose};
+use crate::step::{Workspace, shared_readings};
+use crate::uncertainty::Uncertainty;
+use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_numerics::error::{Error, number, numbers};
+
+/// The sample from which the next one counts.
+#[derive(Clone, Debug)]
+pub(crate) struct Reference {
+    /// Whether there is one.
+    pub(crate) known: bool,
+    pub(crate) stamp: f64,
+    pub(crate) wheels: Vec<f64>,
+    /// As read.
+    pub(crate) steering: Vec<f64>,
+    /// Whole turns kept [rad].
+    pub(crate) angles: Vec<f64>,
+    pub(crate) yaw_rate: Option<f64>,
+}
+
+/// Dead reckoning of one rover: its pose, its motion, and how far they may be off.
+#[derive(Clone, Debug)]
+pub struct Odometry {
+    pub(crate) rover: Rover,
+    pub(crate) settings: Settings,
+    pub(crate) reference: Reference,
+    pub(crate) state: State,
+    pub(crate) residual: Vec<f64>,
+    pub(crate) health: Health,
+    pub(crate) work: Workspace,
+    /// How a usual step is made by registers, where it is.
+    pub(crate) plan: Option<Plan>,
+    pub(crate) turned: Vec<f64>,
+    pub(crate) angles: Vec<f64>,
+    pub(crate) history: History,
+    pub(crate) suspect: Suspect,
+}
+
+impl Odometry {
+    /// At the origin, waiting for a first sample.
+    pub fn new(rover: Rover, settings: Settings) -> Result<Self, Error> {
+        settings.check(&rover)?;
+        let from_rates = settings.readings == Readings::Speeds;
+        let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
+        let shared = shared_readings(&rover, from_rates);
+        let mut uncertainty = Uncertainty::new(shared, settings.lasting());
+        uncertainty.bias = settings.gyroscope.map(|known| known.at_start());
+        let state = State { walk: Walk::new([0.0; 3]), twist: Twist::ZERO, velocity: None, uncertainty };
+        let reference = Reference {
+            known: false,
+            stamp: 0.0,
+            wheels: vec![0.0; wheels],
+            steering: vec![0.0; joints],
+            angles: vec![0.0; joints],
+            yaw_rate: None,
+        };
+        Ok(Self {
+            history: History::new(&settings, &state, wheels, joints),
+            suspect: Suspect::new(wheels, joints),
+            reference,
+            state,
+            residual: vec![0.0; wheels],
+            health: Health::GOOD,
+            work: Workspace::new(&rover, &settings),
+            plan: Plan::of(&settings, &rover),
+            turned: vec![0.0; wheels],
+            angles: vec![0.0; joints],
+            rover,
+            settings,
+        })
+    }
+
+    /// The rover.
+    #[inline]
+    pub fn rover(&self) -> &Rover {
+        &self.rover
+    }
+
+    /// How it works.
+    #[inline]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Where the rover is.
+    #[inline]
+    pub fn pose(&self) -> Pose {
+        self.state.pose()
+    }
+
+    /// Mean twist over the last step, in body axes.
+    #[inline]
+    pub fn twist(&self) -> Twist {
+        self.state.twist
+    }
+
+    /// The twist through a first-order filter with the time constant `smoothing`, which starts with the first step.
+    #[inline]
+    pub fn velocity(&self) -> Twist {
+        self.state.velocity.unwrap_or_default()
+    }
+
+    /// Covariance of the pose in world axes, x [m], y [m], yaw [rad]: symmetric, without negative variances.
+    #[inline]
+    pub fn covariance(&self) -> [[f64; 3]; 3] {
+        self.state.uncertainty.reported().matrix().into()
+    }
+
+    /// Covariance of the twist over the last step, in body axes. Where no step has been made since the first sample, a
+    /// command or a pose from outside, nothing is known of the twist: variances are infinite.
+    #[inline]
+    pub fn twist_covariance(&self) -> [[f64; 3]; 3] {
+        let [_, upper] = self.upper_halves();
+        Spread::from(upper).matrix().into()
+    }
+
+    /// The upper halves of [`Self::covariance`] and [`Self::twist_covariance`], row by row.
+    #[inline]
+    pub fn upper_halves(&self) -> [[f64; 6]; 2] {
+        let dt = self.history.last_duration();
+        let pose = self.state.uncertainty.reported();
+        // Infinite where there was no step, or one too short to say how fast anything was.
+        let rate = 1.0 / (dt * dt);
+        let twist = if rate == f64::INFINITY {
+            [f64::INFINITY, 0.0, 0.0, f64::INFINITY, 0.0, f64::INFINITY]
+        } else {
+            let mut total = self.work.noise.total();
+            for lasting in &self.work.noise.lasting {
+                total.add(lasting, 1.0);
+            }
+            let total = match total.may_be_negative() {
+                true => total.without_negative(),
+                false => total,
+            };
+            <[f64; 6]>::from(total).map(|value| value * rate)
+        };
+        [pose.into(), twist]
+    }
+
+    /// Speed at which each wheel's contact slid over the last step [m/s].
+    #[inline]
+    pub fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+
+    /// Say of each wheel over the last step, 0 to 1.
+    #[inline]
+    pub fn weights(&self) -> &[f64] {
+        &self.work.weights
+    }
+
+    /// What there is to say about the last sample.
+    #[inline]
+    pub fn health(&self) -> Health {
+        self.health
+    }
+
+    /// When the last sample was taken, or until when the last command was held [s]; None before the first one.
+    #[inline]
+    pub fn stamp(&self) -> Option<f64> {
+        match self.reference.known {
+            true => Some(self.reference.stamp),
+            false => self.history.commanded,
+        }
+    }
+
+    /// Bias of the gyroscope and its standard deviation [rad/s]; None without one.
+    pub fn gyroscope_bias(&self) -> Option<[f64; 2]> {
+        let bias = self.state.uncertainty.bias?;
+        Some([bias.value, bias.variance.sqrt()])
+    }
+
+    /// Goes on from this pose; the readings count on from the last sample.
+    #[inline]
+    pub fn set_pose(&mut self, pose: Pose, covariance: [[f64; 3]; 3]) -> Result<(), Error> {
+        let covariance = check_covariance(covariance)?;
+        if covariance.iter().any(|value| !value.is_finite()) {
+            let rule = "be finite";
+            return Err(Error::value("covariance", rule, numbers(covariance.as_slice())));
+        }
+        check_pose(&<[f64; 3]>::from(pose))?;
+        self.state.walk = Walk::new(pose.into());
+        self.state.uncertainty.set(covariance);
+        // The time until which a command was held has been counted.
+        let commanded = self.history.commanded;
+        self.history.clear();
+        self.history.commanded = commanded;
+        Ok(())
+    }
+
+    /// Forgets every reading: the next sample is a first one. The pose stays.
+    pub fn forget(&mut self) {
+        self.reference.known = false;
+        self.reference.yaw_rate = None;
+        self.state.twist = Twist::ZERO;
+        self.state.velocity = None;
+        self.state.uncertainty.let_go();
+        self.residual.fill(0.0);
+        self.work.weights.fill(1.0);
+        self.health = Health::GOOD;
+        self.history.clear();
+        self.suspect.clear();
+    }
+
+    /// Open loop: the rover is taken to have held a commanded twist since the last stamp. The next sample is a
+    /// first one.
+    pub fn command(&mut self, twist: Twist, stamp: f64) -> Result<Health, Error> {
+        six_wheel_numerics::error::finite("twist", &<[f64; 3]>::from(twist))?;
+        if !stamp.is_finite() {
+            return Err(Error::value("stamp", "be finite", number(stamp)));
+        }
+        let Some(before) = self.stamp() else {
+            self.history.commanded = Some(stamp);
+            return Ok(Health::FIRST);
+        };
+        let dt = stamp - before;
+        if dt <= 0.0 {
+            let rule = format!("be later than the last one, {}", number(before));
+            return Err(Error::value("stamp", rule, number(stamp)));
+        }
+        let joints = self.rover.steered().len();
+        let (mut steering, mut speeds) = (vec![0.0; joints], vec![0.0; self.rover.wheels().len()]);
+        let inputs = Inputs { previous: Some(&self.reference.angles), ..Inputs::default() };
+        self.rover.inverse(twist, inputs, &mut steering, &mut speeds)?;
+        for speed in &mut speeds {
+            *speed *= dt;
+        }
+        let motion = Motion {
+            steering: [&steering, &steering],
+            turned: &speeds,
+            from_rates: false,
+            dt,
+            gyro_turn: None,
+            bias_variance: 0.0,
+        };
+        let rules = self.settings.rules();
+        advance(&self.rover, &rules, motion, &mut self.work, &mut self.state, self.settings.habits())?;
+        self.state.uncertainty.let_go();
+        self.residual.fill(0.0);
+        self.reference.known = false;
+        self.reference.angles.copy_from_slice(&steering);
+        self.reference.yaw_rate = None;
+        self.suspect.clear();
+        self.history.clear();
+        self.history.commanded = Some(stamp);
+        self.health = Health::GAP.when(self.settings.max_gap.is_some_and(|gap| dt > gap));
+        Ok(self.health)
+    }
+}

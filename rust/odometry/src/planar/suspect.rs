@@ -1,0 +1,82 @@
+//! Memory of the rows of a log that were left out.
+
+use crate::health::Health;
+use crate::recording::Sample;
+use crate::settings::Readings;
+
+/// What is remembered of rows that were left out, until a row is taken in again.
+///
+/// - `flag` is [`Health::BACKWARDS`] or [`Health::JUMP`] if a row was left out for that since the last good one, and
+///   then `stamp`, `wheels` and `steering` are the readings of the last such row; otherwise it is [`Health::GOOD`] and
+///   they mean nothing.
+/// - `owed` is not zero only where the readings are increments: the sum of those in rows left out because of their
+///   stamps, which did happen and belong to the next step. In running totals the next row contains them.
+/// - Both are cleared by every row taken in ([`Self::clear`]); `marked` says that there is anything to clear, so that a
+///   good row after a good row pays one comparison.
+#[derive(Clone, Debug)]
+pub struct Suspect {
+    /// The reason for which the last row was left out.
+    pub flag: Health,
+    /// [s]
+    pub stamp: f64,
+    /// As the encoders count.
+    pub wheels: Vec<f64>,
+    /// As the encoders count.
+    pub steering: Vec<f64>,
+    /// As the encoders count, one per wheel.
+    owed: Vec<f64>,
+    marked: bool,
+}
+
+impl Suspect {
+    /// No row was left out yet.
+    pub fn new(wheels: usize, joints: usize) -> Self {
+        Self {
+            flag: Health::GOOD,
+            stamp: 0.0,
+            wheels: vec![0.0; wheels],
+            steering: vec![0.0; joints],
+            owed: vec![0.0; wheels],
+            marked: false,
+        }
+    }
+
+    /// Forgets the rows left out: one was taken in.
+    #[inline]
+    pub fn clear(&mut self) {
+        if self.marked {
+            self.marked = false;
+            self.flag = Health::GOOD;
+            self.owed.fill(0.0);
+        }
+    }
+
+    /// Increment of a wheel in the rows left out since the last good one, as its encoder counts.
+    #[inline]
+    pub fn owed(&self, wheel: usize) -> f64 {
+        self.owed[wheel]
+    }
+
+    /// Whether a row at odds with the good ones may go on from the one that was left out before it for the same reason.
+    #[inline]
+    pub fn precedes(&self, flag: Health, stamp: f64) -> bool {
+        (flag == Health::BACKWARDS || flag == Health::JUMP) && self.flag == flag && stamp > self.stamp
+    }
+
+    /// Notes a row that is left out: what it read, and the increments that did happen.
+    pub fn leave_out(&mut self, flag: Health, sample: &Sample<'_>, readings: Readings) {
+        if flag == Health::BACKWARDS || flag == Health::JUMP {
+            self.marked = true;
+            self.flag = flag;
+            self.stamp = sample.stamp;
+            self.wheels.copy_from_slice(sample.wheels);
+            self.steering.copy_from_slice(sample.steering);
+        }
+        if readings == Readings::Increments && (flag == Health::BACKWARDS || flag == Health::DUPLICATE) {
+            self.marked = true;
+            for (owed, increment) in self.owed.iter_mut().zip(sample.wheels) {
+                *owed += increment;
+            }
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! How a sample is taken in: checked, turned into a step, and made the one from which the next one counts.
+
+use super::Odometry;
+use super::advance::{advance, meet_yaw};
+use crate::health::{Health, Refusal};
+use crate::motion::Motion;
+use crate::recording::Sample;
+use crate::settings::Readings;
+use crate::settings::gyroscope;
+use crate::settings::gyroscope::{LIKELY, STANDING};
+use crate::uncertainty::Bias;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_numerics::error::{Error, number, numbers};
+
+impl Odometry {
+    /// Takes in a sample. On failure nothing has changed.
+    #[inline]
+    pub fn update(&mut self, sample: Sample<'_>) -> Result<Health, Error> {
+        self.take(sample).map_err(|refusal| refusal.error)
+    }
+
+    #[inline]
+    pub(crate) fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+        self.history.make_room(sample.stamp).map_err(|error| Refusal::new(Health::GOOD, error))?;
+        match self.step(&sample) {
+            Some((slips, gyro_turn)) => Ok(self.conclude(&sample, Health::SLIP.when(slips), gyro_turn)),
+            None => self.take_any(sample),
+        }
+    }
+
+    /// Any sample.
+    fn take_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+        self.check_numbers(&sample).map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
+        if !self.reference.known {
+            if let Some(held) = self.history.commanded.filter(|held| sample.stamp < *held) {
+                let rule = format!("not be before the end of the last command, {}", number(held));
+                let error = Error::value("stamp", rule, number(sample.stamp));
+                return Err(Refusal::new(Health::BACKWARDS, error));
+            }
+            self.refer_to(&sample);
+            self.health = Health::FIRST;
+            if let Some(yaw) = sample.yaw {
+                self.meet_yaw(yaw);
+            }
+            return Ok(Health::FIRST);
+        }
+        let dt = sample.stamp - self.reference.stamp;
+        if dt <= 0.0 {
+            let flag = if dt == 0.0 { Health::DUPLICATE } else { Health::BACKWARDS };
+            let rule = format!("be later than the last one, {}", number(self.reference.stamp));
+            let error = Error::value("stamp", rule, number(sample.stamp));
+            return Err(Refusal::new(flag, error));
+        }
+        let wrapped = self.difference(&sample, dt);
+        self.check_jump(dt).map_err(|error| Refusal::new(Health::JUMP, error))?;
+        let bias = self.state.uncertainty.bias;
+        if let Some(rate) = sample.yaw_rate
+            && self.stands(rate, bias, dt, self.turned.iter().copied())
+        {
+            self.rest(rate, dt);
+            let flags = Health::WRAPPED.when(wrapped);
+            return Ok(self.conclude(&sample, flags, None));
+        }
+        let before = self.reference.yaw_rate;
+        let gyro_turn = sample.yaw_rate.map(|rate| gyroscope::turn(before, rate, bias, dt));
+        let motion = Motion {
+            steering: [&self.reference.angles, &self.angles],
+            turned: &self.turned,
+            from_rates: self.settings.readings == Readings::Speeds,
+            dt,
+            gyro_turn,
+            bias_variance: bias.map_or(0.0, |bias| bias.variance),
+        };
+        let rules = self.settings.rules();
+        advance(&self.rover, &rules, motion, &mut self.work, &mut self.state, self.settings.habits())
+            .map_err(|error| Refusal::new(Health::UNDETERMINED, error))?;
+        for (residual, slid) in self.residual.iter_mut().zip(&self.work.slid) {
+            *residual = slid / dt;
+        }
+        let flags = Health::WRAPPED.when(wrapped) | Health::SLIP.when(self.work.slips);
+        Ok(self.conclude(&sample, flags, gyro_turn))
+    }
+
+    /// Takes a sample whose step has been made as the one from which the next one counts.
+    #[inline]
+    pub(crate) fn conclude(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
+        let reference = &mut self.reference;
+        let dt = sample.stamp - reference.stamp;
+        let is_gap = self.settings.max_gap.is_some_and(|gap| dt > gap);
+        self.health = flags | Health::GAP.when(is_gap);
+        reference.stamp = sample.stamp;
+        reference.yaw_rate = sample.yaw_rate;
+        reference.wheels.copy_from_slice(sample.wheels);
+        reference.steering.copy_from_slice(sample.steering);
+        std::mem::swap(&mut reference.angles, &mut self.angles);
+        if let Some(yaw) = sample.yaw {
+            self.meet_yaw(yaw);
+        }
+        self.suspect.clear();
+        self.history.push(sample, dt, &self.reference.angles, &self.turned, gyro_turn, &self.state);
+        self.health
+    }
+
+    fn check_numbers(&self, sample: &Sample<'_>) -> Result<(), Error> {
+        six_wheel_numerics::error::finite("steering", sample.steering)?;
+        for (wheel, reading) in self.rover.wheels().iter().zip(sample.wheels) {
+            if !(reading.is_finite() || reading.is_nan() && !wheel.driven) {
+                return Err(Error::value("wheel_angles", "be finite", numbers(sample.wheels)));
+            }
+        }
+        let others = [("stamp", Some(sample.stamp)), ("yaw", sample.yaw), ("yaw_rate", sample.yaw_rate)];
+        for (argument, value) in others {
+            if let Some(value) = value
+                && !value.is_finite()
+            {
+                return Err(Error::value(argument, "be finite", number(value)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the sample as the one from which the next one counts.
+    pub(crate) fn refer_to(&mut self, sample: &Sample<'_>) {
+        for (joint, (angle, reading)) in self.reference.angles.iter_mut().zip(sample.steering).enumerate() {
+            *angle = self.settings.steering_encoder(joint).first_angle(*reading);
+        }
+        self.reference.known = true;
+        self.reference.stamp = sample.stamp;
+        self.reference.wheels.copy_from_slice(sample.wheels);
+        self.reference.steering.copy_from_slice(sample.steering);
+        self.reference.yaw_rate = sample.yaw_rate;
+    }
+
+    /// What wheels and joints turned since the reference. Whether a counter started over.
+    pub(crate) fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
+        let mut wrapped = false;
+        let pairs = self.reference.wheels.iter().zip(sample.wheels);
+        for (i, ((before, after), turned)) in pairs.zip(&mut self.turned).enumerate() {
+            let encoder = self.settings.wheel_encoder(i);
+            let counts = match self.settings.readings {
+                Readings::Angles => {
+                    let (counts, over) = encoder.difference(*before, *after);
+                    wrapped |= over;
+                    counts
+                }
+                Readings::Speeds => f64::midpoint(*before, *after) * dt,
+                Readings::Increments => *after + self.suspect.owed(i),
+            };
+            *turned = counts * encoder.angle_per_count();
+        }
+        let pairs = self.reference.steering.iter().zip(sample.steering);
+        for (joint, ((before, after), angle)) in pairs.zip(&mut self.angles).enumerate() {
+            let encoder = self.settings.steering_encoder(joint);
+            let (counts, over) = encoder.difference(*before, *after);
+            wrapped |= over;
+            *angle = self.reference.angles[joint] + counts * encoder.angle_per_count();
+        }
+        wrapped
+    }
+
+    /// Fails if the rover would have moved faster than it can.
+    fn check_jump(&self, dt: f64) -> Result<(), Error> {
+        if let Some(limit) = self.settings.max_speed {
+            for (i, wheel) in self.rover.wheels().iter().enumerate() {
+                let owed = self.suspect.owed(i) * self.settings.wheel_encoder(i).angle_per_count();
+                let speed = wheel.radius * (self.turned[i] - owed) / dt;
+                if speed.abs() > limit {
+                    let rule = format!("keep {} at a rim speed of {limit} m/s at most", wheel.name);
+                    return Err(Error::value("wheel_angles", rule, number(speed)));
+                }
+            }
+        }
+        if let Some(limit) = self.settings.max_steering_rate {
+            let joints = self.angles.iter().zip(&self.reference.angles);
+            for ((after, before), &wheel) in joints.zip(self.rover.steered()) {
+                let rate = (after - before) / dt;
+                if rate.abs() > limit {
+                    let name = &self.rover.wheels()[wheel].name;
+                    let rule = format!("keep {name} at a steering rate of {limit} rad/s at most");
+                    return Err(Error::value("steering", rule, number(rate)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn meet_yaw(&mut self, yaw: f64) {
+        meet_yaw(&mut self.state, yaw, self.settings.noise.yaw);
+    }
+
+    /// Whether wheels and gyroscope agree that the rover stands: no wheel rolls, and what the gyroscope reads may well be
+    /// its bias.
+    #[inline]
+    pub(crate) fn stands(&self, rate: f64, bias: Option<Bias>, dt: f64, turned: impl Iterator<Item = f64>) -> bool {
+        let (Some(known), Some(bias)) = (self.settings.gyroscope, bias) else {
+            return false;
+        };
+        let still = self
+            .rover
+            .wheels()
+            .iter()
+            .zip(turned)
+            .all(|(wheel, turned)| turned.is_nan() || (wheel.radius * turned).abs() <= STANDING * dt);
+        let variance = bias.variance + known.noise * known.noise;
+        still && (rate - bias.value).abs() <= LIKELY * variance.sqrt()
+    }
+
+    /// A step of standing: the pose is held, and the bias learnt.
+    fn rest(&mut self, rate: f64, dt: f64) {
+        let noise = self.settings.gyroscope.map_or(0.0, |known| known.noise);
+        if let Some(bias) = &mut self.state.uncertainty.bias {
+            bias.variance += self.settings.wandered(dt);
+        }
+        let shift = self.state.uncertainty.learn_bias(rate, noise * noise);
+        self.state.shift(&shift);
+        self.state.hold(Twist::ZERO, dt, self.settings.smoothing);
+        self.residual.fill(0.0);
+        self.work.weights.fill(1.0);
+        self.work.noise.clear();
+    }
+}

@@ -1,0 +1,388 @@
+//! What wheels say about the motion between two instants, as one factor of a graph: the motion, its covariance, and
+//! how it answers to whatever an estimator may want to change afterwards.
+//!
+//! The motion is `delta = begin_from_end`. Errors and derivatives are in the tangent space of its end,
+//! `delta exp(e)`, with e in axes of the body at the end: x [m], y [m], yaw [rad], or all six in space.
+//!
+//! The motion in the plane is that of [`Odometry`], step by step. All that is asked for less often is worked out from
+//! the samples when it is ([`replay`]).
+
+mod replay;
+pub mod space;
+
+use nalgebra::{Matrix6, Vector6};
+
+use super::planar::Odometry;
+use super::recording::{Recording, Sample};
+use super::settings::gyroscope::Gyroscope;
+pub use super::settings::quantities::{Column, DIMENSIONS};
+use super::settings::{Readings, Settings};
+pub use replay::Replayed;
+use six_wheel_kinematics::geometry::Pose;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::{Error, ErrorKind, finite, number};
+use space::{Motion3, right_jacobian};
+
+/// Rows of a tangent in the plane among those in space.
+pub const PLANE: [usize; 3] = [0, 1, 5];
+
+/// Deviation of a quaternion's length from 1 that is taken for rounding of whoever wrote it.
+const UNIT: f64 = 1e-2;
+
+/// Where on the way the errors of a motion are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tangent {
+    /// `delta exp(e)`: in axes of the body at the end.
+    End,
+    /// `exp(e) delta`: in axes of the body at the beginning.
+    Begin,
+    /// `(x, y, yaw) + e`: coordinates of the end seen from the beginning, as those of [`Odometry::covariance`].
+    Coordinates,
+}
+
+/// How a motion is pre-integrated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rules {
+    /// As for odometry.
+    pub settings: Settings,
+    /// The gyroscope whose rates come with the samples.
+    pub gyroscope: Option<Gyroscope>,
+    /// Whether every sample has an attitude.
+    pub in_space: bool,
+    /// Standard deviation of the tilt of an attitude, about x and about y of the body [rad].
+    pub attitude_noise: f64,
+}
+
+/// Samples between two instants, first one included.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Samples {
+    stamps: Vec<f64>,
+    steering: Vec<f64>,
+    wheels: Vec<f64>,
+    /// NaN where there is none.
+    rates: Vec<f64>,
+    /// Quaternions x, y, z, w; none in the plane.
+    attitudes: Vec<[f64; 4]>,
+}
+
+/// Wheel motion between two instants; see the module.
+#[derive(Clone, Debug)]
+pub struct Preintegrated {
+    rules: Rules,
+    /// Before any sample.
+    fresh: Odometry,
+    /// After all of them, in the plane.
+    odometry: Odometry,
+    samples: Samples,
+    /// Shares of the first and of the last step at which it begins and ends.
+    begins: f64,
+    ends: f64,
+}
+
+/// How two poses contradict a motion, and how that answers to them.
+#[derive(Clone, Debug)]
+pub struct Residual {
+    /// `log(delta⁻¹ pose_i⁻¹ pose_j)`
+    pub error: Vector6<f64>,
+    /// By `pose_i exp(e)`.
+    pub by_first: Matrix6<f64>,
+    /// By `pose_j exp(e)`.
+    pub by_second: Matrix6<f64>,
+    /// By a change `e` of the motion, `delta exp(e)`.
+    pub by_motion: Matrix6<f64>,
+}
+
+impl Preintegrated {
+    /// Without samples.
+    pub fn new(rover: Rover, rules: Rules) -> Result<Self, Error> {
+        let mut rules = rules;
+        if let Some(gyroscope) = &rules.gyroscope {
+            gyroscope.check()?;
+            if gyroscope.scale_noise != 0.0 {
+                let rule = "be 0: a motion keeps no error that lasts beyond it";
+                return Err(Error::value("scale_noise", rule, number(gyroscope.scale_noise)));
+            }
+            rules.settings.noise.yaw_rate = gyroscope.noise;
+        }
+        if !(rules.attitude_noise.is_finite() && rules.attitude_noise >= 0.0) {
+            let rule = "be finite and not negative";
+            return Err(Error::value("attitude_noise", rule, number(rules.attitude_noise)));
+        }
+        if !rules.settings.dimensions.is_empty() {
+            let rule = "be left out: a motion answers to each of them";
+            return Err(Error::value("dimensions", rule, "some"));
+        }
+        let odometry = Odometry::new(rover, rules.settings.clone())?;
+        Ok(Self { fresh: odometry.clone(), odometry, rules, samples: Samples::default(), begins: 0.0, ends: 1.0 })
+    }
+
+    /// The rover.
+    #[inline]
+    pub fn rover(&self) -> &Rover {
+        self.odometry.rover()
+    }
+
+    /// How it was told to work.
+    pub fn rules(&self) -> &Rules {
+        &self.rules
+    }
+
+    /// Number of samples.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.samples.stamps.len()
+    }
+
+    /// Whether there is none.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.samples.stamps.is_empty()
+    }
+
+    /// When it begins and ends [s]; None without a sample.
+    #[inline]
+    pub fn span(&self) -> Option<[f64; 2]> {
+        let stamps = &self.samples.stamps;
+        let (first, last) = (*stamps.first()?, *stamps.last()?);
+        if stamps.len() < 2 {
+            return Some([first, last]);
+        }
+        let at = |k: usize, share: f64| stamps[k] + share * (stamps[k + 1] - stamps[k]);
+        let ends = if self.ends < 1.0 { at(stamps.len() - 2, self.ends) } else { last };
+        Some([at(0, self.begins), ends])
+    }
+
+    /// Takes in a sample, with the attitude `world_from_body` as a quaternion x, y, z, w in space. On failure nothing
+    /// has changed.
+    #[inline]
+    pub fn add(&mut self, sample: Sample<'_>, attitude: Option<[f64; 4]>) -> Result<(), Error> {
+        if self.ends < 1.0 {
+            let rule = "belong to a motion that ends with a sample";
+            return Err(Error::value("stamp", rule, number(sample.stamp)));
+        }
+        if sample.yaw.is_some() {
+            let rule = "be left out: a motion has no absolute yaw";
+            return Err(Error::value("yaw", rule, "one"));
+        }
+        let attitude = self.checked(attitude)?;
+        let bias = self.rules.gyroscope.map_or(0.0, |gyroscope| gyroscope.bias);
+        let sample = Sample { yaw_rate: sample.yaw_rate.map(|rate| rate - bias), ..sample };
+        self.reserve(1)?;
+        self.odometry.update(sample)?;
+        let samples = &mut self.samples;
+        samples.stamps.push(sample.stamp);
+        samples.steering.extend_from_slice(sample.steering);
+        samples.wheels.extend_from_slice(sample.wheels);
+        samples.rates.push(sample.yaw_rate.unwrap_or(f64::NAN));
+        samples.attitudes.extend(attitude);
+        Ok(())
+    }
+
+    fn checked(&self, attitude: Option<[f64; 4]>) -> Result<Option<[f64; 4]>, Error> {
+        match (self.rules.in_space, attitude) {
+            (false, None) => Ok(None),
+            (false, Some(_)) => {
+                let rule = "be left out in the plane (in_space=True takes it)";
+                Err(Error::value("attitude", rule, "one"))
+            }
+            (true, None) => {
+                let rule = "come with every sample in space";
+                Err(Error::value("attitude", rule, "none"))
+            }
+            (true, Some(attitude)) => {
+                finite("attitude", &attitude)?;
+                let length = attitude.iter().map(|part| part * part).sum::<f64>().sqrt();
+                if (length - 1.0).abs() > UNIT {
+                    let rule = "be a quaternion x, y, z, w of length 1";
+                    let value = six_wheel_numerics::error::numbers(&attitude);
+                    return Err(Error::value("attitude", rule, value));
+                }
+                Ok(Some(attitude.map(|part| part / length)))
+            }
+        }
+    }
+
+    /// Takes in all rows of a log, or none of them.
+    pub fn add_log(&mut self, log: Recording<'_>, attitudes: Option<&[[f64; 4]]>) -> Result<(), Error> {
+        let (wheels, joints) = (self.rover().wheels().len(), self.rover().steered().len());
+        let before = self.len();
+        self.reserve(log.stamps.len())?;
+        for k in 0..log.stamps.len() {
+            let attitude = attitudes.map(|attitudes| attitudes[k]);
+            if let Err(error) = self.add(log.row(wheels, joints, k), attitude) {
+                self.truncate(before)?;
+                return Err(error.at_row(k));
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes room for more samples.
+    fn reserve(&mut self, more: usize) -> Result<(), Error> {
+        let (wheels, joints) = (self.rover().wheels().len(), self.rover().steered().len());
+        let samples = &mut self.samples;
+        let room = samples
+            .wheels
+            .try_reserve(more.saturating_mul(wheels))
+            .and_then(|()| samples.steering.try_reserve(more.saturating_mul(joints)))
+            .and_then(|()| samples.stamps.try_reserve(more))
+            .and_then(|()| samples.rates.try_reserve(more))
+            .and_then(|()| samples.attitudes.try_reserve(more));
+        room.map_err(|_| {
+            Error::value("wheel_angles", "fit into memory", format!("{more} rows")).of_kind(ErrorKind::Memory)
+        })
+    }
+
+    /// Forgets all samples but those before this many, as after a failure.
+    fn truncate(&mut self, count: usize) -> Result<(), Error> {
+        if count < self.len() {
+            *self = self.part(0..count, self.begins, self.ends)?;
+        }
+        Ok(())
+    }
+
+    fn sample(&self, k: usize) -> Sample<'_> {
+        let (wheels, joints) = (self.rover().wheels().len(), self.rover().steered().len());
+        let rate = self.samples.rates[k];
+        Sample {
+            steering: &self.samples.steering[k * joints..(k + 1) * joints],
+            wheels: &self.samples.wheels[k * wheels..(k + 1) * wheels],
+            stamp: self.samples.stamps[k],
+            yaw: None,
+            yaw_rate: (!rate.is_nan()).then_some(rate),
+        }
+    }
+
+    /// The same over some of its samples.
+    fn part(&self, rows: std::ops::Range<usize>, begins: f64, ends: f64) -> Result<Self, Error> {
+        let mut part = Self {
+            rules: self.rules.clone(),
+            fresh: self.fresh.clone(),
+            odometry: self.fresh.clone(),
+            samples: Samples::default(),
+            begins,
+            ends,
+        };
+        part.append(self, rows)?;
+        Ok(part)
+    }
+
+    /// Takes in samples that another one has taken in.
+    fn append(&mut self, other: &Self, rows: std::ops::Range<usize>) -> Result<(), Error> {
+        self.reserve(rows.len())?;
+        for k in rows {
+            let sample = other.sample(k);
+            self.odometry.update(sample)?;
+            self.samples.stamps.push(sample.stamp);
+            self.samples.steering.extend_from_slice(sample.steering);
+            self.samples.wheels.extend_from_slice(sample.wheels);
+            self.samples.rates.push(other.samples.rates[k]);
+            self.samples.attitudes.extend(other.samples.attitudes.get(k));
+        }
+        Ok(())
+    }
+
+    /// The parts before and after an instant. Within a step the rover is on its arc.
+    #[inline]
+    pub fn split(&self, stamp: f64) -> Result<[Self; 2], Error> {
+        let Some([begin, end]) = self.span() else {
+            let rule = "lie within the samples";
+            return Err(Error::value("stamp", rule, "one before any sample"));
+        };
+        if !(stamp >= begin && stamp <= end) {
+            let rule = format!("be between {} and {}", number(begin), number(end));
+            return Err(Error::value("stamp", rule, number(stamp)));
+        }
+        let stamps = &self.samples.stamps;
+        let last = self.len() - 1;
+        // The last sample that is not after it.
+        let at = stamps.partition_point(|time| *time <= stamp) - 1;
+        let whole = stamps[at] == stamp && !(at == 0 && self.begins > 0.0);
+        if whole || at == last {
+            let before = if at == 0 { 0.0 } else { self.begins };
+            let after = if at == last { 1.0 } else { self.ends };
+            let first = self.part(0..at + 1, before, 1.0)?;
+            return Ok([first, self.part(at..last + 1, 0.0, after)?]);
+        }
+        let share = (stamp - stamps[at]) / (stamps[at + 1] - stamps[at]);
+        let first = self.part(0..at + 2, self.begins, share)?;
+        Ok([first, self.part(at..last + 1, share, self.ends)?])
+    }
+
+    /// This motion and the one that follows it, as one: the same as if all samples had come to one place.
+    pub fn merge(&self, next: &Self) -> Result<Self, Error> {
+        let same = self.rules == next.rules && self.rover() == next.rover();
+        if !same {
+            let rule = "be of the same rover with the same noise, readings and gyroscope";
+            return Err(Error::value("other", rule, "another one"));
+        }
+        let (Some([_, end]), Some([begin, _])) = (self.span(), next.span()) else {
+            return Ok(if self.is_empty() { next } else { self }.clone());
+        };
+        // Samples both hold: the one between two steps, or both ends of a step that was cut.
+        let shared = if self.ends < 1.0 { 2 } else { 1 };
+        let fits = end == begin
+            && next.len() >= shared
+            && self.len() >= shared
+            && (shared == 1) == (next.begins == 0.0)
+            && (shared == 1 || self.ends == next.begins);
+        if !fits {
+            let rule = format!("begin where this one ends, at {}", number(end));
+            return Err(Error::value("other", rule, number(begin)));
+        }
+        let counts = self.rules.settings.readings == Readings::Increments;
+        let agrees = (0..shared).all(|k| {
+            let (ours, theirs) = (self.sample(self.len() - shared + k), next.sample(k));
+            let read = ours.wheels.iter().zip(theirs.wheels);
+            ours.stamp == theirs.stamp
+                && ours.steering == theirs.steering
+                && (counts || read.clone().all(|(a, b)| a == b || a.is_nan() && b.is_nan()))
+        });
+        if !agrees {
+            let rule = "begin with the sample this one ends with";
+            return Err(Error::value("other", rule, "other readings"));
+        }
+        let mut whole = self.clone();
+        whole.append(next, shared..next.len())?;
+        whole.ends = next.ends;
+        Ok(whole)
+    }
+
+    /// Whether the motion is that of odometry: in the plane, between two samples.
+    fn is_plain(&self) -> bool {
+        !self.rules.in_space && self.begins == 0.0 && self.ends == 1.0
+    }
+
+    /// The motion in the plane with its full turns; None where it has to be worked out by [`Self::replay`].
+    #[inline]
+    pub fn pose(&self) -> Option<Pose> {
+        self.is_plain().then(|| self.odometry.pose())
+    }
+
+    /// Covariance in the plane, in coordinates; None where it has to be worked out by [`Self::replay`].
+    #[inline]
+    pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
+        self.is_plain().then(|| self.odometry.covariance())
+    }
+}
+
+impl Residual {
+    /// How two poses contradict a motion that is changed by `exp(change)` at its end.
+    #[inline]
+    pub fn of(motion: &Motion3, change: &Vector6<f64>, [first, second]: [&Motion3; 2]) -> Self {
+        let seen = first.inverse().compose(second);
+        let left = motion.inverse().compose(&seen);
+        let error = Motion3::exp(&-change).compose(&left).log();
+        let inverse = right_jacobian(&error).try_inverse().unwrap_or_else(Matrix6::identity);
+        Self {
+            error,
+            by_first: -inverse * seen.inverse().adjoint(),
+            by_second: inverse,
+            by_motion: -inverse * left.inverse().adjoint() * right_jacobian(&-change),
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;

@@ -1,0 +1,221 @@
+//! The samples of a motion once more, with all derivatives.
+//!
+//! A change of one displacement in body axes moves the end by `exp(B d) delta`, with `B = adjoint(begin_from_step)
+//! left_jacobian(displacement)`, wherever the motion goes on to: in axes of the beginning nothing that was added has
+//! to be carried along. At the end everything is turned into axes of the end, once.
+
+use nalgebra::{Matrix3, Matrix6, Matrix6x3, Quaternion, UnitQuaternion, Vector3, Vector6};
+
+use super::space::{Motion3, left_jacobian, right_jacobian};
+use super::{PLANE, Preintegrated, Tangent};
+use crate::health::Health;
+use crate::motion::Motion;
+use crate::planar::Odometry;
+use crate::settings::Readings;
+use crate::settings::quantities::{Column, DIMENSIONS};
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::Error;
+
+/// A motion with its covariance and derivatives, in axes of its end.
+#[derive(Clone, Debug)]
+pub struct Replayed {
+    /// `begin_from_end`
+    pub motion: Motion3,
+    /// Its turn about z with all its full turns, in the plane [rad].
+    pub yaw: f64,
+    /// Covariance.
+    pub covariance: Matrix6<f64>,
+    /// Derivatives.
+    pub columns: Vec<(Column, Vector6<f64>)>,
+}
+
+impl Replayed {
+    /// The covariance in another tangent space.
+    pub fn covariance_in(&self, tangent: Tangent) -> Matrix6<f64> {
+        let change = match tangent {
+            Tangent::End => return self.covariance,
+            Tangent::Begin => self.motion.adjoint(),
+            Tangent::Coordinates => {
+                let turned = Motion3 { translation: Vector3::zeros(), ..self.motion };
+                turned.adjoint()
+            }
+        };
+        change * self.covariance * change.transpose()
+    }
+
+    /// The motion after a change of its tangent, and its turn about z.
+    pub fn corrected(&self, change: [f64; 6]) -> (Motion3, f64) {
+        let moved = self.motion.compose(&Motion3::exp(&change.into()));
+        (moved, self.yaw + change[5])
+    }
+
+    /// Derivative by one thing; zero if the motion does not answer to it.
+    #[inline]
+    pub fn by(&self, wanted: Column) -> Vector6<f64> {
+        let found = self.columns.iter().find(|(column, _)| *column == wanted);
+        found.map_or_else(Vector6::zeros, |(_, by)| *by)
+    }
+}
+
+/// Sums in axes of the beginning.
+struct Sums {
+    settled: Matrix6<f64>,
+    carried: Vec<Vector6<f64>>,
+    columns: Vec<(Column, Vector6<f64>)>,
+}
+
+fn columns(rover: &Rover) -> Vec<(Column, Vector6<f64>)> {
+    let zero = Vector6::zeros();
+    let mut columns = Vec::new();
+    for wheel in 0..rover.wheels().len() {
+        let dimensions = DIMENSIONS.map(|quantity| (Column::Dimension(quantity, wheel), zero));
+        columns.extend(dimensions);
+        columns.push((Column::Slip(wheel), zero));
+        columns.push((Column::SideSlip(wheel), zero));
+    }
+    columns.push((Column::Bias, zero));
+    columns
+}
+
+fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion<f64> {
+    UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
+}
+
+/// How a displacement in the plane of the wheels enters one in space.
+fn embedding() -> Matrix6x3<f64> {
+    let mut embedding = Matrix6x3::zeros();
+    for (k, row) in PLANE.into_iter().enumerate() {
+        embedding[(row, k)] = 1.0;
+    }
+    embedding
+}
+
+impl Preintegrated {
+    /// All there is to know of the motion, from its samples.
+    pub fn replay(&self) -> Result<Replayed, Error> {
+        let mut odometry = self.fresh.clone();
+        odometry.plan = None; // every step by the plain core, which has the derivatives
+        let shared = odometry.work.noise.old.len();
+        let tilts = if self.rules.in_space { 2 } else { 0 };
+        let mut sums = Sums {
+            settled: Matrix6::zeros(),
+            carried: vec![Vector6::zeros(); shared + tilts],
+            columns: columns(self.rover()),
+        };
+        let (mut motion, mut yaw) = (Motion3::identity(), 0.0);
+        if !self.is_empty() {
+            odometry.refer_to(&self.sample(0));
+        }
+        for k in 1..self.len() {
+            let begins = if k == 1 { self.begins } else { 0.0 };
+            let ends = if k == self.len() - 1 { self.ends } else { 1.0 };
+            let step = sums.step(self, &mut odometry, k, ends - begins, &motion)?;
+            yaw += step[5];
+            motion = motion.compose(&Motion3::exp(&step));
+        }
+        for carried in &sums.carried {
+            sums.settled += carried * carried.transpose();
+        }
+        let to_end = motion.inverse().adjoint();
+        Ok(Replayed {
+            covariance: to_end * sums.settled * to_end.transpose(),
+            columns: sums.columns.into_iter().map(|(column, by)| (column, to_end * by)).collect(),
+            motion,
+            yaw,
+        })
+    }
+}
+
+impl Sums {
+    /// A share of one step, which begins where `motion` ends.
+    fn step(
+        &mut self,
+        of: &Preintegrated,
+        odometry: &mut Odometry,
+        k: usize,
+        share: f64,
+        motion: &Motion3,
+    ) -> Result<Vector6<f64>, Error> {
+        let sample = of.sample(k);
+        let dt = sample.stamp - odometry.reference.stamp;
+        odometry.difference(&sample, dt);
+        let relative = match of.rules.in_space {
+            true => {
+                let [before, after] = [k - 1, k].map(|row| rotation(of.samples.attitudes[row]));
+                before.inverse() * after
+            }
+            false => UnitQuaternion::identity(),
+        };
+        let turned = relative.scaled_axis();
+        let by_rates =
+            sample.yaw_rate.map(|rate| f64::midpoint(odometry.reference.yaw_rate.unwrap_or(rate), rate) * dt);
+        let from_attitude = of.rules.in_space && by_rates.is_none();
+        let gyro_turn = if from_attitude { Some(turned.z) } else { by_rates };
+        let given = Motion {
+            steering: [&odometry.reference.angles, &odometry.angles],
+            turned: &odometry.turned,
+            from_rates: odometry.settings.readings == Readings::Speeds,
+            dt,
+            gyro_turn,
+            bias_variance: 0.0,
+        };
+        let rules = odometry.settings.rules();
+        let displacement = odometry.work.displacement(&odometry.rover, given, &rules)?;
+        let mut step = Vector6::zeros();
+        for (row, part) in PLANE.into_iter().zip(<[f64; 3]>::from(displacement)) {
+            step[row] = part;
+        }
+        (step[3], step[4]) = (turned.x, turned.y);
+        step *= share;
+        let answer = motion.adjoint() * left_jacobian(&step) * share;
+        let by_plane = answer * embedding();
+        let noise = &odometry.work.noise;
+        // What errs in this step alone errs in each part of it on its own.
+        self.settled += by_plane * noise.own.matrix() * by_plane.transpose() / share.max(f64::MIN_POSITIVE);
+        for ((old, new), carried) in noise.old.iter().zip(&noise.new).zip(&mut self.carried) {
+            let whole = *carried + by_plane * old;
+            self.settled += whole * whole.transpose();
+            *carried = by_plane * new;
+        }
+        let mut gain = Vector3::zeros();
+        let (columns, rover) = (&mut self.columns, &odometry.rover);
+        odometry.work.derivatives(rover, given, rules.method, |linearised, fusion| {
+            gain = fusion.gain;
+            for (column, sum) in columns {
+                *sum += by_plane * column.of_step(linearised, fusion, dt);
+            }
+        })?;
+        if of.rules.in_space {
+            let by_turn = if from_attitude { gain } else { Vector3::zeros() };
+            self.tilt(of, &turned, &relative, &by_turn, &answer);
+        }
+        odometry.conclude(&sample, Health::GOOD, gyro_turn);
+        Ok(step)
+    }
+
+    /// Errors of the tilt of the attitudes at both ends of a step.
+    fn tilt(
+        &mut self,
+        of: &Preintegrated,
+        turned: &Vector3<f64>,
+        relative: &UnitQuaternion<f64>,
+        by_turn: &Vector3<f64>,
+        answer: &Matrix6<f64>,
+    ) {
+        let about = Vector6::new(0.0, 0.0, 0.0, turned.x, turned.y, turned.z);
+        let of_turn: Matrix3<f64> = right_jacobian(&about).fixed_view::<3, 3>(3, 3).into_owned();
+        let inverse = of_turn.try_inverse().unwrap_or_else(Matrix3::identity);
+        let first = self.carried.len() - 2;
+        for (axis, carried) in self.carried[first..].iter_mut().enumerate() {
+            let mut error = Vector3::zeros();
+            error[axis] = of.rules.attitude_noise;
+            let [old, new] = [-(inverse * (relative.inverse() * error)), inverse * error].map(|d| {
+                let (ahead, left, turn) = (by_turn.x * d.z, by_turn.y * d.z, by_turn.z * d.z);
+                answer * Vector6::new(ahead, left, 0.0, d.x, d.y, turn)
+            });
+            let whole = *carried + old;
+            self.settled += whole * whole.transpose();
+            *carried = new;
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Motions in space: SE(3) exponential, logarithm, adjoint and the Jacobian of the exponential. The plane is the
+//! subspace of x, y and yaw, in which all of them stay.
+//!
+//! A tangent is `(x, y, z, about x, about y, about z)`, in the order of ROS messages [m, m, m, rad, rad, rad].
+//!
+//! Source: T. D. Barfoot, State Estimation for Robotics, 2017, ch. 7 (eq. 7.86 for the Jacobian).
+
+use nalgebra::{Matrix3, Matrix6, Rotation3, UnitQuaternion, Vector3, Vector6};
+
+use six_wheel_numerics::error::{Error, finite, number};
+
+/// How far a rotation matrix may be off for the rounding of whoever wrote it.
+const ORTHOGONAL: f64 = 1e-6;
+
+/// Turn below which the series is used [rad]: what is left out is below 1e-18 there.
+const SERIES: f64 = 0.3;
+
+/// `a_from_b`: rotation and translation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion3 {
+    /// Rotation.
+    pub rotation: UnitQuaternion<f64>,
+    /// Translation [m].
+    pub translation: Vector3<f64>,
+}
+
+impl Motion3 {
+    /// None.
+    #[inline]
+    pub fn identity() -> Self {
+        Self { rotation: UnitQuaternion::identity(), translation: Vector3::zeros() }
+    }
+
+    /// In the plane: x [m], y [m], yaw [rad].
+    pub fn planar([x, y, yaw]: [f64; 3]) -> Self {
+        Self { rotation: UnitQuaternion::from_scaled_axis(Vector3::z() * yaw), translation: Vector3::new(x, y, 0.0) }
+    }
+
+    /// Where holding this tangent for one unit of time leads.
+    #[inline]
+    pub fn exp(tangent: &Vector6<f64>) -> Self {
+        let (way, turn) = split(tangent);
+        Self { rotation: UnitQuaternion::from_scaled_axis(turn), translation: left_jacobian_of_turn(&turn) * way }
+    }
+
+    /// The tangent that leads here, turning the short way round.
+    pub fn log(&self) -> Vector6<f64> {
+        let turn = self.rotation.scaled_axis();
+        let inverse = left_jacobian_of_turn(&turn).try_inverse();
+        let way = inverse.map_or(self.translation, |inverse| inverse * self.translation);
+        joined(&way, &turn)
+    }
+
+    /// `a_from_c = a_from_b * b_from_c`
+    #[must_use]
+    #[inline]
+    pub fn compose(&self, next: &Self) -> Self {
+        let mut rotation = self.rotation * next.rotation;
+        rotation.renormalize_fast();
+        Self { rotation, translation: self.translation + self.rotation * next.translation }
+    }
+
+    /// `b_from_a`
+    #[must_use]
+    #[inline]
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.inverse();
+        Self { rotation, translation: -(rotation * self.translation) }
+    }
+
+    /// What a tangent in axes of b is in axes of a: `self exp(t) = exp(adjoint t) self`.
+    pub fn adjoint(&self) -> Matrix6<f64> {
+        let turn = *self.rotation.to_rotation_matrix().matrix();
+        let mut adjoint = Matrix6::zeros();
+        set(&mut adjoint, 0, 0, &turn);
+        set(&mut adjoint, 0, 3, &(self.translation.cross_matrix() * turn));
+        set(&mut adjoint, 3, 3, &turn);
+        adjoint
+    }
+
+    /// From a homogeneous matrix.
+    pub fn from_matrix(argument: &'static str, matrix: &[[f64; 4]; 4]) -> Result<Self, Error> {
+        finite(argument, matrix.as_flattened())?;
+        let turn = Matrix3::from_fn(|i, k| matrix[i][k]);
+        let off = (turn * turn.transpose() - Matrix3::identity()).amax();
+        let last = [0.0, 0.0, 0.0, 1.0];
+        if off > ORTHOGONAL || turn.determinant() < 0.0 || matrix[3] != last {
+            let rule = "be a homogeneous matrix: a rotation, a translation and the row 0, 0, 0, 1";
+            let value = format!("one whose axes are off by {}", number(off));
+            return Err(Error::value(argument, rule, value));
+        }
+        let rotation = Rotation3::from_matrix_unchecked(turn);
+        Ok(Self {
+            rotation: UnitQuaternion::from_rotation_matrix(&rotation),
+            translation: Vector3::from_fn(|i, _| matrix[i][3]),
+        })
+    }
+
+    /// The homogeneous matrix.
+    #[inline]
+    pub fn matrix(&self) -> [[f64; 4]; 4] {
+        let turn = self.rotation.to_rotation_matrix();
+        let mut matrix = [[0.0; 4]; 4];
+        for (i, row) in matrix.iter_mut().enumerate().take(3) {
+            for (k, value) in row.iter_mut().enumerate().take(3) {
+                *value = turn[(i, k)];
+            }
+            row[3] = self.translation[i];
+        }
+        matrix[3][3] = 1.0;
+        matrix
+    }
+}
+
+fn split(tangent: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    (Vector3::new(tangent[0], tangent[1], tangent[2]), Vector3::new(tangent[3], tangent[4], tangent[5]))
+}
+
+fn joined(way: &Vector3<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(way.x, way.y, way.z, turn.x, turn.y, turn.z)
+}
+
+fn set(matrix: &mut Matrix6<f64>, row: usize, column: usize, block: &Matrix3<f64>) {
+    matrix.fixed_view_mut::<3, 3>(row, column).copy_from(block);
+}
+
+/// `(1 - cos t) / t²`, `(t - sin t) / t³`, `(t²/2 + cos t - 1) / t⁴` and `(2 t + t cos t - 3 sin t) / (2 t⁵)`.
+fn quotients(turn: f64) -> [f64; 4] {
+    let square = turn * turn;
+    if turn < SERIES {
+        // Each coefficient of a series is the one before by the product of the next two whole numbers.
+        let series = |first: f64, from: f64| {
+            let (mut term, mut sum) = (first, first);
+            for k in 0..6 {
+                let n = from + 2.0 * f64::from(k);
+                term *= -square / ((n + 1.0) * (n + 2.0));
+                sum += term;
+            }
+            sum
+        };
+        // The last one is the difference of the series of t cos t and 3 sin t from their fifth powers on.
+        let (mut power, mut last) = (1.0, 0.0);
+        let mut factorial = 24.0;
+        for k in 0..6 {
+            let n = 4.0 + 2.0 * f64::from(k);
+            last += power * (1.0 - 3.0 / (n + 1.0)) / factorial / 2.0;
+            power *= -square;
+            factorial *= (n + 1.0) * (n + 2.0);
+        }
+        return [series(0.5, 2.0), series(1.0 / 6.0, 3.0), series(1.0 / 24.0, 4.0), last];
+    }
+    let (sin, cos) = turn.sin_cos();
+    let half = (turn / 2.0).sin() / (turn / 2.0);
+    [
+        half * half / 2.0,
+        (turn - sin) / (square * turn),
+        (square / 2.0 + cos - 1.0) / (square * square),
+        (2.0 * turn + turn * cos - 3.0 * sin) / (2.0 * square * square * turn),
+    ]
+}
+
+fn left_jacobian_of_turn(turn: &Vector3<f64>) -> Matrix3<f64> {
+    let [first, second, ..] = quotients(turn.norm());
+    let cross = turn.cross_matrix();
+    Matrix3::identity() + cross * first + cross * cross * second
+}
+
+/// How the end of `exp(tangent)` answers to the tangent, in axes of its start:
+/// `exp(t + d) = exp(left_jacobian(t) d) exp(t)`.
+pub fn left_jacobian(tangent: &Vector6<f64>) -> Matrix6<f64> {
+    let (way, turn) = split(tangent);
+    let [_, a, b, c] = quotients(turn.norm());
+    let (w, t) = (way.cross_matrix(), turn.cross_matrix());
+    let (tw, wt) = (t * w, w * t);
+    let twt = tw * t;
+    let mixed = w * 0.5 + (tw + wt + twt) * a + (t * tw + wt * t - twt * 3.0) * b + (twt * t + t * twt) * c;
+    let mut jacobian = Matrix6::zeros();
+    let of_turn = left_jacobian_of_turn(&turn);
+    set(&mut jacobian, 0, 0, &of_turn);
+    set(&mut jacobian, 0, 3, &mixed);
+    set(&mut jacobian, 3, 3, &of_turn);
+    jacobian
+}
+
+/// The same in axes of its end: `exp(t + d) = exp(t) exp(right_jacobian(t) d)`.
+pub fn right_jacobian(tangent: &Vector6<f64>) -> Matrix6<f64> {
+    left_jacobian(&-tangent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tangents() -> Vec<Vector6<f64>> {
+        let directions = [Vector6::new(0.4, -0.3, 0.2, 0.6, -0.5, 0.62), Vector6::new(1.0, 0.5, 0.0, 0.0, 0.0, 1.0)];
+        let sizes = [0.0, 1e-9, 1e-3, 0.2999, 0.3001, 1.0, 2.9];
+        let all = directions.iter().flat_map(|d| sizes.map(|size| d * size));
+        all.collect()
+    }
+
+    #[test]
+    fn the_logarithm_undoes_the_exponential() {
+        for tangent in tangents() {
+            let back = Motion3::exp(&tangent).log();
+            assert!((back - tangent).amax() < 1e-13, "{tangent} {back}");
+        }
+    }
+
+    #[test]
+    fn jacobians_are_differences() {
+        for tangent in tangents() {
+            let (left, right) = (left_jacobian(&tangent), right_jacobian(&tangent));
+            let here = Motion3::exp(&tangent);
+            for k in 0..6 {
+                let mut step = Vector6::zeros();
+                step[k] = 1e-6;
+                let more = Motion3::exp(&(tangent + step));
+                let less = Motion3::exp(&(tangent - step));
+                let by_left = (more.compose(&here.inverse()).log() - less.compose(&here.inverse()).log()) / 2e-6;
+                let by_right = (here.inverse().compose(&more).log() - here.inverse().compose(&less).log()) / 2e-6;
+                assert!((by_left - left.column(k)).amax() < 1e-9, "{tangent} {k}");
+                assert!((by_right - right.column(k)).amax() < 1e-9, "{tangent} {k}");
+            }
+            let swapped = here.adjoint() * right;
+            assert!((swapped - left).amax() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn the_plane_is_that_of_the_plane() {
+        let twist = six_wheel_kinematics::geometry::Twist::from([0.4, -0.3, 1.2]);
+        let (plane, space) = (twist.exp(1.0), Motion3::exp(&Vector6::new(0.4, -0.3, 0.0, 0.0, 0.0, 1.2)));
+        let there = Motion3::planar(plane.into());
+        assert!((there.translation - space.translation).amax() < 1e-15);
+        assert!(there.rotation.angle_to(&space.rotation) < 1e-15);
+    }
+}

@@ -1,0 +1,170 @@
+//! What a block of a log needs of any rover, and its rows on their way out.
+
+use std::ops::Range;
+
+use super::room::Room;
+use crate::recording::TrackRows;
+use crate::registers::wheels::InLanes;
+use crate::settings::Settings;
+use crate::spread::Spread;
+use crate::uncertainty::rounded;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::{Column, weave};
+
+/// Rows of a log, with the one before them.
+#[derive(Clone, Copy)]
+pub(crate) struct Rows<'a> {
+    pub wheels: &'a [f64],
+    pub steering: &'a [f64],
+    pub stamps: &'a [f64],
+    pub settings: &'a Settings,
+    /// Whether a gyroscope has a say, or had in the row before; what it says is in the block.
+    pub leans: bool,
+}
+
+/// What a block needs of any rover.
+pub(crate) struct Block {
+    pub dt: Column,
+    /// 1 where a wheel slid further than the noise explains.
+    pub slips: Column,
+    /// What a gyroscope says of every step: [`Turned`](crate::uncertainty::Turned), where it has a say.
+    pub says: Column,
+    pub turn: Column,
+    pub bias: Column,
+    /// Its gain; then what its bias makes of the end of a step, and its covariance with the pose at the start.
+    pub(crate) by_bias: [Column; 3],
+    pub(crate) cross: [Column; 3],
+    pub(crate) displacement: [Column; 3],
+    pub(crate) twists: [Column; 3],
+    /// Covariance of the displacement in body axes; then of its end in world axes; then of the pose, what is settled.
+    pub(crate) own: [Column; 6],
+    /// The same of the joints' readings at one end, and what is open of the pose.
+    pub(crate) open: [Column; 6],
+    pub(crate) heading: Column,
+    /// Way of every step in world axes; then the pose.
+    pub(crate) poses: [Column; 3],
+    pub(crate) lever: [Column; 2],
+    pub(crate) covariances: [Column; 9],
+}
+
+impl Block {
+    pub fn new() -> Self {
+        Self {
+            dt: Column::ZERO,
+            slips: Column::ZERO,
+            says: Column::ZERO,
+            turn: Column::ZERO,
+            bias: Column::ZERO,
+            by_bias: [Column::ZERO; 3],
+            cross: [Column::ZERO; 3],
+            displacement: [Column::ZERO; 3],
+            twists: [Column::ZERO; 3],
+            own: [Column::ZERO; 6],
+            open: [Column::ZERO; 6],
+            heading: Column::ZERO,
+            poses: [Column::ZERO; 3],
+            lever: [Column::ZERO; 2],
+            covariances: [Column::ZERO; 9],
+        }
+    }
+}
+
+#[inline(always)]
+pub(crate) fn load<S: Vector, const N: usize>(simd: S, columns: &[Column; N], k: usize) -> [Lanes<S>; N] {
+    let mut lanes = [Lanes::splat(simd, 0.0); N];
+    for (lanes, column) in lanes.iter_mut().zip(columns) {
+        *lanes = column.load(simd, k);
+    }
+    lanes
+}
+
+#[inline(always)]
+pub(crate) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Column; N], k: usize) {
+    for (lanes, column) in lanes.into_iter().zip(columns) {
+        column.store(k, lanes);
+    }
+}
+
+/// A row of columns.
+#[inline(always)]
+pub(crate) fn at<const N: usize>(columns: &[Column; N], row: usize) -> [f64; N] {
+    let mut numbers = [0.0; N];
+    for (number, column) in numbers.iter_mut().zip(columns) {
+        *number = column.0[row];
+    }
+    numbers
+}
+
+impl Block {
+    /// The rows that were made, where they belong.
+    #[inline]
+    pub fn write(&mut self, room: &Room, rows: Range<usize>, wheels: usize, track: &mut TrackRows<'_>) {
+        let write = Write { block: self, room, rows, wheels, track };
+        room.level.run(write);
+    }
+
+    /// Residuals of a step.
+    pub fn last_residual(&self, room: &Room, row: usize, residual: &mut [f64]) {
+        for (residual, column) in residual.iter_mut().zip(&room.wheels) {
+            *residual = column.0[row];
+        }
+    }
+}
+
+struct Write<'a, 'b> {
+    block: &'a mut Block,
+    room: &'a Room,
+    rows: Range<usize>,
+    wheels: usize,
+    track: &'a mut TrackRows<'b>,
+}
+
+impl Kernel for Write<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) {
+        let Self { block, room, rows, wheels, track } = self;
+        let poses = track.poses[rows.clone()].as_flattened_mut();
+        weave(simd, &block.poses, poses);
+        weave(simd, &block.twists, track.twists[rows.clone()].as_flattened_mut());
+        if let Some(residuals) = &mut track.residuals {
+            let residuals = &mut residuals[rows.start * wheels..rows.end * wheels];
+            weave(simd, &room.wheels, residuals);
+        }
+        if let Some(covariances) = &mut track.covariances {
+            for k in 0..rows.len().div_ceil(S::F64_LANES) {
+                report(simd, k, rows.len(), block);
+            }
+            weave(simd, &block.covariances, covariances[rows].as_flattened_mut());
+        }
+    }
+}
+
+/// A register of covariances of the pose, without a negative variance in any direction.
+#[inline(always)]
+fn report<S: Vector>(simd: S, k: usize, rows: usize, block: &mut Block) {
+    let (settled, open) = (load(simd, &block.own, k), load(simd, &block.open, k));
+    let spread = rounded(InLanes(simd), Spread::from(settled).and(open.into()));
+    let zero = Lanes::splat(simd, 0.0);
+    let mut negative = zero.below(zero);
+    for minor in spread.minors() {
+        negative = negative | minor.below(zero);
+    }
+    let [xx, xy, xz, yy, yz, zz] = spread.into();
+    store([xx, xy, xz, xy, yy, yz, xz, yz, zz], &mut block.covariances, k);
+    if negative.any() {
+        for row in k * S::F64_LANES..rows.min((k + 1) * S::F64_LANES) {
+            let [xx, xy, xz, _, yy, yz, _, _, zz] = at(&block.covariances, row);
+            let spread = Spread::from([xx, xy, xz, yy, yz, zz]);
+            if spread.may_be_negative() {
+                let matrix: [[f64; 3]; 3] = spread.without_negative().matrix().into();
+                for (part, column) in matrix.as_flattened().iter().zip(&mut block.covariances) {
+                    column.0[row] = *part;
+                }
+            }
+        }
+    }
+}

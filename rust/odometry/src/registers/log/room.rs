@@ -1,0 +1,72 @@
+//! What a block of a log needs as much of as the rover has wheels and joints.
+
+use super::led::{LEAD, Led};
+use crate::registers::plan::{Plan, Room as Place};
+use six_wheel_kinematics::one_row::inverse::GROUP;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::weave::{BLOCK, Column};
+
+/// What a block needs as much of as the rover has wheels. Written by every block before it is read, but for the row before
+/// it in `ends`, which comes from the state.
+pub(crate) struct Room {
+    pub(crate) level: Level,
+    /// Row by row: what is taken apart into columns next.
+    pub(crate) flat: Vec<f64>,
+    /// Angle of every joint per count of its encoder [rad].
+    pub(crate) per_count: Vec<f64>,
+    /// Angles of the joints, row by row [rad].
+    pub(crate) angles: Vec<f64>,
+    /// Per wheel of the rover: what it counted; then how fast its contact slid [m/s].
+    pub(crate) wheels: Vec<Column>,
+    /// Middle angles of the joints, then their turns [rad].
+    pub(crate) joints: Vec<Column>,
+    /// Per place of a wheel in the plan.
+    pub(crate) places: Vec<Place>,
+    /// Per joint: what half the deviation of its angle does to the displacement; then, at the end of every step.
+    pub(crate) ends: Vec<[Led; 3]>,
+    /// The same of a gyroscope's reading.
+    pub(crate) by_gyroscope: [Led; 3],
+}
+
+/// So many, if there is memory.
+fn some<T: Clone>(one: T, count: usize) -> Option<Vec<T>> {
+    let mut all = Vec::new();
+    all.try_reserve_exact(count).ok()?;
+    all.resize(count, one);
+    Some(all)
+}
+
+impl Room {
+    pub fn new(plan: &Plan) -> Option<Self> {
+        let wheels: usize = plan.groups.iter().map(|group| group.count).sum();
+        let joints: usize = plan.groups.iter().map(|group| group.steered).sum();
+        let mut per_count = some(0.0, joints)?;
+        for (joint, per_count) in per_count.iter_mut().enumerate() {
+            *per_count = plan.groups[joint / GROUP].per_count[1][joint % GROUP];
+        }
+        Some(Self {
+            level: Level::best(),
+            per_count,
+            flat: some(0.0, BLOCK * wheels.max(2 * joints))?,
+            angles: some(0.0, BLOCK * joints)?,
+            wheels: some(Column::ZERO, wheels)?,
+            joints: some(Column::ZERO, 2 * joints)?,
+            places: some(Place::default(), GROUP * plan.groups.len())?,
+            ends: some([Led([0.0; LEAD + BLOCK]); 3], joints)?,
+            by_gyroscope: [Led([0.0; LEAD + BLOCK]); 3],
+        })
+    }
+
+    /// Most rows of a block.
+    #[inline]
+    pub fn rows(&self) -> usize {
+        BLOCK
+    }
+
+    /// Angles of the joints after a step [rad].
+    #[inline]
+    pub fn angles(&self, row: usize) -> &[f64] {
+        let joints = self.ends.len();
+        &self.angles[row * joints..(row + 1) * joints]
+    }
+}

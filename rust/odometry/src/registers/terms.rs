@@ -1,0 +1,73 @@
+//! The settings as numbers of one step, or of a register of steps.
+
+use crate::arithmetic::Arithmetic;
+use crate::settings::Settings;
+
+/// Way of a wheel and turn of a joint over one step beyond which it is left to the plain core [m, rad]; half the turn is as
+/// far as the chord is the polynomial. A wheel may turn by as many radians as metres.
+pub(crate) const LARGEST_STEP: [f64; 2] = [1e50, std::f64::consts::FRAC_PI_2];
+
+/// Share of a bound that is surely below it, however it is rounded.
+pub(crate) const SURELY: f64 = 1.0 - 1e-9;
+
+/// What the settings say of a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Terms<T> {
+    /// Duration [s].
+    pub dt: T,
+    /// Variance of what a wheel rolled, but for slip [m²].
+    pub reading_variance: T,
+    /// Half the deviation of a steering angle [rad], and its variance.
+    pub half_deviation: T,
+    pub steering_variance: T,
+    /// How far a wheel slides that is reported [m]; None: by the variances.
+    pub slip_bound: Option<T>,
+    /// Way of a wheel and turn of a joint beyond which the plain core is asked [m, rad]; at most [`LARGEST_STEP`].
+    pub most: [T; 2],
+    /// Variance along and across a wheel's heading per metre of its pivot [m].
+    pub slip_variances: [f64; 2],
+    /// Time constant of the filter of the twist [s].
+    pub smoothing: f64,
+}
+
+impl Settings {
+    /// Of a step that takes so long.
+    #[inline(always)]
+    pub(crate) fn terms<F: Arithmetic>(&self, by: F, dt: F::Number) -> Terms<F::Number> {
+        let noise = &self.noise;
+        let read = by.number(noise.speed) * dt;
+        let steering = by.number(noise.steering);
+        let (reading_variance, deviation) = match noise.period {
+            None => (read * read, steering),
+            Some(period) => {
+                let sharing = by.over(by.number(period), dt);
+                (sharing * (read * read), by.sqrt(sharing) * steering)
+            }
+        };
+        let most = |limit: Option<f64>, largest: f64| match limit {
+            None => by.number(largest),
+            Some(limit) => by.least(by.number(SURELY * limit) * dt, by.number(largest)),
+        };
+        let [way, turn] = LARGEST_STEP;
+        Terms {
+            dt,
+            reading_variance,
+            half_deviation: deviation * by.number(0.5),
+            steering_variance: deviation * deviation,
+            slip_bound: self.flagged_slip().map(|threshold| by.number(threshold) * dt),
+            most: [most(self.max_speed, way), most(self.max_steering_rate, turn)],
+            slip_variances: [noise.slip * noise.slip, noise.side_slip * noise.side_slip],
+            smoothing: self.smoothing,
+        }
+    }
+
+    /// What the deviation of a gyroscope's reading at either end of a step makes of its turn [rad].
+    #[inline(always)]
+    pub(crate) fn turn_deviation<F: Arithmetic>(&self, by: F, dt: F::Number) -> F::Number {
+        let half = by.number(0.5 * self.rate_noise()) * dt;
+        match self.noise.period {
+            None => half,
+            Some(period) => half * by.sqrt(by.over(by.number(period), dt)),
+        }
+    }
+}

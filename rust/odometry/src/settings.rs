@@ -1,0 +1,225 @@
+//! How odometry works: all that does not change while it does.
+
+pub mod dimensions;
+pub mod encoder;
+pub mod gyroscope;
+pub mod noise;
+pub(crate) mod quantities;
+
+use self::dimensions::Deviations;
+use self::encoder::Encoder;
+use self::gyroscope::Gyroscope;
+use self::noise::Noise;
+use six_wheel_kinematics::estimate::Method;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::{Error, number};
+
+/// Slip that is flagged where noise is a guess, which is too wide to tell by [m/s].
+const GUESSED_SLIP: f64 = 0.05;
+
+/// What the readings of the wheels are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Readings {
+    /// Running totals.
+    #[default]
+    Angles,
+    /// Rates at the stamps: a step takes the mean of its two ends.
+    Speeds,
+    /// What came since the sample before.
+    Increments,
+}
+
+/// How odometry works; all of it may be left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Standard deviations of readings and slip.
+    pub noise: Noise,
+    /// The gyroscope whose rates come with the samples, its bias a state; None: rates are as the noise says.
+    pub gyroscope: Option<Gyroscope>,
+    /// How many times as much as the noise says each wheel slips; empty: all alike.
+    pub wheel_noise: Vec<f64>,
+    /// What the dimensions may be off by; none: they are known.
+    pub dimensions: Deviations,
+    /// What the readings of the wheels are.
+    pub readings: Readings,
+    /// One for all wheels or one per wheel; empty: they read radians.
+    pub wheel_encoders: Vec<Encoder>,
+    /// One for all steering joints or one per joint; empty: they read radians.
+    pub steering_encoders: Vec<Encoder>,
+    /// How the wheels are weighed.
+    pub method: Method,
+    /// Whether disagreement of the wheels beyond the noise counts as more noise.
+    pub inflate: bool,
+    /// Slip of a wheel that is flagged [m/s]; None: four standard deviations of what the noise explains, of a noise that is a
+    /// guess [`GUESSED_SLIP`].
+    pub slip_threshold: Option<f64>,
+    /// Time between samples beyond which a step is flagged [s].
+    pub max_gap: Option<f64>,
+    /// Rim speed beyond which a sample is refused [m/s].
+    pub max_speed: Option<f64>,
+    /// Steering rate beyond which a sample is refused [rad/s].
+    pub max_steering_rate: Option<f64>,
+    /// Time constant of the first-order filter of `velocity` [s]; 0: none.
+    pub smoothing: f64,
+    /// How late a pose from outside may come [s].
+    pub lag: f64,
+    /// Samples that are kept for that at most.
+    pub history: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            noise: Noise::default(),
+            gyroscope: None,
+            wheel_noise: Vec::new(),
+            dimensions: Deviations::default(),
+            readings: Readings::Angles,
+            wheel_encoders: Vec::new(),
+            steering_encoders: Vec::new(),
+            method: Method::LeastSquares,
+            inflate: false,
+            slip_threshold: None,
+            max_gap: None,
+            max_speed: None,
+            max_steering_rate: None,
+            smoothing: 0.0,
+            lag: 0.0,
+            history: 1024,
+        }
+    }
+}
+
+/// How a step is worked out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rules {
+    /// Noise of readings and slip.
+    pub noise: Noise,
+    /// Weighing of the wheels.
+    pub method: Method,
+    /// Whether disagreement of the wheels beyond the noise counts as more noise.
+    pub inflate: bool,
+    /// Slip of a wheel that is worth reporting [m/s]; None: by the noise.
+    pub slip_threshold: Option<f64>,
+}
+
+impl Settings {
+    pub(crate) fn check(&self, rover: &Rover) -> Result<(), Error> {
+        self.check_for(rover.wheels().len(), rover.steered().len())?;
+        if self.method == Method::MiddleWheels && rover.steered().len() == rover.wheels().len() {
+            let rule = "be another one for a rover without unsteered wheels";
+            return Err(Error::value("method", rule, "'middle_wheels'"));
+        }
+        Ok(())
+    }
+
+    /// The same for so many wheels and steering joints, whatever they are mounted on.
+    pub fn check_for(&self, wheels: usize, joints: usize) -> Result<(), Error> {
+        self.noise.check()?;
+        self.gyroscope.map_or(Ok(()), |known| known.check())?;
+        self.dimensions.check_for(wheels)?;
+        if !(self.wheel_noise.is_empty() || self.wheel_noise.len() == wheels) {
+            let rule = format!("hold {wheels} numbers");
+            let got = self.wheel_noise.len().to_string();
+            return Err(Error::value("wheel_noise", rule, got));
+        }
+        for share in &self.wheel_noise {
+            if !(share.is_finite() && *share >= 0.0) {
+                let rule = "be finite and not negative";
+                return Err(Error::value("wheel_noise", rule, number(*share)));
+            }
+        }
+        let encoders =
+            [("wheel_encoders", &self.wheel_encoders, wheels), ("steering_encoders", &self.steering_encoders, joints)];
+        for (argument, encoders, count) in encoders {
+            if encoders.len() > 1 && encoders.len() != count {
+                let rule = format!("be one encoder or {count}");
+                return Err(Error::value(argument, rule, encoders.len().to_string()));
+            }
+            encoders.iter().try_for_each(Encoder::check)?;
+        }
+        let optional = [
+            ("slip_threshold", self.slip_threshold),
+            ("max_gap", self.max_gap),
+            ("max_speed", self.max_speed),
+            ("max_steering_rate", self.max_steering_rate),
+        ];
+        for (argument, value) in optional {
+            if let Some(value) = value
+                && (value.is_nan() || value <= 0.0)
+            {
+                return Err(Error::value(argument, "be positive", number(value)));
+            }
+        }
+        for (argument, value) in [("smoothing", self.smoothing), ("lag", self.lag)] {
+            if !(value.is_finite() && value >= 0.0) {
+                let rule = "be finite and not negative";
+                return Err(Error::value(argument, rule, number(value)));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Settings {
+    /// Smoothing of the twist [s], and by how much the bias of the gyroscope wanders [rad/s per root s].
+    pub(crate) fn habits(&self) -> [f64; 2] {
+        let walk = self.gyroscope.map_or(0.0, |known| known.bias_walk);
+        [self.smoothing, walk]
+    }
+
+    /// Variance that the bias of the gyroscope wanders by in so long [rad²/s²].
+    #[inline]
+    pub(crate) fn wandered(&self, dt: f64) -> f64 {
+        let [_, walk] = self.habits();
+        walk * walk * dt
+    }
+
+    /// Standard deviation of a yaw rate [rad/s].
+    #[inline]
+    pub(crate) fn rate_noise(&self) -> f64 {
+        self.gyroscope.map_or(self.noise.yaw_rate, |known| known.noise)
+    }
+
+    /// Standard deviation of the factor that the gyroscope's turns are off by.
+    pub(crate) fn scale_noise(&self) -> f64 {
+        self.gyroscope.map_or(0.0, |known| known.scale_noise)
+    }
+
+    /// Number of errors that stay the same all along: those of the dimensions, then the gyroscope's scale.
+    pub(crate) fn lasting(&self) -> usize {
+        self.dimensions.len() + usize::from(self.scale_noise() > 0.0)
+    }
+
+    pub(crate) fn rules(&self) -> Rules {
+        Rules {
+            noise: Noise { yaw_rate: self.rate_noise(), ..self.noise },
+            method: self.method,
+            inflate: self.inflate,
+            slip_threshold: self.flagged_slip(),
+        }
+    }
+
+    /// Slip of a wheel that is flagged [m/s], where one number says it.
+    pub(crate) fn flagged_slip(&self) -> Option<f64> {
+        self.slip_threshold.or(self.noise.is_guess().then_some(GUESSED_SLIP))
+    }
+
+    /// The encoder of a wheel.
+    #[inline]
+    pub fn wheel_encoder(&self, wheel: usize) -> Encoder {
+        pick(&self.wheel_encoders, wheel)
+    }
+
+    /// The encoder of a steering joint.
+    #[inline]
+    pub fn steering_encoder(&self, joint: usize) -> Encoder {
+        pick(&self.steering_encoders, joint)
+    }
+}
+
+/// The encoder of one joint: its own, the one for all, or one that reads radians.
+fn pick(encoders: &[Encoder], index: usize) -> Encoder {
+    let own = encoders.get(index).or_else(|| encoders.first());
+    own.copied().unwrap_or_default()
+}

@@ -1,0 +1,83 @@
+//! What is not known for sure of the dimensions of a rover: errors that stay the same all along, and so do not shrink
+//! beside the way, as those of readings do.
+//!
+//! [`Deviations`] are errors of one standard deviation, independent of one another. The pose errs by a column for each,
+//! which goes along with every step; nothing that is learnt of the pose teaches the dimensions.
+//!
+//! Source: S. F. Schmidt, Application of State-Space Methods to Navigation Problems, Advances in Control Systems 3,
+//! 1966: parameters that are considered, but not estimated.
+
+use nalgebra::Vector3;
+
+use super::quantities::{Column, DIMENSIONS};
+use crate::motion::Fusion;
+use six_wheel_kinematics::estimate::sensitivity::Linearised;
+use six_wheel_numerics::error::{Error, HUGE, number};
+
+/// Numbers of one wheel that may be off, in their order: [`DIMENSIONS`], and as shares of what they read the turns of the
+/// wheel and its steering angle.
+pub const NUMBERS: usize = DIMENSIONS.len() + 2;
+
+/// Independent errors of one standard deviation: what they move, and by how much.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Deviations {
+    count: usize,
+    wheels: usize,
+    /// What any of them moves, and by how much each of them does.
+    moved: Vec<(Column, Vec<f64>)>,
+}
+
+impl Deviations {
+    /// From a table for each of them: a row for every wheel, in it [`NUMBERS`].
+    pub fn new(tables: &[f64], wheels: usize) -> Result<Self, Error> {
+        if let Some(wrong) = tables.iter().find(|by| by.is_nan() || by.abs() >= HUGE) {
+            return Err(Error::value("dimensions", "be finite", number(*wrong)));
+        }
+        let each = (wheels * NUMBERS).max(1);
+        let mut moved = Vec::new();
+        for wheel in 0..wheels {
+            let dimensions = DIMENSIONS.map(|quantity| Column::Dimension(quantity, wheel));
+            let readings = [Column::Turned(wheel), Column::Steered(wheel)];
+            for (place, column) in dimensions.into_iter().chain(readings).enumerate() {
+                let numbers = tables.iter().skip(wheel * NUMBERS + place).step_by(each);
+                let by: Vec<f64> = numbers.copied().collect();
+                if by.iter().any(|by| *by != 0.0) {
+                    moved.push((column, by));
+                }
+            }
+        }
+        Ok(Self { count: tables.len() / each, wheels, moved })
+    }
+
+    /// Number of errors.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there is none: all is known.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Fails unless they are of a rover with so many wheels.
+    pub fn check_for(&self, wheels: usize) -> Result<(), Error> {
+        if self.is_empty() || self.wheels == wheels {
+            return Ok(());
+        }
+        let rule = format!("be of {wheels} wheels");
+        Err(Error::value("dimensions", rule, self.wheels.to_string()))
+    }
+
+    /// What each of them makes of the displacement of a step.
+    pub(crate) fn of_step(&self, linearised: &Linearised<'_>, fusion: &Fusion, dt: f64, into: &mut [Vector3<f64>]) {
+        into.fill(Vector3::zeros());
+        for (column, by) in &self.moved {
+            let of_one = column.of_step(linearised, fusion, dt);
+            for (sum, by) in into.iter_mut().zip(by) {
+                *sum += of_one * *by;
+            }
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! From what an encoder counts to radians.
+
+use std::f64::consts::TAU;
+
+use six_wheel_numerics::error::{Error, number};
+
+/// An encoder as it is: how much it counts, through which gear, and where its counter starts over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encoder {
+    /// Counts per turn of the shaft it sits on; None if it reads radians.
+    pub resolution: Option<f64>,
+    /// Turns of that shaft per turn of the joint; negative if it runs the other way round.
+    pub gear: f64,
+    /// Counts after which the counter starts over, 65536 for 16 bits; None if it never does.
+    pub modulus: Option<f64>,
+    /// Angle of the joint where the counter is zero [rad]; it matters to steering joints.
+    pub offset: f64,
+}
+
+impl Default for Encoder {
+    fn default() -> Self {
+        Self { resolution: None, gear: 1.0, modulus: None, offset: 0.0 }
+    }
+}
+
+impl Encoder {
+    /// Fails unless every number makes sense.
+    pub fn check(&self) -> Result<(), Error> {
+        let positive = |argument, value: Option<f64>| match value {
+            Some(value) if !(value.is_finite() && value > 0.0) => {
+                let rule = "be finite and positive";
+                Err(Error::value(argument, rule, number(value)))
+            }
+            _ => Ok(()),
+        };
+        positive("resolution", self.resolution)?;
+        positive("modulus", self.modulus)?;
+        if !(self.gear.is_finite() && self.gear != 0.0) {
+            return Err(Error::value("gear", "be finite and not 0", number(self.gear)));
+        }
+        if !self.offset.is_finite() {
+            return Err(Error::value("offset", "be finite", number(self.offset)));
+        }
+        Ok(())
+    }
+
+    /// Angle of the joint per count [rad].
+    #[inline]
+    pub fn angle_per_count(&self) -> f64 {
+        self.resolution.map_or(1.0, |resolution| TAU / resolution) / self.gear
+    }
+
+    /// Counts between two readings, the shorter way round, and whether that passed the end of the counter.
+    pub fn difference(&self, before: f64, after: f64) -> (f64, bool) {
+        let difference = after - before;
+        match self.modulus {
+            None => (difference, false),
+            Some(modulus) => {
+                let turns = (difference / modulus).round();
+                (turns.mul_add(-modulus, difference), turns != 0.0)
+            }
+        }
+    }
+
+    /// Angle of a steering joint at its first reading [rad]: a counter that starts over has no turns to tell.
+    pub fn first_angle(&self, counts: f64) -> f64 {
+        let angle = counts * self.angle_per_count() + self.offset;
+        match self.modulus {
+            None => angle,
+            Some(modulus) => {
+                let round = (modulus * self.angle_per_count()).abs();
+                angle - round * (angle / round).round()
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_go_the_shorter_way_round() {
+        let counter = Encoder { modulus: Some(65536.0), ..Encoder::default() };
+        assert_eq!(counter.difference(65530.0, 4.0), (10.0, true));
+        assert_eq!(counter.difference(4.0, 65530.0), (-10.0, true));
+        assert_eq!(counter.difference(-32760.0, 32760.0), (-16.0, true)); // a signed counter
+        assert_eq!(counter.difference(100.0, 350.0), (250.0, false));
+        assert_eq!(Encoder::default().difference(1.0, 1e6), (999_999.0, false));
+    }
+
+    #[test]
+    fn an_absolute_encoder_knows_its_angle_at_once() {
+        let encoder = Encoder { resolution: Some(4096.0), modulus: Some(4096.0), offset: -3.0, ..Encoder::default() };
+        let angle = encoder.first_angle(3000.0);
+        assert!((angle - (3000.0 / 4096.0 * TAU - 3.0)).abs() < 1e-12, "{angle}");
+        let round = encoder.first_angle(100.0) - encoder.first_angle(4095.0);
+        assert!((round - 101.0 / 4096.0 * TAU).abs() < 1e-12, "{round}");
+    }
+}

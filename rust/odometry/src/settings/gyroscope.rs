@@ -1,0 +1,67 @@
+//! A gyroscope about the vertical axis of the body: its noise, and the bias it drifts with.
+
+use nalgebra::Vector3;
+
+use crate::uncertainty::Bias;
+use six_wheel_numerics::error::{Error, number};
+
+/// Rim speed below which a wheel stands [m/s]: an encoder that ticks at all is above it.
+pub(crate) const STANDING: f64 = 1e-3;
+
+/// Deviations within which a reading may well be the bias.
+pub(crate) const LIKELY: f64 = 4.0;
+
+/// What a gyroscope turned in a step that began with the reading `before`, if there was one then, and ended with this one
+/// [rad]: their mean without the bias.
+#[inline]
+pub(crate) fn turn(before: Option<f64>, rate: f64, bias: Option<Bias>, dt: f64) -> f64 {
+    let known = bias.map_or(0.0, |bias| bias.value);
+    (f64::midpoint(before.unwrap_or(rate), rate) - known) * dt
+}
+
+/// What is known of a gyroscope.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gyroscope {
+    /// Standard deviation of a reading [rad/s].
+    pub noise: f64,
+    /// What it reads at rest, as far as is known beforehand [rad/s].
+    pub bias: f64,
+    /// Standard deviation of that [rad/s].
+    pub bias_noise: f64,
+    /// By how much the bias wanders, as a standard deviation after one second [rad/s per root s].
+    pub bias_walk: f64,
+    /// Standard deviation of the factor that its readings are off by, a share of what it turns.
+    pub scale_noise: f64,
+}
+
+impl Default for Gyroscope {
+    fn default() -> Self {
+        Self { noise: 0.005, bias: 0.0, bias_noise: 0.05, bias_walk: 1e-4, scale_noise: 0.0 }
+    }
+}
+
+impl Gyroscope {
+    pub(crate) fn at_start(&self) -> Bias {
+        Bias { value: self.bias, variance: self.bias_noise * self.bias_noise, cross: Vector3::zeros() }
+    }
+
+    /// Fails unless every number is finite and no deviation negative.
+    pub fn check(&self) -> Result<(), Error> {
+        if !self.bias.is_finite() {
+            return Err(Error::value("bias", "be finite", number(self.bias)));
+        }
+        let deviations = [
+            ("noise", self.noise),
+            ("bias_noise", self.bias_noise),
+            ("bias_walk", self.bias_walk),
+            ("scale_noise", self.scale_noise),
+        ];
+        for (argument, value) in deviations {
+            if !(value.is_finite() && value >= 0.0) {
+                let rule = "be finite and not negative";
+                return Err(Error::value(argument, rule, number(value)));
+            }
+        }
+        Ok(())
+    }
+}

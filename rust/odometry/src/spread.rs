@@ -1,0 +1,244 @@
+//! Symmetric matrices of three rows, as covariances of a displacement or a pose are.
+//!
+//! nalgebra knows no such type, and its general products, which are made for any size, took half the time of a
+//! step. Here symmetry is in the type, and every product is a handful of sums.
+
+use std::ops::{Add, Mul, Sub};
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::arithmetic::Arithmetic;
+use six_wheel_numerics::jacobi::Jacobi;
+
+/// A symmetric matrix; a covariance as long as only squares are added and images taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Spread<T = f64> {
+    xx: T,
+    xy: T,
+    xz: T,
+    yy: T,
+    yz: T,
+    zz: T,
+}
+
+impl<T> From<[T; 6]> for Spread<T> {
+    /// The upper half, row by row.
+    #[inline(always)]
+    fn from([xx, xy, xz, yy, yz, zz]: [T; 6]) -> Self {
+        Self { xx, xy, xz, yy, yz, zz }
+    }
+}
+
+impl<T> From<Spread<T>> for [T; 6] {
+    #[inline(always)]
+    fn from(spread: Spread<T>) -> Self {
+        let Spread { xx, xy, xz, yy, yz, zz } = spread;
+        [xx, xy, xz, yy, yz, zz]
+    }
+}
+
+impl Spread {
+    /// The upper half of a matrix.
+    #[inline]
+    pub fn of(matrix: &Matrix3<f64>) -> Self {
+        Self { xx: matrix.m11, xy: matrix.m12, xz: matrix.m13, yy: matrix.m22, yz: matrix.m23, zz: matrix.m33 }
+    }
+
+    #[inline]
+    pub fn matrix(&self) -> Matrix3<f64> {
+        Matrix3::new(
+            self.xx, self.xy, self.xz, //
+            self.xy, self.yy, self.yz, //
+            self.xz, self.yz, self.zz,
+        )
+    }
+
+    /// Variance of the third component.
+    pub fn zz(&self) -> f64 {
+        self.zz
+    }
+
+    /// Covariance of all with the third component.
+    pub fn with_z(&self) -> Vector3<f64> {
+        Vector3::new(self.xz, self.yz, self.zz)
+    }
+
+    /// Whether rounding may have left a direction with a negative variance.
+    #[inline(always)]
+    pub fn may_be_negative(&self) -> bool {
+        self.minors().into_iter().any(|value| value < 0.0)
+    }
+
+    /// The same where no direction has a negative variance: what rounding made negative is as large the other way.
+    #[cold]
+    pub fn without_negative(&self) -> Self {
+        let matrix = self.matrix();
+        let size = matrix.amax(); // squares of which may not be finite
+        let parts = Jacobi::new(&(matrix / size));
+        let mut positive = Self::default();
+        for (k, value) in parts.values.iter().enumerate() {
+            positive.add(&parts.turn.column(k).into_owned(), value * size);
+        }
+        positive
+    }
+
+    pub fn is_below(&self, bound: f64) -> bool {
+        // No covariance is larger than the larger of its variances. Of what is far too large rounding may make the sign.
+        self.diagonal().iter().all(|variance| variance.abs() < bound)
+    }
+
+    /// Adds `share v vᵀ`.
+    #[inline(always)]
+    pub fn add(&mut self, v: &Vector3<f64>, share: f64) {
+        let (x, y, z) = (share * v.x, share * v.y, share * v.z);
+        self.xx += x * v.x;
+        self.xy += x * v.y;
+        self.xz += x * v.z;
+        self.yy += y * v.y;
+        self.yz += y * v.z;
+        self.zz += z * v.z;
+    }
+
+    /// `a S aᵀ`.
+    #[inline(always)]
+    pub fn image(&self, a: &Matrix3<f64>) -> Self {
+        let row = |i: usize| {
+            let (p, q, r) = (a[(i, 0)], a[(i, 1)], a[(i, 2)]);
+            Vector3::new(
+                p * self.xx + q * self.xy + r * self.xz,
+                p * self.xy + q * self.yy + r * self.yz,
+                p * self.xz + q * self.yz + r * self.zz,
+            )
+        };
+        let with = |v: &Vector3<f64>, k: usize| v.x * a[(k, 0)] + v.y * a[(k, 1)] + v.z * a[(k, 2)];
+        let (first, second, third) = (row(0), row(1), row(2));
+        Self {
+            xx: with(&first, 0),
+            xy: with(&first, 1),
+            xz: with(&first, 2),
+            yy: with(&second, 1),
+            yz: with(&second, 2),
+            zz: with(&third, 2),
+        }
+    }
+}
+
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Spread<T> {
+    /// The sum of two.
+    #[inline(always)]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            xx: self.xx + other.xx,
+            xy: self.xy + other.xy,
+            xz: self.xz + other.xz,
+            yy: self.yy + other.yy,
+            yz: self.yz + other.yz,
+            zz: self.zz + other.zz,
+        }
+    }
+
+    /// Adds another one.
+    #[inline(always)]
+    pub fn add_spread(&mut self, other: &Self) {
+        *self = self.and(*other);
+    }
+
+    #[inline]
+    pub fn trace(&self) -> T {
+        self.xx + self.yy + self.zz
+    }
+
+    /// Adds the same variance to every component.
+    #[inline(always)]
+    pub fn add_to_diagonal(&mut self, variance: T) {
+        self.xx = self.xx + variance;
+        self.yy = self.yy + variance;
+        self.zz = self.zz + variance;
+    }
+
+    /// Variances, and the minors of every two components: a negative one is a direction with a negative variance.
+    #[inline(always)]
+    pub fn minors(&self) -> [T; 6] {
+        [
+            self.xx,
+            self.yy,
+            self.zz,
+            self.xx * self.yy - self.xy * self.xy,
+            self.xx * self.zz - self.xz * self.xz,
+            self.yy * self.zz - self.yz * self.yz,
+        ]
+    }
+
+    /// Variances.
+    #[inline(always)]
+    pub fn diagonal(&self) -> [T; 3] {
+        [self.xx, self.yy, self.zz]
+    }
+
+    /// `a S aᵀ` of a matrix whose third row is 0, 0, 1.
+    #[inline(always)]
+    pub fn displaced<F: Arithmetic<Number = T>>(&self, by: F, a: &[[T; 3]; 2]) -> Self {
+        let dot = |p, q, r, k: usize| by.fused(r, a[k][2], by.fused(q, a[k][1], p * a[k][0]));
+        let (xz, yz) = (dot(self.xz, self.yz, self.zz, 0), dot(self.xz, self.yz, self.zz, 1));
+        let first = (dot(self.xx, self.xy, self.xz, 0), dot(self.xy, self.yy, self.yz, 0));
+        let second = (dot(self.xx, self.xy, self.xz, 1), dot(self.xy, self.yy, self.yz, 1));
+        Self {
+            xx: dot(first.0, first.1, xz, 0),
+            xy: dot(first.0, first.1, xz, 1),
+            xz,
+            yy: dot(second.0, second.1, yz, 1),
+            yz,
+            zz: self.zz,
+        }
+    }
+
+    /// With the product of a vector with itself.
+    #[inline(always)]
+    pub fn and_square<F: Arithmetic<Number = T>>(self, by: F, [x, y, z]: [T; 3]) -> Self {
+        Self {
+            xx: by.fused(x, x, self.xx),
+            xy: by.fused(x, y, self.xy),
+            xz: by.fused(x, z, self.xz),
+            yy: by.fused(y, y, self.yy),
+            yz: by.fused(y, z, self.yz),
+            zz: by.fused(z, z, self.zz),
+        }
+    }
+
+    /// As the third component swings the other two by this lever.
+    #[inline(always)]
+    pub fn swung<F: Arithmetic<Number = T>>(&self, by: F, [x, y]: [T; 2]) -> Self {
+        let (xz, yz) = (by.fused(x, self.zz, self.xz), by.fused(y, self.zz, self.yz));
+        Self {
+            xx: by.fused(x, self.xz + xz, self.xx),
+            xy: by.fused(x, yz, by.fused(y, self.xz, self.xy)),
+            xz,
+            yy: by.fused(y, self.yz + yz, self.yy),
+            yz,
+            zz: self.zz,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::arithmetic::Apart;
+    use super::*;
+
+    #[test]
+    fn products_are_those_of_the_whole_matrices() {
+        let mut spread = Spread::default();
+        spread.add(&Vector3::new(1.0, -2.0, 0.5), 1.0);
+        spread.add(&Vector3::new(0.3, 0.7, -1.1), 2.0);
+        let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.1, 0.0, 2.0);
+        let whole = a * spread.matrix() * a.transpose();
+        assert!((spread.image(&a).matrix() - whole).amax() < 1e-14);
+        let lever = [0.4, -0.9];
+        let swing = Matrix3::new(1.0, 0.0, lever[0], 0.0, 1.0, lever[1], 0.0, 0.0, 1.0);
+        assert!((spread.swung(Apart, lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14);
+        let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.0, 0.0, 1.0);
+        let displaced = spread.displaced(Apart, &[[1.0, 0.2, -0.4], [0.5, -1.0, 0.3]]);
+        assert!((displaced.matrix() - spread.image(&a).matrix()).amax() < 1e-14);
+        assert_eq!(Spread::of(&spread.matrix()), spread);
+    }
+}

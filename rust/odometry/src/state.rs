@@ -1,0 +1,110 @@
+//! Pose, motion and their uncertainty.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::uncertainty::Uncertainty;
+use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
+use six_wheel_numerics::error::{Error, HUGE, finite, numbers};
+
+/// What changes from sample to sample and is taken back when a late pose comes.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    pub walk: Walk,
+    pub twist: Twist,
+    pub velocity: Option<Twist>,
+    pub uncertainty: Uncertainty,
+}
+
+impl State {
+    #[inline]
+    pub fn copy_from(&mut self, other: &Self) {
+        self.walk = other.walk;
+        self.twist = other.twist;
+        self.velocity = other.velocity;
+        self.uncertainty.copy_from(&other.uncertainty);
+    }
+
+    #[inline]
+    pub fn pose(&self) -> Pose {
+        Pose { x: self.walk.x.value(), y: self.walk.y.value(), yaw: self.walk.yaw.value() }
+    }
+
+    /// Goes along the chord of a step, in world axes.
+    #[inline(always)]
+    pub fn go(&mut self, shift: [f64; 2], turn: f64) {
+        self.walk.shift(shift[0], shift[1]);
+        self.walk.turn(turn);
+    }
+
+    /// The mean twist over a step, and what its filter makes of it.
+    #[inline(always)]
+    pub fn hold(&mut self, twist: Twist, dt: f64, smoothing: f64) {
+        self.twist = twist;
+        self.velocity = Some(match self.velocity.filter(|_| smoothing > 0.0) {
+            None => twist,
+            Some(before) => {
+                let share = -(-dt / smoothing).exp_m1();
+                Twist {
+                    vx: before.vx + share * (twist.vx - before.vx),
+                    vy: before.vy + share * (twist.vy - before.vy),
+                    omega: before.omega + share * (twist.omega - before.omega),
+                }
+            }
+        });
+    }
+
+    /// Moves the pose by a correction.
+    #[inline]
+    pub fn shift(&mut self, by: &Vector3<f64>) {
+        self.walk.shift(by.x, by.y);
+        self.walk.turn(by.z);
+    }
+}
+
+/// A pose from outside is one that sums of squares can be made of.
+pub fn check_pose(pose: &[f64]) -> Result<(), Error> {
+    finite("pose", pose)?;
+    if pose.iter().all(|part| part.abs() < HUGE) {
+        return Ok(());
+    }
+    let rule = format!("be smaller than {HUGE:e} in every part");
+    Err(Error::value("pose", rule, numbers(pose)))
+}
+
+/// A variance from outside: one that sums of squares cannot be made of says nothing, like an infinite one.
+#[inline]
+pub fn read_variance(value: f64) -> f64 {
+    if value < HUGE { value } else { value * f64::INFINITY }
+}
+
+/// A covariance that is symmetric and has no negative variance; infinite ones say nothing of a direction.
+pub(crate) fn check_covariance(covariance: [[f64; 3]; 3]) -> Result<Matrix3<f64>, Error> {
+    let mut matrix = Matrix3::from(covariance);
+    for k in 0..3 {
+        matrix[(k, k)] = read_variance(matrix[(k, k)]);
+    }
+    let refused = |rule| Err(Error::value("covariance", rule, numbers(matrix.as_slice())));
+    let finite = matrix.map(|value| if value.is_finite() { value } else { 0.0 });
+    let diagonal = matrix.diagonal();
+    if matrix.iter().any(|value| value.is_nan())
+        || matrix.iter().enumerate().any(|(k, value)| k % 4 != 0 && value.abs() >= HUGE)
+        || diagonal.iter().any(|value| *value < 0.0)
+    {
+        return refused("hold variances on its diagonal and finite covariances beside it");
+    }
+    let scale = |i: usize, k: usize| (finite[(i, i)] * finite[(k, k)]).sqrt();
+    for (i, k) in [(0, 1), (0, 2), (1, 2)] {
+        let known = diagonal[i].is_finite() && diagonal[k].is_finite();
+        if (finite[(i, k)] - finite[(k, i)]).abs() > 1e-9 * scale(i, k) {
+            return refused("be symmetric");
+        }
+        if known && finite[(i, k)].abs() > scale(i, k) * (1.0 + 1e-9) {
+            return refused("have no negative variance in any direction");
+        }
+    }
+    let symmetric = (finite + finite.transpose()) / 2.0;
+    if symmetric.symmetric_eigenvalues().min() < -1e-9 * symmetric.trace() {
+        return refused("have no negative variance in any direction");
+    }
+    Ok((matrix + matrix.transpose()) / 2.0)
+}

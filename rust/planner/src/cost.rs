@@ -1,0 +1,308 @@
+//! What a rollout's way costs: the map under the rover, the way to the goal, the path.
+
+use std::ops::Range;
+
+use super::costmap::Costmap;
+use crate::motion::drive::TRACK;
+use crate::numbers::real::Real;
+use crate::numbers::registers::BLOCK;
+use crate::numbers::registers::Reg;
+use six_wheel_numerics::simd::vector::Vector;
+
+/// Points of the path at most.
+const POINTS: usize = 4096;
+
+/// A path as points at equal distances: each with the direction to the next one.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Path {
+    points: Vec<[f64; 4]>,
+    spacing: f64,
+    length: f64,
+}
+
+impl Path {
+    /// Points at most half a metre and a thousandth of the way apart; those of zero length are left out.
+    pub fn follow(&mut self, corners: &[[f64; 2]]) {
+        self.points.clear();
+        let span = |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+        self.length = corners.windows(2).map(span).sum();
+        let least = corners.windows(2).map(span).filter(|span| *span > 0.0).fold(f64::INFINITY, f64::min);
+        if self.length == 0.0 {
+            return;
+        }
+        let pieces = (self.length / least.min(0.5)).ceil().clamp(1.0, (POINTS - 1) as f64);
+        self.spacing = self.length / pieces;
+        let (mut at, mut k) = (0.0, 0);
+        for piece in 0..=pieces as usize {
+            let along = piece as f64 * self.spacing;
+            while k + 2 < corners.len() && at + span(&corners[k..k + 2]) < along {
+                at += span(&corners[k..k + 2]);
+                k += 1;
+            }
+            let (from, to) = (corners[k], corners[k + 1]);
+            let length = span(&corners[k..k + 2]);
+            let share = if length > 0.0 { ((along - at) / length).min(1.0) } else { 0.0 };
+            self.points.push([from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1]), 1.0, 0.0]);
+        }
+        for k in 0..self.points.len() {
+            let (a, b) = if k + 1 < self.points.len() { (k, k + 1) } else { (k - 1, k) };
+            let [dx, dy] = [self.points[b][0] - self.points[a][0], self.points[b][1] - self.points[a][1]];
+            let length = dx.hypot(dy);
+            let (dx, dy) = if length > 0.0 { (dx / length, dy / length) } else { (1.0, 0.0) };
+            (self.points[k][2], self.points[k][3]) = (dx, dy);
+        }
+    }
+
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// How far along the path a place is: the nearest point from `from` to `to` [m].
+    pub fn nearest(&self, place: [f64; 2], from: f64, to: f64) -> f64 {
+        let mut best = (f64::INFINITY, from.clamp(0.0, self.length));
+        for (k, [x, y, tx, ty]) in self.points.iter().enumerate() {
+            let begin = k as f64 * self.spacing;
+            if begin + self.spacing < from || begin > to {
+                continue;
+            }
+            let along = (place[0] - x) * tx + (place[1] - y) * ty;
+            let along = along.clamp(0.0, self.spacing).min(self.length - begin);
+            let distance = (place[0] - x - along * tx).hypot(place[1] - y - along * ty);
+            if distance < best.0 {
+                best = (distance, begin + along);
+            }
+        }
+        best.1
+    }
+}
+
+/// How much everything counts, a second each, and once at the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Cost of the map under the rover [1/s].
+    pub map: f64,
+    /// Of a rollout that gets to a lethal place, once.
+    pub collision: f64,
+    /// Distance to the goal [1/(m s)], and at the end [1/m].
+    pub goal: f64,
+    /// See `goal`.
+    pub terminal: f64,
+    /// Distance from the path [1/(m s)].
+    pub path: f64,
+    /// Way made along the path, a gain [1/m].
+    pub progress: f64,
+    /// Square of the sine between the rover's heading and the path [1/s].
+    pub heading: f64,
+    /// Mean square speed of the wheels' pivots [1/(m²/s)].
+    pub effort: f64,
+    /// Square of the speed at which fixed wheels slide [1/(m²/s)].
+    pub scrub: f64,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self {
+            map: 1.0,
+            collision: 1000.0,
+            goal: 1.0,
+            terminal: 10.0,
+            path: 5.0,
+            progress: 10.0,
+            heading: 1.0,
+            effort: 0.0,
+            scrub: 1.0,
+        }
+    }
+}
+
+impl Weights {
+    /// Names, in the order of the fields.
+    pub const NAMES: [&'static str; 9] =
+        ["map", "collision", "goal", "terminal", "path", "progress", "heading", "effort", "scrub"];
+
+    /// The weights by name, in this order.
+    pub fn values(&self) -> [f64; 9] {
+        [
+            self.map,
+            self.collision,
+            self.goal,
+            self.terminal,
+            self.path,
+            self.progress,
+            self.heading,
+            self.effort,
+            self.scrub,
+        ]
+    }
+
+    /// The reverse of [`Self::values`].
+    pub fn of([map, collision, goal, terminal, path, progress, heading, effort, scrub]: [f64; 9]) -> Self {
+        Self { map, collision, goal, terminal, path, progress, heading, effort, scrub }
+    }
+}
+
+/// What the costs of a cycle are made of, counted from where it begins.
+pub(crate) struct Judge<'a, R> {
+    pub map: Option<&'a Costmap>,
+    /// Points of the rover where the map is read, in the components' axes [m].
+    pub points: &'a [[f64; 2]],
+    pub start: [f64; 2],
+    pub goal: Option<[f64; 2]>,
+    /// Points of the path with their directions, and how far along it is [m].
+    pub path: &'a [[R; 4]],
+    pub spacing: f64,
+    pub length: f64,
+    pub progress: f64,
+    pub weights: Weights,
+    pub dt: f64,
+}
+
+impl<R: Real> Judge<'_, R> {
+    /// Adds to the costs of some rollouts of a block what their way costs.
+    #[inline(always)]
+    pub fn add<S: Vector>(&self, simd: S, track: &[R], costs: &mut [R], rollouts: Range<usize>) {
+        for at in rollouts.step_by(R::lanes::<S>()) {
+            let mut sum = Reg::<S, R>::load(simd, &costs[at..]);
+            if let Some(map) = self.map {
+                sum = self.under(simd, map, track, at, sum);
+            }
+            if let Some(goal) = self.goal {
+                sum = self.to_goal(simd, goal, track, at, sum);
+            }
+            if !self.path.is_empty() {
+                sum = self.along(simd, track, at, sum);
+            }
+            sum.store(&mut costs[at..]);
+        }
+    }
+
+    #[inline(always)]
+    fn to_goal<S: Vector>(&self, simd: S, goal: [f64; 2], track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
+        let number = |value: f64| Reg::<S, R>::all(simd, value);
+        let (gx, gy) = (number(goal[0] - self.start[0]), number(goal[1] - self.start[1]));
+        let mut distance = number(0.0);
+        let weight = number(self.weights.goal * self.dt);
+        for step in track.chunks_exact(TRACK * BLOCK) {
+            let (x, y) = (Reg::load(simd, &step[at..]) - gx, Reg::load(simd, &step[BLOCK + at..]) - gy);
+            [_, distance] = x.mul_add(x, y * y).roots();
+            sum = distance.mul_add(weight, sum);
+        }
+        distance.mul_add(number(self.weights.terminal), sum)
+    }
+
+    #[inline(always)]
+    fn under<S: Vector>(&self, simd: S, map: &Costmap, track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
+        let number = |value: f64| Reg::<S, R>::all(simd, value);
+        let zero = number(0.0);
+        let weight = number(self.weights.map * self.dt);
+        let mut hit = zero.below(zero);
+        let mut worst_of_all = zero;
+        let lethal = number(map.lethal().unwrap_or(f64::INFINITY));
+        for step in track.chunks_exact(TRACK * BLOCK) {
+            let [x, y] = [Reg::<S, R>::load(simd, &step[at..]), Reg::load(simd, &step[BLOCK + at..])];
+            for (k, point) in self.points.iter().enumerate() {
+                let (mut px, mut py) = (x, y);
+                if *point != [0.0; 2] {
+                    let (ux, uy) = (number(point[0]), number(point[1]));
+                    let c = Reg::load(simd, &step[2 * BLOCK + at..]);
+                    let s = Reg::load(simd, &step[3 * BLOCK + at..]);
+                    px = c.mul_add(ux, px) - s * uy;
+                    py = s.mul_add(ux, py) + c * uy;
+                }
+                let value = self.between(simd, map, px, py);
+                worst_of_all = if k == 0 { value } else { worst_of_all.max(value) };
+            }
+            hit = hit | !worst_of_all.below(lethal);
+            sum = worst_of_all.mul_add(weight, sum);
+        }
+        hit.select(sum + number(self.weights.collision), sum)
+    }
+
+    /// The map's cost at a place, linear between cells along each axis.
+    #[inline(always)]
+    fn between<S: Vector>(&self, simd: S, map: &Costmap, x: Reg<S, R>, y: Reg<S, R>) -> Reg<S, R> {
+        let number = |value: f64| Reg::<S, R>::all(simd, value);
+        let zero = number(0.0);
+        let [rows, columns] = map.shape();
+        let ([dx, dy], [x0, y0]) = (map.spacing(), map.origin());
+        let from = [(self.start[0] - x0) / dx, (self.start[1] - y0) / dy];
+        let fx = x.mul_add(number(1.0 / dx), number(from[0]));
+        let fy = y.mul_add(number(1.0 / dy), number(from[1]));
+        let (right, top) = (number((columns - 1) as f64), number((rows - 1) as f64));
+        let inside = [fx.max(zero).min(right), fy.max(zero).min(top)];
+        let whole =
+            [inside[0].floor().min(number((columns - 2) as f64)), inside[1].floor().min(number((rows - 2) as f64))];
+        let [tx, ty] = [inside[0] - whole[0], inside[1] - whole[1]];
+        // SAFETY: `max` and `min` have left nothing but places whose neighbours are on the map, not even a NaN.
+        let [low, high] = unsafe { Reg::corners(simd, map.values(), columns, whole) };
+        let low = tx.mul_add(low[1] - low[0], low[0]);
+        let high = tx.mul_add(high[1] - high[0], high[0]);
+        let mut value = ty.mul_add(high - low, low);
+        if let Some(outside) = map.outside() {
+            let beyond = fx.below(zero) | fy.below(zero) | right.below(fx) | top.below(fy);
+            value = beyond.select(number(outside), value);
+        }
+        value
+    }
+
+    /// Follows the path beside the rollout: where it is along it is corrected at every step by what it is off.
+    #[inline(always)]
+    fn along<S: Vector>(&self, simd: S, track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
+        let number = |value: f64| Reg::<S, R>::all(simd, value);
+        let lanes = R::lanes::<S>();
+        let (zero, length, spacing) = (number(0.0), number(self.length), number(self.spacing));
+        let per_spacing = number(1.0 / self.spacing);
+        let last = number((self.path.len() - 1) as f64);
+        let weight = number(self.weights.path * self.dt);
+        let askew = number(self.weights.heading * self.dt);
+        let begin = number(self.progress);
+        let mut place = begin;
+        for step in track.chunks_exact(TRACK * BLOCK) {
+            let (x, y) = (Reg::<S, R>::load(simd, &step[at..]), Reg::<S, R>::load(simd, &step[BLOCK + at..]));
+            let whole = (place * per_spacing).floor().min(last);
+            let mut index = [R::default(); BLOCK];
+            whole.counted().store(&mut index);
+            let mut columns = [[R::default(); BLOCK]; 4];
+            for lane in 0..lanes {
+                let point = self.path[index[lane].count()];
+                for (column, part) in columns.iter_mut().zip(point) {
+                    column[lane] = part;
+                }
+            }
+            let [px, py] = [Reg::<S, R>::load(simd, &columns[0]), Reg::load(simd, &columns[1])];
+            let [tx, ty] = [Reg::<S, R>::load(simd, &columns[2]), Reg::load(simd, &columns[3])];
+            let (dx, dy) = (x - px, y - py);
+            let wanted = dx.mul_add(tx, dy * ty) + whole * spacing;
+            place = wanted.max(zero).min(length);
+            let (c, s) =
+                (Reg::<S, R>::load(simd, &step[2 * BLOCK + at..]), Reg::<S, R>::load(simd, &step[3 * BLOCK + at..]));
+            let across = c * ty - s * tx;
+            sum = (across * across).mul_add(askew, sum);
+            let (beyond, aside) = (wanted - place, dx * ty - dy * tx);
+            let mut off = aside.abs();
+            let is_beyond = zero.below(beyond.abs());
+            if is_beyond.any() {
+                let [_, root] = aside.mul_add(aside, beyond * beyond).roots();
+                off = is_beyond.select(root, off);
+            }
+            sum = off.mul_add(weight, sum);
+        }
+        (begin - place).mul_add(number(self.weights.progress), sum)
+    }
+}
+
+impl Path {
+    /// The points in another kind of number, counted from a place.
+    pub fn write<R: Real>(&self, start: [f64; 2], to: &mut Vec<[R; 4]>) {
+        to.clear();
+        to.extend(self.points.iter().map(|[x, y, tx, ty]| [x - start[0], y - start[1], *tx, *ty].map(R::of)));
+    }
+
+    pub fn spacing(&self) -> f64 {
+        self.spacing
+    }
+}

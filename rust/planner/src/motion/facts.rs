@@ -1,0 +1,382 @@
+//! What a planner's rollouts have to know of a rover and its limits, worked out once.
+//!
+//! Motions are counted in the components that the fixed wheels leave: along their rolling direction and turning, or all
+//! three where no wheel is fixed.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::numbers::squares::{Form, ROUNDING, dot, needed, product, square};
+use six_wheel_control::controller::Limits;
+use six_wheel_kinematics::rover::{Mount, Rover};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::wheels::{Direction, Pivot};
+use six_wheel_numerics::error::{Error, short};
+
+/// Ends of ranges this near to a quarter turn are none [rad].
+const WHOLE: f64 = 1e-9;
+/// Overshoot of a direction that is at an end, as a share.
+const AT_AN_END: f64 = 1e-9;
+
+/// A steered wheel: the velocity of its pivot along the middle of its range and across it.
+#[derive(Clone, Debug)]
+pub(crate) struct Joint {
+    pub along: Vec<f64>,
+    pub across: Vec<f64>,
+    /// Steering angle of the middle, and how far it turns to either side, a quarter turn at most [rad].
+    pub middle: f64,
+    pub half: f64,
+}
+
+impl Joint {
+    /// Straight ahead, or as near as its range lets it [rad].
+    pub fn straight(&self) -> f64 {
+        0.0_f64.clamp(self.middle - self.half, self.middle + self.half)
+    }
+}
+
+/// A gap between the directions a rover of two components can drive in: its ends, and what leads to them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gap {
+    pub ends: [[f64; 2]; 2],
+    /// Row of each end: times a motion, the share of the end that is nearest to it.
+    pub shares: [[f64; 2]; 2],
+    /// One over the length of each end [s/m].
+    pub per_length: [f64; 2],
+}
+
+/// Why a rover stays where it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stuck {
+    /// No motion lets all its wheels roll.
+    Rover,
+    /// A steered wheel has no angle within the steering limit.
+    SteeringLimit,
+}
+
+/// The rover within its limits, as numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Facts {
+    /// Number of components.
+    pub free: usize,
+    /// Body twist from components, row after row.
+    pub body: Vec<[f64; 3]>,
+    /// The components' axes against the body's [rad], and the sideways velocity of the origin per yaw rate [m].
+    pub heading: f64,
+    pub sideways: f64,
+    /// Lengths that make the components speeds.
+    pub lengths: Vec<f64>,
+    /// Mean over the pivots of their squared speed.
+    pub metric: Form,
+    pub joints: Vec<Joint>,
+    pub gaps: Vec<Gap>,
+    /// Where no wheel is fixed: a motion well inside every range.
+    pub inside: Option<Vec<f64>>,
+    /// Forms that are 1 at a limit of the motion itself, and of its change in a second when it grows and shrinks.
+    pub scaling: Vec<Form>,
+    pub speeding: Vec<Form>,
+    pub slowing: Vec<Form>,
+    /// Squared speeds at which fixed wheels slide [m²/s²].
+    pub slips: Vec<Form>,
+    pub limits: Limits,
+    pub stuck: Option<Stuck>,
+}
+
+impl Facts {
+    pub fn new(rover: &Rover, limits: Limits) -> Result<Self, Error> {
+        for wheel in rover.wheels() {
+            if wheel.steering().is_some() && wheel.trail != 0.0 {
+                let rule = "have no steered wheel with trail (its angle depends on more than the motion)";
+                let got = format!("trail {} of wheel {:?}", short(wheel.trail), wheel.name);
+                return Err(Error::value("rover", rule, got));
+            }
+        }
+        let mut facts = Self::components(rover, limits);
+        facts.wheels(rover);
+        facts.directions(rover);
+        facts.scaling = needed(std::mem::take(&mut facts.scaling), facts.free);
+        facts.speeding = needed(std::mem::take(&mut facts.speeding), facts.free);
+        facts.slowing = needed(std::mem::take(&mut facts.slowing), facts.free);
+        facts.slips = needed(std::mem::take(&mut facts.slips), facts.free);
+        Ok(facts)
+    }
+
+    /// The components, and what only they decide.
+    fn components(rover: &Rover, limits: Limits) -> Self {
+        let (mut heading, mut sideways) = (0.0, 0.0);
+        let body = match rover.banks().first() {
+            None => vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            Some(bank) => {
+                let row = if bank.row.y < 0.0 { -bank.row } else { bank.row };
+                heading = (-row.x).atan2(row.y);
+                sideways = -row.z;
+                let Direction { sin, cos } = Direction { sin: -row.x, cos: row.y };
+                vec![[cos, sin, 0.0], [-sin * sideways, cos * sideways, 1.0]]
+            }
+        };
+        let free = body.len();
+        let mut facts = Self {
+            free,
+            heading,
+            sideways,
+            lengths: if free == 2 { vec![1.0, rover.size] } else { vec![1.0, 1.0, rover.size] },
+            metric: Vec::new(),
+            body,
+            joints: Vec::new(),
+            gaps: Vec::new(),
+            inside: None,
+            scaling: Vec::new(),
+            speeding: Vec::new(),
+            slowing: Vec::new(),
+            slips: Vec::new(),
+            limits,
+            stuck: None,
+        };
+        let metric: Matrix3<f64> = rover.metric;
+        for i in 0..free {
+            for j in i..free {
+                let [a, b] = [i, j].map(|k| Vector3::from(facts.body[k]));
+                let twice = if i == j { 1.0 } else { 2.0 };
+                facts.metric.push(twice * a.dot(&(metric * b)));
+            }
+        }
+        let [vx, vy, yaw] = [0, 1, 2].map(|k| facts.row([f64::from(k == 0), f64::from(k == 1), f64::from(k == 2)]));
+        let linear = |limit: f64| product(&[&vx, &vy], 1.0 / (limit * limit));
+        let turning = |limit: f64| product(&[&yaw], 1.0 / (limit * limit));
+        let both = |linear_limit: f64, angular: f64| {
+            let linear = linear_limit.is_finite().then(|| linear(linear_limit));
+            linear.into_iter().chain(angular.is_finite().then(|| turning(angular))).collect()
+        };
+        facts.scaling = both(limits.speed, limits.yaw_rate);
+        facts.speeding = both(limits.acceleration, limits.angular_acceleration);
+        facts.slowing = both(limits.deceleration, limits.angular_deceleration);
+        facts
+    }
+
+    /// A row of a twist as a row of components.
+    fn row(&self, row: [f64; 3]) -> Vec<f64> {
+        self.body.iter().map(|part| dot(part, &row)).collect()
+    }
+
+    /// What every wheel needs.
+    fn wheels(&mut self, rover: &Rover) {
+        let limits = self.limits;
+        for (wheel, mount) in rover.wheels().iter().zip(&rover.mounts) {
+            let pivot = |a: f64, b: f64| [a, b, wheel.x * b - wheel.y * a];
+            let rim = match *mount {
+                Mount::Fixed(rows) => {
+                    if wheel.pivot == Pivot::Fixed && wheel.roller_angle.is_none() {
+                        // Its own row: that of its mount is the mean over its like.
+                        let own = wheel.rows(Direction::from(wheel.heading)).side_slip;
+                        let slip = self.row(own.into());
+                        if slip.iter().any(|part| part.abs() > ROUNDING) {
+                            self.slips.push(product(&[&slip], 1.0));
+                        }
+                    }
+                    product(&[&self.row(rows.rolling.into())], 1.0)
+                }
+                Mount::Steered(..) | Mount::Castor(_) => {
+                    let rows = [self.row(pivot(1.0, 0.0)), self.row(pivot(0.0, 1.0))];
+                    let mut form = product(&[&rows[0], &rows[1]], 1.0);
+                    // (|u| + b |omega|)² is at most this, and is this when turning about the origin.
+                    let (offset, arm) = (wheel.scrub.abs() + wheel.trail.abs(), wheel.x.hypot(wheel.y));
+                    if offset > 0.0 {
+                        let share = if arm > 0.0 { offset / arm } else { 1.0 };
+                        let yaw = self.row([0.0, 0.0, 1.0]);
+                        let turning = product(&[&yaw], offset * offset * (1.0 + 1.0 / share));
+                        for (part, turning) in form.iter_mut().zip(turning) {
+                            *part = *part * (1.0 + share) + turning;
+                        }
+                    }
+                    form
+                }
+            };
+            let limited = |limit: f64| {
+                let limit = limit * wheel.radius;
+                limit.is_finite().then(|| rim.iter().map(|part| part / (limit * limit)).collect::<Form>())
+            };
+            self.scaling.extend(limited(limits.wheel_speed));
+            self.speeding.extend(limited(limits.wheel_acceleration));
+            self.slowing.extend(limited(limits.wheel_acceleration));
+            let Mount::Steered(range, _) = *mount else {
+                continue;
+            };
+            let Some((middle, half)) = window(range, limits.steering_limit) else {
+                self.stuck = Some(Stuck::SteeringLimit);
+                continue;
+            };
+            let Direction { sin, cos } = Direction::from(wheel.heading + middle);
+            self.joints.push(Joint {
+                along: self.row(pivot(cos, sin)),
+                across: self.row(pivot(-sin, cos)),
+                middle,
+                half,
+            });
+        }
+    }
+
+    /// By how much a motion is beyond the worst range, as a share of its size; 0 or less if within all.
+    fn beyond(&self, motion: &[f64]) -> f64 {
+        let size = square(&self.metric, motion).max(0.0).sqrt();
+        let over = |joint: &Joint| {
+            let (sin, cos) = joint.half.sin_cos();
+            dot(&joint.across, motion).abs() * cos - dot(&joint.along, motion).abs() * sin
+        };
+        let narrow = self.joints.iter().filter(|joint| joint.half < FRAC_PI_2 - WHOLE);
+        narrow.map(over).fold(f64::NEG_INFINITY, f64::max) / size
+    }
+
+    /// Which directions there are.
+    fn directions(&mut self, rover: &Rover) {
+        if self.stuck.is_some() {
+            return;
+        }
+        if self.free == 3 {
+            self.find_inside();
+            return;
+        }
+        let size = rover.size;
+        let point = |angle: f64| [angle.cos(), angle.sin() / size];
+        let angle = |row: &[f64]| (-row[0] * size).atan2(row[1]).rem_euclid(PI);
+        let mut ends: Vec<f64> = Vec::new();
+        for joint in &self.joints {
+            if joint.half >= FRAC_PI_2 - WHOLE {
+                continue;
+            }
+            let (sin, cos) = joint.half.sin_cos();
+            for side in [-1.0, 1.0] {
+                let row: Vec<f64> = (0..2).map(|k| joint.across[k] * cos + side * joint.along[k] * sin).collect();
+                ends.push(angle(&row));
+            }
+        }
+        let others: Vec<Vec<f64>> = rover.banks().iter().skip(1).map(|bank| self.row(bank.row.into())).collect();
+        // Further banks leave one direction at most.
+        if let Some(first) = others.iter().find(|row| row.iter().any(|part| part.abs() > ROUNDING)) {
+            let only = point(angle(first));
+            let slides = |row: &Vec<f64>| dot(row, &only).abs() > AT_AN_END;
+            if others.iter().any(slides) || self.beyond(&only) > AT_AN_END {
+                self.stuck = Some(Stuck::Rover);
+            } else {
+                self.gaps.push(self.gap([only, only.map(|part| -part)]));
+            }
+            return;
+        }
+        ends.sort_by(f64::total_cmp);
+        ends.dedup_by(|b, a| (*b - *a).abs() <= AT_AN_END);
+        if ends.is_empty() {
+            return;
+        }
+        let count = ends.len();
+        let open = |k: usize| {
+            let next = if k + 1 < count { ends[k + 1] } else { ends[0] + PI };
+            self.beyond(&point(f64::midpoint(ends[k], next))) <= 0.0
+        };
+        let opens: Vec<bool> = (0..count).map(open).collect();
+        // An end beside something open, or possible by itself.
+        let allowed: Vec<usize> = (0..count)
+            .filter(|&k| opens[k] || opens[(k + count - 1) % count] || self.beyond(&point(ends[k])) <= AT_AN_END)
+            .collect();
+        if allowed.is_empty() {
+            self.stuck = Some(Stuck::Rover);
+            return;
+        }
+        for (place, &k) in allowed.iter().enumerate() {
+            if opens[k] {
+                continue;
+            }
+            let next = allowed.get(place + 1).map_or(ends[allowed[0]] + PI, |&next| ends[next]);
+            self.gaps.push(self.gap([point(ends[k]), point(next)]));
+        }
+    }
+
+    fn gap(&self, ends: [[f64; 2]; 2]) -> Gap {
+        let metric = &self.metric;
+        let square = ends.map(|end| square(metric, &end));
+        let mut shares = [[0.0; 2]; 2];
+        for (k, end) in ends.iter().enumerate() {
+            shares[k] = [
+                (metric[0] * end[0] + metric[1] / 2.0 * end[1]) / square[k],
+                (metric[1] / 2.0 * end[0] + metric[2] * end[1]) / square[k],
+            ];
+        }
+        Gap { ends, shares, per_length: square.map(|square| 1.0 / square.sqrt()) }
+    }
+
+    /// A motion as far inside every range as there is among the simple ones.
+    fn find_inside(&mut self) {
+        if self.joints.iter().all(|joint| joint.half >= FRAC_PI_2 - WHOLE) {
+            return;
+        }
+        let parts = [1.0, 0.0, -1.0];
+        let mut best = (0.0, None);
+        for a in parts {
+            for b in parts {
+                for c in parts {
+                    let motion = vec![a, b, c / self.lengths[2]];
+                    let size = square(&self.metric, &motion).max(0.0).sqrt();
+                    if size == 0.0 {
+                        continue;
+                    }
+                    let motion: Vec<f64> = motion.iter().map(|part| part / size).collect();
+                    let beyond = self.beyond(&motion);
+                    if beyond < best.0 - AT_AN_END {
+                        best = (beyond, Some(motion));
+                    }
+                }
+            }
+        }
+        self.inside = best.1;
+        if self.inside.is_none() {
+            self.stuck = Some(Stuck::Rover);
+        }
+    }
+
+    /// The components of a body twist, as many as there are, the rest of it left out.
+    pub fn motion(&self, twist: [f64; 3]) -> [f64; 3] {
+        if self.free == 3 {
+            return twist;
+        }
+        let (sin, cos) = self.heading.sin_cos();
+        [cos * twist[0] + sin * twist[1], twist[2], 0.0]
+    }
+
+    /// A bound of the speed of the pivots of a twist [m/s].
+    pub fn size_of(&self, twist: &[f64; 3]) -> f64 {
+        let parts = self.motion(*twist).into_iter().zip(&self.lengths);
+        parts.map(|(part, length)| part.abs() * length).sum()
+    }
+
+    /// A bound of the yaw rate of what motions of that size become [rad/s].
+    pub fn turns_at_most(&self, size: f64) -> f64 {
+        // As if all of it were turning about the centre.
+        let fastest = 2.0 * size / self.lengths[self.free - 1];
+        fastest.min(self.limits.yaw_rate)
+    }
+
+    /// The body twist of components.
+    pub fn twist(&self, motion: &[f64]) -> [f64; 3] {
+        let mut twist = [0.0; 3];
+        for (part, column) in motion.iter().zip(&self.body) {
+            for (sum, along) in twist.iter_mut().zip(column) {
+                *sum += part * along;
+            }
+        }
+        twist
+    }
+}
+
+/// Middle and half of the angles a steered wheel is planned with: its range within the limit, a quarter turn to either
+/// side at most. Nothing if there is none.
+fn window(range: SteeringRange, limit: f64) -> Option<(f64, f64)> {
+    let (lower, upper) = (range.lower.max(-limit), range.upper.min(limit));
+    if lower > upper {
+        return None;
+    }
+    let middle = if upper - lower > PI {
+        0.0_f64.clamp(lower + FRAC_PI_2, upper - FRAC_PI_2)
+    } else {
+        f64::midpoint(lower, upper)
+    };
+    Some((middle, ((upper - lower) / 2.0).min(FRAC_PI_2)))
+}

@@ -1,0 +1,185 @@
+//! What ranges and joints make of a motion that is wanted.
+
+use super::drive::{Begin, State};
+use super::model::{Model, Wheel};
+use crate::numbers::forms::{ABREAST, Reg, cross, down_to_one, inner, largest, lowered, share, times, value};
+use crate::numbers::real::Real;
+use crate::numbers::registers::BLOCK;
+use crate::numbers::registers::Truths;
+use six_wheel_numerics::simd::vector::Vector;
+
+type Truth<S, R> = Truths<S, R, ABREAST>;
+
+impl<R: Real, const M: usize> Model<R, M> {
+    /// The nearest motion within the ranges.
+    #[inline(always)]
+    pub(crate) fn possible<S: Vector>(&self, simd: S, mut z: [Reg<S, R>; M]) -> [Reg<S, R>; M] {
+        let zero = Reg::<S, R>::all(simd, 0.0);
+        for (ends, shares, per_length) in &self.gaps {
+            // Counted from the first end on, and up to the second one.
+            let from = cross(simd, &z, ends[0]);
+            let to = zero - cross(simd, &z, ends[1]);
+            let within = zero.below(from * to);
+            let [near, far] = [Reg::splat(simd, per_length[0]), Reg::splat(simd, per_length[1])];
+            let first = (from.abs() * near).below(to.abs() * far);
+            let part = first.select(share(simd, &z, shares[0]), share(simd, &z, shares[1]));
+            for k in 0..2 {
+                let end = first.select(Reg::splat(simd, ends[0][k]), Reg::splat(simd, ends[1][k]));
+                z[k] = within.select(end * part, z[k]);
+            }
+        }
+        let Some(toward) = &self.toward else { return z };
+        let low = lowered(simd, &self.metric, &z);
+        let mut agrees = [zero; M];
+        for (part, inside) in agrees.iter_mut().zip(toward.inside) {
+            *part = Reg::splat(simd, inside);
+        }
+        let side = inner(&low, &agrees).sign();
+        for part in &mut agrees {
+            *part = part.flip(side);
+        }
+        let (mut outside, mut need) = (zero.below(zero), zero);
+        for range in &toward.ranges {
+            let Wheel { along, across } = &range.wheel;
+            let (along, across) = (times(simd, along, &z), times(simd, across, &z).abs());
+            let (sin, cos) = (Reg::splat(simd, range.sin), Reg::splat(simd, range.cos));
+            outside = outside | (along.abs() * sin).below(across * cos);
+            let ahead = along.flip(side) * Reg::splat(simd, range.sense);
+            let short = (across * cos) - ahead * sin;
+            need = need.max(short * Reg::splat(simd, range.per_margin));
+        }
+        let mut moved = z;
+        for k in 0..M {
+            moved[k] = agrees[k].mul_add(need, z[k]);
+        }
+        let square = value(simd, &self.metric, &moved).max(Reg::all(simd, R::TINY));
+        let share = inner(&low, &moved).max(zero).over(square);
+        for k in 0..M {
+            z[k] = outside.select(moved[k] * share, z[k]);
+        }
+        z
+    }
+
+    /// What the joints let it be.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)] // the state of a step, in registers
+    pub(crate) fn steered<S: Vector>(
+        &self,
+        simd: S,
+        begin: &Begin,
+        state: &mut State<S, R, M>,
+        per_turn: R,
+        wanted: [Reg<S, R>; M],
+        mut motion: [Reg<S, R>; M],
+        rests: Truth<S, R>,
+    ) -> [Reg<S, R>; M] {
+        let number = |value: f64| Reg::<S, R>::all(simd, value);
+        let zero = number(0.0);
+        let one = number(1.0);
+        let (per_turn, tiny) = (Reg::splat(simd, per_turn), number(R::TINY));
+        let before = state.setting;
+        // Shares of the setting before, per share of the wanted one.
+        // As a fraction: one division for all joints.
+        let (mut need, mut part) = (zero, one);
+        let (mut least, mut most) = (one, number(-1.0));
+        let mut side = zero;
+        for joint in &self.turning {
+            let (ax, ay) = (times(simd, &joint.along, &before), times(simd, &joint.across, &before));
+            let (bx, by) = (times(simd, &joint.along, &wanted), times(simd, &joint.across, &wanted));
+            let ahead = ax * bx;
+            (least, most) = (least.min(ahead), most.max(ahead));
+            side = ahead.sign();
+            let along = ay.mul_add(by, ahead).flip(side);
+            let across = (ax * by - ay * bx).abs();
+            let square = ay.mul_add(ay, ax * ax).max(tiny);
+            let more = across.mul_add(per_turn, zero - along);
+            let worse = (need * square).below(more * part);
+            (need, part) = (worse.select(more, need), worse.select(square, part));
+        }
+        let kept = need.over(part);
+        let same = zero.below(least) | most.below(zero) | rests;
+        let mut turned = wanted;
+        for k in 0..M {
+            turned[k] = before[k].flip(side).mul_add(kept, wanted[k]);
+        }
+        let low = lowered(simd, &self.metric, &turned);
+        let share = inner(&low, &wanted).max(zero).over(inner(&low, &turned).max(tiny));
+        let late = zero.below(kept) & !rests;
+        for k in 0..M {
+            motion[k] = late.select(turned[k] * share, motion[k]);
+            state.setting[k] = rests.select(before[k], turned[k]);
+        }
+        let busy = zero.below(state.busy);
+        let loose = state.busy.below(zero);
+        let apart = !same | busy | loose;
+        if apart.any() {
+            let why = [rests, same, busy, loose];
+            motion = self.swing(simd, begin, state, before, wanted, motion, why);
+        }
+        motion
+    }
+
+    /// Stops, turns the joints on the spot, and goes on.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)] // as above
+    fn swing<S: Vector>(
+        &self,
+        simd: S,
+        begin: &Begin,
+        state: &mut State<S, R, M>,
+        before: [Reg<S, R>; M],
+        wanted: [Reg<S, R>; M],
+        mut motion: [Reg<S, R>; M],
+        [rests, same, busy, loose]: [Truth<S, R>; 4],
+    ) -> [Reg<S, R>; M] {
+        let number = |value: f64| Reg::<S, R>::all(simd, value);
+        let (zero, one) = (number(0.0), number(1.0));
+        let mut speed = zero;
+        for part in state.motion {
+            speed = speed.max(part.abs());
+        }
+        let moves = zero.below(speed);
+        let begins = (loose | (!same & !moves)) & !busy & !rests;
+        let brakes = !same & moves & !busy & !loose;
+        let forms = self.slowing.as_ref().unwrap_or(&self.speeding);
+        let worst = largest(simd, forms, &state.motion);
+        let left = if forms.is_empty() { zero } else { one - down_to_one(simd, worst) };
+        // Turning times, joint by joint.
+        let lanes = Reg::<S, R>::lanes();
+        let mut times = [R::default(); BLOCK];
+        if begins.any() {
+            let mut columns = [[[R::default(); BLOCK]; M]; 2];
+            let mut which = [R::default(); BLOCK];
+            // Those that are set for no motion yet are where the angles say.
+            begins.select(loose.select(number(-1.0), one), zero).store(&mut which);
+            for k in 0..M {
+                before[k].store(&mut columns[0][k]);
+                wanted[k].store(&mut columns[1][k]);
+            }
+            for lane in 0..lanes {
+                let kind = which[lane].wide();
+                if kind != 0.0 {
+                    let at = |j: usize| std::array::from_fn(|k| columns[j][k][lane]);
+                    let angles = (kind < 0.0).then_some(&begin.angles[..]);
+                    times[lane] = R::of(self.time(at(0), angles, at(1)));
+                }
+            }
+        }
+        let dt = number(self.dt);
+        let turns = Reg::load(simd, &times);
+        let rest = busy.select(state.busy, turns);
+        let waits = busy | begins;
+        let next = (rest - dt).max(zero);
+        state.busy = waits.select(next, state.busy);
+        let stays = waits | loose;
+        let held = busy | brakes | (loose & !begins);
+        let last = state.motion;
+        for k in 0..M {
+            let turned = begins.select(wanted[k], state.setting[k]);
+            state.setting[k] = held.select(before[k], turned);
+            let braked = brakes.select(last[k] * left, motion[k]);
+            motion[k] = stays.select(zero, braked);
+        }
+        motion
+    }
+}

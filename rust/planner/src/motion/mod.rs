@@ -1,0 +1,9 @@
+//! The motion of a rollout: facts of a rover and its limits, and steps within them.
+
+#[allow(clippy::needless_range_loop)] // components of several motions side by side
+pub(crate) mod drive;
+pub mod facts;
+#[allow(clippy::needless_range_loop)] // likewise
+pub(crate) mod joints;
+pub(crate) mod model;
+pub(crate) mod setting;

@@ -1,0 +1,170 @@
+//! A rover for rollouts of one kind of number: its facts as registers take them.
+
+use super::facts::{Facts, Gap, Joint};
+use crate::numbers::real::Real;
+use crate::numbers::squares::{Form, dot};
+
+pub(crate) struct Wheel<R, const M: usize> {
+    pub along: [R; M],
+    pub across: [R; M],
+}
+
+impl<R: Real, const M: usize> Wheel<R, M> {
+    fn of(joint: &Joint) -> Self {
+        Self { along: row(&joint.along), across: row(&joint.across) }
+    }
+}
+
+/// What is within a range, and how far the motion inside is from its ends.
+pub(crate) struct Range<R, const M: usize> {
+    pub wheel: Wheel<R, M>,
+    pub sin: R,
+    pub cos: R,
+    pub sense: R,
+    pub per_margin: R,
+}
+
+/// A gap as its ends, their shares and one over their lengths: see [`Gap`].
+pub(crate) type Ends<R> = ([[R; 2]; 2], [[R; 2]; 2], [R; 2]);
+
+/// The way out of what is impossible where no wheel is fixed.
+pub(crate) struct Toward<R, const M: usize> {
+    pub inside: [R; M],
+    pub ranges: Vec<Range<R, M>>,
+}
+
+/// A rover for rollouts of one kind of number.
+pub(crate) struct Model<R, const M: usize> {
+    joints: Vec<Wheel<R, M>>,
+    /// Those that turn in their own way: a wheel and its mirror image ask for the same time.
+    pub(crate) turning: Vec<Wheel<R, M>>,
+    pub(crate) facts: Vec<Joint>,
+    /// One over the tangent of a joint's largest turn in a step; nothing where joints turn at once.
+    pub(crate) per_turn: Option<R>,
+    pub(crate) gaps: Vec<Ends<R>>,
+    pub(crate) toward: Option<Toward<R, M>>,
+    pub(crate) metric: [R; 6],
+    pub(crate) lengths: [R; M],
+    pub(crate) scaling: Vec<[R; 6]>,
+    pub(crate) lateral: Option<R>,
+    pub(crate) speeding: Vec<[R; 6]>,
+    /// Where slowing down is limited otherwise.
+    pub(crate) slowing: Option<Vec<[R; 6]>>,
+    pub(crate) slips: Vec<[R; 6]>,
+    pub(crate) sideways: R,
+    pub(crate) rate: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) dt: f64,
+}
+
+fn form<R: Real>(form: &[f64], factor: f64) -> [R; 6] {
+    let mut coefficients = [R::default(); 6];
+    for (to, from) in coefficients.iter_mut().zip(form) {
+        *to = R::of(from * factor);
+    }
+    coefficients
+}
+
+fn row<R: Real, const M: usize>(from: &[f64]) -> [R; M] {
+    let mut row = [R::default(); M];
+    for (to, from) in row.iter_mut().zip(from) {
+        *to = R::of(*from);
+    }
+    row
+}
+
+impl<R: Real, const M: usize> Model<R, M> {
+    pub fn new(facts: &Facts, dt: f64) -> Self {
+        let limits = &facts.limits;
+        let forms = |forms: &[Form], factor: f64| forms.iter().map(|one| form(one, factor)).collect();
+        let speeding: Vec<[R; 6]> = forms(&facts.speeding, 1.0 / (dt * dt));
+        let turn = limits.steering_rate * dt;
+        let per_turn = (turn.is_finite() && !facts.joints.is_empty())
+            .then(|| R::of(if turn < std::f64::consts::FRAC_PI_2 { 1.0 / turn.tan() } else { 0.0 }));
+        let pair = |ends: [[f64; 2]; 2]| ends.map(|end| end.map(R::of));
+        let gap = |gap: &Gap| (pair(gap.ends), pair(gap.shares), gap.per_length.map(R::of));
+        let toward = facts.inside.as_ref().map(|inside| Toward {
+            inside: row(inside),
+            ranges: facts
+                .joints
+                .iter()
+                .map(|joint| {
+                    let (sin, cos) = joint.half.sin_cos();
+                    let along = dot(&joint.along, inside);
+                    let margin = along.abs() * sin - dot(&joint.across, inside).abs() * cos;
+                    Range {
+                        wheel: Wheel::of(joint),
+                        sin: R::of(sin),
+                        cos: R::of(cos),
+                        sense: R::of(along.signum()),
+                        per_margin: R::of(1.0 / margin),
+                    }
+                })
+                .collect(),
+        });
+        let same = facts.speeding == facts.slowing;
+        Self {
+            joints: facts.joints.iter().map(Wheel::of).collect(),
+            turning: own_ways(&facts.joints).map(Wheel::of).collect(),
+            facts: facts.joints.clone(),
+            per_turn,
+            gaps: facts.gaps.iter().map(gap).collect(),
+            toward,
+            metric: form(&facts.metric, 1.0),
+            lengths: row(&facts.lengths),
+            scaling: forms(&facts.scaling, 1.0),
+            lateral: limits.lateral_acceleration.is_finite().then(|| R::of(1.0 / limits.lateral_acceleration)),
+            speeding,
+            slowing: (!same).then(|| forms(&facts.slowing, 1.0 / (dt * dt))),
+            slips: forms(&facts.slips, 1.0),
+            sideways: R::of(facts.sideways),
+            rate: limits.steering_rate,
+            acceleration: limits.steering_acceleration,
+            dt,
+        }
+    }
+
+    /// How long the joints take from one setting to another [s].
+    pub fn time(&self, from: [R; M], start: Option<&[f64]>, to: [R; M]) -> f64 {
+        let setting = |joint: &Wheel<R, M>, motion: [R; M]| {
+            let part = |row: &[R; M]| row.iter().zip(motion).map(|(a, b)| a.wide() * b.wide()).sum::<f64>();
+            let (along, across) = (part(&joint.along), part(&joint.across));
+            (across / along).atan()
+        };
+        let mut worst: f64 = 0.0;
+        for (k, joint) in self.joints.iter().enumerate() {
+            let now = match start {
+                Some(angles) => angles[k] - self.facts[k].middle,
+                None => setting(joint, from),
+            };
+            let turn = (setting(joint, to) - now).abs();
+            // A pivot that rests turns nowhere.
+            worst = if turn > worst { turn } else { worst };
+        }
+        turning_time(worst, self.rate, self.acceleration)
+    }
+}
+
+/// The joints, without those that turn as an earlier one does, or as its mirror image.
+fn own_ways(joints: &[Joint]) -> impl Iterator<Item = &Joint> {
+    let alike = |a: &[f64], b: &[f64]| {
+        let pairs = || a.iter().zip(b);
+        pairs().all(|(a, b)| a == b) || pairs().all(|(a, b)| *a == -b)
+    };
+    joints.iter().enumerate().filter_map(move |(k, joint)| {
+        let same = |other: &Joint| alike(&joint.along, &other.along) && alike(&joint.across, &other.across);
+        (!joints[..k].iter().any(same)).then_some(joint)
+    })
+}
+
+/// Time of a turn from rest to rest [s].
+fn turning_time(turn: f64, rate: f64, acceleration: f64) -> f64 {
+    if acceleration.is_infinite() {
+        return turn / rate;
+    }
+    if turn * acceleration >= rate * rate {
+        turn / rate + rate / acceleration
+    } else {
+        2.0 * (turn / acceleration).sqrt()
+    }
+}

@@ -1,0 +1,72 @@
+//! What the steered wheels are set for where a cycle begins.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::drive::{Begin, REST};
+use super::facts::Facts;
+use crate::numbers::squares::{dot, square};
+
+/// Angles by which joints may miss a motion and still be set for it [rad].
+const ALIGNED: f64 = 0.02;
+/// Share of the largest slip below which a motion has none.
+const NONE: f64 = 1e-12;
+
+/// Motion, setting and loose joints of a cycle: the motion there is; what the angles are set for, if they are for any
+/// motion at all; where they are, if the rover stands and they are not.
+pub(crate) fn begin(facts: &Facts, motion: [f64; 3], steering: &[f64], to: &mut Begin) {
+    (to.motion, to.setting, to.loose) = (motion, motion, false);
+    if facts.joints.is_empty() || facts.limits.steering_rate.is_infinite() {
+        return;
+    }
+    let speed = square(&facts.metric, &motion[..facts.free]).max(0.0).sqrt();
+    if let Some(setting) = set_for(facts, motion, steering) {
+        to.setting = setting;
+    } else if speed < REST {
+        to.loose = true;
+        to.angles.clear();
+        to.angles.extend_from_slice(steering);
+        // Any will do: it is not looked at.
+        to.setting[0] = 1.0;
+    }
+}
+
+/// The motion all joints are set for, that next to the present one if there are several.
+fn set_for(facts: &Facts, motion: [f64; 3], steering: &[f64]) -> Option<[f64; 3]> {
+    let free = facts.free;
+    // In lengths, so that all components count alike.
+    let lengths = Vector3::from_fn(|k, _| facts.lengths.get(k).copied().unwrap_or(1.0));
+    let mut slips = Matrix3::zeros();
+    for (joint, angle) in facts.joints.iter().zip(steering) {
+        let (sin, cos) = (angle - joint.middle).sin_cos();
+        let slip = |k: usize| cos * joint.across[k] - sin * joint.along[k];
+        let row = Vector3::from_fn(|k, _| if k < free { slip(k) / lengths[k] } else { 0.0 });
+        slips += row * row.transpose();
+    }
+    let most = slips.trace();
+    if free == 2 {
+        // What there is not of a motion is the worst of all.
+        slips[(2, 2)] = 2.0 * most + 1.0;
+    }
+    let parts = slips.symmetric_eigen();
+    let least = parts.eigenvalues.imin();
+    let scaled = Vector3::from(motion).component_mul(&lengths);
+    let mut found = Vector3::zeros();
+    for (k, direction) in parts.eigenvectors.column_iter().enumerate() {
+        if k == least || parts.eigenvalues[k] <= NONE * most {
+            found += direction * direction.dot(&scaled);
+        }
+    }
+    if found.amax() < REST {
+        found = parts.eigenvectors.column(least).into_owned();
+    }
+    let found: [f64; 3] = found.component_div(&lengths).into();
+    let moved = &found[..free];
+    let size = square(&facts.metric, moved).max(0.0).sqrt();
+    let fits = facts.joints.iter().zip(steering).all(|(joint, angle)| {
+        let (along, across) = (dot(&joint.along, moved), dot(&joint.across, moved));
+        // A pivot that rests points anywhere.
+        let rests = along.hypot(across) < REST * size;
+        rests || ((across / along).atan() - (angle - joint.middle)).abs() <= ALIGNED
+    });
+    fits.then_some(found)
+}

@@ -1,0 +1,228 @@
+//! A sampling planner: the rollouts of a cycle, their weights and what follows from them.
+
+use super::cost::Path;
+use super::cycle::{Outcome, Situation, State};
+use super::engine::{Engine, Job, Machine, Settings};
+use super::options::{Options, Precision, not_negative};
+use super::smooth::smooth;
+use crate::motion::facts::Facts;
+use crate::numbers::registers::BLOCK;
+use six_wheel_control::controller::Limits;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::{Error, finite, number};
+use six_wheel_numerics::threads::workers::Workers;
+
+/// A sampling planner of one rover.
+pub struct Mppi {
+    pub(crate) rover: Rover,
+    pub(crate) facts: Facts,
+    pub(crate) options: Options,
+    pub(crate) settings: Settings,
+    pub(crate) noise: [f64; 3],
+    pub(crate) state: State,
+    pub(crate) engine: Box<dyn Engine>,
+    pub(crate) path: Path,
+    pub(crate) corners: Vec<[f64; 2]>,
+    pub(crate) job: Job,
+    pub(crate) situation: ([f64; 3], Vec<f64>),
+    /// Cycles that were begun.
+    pub(crate) rolls: u64,
+    pub(crate) costs: Vec<f64>,
+    pub(crate) mean: Vec<f64>,
+    pub(crate) motions: Vec<f64>,
+    pub(crate) places: Vec<f64>,
+    pub(crate) outcome: Outcome,
+}
+
+impl Mppi {
+    /// A planner at the beginning. Fails if an option makes no sense.
+    pub fn new(rover: &Rover, limits: Limits, options: Options) -> Result<Self, Error> {
+        options.check()?;
+        let facts = Facts::new(rover, limits)?;
+        let half = |limit: f64, usual: f64| {
+            if limit.is_finite() { limit / 2.0 } else { usual }
+        };
+        let speed = half(limits.speed, 0.4);
+        let noise = options.noise.unwrap_or([speed, speed, half(limits.yaw_rate, 0.5)]);
+        let (sin, cos) = facts.heading.sin_cos();
+        // In the components' axes.
+        let points = options.footprint.iter().map(|[x, y]| [cos * x + sin * y, cos * y - sin * x]).collect();
+        let settings = Settings { steps: options.horizon, dt: options.dt, weights: options.weights, points };
+        let samples = options.samples;
+        let engine: Box<dyn Engine> = match (options.precision, facts.free) {
+            (Precision::Double, 2) => Box::new(Machine::<f64, 2>::new(&facts, &settings, samples)),
+            (Precision::Double, _) => Box::new(Machine::<f64, 3>::new(&facts, &settings, samples)),
+            (Precision::Single, 2) => Box::new(Machine::<f32, 2>::new(&facts, &settings, samples)),
+            (Precision::Single, _) => Box::new(Machine::<f32, 3>::new(&facts, &settings, samples)),
+        };
+        let count = options.horizon * facts.free;
+        let mut planner = Self {
+            rover: rover.clone(),
+            state: State { controls: Vec::new(), cycle: 0, steering: Vec::new(), progress: 0.0 },
+            facts,
+            settings,
+            noise,
+            engine,
+            path: Path::default(),
+            corners: Vec::new(),
+            job: Job::default(),
+            situation: Default::default(),
+            rolls: 0,
+            costs: Vec::new(),
+            mean: vec![0.0; count],
+            motions: vec![0.0; count],
+            places: vec![0.0; 2 * options.horizon],
+            outcome: Outcome::default(),
+            options,
+        };
+        planner.reset();
+        Ok(planner)
+    }
+
+    /// Back to where it was when it was made.
+    pub fn reset(&mut self) {
+        self.state = State {
+            controls: vec![[0.0; 3]; self.options.horizon],
+            cycle: 0,
+            steering: self.facts.joints.iter().map(|joint| joint.straight()).collect(),
+            progress: 0.0,
+        };
+        self.state.steering.resize(self.rover.steered().len(), 0.0);
+    }
+
+    /// What it remembers.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Goes on from there. Fails if it is not of this planner's size or a number is not finite.
+    pub fn set_state(&mut self, state: State) -> Result<(), Error> {
+        if state.controls.len() != self.options.horizon {
+            let rule = format!("have {} rows", self.options.horizon);
+            return Err(Error::value("controls", rule, state.controls.len().to_string()));
+        }
+        if state.steering.len() != self.rover.steered().len() {
+            let rule = format!("have {} angles", self.rover.steered().len());
+            return Err(Error::value("steering", rule, state.steering.len().to_string()));
+        }
+        finite("controls", state.controls.as_flattened())?;
+        finite("steering", &state.steering)?;
+        not_negative("progress", state.progress)?;
+        self.state = state;
+        Ok(())
+    }
+
+    /// How it works.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// What it stays within.
+    pub fn limits(&self) -> &Limits {
+        &self.facts.limits
+    }
+
+    /// What it plans for.
+    pub fn rover(&self) -> &Rover {
+        &self.rover
+    }
+
+    /// Standard deviation of the noise [m/s, m/s, rad/s].
+    pub fn noise(&self) -> [f64; 3] {
+        self.noise
+    }
+
+    /// How many cycles were begun: whoever weighs has to know that they are still those it rolled.
+    pub fn rolls(&self) -> u64 {
+        self.rolls
+    }
+
+    /// Costs of the rollouts of the last cycle.
+    pub fn costs(&self) -> &[f64] {
+        &self.costs[..self.options.samples.min(self.costs.len())]
+    }
+
+    /// Drives the rollouts of a cycle. What the planner remembers stays as it is until [`Self::weigh`].
+    pub fn roll(&mut self, situation: Situation<'_>, workers: Workers) -> Result<(), Error> {
+        finite("state.pose", &situation.pose)?;
+        finite("state.twist", &situation.twist)?;
+        finite("state.steering", situation.steering.unwrap_or_default())?;
+        finite("path", situation.path.unwrap_or_default().as_flattened())?;
+        finite("goal", &situation.goal.unwrap_or_default())?;
+        if situation.path.is_some_and(|path| path.len() < 2) {
+            let got = situation.path.unwrap_or_default().len().to_string();
+            return Err(Error::value("path", "have two points or more", got));
+        }
+        if let Some(map) = situation.costmap {
+            map.check_holds(situation.pose)?;
+        }
+        // All motions would cost the same: the mean of the noise is no plan. Who cannot move stays wherever that is.
+        let aimless = situation.path.is_none() && situation.goal.is_none() && !situation.record;
+        if aimless && self.facts.stuck.is_none() {
+            let rule = "be given, or a path or an extra_cost: without one there is nowhere to go";
+            return Err(Error::value("goal", rule, "none".to_owned()));
+        }
+        self.rolls += 1;
+        let steering = situation.steering.unwrap_or(&self.state.steering);
+        self.situation.0 = situation.pose;
+        self.situation.1.clear();
+        self.situation.1.extend_from_slice(steering);
+        if self.facts.stuck.is_some() {
+            return Ok(());
+        }
+        self.follow(situation.path, situation.pose);
+        self.prepare(&situation);
+        self.engine.roll(&self.job, situation.costmap, &self.path, &self.settings, workers)?;
+        self.engine.costs(&mut self.costs);
+        Ok(())
+    }
+
+    /// Weighs the rollouts, with costs from elsewhere added, and moves on. Fails, and stays as it was, if one of those
+    /// costs is not a number.
+    pub fn weigh(&mut self, extra: Option<&[f64]>, workers: Workers) -> Result<&Outcome, Error> {
+        let samples = self.options.samples;
+        if let Some(extra) = extra {
+            if extra.len() != samples {
+                let rule = format!("return {samples} costs, one per rollout");
+                return Err(Error::value("extra_cost", rule, extra.len().to_string()));
+            }
+            if let Some(worst) = extra.iter().position(|cost| cost.is_nan() || *cost == f64::NEG_INFINITY) {
+                let rule = "return numbers";
+                return Err(Error::value("extra_cost", rule, number(extra[worst])).at_row(worst));
+            }
+        }
+        if let Some(stuck) = self.facts.stuck {
+            self.stay(stuck);
+            return Ok(&self.outcome);
+        }
+        for (cost, extra) in self.costs.iter_mut().zip(extra.unwrap_or_default()) {
+            *cost += extra;
+        }
+        self.costs.truncate(samples);
+        let least = self.costs.iter().copied().fold(f64::INFINITY, f64::min);
+        if least == f64::INFINITY {
+            let rule = "leave one rollout possible";
+            return Err(Error::value("extra_cost", rule, "infinity for all".to_owned()));
+        }
+        // Weights take the place of costs in the room of the mean's shares.
+        let mut weights = std::mem::take(&mut self.motions);
+        weights.clear();
+        weights.extend(self.costs.iter().map(|cost| ((least - cost) / self.options.temperature).exp()));
+        let sum: f64 = weights.iter().sum();
+        let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
+        weights.iter_mut().for_each(|weight| *weight /= sum);
+        weights.resize(samples.div_ceil(BLOCK) * BLOCK, 0.0);
+        let done = self.engine.mean(&weights, &self.settings, workers, &mut self.mean);
+        self.motions = weights;
+        self.motions.resize(self.options.horizon * self.facts.free, 0.0);
+        done?;
+        if self.options.smoothing {
+            smooth(&mut self.mean, self.facts.free, self.job.fixed);
+        }
+        self.outcome.cost = least;
+        self.outcome.effective = sum * sum / squares;
+        self.outcome.stuck = None;
+        self.conclude(workers);
+        Ok(&self.outcome)
+    }
+}

@@ -1,0 +1,117 @@
+//! Squares and products of motions, register by register.
+//!
+//! Loops instead of closures: those are compiled for themselves first, without the level's instructions.
+
+use super::real::Real;
+use super::registers::Regs;
+use six_wheel_numerics::simd::vector::Vector;
+
+/// Registers that are driven in lockstep: a step is a long chain of results that wait for each other.
+pub(crate) const ABREAST: usize = 2;
+
+pub(crate) type Reg<S, R> = Regs<S, R, ABREAST>;
+
+#[inline(always)]
+pub(crate) fn times<S: Vector, R: Real, const M: usize>(simd: S, row: &[R; M], z: &[Reg<S, R>; M]) -> Reg<S, R> {
+    let mut sum = z[0] * Reg::splat(simd, row[0]);
+    for k in 1..M {
+        sum = z[k].mul_add(Reg::splat(simd, row[k]), sum);
+    }
+    sum
+}
+
+/// The same motion in every lane.
+#[inline(always)]
+pub(crate) fn splat<S: Vector, R: Real, const M: usize>(simd: S, motion: &[f64; 3]) -> [Reg<S, R>; M] {
+    let mut parts = [Reg::all(simd, 0.0); M];
+    for (part, value) in parts.iter_mut().zip(motion) {
+        *part = Reg::all(simd, *value);
+    }
+    parts
+}
+
+/// Area between an end of a gap and a motion.
+#[inline(always)]
+pub(crate) fn cross<S: Vector, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], end: [R; 2]) -> Reg<S, R> {
+    z[1] * Reg::splat(simd, end[0]) - z[0] * Reg::splat(simd, end[1])
+}
+
+/// Share of an end in the motion nearest to it.
+#[inline(always)]
+pub(crate) fn share<S: Vector, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], row: [R; 2]) -> Reg<S, R> {
+    z[1].mul_add(Reg::splat(simd, row[1]), z[0] * Reg::splat(simd, row[0]))
+}
+
+/// The value of a form.
+#[inline(always)]
+pub(crate) fn value<S: Vector, R: Real, const M: usize>(simd: S, form: &[R; 6], z: &[Reg<S, R>; M]) -> Reg<S, R> {
+    let mut k = 0;
+    let mut sum = Reg::all(simd, 0.0);
+    for i in 0..M {
+        let mut part = z[i] * Reg::splat(simd, form[k]);
+        k += 1;
+        for other in z.iter().skip(i + 1) {
+            part = other.mul_add(Reg::splat(simd, form[k]), part);
+            k += 1;
+        }
+        sum = z[i].mul_add(part, sum);
+    }
+    sum
+}
+
+/// The largest of some forms.
+#[inline(always)]
+pub(crate) fn largest<S: Vector, R: Real, const M: usize>(simd: S, forms: &[[R; 6]], z: &[Reg<S, R>; M]) -> Reg<S, R> {
+    let mut worst = Reg::all(simd, 0.0);
+    for form in forms {
+        worst = worst.max(value(simd, form, z));
+    }
+    worst
+}
+
+/// The metric's product with a motion: its product with another one is half the mixed form.
+#[inline(always)]
+pub(crate) fn lowered<S: Vector, R: Real, const M: usize>(
+    simd: S,
+    form: &[R; 6],
+    z: &[Reg<S, R>; M],
+) -> [Reg<S, R>; M] {
+    let mut low = [Reg::all(simd, 0.0); M];
+    let half = Reg::all(simd, 0.5);
+    let mut k = 0;
+    for i in 0..M {
+        for j in i..M {
+            let part = Reg::splat(simd, form[k]);
+            k += 1;
+            if i == j {
+                low[i] = z[i].mul_add(part, low[i]);
+            } else {
+                let part = part * half;
+                low[i] = z[j].mul_add(part, low[i]);
+                low[j] = z[i].mul_add(part, low[j]);
+            }
+        }
+    }
+    low
+}
+
+/// By how much a square may be above 1 for what it is the square of to be there: a rover that brakes by whole steps
+/// arrives at rest, whichever way the last digits were rounded.
+const CLOSE: f64 = 1e-12;
+
+/// What brings something down to 1 whose square this is; 1 where it is no more.
+#[inline(always)]
+pub(crate) fn down_to_one<S: Vector, R: Real>(simd: S, square: Reg<S, R>) -> Reg<S, R> {
+    let one = Reg::all(simd, 1.0);
+    let [share, _] = square.max(one).roots();
+    square.below(Reg::all(simd, 1.0 + CLOSE)).select(one, share)
+}
+
+#[inline(always)]
+pub(crate) fn inner<S: Vector, R: Real, const M: usize>(a: &[Reg<S, R>; M], b: &[Reg<S, R>; M]) -> Reg<S, R> {
+    let mut sum = a[0] * b[0];
+    for k in 1..M {
+        sum = a[k].mul_add(b[k], sum);
+    }
+    sum
+}

@@ -1,0 +1,172 @@
+//! Normal noise from a counter: what a rollout gets at a step depends on the seed, the cycle, its number and the step
+//! alone, so neither on who else is at work nor on the level.
+//!
+//! Source: J. Salmon et al., Parallel random numbers: as easy as 1, 2, 3, SC 2011 (Philox4x32-7, which passes BigCrush);
+//! G. Box & M. Muller, A note on the generation of random normal deviates, Ann. Math. Stat. 29(2), 1958.
+
+use pulp::Simd;
+
+use super::registers::BLOCK;
+use super::registers::{Reg, Truth};
+
+/// Rounds of the generator: the fewest that pass.
+pub(crate) const ROUNDS: u32 = 7;
+const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
+const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
+
+/// `ln(1 + f) / f` for `1 + f` between the roots of 1/2 and 2, to 2e-8.
+const LN: [f32; 9] = [
+    0.999_999_97,
+    -0.499_999_96,
+    0.333_341_93,
+    -0.250_013_52,
+    0.199_559_33,
+    -0.165_779_92,
+    0.149_774_01,
+    -0.142_692_58,
+    0.085_333_13,
+];
+/// `sin x / x` and `cos x` up to an eighth of a turn, in powers of the square.
+const SIN: [f32; 5] = [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0];
+const COS: [f32; 6] = [1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0, -1.0 / 3_628_800.0];
+
+/// Where the numbers of one block come from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Counter {
+    pub seed: u64,
+    pub cycle: u32,
+    /// First rollout of the block.
+    pub first: u32,
+}
+
+/// A register of words of 32 bits.
+#[derive(Clone, Copy)]
+struct Words<S: Simd>(S, S::u32s);
+
+impl<S: Simd> Words<S> {
+    #[inline(always)]
+    fn all(simd: S, word: u32) -> Self {
+        Self(simd, simd.splat_u32s(word))
+    }
+    #[inline(always)]
+    fn xor(self, other: Self) -> Self {
+        Self(self.0, self.0.xor_u32s(self.1, other.1))
+    }
+    #[inline(always)]
+    fn and(self, word: u32) -> Self {
+        Self(self.0, self.0.and_u32s(self.1, self.0.splat_u32s(word)))
+    }
+    #[inline(always)]
+    fn or(self, word: u32) -> Self {
+        Self(self.0, self.0.or_u32s(self.1, self.0.splat_u32s(word)))
+    }
+    #[inline(always)]
+    fn minus(self, word: u32) -> Self {
+        Self(self.0, self.0.sub_u32s(self.1, self.0.splat_u32s(word)))
+    }
+    #[inline(always)]
+    fn real(self) -> Reg<S, f32> {
+        Reg::of_bits(self.0, self.1)
+    }
+    #[inline(always)]
+    fn right(self, by: u32) -> Self {
+        let by = self.0.splat_u32s(by);
+        Self(self.0, self.0.wrapping_dyn_shr_u32s(self.1, by))
+    }
+    #[inline(always)]
+    fn left(self, by: u32) -> Self {
+        let by = self.0.splat_u32s(by);
+        Self(self.0, self.0.wrapping_dyn_shl_u32s(self.1, by))
+    }
+    /// Where the bit is set.
+    #[inline(always)]
+    fn has(self, bit: u32) -> Truth<S, f32> {
+        let Self(simd, word) = self.and(bit);
+        Truth::of(simd, simd.greater_than_u32s(word, simd.splat_u32s(0)))
+    }
+}
+
+/// Philox4x32 of a register of counters.
+#[inline(always)]
+fn philox<S: Simd>(simd: S, mut x: [Words<S>; 4], seed: u64) -> [Words<S>; 4] {
+    let [mut k0, mut k1] = [seed as u32, (seed >> 32) as u32];
+    let (m0, m1) = (simd.splat_u32s(MULTIPLIERS[0]), simd.splat_u32s(MULTIPLIERS[1]));
+    for _ in 0..ROUNDS {
+        let (low0, high0) = simd.widening_mul_u32s(x[0].1, m0);
+        let (low1, high1) = simd.widening_mul_u32s(x[2].1, m1);
+        x = [
+            Words(simd, high1).xor(x[1]).xor(Words::all(simd, k0)),
+            Words(simd, low1),
+            Words(simd, high0).xor(x[3]).xor(Words::all(simd, k1)),
+            Words(simd, low0),
+        ];
+        (k0, k1) = (k0.wrapping_add(WEYL[0]), k1.wrapping_add(WEYL[1]));
+    }
+    x
+}
+
+#[inline(always)]
+fn polynomial<S: Simd, const N: usize>(simd: S, coefficients: [f32; N], x: Reg<S, f32>) -> Reg<S, f32> {
+    let mut sum = Reg::splat(simd, coefficients[N - 1]);
+    for k in (0..N - 1).rev() {
+        sum = sum.mul_add(x, Reg::splat(simd, coefficients[k]));
+    }
+    sum
+}
+
+/// 23 bits as the fraction of a float of [1, 2), less 1: exact.
+#[inline(always)]
+fn fraction<S: Simd>(word: Words<S>) -> Reg<S, f32> {
+    word.right(9).or(0x3F80_0000).real() - Reg::splat(word.0, 1.0)
+}
+
+/// Two normal numbers of two words.
+#[inline(always)]
+fn normal<S: Simd>(simd: S, a: Words<S>, b: Words<S>) -> [Reg<S, f32>; 2] {
+    let number = |value: f32| Reg::<S, f32>::splat(simd, value);
+    let uniform = fraction(a) + number(0.5 / 8_388_608.0); // of (0, 1)
+    // Exponent and fraction, the latter between the roots of 1/2 and 2.
+    let bits = Words(simd, uniform.bits());
+    let from = bits.minus(0x3F35_04F3);
+    let exponent = from.right(23);
+    let f = Words(simd, simd.sub_u32s(bits.1, exponent.left(23).1)).real() - number(1.0);
+    // Nine bits in two's complement, counted from 256 on: the lowest ones of 2^23 as a float.
+    let k = exponent.xor(Words::all(simd, 0x100)).or(0x4B00_0000);
+    let k = k.real() - number(8_388_608.0 + 256.0);
+    let log = polynomial(simd, LN, f).mul_add(f, k * number(std::f32::consts::LN_2));
+    let radius = (log * number(-2.0)).max(number(0.0)).sqrt();
+    // An angle within an eighth of a turn of an axis, the axis, and the side of it.
+    let x = (fraction(b.left(2)) - number(0.5)) * number(std::f32::consts::FRAC_PI_2);
+    let square = x * x;
+    let sin = polynomial(simd, SIN, square) * x;
+    let cos = polynomial(simd, COS, square);
+    let radius = radius.flip(b.and(0x8000_0000).real());
+    let swap = b.has(1 << 30);
+    [radius * swap.select(cos, sin), radius * swap.select(sin, cos)]
+}
+
+/// Numbers of mean 0 and variance 1 for a block of rollouts: `[step][component][rollout]`.
+#[inline(always)]
+pub(crate) fn fill<S: Simd>(simd: S, counter: Counter, components: usize, steps: usize, to: &mut [f32]) {
+    let lanes = S::F32_LANES;
+    let mut who = [0_u32; BLOCK];
+    for (k, who) in who.iter_mut().enumerate() {
+        *who = counter.first.wrapping_add(k as u32);
+    }
+    let count = components * steps;
+    // Four words are two pairs of numbers.
+    for quad in 0..count.div_ceil(4) {
+        for at in (0..BLOCK).step_by(lanes) {
+            let rollout = Words(simd, S::as_simd_u32s(&who[at..at + lanes]).0[0]);
+            let x = [rollout, Words::all(simd, quad as u32), Words::all(simd, counter.cycle), Words::all(simd, 0)];
+            let [a, b, c, d] = philox(simd, x, counter.seed);
+            let pairs = [normal(simd, a, b), normal(simd, c, d)];
+            for (k, value) in pairs.into_iter().flatten().enumerate() {
+                let row = 4 * quad + k;
+                if row < count {
+                    value.store(&mut to[row * BLOCK + at..]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Rollouts within a rover's limits, apart from a planner: where wishes lead.
+
+use super::engine::Alone;
+use crate::motion::drive::{Begin, TRACK};
+use crate::motion::facts::Facts;
+use crate::motion::model::Model;
+use crate::motion::setting;
+use crate::numbers::registers::BLOCK;
+use six_wheel_control::controller::Limits;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::{Error, finite, number};
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_numerics::threads::workers::each;
+
+/// How a rover moves where rollouts begin.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Present<'a> {
+    /// In body axes [m/s, m/s, rad/s].
+    pub twist: [f64; 3],
+    /// Its steering angles [rad]; straight ahead, or as near as their ranges let them, if not given.
+    pub steering: Option<&'a [f64]>,
+    /// How long it goes on as it does before a wish has an effect [s].
+    pub delay: f64,
+}
+
+/// Poses of rollouts of `count` steps each, `count + 1` rows with the start first, as a planner drives them: executed
+/// motions instead of `controls` that the rover could not make at once. A rover that cannot move stays.
+#[allow(clippy::too_many_arguments)] // the rover, the wishes, the present, the results
+pub fn rollout(
+    rover: &Rover,
+    limits: Limits,
+    controls: &[[f64; 3]],
+    count: usize,
+    dt: f64,
+    starts: &[[f64; 3]],
+    present: Present<'_>,
+    poses: &mut [[f64; 3]],
+    workers: Workers,
+) -> Result<(), Error> {
+    if !(dt.is_finite() && dt > 0.0) {
+        return Err(Error::value("dt", "be finite and positive", number(dt)));
+    }
+    if !(present.delay.is_finite() && present.delay >= 0.0) {
+        let got = number(present.delay);
+        return Err(Error::value("delay", "be finite and not negative", got));
+    }
+    finite("controls", controls.as_flattened())?;
+    finite("start", starts.as_flattened())?;
+    finite("twist", &present.twist)?;
+    finite("steering", present.steering.unwrap_or_default())?;
+    let facts = Facts::new(rover, limits)?;
+    let follow = if facts.free == 2 { drive::<2> } else { drive::<3> };
+    let share = workers.share_of_logs(poses.len() / (count + 1), count);
+    let parts = poses.chunks_mut(share * (count + 1)).enumerate();
+    each(parts, |(k, poses)| {
+        let first = k * share;
+        let start = |k: usize| starts[if starts.len() == 1 { 0 } else { first + k }];
+        for (k, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
+            poses.fill(start(k));
+        }
+        if facts.stuck.is_none() && count > 0 {
+            let end = first + poses.len() / (count + 1);
+            follow(&facts, &controls[first * count..end * count], count, dt, present, poses, workers);
+        }
+        Ok(())
+    })
+}
+
+/// Some rollouts, whose poses are all at their starts yet.
+fn drive<const M: usize>(
+    facts: &Facts,
+    controls: &[[f64; 3]],
+    count: usize,
+    dt: f64,
+    present: Present<'_>,
+    poses: &mut [[f64; 3]],
+    workers: Workers,
+) {
+    let model = Model::<f64, M>::new(facts, dt);
+    let straight: Vec<f64> = facts.joints.iter().map(|joint| joint.straight()).collect();
+    let mut begin = Begin::default();
+    let motion = facts.motion(present.twist);
+    setting::begin(facts, motion, present.steering.unwrap_or(&straight), &mut begin);
+    begin.heading = facts.heading;
+    let largest = |twist: &[f64; 3]| facts.size_of(twist);
+    let fastest = controls.iter().chain([&present.twist]).map(largest).fold(0.0, f64::max);
+    begin.turns(facts.turns_at_most(fastest), dt);
+    let late = ((present.delay / dt).round() as usize).min(count);
+    let mut wishes = vec![0.0; count * M * BLOCK];
+    let mut motions = wishes.clone();
+    let mut track = vec![0.0; count * TRACK * BLOCK];
+    let blocks = controls.chunks(BLOCK * count).zip(poses.chunks_mut(BLOCK * (count + 1)));
+    for (controls, poses) in blocks {
+        for (lane, rollout) in controls.chunks_exact(count).enumerate() {
+            for t in 0..count {
+                let wish = t.checked_sub(late).map_or(motion, |t| facts.motion(rollout[t]));
+                for (k, part) in wish.iter().enumerate().take(M) {
+                    wishes[(t * M + k) * BLOCK + lane] = *part;
+                }
+            }
+        }
+        workers.level.run_any(Alone {
+            model: &model,
+            begin: &begin,
+            wishes: &wishes,
+            track: &mut track,
+            motions: &mut motions,
+        });
+        for (lane, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
+            let [x, y, mut yaw] = poses[0];
+            let (sin, cos) = yaw.sin_cos();
+            for t in 0..count {
+                let place = |k: usize| track[(t * TRACK + k) * BLOCK + lane];
+                yaw += motions[(t * M + M - 1) * BLOCK + lane] * dt;
+                let (ahead, aside) = (place(0), place(1));
+                poses[t + 1] = [x + cos * ahead - sin * aside, y + sin * ahead + cos * aside, yaw];
+            }
+        }
+    }
+}

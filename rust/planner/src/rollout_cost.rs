@@ -1,0 +1,345 @@
+//! What rollouts ask of the wheels: poses and the worst demands on the way, in one pass over the controls.
+
+use std::f64::consts::PI;
+
+use six_wheel_kinematics::batch::poses::{Buffers, Journey};
+use six_wheel_kinematics::formulas::cone::dot;
+use six_wheel_kinematics::formulas::inverse::{Part, Plan};
+use six_wheel_kinematics::formulas::steered::Steered;
+use six_wheel_kinematics::formulas::usual::usual;
+use six_wheel_kinematics::geometry::{Steps, Twist};
+use six_wheel_kinematics::pose_logs::integrate::Place;
+use six_wheel_kinematics::pose_logs::logs::{Logs, Watch, side_by_side};
+use six_wheel_kinematics::pose_logs::tile::{LANES, PerStep, STEPS, WIDTH};
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_kinematics::rover_data::{Inputs, MAX_WHEELS};
+use six_wheel_kinematics::table::{Durations, Table};
+use six_wheel_numerics::error::{Error, finite};
+use six_wheel_numerics::simd::lanes::{Lanes, Lockstep, Mask};
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::polynomials::angle;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::threads::workers::Workers;
+
+/// Sizes of controls up to which the kernel's squares and speeds are surely finite.
+const LARGEST_TOTAL: f64 = 1e100;
+
+/// Where rolling forwards and backwards miss a wheel's range by so nearly the same, the plain core decides [rad].
+const AMBIGUOUS: f64 = 1e-8;
+
+/// The worst of every rollout: one number per rollout each.
+#[derive(Debug)]
+pub struct Costs<'a> {
+    /// Largest wheel speed, either way round [rad/s].
+    pub wheel_speed: &'a mut [f64],
+    /// Largest steering angle, to either side [rad].
+    pub steering_angle: &'a mut [f64],
+    /// Largest steering rate, from each step's angles to the next [rad/s].
+    pub steering_rate: &'a mut [f64],
+    /// Largest speed at which a wheel slides sideways [m/s].
+    pub scrub: &'a mut [f64],
+}
+
+impl Costs<'_> {
+    /// In pieces of so many rollouts.
+    fn pieces(&mut self, share: usize) -> impl Iterator<Item = Costs<'_>> {
+        let first = self.wheel_speed.chunks_mut(share);
+        let pairs = first.zip(self.steering_angle.chunks_mut(share));
+        let rest = self.steering_rate.chunks_mut(share);
+        pairs.zip(rest.zip(self.scrub.chunks_mut(share))).map(
+            |((wheel_speed, steering_angle), (steering_rate, scrub))| Costs {
+                wheel_speed,
+                steering_angle,
+                steering_rate,
+                scrub,
+            },
+        )
+    }
+
+    fn set(&mut self, k: usize, [speed, angle, rate, scrub]: [f64; 4]) {
+        self.wheel_speed[k] = speed;
+        self.steering_angle[k] = angle;
+        self.steering_rate[k] = rate;
+        self.scrub[k] = scrub;
+    }
+}
+
+/// Poses of rollouts of `count` steps each, as [`six_wheel_kinematics::batch::integrate`], and the worst that each asks of the wheels.
+///
+/// The controls need not be possible: a steered wheel goes as near as its range lets it, and the scrub says by
+/// how much that misses. Every step's angles are chosen from those of the step before, the first from
+/// `previous`; without it the first angles cost no steering rate. A change of angle takes as long as the step
+/// it leads to.
+#[allow(clippy::too_many_arguments)] // the controls, the present, the results
+pub fn rollout_cost<'a>(
+    rover: &'a Rover,
+    controls: impl Into<Table<'a>>,
+    count: usize,
+    steps: impl Into<Durations<'a>>,
+    starts: &'a [[f64; 3]],
+    previous: Option<&[f64]>,
+    poses: &mut [[f64; 3]],
+    mut costs: Costs<'_>,
+    workers: Workers,
+) -> Result<(), Error> {
+    let Workers { level, fresh, .. } = workers.here();
+    finite("previous", previous.unwrap_or_default())?;
+    let mut journey = Journey::new(controls.into(), count, steps.into(), starts)?;
+    let logs = poses.len() / (count + 1);
+    let plan = journey
+        .is_side_by_side(level, logs)
+        .then(|| Plan::new(rover, rover.cone.as_ref()?))
+        .flatten()
+        .filter(|plan| plan.parts.iter().all(|(part, _)| is_folded(part)));
+    journey.rover = Some(rover);
+    journey.largest = if plan.is_some() { LARGEST_TOTAL } else { -1.0 };
+    let share = workers.share_of_logs(logs, count);
+    if !fresh {
+        workers.each((0..logs).step_by(share), |first| journey.check(level, first..logs.min(first + share)))?;
+    }
+    let targets = poses.chunks_mut(share * (count + 1));
+    let targets = targets.zip(costs.pieces(share)).enumerate();
+    workers.each(targets, |(k, (poses, mut costs))| {
+        let buffers = &mut Buffers::default();
+        let block = journey.block();
+        let blocks = poses.chunks_mut(block * (count + 1));
+        for (b, (poses, mut costs)) in blocks.zip(costs.pieces(block)).enumerate() {
+            let first = k * share + b * block;
+            let logs = first..first + poses.len() / (count + 1);
+            if fresh {
+                journey.check(level, logs.clone())?;
+            }
+            if let Some(plan) = &plan {
+                level.run(Judged { plan, rover, logs: journey.logs(logs, buffers), previous, poses, costs });
+                continue;
+            }
+            for (j, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
+                journey.follow(level, first + j, true, poses, buffers)?;
+                let one = first + j..first + j + 1;
+                let logs = journey.logs(one, buffers);
+                costs.set(j, worst(rover, logs.twists, logs.steps, previous));
+            }
+        }
+        Ok(())
+    })
+}
+
+fn is_folded(part: &Part) -> bool {
+    match part {
+        Part::Fixed(_) => true,
+        Part::Castor(_) => false,
+        Part::Steered(steered) => steered.reach.is_some_and(|reach| reach.folded),
+    }
+}
+
+/// The worst of one rollout, step by step: speed, angle, rate and scrub.
+fn worst(rover: &Rover, controls: &[[f64; 3]], steps: Steps<'_>, previous: Option<&[f64]>) -> [f64; 4] {
+    let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+    let mut held = [0.0; MAX_WHEELS];
+    held[..joints].copy_from_slice(previous.unwrap_or(&[0.0; MAX_WHEELS][..joints]));
+    let (mut angles, mut speeds) = (held, [0.0; MAX_WHEELS]);
+    let mut counts = previous.is_some();
+    let mut worst = [0.0_f64; 4];
+    for (k, control) in controls.iter().enumerate() {
+        let twist = Twist::from(*control);
+        let (angles, speeds) = (&mut angles[..joints], &mut speeds[..wheels]);
+        let inputs = Inputs { previous: Some(&held[..joints]), ..Inputs::default() };
+        rover.solve(twist, inputs, angles, speeds);
+        rover.slow_down(twist, angles, speeds);
+        let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let turns = angles.iter().zip(&held).map(|(new, old)| (new - old).abs());
+        let turn = turns.fold(0.0, f64::max);
+        let step = [
+            largest(speeds),
+            largest(angles),
+            if counts { turn / steps.get(k) } else { 0.0 },
+            rover.scrub(twist, angles),
+        ];
+        for (worst, step) in worst.iter_mut().zip(step) {
+            *worst = worst.max(step);
+        }
+        held[..joints].copy_from_slice(angles);
+        counts = true;
+    }
+    worst
+}
+
+struct Judged<'a> {
+    plan: &'a Plan<'a>,
+    rover: &'a Rover,
+    logs: Logs<'a>,
+    previous: Option<&'a [f64]>,
+    poses: &'a mut [[f64; 3]],
+    costs: Costs<'a>,
+}
+
+impl Kernel for Judged<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Vector>(mut self, simd: S) {
+        let zero = Lanes::splat(simd, 0.0);
+        let count = self.logs.count;
+        let rollouts = self.poses.len() / (count + 1);
+        let place = Place { logs: self.logs, poses: self.poses, past: false };
+        place.run(simd);
+        for first in (0..rollouts).step_by(S::F64_LANES) {
+            let mut judge = Judge {
+                plan: self.plan,
+                held: [simd.splat_f64s(0.0); MAX_WHEELS],
+                counts: self.previous.is_some(),
+                worst: [zero; 4],
+                sure: zero.at_most(zero),
+            };
+            for (held, previous) in judge.held.iter_mut().zip(self.previous.unwrap_or_default()) {
+                *held = simd.splat_f64s(*previous);
+            }
+            let lanes = S::F64_LANES.min(rollouts - first);
+            side_by_side(simd, self.logs, first, &mut judge);
+            let mut found = [[0.0; LANES]; 5];
+            let one = Lanes::splat(simd, 1.0);
+            let sure = judge.sure.select(one, zero);
+            judge.worst[0] = judge.worst[0].sqrt();
+            for (found, lanes) in found.iter_mut().zip(judge.worst.into_iter().chain([sure])) {
+                lanes.store(S::as_mut_simd_f64s(found).0, 0);
+            }
+            let [speed, angle, rate, scrub, sure] = found;
+            for lane in 0..lanes {
+                let mut costs = [speed[lane], angle[lane], rate[lane], scrub[lane]];
+                if sure[lane] == 0.0 {
+                    let from = (first + lane) * count;
+                    let controls = &self.logs.twists[from..from + count];
+                    costs = worst(self.rover, controls, self.logs.steps, self.previous);
+                }
+                self.costs.set(first + lane, costs);
+            }
+        }
+    }
+}
+
+/// Follows as many rollouts as there are lanes.
+struct Judge<'p, 'r, S: Vector> {
+    plan: &'p Plan<'r>,
+    /// Angles of the steered wheels after the step before [rad].
+    held: [S::f64s; MAX_WHEELS],
+    /// Whether the way to the next angles counts.
+    counts: bool,
+    /// Square of the speed, angle, rate and scrub.
+    worst: [Lanes<S>; 4],
+    /// Where the kernel decides all by itself.
+    sure: Mask<S>,
+}
+
+impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
+    #[inline(always)]
+    fn tile(&mut self, simd: S, twists: &[S::f64s; WIDTH], dts: &PerStep<S>) {
+        let mut per_dts = *dts;
+        for (t, per_dt) in per_dts.iter_mut().enumerate() {
+            *per_dt = Lanes::splat(simd, 1.0).quotient(*per_dt);
+            self.sure = self.sure & usual(simd, twist(simd, twists, t));
+        }
+        for row in &self.plan.banks {
+            for t in 0..STEPS {
+                let slip = dot(simd, row, twist(simd, twists, t)).abs();
+                self.worst[3] = self.worst[3].max(slip);
+            }
+        }
+        let mut joint = 0;
+        for (part, per_radius) in &self.plan.parts {
+            let per_radius = Lanes::splat(simd, *per_radius);
+            match part {
+                Part::Fixed(row) => {
+                    for t in 0..STEPS {
+                        let speed = dot(simd, row, twist(simd, twists, t)) * per_radius;
+                        self.worst[0] = self.worst[0].max(speed * speed);
+                    }
+                }
+                // Only rovers whose wheels are all folded get here.
+                Part::Castor(_) => {}
+                Part::Steered(steered) => {
+                    let Some(reach) = steered.reach else {
+                        continue;
+                    };
+                    let asked = (joint, per_radius * per_radius);
+                    if reach.symmetric {
+                        self.steer::<true>(simd, steered, asked, twists, &per_dts);
+                    } else {
+                        self.steer::<false>(simd, steered, asked, twists, &per_dts);
+                    }
+                    joint += 1;
+                }
+            }
+        }
+        self.counts = true;
+    }
+}
+
+/// Twists at a step.
+#[inline(always)]
+fn twist<S: Vector>(simd: S, twists: &[S::f64s; WIDTH], t: usize) -> [Lanes<S>; 3] {
+    [Lanes::load(simd, twists, 3 * t), Lanes::load(simd, twists, 3 * t + 1), Lanes::load(simd, twists, 3 * t + 2)]
+}
+
+impl<S: Vector> Judge<'_, '_, S> {
+    /// One steered wheel, whose range is a quarter turn to either side at most.
+    #[inline(always)]
+    fn steer<const SYMMETRIC: bool>(
+        &mut self,
+        simd: S,
+        steered: &Steered,
+        (joint, per_square): (usize, Lanes<S>),
+        twists: &[S::f64s; WIDTH],
+        per_dts: &PerStep<S>,
+    ) {
+        let number = |value| Lanes::splat(simd, value);
+        let (zero, ambiguous) = (number(0.0), number(AMBIGUOUS));
+        let (low, high) = (steered.range.lower, steered.range.upper);
+        let (lower, upper) = (number(low), number(high));
+        let middle = number((low + high) / 2.0);
+        let [lower_end, upper_end] = steered.ends;
+        // Half a turn further on, counted from either end.
+        let (back_to_lower, back_to_upper) = (number(low + PI), number(high - PI));
+        let mut held = Lanes::load(simd, &self.held, joint);
+        let [mut squares, mut angles, mut rates, mut slips] = self.worst;
+        let [mut along, mut across] = [Lockstep([zero; STEPS]); 2];
+        let [mut xs, mut ys] = [[zero; STEPS]; 2];
+        for t in 0..STEPS {
+            [xs[t], ys[t]] = steered.velocity(simd, twist(simd, twists, t));
+            (along.0[t], across.0[t]) = (xs[t].abs(), ys[t].abs());
+        }
+        let steep = angle(simd, along, across);
+        for t in 0..STEPS {
+            let (x, y) = (xs[t], ys[t]);
+            let rests = steered.rests(simd, twist(simd, twists, t));
+            let wanted = steep.0[t].flip(y.sign()).flip(x.sign());
+            let mut angle = wanted.max(lower).min(upper);
+            let over = (wanted - angle).abs();
+            // Going backwards, the wheel would miss the one end or the other.
+            let (below, above) = (back_to_lower - wanted, wanted - back_to_upper);
+            let backwards = below.min(above);
+            let clear = ambiguous.below((backwards - over).abs());
+            self.sure = self.sure & (rests | clear);
+            if !SYMMETRIC {
+                let end = below.below(above).select(lower, upper);
+                angle = backwards.below(over).select(end, angle);
+            }
+            let at_upper = middle.below(angle);
+            let sin = at_upper.select(number(upper_end.sin), number(lower_end.sin));
+            let cos = at_upper.select(number(upper_end.cos), number(lower_end.cos));
+            let misses = zero.below(over) & !rests;
+            let slip = misses.select((cos * y - sin * x).abs(), zero);
+            slips = slips.max(slip);
+            let rolls = cos * x + sin * y;
+            let square = misses.select(rolls * rolls, x.mul_add(x, y * y)) * per_square;
+            squares = squares.max(rests.select(zero, square));
+            angle = rests.select(held.max(lower).min(upper), angle);
+            angles = angles.max(angle.abs());
+            if self.counts || t > 0 {
+                rates = rates.max((angle - held).abs() * per_dts[t]);
+            }
+            held = angle;
+        }
+        held.store(&mut self.held, joint);
+        self.worst = [squares, angles, rates, slips];
+    }
+}

@@ -1,0 +1,168 @@
+//! Arguments of one kind, read by name. A value of another kind is refused with the argument's name, the kind that is
+//! expected, and the value.
+//!
+//! A parameter of a method is marked `#[pyo3(from_py_with = arguments::rover)]`: the function of its name reads it into any
+//! type with [`FromArgument`]. A class of this library implements [`ArgumentKind`] in its own file. Errors of pyo3 itself
+//! name the argument in a traceback only.
+
+use pyo3::PyClass;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
+
+use crate::convert::{ArgumentTypeError, is_of_another_kind, number, short_repr};
+
+/// Letters of a value that are shown.
+const LONGEST: usize = 60;
+
+/// A type that an argument is read as.
+pub trait FromArgument<'a, 'py>: Sized {
+    /// The value, or the error that names the argument.
+    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self>;
+}
+
+/// A reading function for each name of an argument.
+macro_rules! named {
+    ($($name:ident)*) => {$(
+        pub fn $name<'a, 'py, T: FromArgument<'a, 'py>>(value: &'a Bound<'py, PyAny>) -> PyResult<T> {
+            T::read(stringify!($name), value)
+        }
+    )*};
+}
+
+named! {
+    align align_tolerance allow_underdetermined arm belly castor correlation costmap covariances cover delay
+    derivatives discretise driven errors false_alarm following_error following_time frame front gravity ground gyroscope history in_space inflate level
+    lift_angle lift_speed limits map_error mass max_step method mode name noise other period readings rear residuals
+    roughness rover shape slips smoothing spacing stand steer steered synchronise temperature threads timeout unmeasured view
+    wheels_per_side within
+}
+
+/// "`argument` must be `kind`, got `value`", with a remedy where there is one.
+pub fn other_kind(argument: &str, kind: &str, value: &Bound<'_, PyAny>, remedy: &str) -> PyErr {
+    let shown = shown(value);
+    let remedy = match remedy {
+        "" => String::new(),
+        remedy => format!(": give {remedy}"),
+    };
+    ArgumentTypeError::new_err(format!("{argument} must be {kind}, got {shown}{remedy}"))
+}
+
+/// A number, a short text or None as it is, of another value its class with the article.
+pub fn shown(value: &Bound<'_, PyAny>) -> String {
+    let plain = value.is_none()
+        || value.is_instance_of::<PyString>()
+        || value.is_instance_of::<PyFloat>()
+        || value.is_instance_of::<PyInt>();
+    let text = short_repr(value);
+    if plain && text.chars().count() <= LONGEST {
+        return text;
+    }
+    let class = value.get_type().name();
+    let class = class.map_or_else(|_| "object".into(), |name| name.to_string());
+    let vowel = class.starts_with(['a', 'e', 'i', 'o', 'u', 'A', 'E', 'I', 'O', 'U']);
+    let article = if vowel || class == "ndarray" { "an" } else { "a" };
+    format!("{article} {class}")
+}
+
+/// The value as pyo3 reads it, with the error of this library.
+fn native<'a, 'py, T: FromPyObject<'a, 'py, Error = PyErr>>(
+    argument: &str,
+    kind: &str,
+    value: &'a Bound<'py, PyAny>,
+) -> PyResult<T> {
+    let py = value.py();
+    value.extract().map_err(|error| match is_of_another_kind(py, &error) {
+        true => other_kind(argument, kind, value, ""),
+        false => error,
+    })
+}
+
+impl<'a, 'py> FromArgument<'a, 'py> for f64 {
+    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+        number(argument, value)
+    }
+}
+
+impl<'a, 'py> FromArgument<'a, 'py> for bool {
+    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+        native(argument, "True or False", value)
+    }
+}
+
+impl<'a, 'py> FromArgument<'a, 'py> for String {
+    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+        native(argument, "a str", value)
+    }
+}
+
+/// Whole numbers, but for `True` and `False`.
+macro_rules! whole {
+    ($kind:ty, $words:literal) => {
+        impl<'a, 'py> FromArgument<'a, 'py> for $kind {
+            fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+                if value.is_instance_of::<PyBool>() {
+                    return Err(other_kind(argument, $words, value, ""));
+                }
+                native(argument, $words, value)
+            }
+        }
+    };
+}
+
+whole! { i64, "a whole number" }
+whole! { usize, "a whole number from 0 on" }
+
+impl<'a, 'py> FromArgument<'a, 'py> for &'a str {
+    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+        let text = value.cast::<PyString>();
+        text.map_err(|_| other_kind(argument, "a str", value, ""))?.to_str()
+    }
+}
+
+impl<'a, 'py, T: FromArgument<'a, 'py>> FromArgument<'a, 'py> for Option<T> {
+    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+        if value.is_none() { Ok(None) } else { T::read(argument, value).map(Some) }
+    }
+}
+
+/// Several numbers, each of which may be the odd one.
+macro_rules! numbers {
+    ($count:literal: $($kind:ty)*) => {
+        impl<'a, 'py> FromArgument<'a, 'py> for ($($kind,)*) {
+            fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+                native(argument, concat!($count, " numbers"), value)
+            }
+        }
+    };
+}
+
+numbers! { "three": f64 f64 f64 }
+numbers! { "four": f64 f64 f64 f64 }
+
+/// A class of this library that is taken as an argument.
+pub trait ArgumentKind: PyClass {
+    /// Its name in errors, with the article.
+    const KIND: &'static str;
+
+    /// The Python expression that makes one from a value of another kind; empty if there is none.
+    fn remedy(_value: &Bound<'_, PyAny>) -> String {
+        String::new()
+    }
+}
+
+impl<'a, 'py, T: ArgumentKind> FromArgument<'a, 'py> for Bound<'py, T> {
+    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+        let found = value.cast::<T>();
+        found.cloned().map_err(|_| other_kind(argument, T::KIND, value, &T::remedy(value)))
+    }
+}
+
+/// The call of a constructor for a value that is a dict of its keywords, or the number of `keyword`.
+pub fn constructor_call(class: &str, keyword: &str, value: &Bound<'_, PyAny>) -> String {
+    if value.is_instance_of::<PyDict>() {
+        return format!("sw.{class}(**...)");
+    }
+    let number = value.is_instance_of::<PyFloat>() || value.is_instance_of::<PyInt>();
+    let number = if number { shown(value) } else { "...".into() };
+    format!("sw.{class}({keyword}={number})")
+}

@@ -1,0 +1,352 @@
+//! `six_wheel.Limits`, `six_wheel.Controller` and what its steps return.
+
+pub mod limits;
+pub mod output;
+mod quick;
+pub mod run;
+
+use std::str::FromStr;
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use six_wheel_control::controller::{Align, Controller as Core, Mode, Options};
+use six_wheel_kinematics::geometry::Twist;
+
+use crate::arguments as given;
+use crate::controller::limits::Limits;
+use crate::controller::output::ControllerOutput;
+use crate::convert::{Rows, name, number, one_twist_first, raise};
+use crate::rover::Rover;
+use crate::state_lock::Shared;
+
+pub use quick::install;
+
+/// From wanted twists to joint commands, one step at a time, within limits.
+///
+/// Every output has one centre of rotation. While only the speed changes, or a limit slows the rover down, the
+/// curvature stays. A command the rover cannot follow at once is approached as fast as the limits allow; `reasons`
+/// says which of them does. Time is given, never read. Any thread may call any method: it waits while another one is at
+/// work.
+///
+/// Parameters
+/// ----------
+/// rover : Rover
+///     What is driven.
+/// limits : Limits
+///     What its motion may not exceed.
+/// timeout : float or None, default 0.5
+///     Age of the last command at which the rover stops [s]; None for never.
+/// period : float, optional
+///     Time between steps [s]: how long the first step counts for, and what `discretise` refers to.
+/// max_step : float, default 0.1
+///     Longest time one step counts for [s]: after a pause the motion goes on from where it was.
+/// mode : {'free', 'crab', 'front_only', 'spin'}
+///     Which motions are meant: all the rover can make, those without turning, those with the front wheels
+///     alone (the other steered wheels are held at 0), turning on the spot.
+/// align : {'cosine', 'hold'} or None
+///     What becomes of the drive while measured steering angles differ from the commanded ones: it is reduced
+///     by the cosine of the largest error, or waits, or takes no notice.
+/// align_tolerance : float, default 0.02
+///     Error that is none [rad].
+/// following_error : float or None, default 0.2
+///     Error of a measured steering angle [rad] above which a joint does not follow its commands; None for any.
+/// following_time : float or None, default 0.5
+///     Time after which a joint that does not follow is stuck, and the rover halts [s]; None for never.
+/// discretise : bool
+///     Take a command for the motion of one `period` instead of the velocity at its beginning, so that driving
+///     sideways while turning does not skew.
+/// steering : array_like, shape (steered wheels,), optional
+///     Steering angles at the start [rad]; default the first measured ones, or 0.
+/// twist : array_like, shape (3,), optional
+///     Motion at the start, ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]; default at rest. It is taken for the
+///     possible motion next to it, the joints where that needs them, those with a choice next to `steering`. What is
+///     beyond the limits comes down within them.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If an option makes no sense, or a limit does not for this rover.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct Controller {
+    core: Shared<Core>,
+    rover: Py<Rover>,
+    joints: usize,
+    wheels: usize,
+}
+
+#[pymethods]
+impl Controller {
+    #[new]
+    #[pyo3(
+        signature = (rover, limits=None, *, timeout=Some(0.5), period=None, max_step=0.1, mode="free", align=Some("cosine"), align_tolerance=0.02, following_error=Some(0.2), following_time=Some(0.5), discretise=false, steering=None, twist=None),
+        text_signature = "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, following_error=0.2, following_time=0.5, discretise=False, steering=None, twist=None)"
+    )]
+    fn new(
+        #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>,
+        #[pyo3(from_py_with = given::limits)] limits: Option<Limits>,
+        #[pyo3(from_py_with = given::timeout)] timeout: Option<f64>,
+        #[pyo3(from_py_with = given::period)] period: Option<f64>,
+        #[pyo3(from_py_with = given::max_step)] max_step: f64,
+        #[pyo3(from_py_with = given::mode)] mode: &str,
+        #[pyo3(from_py_with = given::align)] align: Option<&str>,
+        #[pyo3(from_py_with = given::align_tolerance)] align_tolerance: f64,
+        #[pyo3(from_py_with = given::following_error)] following_error: Option<f64>,
+        #[pyo3(from_py_with = given::following_time)] following_time: Option<f64>,
+        #[pyo3(from_py_with = given::discretise)] discretise: bool,
+        steering: Option<&Bound<'_, PyAny>>,
+        twist: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let chosen = || -> Result<Options, six_wheel_numerics::error::Error> {
+            Ok(Options {
+                timeout: timeout.unwrap_or(f64::INFINITY),
+                period,
+                max_step,
+                mode: Mode::from_str(mode)?,
+                align: align.map(Align::from_str).transpose()?,
+                align_tolerance,
+                following_error,
+                following_time,
+                discretise,
+            })
+        };
+        let limits = limits.map_or_else(Default::default, |limits| limits.0);
+        let joints = rover.get().joints();
+        let steering = Rows::read_beside("steering", steering, joints, &[])?;
+        let start = steering.as_ref().map(Rows::flat);
+        let twist = Rows::read_beside("twist", twist, 3, &[])?;
+        let core = chosen().and_then(|options| {
+            let core = Core::new(&rover.get().core, limits, options, start)?;
+            match &twist {
+                Some(rows) => core.in_motion(Twist::from(rows.triples()[0])),
+                None => Ok(core),
+            }
+        });
+        Ok(Self {
+            core: Shared::new(core.map_err(|error| raise(error, &[]))?),
+            wheels: rover.get().count(),
+            rover: rover.unbind(),
+            joints,
+        })
+    }
+
+    /// Take a command.
+    ///
+    /// One that is not finite is ignored, and flagged by the steps until a good one comes: meanwhile the last good
+    /// one ages. One older than the last is ignored, and flagged by the next step. A stamp ahead of the
+    /// next step's time counts as that time.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (3,)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// stamp : float
+    ///     When it was given [s], by the clock of `step`.
+    /// mode : {'free', 'crab', 'spin'}, optional
+    ///     Which motions are meant; default that of the controller.
+    ///
+    /// Returns
+    /// -------
+    /// bool
+    ///     Whether it was taken.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the stamp is not finite or the shape does not fit.
+    #[pyo3(
+        signature = (twist, stamp, mode=None, *more),
+        text_signature = "($self, twist, stamp, mode=None)"
+    )]
+    fn command(
+        &self,
+        py: Python<'_>,
+        twist: &Bound<'_, PyAny>,
+        stamp: &Bound<'_, PyAny>,
+        mode: Option<&Bound<'_, PyAny>>,
+        more: &Bound<'_, PyTuple>,
+    ) -> PyResult<bool> {
+        let call = "Controller.command((vx, vy, omega), stamp)";
+        one_twist_first(call, twist, if mode.is_some() { 3 } else { 2 }, more)?;
+        let twists = Rows::read("twist", twist, 3)?;
+        twists.check_leading("twist", &[])?;
+        let stamp = number("stamp", stamp)?;
+        let mode = mode.map(|mode| Mode::from_str(&name(mode))).transpose();
+        let twist = Twist::from(twists.triples()[0]);
+        let mut core = self.core.lock(py)?;
+        let taken = mode.and_then(|mode| core.command(twist, stamp, mode));
+        taken.map_err(|error| raise(error, &[]))
+    }
+
+    /// Move on to a time.
+    ///
+    /// Parameters
+    /// ----------
+    /// now : float
+    ///     The time [s]; later than that of the last step. The first one starts the clock.
+    /// measured : array_like, shape (steered wheels,), optional
+    ///     Where the steering joints are [rad].
+    ///
+    /// Returns
+    /// -------
+    /// ControllerOutput
+    ///     `commands` by joint name, `twist`, `reasons`; `steering`, `steering_rates` and `speeds` in the order of
+    ///     the wheels.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the time is not later than the last, or an angle is not finite. The controller stays as it was. Angles
+    ///     beyond a limit are none: the joints come back inside at their rates.
+    #[pyo3(signature = (now, measured=None))]
+    fn step(
+        &self,
+        py: Python<'_>,
+        now: &Bound<'_, PyAny>,
+        measured: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<ControllerOutput> {
+        let now = number("now", now)?;
+        let measured = Rows::read_beside("measured", measured, self.joints, &[])?;
+        let mut core = self.core.lock(py)?;
+        core.step(now, measured.as_ref().map(Rows::flat)).map_err(|error| raise(error, &[]))?;
+        Ok(ControllerOutput::of(&core, self.rover.clone_ref(py)))
+    }
+
+    /// Forget command, clock, halt and fault.
+    ///
+    /// The body rests. The joints stay where they were last commanded, or start where the next step measures them: a reset
+    /// moves none. It is no stop; `halt` is.
+    ///
+    /// Parameters
+    /// ----------
+    /// steering : array_like, shape (steered wheels,), optional
+    ///     Steering angles to start at instead [rad].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or far outside its range, or the shape does not fit. Nothing is changed then.
+    #[pyo3(signature = (steering=None))]
+    fn reset(&self, py: Python<'_>, steering: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let steering = Rows::read_beside("steering", steering, self.joints, &[])?;
+        let result = self.core.lock(py)?.reset(steering.as_ref().map(Rows::flat));
+        result.map_err(|error| raise(error, &[]))
+    }
+
+    /// Stop by `halt_deceleration` from the next step on, and stay at rest until `release`.
+    ///
+    /// The centre of rotation stays, joints that turn brake within their limits. Every step has the reason `HALTED`;
+    /// `command` takes nothing and returns False.
+    fn halt(&self, py: Python<'_>) -> PyResult<()> {
+        self.core.lock(py)?.halt();
+        Ok(())
+    }
+
+    /// End a halt, whatever it came from. Nothing moves before a new command.
+    ///
+    /// Returns
+    /// -------
+    /// bool
+    ///     False, without effect, while body or joints still move.
+    fn release(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.core.lock(py)?.release())
+    }
+
+    /// True from `halt`, or from the step that finds a stuck joint, until `release`.
+    #[getter]
+    fn halted(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.core.lock(py)?.halted())
+    }
+
+    /// What is driven.
+    #[getter]
+    fn rover(&self, py: Python<'_>) -> Py<Rover> {
+        self.rover.clone_ref(py)
+    }
+
+    /// The limits of its motion. They may be replaced at any time, from the next step on: a motion beyond the new ones comes
+    /// down within them without a stop, and command, clock and halt stay. ValueError, and no change, if the rover cannot
+    /// meet them.
+    #[getter]
+    fn limits(&self, py: Python<'_>) -> PyResult<Limits> {
+        Ok(Limits(*self.core.lock(py)?.limits()))
+    }
+
+    #[setter]
+    fn set_limits(&self, py: Python<'_>, limits: &Bound<'_, PyAny>) -> PyResult<()> {
+        let limits: Limits = given::limits(limits)?;
+        let result = self.core.lock(py)?.set_limits(limits.0);
+        result.map_err(|error| raise(error, &[]))
+    }
+
+    /// The motion commanded by the last step, ``[vx, vy, omega]``, shape (3,).
+    #[getter]
+    fn twist<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let twist = self.core.lock(py)?.twist();
+        Ok(PyArray1::from_slice(py, &<[f64; 3]>::from(twist)))
+    }
+
+    /// The steering angles commanded by the last step [rad], shape (steered wheels,).
+    #[getter]
+    fn steering<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_slice(py, self.core.lock(py)?.steering()))
+    }
+
+    /// Time of the last step [s], or None.
+    #[getter]
+    fn now(&self, py: Python<'_>) -> PyResult<Option<f64>> {
+        Ok(self.core.lock(py)?.now())
+    }
+
+    /// Whether body and joints stand still.
+    #[getter]
+    fn stopped(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.core.lock(py)?.stopped())
+    }
+
+    /// How far the body's origin moves, at most, if a stop begins with the next step [m].
+    #[getter]
+    fn stopping_distance(&self, py: Python<'_>) -> PyResult<f64> {
+        Ok(self.core.lock(py)?.stopping_distance())
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let rover = self.rover.bind(py).repr()?;
+        let core = self.core.lock(py)?;
+        let (options, usual) = (core.options(), Options::default());
+        let mut text = format!("Controller({rover}, {}", Limits(*core.limits()).text());
+        if options.timeout != usual.timeout {
+            let timeout = options.timeout;
+            text += &if timeout.is_infinite() { ", timeout=None".into() } else { format!(", timeout={timeout:?}") };
+        }
+        if let Some(period) = options.period {
+            text += &format!(", period={period:?}");
+        }
+        if options.max_step != usual.max_step {
+            text += &format!(", max_step={:?}", options.max_step);
+        }
+        if options.mode != usual.mode {
+            text += &format!(", mode='{}'", options.mode.name());
+        }
+        if options.align != usual.align {
+            let name = options.align.map(|align| format!("'{}'", align.name()));
+            text += &format!(", align={}", name.unwrap_or_else(|| "None".into()));
+        }
+        if options.align_tolerance != usual.align_tolerance {
+            text += &format!(", align_tolerance={:?}", options.align_tolerance);
+        }
+        let named = [
+            ("following_error", options.following_error, usual.following_error),
+            ("following_time", options.following_time, usual.following_time),
+        ];
+        for (name, value, usual) in named {
+            if value != usual {
+                text += &value.map_or_else(|| format!(", {name}=None"), |value| format!(", {name}={value:?}"));
+            }
+        }
+        if options.discretise {
+            text += ", discretise=True";
+        }
+        Ok(text + ")")
+    }
+}

@@ -1,0 +1,151 @@
+//! `six_wheel.ControllerOutput`: what one step commands.
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
+use six_wheel_control::controller::{Controller, reason};
+
+use crate::rover::Rover;
+
+/// What one step of a `Controller` commands. Arrays are made when they are asked for.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct ControllerOutput {
+    twist: [f64; 3],
+    reasons: u32,
+    speed_share: f64,
+    worst_joint: Option<usize>,
+    /// Joint errors follow the other numbers.
+    measured: bool,
+    /// Steering angles, their rates, wheel speeds, errors of the joints if they were measured.
+    numbers: Box<[f64]>,
+    joints: usize,
+    rover: Py<Rover>,
+}
+
+impl ControllerOutput {
+    /// Index of the first error of a joint.
+    fn errors(&self) -> usize {
+        if self.measured { self.numbers.len() - self.joints } else { self.numbers.len() }
+    }
+
+    /// The last step of a controller.
+    pub fn of(core: &Controller, rover: Py<Rover>) -> Self {
+        let (steering, rates, speeds) = (core.steering(), core.steering_rates(), core.speeds());
+        let errors = core.joint_errors();
+        let mut numbers = Vec::with_capacity(3 * steering.len() + speeds.len());
+        numbers.extend_from_slice(steering);
+        numbers.extend_from_slice(rates);
+        numbers.extend_from_slice(speeds);
+        numbers.extend_from_slice(errors.unwrap_or_default());
+        Self {
+            twist: core.twist().into(),
+            reasons: core.reasons(),
+            speed_share: core.speed_share(),
+            worst_joint: core.worst_joint(),
+            measured: errors.is_some(),
+            numbers: numbers.into_boxed_slice(),
+            joints: steering.len(),
+            rover,
+        }
+    }
+}
+
+/// The `Reason` of these bits: one object per value, as an enumeration has it.
+fn reason(py: Python<'_>, bits: u32) -> PyResult<Bound<'_, PyAny>> {
+    static CLASS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    static KNOWN: PyOnceLock<Py<PyDict>> = PyOnceLock::new();
+    let known = KNOWN.get_or_init(py, || PyDict::new(py).unbind()).bind(py);
+    if let Some(found) = known.get_item(bits)? {
+        return Ok(found);
+    }
+    let class = CLASS.get_or_try_init(py, || {
+        let module = py.import("six_wheel.kinematics.controller")?;
+        module.getattr("Reason").map(Bound::unbind)
+    })?;
+    let made = class.bind(py).call1((bits,))?;
+    known.set_item(bits, &made)?;
+    Ok(made)
+}
+
+#[pymethods]
+impl ControllerOutput {
+    /// Joint commands by joint name, as `Rover.commands`: steering [rad], then wheel speeds [rad/s].
+    #[getter]
+    fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (steering, speeds) = (self.steering(py), self.speeds(py));
+        let rover = self.rover.get();
+        rover.named_values(py, steering.as_any(), speeds.as_any())
+    }
+
+    /// Steering angles [rad], shape (steered wheels,), in the order of `Rover.steered_names`.
+    #[getter]
+    fn steering<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.numbers[..self.joints])
+    }
+
+    /// Rates of the steering angles [rad/s], shape (steered wheels,), in the order of `Rover.steered_names`.
+    #[getter]
+    fn steering_rates<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.numbers[self.joints..2 * self.joints])
+    }
+
+    /// Wheel speeds [rad/s], shape (wheels,), in the order of `Rover.wheel_names`.
+    #[getter]
+    fn speeds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.numbers[2 * self.joints..self.errors()])
+    }
+
+    /// Measured steering angles minus the last commands [rad], shape (steered wheels,), or None if the step was given none.
+    #[getter]
+    fn joint_errors<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.measured.then(|| PyArray1::from_slice(py, &self.numbers[self.errors()..]))
+    }
+
+    /// The steering joint that is stuck, or else the one farthest from its command, by its name in `commands`; None if all
+    /// are within the tolerance or none was measured.
+    #[getter]
+    fn worst_joint<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let names = || self.rover.bind(py).getattr("steering_joints")?.cast_into::<PyDict>().map_err(PyErr::from);
+        self.worst_joint.map(|joint| names()?.keys().get_item(joint)).transpose()
+    }
+
+    /// Share of the commanded speed that `SPEED`, `YAW_RATE`, `LATERAL_ACCELERATION` and `WHEEL_SPEED` leave; 1 if none of
+    /// them binds.
+    #[getter]
+    fn speed_share(&self) -> f64 {
+        self.speed_share
+    }
+
+    /// The motion they make, ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (3,).
+    #[getter]
+    fn twist<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.twist)
+    }
+
+    /// Why it is not the motion asked for: a `Reason`, empty if it is.
+    #[getter]
+    fn reasons<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        reason(py, self.reasons)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let part = |values: &[f64]| {
+            let texts: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+            format!("[{}]", texts.join(", "))
+        };
+        Ok(format!(
+            "ControllerOutput(steering={}, speeds={}, twist={}, reasons={})",
+            part(&self.numbers[..self.joints]),
+            part(&self.numbers[2 * self.joints..self.errors()]),
+            part(&self.twist),
+            reason(py, self.reasons)?.repr()?,
+        ))
+    }
+}
+
+/// Name and bit of every reason.
+#[pyfunction]
+pub fn reason_bits() -> Vec<(&'static str, u32)> {
+    reason::ALL.to_vec()
+}

@@ -1,0 +1,67 @@
+//! The quick way of `Controller.command` and `Controller.step`.
+
+use pyo3::prelude::*;
+use six_wheel_kinematics::geometry::Twist;
+
+use super::Controller;
+use super::output::ControllerOutput;
+use crate::fastcall::{self, Method, Numbers, Object, Quick, float, three, truth};
+
+/// Puts the quick ways before the general ones.
+pub fn install(py: Python<'_>) -> PyResult<()> {
+    fastcall::install::<2, Command>(py)?;
+    fastcall::install::<2, Step>(py)
+}
+
+struct Command;
+
+impl Quick<2> for Command {
+    type Class = Controller;
+
+    fn method() -> &'static Method<2> {
+        static METHOD: Method<2> = Method::new(c"command", [c"twist", c"stamp"], 2);
+        &METHOD
+    }
+
+    fn call<'py>(
+        this: Borrowed<'_, 'py, Controller>,
+        [twist, stamp]: [Option<Object<'_, 'py>>; 2],
+    ) -> Option<Bound<'py, PyAny>> {
+        let (twist, stamp) = (three(twist?)?, float(stamp?)?);
+        let mut core = this.get().core.try_lock(this.py())?;
+        let taken = core.command(Twist::from(twist), stamp, None);
+        // A failed call has changed nothing: the general way may say why.
+        Some(truth(this.py(), taken.ok()?))
+    }
+}
+
+struct Step;
+
+impl Quick<2> for Step {
+    type Class = Controller;
+
+    fn method() -> &'static Method<2> {
+        static METHOD: Method<2> = Method::new(c"step", [c"now", c"measured"], 2);
+        &METHOD
+    }
+
+    fn call<'py>(
+        this: Borrowed<'_, 'py, Controller>,
+        [now, measured]: [Option<Object<'_, 'py>>; 2],
+    ) -> Option<Bound<'py, PyAny>> {
+        let (py, now) = (this.py(), float(now?)?);
+        let controller = this.get();
+        let mut room = Numbers::new();
+        let measured = match measured {
+            None => None,
+            // SAFETY: nothing of Python runs until the step is done, and nothing writes to the array.
+            Some(measured) => Some(unsafe { room.read(measured, controller.joints)? }),
+        };
+        let output = {
+            let mut core = controller.core.try_lock(py)?;
+            core.step(now, measured).ok()?;
+            ControllerOutput::of(&core, controller.rover.clone_ref(py))
+        };
+        Some(Bound::new(py, output).ok()?.into_any())
+    }
+}

@@ -1,0 +1,212 @@
+//! Arguments as arrays of real numbers. Masked arrays, ragged lists and values that are no numbers are refused by name.
+
+use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+
+use super::errors::{ArgumentTypeError, is_of_another_kind, refuse, short_repr};
+use super::memory;
+use super::numpy_module::{numpy, ready};
+
+/// Depth to which lists are searched for masked arrays.
+pub const DEEP: usize = 8;
+
+/// Letters of a value that are shown.
+const LONGEST: usize = 40;
+
+/// Three floats or integers in a tuple or list.
+pub(super) fn three_numbers(value: &Bound<'_, PyAny>) -> Option<[f64; 3]> {
+    let number = |item: &Bound<'_, PyAny>| {
+        if let Ok(float) = item.cast::<PyFloat>() {
+            Some(float.value())
+        } else if item.is_exact_instance_of::<PyInt>() {
+            item.extract().ok()
+        } else {
+            None
+        }
+    };
+    let items: [Bound<'_, PyAny>; 3] = if let Ok(tuple) = value.cast::<PyTuple>() {
+        if tuple.len() != 3 {
+            return None;
+        }
+        [tuple.get_item(0).ok()?, tuple.get_item(1).ok()?, tuple.get_item(2).ok()?]
+    } else {
+        let list = value.cast::<PyList>().ok().filter(|list| list.len() == 3)?;
+        [list.get_item(0).ok()?, list.get_item(1).ok()?, list.get_item(2).ok()?]
+    };
+    Some([number(&items[0])?, number(&items[1])?, number(&items[2])?])
+}
+
+/// An argument as an array of real numbers, in its own memory and layout if NumPy can view that.
+pub fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
+    let py = value.py();
+    ready(py)?;
+    refuse_masks(argument, value, 0)?;
+    let array = match value.cast::<PyUntypedArray>() {
+        Ok(array) => array.clone(),
+        Err(_) => numpy(py)?
+            .call_method1(intern!(py, "asarray"), (value,))
+            .map_err(|error| not_rectangular(argument, value, error))?
+            .cast_into()?,
+    };
+    let dtype = array.dtype();
+    if !matches!(dtype.kind(), b'f' | b'i' | b'u') {
+        let got = odd_one(value, &array)?.unwrap_or_else(|| format!("dtype {dtype}"));
+        let message = format!("{argument} must be real numbers, got {got}");
+        return Err(ArgumentTypeError::new_err(message));
+    }
+    Ok(array)
+}
+
+/// The first value that is no number, with its place: `None at [2]`. Nothing where an array has another dtype all through.
+fn odd_one(value: &Bound<'_, PyAny>, array: &Bound<'_, PyUntypedArray>) -> PyResult<Option<String>> {
+    if value.is_none() {
+        return Ok(Some("None".into()));
+    }
+    if array.ndim() == 0 && value.is_instance_of::<PyString>() {
+        return Ok(Some(short_repr(value)));
+    }
+    if array.ndim() == 0 {
+        let kind = value.get_type().name()?;
+        let mut got = format!("a {kind}");
+        if value.is_instance_of::<PyDict>() {
+            got += ": give its values as an array, in the order of the rover's wheels";
+        }
+        return Ok(Some(got));
+    }
+    let is_array = value.cast::<PyUntypedArray>().is_ok();
+    if array.dtype().kind() != b'O' && is_array {
+        return Ok(None);
+    }
+    let lists = if is_array { value.call_method0(intern!(value.py(), "tolist"))? } else { value.clone() };
+    let mut place = Vec::new();
+    let found = first_odd(&lists, &mut place);
+    let place: Vec<String> = place.iter().map(usize::to_string).collect();
+    Ok(found.map(|found| format!("{found} at [{}]", place.join(", "))))
+}
+
+/// The first item of nested lists that is no number; `place` is where.
+fn first_odd(value: &Bound<'_, PyAny>, place: &mut Vec<usize>) -> Option<String> {
+    if place.len() < DEEP && (value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>()) {
+        for (k, item) in value.try_iter().ok()?.enumerate() {
+            place.push(k);
+            let found = first_odd(&item.ok()?, place);
+            if found.is_some() {
+                return found;
+            }
+            place.pop();
+        }
+        return None;
+    }
+    let is_number =
+        !value.is_instance_of::<PyBool>() && !value.is_instance_of::<PyString>() && value.extract::<f64>().is_ok();
+    (!is_number).then(|| {
+        let text = short_repr(value);
+        if text.chars().count() > LONGEST {
+            let begin: String = text.chars().take(LONGEST).collect();
+            return format!("{begin}...");
+        }
+        text
+    })
+}
+
+/// The numbers of an array of single precision, one after the other; None for any other.
+pub fn singles(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Option<Vec<f32>>> {
+    let py = array.py();
+    if array.cast::<PyArrayDyn<f32>>().is_err() {
+        return Ok(None);
+    }
+    let _held = memory::read(argument, array)?;
+    let flat =
+        numpy(py)?.call_method1(intern!(py, "require"), (array, "f", ["C", "A"]))?.cast_into::<PyArrayDyn<f32>>()?;
+    let numbers = flat.readonly();
+    memory::gathered(numbers.as_slice()?.iter().copied()).map(Some)
+}
+
+/// Refuses masked arrays, whose masked numbers would be read like the others.
+pub fn refuse_masks(argument: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
+    static MASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let py = value.py();
+    if let Ok(array) = value.cast::<PyUntypedArray>() {
+        if array.is_exact_instance_of::<PyUntypedArray>() {
+            return Ok(());
+        }
+        let masked = MASKED.get_or_try_init(py, || {
+            let module = py.import("numpy.ma")?;
+            PyResult::Ok(module.getattr("MaskedArray")?.unbind())
+        })?;
+        if value.is_instance(masked.bind(py))? {
+            let message =
+                format!("{argument} must be without a mask, got a masked array: fill it, or leave out what is masked");
+            return Err(ArgumentTypeError::new_err(message));
+        }
+        return Ok(());
+    }
+    if depth == DEEP {
+        return Ok(());
+    }
+    let item = |item: Bound<'_, PyAny>| {
+        if item.is_exact_instance_of::<PyFloat>() {
+            return Ok(());
+        }
+        refuse_masks(argument, &item, depth + 1)
+    };
+    if let Ok(list) = value.cast::<PyList>() {
+        list.iter().try_for_each(item)
+    } else if let Ok(tuple) = value.cast::<PyTuple>() {
+        tuple.iter().try_for_each(item)
+    } else {
+        Ok(())
+    }
+}
+
+/// NumPy's own complaint about the shape of lists, in the words of this library. What an argument's own code
+/// raises comes through.
+fn not_rectangular(argument: &str, value: &Bound<'_, PyAny>, error: PyErr) -> PyErr {
+    let py = value.py();
+    let is_own = error.traceback(py).is_none()
+        && error.is_instance_of::<PyValueError>(py)
+        && error.to_string().contains("inhomogeneous");
+    if !is_own {
+        return error;
+    }
+    let kind = value.get_type().name().map_or_else(|_| "an object".into(), |name| name.to_string());
+    refuse(argument, "be numbers of one rectangular shape", &format!("a ragged {kind}"))
+}
+
+/// A number of a constructor.
+pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let py = value.py();
+    let refused = || ArgumentTypeError::new_err(format!("{argument} must be a number, got {}", short_repr(value)));
+    if value.is_instance_of::<PyBool>() {
+        return Err(refused());
+    }
+    refuse_masks(argument, value, DEEP)?;
+    value.extract::<f64>().map_err(|error| if is_of_another_kind(py, &error) { refused() } else { error })
+}
+
+/// An optional number of a constructor.
+pub fn optional_number(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
+    value.map(|value| number(argument, value)).transpose()
+}
+
+/// The items of an iterable, `most` at most: more are none that could be meant.
+pub fn items<'py>(argument: &str, value: &Bound<'py, PyAny>, most: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let mut items = Vec::new();
+    for item in value.try_iter()? {
+        if items.len() == most {
+            return Err(refuse(argument, &format!("hold {most} at most"), "more"));
+        }
+        items.try_reserve(1).map_err(|_| memory::none_for(&[items.len()]))?;
+        items.push(item?);
+    }
+    Ok(items)
+}
+
+/// One of some names; what is none looks like itself, and is refused with the names.
+pub fn name(value: &Bound<'_, PyAny>) -> String {
+    value.extract().unwrap_or_else(|_| short_repr(value))
+}

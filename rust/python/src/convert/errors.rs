@@ -1,0 +1,96 @@
+//! Exceptions with the argument, the rule and the value.
+
+use pyo3::exceptions::{PyMemoryError, PyOverflowError, PyTypeError, PyValueError};
+use pyo3::import_exception;
+use pyo3::prelude::*;
+use pyo3::types::{PyFloat, PyInt, PyTuple};
+use six_wheel_numerics::error::{Error, ErrorKind};
+
+import_exception!(six_wheel.kinematics.errors, ArgumentTypeError);
+import_exception!(six_wheel.kinematics.errors, InfeasibleMotionError);
+import_exception!(six_wheel.kinematics.errors, UnderdeterminedError);
+
+/// The exception of a core error, its row written as the index into the leading axes.
+pub fn raise(error: Error, leading: &[usize]) -> PyErr {
+    let message = error.message(&error.row.map_or_else(String::new, |row| index(row, leading)));
+    match error.kind {
+        ErrorKind::Value => PyValueError::new_err(message),
+        ErrorKind::Infeasible => InfeasibleMotionError::new_err(message),
+        ErrorKind::Underdetermined => UnderdeterminedError::new_err(message),
+        ErrorKind::Memory => PyMemoryError::new_err(message),
+    }
+}
+
+/// Results of the core as results of Python, their errors as exceptions with the row as an index into leading axes.
+pub trait OrRaise<T> {
+    /// The value, or the exception of [`raise`].
+    fn or_raise(self, leading: &[usize]) -> PyResult<T>;
+}
+
+impl<T> OrRaise<T> for Result<T, Error> {
+    #[inline]
+    fn or_raise(self, leading: &[usize]) -> PyResult<T> {
+        self.map_err(|error| raise(error, leading))
+    }
+}
+
+/// `[1, 3]`: a flat row number as an index.
+fn index(row: usize, leading: &[usize]) -> String {
+    if leading.is_empty() {
+        return String::new();
+    }
+    let mut rest = row;
+    let mut places: Vec<String> = Vec::new();
+    for length in leading.iter().rev() {
+        places.push((rest % length.max(&1)).to_string());
+        rest /= length.max(&1);
+    }
+    places.reverse();
+    format!("[{}]", places.join(", "))
+}
+
+/// "`argument` must `rule`, got `value`" for what only Python knows of.
+pub fn refuse(argument: &str, rule: &str, value: &str) -> PyErr {
+    PyValueError::new_err(format!("{argument} must {rule}, got {value}"))
+}
+
+/// A shape as Python writes it.
+pub fn shape_text(shape: &[usize]) -> String {
+    let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();
+    let comma = if shape.len() == 1 { "," } else { "" };
+    format!("({}{comma})", lengths.join(", "))
+}
+
+/// True if an error is the interpreter's own complaint that a value is of another kind. Errors that an argument's own
+/// code raises are not, and pass through.
+pub fn is_of_another_kind(py: Python<'_>, error: &PyErr) -> bool {
+    error.traceback(py).is_none()
+        && (error.is_instance_of::<PyTypeError>(py)
+            || error.is_instance_of::<PyValueError>(py)
+            || error.is_instance_of::<PyOverflowError>(py))
+}
+
+/// The representation of a value on one line; that of an array takes several.
+pub fn short_repr(value: &Bound<'_, PyAny>) -> String {
+    let text = value.repr().map_or_else(|_| "an object".into(), |repr| repr.to_string());
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Fails where numbers came one by one that belong into one row: more of them than the method has parameters, of
+/// which `given` are.
+pub fn one_twist(call: &str, given: usize, more: &Bound<'_, PyTuple>) -> PyResult<()> {
+    if more.is_empty() { Ok(()) } else { Err(one_row(call, "twist", given + more.len())) }
+}
+
+/// The same where the first of them may be all there is to see: the others fill parameters of their own.
+pub fn one_twist_first(call: &str, first: &Bound<'_, PyAny>, given: usize, more: &Bound<'_, PyTuple>) -> PyResult<()> {
+    let number = first.is_instance_of::<PyFloat>() || first.is_instance_of::<PyInt>();
+    if number && given > 1 { Err(one_row(call, "twist", given + more.len())) } else { one_twist(call, given, more) }
+}
+
+/// The error for several numbers instead of one row of them, with the call that is right.
+pub fn one_row(call: &str, what: &str, count: usize) -> PyErr {
+    let (class, call) = call.split_once('.').unwrap_or(("", call));
+    let method = call.split('(').next().unwrap_or(call);
+    PyTypeError::new_err(format!("{class}.{method}() takes one {what}, as in {call}, got {count} arguments"))
+}

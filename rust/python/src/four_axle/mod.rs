@@ -1,0 +1,309 @@
+//! `six_wheel.FourAxle`: axles on lockable pivots. Its states and results are plain values of Python.
+
+mod driving;
+mod values;
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_four_axle::{self as core, Brakes};
+use six_wheel_kinematics::steering::SteeringRange;
+
+use crate::arguments;
+use crate::classes::reduce;
+use crate::convert::{AnyArray, Output, Rows, number, numbers};
+use crate::rover::Rover;
+use crate::wheel::{steering_limit, steering_range};
+use crate::workers::{any_workers, fill_rows};
+use values::{array, axles, brake, drives, raised, value, vector};
+
+/// Four axles on lockable pivots: four-wheel steering, dual differential drive, and their hybrid.
+///
+/// Each axle hangs on a hinge and carries a driven wheel at its outer end. Two brakes lock the pivots of the
+/// front and of the rear pair; a free axle is turned by its wheel: ``(e . u - r q) / scrub - omega`` is
+/// its rate. Hinges on the centre line carry one rigid axle per pair: two differential drives in tandem.
+/// Axles come in the order front left, front right, rear left, rear right; their angles are the headings of
+/// the wheels in the body.
+///
+/// Parameters
+/// ----------
+/// hinges : (float, float)
+///     Half the distance of the hinges along and across the body [m]; across it may be 0.
+/// axle_length : float
+///     Hinge to wheel [m].
+/// wheel_radius : float
+///     Hub to ground [m].
+/// steering_limit : float or (float, float), optional
+///     Largest angle to either side, or smallest and largest [rad]; default a quarter turn.
+/// tolerance : float
+///     Side slip per metre driven up to which axle lines count as meeting in one point. The default is what
+///     pivot encoders of 13 bits leave open.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a dimension is not finite and positive or the tolerance not below 1.
+///
+/// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct FourAxle {
+    core: core::FourAxle,
+    rover: Py<Rover>,
+}
+
+impl FourAxle {
+    fn build(py: Python<'_>, core: core::FourAxle) -> PyResult<Self> {
+        let rover = Py::new(py, Rover::named(py, Ok(core.rover().clone()))?)?;
+        Ok(Self { core, rover })
+    }
+}
+
+getters! { FourAxle, this, py:
+    /// The same vehicle as a `Rover` with four steered wheels, for all that needs no brakes.
+    rover: Py<Rover> = this.rover.clone_ref(py);
+    /// Half the distance of the hinges along and across the body [m].
+    hinges: (f64, f64) = this.core.hinges().into();
+    /// Hinge to wheel [m].
+    axle_length: f64 = this.core.axle_length();
+    /// Hub to ground [m].
+    wheel_radius: f64 = this.core.wheel_radius();
+    /// Side slip per metre driven up to which axle lines count as meeting in one point.
+    tolerance: f64 = this.core.tolerance();
+}
+
+equal_by!(FourAxle: core);
+replaceable!(FourAxle);
+
+#[pymethods]
+impl FourAxle {
+    #[new]
+    #[pyo3(
+        signature = (hinges, axle_length, wheel_radius, *, steering_limit=None, tolerance=None),
+        text_signature = "(hinges, axle_length, wheel_radius, *, steering_limit=None, tolerance=0.001)"
+    )]
+    fn new(
+        py: Python<'_>,
+        hinges: &Bound<'_, PyAny>,
+        axle_length: &Bound<'_, PyAny>,
+        wheel_radius: &Bound<'_, PyAny>,
+        steering_limit: Option<&Bound<'_, PyAny>>,
+        tolerance: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let [x, y] = numbers("hinges", hinges)?;
+        let core = core::FourAxle::new(
+            [x, y],
+            number("axle_length", axle_length)?,
+            number("wheel_radius", wheel_radius)?,
+            steering_range(steering_limit)?.unwrap_or_default(),
+            tolerance.map_or(Ok(core::LOCK_TOLERANCE), |value| number("tolerance", value))?,
+        );
+        Self::build(py, core.map_err(raised)?)
+    }
+
+    /// Axle angles and wheel speeds for a twist with all pivots locked: `rover.inverse`.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// previous : array_like, shape (..., 4), optional
+    ///     Present axle angles [rad].
+    /// out : (ndarray, ndarray), shapes (..., 4) and (..., 4), optional
+    ///     Where to write angles and speeds.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    ///
+    /// Returns
+    /// -------
+    /// angles, speeds : ndarray, shape (..., 4)
+    ///     Axle angles [rad] and wheel speeds [rad/s].
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError, ValueError
+    ///     As `Rover.inverse`.
+    #[pyo3(signature = (twist, *, previous=None, out=None, dtype=None, threads=None))]
+    fn inverse<'py>(
+        &self,
+        py: Python<'py>,
+        twist: &Bound<'py, PyAny>,
+        previous: Option<&Bound<'py, PyAny>>,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
+        self.rover.get().inverse(py, twist, &PyTuple::empty(py), previous, None, None, None, out, dtype, threads, None)
+    }
+
+    /// What body and free pivots do at these wheel speeds, by least squares over both rows of every wheel.
+    ///
+    /// With one pair free and the drives of the other following, the rows may leave open how fast hinged
+    /// axles go along; the motion is then the one that lasts, under which the axle lines go on to share a
+    /// point.
+    ///
+    /// Parameters
+    /// ----------
+    /// angles : array_like, shape (4,)
+    ///     Axle angles [rad].
+    /// speeds : sequence of float or None, length 4
+    ///     Wheel speeds [rad/s]; None where the drive follows.
+    /// front, rear : {'locked', 'free'}
+    ///     Brakes of the two pairs.
+    ///
+    /// Returns
+    /// -------
+    /// FourAxleMotion
+    ///     ``.twist``, ``.pivot_rates``, ``.speeds``, ``.residual``, ``.rank``.
+    ///
+    /// Raises
+    /// ------
+    /// UnderdeterminedError
+    ///     If the wheels do not determine body and free pivots.
+    /// ValueError
+    ///     If a value is not finite, an angle out of range, or the angles of a rigid axle differ.
+    #[pyo3(signature = (angles, speeds, *, front="locked", rear="locked"))]
+    fn forward<'py>(
+        &self,
+        py: Python<'py>,
+        angles: &Bound<'py, PyAny>,
+        speeds: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = arguments::front)] front: &str,
+        #[pyo3(from_py_with = arguments::rear)] rear: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let set = Brakes { front: brake("front", front)?, rear: brake("rear", rear)? };
+        let motion = self.core.forward(&axles("angles", angles)?, set, &drives("speeds", speeds)?).map_err(raised)?;
+        let twist: [f64; 3] = motion.twist.into();
+        value(py, "FourAxleMotion")?.call1((
+            vector(py, twist.to_vec()),
+            vector(py, motion.pivot_rates.to_vec()),
+            vector(py, motion.speeds.to_vec()),
+            vector(py, motion.residual.to_vec()),
+            motion.rank,
+        ))
+    }
+
+    /// Whether the robot can move with its axles locked at these angles, and how.
+    ///
+    /// Parameters
+    /// ----------
+    /// angles : array_like, shape (4,)
+    ///     Axle angles [rad].
+    ///
+    /// Returns
+    /// -------
+    /// FourAxleMobility
+    ///     ``.rank``, ``.degree``, ``.singular_values``, ``.motion``, ``.slip``, ``.margin``.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or out of range, or the angles of a rigid axle differ.
+    fn mobility<'py>(&self, py: Python<'py>, angles: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let mobility = self.core.mobility(&axles("angles", angles)?).map_err(raised)?;
+        let free: Vec<[f64; 3]> = mobility.free().iter().map(|twist| (*twist).into()).collect();
+        value(py, "FourAxleMobility")?.call1((
+            mobility.rank,
+            mobility.degree(),
+            vector(py, mobility.singular_values.to_vec()),
+            array(py, &free)?,
+            mobility.slip,
+            mobility.margin,
+        ))
+    }
+
+    /// Axle angles under which the robot turns about a point, and nothing slips.
+    ///
+    /// Parameters
+    /// ----------
+    /// icr : array_like, shape (..., 2)
+    ///     The point in body axes [m]; (0, 0) to spin in place, (0, inf) for straight ahead, (inf, 0) for a
+    ///     crab sideways. Other crabs have a direction, not a point: `inverse`.
+    /// out : ndarray, shape (..., 4), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 4)
+    ///     Axle angles [rad], as near to 0 as half turns bring them.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If an axle would leave its range.
+    /// ValueError
+    ///     If a coordinate is NaN, or both are infinite.
+    #[pyo3(signature = (icr, *, out=None, dtype=None, threads=None))]
+    fn concurrent_angles<'py>(
+        &self,
+        py: Python<'py>,
+        icr: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<AnyArray<'py>> {
+        let workers = any_workers(threads, None)?;
+        let points = Rows::read("icr", icr, 2)?;
+        let shape: Vec<usize> = points.leading.iter().copied().chain([4]).collect();
+        let mut angles = Output::asked(py, (out, dtype), &shape)?;
+        if out.is_some() {
+            angles = angles.beside()?; // an axle may leave its range at the last row
+        }
+        let (places, targets) = (points.pairs(), [(angles.flat(), 4)]);
+        fill_rows(py, workers, places.len(), &points.leading, targets, |row, [target]| {
+            let found = self.core.concurrent_angles(places[row]);
+            target.copy_from_slice(&found.map_err(|error| error.at_row(row))?);
+            Ok(())
+        })?;
+        angles.finish_any()
+    }
+
+    /// Smallest and largest axle angle [rad].
+    #[getter]
+    fn steering_range(&self) -> (f64, f64) {
+        let range = self.core.steering();
+        (range.lower, range.upper)
+    }
+
+    fn __repr__(&self) -> String {
+        let core = &self.core;
+        let mut text = format!(
+            "FourAxle({:?}, {:?}, {:?}",
+            <(f64, f64)>::from(core.hinges()),
+            core.axle_length(),
+            core.wheel_radius()
+        );
+        if core.steering() != SteeringRange::default() {
+            text += &format!(", steering_limit={}", steering_limit(core.steering()));
+        }
+        if core.tolerance() != core::LOCK_TOLERANCE {
+            text += &format!(", tolerance={:?}", core.tolerance());
+        }
+        text + ")"
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut state = DefaultHasher::new();
+        let core = &self.core;
+        let [x, y] = core.hinges();
+        for value in [x, y, core.axle_length(), core.wheel_radius(), core.tolerance()] {
+            (value + 0.0).to_bits().hash(&mut state);
+        }
+        state.finish()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let (py, car) = (slf.py(), slf.get());
+        let keywords = PyDict::new(py);
+        keywords.set_item("steering_limit", car.steering_range())?;
+        keywords.set_item("tolerance", car.tolerance(py))?;
+        let arguments = (car.hinges(py), car.axle_length(py), car.wheel_radius(py)).into_pyobject(py)?;
+        reduce(slf.as_any(), &arguments, &keywords)
+    }
+}

@@ -1,0 +1,255 @@
+//! `Suspension.inverse` and `Suspension.forward`.
+
+use pyo3::prelude::*;
+use six_wheel_ground_motion::{Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows};
+
+use super::result_columns::Columns;
+use super::results::{GroundCommand, GroundMotion};
+use super::settled_pose_input::Stands;
+use crate::arguments;
+use crate::convert::{Out, Rows, compute, compute_rows, joined, number, refuse, shape_text};
+use crate::suspension::Suspension;
+use crate::workers::any_workers;
+
+fn view(name: &str) -> PyResult<View> {
+    match name {
+        "body" => Ok(View::Body),
+        "plan" => Ok(View::Plan),
+        other => Err(refuse("view", "be 'body' or 'plan'", &format!("{other:?}"))),
+    }
+}
+
+#[pymethods]
+impl Suspension {
+    /// Wheels for a wanted motion on the ground a rover stands on.
+    ///
+    /// Every wheel stays on the ground and rolls; steered wheels point where their touching points go, what
+    /// unsteered ones are left with sideways is slip. The point abreast of which the unsteered wheels stand
+    /// at rest moves straight ahead, as in `RockerBogie.steer`. On level ground, for a rover that stands level,
+    /// this is the rover seen from above.
+    ///
+    /// Twist and joint rates are those of the stand's own contacts. Steering moves a contact; it is taken to move on
+    /// the plane its wheel stands on. So the answer is exact where the ground is plane, and elsewhere for a stand
+    /// settled at the steering angles that come out: settle once more with them.
+    ///
+    /// Parameters
+    /// ----------
+    /// stand : SettledPose
+    ///     What `settle` says, shape (...). Rows that did not settle give NaN.
+    /// command : array_like, shape (..., 2) or (2,)
+    ///     Forward speed [m/s] and yaw rate [rad/s].
+    /// view : {'body', 'plan'}
+    ///     Whether they are the body's, along its x and about its z axis, or those seen from above, along the heading.
+    /// steering : array_like, shape (..., steered wheels), optional
+    ///     Angles to keep [rad], instead of those that roll.
+    /// max_wheel_speed : float, optional
+    ///     All speeds are scaled down together so that no wheel exceeds it [rad/s].
+    /// out : tuple of ndarray, optional
+    ///     Where to write steering, speeds, twist, joint rates and scale, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     a call that fails.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    /// level : str, optional
+    ///     Instructions, one of `simd_levels`; default the best for so many rows.
+    ///
+    /// Returns
+    /// -------
+    /// GroundCommand
+    ///     `steering` [rad] and `speeds` [rad/s], into which it unpacks, with `twist`, `joint_rates` and `scale`.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If a wheel would steer past its limit, or, beside its steering axis, rolls at no angle.
+    /// ValueError
+    ///     If a number is not finite or a shape does not fit.
+    ///
+    /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005.
+    #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None, out=None, threads=None, level=None))]
+    fn inverse<'py>(
+        &self,
+        py: Python<'py>,
+        stand: &Bound<'py, PyAny>,
+        command: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = arguments::view)] view: &str,
+        steering: Option<&Bound<'py, PyAny>>,
+        max_wheel_speed: Option<&Bound<'py, PyAny>>,
+        out: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
+    ) -> PyResult<GroundCommand> {
+        let chain = &self.chain;
+        let stands = Stands::read(chain, stand)?;
+        let commands = Rows::read_finite("command", command, 2)?;
+        let leading = if stands.is_single() {
+            commands.leading.clone()
+        } else {
+            if !commands.is_single() {
+                commands.check_leading("command", stands.leading())?;
+            }
+            stands.leading().to_vec()
+        };
+        let count: usize = leading.iter().product();
+        let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
+        let kept = Rows::read_beside("steering", steering, steered, &leading)?;
+        if let Some(kept) = &kept {
+            kept.check_finite("steering")?;
+        }
+        let mut how = Command { view: self::view(view)?, offset: self.motion.offset, wheel_speed: f64::INFINITY };
+        if let Some(limit) = max_wheel_speed {
+            how.wheel_speed = number("max_wheel_speed", limit)?;
+            if how.wheel_speed.is_nan() || how.wheel_speed <= 0.0 {
+                let got = how.wheel_speed.to_string();
+                return Err(refuse("max_wheel_speed", "be positive", &got));
+            }
+        }
+        let workers = any_workers(threads, level)?;
+        let out = Out::read(out, ["steering", "speeds", "twist", "joint_rates", "scale"])?;
+        let single = leading.is_empty() && !out.is_given();
+        let [a, b, c, d] = [steered, wheels, 6, joints].map(|width| joined(&leading, width));
+        let mut results = out.results(py, [a, b, c, d, leading.clone()], true)?;
+        let footings = stands.footings();
+        let [angles, speeds, twists, rates, scales] = results.flat();
+        let asked = Commands { steering: angles, speeds, twists: twists.as_chunks_mut().0, joint_rates: rates, scales };
+        let (wanted, kept) = (commands.pairs(), kept.as_ref().map(Rows::flat));
+        compute_rows(py, count, &leading, || {
+            inverse_rows(chain, &self.motion, &footings, &how, wanted, kept, asked, workers)
+        })?;
+        let [steering, speeds, twist, rates, scale] = results.finish_arrays()?;
+        let scale = if single { scale.call_method0(py, "item")? } else { scale };
+        Ok(GroundCommand(Columns::Batch([steering, speeds, twist, rates, scale])))
+    }
+
+    /// The motion that the wheels tell, on the ground a rover stands on.
+    ///
+    /// The suspension follows the ground: whatever the motion in plan, vertical speed, tilt and joint rates are those
+    /// that keep the wheels on it. The motion in plan is the weighted least-squares solution of what every
+    /// touching point says: no velocity along the rim beyond the wheel's turning, none sideways. What was
+    /// measured is taken as it is, and adds its own equations.
+    ///
+    /// Parameters
+    /// ----------
+    /// stand : SettledPose
+    ///     What `settle` says, at the steering angles of the moment, shape (...). Rows that did not settle give NaN.
+    /// steering : array_like, shape (..., steered wheels) or None
+    ///     Steering angles [rad], where they are not those of the stand; contacts are then moved on the planes the
+    ///     wheels stand on.
+    /// speeds : array_like, shape (..., wheels)
+    ///     Speed of every wheel against the link that carries it [rad/s], NaN where there is none.
+    /// joint_rates : array_like, shape (..., joints), optional
+    ///     Measured rates of the free angles [rad/s], NaN where there is none.
+    /// angular_velocity : array_like, shape (..., 3), optional
+    ///     Of the body about its own axes, from an IMU [rad/s], NaN where there is none.
+    /// steering_rates : array_like, shape (..., steered wheels), optional
+    ///     Rates of the steering angles [rad/s], default 0.
+    /// weights : array_like, shape (wheels,) or (wheels, 2), optional
+    ///     Weight of every wheel, for instance its load, or of its rolling and its side slip apart; default 1.
+    /// out : ndarray or tuple of ndarray, optional
+    ///     Where to write the twist, or twist, joint rates and residual, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     a call that fails.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    /// level : str, optional
+    ///     Instructions, one of `simd_levels`; default the best for so many rows.
+    ///
+    /// Returns
+    /// -------
+    /// GroundMotion
+    ///     `twist` [m/s, rad/s], `joint_rates` [rad/s], `residual` [m/s].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a weight negative or a shape does not fit.
+    ///
+    /// Source: N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.
+    #[pyo3(signature = (stand, steering, speeds, joint_rates=None, angular_velocity=None, *, steering_rates=None, weights=None, out=None, threads=None, level=None))]
+    fn forward<'py>(
+        &self,
+        py: Python<'py>,
+        stand: &Bound<'py, PyAny>,
+        steering: Option<&Bound<'py, PyAny>>,
+        speeds: &Bound<'py, PyAny>,
+        joint_rates: Option<&Bound<'py, PyAny>>,
+        angular_velocity: Option<&Bound<'py, PyAny>>,
+        steering_rates: Option<&Bound<'py, PyAny>>,
+        weights: Option<&Bound<'py, PyAny>>,
+        out: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
+    ) -> PyResult<GroundMotion> {
+        let chain = &self.chain;
+        let stands = Stands::read(chain, stand)?;
+        let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
+        let speeds = Rows::read("speeds", speeds, wheels)?;
+        let leading = if stands.is_single() { speeds.leading.clone() } else { stands.leading().to_vec() };
+        speeds.check_leading("speeds", &leading)?;
+        let beside = |name: &'static str, value, width| Rows::read_beside(name, value, width, &leading);
+        let steering = beside("steering", steering, steered)?;
+        let measured = beside("joint_rates", joint_rates, joints)?;
+        let turning = beside("angular_velocity", angular_velocity, 3)?;
+        let steering_rates = beside("steering_rates", steering_rates, steered)?;
+        for (name, rows) in [("steering", &steering), ("steering_rates", &steering_rates)] {
+            if let Some(rows) = rows {
+                rows.check_finite(name)?;
+            }
+        }
+        let gaps =
+            [("speeds", Some(&speeds)), ("joint_rates", measured.as_ref()), ("angular_velocity", turning.as_ref())];
+        for (name, rows) in gaps {
+            let mut numbers = rows.into_iter().flat_map(|rows| rows.flat());
+            if numbers.any(|rate| rate.is_infinite()) {
+                return Err(refuse(name, "be finite, or NaN where not measured", "inf"));
+            }
+        }
+        let weights = weights.map(|weights| self.read_weights(weights)).transpose()?;
+        let count = speeds.count();
+        let workers = any_workers(threads, level)?;
+        let shapes = [joined(&leading, 6), joined(&leading, joints), joined(&joined(&leading, wheels), 3)];
+        let out = Out::read_or_first(out, ["twist", "joint_rates", "residual"])?;
+        let mut results = out.results(py, shapes, false)?;
+        let footings = stands.footings();
+        let readings = ReadingRows {
+            steering: steering.as_ref().map(Rows::flat),
+            speeds: speeds.flat(),
+            steering_rates: steering_rates.as_ref().map(Rows::flat),
+            joint_rates: measured.as_ref().map(Rows::flat),
+            angular_velocity: turning.as_ref().map(Rows::flat),
+            weights: weights.as_deref(),
+        };
+        let [twists, rates, residuals] = results.flat();
+        let movings = Movings { twists: twists.as_chunks_mut().0, joint_rates: rates, residuals };
+        compute(py, count, || {
+            forward_rows(chain, &self.motion, &footings, &readings, movings, workers);
+        });
+        Ok(GroundMotion(Columns::Batch(results.finish_arrays()?)))
+    }
+}
+
+impl Suspension {
+    /// One weight per wheel, or one for its rolling and one for its side slip.
+    fn read_weights(&self, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+        let wheels = self.chain.wheels().len();
+        let rows = Rows::read("weights", value, wheels);
+        let rows = match rows {
+            Ok(rows) if rows.leading.is_empty() => rows,
+            _ => {
+                let rows = Rows::read("weights", value, 2);
+                let rule = format!("have shape ({wheels},) or ({wheels}, 2)");
+                match rows {
+                    Ok(rows) if rows.leading == [wheels] => rows,
+                    Ok(rows) => {
+                        let got = format!("shape {}", shape_text(&rows.shape()));
+                        return Err(refuse("weights", &rule, &got));
+                    }
+                    Err(error) => return Err(error),
+                }
+            }
+        };
+        let weights = rows.flat().to_vec();
+        match weights.iter().find(|weight| !(weight.is_finite() && **weight >= 0.0)) {
+            None => Ok(weights),
+            Some(weight) => Err(refuse("weights", "be finite and not negative", &weight.to_string())),
+        }
+    }
+}

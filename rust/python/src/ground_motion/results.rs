@@ -1,0 +1,91 @@
+//! The results of `Suspension.inverse` and `Suspension.forward`.
+
+use pyo3::exceptions::PyIndexError;
+use pyo3::prelude::*;
+use pyo3::types::{PyFloat, PyIterator, PyTuple};
+use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
+
+use super::result_columns::{Columns, array};
+use crate::convert::memory;
+
+/// What the wheels have to do on the ground, and what the rover then does. Unpacks into steering and speeds.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct GroundCommand(pub(super) Columns<5, CommandRow>);
+
+/// The numbers of one row.
+pub struct CommandRow {
+    pub wheels: usize,
+    pub joints: usize,
+    pub steered: usize,
+    pub steering: [f64; MAX_WHEELS],
+    pub speeds: [f64; MAX_WHEELS],
+    pub twist: [[f64; 6]; 1],
+    pub joint_rates: [f64; MAX_FREE],
+    pub scale: f64,
+}
+
+getters! { GroundCommand, this, py:
+    /// Steering angles, shape (..., steered wheels) [rad].
+    steering: PyResult<Py<PyAny>> = this.0.get(py, 0, |one| array(py, &one.steering[..one.steered]));
+    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
+    speeds: PyResult<Py<PyAny>> = this.0.get(py, 1, |one| array(py, &one.speeds[..one.wheels]));
+    /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
+    twist: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| array(py, one.twist.as_flattened()));
+    /// Rates of the free angles, shape (..., joints) [rad/s].
+    joint_rates: PyResult<Py<PyAny>> = this.0.get(py, 3, |one| array(py, &one.joint_rates[..one.joints]));
+    /// What is left of the wanted motion, shape (...): 1 unless a wheel would have been too fast.
+    scale: PyResult<Py<PyAny>> = this.0.get(py, 4, |one| Ok(PyFloat::new(py, one.scale).into_any().unbind()));
+}
+
+repr_of_attributes! { GroundCommand: steering speeds }
+
+#[pymethods]
+impl GroundCommand {
+    fn __len__(&self) -> usize {
+        2
+    }
+
+    fn __getitem__(&self, py: Python<'_>, index: isize) -> PyResult<Py<PyAny>> {
+        match index {
+            0 | -2 => self.steering(py),
+            1 | -1 => self.speeds(py),
+            _ => Err(PyIndexError::new_err("a command holds steering and speeds")),
+        }
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        PyTuple::new(py, [self.steering(py)?, self.speeds(py)?])?.try_iter()
+    }
+}
+
+/// How a rover moves on the ground.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct GroundMotion(pub(super) Columns<3, MotionRow>);
+
+/// The numbers of one row.
+pub struct MotionRow {
+    pub wheels: usize,
+    pub joints: usize,
+    pub twist: [[f64; 6]; 1],
+    pub joint_rates: [f64; MAX_FREE],
+    pub residual: [[f64; 3]; MAX_WHEELS],
+}
+
+impl MotionRow {
+    fn residuals(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let rows = self.residual[..self.wheels].as_flattened();
+        Ok(memory::array(py, rows, &[self.wheels, 3])?.into_any().unbind())
+    }
+}
+
+getters! { GroundMotion, this, py:
+    /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
+    twist: PyResult<Py<PyAny>> = this.0.get(py, 0, |one| array(py, one.twist.as_flattened()));
+    /// Rates of the free angles, shape (..., joints) [rad/s].
+    joint_rates: PyResult<Py<PyAny>> = this.0.get(py, 1, |one| array(py, &one.joint_rates[..one.joints]));
+    /// What every touching point does along the normal of the ground, along the rim and to the left,
+    /// shape (..., wheels, 3) [m/s]; NaN in the air.
+    residual: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| one.residuals(py));
+}
+
+repr_of_attributes! { GroundMotion: twist joint_rates }

@@ -1,0 +1,214 @@
+//! `Suspension.slip` and `body_slip`.
+
+use pyo3::prelude::*;
+use six_wheel_ground_motion::{SlipTest, Slips, slip_rows};
+
+use super::settled_pose_input::Stands;
+use crate::arguments;
+use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, refuse};
+use crate::suspension::Suspension;
+use crate::workers::any_workers;
+
+result_class! {
+    /// How wheels slip.
+    pub struct WheelSlip {
+        /// ``1 - travelled / rolled``, shape (..., wheels): 0 rolls, 1 spins on the spot, negative brakes; NaN where a
+        /// wheel does not turn or does not touch.
+        ratio: Py<PyAny>,
+        /// Of the way of the touching point against the wheel's heading, positive to the left, shape (..., wheels) [rad].
+        angle: Py<PyAny>,
+    }
+    repr { ratio angle }
+}
+
+#[pymethods]
+impl Suspension {
+    /// Slip ratio and slip angle of every wheel at a known motion.
+    ///
+    /// Parameters
+    /// ----------
+    /// stand : SettledPose
+    ///     What `settle` says, at the steering angles of the moment, shape (...).
+    /// speeds : array_like, shape (..., wheels)
+    ///     Measured speed of every wheel against the link that carries it [rad/s].
+    /// twist : array_like, shape (..., 6)
+    ///     ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, from elsewhere [m/s, rad/s].
+    /// joint_rates : array_like, shape (..., joints)
+    ///     Rates of the free angles [rad/s].
+    /// out : tuple of ndarray, optional
+    ///     Where to write ratio and angle, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     a call that fails.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    ///
+    /// Returns
+    /// -------
+    /// WheelSlip
+    ///     `ratio` and `angle` [rad].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite or a shape does not fit.
+    #[pyo3(signature = (stand, speeds, twist, joint_rates, *, out=None, threads=None))]
+    fn slip<'py>(
+        &self,
+        py: Python<'py>,
+        stand: &Bound<'py, PyAny>,
+        speeds: &Bound<'py, PyAny>,
+        twist: &Bound<'py, PyAny>,
+        joint_rates: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<WheelSlip> {
+        let workers = any_workers(threads, None)?;
+        let chain = &self.chain;
+        let stands = Stands::read(chain, stand)?;
+        let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
+        let leading = stands.leading().to_vec();
+        let read = |name: &'static str, value, width| {
+            let rows = Rows::read(name, value, width)?;
+            rows.check_leading(name, &leading)?;
+            rows.check_finite(name)?;
+            PyResult::Ok(rows)
+        };
+        let speeds = read("speeds", speeds, wheels)?;
+        let twists = read("twist", twist, 6)?;
+        let rates = read("joint_rates", joint_rates, joints)?;
+        let shapes = [(); 2].map(|()| joined(&leading, wheels));
+        let mut results = Out::read(out, ["ratio", "angle"])?.results(py, shapes, false)?;
+        let footings = stands.footings();
+        let [ratios, angles] = results.flat();
+        let slips = Slips { ratios, angles };
+        let (speeds, rates) = (speeds.flat(), rates.flat());
+        let twists = twists.flat().as_chunks().0;
+        compute_rows(py, stands.count(), &leading, || {
+            slip_rows(chain, &footings, speeds, twists, rates, slips, workers)
+        })?;
+        let [ratio, angle] = results.finish_arrays()?;
+        Ok(WheelSlip { ratio, angle })
+    }
+}
+
+result_class! {
+    /// Whether, and by how much, a whole rover slips.
+    pub struct BodySlip {
+        /// The navigated motion less the kinematic one, shape (n,).
+        slip: Py<PyAny>,
+        /// Its squared length in the metric of the covariance: chi-squared, with n degrees of freedom, without slip.
+        statistic: f64,
+        /// What the statistic stays below without slip, but for the false alarms.
+        threshold: f64,
+        /// Probability of such a statistic, or a larger one, without slip.
+        probability: f64,
+        /// Whether it slips.
+        slipping: bool,
+    }
+}
+
+#[pymethods]
+impl BodySlip {
+    /// The command for a wanted motion: less the slip where there is some, so that what comes of it is wanted.
+    ///
+    /// Parameters
+    /// ----------
+    /// wanted : array_like, shape (n,)
+    ///     A motion in the same components.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (n,)
+    ///     What to command.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite or the shape does not fit.
+    ///
+    /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
+    /// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
+    fn compensate<'py>(&self, py: Python<'py>, wanted: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
+        let slip = self.slip.bind(py);
+        let slips = Rows::read("slip", slip, slip.len()?)?;
+        let wanted = Rows::read("wanted", wanted, slip.len()?)?;
+        wanted.check_leading("wanted", &[])?;
+        wanted.check_finite("wanted")?;
+        let mut command = Output::fresh(py, &[slip.len()?])?;
+        let share = if self.slipping { 1.0 } else { 0.0 };
+        for (k, command) in command.flat().iter_mut().enumerate() {
+            *command = wanted.flat()[k] - share * slips.flat()[k];
+        }
+        command.finish_object()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!(
+            "BodySlip(slip={}, statistic={:?}, threshold={:?}, probability={:?}, slipping={})",
+            self.slip.bind(py).repr()?,
+            self.statistic,
+            self.threshold,
+            self.probability,
+            if self.slipping { "True" } else { "False" }
+        ))
+    }
+}
+
+/// Whether a motion that was navigated differs from the one the wheels tell by more than noise.
+///
+/// Parameters
+/// ----------
+/// navigated, kinematic : array_like, shape (n,)
+///     The same motion, one to six components of it, from elsewhere and from the wheels: twists or increments.
+/// covariance : array_like, shape (n, n)
+///     Of their difference without slip: the sum of both covariances.
+/// false_alarm : float, default 0.01
+///     How often a rover that does not slip may be said to.
+///
+/// Returns
+/// -------
+/// BodySlip
+///     `slip`, `statistic`, `threshold`, `probability`, `slipping`, and `compensate`.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a number is not finite, the covariance not positive definite, or a shape does not fit.
+///
+/// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
+/// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
+#[pyfunction]
+#[pyo3(signature = (navigated, kinematic, covariance, *, false_alarm=0.01))]
+pub fn body_slip(
+    py: Python<'_>,
+    navigated: &Bound<'_, PyAny>,
+    kinematic: &Bound<'_, PyAny>,
+    covariance: &Bound<'_, PyAny>,
+    #[pyo3(from_py_with = arguments::false_alarm)] false_alarm: f64,
+) -> PyResult<BodySlip> {
+    let length = navigated.len().unwrap_or(0);
+    if !(1..=6).contains(&length) {
+        let got = navigated.repr()?.to_string();
+        return Err(refuse("navigated", "hold one to six numbers", &got));
+    }
+    let read = |name: &'static str, value, leading: &[usize]| {
+        let rows = Rows::read(name, value, length)?;
+        rows.check_leading(name, leading)?;
+        rows.check_finite(name)?;
+        PyResult::Ok(rows)
+    };
+    let navigated = read("navigated", navigated, &[])?;
+    let kinematic = read("kinematic", kinematic, &[])?;
+    let covariance = read("covariance", covariance, &[length])?;
+    let mut slip = Output::fresh(py, &[length])?;
+    for (k, slip) in slip.flat().iter_mut().enumerate() {
+        *slip = navigated.flat()[k] - kinematic.flat()[k];
+    }
+    let test = SlipTest::new(slip.flat(), covariance.flat(), false_alarm).or_raise(&[])?;
+    Ok(BodySlip {
+        slip: slip.finish_object()?,
+        statistic: test.statistic,
+        threshold: test.threshold,
+        probability: test.probability,
+        slipping: test.slips(),
+    })
+}

@@ -1,0 +1,192 @@
+//! `Suspension.traction`.
+
+use pyo3::prelude::*;
+use pyo3::types::PyFloat;
+use six_wheel_ground_motion::{Drives, Driving, Lift, Turns, traction_rows};
+use six_wheel_terrain::suspension::MAX_WHEELS;
+
+use super::result_columns::{Columns, array};
+use crate::arguments;
+use crate::convert::{Out, Rows, Scalars, compute_rows, joined, memory, refuse, scalar_or_array};
+use crate::suspension::Suspension;
+use crate::workers::any_workers;
+
+/// Wheels over ground that nobody has mapped.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct Traction(pub(super) Columns<5, TractionRow>);
+
+/// The numbers of one row.
+pub struct TractionRow {
+    pub wheels: usize,
+    pub steered: usize,
+    pub speeds: [f64; MAX_WHEELS],
+    pub steering: [f64; MAX_WHEELS],
+    pub contact_angles: [f64; MAX_WHEELS],
+    pub lifted: [bool; MAX_WHEELS],
+    pub vertical: f64,
+}
+
+getters! { Traction, this, py:
+    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
+    speeds: PyResult<Py<PyAny>> = this.0.get(py, 0, |one| array(py, &one.speeds[..one.wheels]));
+    /// Steering angles, shape (..., steered wheels) [rad].
+    steering: PyResult<Py<PyAny>> = this.0.get(py, 1, |one| array(py, &one.steering[..one.steered]));
+    /// Where every wheel touches the ground, positive towards the front, shape (..., wheels) [rad].
+    contact_angles: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| array(py, &one.contact_angles[..one.wheels]));
+    /// Whether the joints lift or drop a wheel as no ground would, shape (..., wheels) of bool.
+    lifted: PyResult<Py<PyAny>> = this.0.get(py, 3, |one| array(py, &one.lifted[..one.wheels]));
+    /// Vertical speed of the body's origin in its axes, shape (...) [m/s].
+    vertical_speed: PyResult<Py<PyAny>> = this.0.get(py, 4, |one| Ok(PyFloat::new(py, one.vertical).into_any().unbind()));
+}
+
+repr_of_attributes! { Traction: speeds steering }
+
+/// One finite number for all rows, or one for each.
+fn read_speeds<'py>(name: &'static str, value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<Scalars<'py>> {
+    let scalars = Scalars::read(name, value)?;
+    if !scalars.shape.is_empty() {
+        scalars.fit_exactly(name, leading)?;
+    }
+    scalars.check_finite(name).map(|()| scalars)
+}
+
+/// True and the curvature, or false and the yaw rate: one of them is given.
+fn read_turn<'py>(
+    curvature: Option<&Bound<'py, PyAny>>,
+    yaw_rate: Option<&Bound<'py, PyAny>>,
+    leading: &[usize],
+) -> PyResult<(bool, Scalars<'py>)> {
+    match (curvature, yaw_rate) {
+        (Some(curvature), None) => Ok((true, read_speeds("curvature", curvature, leading)?)),
+        (None, Some(yaw_rate)) => Ok((false, read_speeds("yaw_rate", yaw_rate, leading)?)),
+        (Some(_), Some(_)) => Err(refuse("curvature", "be None where yaw_rate is given", "both")),
+        (None, None) => Err(refuse("curvature", "be given, or yaw_rate", "neither")),
+    }
+}
+
+/// Thresholds from which a wheel counts as lifted, neither below 0.
+fn read_lift(angle: f64, speed: f64) -> PyResult<Lift> {
+    for (name, value) in [("lift_angle", angle), ("lift_speed", speed)] {
+        if value.is_nan() || value < 0.0 {
+            return Err(refuse(name, "be a number not below 0", &value.to_string()));
+        }
+    }
+    Ok(Lift { angle: angle.min(std::f64::consts::FRAC_PI_2), speed })
+}
+
+#[pymethods]
+impl Suspension {
+    /// Wheel speeds over rough ground without a map of it, as a rover's traction control needs them.
+    ///
+    /// The rates of body and joints say how every wheel's centre moves. A wheel on the ground moves along its rim's
+    /// tangent there: the direction is its contact angle, the length its rolling speed, less the turning of
+    /// the link that carries it. The vertical speed of the body shows in no rate. It is the median over the
+    /// wheels of the one at which a wheel would move along its link, or, where wheel speeds were measured,
+    /// the one that fits them best. With all rates 0 and the joints at 0 this is the rover seen from above.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed : float or array_like, shape (...)
+    ///     Commanded forward speed of the body [m/s].
+    /// curvature : float or array_like, shape (...) or None
+    ///     Commanded yaw rate per speed, positive to the left [1/m]. None with `yaw_rate`.
+    /// angular_velocity : array_like, shape (..., 3)
+    ///     Of the body about its own axes, from an IMU [rad/s]. The yaw rate is the commanded one: a rover that is
+    ///     told to turn while it stands has to begin.
+    /// joints : array_like, shape (..., joints)
+    ///     Free angles: rho, beta_1, beta_2 of a rocker-bogie [rad].
+    /// joint_rates : array_like, shape (..., joints)
+    ///     Their rates [rad/s].
+    /// yaw_rate : float or array_like, shape (...), optional
+    ///     Commanded yaw rate [rad/s] instead of a curvature: turns on the spot have none.
+    /// steering : array_like, shape (..., steered wheels), optional
+    ///     Present steering angles [rad], default 0: a wheel whose pivot rests holds them.
+    /// wheel_speeds : array_like, shape (..., wheels), optional
+    ///     Measured speeds [rad/s], from which the vertical speed then comes.
+    /// lift_angle, lift_speed : float, default 1.0 and 0.01
+    ///     A wheel that moves across its link faster than `lift_speed` [m/s], and than a slope of `lift_angle` [rad]
+    ///     would push it at the commanded speed, is flagged in `lifted`: a wheelie, or a fall.
+    /// out : tuple of ndarray, optional
+    ///     Where to write speeds, steering and contact angles, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     a call that fails.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    /// level : str, optional
+    ///     Instructions, one of `simd_levels`; default the best for so many rows.
+    ///
+    /// Returns
+    /// -------
+    /// Traction
+    ///     `speeds` [rad/s], `steering` [rad], `contact_angles` [rad], `lifted`, `vertical_speed` [m/s].
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If a wheel would steer past its limit.
+    /// ValueError
+    ///     If a number is not finite or a shape does not fit.
+    ///
+    /// Source: O. Toupet et al., Terrain-adaptive wheel speed control on the Curiosity Mars rover, JFR 37(5), 2020.
+    #[pyo3(signature = (speed, curvature, angular_velocity, joints, joint_rates, *, yaw_rate=None, steering=None,
+                        wheel_speeds=None, lift_angle=1.0, lift_speed=0.01, out=None, threads=None, level=None))]
+    fn traction<'py>(
+        &self,
+        py: Python<'py>,
+        speed: &Bound<'py, PyAny>,
+        curvature: Option<&Bound<'py, PyAny>>,
+        angular_velocity: &Bound<'py, PyAny>,
+        joints: &Bound<'py, PyAny>,
+        joint_rates: &Bound<'py, PyAny>,
+        yaw_rate: Option<&Bound<'py, PyAny>>,
+        steering: Option<&Bound<'py, PyAny>>,
+        wheel_speeds: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::lift_angle)] lift_angle: f64,
+        #[pyo3(from_py_with = arguments::lift_speed)] lift_speed: f64,
+        out: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
+    ) -> PyResult<Traction> {
+        let chain = &self.chain;
+        let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
+        let turning = Rows::read("angular_velocity", angular_velocity, 3)?;
+        let (leading, count) = (turning.leading.clone(), turning.count());
+        let angles = Rows::read("joints", joints, free)?;
+        let rates = Rows::read("joint_rates", joint_rates, free)?;
+        let present = Rows::read_beside("steering", steering, steered, &leading)?;
+        let measured = Rows::read_beside("wheel_speeds", wheel_speeds, wheels, &leading)?;
+        turning.check_finite("angular_velocity")?;
+        for (name, rows) in [("joints", &angles), ("joint_rates", &rates)] {
+            rows.check_leading(name, &leading)?;
+            rows.check_finite(name)?;
+        }
+        for (name, rows) in [("steering", &present), ("wheel_speeds", &measured)] {
+            rows.as_ref().map_or(Ok(()), |rows| rows.check_finite(name))?;
+        }
+        let speed = read_speeds("speed", speed, &leading)?;
+        let (curved, turn) = read_turn(curvature, yaw_rate, &leading)?;
+        let lift = read_lift(lift_angle, lift_speed)?;
+        let workers = any_workers(threads, level)?;
+        let shapes = [wheels, steered, wheels].map(|width| joined(&leading, width));
+        let mut results = Out::read(out, ["speeds", "steering", "contact_angles"])?.results(py, shapes, true)?;
+        let mut lifted = memory::filled(false, count * wheels)?;
+        let mut vertical = memory::filled(0.0, count)?;
+        let driving = Driving {
+            speed: speed.flat(),
+            turning: if curved { Turns::Curvature(turn.flat()) } else { Turns::YawRate(turn.flat()) },
+            angular_velocity: turning.triples(),
+            joints: angles.flat(),
+            joint_rates: rates.flat(),
+            steering: present.as_ref().map(Rows::flat),
+            wheel_speeds: measured.as_ref().map(Rows::flat),
+            lift,
+        };
+        let [speeds, steers, contacts] = results.flat();
+        let drives =
+            Drives { steering: steers, speeds, contact_angles: contacts, lifted: &mut lifted, vertical: &mut vertical };
+        compute_rows(py, count, &leading, || traction_rows(chain, &self.motion, &driving, drives, workers))?;
+        let [speeds, steering, contacts] = results.finish_arrays()?;
+        let lifted = scalar_or_array(py, lifted, &joined(&leading, wheels))?;
+        let vertical_speed = scalar_or_array(py, vertical, &leading)?;
+        Ok(Traction(Columns::Batch([speeds, steering, contacts, lifted, vertical_speed])))
+    }
+}

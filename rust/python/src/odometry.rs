@@ -1,0 +1,346 @@
+//! `six_wheel.Odometry`.
+
+mod fastcall;
+pub mod gyroscope;
+mod input;
+pub mod preintegrated;
+mod run;
+pub mod spatial;
+pub mod state;
+pub mod values;
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use six_wheel_kinematics::estimate::Method;
+use six_wheel_numerics::error::Error;
+use six_wheel_odometry::{Odometry as Core, Readings, Sample, Settings};
+
+pub use fastcall::install;
+
+use crate::arguments;
+use crate::convert::{OrRaise, Rows, number, numbers, one_twist_first, optional_number, refuse};
+use crate::rover::Rover;
+use crate::state_lock::Shared;
+use input::{by_wheel, deviations, encoders, row};
+use state::{OdometryState, Spares};
+use values::Noise;
+
+/// Dead reckoning that knows its error: the pose of a rover from what its wheels turned.
+///
+/// A step is exact: the displacement that fits the turns of all wheels best, at the steering angles of its middle, is
+/// held as one arc. Its covariance comes from the analytic derivatives of that fit. The first sample is the reference
+/// from which the next one counts. Any thread may call any method: it waits while another one is at work.
+///
+/// Parameters
+/// ----------
+/// rover : Rover
+///     Any vehicle.
+/// noise : Noise, optional
+///     Standard deviations of readings and slip, default ``Noise()``.
+/// readings : {'angles', 'speeds', 'increments'}
+///     What is read of the wheels: running totals [rad]; rates at the stamps [rad/s], of which a step takes the mean
+///     of its two ends; or what came since the sample before [rad].
+/// wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
+///     For readings in counts: one for all, one each, or by the name of the wheel.
+/// method : {'least_squares', 'middle_wheels', 'robust'}
+///     How the wheels are weighed, as in `Rover.fit`.
+/// inflate : bool
+///     Count what the wheels disagree by beyond the noise as more noise of the step.
+/// slip_threshold : float, optional
+///     Slip of a wheel from which on a sample is flagged [m/s]; by default four standard deviations of the noise,
+///     of a noise that is a guess 0.05 m/s.
+/// max_gap : float, optional
+///     Time between samples beyond which a step is flagged [s]. It still is one arc.
+/// max_speed : float, optional
+///     Rim speed beyond which a sample is refused [m/s].
+/// max_steering_rate : float, optional
+///     Steering rate beyond which a sample is refused [rad/s].
+/// smoothing : float, default 0.0
+///     Time constant of the first-order filter of `velocity` [s]; 0: none.
+/// lag : float, default 0.0
+///     How late a pose may come to `correct` [s]; 0: not before the last step.
+/// history : int, default 1024
+///     Samples that are kept for that at most.
+/// gyroscope : Gyroscope, optional
+///     Of the `yaw_rate` that comes with the samples: its bias is a state, learnt while wheels and gyroscope agree that the
+///     rover stands, in which case the pose is held. Its noise stands for that of `noise.yaw_rate`.
+/// wheel_noise : array_like of shape (wheels,), or dict of str to float, optional
+///     How many times as much as `noise` says each wheel slips, in the order of the wheels or by name; default 1.
+/// dimensions : array_like, shape (k, wheels, 9), optional
+///     What the dimensions may be off by all along, as k independent errors of one standard deviation each: of every wheel
+///     its radius, x, y [m], heading [rad], scrub, trail [m], roller angle [rad], and as shares of what is read its turns
+///     and its steering angle. `Calibration.dimensions` and that of a parameter file are such. Steps then take longer.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a parameter makes no sense.
+///
+/// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 5.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct Odometry {
+    work: Shared<Work>,
+    rover: Py<Rover>,
+}
+
+/// The state that one thread at a time works with.
+struct Work {
+    core: Core,
+    spares: Spares,
+}
+
+/// The kind of readings, by name.
+fn readings_named(name: &str) -> PyResult<Readings> {
+    match name {
+        "angles" => Ok(Readings::Angles),
+        "speeds" => Ok(Readings::Speeds),
+        "increments" => Ok(Readings::Increments),
+        _ => {
+            let rule = "be 'angles', 'speeds' or 'increments'";
+            Err(refuse("readings", rule, &format!("'{name}'")))
+        }
+    }
+}
+
+impl Odometry {
+    fn joints(&self) -> usize {
+        self.rover.get().joints()
+    }
+
+    fn wheels(&self) -> usize {
+        self.rover.get().count()
+    }
+
+    fn state_of(&self, core: &Core, py: Python<'_>) -> OdometryState {
+        OdometryState::of(core, self.rover.clone_ref(py))
+    }
+
+    /// Changes the core, and answers with the state after that.
+    fn change(&self, py: Python<'_>, change: impl FnOnce(&mut Core) -> Result<(), Error>) -> PyResult<OdometryState> {
+        let mut work = self.work.lock(py)?;
+        change(&mut work.core).or_raise(&[])?;
+        Ok(self.state_of(&work.core, py))
+    }
+}
+
+getters! { Odometry, this, py:
+    /// Where the rover is after the last sample.
+    state: PyResult<OdometryState> = Ok(this.state_of(&this.work.lock(py)?.core, py));
+    /// The rover.
+    rover: Py<Rover> = this.rover.clone_ref(py);
+    /// Standard deviations of readings and slip.
+    noise: PyResult<Noise> = Ok(this.work.lock(py)?.core.settings().noise.into());
+}
+
+#[pymethods]
+impl Odometry {
+    #[new]
+    #[pyo3(
+        signature = (rover, noise=None, *, readings="angles", wheel_encoders=None, steering_encoders=None, method="least_squares", inflate=false, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=None, lag=None, history=1024, gyroscope=None, wheel_noise=None, dimensions=None),
+        text_signature = "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None, wheel_noise=None, dimensions=None)"
+    )]
+    fn new(
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'_, Rover>,
+        #[pyo3(from_py_with = arguments::noise)] noise: Option<Bound<'_, Noise>>,
+        #[pyo3(from_py_with = arguments::readings)] readings: &str,
+        wheel_encoders: Option<&Bound<'_, PyAny>>,
+        steering_encoders: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = arguments::method)] method: &str,
+        #[pyo3(from_py_with = arguments::inflate)] inflate: bool,
+        slip_threshold: Option<&Bound<'_, PyAny>>,
+        max_gap: Option<&Bound<'_, PyAny>>,
+        max_speed: Option<&Bound<'_, PyAny>>,
+        max_steering_rate: Option<&Bound<'_, PyAny>>,
+        smoothing: Option<&Bound<'_, PyAny>>,
+        lag: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = arguments::history)] history: usize,
+        #[pyo3(from_py_with = arguments::gyroscope)] gyroscope: Option<Bound<'_, gyroscope::Gyroscope>>,
+        wheel_noise: Option<&Bound<'_, PyAny>>,
+        dimensions: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let core = &rover.get().core;
+        let wheels: Vec<&str> = core.wheels().iter().map(|wheel| wheel.name.as_str()).collect();
+        let steered: Vec<&str> = core.steered().iter().map(|&i| wheels[i]).collect();
+        let readings = readings_named(readings)?;
+        let settings = Settings {
+            noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
+            gyroscope: gyroscope.map(|known| known.get().0),
+            wheel_noise: by_wheel("wheel_noise", wheel_noise, &wheels)?,
+            dimensions: deviations(dimensions, wheels.len())?,
+            readings,
+            wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
+            steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
+            method: method.parse::<Method>().or_raise(&[])?,
+            inflate,
+            slip_threshold: optional_number("slip_threshold", slip_threshold)?,
+            max_gap: optional_number("max_gap", max_gap)?,
+            max_speed: optional_number("max_speed", max_speed)?,
+            max_steering_rate: optional_number("max_steering_rate", max_steering_rate)?,
+            smoothing: optional_number("smoothing", smoothing)?.unwrap_or(0.0),
+            lag: optional_number("lag", lag)?.unwrap_or(0.0),
+            history,
+        };
+        let core = Core::new(core.clone(), settings).or_raise(&[])?;
+        Ok(Self { work: Shared::new(Work { core, spares: Spares::default() }), rover: rover.clone().unbind() })
+    }
+
+    /// Takes in one sample.
+    ///
+    /// Parameters
+    /// ----------
+    /// steering : array_like, shape (steered wheels,)
+    ///     Steering angles [rad], or counts of their encoders; None for a rover that does not steer.
+    /// wheel_angles : array_like, shape (wheels,)
+    ///     Running totals [rad], or what `readings` and the encoders say; NaN where a passive wheel has no encoder.
+    /// stamp : float
+    ///     When they were read [s].
+    /// yaw : float, optional
+    ///     Absolute yaw from a sensor with a zero of its own [rad]; the first one tells where that is.
+    /// yaw_rate : float, optional
+    ///     Yaw rate of a gyroscope [rad/s], of which a step takes the mean of its two ends.
+    ///
+    /// Returns
+    /// -------
+    /// OdometryState
+    ///     `pose`, `twist`, `covariance`, `residual` and more.
+    ///
+    /// Raises
+    /// ------
+    /// UnderdeterminedError
+    ///     If the wheels do not determine the motion.
+    /// ValueError
+    ///     If a reading is not finite, the stamp not later than the last one, a limit exceeded or a shape wrong. The
+    ///     state is as before.
+    #[pyo3(signature = (steering, wheel_angles, stamp, *, yaw=None, yaw_rate=None))]
+    fn update(
+        &self,
+        py: Python<'_>,
+        steering: &Bound<'_, PyAny>,
+        wheel_angles: &Bound<'_, PyAny>,
+        stamp: &Bound<'_, PyAny>,
+        yaw: Option<&Bound<'_, PyAny>>,
+        yaw_rate: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<OdometryState> {
+        let steering = row("steering", steering, self.joints())?;
+        let wheels = row("wheel_angles", wheel_angles, self.wheels())?;
+        let sample = Sample {
+            steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
+            wheels: wheels.as_ref().map_or(&[], Rows::flat),
+            stamp: number("stamp", stamp)?,
+            yaw: optional_number("yaw", yaw)?,
+            yaw_rate: optional_number("yaw_rate", yaw_rate)?,
+        };
+        self.change(py, |core| core.update(sample).map(|_| ()))
+    }
+
+    /// Open loop, for a rover without readings: it is taken to have held a commanded twist since the last stamp.
+    ///
+    /// The next sample of `update` is a first one.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (3,)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// stamp : float
+    ///     Until when it was held [s]. The first stamp is the reference.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If the rover cannot make the twist.
+    /// ValueError
+    ///     If a value is not finite or the stamp not later than the last one.
+    #[pyo3(signature = (twist, stamp, *more), text_signature = "($self, twist, stamp)")]
+    fn command(
+        &self,
+        py: Python<'_>,
+        twist: &Bound<'_, PyAny>,
+        stamp: &Bound<'_, PyAny>,
+        more: &Bound<'_, PyTuple>,
+    ) -> PyResult<OdometryState> {
+        one_twist_first("Odometry.command((vx, vy, omega), stamp)", twist, 2, more)?;
+        let (twist, stamp) = (numbers("twist", twist)?, number("stamp", stamp)?);
+        self.change(py, |core| core.command(twist.into(), stamp).map(|_| ()))
+    }
+
+    /// Moves the estimate towards a pose from outside, which may come late: the samples since are taken in again.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose : array_like, shape (3,)
+    ///     ``[x, y, yaw]`` in the world [m, m, rad].
+    /// stamp : float
+    ///     When the rover was there [s], not before the last `lag` seconds.
+    /// covariance : array_like, shape (3,) or (3, 3)
+    ///     Variances of x, y and yaw, or their covariance, in world axes. An infinite variance says nothing of that
+    ///     direction; zeros take the pose at its word.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite, the covariance is none or the stamp too old. The state is as before.
+    fn correct(
+        &self,
+        py: Python<'_>,
+        pose: &Bound<'_, PyAny>,
+        stamp: &Bound<'_, PyAny>,
+        covariance: &Bound<'_, PyAny>,
+    ) -> PyResult<OdometryState> {
+        let (pose, stamp) = (numbers("pose", pose)?, number("stamp", stamp)?);
+        let matrix = input::covariance(Some(covariance))?;
+        self.change(py, |core| core.correct(pose.into(), stamp, matrix))
+    }
+
+    /// Goes on from this pose; the readings count on from the last sample.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose : array_like, shape (3,)
+    ///     ``[x, y, yaw]`` in the world [m, m, rad].
+    /// covariance : array_like, shape (3,) or (3, 3), optional
+    ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
+    #[pyo3(signature = (pose, covariance=None))]
+    fn set_pose(&self, py: Python<'_>, pose: &Bound<'_, PyAny>, covariance: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let (pose, matrix) = (numbers("pose", pose)?, input::covariance(covariance)?);
+        self.change(py, |core| core.set_pose(pose.into(), matrix))?;
+        Ok(())
+    }
+
+    /// Starts over: the next sample is a first one.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose : array_like, shape (3,)
+    ///     ``[x, y, yaw]`` in the world [m, m, rad], default the origin.
+    /// covariance : array_like, shape (3,) or (3, 3), optional
+    ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
+    #[pyo3(signature = (pose=None, covariance=None), text_signature = "($self, pose=(0.0, 0.0, 0.0), covariance=None)")]
+    fn reset(
+        &self,
+        py: Python<'_>,
+        pose: Option<&Bound<'_, PyAny>>,
+        covariance: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let pose = pose.map_or(Ok([0.0; 3]), |pose| numbers("pose", pose))?;
+        let matrix = input::covariance(covariance)?;
+        self.change(py, |core| {
+            core.set_pose(pose.into(), matrix)?;
+            core.forget();
+            Ok(())
+        })?;
+        Ok(())
+    }
+
+    /// Bias of the gyroscope and its standard deviation, a pair [rad/s]; None without one.
+    #[getter]
+    fn gyroscope_bias(&self, py: Python<'_>) -> PyResult<Option<(f64, f64)>> {
+        let work = self.work.lock(py)?;
+        let bias = work.core.gyroscope_bias();
+        Ok(bias.map(|[value, deviation]| (value, deviation)))
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let state = Py::new(py, self.state(py)?)?;
+        Ok(format!("Odometry({})", state.bind(py).repr()?))
+    }
+}

@@ -1,0 +1,185 @@
+//! Arguments of `Odometry`: encoders, readings of one instant, poses and covariances.
+
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping};
+use six_wheel_odometry::dimensions::NUMBERS;
+use six_wheel_odometry::{Deviations, Encoder as CoreEncoder};
+
+use super::values::Encoder;
+use crate::arguments::other_kind;
+use crate::convert::{OrRaise, Rows, Scalars, items, number, refuse};
+
+/// An encoder for all joints, one per joint, or some by name.
+pub fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<CoreEncoder>> {
+    let Some(given) = given else { return Ok(Vec::new()) };
+    let one = |item: &Bound<'_, PyAny>| {
+        item.cast::<Encoder>().map(|encoder| encoder.get().0).map_err(|_| {
+            let rule = "an Encoder, several of them or a dict of them by name";
+            other_kind(argument, rule, item, "")
+        })
+    };
+    if let Ok(mapping) = given.cast::<PyMapping>() {
+        return by_name(argument, mapping, names, CoreEncoder::default(), one);
+    }
+    if given.is_instance_of::<Encoder>() {
+        return Ok(vec![one(given)?]);
+    }
+    if !given.hasattr(intern!(given.py(), "__iter__"))? {
+        return one(given).map(|encoder| vec![encoder]);
+    }
+    // One more than there may be, to tell.
+    let items = items(argument, given, names.len() + 1)?;
+    let all: Vec<CoreEncoder> = items.iter().map(one).collect::<PyResult<_>>()?;
+    if all.len() == names.len() {
+        Ok(all)
+    } else {
+        let rule = format!("be one encoder or {}", names.len());
+        Err(refuse(argument, &rule, &all.len().to_string()))
+    }
+}
+
+/// A number for every wheel: all of them in their order, or some by name, the others 1.
+pub fn by_wheel(argument: &str, value: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<f64>> {
+    let Some(value) = value else { return Ok(Vec::new()) };
+    let Ok(mapping) = value.cast::<PyMapping>() else {
+        let numbers = Scalars::read(argument, value)?;
+        numbers.fit_exactly(argument, &[names.len()])?;
+        return Ok(numbers.flat().to_vec());
+    };
+    by_name(argument, mapping, names, 1.0, |one| number(argument, one))
+}
+
+/// Values by name as values in the order of all names, with the default for those that are not named.
+fn by_name<T: Clone>(
+    argument: &str,
+    given: &Bound<'_, PyMapping>,
+    names: &[&str],
+    usual: T,
+    read: impl Fn(&Bound<'_, PyAny>) -> PyResult<T>,
+) -> PyResult<Vec<T>> {
+    let mut all = vec![usual; names.len()];
+    for pair in given.items()?.iter() {
+        let (name, value): (String, Bound<'_, PyAny>) = pair.extract()?;
+        let Some(place) = names.iter().position(|known| *known == name) else {
+            let rule = format!("name some of {}", names.join(", "));
+            return Err(refuse(argument, &rule, &format!("'{name}'")));
+        };
+        all[place] = read(&value)?;
+    }
+    Ok(all)
+}
+
+/// Deviations of the dimensions: for each a table of all numbers of the wheels.
+pub fn deviations(value: Option<&Bound<'_, PyAny>>, wheels: usize) -> PyResult<Deviations> {
+    let Some(value) = value else { return Ok(Deviations::default()) };
+    let rows = Rows::read("dimensions", value, NUMBERS)?;
+    match rows.leading.as_slice() {
+        [0, _] => return Ok(Deviations::default()),
+        [_, each] if *each == wheels => rows.check_finite("dimensions")?,
+        _ => {
+            let wanted = format!("(k, {wheels}, {NUMBERS})");
+            return Err(rows.refuse_shape("dimensions", &wanted));
+        }
+    }
+    Deviations::new(rows.flat(), wheels).or_raise(&[])
+}
+
+/// A covariance: three variances or a matrix.
+pub fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
+    let mut matrix = [[0.0; 3]; 3];
+    let Some(value) = value else { return Ok(matrix) };
+    let rows = Rows::read("covariance", value, 3)?;
+    match (rows.leading.as_slice(), rows.triples()) {
+        ([], [variances]) => {
+            for i in 0..3 {
+                matrix[i][i] = variances[i];
+            }
+        }
+        ([3], rows) => matrix.copy_from_slice(rows),
+        _ => return Err(rows.refuse_shape("covariance", "(3,) or (3, 3)")),
+    }
+    Ok(matrix)
+}
+
+/// None is what a rover says that does not steer.
+pub fn steering_left_out<'py>(joints: usize) -> PyResult<Option<Rows<'py>>> {
+    if joints == 0 {
+        return Ok(None);
+    }
+    let rule = "hold the angles of the steered wheels";
+    Err(refuse("steering", rule, "None"))
+}
+
+/// True if an impossible row ends the run, false if it is flagged.
+fn is_strict(errors: &str) -> PyResult<bool> {
+    match errors {
+        "raise" => Ok(true),
+        "flag" => Ok(false),
+        _ => {
+            let got = format!("'{errors}'");
+            Err(refuse("errors", "be 'flag' or 'raise'", &got))
+        }
+    }
+}
+
+/// The columns of every log: readings of wheels and steering, and their stamps.
+pub struct Columns<'py> {
+    pub wheels: Rows<'py>,
+    pub steering: Option<Rows<'py>>,
+    pub stamps: Scalars<'py>,
+    pub is_strict: bool,
+}
+
+impl<'py> Columns<'py> {
+    /// `widths`: wheels and steered wheels.
+    pub fn read(
+        wheels: &Bound<'py, PyAny>,
+        steering: &Bound<'py, PyAny>,
+        stamps: &Bound<'py, PyAny>,
+        errors: &str,
+        widths: [usize; 2],
+    ) -> PyResult<Self> {
+        let is_strict = is_strict(errors)?;
+        let wheels = Rows::read_table("wheel_angles", wheels, widths[0])?;
+        let leading = wheels.leading.as_slice();
+        let steering = if steering.is_none() {
+            steering_left_out(widths[1])?
+        } else {
+            Rows::read_beside("steering", Some(steering), widths[1], leading)?
+        };
+        let stamps = column("stamps", stamps, leading)?;
+        Ok(Self { wheels, steering, stamps, is_strict })
+    }
+
+    /// A column that may be left out.
+    pub fn optional(&self, argument: &str, value: Option<&Bound<'py, PyAny>>) -> PyResult<Option<Scalars<'py>>> {
+        let read = |value| column(argument, value, &self.wheels.leading);
+        value.map(read).transpose()
+    }
+
+    /// Angles of the steered wheels, row by row.
+    pub fn angles(&self) -> &[f64] {
+        self.steering.as_ref().map_or(&[], Rows::flat)
+    }
+}
+
+/// One number a row.
+fn column<'py>(argument: &str, value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<Scalars<'py>> {
+    let column = Scalars::read(argument, value)?;
+    column.fit_exactly(argument, leading).map(|()| column)
+}
+
+/// The track of `six_wheel.kinematics.odometry` under this name.
+pub fn build_track<'py>(keywords: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    let py = keywords.py();
+    py.import(intern!(py, "six_wheel.kinematics.odometry"))?.getattr(name)?.call((), Some(keywords))
+}
+
+/// The readings of one joint kind, a single row.
+pub fn row<'py>(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Option<Rows<'py>>> {
+    if value.is_none() && argument == "steering" {
+        return steering_left_out(width);
+    }
+    Rows::read_one(argument, value, width).map(Some)
+}

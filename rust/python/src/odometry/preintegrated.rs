@@ -1,0 +1,397 @@
+//! `six_wheel.Preintegrated`.
+
+mod columns;
+mod parts;
+
+use numpy::{PyArray1, PyArray2, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use six_wheel_kinematics::estimate::Method;
+use six_wheel_numerics::error::Error;
+use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, Replayed, Residual, Rules, Tangent};
+use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
+
+use super::gyroscope::Gyroscope;
+use super::input::{encoders, steering_left_out};
+use super::readings_named;
+use super::values::Noise;
+use crate::arguments::{self, ArgumentKind};
+use crate::convert::{OrRaise, Rows, Scalars, compute, number, optional_number, raise, refuse};
+use crate::rover::Rover;
+use columns::{SLIPS, dimension};
+
+type Matrix<'py> = Bound<'py, PyArray2<f64>>;
+/// Columns by their name.
+type Named = Vec<(String, Vec<Column>)>;
+/// Error, its derivatives by two poses, and those by what may change.
+type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'py, PyDict>);
+
+/// Wheel motion between two instants, as one factor of a graph.
+///
+/// The motion is that of `Odometry` over the same samples. What may change afterwards without integrating again (the
+/// dimensions of the wheels, slip, the bias of a gyroscope) moves it to first order by the derivatives here.
+///
+/// Errors and derivatives are in the tangent space named `tangent`, the end's: ``delta exp(e)``, with e in axes of the
+/// body at the end. In the plane poses and `delta` are ``[x, y, yaw]`` and tangents ``[x, y, yaw]`` [m, m, rad]; in
+/// space they are homogeneous matrices (4, 4), tangents ``[x, y, z, about x, about y, about z]``, as in ROS messages.
+///
+/// Parameters
+/// ----------
+/// rover : Rover
+///     Any vehicle.
+/// noise : Noise, optional
+///     Standard deviations of readings and slip, default ``Noise()``.
+/// gyroscope : Gyroscope, optional
+///     Of the `yaw_rate` that comes with the samples: its noise, and the bias that is taken off.
+/// readings, wheel_encoders, steering_encoders, method
+///     As for `Odometry`.
+/// in_space : bool
+///     Whether every sample has an attitude: SE(3) instead of the plane. Wheels then move the body in the plane they
+///     stand on, which the attitude tilts; its turn about the body's own vertical axis is a gyroscope's, which wheels
+///     and attitude share by their noise.
+/// attitude_noise : float, default 0.01
+///     Standard deviation of the tilt of an attitude [rad].
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a parameter makes no sense.
+///
+/// Source: C. Forster, L. Carlone, F. Dellaert, D. Scaramuzza, On-Manifold Preintegration for Real-Time
+/// Visual-Inertial Odometry, IEEE T-RO 33(1), 2017, for the idea; the wheel equation here is that of any rover.
+#[pyclass(module = "six_wheel")]
+pub struct Preintegrated {
+    core: Core,
+    rover: Py<Rover>,
+    /// Of the samples so far.
+    replayed: Option<Replayed>,
+}
+
+impl ArgumentKind for Preintegrated {
+    const KIND: &'static str = "a Preintegrated";
+}
+
+getters! { Preintegrated, this, py:
+    /// Name of the tangent space of `covariance`, `residual` and all derivatives.
+    tangent: &'static str = "end";
+    /// When the motion begins [s]; None before a sample.
+    begin: Option<f64> = this.core.span().map(|[begin, _]| begin);
+    /// When it ends [s]; None before a sample.
+    end: Option<f64> = this.core.span().map(|[_, end]| end);
+    /// From begin to end [s].
+    duration: f64 = this.core.span().map_or(0.0, |[begin, end]| end - begin);
+    /// The rover.
+    rover: Py<Rover> = this.rover.clone_ref(py);
+    /// Standard deviations of readings and slip.
+    noise: Noise = this.core.rules().settings.noise.into();
+    /// What is known of the gyroscope; None without one.
+    gyroscope: Option<Gyroscope> = this.core.rules().gyroscope.map(Gyroscope);
+}
+
+#[pymethods]
+impl Preintegrated {
+    #[new]
+    #[pyo3(
+        signature = (rover, noise=None, *, gyroscope=None, readings="angles", wheel_encoders=None, steering_encoders=None, method="least_squares", in_space=false, attitude_noise=None),
+        text_signature = "(rover, noise=None, *, gyroscope=None, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
+    )]
+    fn new(
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'_, Rover>,
+        #[pyo3(from_py_with = arguments::noise)] noise: Option<Bound<'_, Noise>>,
+        #[pyo3(from_py_with = arguments::gyroscope)] gyroscope: Option<Bound<'_, Gyroscope>>,
+        #[pyo3(from_py_with = arguments::readings)] readings: &str,
+        wheel_encoders: Option<&Bound<'_, PyAny>>,
+        steering_encoders: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = arguments::method)] method: &str,
+        #[pyo3(from_py_with = arguments::in_space)] in_space: bool,
+        attitude_noise: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let core = &rover.get().core;
+        let names = |wheels: &mut dyn Iterator<Item = usize>| -> Vec<&str> {
+            wheels.map(|i| core.wheels()[i].name.as_str()).collect()
+        };
+        let wheels = names(&mut (0..core.wheels().len()));
+        let steered = names(&mut core.steered().iter().copied());
+        let rules = Rules {
+            settings: Settings {
+                noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
+                readings: readings_named(readings)?,
+                wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
+                steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
+                method: method.parse::<Method>().or_raise(&[])?,
+                ..Settings::default()
+            },
+            gyroscope: gyroscope.map(|known| known.get().0),
+            in_space,
+            attitude_noise: optional_number("attitude_noise", attitude_noise)?.unwrap_or(0.01),
+        };
+        Ok(Self { core: Core::new(core.clone(), rules).or_raise(&[])?, rover: rover.clone().unbind(), replayed: None })
+    }
+
+    /// Takes in one sample, or all rows of a log. The first one is where the motion begins.
+    ///
+    /// Parameters
+    /// ----------
+    /// steering : array_like, shape (steered wheels,) or (n, steered wheels), or WheelLog
+    ///     As for `Odometry.update`; None for a rover that does not steer. A log stands for this and the next two.
+    /// wheel_angles : array_like, shape (wheels,) or (n, wheels)
+    ///     As for `Odometry.update`.
+    /// stamp : float or array_like, shape (n,)
+    ///     When they were read [s].
+    /// yaw_rate : float or array_like, shape (n,), optional
+    ///     Of a gyroscope [rad/s]; NaN where there was none.
+    /// attitude : array_like, shape (4,) or (n, 4), optional
+    ///     Quaternion x, y, z, w of the body in any fixed frame; needed in space.
+    ///
+    /// Raises
+    /// ------
+    /// UnderdeterminedError
+    ///     If the wheels do not determine the motion.
+    /// ValueError
+    ///     If a value is not finite, a stamp not later than the last one or a shape wrong; nothing was taken in.
+    #[pyo3(signature = (steering, wheel_angles=None, stamp=None, *, yaw_rate=None, attitude=None))]
+    fn add<'py>(
+        &mut self,
+        py: Python<'py>,
+        steering: &Bound<'py, PyAny>,
+        wheel_angles: Option<&Bound<'py, PyAny>>,
+        stamp: Option<&Bound<'py, PyAny>>,
+        yaw_rate: Option<&Bound<'py, PyAny>>,
+        attitude: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<()> {
+        let (Some(wheel_angles), Some(stamp)) = (wheel_angles, stamp) else {
+            if wheel_angles.is_some() || stamp.is_some() || !steering.hasattr("wheel_angles")? {
+                let rule = "come together with wheel_angles and stamp, or be a log";
+                return Err(refuse("steering", rule, "one without the others"));
+            }
+            let parts = ["steering", "wheel_angles", "stamps"].map(|part| steering.getattr(part));
+            let [steering, wheels, stamps] = parts;
+            return self.add(py, &steering?, Some(&wheels?), Some(&stamps?), yaw_rate, attitude);
+        };
+        let rover = self.core.rover();
+        let (count, joints) = (rover.wheels().len(), rover.steered().len());
+        let wheels = Rows::read("wheel_angles", wheel_angles, count)?;
+        let leading = wheels.leading.as_slice();
+        if leading.len() > 1 {
+            let rule = format!("have shape ({count},) or (n, {count})");
+            return Err(refuse("wheel_angles", &rule, "more axes"));
+        }
+        let steering = if steering.is_none() {
+            steering_left_out(joints)?
+        } else {
+            Rows::read_beside("steering", Some(steering), joints, leading)?
+        };
+        let column = |argument, value: &Bound<'py, PyAny>| {
+            let column = Scalars::read(argument, value)?;
+            column.fit_exactly(argument, leading).map(|()| column)
+        };
+        let stamps = column("stamp", stamp)?;
+        let rates = yaw_rate.map(|rate| column("yaw_rate", rate)).transpose()?;
+        let attitudes = Rows::read_beside("attitude", attitude, 4, leading)?;
+        let attitudes = attitudes.as_ref().map(|rows| rows.flat().as_chunks::<4>().0);
+        let log = Recording {
+            steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
+            wheels: wheels.flat(),
+            stamps: stamps.flat(),
+            yaws: None,
+            yaw_rates: rates.as_ref().map(Scalars::flat),
+        };
+        self.replayed = None;
+        let core = &mut self.core;
+        compute(py, wheels.count(), || core.add_log(log, attitudes)).map_err(|error| {
+            let row = error.row.filter(|_| !leading.is_empty());
+            raise(Error { row, ..error }, leading)
+        })
+    }
+
+    /// The motion ``begin_from_end``: ``[x, y, yaw]``, the yaw with its full turns, or in space a matrix (4, 4).
+    #[getter]
+    fn delta<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        if let Some(pose) = self.core.pose() {
+            return Ok(PyArray1::from_slice(py, &<[f64; 3]>::from(pose)).into_any());
+        }
+        let replayed = self.replayed(py)?;
+        let (motion, yaw) = (replayed.motion, replayed.yaw);
+        Ok(self.written(py, &motion, yaw))
+    }
+
+    /// Covariance of the motion in the tangent space `tangent`, shape (3, 3) or (6, 6).
+    #[getter]
+    fn covariance<'py>(&mut self, py: Python<'py>) -> PyResult<Matrix<'py>> {
+        self.covariance_in(py, "end")
+    }
+
+    /// Covariance of the motion in a tangent space by name.
+    ///
+    /// Parameters
+    /// ----------
+    /// tangent : {'end', 'begin', 'coordinates'}
+    ///     ``delta exp(e)``, in axes of the body at the end; ``exp(e) delta``, at the beginning; or ``delta + e``, the
+    ///     coordinates of the end seen from the beginning, as `OdometryState.covariance`.
+    fn covariance_in<'py>(&mut self, py: Python<'py>, tangent: &str) -> PyResult<Matrix<'py>> {
+        let chosen = match tangent {
+            "end" => Tangent::End,
+            "begin" => Tangent::Begin,
+            "coordinates" => Tangent::Coordinates,
+            _ => {
+                let rule = "be 'end', 'begin' or 'coordinates'";
+                return Err(refuse("tangent", rule, &format!("'{tangent}'")));
+            }
+        };
+        if let Some(covariance) = self.core.covariance().filter(|_| tangent == "coordinates") {
+            return Ok(PyArray2::from_vec2(py, &covariance.map(Vec::from))?);
+        }
+        let covariance = self.replayed(py)?.covariance_in(chosen);
+        self.square(py, |i, k| covariance[(i, k)])
+    }
+
+    /// Derivatives of the motion by the dimensions of the wheels, dict of name to array (3 or 6, wheels): `radius`,
+    /// `x`, `y`, `heading`, `scrub`, `trail`, `roller_angle`.
+    #[getter]
+    fn by_dimension<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.tables(py, DIMENSIONS.into_iter().map(dimension))
+    }
+
+    /// Derivatives by constant slip, dict of name to array (3 or 6, wheels): `slip`, the share of the way a wheel rolled
+    /// by which its contact slipped forwards; `side_slip`, how far it slipped to its left, as a share of the way its pivot
+    /// went.
+    #[getter]
+    fn by_slip<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.tables(py, SLIPS.into_iter())
+    }
+
+    /// Derivative by the bias of the gyroscope [rad/s], shape (3,) or (6,); zero without one.
+    #[getter]
+    fn by_gyroscope_bias<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let rows = self.rows();
+        let by = self.replayed(py)?.by(Column::Bias);
+        let kept: Vec<f64> = rows.iter().map(|&row| by[row]).collect();
+        Ok(kept.to_pyarray(py))
+    }
+
+    /// The motion after changes, to first order: no sample is looked at again.
+    ///
+    /// Parameters
+    /// ----------
+    /// changes : dict of str to array_like
+    ///     By names of `by_dimension` and `by_slip`, arrays of shape (wheels,), or one number for all; and
+    ///     ``"gyroscope_bias"`` [rad/s].
+    fn corrected<'py>(&mut self, py: Python<'py>, changes: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
+        let (change, _) = self.change(py, changes)?;
+        let (motion, yaw) = self.replayed(py)?.corrected(change);
+        Ok(self.written(py, &motion, yaw))
+    }
+
+    /// How two poses contradict the motion: ``log(delta⁻¹ pose_i⁻¹ pose_j)``.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose_i, pose_j : array_like, shape (3,) or (4, 4)
+    ///     Where the body is when the motion begins and when it ends.
+    ///
+    /// Returns
+    /// -------
+    /// error : ndarray, shape (3,) or (6,)
+    ///     Zero where they agree; weigh it by the inverse of `covariance`.
+    /// by_i, by_j : ndarray, shape (3, 3) or (6, 6)
+    ///     Its derivatives by both poses, as they move by ``pose exp(e)``.
+    fn residual<'py>(
+        &mut self,
+        py: Python<'py>,
+        pose_i: &Bound<'py, PyAny>,
+        pose_j: &Bound<'py, PyAny>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>)> {
+        let (error, by_i, by_j, _) = self.factor(py, pose_i, pose_j, &PyDict::new(py))?;
+        Ok((error, by_i, by_j))
+    }
+
+    /// `residual` of the motion after changes, with its derivatives by these as well: for an optimiser that looks for
+    /// dimensions, slip or a bias along with poses.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose_i, pose_j : array_like, shape (3,) or (4, 4)
+    ///     As in `residual`.
+    /// changes : dict of str to array_like
+    ///     As in `corrected`, from what the motion was integrated with.
+    ///
+    /// Returns
+    /// -------
+    /// error, by_i, by_j : ndarray
+    ///     As in `residual`.
+    /// by_changes : dict of str to ndarray
+    ///     Derivatives by every change, arrays (3 or 6, wheels).
+    fn factor<'py>(
+        &mut self,
+        py: Python<'py>,
+        pose_i: &Bound<'py, PyAny>,
+        pose_j: &Bound<'py, PyAny>,
+        changes: &Bound<'py, PyDict>,
+    ) -> PyResult<Factor<'py>> {
+        let poses = [self.pose_of("pose_i", pose_i)?, self.pose_of("pose_j", pose_j)?];
+        let (change, wanted) = self.change(py, changes)?;
+        let rows = self.rows();
+        let replayed = self.replayed(py)?;
+        let residual = Residual::of(&replayed.motion, &change.into(), [&poses[0], &poses[1]]);
+        let error: Vec<f64> = rows.iter().map(|&row| residual.error[row]).collect();
+        let by_changes = PyDict::new(py);
+        for (name, columns) in wanted {
+            let by: Vec<_> = columns.iter().map(|&column| residual.by_motion * replayed.by(column)).collect();
+            let table: Vec<Vec<f64>> = rows.iter().map(|&row| by.iter().map(|one| one[row]).collect()).collect();
+            by_changes.set_item(name, PyArray2::from_vec2(py, &table)?)?;
+        }
+        let by_first = self.square(py, |i, k| residual.by_first[(i, k)])?;
+        let by_second = self.square(py, |i, k| residual.by_second[(i, k)])?;
+        Ok((error.to_pyarray(py), by_first, by_second, by_changes))
+    }
+
+    /// The motions before and after an instant, which `merge` joins again.
+    ///
+    /// Parameters
+    /// ----------
+    /// stamp : float
+    ///     From `begin` to `end` [s]. Within a step the rover is on its arc.
+    fn split(&self, py: Python<'_>, stamp: &Bound<'_, PyAny>) -> PyResult<(Self, Self)> {
+        let stamp = number("stamp", stamp)?;
+        let parts = compute(py, self.core.len(), || self.core.split(stamp));
+        let [first, second] = parts.or_raise(&[])?;
+        Ok((self.with(first, py), self.with(second, py)))
+    }
+
+    /// This motion and the one that begins where it ends, as one. The reading between both errs in both: the
+    /// covariance is that of all samples in one place.
+    ///
+    /// Parameters
+    /// ----------
+    /// other : Preintegrated
+    ///     Of the same rover, its first sample the last one here.
+    fn merge(&self, py: Python<'_>, #[pyo3(from_py_with = arguments::other)] other: Bound<'_, Self>) -> PyResult<Self> {
+        let other = other.try_borrow()?;
+        let (ours, theirs) = (&self.core, &other.core);
+        let merged = compute(py, theirs.len(), || ours.merge(theirs));
+        Ok(self.with(merged.or_raise(&[])?, py))
+    }
+
+    fn __len__(&self) -> usize {
+        self.core.len()
+    }
+
+    fn __repr__(&mut self, py: Python<'_>) -> PyResult<String> {
+        let delta = self.delta(py)?;
+        let shown: Vec<f64> = delta.call_method0("ravel")?.extract()?;
+        let (samples, duration) = (self.core.len(), self.duration(py));
+        let place = match shown.as_slice() {
+            [x, y, yaw] => format!("x={x:.4} m, y={y:.4} m, yaw={yaw:.4} rad"),
+            all => format!("x={:.4} m, y={:.4} m, z={:.4} m", all[3], all[7], all[11]),
+        };
+        Ok(format!("Preintegrated({samples} samples, {duration} s, {place})"))
+    }
+
+    fn __copy__(&self, py: Python<'_>) -> Self {
+        self.with(self.core.clone(), py)
+    }
+
+    fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> Self {
+        self.with(self.core.clone(), py)
+    }
+}

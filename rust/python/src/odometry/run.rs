@@ -1,0 +1,101 @@
+//! `Odometry.run`.
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use six_wheel_kinematics::estimate::Method;
+use six_wheel_odometry::{Recording, TrackRows};
+
+use super::Odometry;
+use super::input::{Columns, build_track};
+use crate::arguments;
+use crate::convert::{Array, Output, Scalars, compute_rows, memory};
+
+#[pymethods]
+impl Odometry {
+    /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
+    ///
+    /// Parameters
+    /// ----------
+    /// steering : array_like, shape (n, steered wheels)
+    ///     As in `update`; None for a rover that does not steer.
+    /// wheel_angles : array_like, shape (n, wheels)
+    ///     As in `update`.
+    /// stamps : array_like, shape (n,)
+    ///     When they were read [s].
+    /// yaw, yaw_rate : array_like, shape (n,), optional
+    ///     As in `update`; NaN in rows without.
+    /// errors : {'flag', 'raise'}
+    ///     Leave out rows that cannot be, flagged in `health`, or raise on the first one.
+    /// covariances, residuals : bool
+    ///     Whether to compute these; what is not is None.
+    ///
+    /// Returns
+    /// -------
+    /// Track
+    ///     `poses`, `twists`, `covariances`, `residuals`, `weights` (of the robust method) and `health`, one row per
+    ///     sample.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a shape does not fit; with ``errors="raise"`` as `update`, the row named.
+    #[pyo3(signature = (steering, wheel_angles, stamps, *, yaw=None, yaw_rate=None, errors="flag", covariances=true, residuals=true))]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        steering: &Bound<'py, PyAny>,
+        wheel_angles: &Bound<'py, PyAny>,
+        stamps: &Bound<'py, PyAny>,
+        yaw: Option<&Bound<'py, PyAny>>,
+        yaw_rate: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::errors)] errors: &str,
+        #[pyo3(from_py_with = arguments::covariances)] covariances: bool,
+        #[pyo3(from_py_with = arguments::residuals)] residuals: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let count = self.wheels();
+        let widths = [count, self.joints()];
+        let log = Columns::read(wheel_angles, steering, stamps, errors, widths)?;
+        let yaws = log.optional("yaw", yaw)?;
+        let rates = log.optional("yaw_rate", yaw_rate)?;
+        let recording = Recording {
+            steering: log.angles(),
+            wheels: log.wheels.flat(),
+            stamps: log.stamps.flat(),
+            yaws: yaws.as_ref().map(Scalars::flat),
+            yaw_rates: rates.as_ref().map(Scalars::flat),
+        };
+        let rows = log.wheels.count();
+        let output = |shape: &[usize]| Output::fresh(py, shape);
+        let wanted = |flag: bool, shape: &[usize]| flag.then(|| output(shape)).transpose();
+        let is_robust = self.work.lock(py)?.core.settings().method == Method::Robust;
+        let (mut poses, mut twists) = (output(&[rows, 3])?, output(&[rows, 3])?);
+        let mut covariances = wanted(covariances, &[rows, 3, 3])?;
+        let mut residuals = wanted(residuals, &[rows, count])?;
+        let mut weights = wanted(is_robust, &[rows, count])?;
+        let mut flags = memory::filled(0, rows)?;
+        let track = TrackRows {
+            poses: poses.triples(),
+            twists: twists.triples(),
+            covariances: covariances.as_mut().map(|out| out.flat().as_chunks_mut().0),
+            residuals: residuals.as_mut().map(Output::flat),
+            weights: weights.as_mut().map(Output::flat),
+            health: &mut flags,
+        };
+        let mut work = self.work.lock(py)?;
+        let core = &mut work.core;
+        compute_rows(py, rows, &log.wheels.leading, || core.run(recording, log.is_strict, track))?;
+        drop(work);
+        let finish = |out: Option<Output<'py>>| -> PyResult<Option<Array<'py>>> { out.map(Output::finish).transpose() };
+        let keywords = PyDict::new(py);
+        keywords.set_item("rover", &self.rover)?;
+        keywords.set_item("stamps", memory::array(py, log.stamps.flat(), &[rows])?)?;
+        keywords.set_item("poses", poses.finish()?)?;
+        keywords.set_item("twists", twists.finish()?)?;
+        keywords.set_item("covariances", finish(covariances)?)?;
+        keywords.set_item("residuals", finish(residuals)?)?;
+        keywords.set_item("weights", finish(weights)?)?;
+        keywords.set_item("health", PyArray1::from_vec(py, flags))?;
+        build_track(&keywords, "Track")
+    }
+}

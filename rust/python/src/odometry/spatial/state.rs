@@ -1,0 +1,116 @@
+//! `six_wheel.Odometry3State`.
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+use six_wheel_ground_motion::spatial::{Odometry3, Pose3};
+use six_wheel_kinematics::estimate::worst_wheel;
+use six_wheel_terrain::suspension::MAX_WHEELS;
+
+use super::super::state::Short;
+use crate::suspension::Suspension;
+
+type Vector<'py> = Bound<'py, PyArray1<f64>>;
+type Matrix<'py> = Bound<'py, PyArray2<f64>>;
+
+/// Where a rover on ground is after a sample, and how far that may be off.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct Odometry3State {
+    stamp: Option<f64>,
+    pose: Pose3,
+    twist: [f64; 6],
+    covariance: [[f64; 6]; 6],
+    twist_covariance: [[f64; 6]; 6],
+    slip: [[f64; 2]; MAX_WHEELS],
+    wheels: usize,
+    health: u32,
+    arm: Py<Suspension>,
+}
+
+impl Odometry3State {
+    pub fn of(odometry: &Odometry3, arm: Py<Suspension>) -> Self {
+        let slips = odometry.slip();
+        let mut slip = [[0.0; 2]; MAX_WHEELS];
+        slip[..slips.len()].copy_from_slice(slips);
+        Self {
+            stamp: odometry.stamp(),
+            pose: odometry.pose(),
+            twist: odometry.twist(),
+            covariance: odometry.covariance(),
+            twist_covariance: odometry.twist_covariance(),
+            slip,
+            wheels: slips.len(),
+            health: odometry.health().0,
+            arm,
+        }
+    }
+
+    fn residuals(&self) -> Vec<f64> {
+        let slips = self.slip[..self.wheels].iter();
+        slips.map(|[along, aside]| sliding(*along, *aside)).collect()
+    }
+}
+
+/// How fast a contact slides; one without an encoder slides sideways.
+fn sliding(along: f64, aside: f64) -> f64 {
+    if along.is_nan() { aside.abs() } else { along.hypot(aside) }
+}
+
+fn matrix<'py>(py: Python<'py>, numbers: &[f64], width: usize) -> PyResult<Matrix<'py>> {
+    PyArray1::from_slice(py, numbers).reshape([numbers.len() / width, width])
+}
+
+getters! { Odometry3State, this, py:
+    /// When the sample was taken [s]; None before the first one.
+    stamp: Option<f64> = this.stamp;
+    /// ``[x, y, z, roll, pitch, yaw]`` in the world, ``Rz(yaw) Ry(pitch) Rx(roll)``, the yaw with its full turns, shape
+    /// (6,) [m, rad].
+    pose: Vector<'py> = PyArray1::from_slice(py, &this.pose.numbers());
+    /// Of the body's origin, shape (3,) [m].
+    position: Vector<'py> = PyArray1::from_slice(py, &this.pose.numbers()[..3]);
+    /// ``[roll, pitch, yaw]``, shape (3,) [rad].
+    attitude: Vector<'py> = PyArray1::from_slice(py, &this.pose.numbers()[3..]);
+    /// ``world_from_body``, shape (4, 4).
+    transform: PyResult<Matrix<'py>> = matrix(py, this.pose.motion().matrix().as_flattened(), 4);
+    /// Mean ``vx, vy, vz, wx, wy, wz`` over the last step in axes of the body, shape (6,) [m/s, rad/s].
+    twist: Vector<'py> = PyArray1::from_slice(py, &this.twist);
+    /// Covariance of x, y, z [m] and about the axes of the world [rad], as in ROS messages, shape (6, 6).
+    covariance: PyResult<Matrix<'py>> = matrix(py, this.covariance.as_flattened(), 6);
+    /// Covariance of the twist, shape (6, 6); infinite variances where nothing is known of the twist: before the first
+    /// step, and after a pose was set.
+    twist_covariance: PyResult<Matrix<'py>> = matrix(py, this.twist_covariance.as_flattened(), 6);
+    /// Speed at which each wheel's contact slid over the last step, shape (wheels,) [m/s]; NaN in the air.
+    residual: Vector<'py> = PyArray1::from_vec(py, this.residuals());
+    /// The same along the rim, forwards, and to the left, shape (wheels, 2) [m/s].
+    slip: PyResult<Matrix<'py>> = matrix(py, this.slip[..this.wheels].as_flattened(), 2);
+    /// Flags of the sample, an `OdometryHealth`.
+    health: PyResult<Bound<'py, PyAny>> = py.import("six_wheel.kinematics.odometry")?.getattr("OdometryHealth")?.call1((this.health,));
+}
+
+#[pymethods]
+impl Odometry3State {
+    /// ``world_from_body`` as a quaternion x, y, z, w, shape (4,).
+    #[getter]
+    fn orientation<'py>(&self, py: Python<'py>) -> Vector<'py> {
+        let turn = self.pose.motion().rotation;
+        PyArray1::from_slice(py, &[turn.i, turn.j, turn.k, turn.w])
+    }
+
+    /// Name of the wheel that disagrees most; None if none does.
+    #[getter]
+    fn worst_wheel<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyString>> {
+        let worst = worst_wheel(&self.residuals())?;
+        Some(PyString::new(py, &self.arm.get().chain.wheels()[worst].name))
+    }
+
+    fn __repr__(&self) -> String {
+        let deviation = |k: usize| Short(self.covariance[k][k].sqrt());
+        let names = ["x", "y", "z", "roll", "pitch", "yaw"];
+        let numbers = self.pose.numbers();
+        let places: Vec<String> = (0..3)
+            .map(|k| format!("{}={:.4} ± {} m", names[k], numbers[k], deviation(k)))
+            .chain((3..6).map(|k| format!("{}={:.4} rad", names[k], numbers[k])))
+            .collect();
+        format!("Odometry3State({})", places.join(", "))
+    }
+}

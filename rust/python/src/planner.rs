@@ -1,0 +1,396 @@
+//! `six_wheel.Mppi`, a sampling planner's whole cycle.
+
+pub mod costmap;
+mod inputs;
+mod plan;
+mod rollout;
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_planner::{Mppi as Core, Options, Precision, Situation, State, Weights};
+
+use crate::arguments;
+use crate::controller::limits::Limits;
+use crate::convert::{Array, OrRaise, Output, Rows, compute_rows, number, one_row, out_tuple, refuse};
+use crate::rover::Rover;
+use crate::state_lock::{Shared, Turn};
+use crate::workers::any_workers;
+use costmap::Costmap;
+use inputs::{Seen, check_frame, place, points, precision, read_weights, size, whole};
+pub use plan::MppiPlan;
+use plan::triples;
+
+/// Points of a footprint at most.
+const FOOTPRINT: usize = 64;
+
+/// A sampling planner's whole cycle, a model predictive path integral, in one call.
+///
+/// Every cycle samples wishes around the last plan, drives them within the rover's limits, and averages them by what
+/// their ways cost. The motion executed at every step has one centre of rotation at which all steered wheels point:
+/// nothing slides, and no joint turns faster than it may. To a motion that no continuous turn of the joints leads to (to
+/// turn on the spot, say) the rover stops, turns its wheels and goes on. A few samples are no noise: the plan itself, to
+/// stop, to turn on the spot either way, ahead and back.
+///
+/// The noise comes from a counter: all results depend on the arguments and the seed alone, bit for bit, not on threads
+/// or kernels. Nothing is allocated for rollouts after the first cycle.
+///
+/// Parameters
+/// ----------
+/// rover : Rover
+///     What is driven; without steered wheels that have trail.
+/// limits : Limits, optional
+///     What its motion may not exceed. All but the jerks count here, which are a controller's matter; steering angles
+///     may speed up by no more than `steering_acceleration` where they turn on the spot.
+/// horizon : int, default 56
+///     Steps of a rollout.
+/// dt : float, default 0.05
+///     Their duration, and the time from cycle to cycle [s].
+/// samples : int, default 2000
+///     Rollouts of a cycle.
+/// seed : int, default 0
+///     Of the noise, 0 to 2^64 - 1.
+/// noise : array_like, shape (3,), optional
+///     Standard deviation of the wishes [m/s, m/s, rad/s]; default half of what the limits allow.
+/// correlation : float, default 0.5
+///     Time in which the noise of a rollout forgets itself, to 1/e [s].
+/// temperature : float, default 1.0
+///     Cost by which a rollout counts 1/e as much.
+/// weights : dict, optional
+///     What counts how much, over the defaults: ``map`` 1 (cost of the map, per second), ``collision`` 1000 (a rollout
+///     that comes to a lethal place), ``goal`` 1 and ``terminal`` 10 (distance to the goal, per second and at the
+///     end), ``path`` 5 (distance from it, per second), ``progress`` 10 (way made along it), ``heading`` 1 (square of the
+///     sine between heading and path, per second), ``effort`` 0 (mean square
+///     speed of the wheels' pivots, per second), ``scrub`` 1 (square of the speed at which fixed wheels slide, per
+///     second).
+/// smoothing : bool
+///     Whether the new plan is smoothed by a quadratic over five steps (Savitzky-Golay).
+/// delay : float, default 0.0
+///     Dead time of the rover [s]: what is wished that far ahead is on its way already, and stays.
+/// dtype : {'float64', 'float32'}
+///     What rollouts are computed in.
+/// footprint : array_like, shape (n, 2), optional
+///     Points of the body where the map is read, of which the worst counts [m]; default its origin.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If an option makes no sense.
+///
+/// Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018; E. Trevisan & J.
+/// Alonso-Mora, Biased-MPPI, IEEE RA-L 9(6), 2024.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct Mppi {
+    core: Shared<Core>,
+    rover: Py<Rover>,
+    limits: Limits,
+    options: Options,
+}
+
+getters! { Mppi, this, py:
+    /// The costs of the last cycle's rollouts, shape (samples,).
+    costs: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, this.core.lock(py)?.costs()));
+    /// What is planned for.
+    rover: Py<Rover> = this.rover.clone_ref(py);
+    /// What its motion may not exceed.
+    limits: Limits = this.limits.clone();
+    /// Steps of a rollout.
+    horizon: usize = this.options.horizon;
+    /// Duration of a step [s].
+    dt: f64 = this.options.dt;
+    /// Rollouts of a cycle.
+    samples: usize = this.options.samples;
+    /// Of the noise.
+    seed: u64 = this.options.seed;
+    /// Standard deviation of the wishes, shape (3,) [m/s, m/s, rad/s].
+    noise: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, &this.core.lock(py)?.noise()));
+}
+
+#[pymethods]
+impl Mppi {
+    #[new]
+    #[pyo3(
+        signature = (rover, limits=None, *, horizon=None, dt=None, samples=None, seed=None, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=true, delay=0.0, dtype=None, footprint=None),
+        text_signature = "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
+    )]
+    fn new(
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'_, Rover>,
+        #[pyo3(from_py_with = arguments::limits)] limits: Option<Limits>,
+        horizon: Option<&Bound<'_, PyAny>>,
+        dt: Option<&Bound<'_, PyAny>>,
+        samples: Option<&Bound<'_, PyAny>>,
+        seed: Option<&Bound<'_, PyAny>>,
+        noise: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = arguments::correlation)] correlation: f64,
+        #[pyo3(from_py_with = arguments::temperature)] temperature: f64,
+        weights: Option<&Bound<'_, PyDict>>,
+        #[pyo3(from_py_with = arguments::smoothing)] smoothing: bool,
+        #[pyo3(from_py_with = arguments::delay)] delay: f64,
+        dtype: Option<&Bound<'_, PyAny>>,
+        footprint: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let usual = Options::default();
+        let count = |argument: &str, value: Option<&Bound<'_, PyAny>>, usual: u64| {
+            value.map_or(Ok(usual), |value| whole(argument, value))
+        };
+        let noise = Rows::read_beside("noise", noise, 3, &[])?;
+        if let Some(noise) = &noise {
+            noise.check_finite("noise")?;
+        }
+        let footprint = match footprint {
+            Some(points) => Rows::read_table("footprint", points, 2)?.flat().as_chunks().0.to_vec(),
+            None => usual.footprint.clone(),
+        };
+        if footprint.len() > FOOTPRINT {
+            return Err(refuse("footprint", &format!("hold {FOOTPRINT} points at most"), &footprint.len().to_string()));
+        }
+        let options = Options {
+            horizon: size(count("horizon", horizon, usual.horizon as u64)?),
+            dt: dt.map_or(Ok(usual.dt), |dt| number("dt", dt))?,
+            samples: size(count("samples", samples, usual.samples as u64)?),
+            seed: count("seed", seed, usual.seed)?,
+            noise: noise.map(|rows| rows.triples()[0]),
+            correlation,
+            temperature,
+            weights: weights.map_or(Ok(Weights::default()), read_weights)?,
+            smoothing,
+            delay,
+            precision: dtype.map_or(Ok(Precision::Double), precision)?,
+            footprint,
+        };
+        let limits = limits.unwrap_or(Limits(Default::default()));
+        let core = Core::new(&rover.get().core, limits.0, options.clone()).or_raise(&[])?;
+        Ok(Self { core: Shared::new(core), rover: rover.unbind(), limits, options })
+    }
+
+    /// One cycle: the plan from here on.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : array_like, shape (3,), or an object with ``pose``
+    ///     Where the rover is, ``[x, y, yaw]`` [m, m, rad], such as an `OdometryState`, whose ``twist``, ``steering`` and
+    ///     ``frame`` count as well, if it has them.
+    /// twist : array_like, shape (3,), optional
+    ///     Its motion ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]; default that of `state`, or at rest.
+    /// steering : array_like, shape (steered wheels,), optional
+    ///     Where its steering joints are [rad]; default those of `state`, or where the last plan brought them.
+    /// path : array_like, shape (n, 2) or (n, 3), optional
+    ///     Corners of a path to follow [m].
+    /// costmap : Costmap, optional
+    ///     What it costs to be somewhere. The rover has to be on it.
+    /// goal : array_like, shape (2,) or (3,), optional
+    ///     Where to go [m]; default the end of the path. One of `path`, `goal` and `extra_cost` has to be given.
+    /// extra_cost : callable, optional
+    ///     Called once, with the poses (samples, horizon + 1, 3) and the motions (samples, horizon, 3) of all rollouts;
+    ///     returns a cost for each, shape (samples,), which may be infinite.
+    /// frame : str, optional
+    ///     Name of the frame `state`, `path` and `goal` are in; default that of `state`. A costmap of another one is
+    ///     refused.
+    /// out : tuple of ndarray, optional
+    ///     Arrays for the plan's `steering` and `speeds`.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`.
+    /// level : str, optional
+    ///     One of `simd_levels()`, default the best.
+    ///
+    /// Returns
+    /// -------
+    /// MppiPlan
+    ///     What to command now, and where the plan leads.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite, a shape does not fit, there is nowhere to go, the rover is not on the map, or no
+    ///     rollout is left possible. The planner stays as it was, and nothing is written.
+    #[pyo3(
+        signature = (state, *more, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, level=None),
+        text_signature = "($self, state, *, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, level=None)"
+    )]
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        state: &Bound<'py, PyAny>,
+        more: &Bound<'py, PyTuple>,
+        twist: Option<&Bound<'py, PyAny>>,
+        steering: Option<&Bound<'py, PyAny>>,
+        path: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::costmap)] costmap: Option<Bound<'py, Costmap>>,
+        goal: Option<&Bound<'py, PyAny>>,
+        extra_cost: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::frame)] frame: Option<&str>,
+        out: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
+    ) -> PyResult<MppiPlan> {
+        if !more.is_empty() {
+            return Err(one_row("Mppi.step((x, y, yaw))", "state", 1 + more.len()));
+        }
+        let seen = Seen::of(state)?;
+        let pose = Rows::read("state.pose", &seen.pose, 3)?;
+        pose.check_leading("state.pose", &[])?;
+        let twist = Rows::read_beside("state.twist", twist.or(seen.twist.as_ref()), 3, &[])?;
+        let joints = self.rover.get().joints();
+        let steering = Rows::read_beside("state.steering", steering.or(seen.steering.as_ref()), joints, &[])?;
+        let path = path.map(|path| points("path", path)).transpose()?;
+        let goal = goal.map(|goal| place("goal", goal)).transpose()?;
+        let map = costmap.as_ref().map(|map| &map.get().core);
+        check_frame(costmap.as_ref(), frame.or(seen.frame.as_deref()))?;
+        let mut outputs = self.outputs(py, out)?;
+        let workers = any_workers(threads, level)?;
+        let situation = Situation {
+            pose: pose.triples()[0],
+            twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),
+            steering: steering.as_ref().map(Rows::flat),
+            costmap: map,
+            path: path.as_deref(),
+            goal,
+            record: extra_cost.is_some(),
+        };
+        let rollouts = self.options.samples * self.options.horizon;
+        let mut core = self.core.lock(py)?;
+        let planner = &mut *core;
+        compute_rows(py, rollouts, &[], || planner.roll(situation, workers))?;
+        let mut extra = None;
+        if let Some(function) = extra_cost {
+            let (costs, locked) = self.extra_costs(py, core, function)?;
+            (extra, core) = (Some(costs), locked);
+        }
+        let (costs, planner) = (extra.as_ref().map(Rows::flat), &mut *core);
+        let outcome = compute_rows(py, rollouts, &[self.options.samples], || planner.weigh(costs, workers).cloned())?;
+        let [steering, speeds] = &mut outputs;
+        steering.flat().copy_from_slice(&outcome.steering);
+        speeds.flat().copy_from_slice(&outcome.speeds);
+        let [steering, speeds] = outputs;
+        MppiPlan::of(py, &outcome, core.state(), [steering.finish()?, speeds.finish()?])
+    }
+
+    /// Back to where it was when it was made.
+    fn reset(&self, py: Python<'_>) -> PyResult<()> {
+        self.core.lock(py)?.reset();
+        Ok(())
+    }
+
+    /// All it remembers: ``controls`` (horizon, 3), what is wished at every step [m/s, m/s, rad/s]; ``cycle``, cycles so
+    /// far; ``steering``, where the joints are meant to be [rad]; ``progress``, how far along its path it is [m].
+    #[getter]
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let state = self.core.lock(py)?.state().clone();
+        let dict = PyDict::new(py);
+        dict.set_item("controls", triples(py, &state.controls)?)?;
+        dict.set_item("cycle", state.cycle)?;
+        dict.set_item("steering", PyArray1::from_vec(py, state.steering))?;
+        dict.set_item("progress", state.progress)?;
+        Ok(dict)
+    }
+
+    /// Go on from what `state` was.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : dict
+    ///     As `state` gives it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If it is not of a planner like this one.
+    fn restore(&self, py: Python<'_>, state: &Bound<'_, PyDict>) -> PyResult<()> {
+        let item = |name: &str| {
+            let found = state.get_item(name)?;
+            found.ok_or_else(|| refuse("state", &format!("have {name:?}"), "none"))
+        };
+        let controls = Rows::read_table("controls", &item("controls")?, 3)?;
+        let steering = Rows::read("steering", &item("steering")?, self.rover.get().joints())?;
+        steering.check_leading("steering", &[])?;
+        let cycle = whole("cycle", &item("cycle")?)?;
+        let state = State {
+            controls: controls.triples().to_vec(),
+            cycle: u32::try_from(cycle).map_err(|_| refuse("cycle", "be 0 to 2^32 - 1", &cycle.to_string()))?,
+            steering: steering.flat().to_vec(),
+            progress: number("progress", &item("progress")?)?,
+        };
+        self.core.lock(py)?.set_state(state).or_raise(&[])
+    }
+
+    /// The wishes of the last cycle's rollouts, ``[vx, vy, omega]``, shape (samples, horizon, 3) [m/s, m/s, rad/s].
+    #[getter]
+    fn wishes<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let steps = self.options.horizon;
+        let mut output = Output::fresh(py, &[self.options.samples, steps, 3])?;
+        let mut core = self.core.lock(py)?;
+        let mut wishes = Vec::new();
+        for (k, rows) in output.triples().chunks_exact_mut(steps).enumerate() {
+            core.wishes(k, &mut wishes);
+            rows.copy_from_slice(&wishes);
+        }
+        output.finish()
+    }
+
+    /// What counts how much.
+    #[getter]
+    fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (name, value) in Weights::NAMES.into_iter().zip(self.options.weights.values()) {
+            dict.set_item(name, value)?;
+        }
+        Ok(dict)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let rover = self.rover.bind(py).repr()?;
+        let Options { horizon, dt, samples, seed, precision, .. } = &self.options;
+        let dtype = if *precision == Precision::Single { ", dtype='float32'" } else { "" };
+        let limits = self.limits.text();
+        Ok(format!("Mppi({rover}, {limits}, horizon={horizon}, dt={dt:?}, samples={samples}, seed={seed}{dtype})"))
+    }
+}
+
+impl Mppi {
+    /// Costs of the rollouts by a function of Python, which may look at the planner: the lock is released meanwhile.
+    fn extra_costs<'a, 'py>(
+        &'a self,
+        py: Python<'py>,
+        mut core: Turn<'a, Core>,
+        function: &Bound<'py, PyAny>,
+    ) -> PyResult<(Rows<'py>, Turn<'a, Core>)>
+    where
+        'py: 'a,
+    {
+        let rolls = core.rolls();
+        let [poses, twists] = self.recorded(py, &mut core)?;
+        drop(core);
+        let costs = Rows::read("extra_cost", &function.call1((poses, twists))?, self.options.samples)?;
+        let core = self.core.lock(py)?;
+        if core.rolls() != rolls {
+            return Err(refuse("extra_cost", "not step the planner it judges for", "another cycle"));
+        }
+        costs.check_leading("extra_cost", &[])?;
+        Ok((costs, core))
+    }
+
+    /// The outputs for steering angles and wheel speeds.
+    fn outputs<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> PyResult<[Output<'py>; 2]> {
+        let rover = self.rover.get();
+        let outs = out_tuple::<2>(out, "be a tuple of two arrays, steering and speeds")?;
+        Ok([
+            Output::new(py, "out.steering", outs[0].as_ref(), &[rover.joints()])?,
+            Output::new(py, "out.speeds", outs[1].as_ref(), &[rover.count()])?,
+        ])
+    }
+
+    /// Poses and motions of all rollouts.
+    fn recorded<'py>(&self, py: Python<'py>, core: &mut Core) -> PyResult<[Array<'py>; 2]> {
+        let Options { horizon, samples, .. } = self.options;
+        let mut poses = Output::fresh(py, &[samples, horizon + 1, 3])?;
+        let mut twists = Output::fresh(py, &[samples, horizon, 3])?;
+        let (mut way, mut motions) = (Vec::new(), Vec::new());
+        let rows = poses.triples().chunks_exact_mut(horizon + 1);
+        for (k, (poses, twists)) in rows.zip(twists.triples().chunks_exact_mut(horizon)).enumerate() {
+            core.recorded(k, &mut way, &mut motions);
+            poses.copy_from_slice(&way);
+            twists.copy_from_slice(&motions);
+        }
+        Ok([poses.finish()?, twists.finish()?])
+    }
+}

@@ -1,0 +1,140 @@
+//! `six_wheel.Costmap`: what it costs to be somewhere.
+
+use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_planner::Costmap as Core;
+
+use crate::arguments::{self, ArgumentKind};
+use crate::classes::reduce;
+use crate::convert::{ArgumentTypeError, OrRaise, number, optional_number, refuse, shape_text};
+
+/// Costs on a grid, for a planner.
+///
+/// The cost of cell ``[row, column]`` is that at ``origin + (column, row) * spacing``: y grows with the rows, x with the
+/// columns. In between it is linear along each axis.
+///
+/// Parameters
+/// ----------
+/// values : array_like, shape (rows, columns)
+///     Costs, kept in single precision.
+/// spacing : float or array_like, shape (2,)
+///     Distance between cells, along x and along y [m].
+/// origin : array_like, shape (2,)
+///     Where cell ``[0, 0]`` is [m].
+/// lethal : float, optional
+///     Cost from which on a place is forbidden.
+/// outside : float, optional
+///     Cost of every place beyond the map; default that of the nearest place on it.
+/// frame : str, optional
+///     Name of the frame the map is in.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a cost is not finite (it is named), or there are less than two rows or columns.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct Costmap {
+    pub core: Core,
+    /// Name of the frame the map is in, or None.
+    #[pyo3(get)]
+    pub frame: Option<String>,
+}
+
+impl ArgumentKind for Costmap {
+    const KIND: &'static str = "a Costmap";
+
+    fn remedy(_: &Bound<'_, PyAny>) -> String {
+        "sw.Costmap(costs, spacing=...)".into()
+    }
+}
+
+getters! { Costmap, this, py:
+    /// Distance between cells, along x and along y [m].
+    spacing: (f64, f64) = this.core.spacing().into();
+    /// Where cell ``[0, 0]`` is [m].
+    origin: (f64, f64) = this.core.origin().into();
+    /// Cost from which on a place is forbidden, or None.
+    lethal: Option<f64> = this.core.lethal();
+    /// Cost of every place beyond the map, or None.
+    outside: Option<f64> = this.core.outside();
+}
+
+replaceable!(Costmap);
+
+#[pymethods]
+impl Costmap {
+    #[new]
+    #[pyo3(
+        signature = (values, spacing, origin=None, *, lethal=None, outside=None, frame=None),
+        text_signature = "(values, spacing, origin=(0.0, 0.0), *, lethal=None, outside=None, frame=None)"
+    )]
+    fn new(
+        py: Python<'_>,
+        values: &Bound<'_, PyAny>,
+        spacing: &Bound<'_, PyAny>,
+        origin: Option<&Bound<'_, PyAny>>,
+        lethal: Option<&Bound<'_, PyAny>>,
+        outside: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = arguments::frame)] frame: Option<String>,
+    ) -> PyResult<Self> {
+        let numpy = py.import("numpy")?;
+        let array = numpy.call_method1("asarray", (values,))?;
+        let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+        if !matches!(kind.as_str(), "f" | "i" | "u" | "b") {
+            let message = format!("values must be real numbers, got dtype {}", array.getattr("dtype")?);
+            return Err(ArgumentTypeError::new_err(message));
+        }
+        let array = numpy.call_method1("ascontiguousarray", (array, "f4"))?;
+        let array = array.cast_into::<PyArrayDyn<f32>>()?;
+        let shape = array.shape().to_vec();
+        let [rows, columns] = shape[..] else {
+            return Err(refuse("values", "have shape (rows, columns)", &format!("shape {}", shape_text(&shape))));
+        };
+        let pair = |argument: &str, value: &Bound<'_, PyAny>| {
+            value.extract::<[f64; 2]>().map_err(|_| refuse(argument, "be two numbers", &value.to_string()))
+        };
+        let spacing = match number("spacing", spacing) {
+            Ok(one) => [one; 2],
+            Err(_) => pair("spacing", spacing)?,
+        };
+        let origin = origin.map_or(Ok([0.0; 2]), |origin| pair("origin", origin))?;
+        let (lethal, outside) = (optional_number("lethal", lethal)?, optional_number("outside", outside)?);
+        let core = Core::new(array.to_vec()?, [rows, columns], spacing, origin, lethal, outside);
+        Ok(Self { core: core.or_raise(&[])?, frame })
+    }
+
+    /// Costs, shape (rows, columns), float32; a copy.
+    #[getter]
+    fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let array = numpy::PyArray1::from_slice(py, self.core.values());
+        array.call_method1("reshape", (self.core.shape(),))
+    }
+
+    fn __repr__(&self) -> String {
+        let [rows, columns] = self.core.shape();
+        let ([dx, dy], [x, y]) = (self.core.spacing(), self.core.origin());
+        let frame = self.frame.as_ref().map_or_else(String::new, |frame| format!(", frame={frame:?}"));
+        format!("Costmap(<{rows} x {columns}>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){frame})")
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| (&other.get().core, &other.get().frame) == (&self.core, &self.frame))
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        (self.core.shape(), self.spacing(py), self.origin(py), &self.frame).into_pyobject(py)?.hash()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let (py, map) = (slf.py(), slf.get());
+        let keywords = PyDict::new(py);
+        keywords.set_item("values", map.values(py)?)?;
+        keywords.set_item("spacing", map.spacing(py))?;
+        keywords.set_item("origin", map.origin(py))?;
+        keywords.set_item("lethal", map.lethal(py))?;
+        keywords.set_item("outside", map.outside(py))?;
+        keywords.set_item("frame", &map.frame)?;
+        reduce(slf.as_any(), &PyTuple::empty(py), &keywords)
+    }
+}

@@ -1,0 +1,106 @@
+//! Arguments of `Mppi`.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use six_wheel_planner::{Precision, Weights};
+
+use super::costmap::Costmap;
+use crate::convert::{ArgumentTypeError, Rows, memory, number, refuse};
+
+/// The state of the rover as the attributes of an object.
+pub struct Seen<'py> {
+    pub pose: Bound<'py, PyAny>,
+    pub twist: Option<Bound<'py, PyAny>>,
+    pub steering: Option<Bound<'py, PyAny>>,
+    pub frame: Option<String>,
+}
+
+impl<'py> Seen<'py> {
+    pub fn of(state: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let Some(pose) = state.getattr_opt("pose")? else {
+            return Ok(Self { pose: state.clone(), twist: None, steering: None, frame: None });
+        };
+        let given = |name: &str| Ok::<_, PyErr>(state.getattr_opt(name)?.filter(|value| !value.is_none()));
+        Ok(Self {
+            pose,
+            twist: given("twist")?,
+            steering: given("steering")?,
+            frame: given("frame")?.map(|frame| frame.extract()).transpose()?,
+        })
+    }
+}
+
+pub fn check_frame(costmap: Option<&Bound<'_, Costmap>>, frame: Option<&str>) -> PyResult<()> {
+    let (Some(map), Some(frame)) = (costmap, frame) else { return Ok(()) };
+    match &map.get().frame {
+        Some(own) if own != frame => {
+            Err(refuse("costmap", &format!("be in the frame of the state, {frame:?}"), &format!("{own:?}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A whole number that is not negative.
+pub fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
+    let index = value.call_method0("__index__").map_err(|_| {
+        let got = value.repr().map_or_else(|_| "an object".into(), |repr| repr.to_string());
+        ArgumentTypeError::new_err(format!("{argument} must be a whole number, got {got}"))
+    })?;
+    index.extract::<u64>().map_err(|_| {
+        let rule = if argument == "seed" { "be 0 to 2^64 - 1" } else { "be a whole number from 0 on" };
+        refuse(argument, rule, &index.to_string())
+    })
+}
+
+pub fn size(count: u64) -> usize {
+    usize::try_from(count).unwrap_or(usize::MAX)
+}
+
+pub fn precision(dtype: &Bound<'_, PyAny>) -> PyResult<Precision> {
+    let name = dtype.py().import("numpy")?.getattr("dtype")?.call1((dtype,));
+    let name = name.and_then(|dtype| dtype.getattr("name")?.extract::<String>());
+    match name.as_deref() {
+        Ok("float32") => Ok(Precision::Single),
+        Ok("float64") => Ok(Precision::Double),
+        _ => Err(refuse("dtype", "be float32 or float64", &dtype.repr()?.to_string())),
+    }
+}
+
+pub fn read_weights(given: &Bound<'_, PyDict>) -> PyResult<Weights> {
+    let mut values = Weights::default().values();
+    for (key, value) in given.iter() {
+        let name: String = key.extract().map_err(|_| refuse("weights", "have names", "another key"))?;
+        let Some(place) = Weights::NAMES.iter().position(|known| *known == name) else {
+            let rule = format!("be of {}", Weights::NAMES.join(", "));
+            return Err(refuse("weights", &rule, &format!("{name:?}")));
+        };
+        values[place] = number(&name, &value)?;
+    }
+    Ok(Weights::of(values))
+}
+
+/// Points of two coordinates, of rows with two or three.
+pub fn points(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
+    match Rows::read_table(argument, value, 2) {
+        Ok(rows) => Ok(rows.flat().as_chunks().0.to_vec()),
+        Err(error) => {
+            let Ok(rows) = Rows::read_table(argument, value, 3) else { return Err(error) };
+            memory::gathered(rows.triples().iter().map(|[x, y, _]| [*x, *y]))
+        }
+    }
+}
+
+/// A place of two coordinates, or those of a pose.
+pub fn place(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
+    let first = |rows: Rows<'_>| {
+        rows.check_leading(argument, &[])?;
+        Ok([rows.flat()[0], rows.flat()[1]])
+    };
+    match Rows::read(argument, value, 2) {
+        Ok(rows) => first(rows),
+        Err(error) => match Rows::read(argument, value, 3) {
+            Ok(rows) => first(rows),
+            Err(_) => Err(error),
+        },
+    }
+}

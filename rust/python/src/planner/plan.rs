@@ -1,0 +1,76 @@
+//! `six_wheel.MppiPlan`.
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use six_wheel_planner::{Outcome, State, Stuck};
+
+use crate::convert::{Array, Output};
+
+result_class! {
+    /// What a planner found.
+    pub struct MppiPlan {
+        /// The motion to command now, ``[vx, vy, omega]`` in body axes, shape (3,) [m/s, m/s, rad/s].
+        twist: Py<PyAny>,
+        /// Where the steering joints have to be after this step, shape (steered wheels,) [rad].
+        steering: Py<PyAny>,
+        /// How fast the wheels roll, shape (wheels,) [rad/s].
+        speeds: Py<PyAny>,
+        /// The motions the plan leads to, within the limits, shape (horizon, 3) [m/s, m/s, rad/s].
+        twists: Py<PyAny>,
+        /// The poses they lead to, the first one where the rover is, shape (horizon + 1, 3) [m, m, rad].
+        poses: Py<PyAny>,
+        /// What is wished at every step: the mean of the samples, shape (horizon, 3) [m/s, m/s, rad/s].
+        controls: Py<PyAny>,
+        /// Lowest cost of a rollout.
+        cost: f64,
+        /// How many rollouts count: one over the sum of their squared weights.
+        effective_samples: f64,
+        /// Why the rover has to stay where it is; empty if it has not.
+        reason: &'static str,
+    }
+}
+
+impl MppiPlan {
+    pub(super) fn of(
+        py: Python<'_>,
+        outcome: &Outcome,
+        state: &State,
+        [steering, speeds]: [Array<'_>; 2],
+    ) -> PyResult<Self> {
+        Ok(Self {
+            twist: PyArray1::from_slice(py, &outcome.twist).into_any().unbind(),
+            steering: steering.into_any().unbind(),
+            speeds: speeds.into_any().unbind(),
+            twists: triples(py, &outcome.twists)?.into_any().unbind(),
+            poses: triples(py, &outcome.poses)?.into_any().unbind(),
+            controls: triples(py, &state.controls)?.into_any().unbind(),
+            cost: outcome.cost,
+            effective_samples: outcome.effective,
+            reason: match outcome.stuck {
+                None => "",
+                Some(Stuck::Rover) => "no motion lets all wheels of this rover roll",
+                Some(Stuck::SteeringLimit) => "a steered wheel has no angle within steering_limit",
+            },
+        })
+    }
+}
+
+#[pymethods]
+impl MppiPlan {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let twist: [f64; 3] = self.twist.bind(py).extract()?;
+        let [vx, vy, omega] = twist;
+        let why = if self.reason.is_empty() { String::new() } else { format!(", reason={:?}", self.reason) };
+        let (cost, effective) = (self.cost, self.effective_samples);
+        Ok(format!(
+            "MppiPlan(twist=({vx:.4}, {vy:.4}, {omega:.4}), cost={cost:.4}, effective_samples={effective:.1}{why})"
+        ))
+    }
+}
+
+/// Rows of numbers.
+pub fn triples<'py>(py: Python<'py>, rows: &[[f64; 3]]) -> PyResult<Array<'py>> {
+    let mut output = Output::fresh(py, &[rows.len(), 3])?;
+    output.triples().copy_from_slice(rows);
+    output.finish()
+}

@@ -1,0 +1,121 @@
+//! `Rover.rollout_cost`: what rollouts ask of the wheels.
+
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyTuple;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_planner::{Costs, rollout_cost};
+
+use crate::arguments;
+use crate::convert::{Output, Precision, Rows, compute, out_tuple, refuse};
+use crate::geometry::Course;
+use crate::rover::Rover;
+use crate::workers::workers;
+
+/// Fields of the result after its poses.
+const COSTS: [&str; 4] = ["wheel_speed", "steering_angle", "steering_rate", "scrub"];
+
+#[pymethods]
+impl Rover {
+    /// What a sampling planner has to know of its rollouts: poses, and the worst each asks of the wheels.
+    ///
+    /// One pass over the controls, which need not be possible for this rover: where a wheel cannot steer to where
+    /// it should, it takes the nearest angle it can, and `scrub` says by how much that misses. Every step's angles
+    /// are those of `inverse` with the angles of the step before as `previous`.
+    ///
+    /// Parameters
+    /// ----------
+    /// controls : array_like, shape (..., k, t, 3)
+    ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
+    /// dt : float or array_like, shape (t,)
+    ///     Duration of the steps [s].
+    /// start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
+    ///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
+    /// previous : array_like, shape (steered wheels,), optional
+    ///     Present steering angles [rad]; without them the first step costs no steering rate.
+    /// out : RolloutCost or tuple of ndarray, optional
+    ///     Five arrays of the shapes below to write to, such as the result of an earlier call.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`: rollouts are shared out among them. No result depends on
+    ///     it.
+    /// level : str, optional
+    ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14.
+    ///
+    /// Returns
+    /// -------
+    /// RolloutCost
+    ///     A named tuple: ``poses`` (..., k, t + 1, 3) [m, m, rad], the first of every rollout its start, and the
+    ///     largest of each rollout, shape (..., k): ``wheel_speed`` either way round [rad/s], ``steering_angle`` to
+    ///     either side [rad], ``steering_rate`` from step to step, over the duration of the later one [rad/s], and
+    ///     ``scrub``, at which a wheel slides sideways [m/s].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite, a duration is not positive or a shape does not fit; nothing is written.
+    ///
+    /// Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018.
+    #[pyo3(
+        signature = (controls, dt, start=None, *, previous=None, out=None, dtype=None, threads=None, level=None),
+        text_signature = "($self, controls, dt, start=(0.0, 0.0, 0.0), *, previous=None, out=None, dtype=None, threads=None, level=None)"
+    )]
+    fn rollout_cost<'py>(
+        &self,
+        py: Python<'py>,
+        controls: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        start: Option<&Bound<'py, PyAny>>,
+        previous: Option<&Bound<'py, PyAny>>,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let course = Course::read_controls(controls, dt, start)?;
+        let previous = Rows::read_beside("previous", previous, self.joints(), &[])?;
+        let (outs, precision) =
+            (out_tuple::<5>(out, "be a RolloutCost or a tuple of its five arrays")?, Precision::read(py, dtype, out)?);
+        let mut poses = course.poses(py, "out.poses", outs[0].as_ref(), precision)?;
+        let mut costs = Vec::with_capacity(COSTS.len());
+        for (name, out) in COSTS.iter().zip(&outs[1..]) {
+            let argument = format!("out.{name}");
+            let output = Output::of(py, &argument, out.as_ref(), precision, course.logs());
+            costs.push(output?);
+        }
+        let [wheel_speed, steering_angle, steering_rate, scrub] = costs.as_mut_slice() else {
+            return Err(refuse("out", "hold five arrays", "another number"));
+        };
+        let targets = Costs {
+            wheel_speed: wheel_speed.flat(),
+            steering_angle: steering_angle.flat(),
+            steering_rate: steering_rate.flat(),
+            scrub: scrub.flat(),
+        };
+        let rows = course.twists.count();
+        let workers = Workers { fresh: out.is_none(), ..workers(rows, threads, level)? };
+        let (controls, steps, starts) = (course.twists.table(), course.durations(), course.starts());
+        let (count, target) = (course.count, poses.triples());
+        let previous = previous.as_ref().map(Rows::flat);
+        compute(py, rows, || {
+            rollout_cost(&self.core, controls, count, steps, starts, previous, target, targets, workers)
+        })
+        .map_err(|error| course.raise(error))?;
+        let mut arrays = vec![poses.finish_any()?.into_any()];
+        for cost in costs {
+            arrays.push(cost.finish_any()?.into_any());
+        }
+        result(py, PyTuple::new(py, arrays)?)
+    }
+}
+
+/// The named tuple of five arrays.
+fn result<'py>(py: Python<'py>, arrays: Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
+    static RESULT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let class = RESULT.get_or_try_init(py, || {
+        let module = py.import("six_wheel.kinematics.rollout_cost")?;
+        module.getattr("RolloutCost").map(Bound::unbind)
+    })?;
+    class.bind(py).call1(arrays)
+}

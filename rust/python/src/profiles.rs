@@ -1,0 +1,229 @@
+//! `six_wheel.kinematics.profiles`: profiles of values, and the transitions of a rover built on them.
+
+mod inputs;
+mod made;
+mod time_optimal;
+mod transitions;
+mod values;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_control::profiles as core;
+
+use crate::convert::{OrRaise, Scalars, memory, number, optional_number, scalar_or_array};
+use made::{ConstructorCall, class, known_by_its_call};
+pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
+use values::{Values, axes};
+
+/// The course of one value or of several over time, with three derivatives.
+///
+/// Made by `linear`, `trapezoid`, `s_curve` and `time_optimal` of `six_wheel.kinematics.profiles`. Immutable, hashable,
+/// comparable, picklable.
+#[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
+pub struct Profile {
+    core: core::Profile,
+    /// True for an axis of values, false for one number.
+    is_vector: bool,
+    made: ConstructorCall,
+}
+
+impl Profile {
+    fn build(
+        py: Python<'_>,
+        maker: &'static str,
+        core: Result<core::Profile, six_wheel_numerics::error::Error>,
+        is_vector: bool,
+        arguments: &[&Bound<'_, PyAny>],
+        keywords: Bound<'_, PyDict>,
+    ) -> PyResult<Self> {
+        Ok(Self {
+            core: core.or_raise(&[])?,
+            is_vector,
+            made: ConstructorCall {
+                maker,
+                arguments: PyTuple::new(py, arguments)?.unbind(),
+                keywords: keywords.unbind(),
+            },
+        })
+    }
+
+    /// A profile of a given shape and duration.
+    fn shaped(
+        py: Python<'_>,
+        maker: &'static str,
+        [start, end, duration]: [&Bound<'_, PyAny>; 3],
+        ramp: Option<f64>,
+        shape: impl FnOnce(&[f64], &[f64], f64) -> Result<core::Profile, six_wheel_numerics::error::Error>,
+    ) -> PyResult<Self> {
+        let ends = [("start", Values::read("start", start)?), ("end", Values::read("end", end)?)];
+        let duration = number("duration", duration)?;
+        let (count, is_vector) = axes(&ends)?;
+        let each = |k: usize| (0..count).map(|i| ends[k].1.of_axis(i)).collect::<Vec<_>>();
+        let core = shape(&each(0), &each(1), duration);
+        let (start, end) = (ends[0].1.to_python(py)?, ends[1].1.to_python(py)?);
+        let duration = duration.into_pyobject(py)?.into_any();
+        let keywords = PyDict::new(py);
+        if let Some(ramp) = ramp {
+            keywords.set_item("ramp", ramp)?;
+        }
+        Self::build(py, maker, core, is_vector, &[&start, &end, &duration], keywords)
+    }
+
+    /// One value per axis as an array, or the only one as a float.
+    fn per_axis(&self, py: Python<'_>, values: Vec<f64>) -> PyResult<Py<PyAny>> {
+        let shape: &[usize] = if self.is_vector { &[values.len()] } else { &[] };
+        scalar_or_array(py, values, shape)
+    }
+}
+
+getters! { Profile, this, py:
+    /// How long it takes until the last axis arrives [s].
+    duration: f64 = this.core.duration();
+    /// How long each axis takes [s]: a float, or an array of shape (axes,).
+    durations: PyResult<Py<PyAny>> = this.per_axis(py, this.core.durations().collect());
+}
+
+#[pymethods]
+impl Profile {
+    /// From start to end at constant velocity.
+    ///
+    /// Parameters
+    /// ----------
+    /// start, end : float or array_like, shape (axes,)
+    ///     Values at both ends, in any unit.
+    /// duration : float
+    ///     How long it takes [s].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite, a shape does not fit, or the duration is not positive.
+    #[staticmethod]
+    fn linear(
+        py: Python<'_>,
+        start: &Bound<'_, PyAny>,
+        end: &Bound<'_, PyAny>,
+        duration: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        Self::shaped(py, "linear", [start, end, duration], None, core::linear)
+    }
+
+    /// Constant acceleration, constant velocity, constant deceleration: a trapezoid of the velocity.
+    ///
+    /// Parameters
+    /// ----------
+    /// start, end : float or array_like, shape (axes,)
+    ///     Values at both ends, in any unit.
+    /// duration : float
+    ///     How long it takes [s].
+    /// ramp : float, optional
+    ///     How long it accelerates, and decelerates [s]; default a third of the duration, at most a half.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite, a shape does not fit, or a time is not as said.
+    #[staticmethod]
+    #[pyo3(signature = (start, end, duration, *, ramp=None))]
+    fn trapezoid(
+        py: Python<'_>,
+        start: &Bound<'_, PyAny>,
+        end: &Bound<'_, PyAny>,
+        duration: &Bound<'_, PyAny>,
+        ramp: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let ramp = optional_number("ramp", ramp)?;
+        Self::shaped(py, "trapezoid", [start, end, duration], ramp, |start, end, duration| {
+            core::trapezoid(start, end, duration, ramp.unwrap_or(duration / 3.0))
+        })
+    }
+
+    /// A double S: the acceleration rises and falls at constant jerk. `peaks` states what it takes.
+    ///
+    /// Parameters
+    /// ----------
+    /// start, end : float or array_like, shape (axes,)
+    ///     Values at both ends, in any unit.
+    /// duration : float
+    ///     How long it takes [s].
+    /// ramp : float, optional
+    ///     How long it accelerates, and decelerates [s]; the default and most is half the duration, which
+    ///     takes the least jerk: over a distance d in the time T, velocity ``2 d / T``, acceleration
+    ///     ``8 d / T**2`` and jerk ``32 d / T**3``. Less lowers the velocity, to ``d / (T - ramp)``.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite, a shape does not fit, or a time is not as said.
+    #[staticmethod]
+    #[pyo3(signature = (start, end, duration, *, ramp=None))]
+    fn s_curve(
+        py: Python<'_>,
+        start: &Bound<'_, PyAny>,
+        end: &Bound<'_, PyAny>,
+        duration: &Bound<'_, PyAny>,
+        ramp: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let ramp = optional_number("ramp", ramp)?;
+        Self::shaped(py, "s_curve", [start, end, duration], ramp, |start, end, duration| {
+            core::s_curve(start, end, duration, ramp.unwrap_or(duration / 2.0))
+        })
+    }
+
+    /// Largest magnitudes: a `Peaks` of velocity, acceleration and jerk, each a float or of shape (axes,).
+    #[getter]
+    fn peaks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let part = |k: usize| self.per_axis(py, self.core.peaks().map(|peaks| peaks[k]).collect());
+        class(py, "Peaks")?.call1((part(0)?, part(1)?, part(2)?))
+    }
+
+    /// Value and derivatives at one time or many.
+    ///
+    /// Before 0 it rests at the start and after its end at the end, without derivatives; at both instants
+    /// themselves it has the derivatives asked for there.
+    ///
+    /// Parameters
+    /// ----------
+    /// times : float or array_like, shape (...)
+    ///     [s]
+    ///
+    /// Returns
+    /// -------
+    /// State
+    ///     ``value, velocity, acceleration, jerk``, each of shape (...) or (..., axes).
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a time is not finite.
+    fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let times = Scalars::read_finite("times", times)?;
+        let width = self.core.width();
+        let mut parts: [Vec<f64>; 4] = Default::default();
+        let count = memory::count(&[times.flat().len(), width])?;
+        for part in &mut parts {
+            *part = memory::room(count)?;
+        }
+        for &time in times.flat() {
+            for axis in 0..width {
+                let state = self.core.at(axis, time);
+                for (part, value) in parts.iter_mut().zip(state) {
+                    part.push(value);
+                }
+            }
+        }
+        let mut shape = times.shape.clone();
+        if self.is_vector {
+            shape.push(width);
+        }
+        let [value, velocity, acceleration, jerk] = parts.map(|part| scalar_or_array(py, part, &shape));
+        class(py, "State")?.call1((value?, velocity?, acceleration?, jerk?))
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        self.made.repr(py)
+    }
+}
+
+known_by_its_call!(Profile);
+replaceable!(Profile);

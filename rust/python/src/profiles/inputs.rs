@@ -1,0 +1,142 @@
+//! Arguments and states that the transitions have in common.
+
+use std::str::FromStr;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_control::profiles::Wheels;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::Rover as CoreRover;
+use six_wheel_numerics::error::Error;
+
+use super::made::class;
+use crate::convert::{
+    Rows, Scalars, compute, memory, number, numbers, optional_number, raise, refuse, scalar_or_array,
+};
+use crate::rover::Rover;
+
+/// A core error without rows.
+pub fn plain(error: Error) -> PyErr {
+    raise(error, &[])
+}
+
+/// One row of numbers.
+pub fn row(argument: &str, value: &Bound<'_, PyAny>, width: usize) -> PyResult<Vec<f64>> {
+    let row = Rows::read_one(argument, value, width)?;
+    Ok(row.flat().iter().map(|number| number + 0.0).collect())
+}
+
+pub fn twist(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    Ok(numbers(argument, value)?.map(|number: f64| number + 0.0))
+}
+
+/// A twist as a tuple, which hashes.
+pub fn pasteable(py: Python<'_>, twist: [f64; 3]) -> PyResult<Bound<'_, PyTuple>> {
+    PyTuple::new(py, twist)
+}
+
+/// Keywords of a call, in order, without those left at their default.
+pub struct Keywords<'py>(pub Bound<'py, PyDict>);
+
+impl<'py> Keywords<'py> {
+    pub fn new(py: Python<'py>) -> Self {
+        Self(PyDict::new(py))
+    }
+
+    /// A limit, infinite if not given.
+    pub fn limit(&self, argument: &str, value: Option<&Bound<'py, PyAny>>) -> PyResult<f64> {
+        let Some(value) = value else { return Ok(f64::INFINITY) };
+        let limit = number(argument, value)?;
+        if limit != f64::INFINITY {
+            self.0.set_item(argument, limit)?;
+        }
+        Ok(limit)
+    }
+
+    /// A word out of a few.
+    pub fn word<T: FromStr<Err = Error> + Default + PartialEq>(
+        &self,
+        argument: &str,
+        word: Option<&str>,
+    ) -> PyResult<T> {
+        let Some(word) = word else { return Ok(T::default()) };
+        let read = word.parse::<T>().map_err(plain)?;
+        if read != T::default() {
+            self.0.set_item(argument, word)?;
+        }
+        Ok(read)
+    }
+
+    pub fn duration(&self, value: Option<&Bound<'py, PyAny>>) -> PyResult<Option<f64>> {
+        let duration = optional_number("duration", value)?;
+        if let Some(duration) = duration {
+            self.0.set_item("duration", duration)?;
+        }
+        Ok(duration)
+    }
+
+    pub fn previous(&self, rover: &Rover, value: Option<&Bound<'py, PyAny>>) -> PyResult<Option<Vec<f64>>> {
+        let angles = value.map(|value| row("previous", value, rover.joints())).transpose()?;
+        if let Some(angles) = &angles {
+            self.0.set_item("previous", PyTuple::new(self.0.py(), angles)?)?;
+        }
+        Ok(angles)
+    }
+}
+
+/// Fails unless a duration or limits are given, and not both.
+pub fn one_of(duration: Option<f64>, limited: bool, limits: &str) -> PyResult<()> {
+    match (duration.is_some(), limited) {
+        (true, false) | (false, true) => Ok(()),
+        (true, true) => Err(refuse("duration", &format!("not come with {limits}"), "both")),
+        (false, false) => Err(refuse("duration", &format!("be given, or {limits}"), "neither")),
+    }
+}
+
+/// `TransitionState` at one time or many.
+pub fn states<'py>(
+    py: Python<'py>,
+    rover: &CoreRover,
+    times: &Bound<'py, PyAny>,
+    at: impl Fn(f64, &mut Wheels<'_>) -> Option<Twist> + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    let times = Scalars::read_finite("times", times)?;
+    let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+    let rows = times.flat().len();
+    let zeros = |width| memory::filled(0.0, memory::count(&[rows, width])?);
+    let (mut steering, mut rates, mut accelerations) = (zeros(joints)?, zeros(joints)?, zeros(joints)?);
+    let mut speeds = zeros(wheels)?;
+    let mut twists: Vec<f64> = memory::room(memory::count(&[rows, 3])?)?;
+    let mut scrubs: Vec<f64> = memory::room(rows)?;
+    let flat = times.flat();
+    compute(py, rows, || {
+        for (k, &time) in flat.iter().enumerate() {
+            let (joint, wheel) = (k * joints..(k + 1) * joints, k * wheels..(k + 1) * wheels);
+            let mut wheels = Wheels {
+                steering: &mut steering[joint.clone()],
+                speeds: &mut speeds[wheel],
+                rates: &mut rates[joint.clone()],
+                accelerations: &mut accelerations[joint],
+            };
+            let commanded = at(time, &mut wheels);
+            let (fitted, scrub) = wheels.scrub(rover)?;
+            twists.extend(<[f64; 3]>::from(commanded.unwrap_or(fitted)));
+            scrubs.push(scrub);
+        }
+        Ok(())
+    })
+    .map_err(plain)?;
+    let array = |values: Vec<f64>, width: usize| {
+        let mut shape = times.shape.clone();
+        shape.push(width);
+        scalar_or_array(py, values, &shape)
+    };
+    class(py, "TransitionState")?.call1((
+        array(twists, 3)?,
+        array(steering, joints)?,
+        array(speeds, wheels)?,
+        array(rates, joints)?,
+        array(accelerations, joints)?,
+        scalar_or_array(py, scrubs, &times.shape)?,
+    ))
+}

@@ -1,0 +1,72 @@
+//! The call that made a profile or transition: it prints, compares, hashes and pickles by it.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+/// A function of `six_wheel.kinematics.profiles` and what it was called with.
+pub struct ConstructorCall {
+    pub maker: &'static str,
+    pub arguments: Py<PyTuple>,
+    /// The keywords that are not the default ones.
+    pub keywords: Py<PyDict>,
+}
+
+/// A class or function of `six_wheel.kinematics.profiles`.
+pub fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("six_wheel.kinematics.profiles")?.getattr(name)
+}
+
+impl ConstructorCall {
+    /// The call, to be pasted back.
+    pub fn repr(&self, py: Python<'_>) -> PyResult<String> {
+        let mut arguments = Vec::new();
+        for argument in self.arguments.bind(py).iter() {
+            arguments.push(argument.repr()?.to_string());
+        }
+        for (keyword, value) in self.keywords.bind(py).iter() {
+            arguments.push(format!("{keyword}={}", value.repr()?));
+        }
+        Ok(format!("profiles.{}({})", self.maker, arguments.join(", ")))
+    }
+
+    pub fn equals(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+        Ok(self.maker == other.maker
+            && self.arguments.bind(py).eq(other.arguments.bind(py))?
+            && self.keywords.bind(py).eq(other.keywords.bind(py))?)
+    }
+
+    pub fn hash(&self, py: Python<'_>) -> PyResult<isize> {
+        self.arguments.bind(py).hash()
+    }
+
+    /// The result of `__reduce__`: the call again.
+    pub fn reduce<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let maker = class(py, self.maker)?;
+        let partial = py.import("functools")?.call_method("partial", (maker,), Some(self.keywords.bind(py)))?;
+        (partial, &self.arguments).into_pyobject(py)
+    }
+}
+
+/// Equality, hash and pickling by the call that made an object.
+macro_rules! known_by_its_call {
+    ($class: ident) => {
+        #[pymethods]
+        impl $class {
+            fn __eq__(&self, py: Python<'_>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
+                match other.cast::<Self>() {
+                    Ok(other) => self.made.equals(py, &other.get().made),
+                    Err(_) => Ok(false),
+                }
+            }
+
+            fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+                self.made.hash(py)
+            }
+
+            fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+                self.made.reduce(py)
+            }
+        }
+    };
+}
+pub(super) use known_by_its_call;

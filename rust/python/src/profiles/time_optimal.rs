@@ -1,0 +1,159 @@
+//! `six_wheel.kinematics.profiles.time_optimal`.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use six_wheel_control::profiles::{self as core, Bounds, Moving, Synchronise};
+
+use super::Profile;
+use super::values::{Values, axes};
+use crate::arguments;
+use crate::convert::{OrRaise, optional_number, refuse};
+
+/// Arguments by name, and as keywords where they differ from their defaults.
+struct Given<'py> {
+    keywords: Bound<'py, PyDict>,
+    all: Vec<(&'static str, Values)>,
+}
+
+impl Given<'_> {
+    fn add(&mut self, argument: &'static str, values: Values) {
+        self.all.push((argument, values));
+    }
+
+    fn read(&mut self, argument: &'static str, value: Option<&Bound<'_, PyAny>>, default: f64) -> PyResult<()> {
+        let values = Values::or(argument, value, default)?;
+        if value.is_some() && (values.is_vector || values.numbers[0] != default) {
+            self.keywords.set_item(argument, values.to_python(self.keywords.py())?)?;
+        }
+        self.add(argument, values);
+        Ok(())
+    }
+
+    /// Reads a lower limit. NaN stands for the mirror image of the upper one, so it may not come from outside.
+    fn read_mirrored(&mut self, argument: &'static str, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let values = Values::or(argument, value, f64::NAN)?;
+        if value.is_some() {
+            if values.numbers.iter().any(|number| number.is_nan()) {
+                return Err(refuse(argument, "be negative", "nan"));
+            }
+            self.keywords.set_item(argument, values.to_python(self.keywords.py())?)?;
+        }
+        self.add(argument, values);
+        Ok(())
+    }
+
+    /// The number of an argument for an axis.
+    fn at(&self, argument: &str, axis: usize) -> f64 {
+        let found = self.all.iter().find(|(name, _)| *name == argument);
+        found.map_or(f64::NAN, |(_, values)| values.of_axis(axis))
+    }
+
+    /// Value, velocity and acceleration of every axis, by the names of these arguments.
+    fn state(&self, count: usize, names: [&str; 3]) -> Vec<Moving> {
+        let of_axis = |axis| names.map(|name| self.at(name, axis));
+        (0..count)
+            .map(of_axis)
+            .map(|[value, velocity, acceleration]| Moving { value, velocity, acceleration })
+            .collect()
+    }
+
+    /// Limits of every axis.
+    fn bounds(&self, count: usize) -> Vec<Bounds> {
+        let lower = |limit: f64, upper: f64| if limit.is_nan() { -upper } else { limit };
+        let of_axis = |axis| {
+            let (velocity, acceleration) = (self.at("velocity", axis), self.at("acceleration", axis));
+            Bounds {
+                velocity,
+                minimum_velocity: lower(self.at("minimum_velocity", axis), velocity),
+                acceleration,
+                minimum_acceleration: lower(self.at("minimum_acceleration", axis), acceleration),
+                jerk: self.at("jerk", axis),
+            }
+        };
+        (0..count).map(of_axis).collect()
+    }
+}
+
+#[pymethods]
+impl Profile {
+    /// The fastest course within limits of velocity, acceleration and jerk, from any motion to any other.
+    ///
+    /// Every argument but the last two is one number or one per axis.
+    ///
+    /// Parameters
+    /// ----------
+    /// start, end : float or array_like, shape (axes,)
+    ///     Values at both ends, in any unit.
+    /// velocity, acceleration, jerk : float or array_like, shape (axes,)
+    ///     Largest magnitudes, per [s], [s^2] and [s^3]; infinite, the default of the last two, where there
+    ///     is no limit. A start beyond them is first brought within, as fast as they allow.
+    /// start_velocity, start_acceleration, end_velocity, end_acceleration : float or array_like, optional
+    ///     How it moves at both ends, default 0. Accelerations count where the jerk is limited.
+    /// minimum_velocity, minimum_acceleration : float or array_like, optional
+    ///     Limits of the other direction, negative; default those of the one.
+    /// duration : float, optional
+    ///     Stretch the profile to this time [s]; default the least possible.
+    /// synchronise : {'time', 'phase', 'none'}
+    ///     Whether all axes arrive together, also stay in proportion to each other (where the moving ends
+    ///     allow it), or take their own least time each; with a duration, all take that.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite, a limit not of its sign, an end outside the limits, or the duration
+    ///     shorter than the least one, which is named.
+    ///
+    /// Source: L. Berscheid, T. Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target
+    /// States, RSS 2021; computed by the crate rsruckig.
+    #[staticmethod]
+    #[pyo3(signature = (start, end, *, velocity, acceleration=None, jerk=None, start_velocity=None,
+        start_acceleration=None, end_velocity=None, end_acceleration=None, minimum_velocity=None,
+        minimum_acceleration=None, duration=None, synchronise="time"))]
+    fn time_optimal(
+        py: Python<'_>,
+        start: &Bound<'_, PyAny>,
+        end: &Bound<'_, PyAny>,
+        velocity: &Bound<'_, PyAny>,
+        acceleration: Option<&Bound<'_, PyAny>>,
+        jerk: Option<&Bound<'_, PyAny>>,
+        start_velocity: Option<&Bound<'_, PyAny>>,
+        start_acceleration: Option<&Bound<'_, PyAny>>,
+        end_velocity: Option<&Bound<'_, PyAny>>,
+        end_acceleration: Option<&Bound<'_, PyAny>>,
+        minimum_velocity: Option<&Bound<'_, PyAny>>,
+        minimum_acceleration: Option<&Bound<'_, PyAny>>,
+        duration: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = arguments::synchronise)] synchronise: &str,
+    ) -> PyResult<Self> {
+        let mut given = Given { keywords: PyDict::new(py), all: Vec::new() };
+        given.add("start", Values::read("start", start)?);
+        given.add("end", Values::read("end", end)?);
+        given.read("velocity", Some(velocity), f64::NAN)?;
+        given.read("acceleration", acceleration, f64::INFINITY)?;
+        given.read("jerk", jerk, f64::INFINITY)?;
+        given.read("start_velocity", start_velocity, 0.0)?;
+        given.read("start_acceleration", start_acceleration, 0.0)?;
+        given.read("end_velocity", end_velocity, 0.0)?;
+        given.read("end_acceleration", end_acceleration, 0.0)?;
+        given.read_mirrored("minimum_velocity", minimum_velocity)?;
+        given.read_mirrored("minimum_acceleration", minimum_acceleration)?;
+        let duration = optional_number("duration", duration)?;
+        if let Some(duration) = duration {
+            given.keywords.set_item("duration", duration)?;
+        }
+        if synchronise != "time" {
+            given.keywords.set_item("synchronise", synchronise)?;
+        }
+        let (count, is_vector) = axes(&given.all)?;
+        let synchronise = synchronise.parse::<Synchronise>().or_raise(&[])?;
+        let core = core::time_optimal(
+            &given.state(count, ["start", "start_velocity", "start_acceleration"]),
+            &given.state(count, ["end", "end_velocity", "end_acceleration"]),
+            &given.bounds(count),
+            synchronise,
+            duration,
+        );
+        let [start, end] = [given.all[0].1.to_python(py)?, given.all[1].1.to_python(py)?];
+        Self::build(py, "time_optimal", core, is_vector, &[&start, &end], given.keywords)
+    }
+}

@@ -1,0 +1,401 @@
+//! `six_wheel.kinematics.profiles`: transitions of a rover, and what its wheels do during them.
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use six_wheel_control::profiles::{self as core, IcrLimits, ModuleLimits, Modules, Shape, Synchronise};
+
+use super::inputs::{Keywords, one_of, pasteable, plain, row, states, twist};
+use super::made::{ConstructorCall, class, known_by_its_call};
+use crate::arguments;
+use crate::convert::refuse;
+use crate::rover::Rover;
+
+macro_rules! value_methods {
+    ($class:ident) => {
+        #[pymethods]
+        impl $class {
+            /// How long it takes [s].
+            #[getter]
+            fn duration(&self) -> f64 {
+                self.core.duration()
+            }
+
+            /// The rover it is for.
+            #[getter]
+            fn rover(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+                Ok(self.made.arguments.bind(py).get_item(0)?.unbind())
+            }
+        }
+    };
+}
+
+/// The body's twist follows a profile; the wheels follow the twist. Made by `profiles.body_transition`.
+#[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
+pub struct BodyTransition {
+    core: core::BodyTransition,
+    made: ConstructorCall,
+}
+
+value_methods!(BodyTransition);
+known_by_its_call!(BodyTransition);
+replaceable!(BodyTransition);
+
+#[pymethods]
+impl BodyTransition {
+    /// From one twist to another by a profile of the body's motion, in a given time or within its limits.
+    ///
+    /// The wheels follow through the wheel equation, so they agree with each other at every instant; how
+    /// fast they have to steer comes out, and nothing limits it. A wheel that would have to leave its range
+    /// stands at its end meanwhile, and scrubs.
+    ///
+    /// Parameters
+    /// ----------
+    /// rover : Rover
+    /// start_twist, end_twist : array_like, shape (3,)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// duration : float, optional
+    ///     How long it takes [s]; or give limits.
+    /// shape : {'s_curve', 'trapezoid', 'linear'}
+    ///     Profile of the twist in that time.
+    /// acceleration, angular_acceleration : float, optional
+    ///     Limits of the change of vx and vy each, and of omega [m/s^2, rad/s^2].
+    /// jerk, angular_jerk : float, optional
+    ///     Limits of the change of those [m/s^3, rad/s^3].
+    /// synchronise : {'time', 'phase', 'none'}
+    ///     Whether vx, vy and omega arrive together, also in proportion, or each when it can.
+    /// previous : array_like, shape (steered wheels,), optional
+    ///     Steering angles before it [rad]; default 0.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If the rover cannot make one of the twists.
+    /// ValueError
+    ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
+    #[staticmethod]
+    #[pyo3(signature = (rover, start_twist, end_twist, duration=None, *, shape=None, acceleration=None,
+        angular_acceleration=None, jerk=None, angular_jerk=None, synchronise=None, previous=None))]
+    fn between<'py>(
+        py: Python<'py>,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
+        start_twist: &Bound<'py, PyAny>,
+        end_twist: &Bound<'py, PyAny>,
+        duration: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::shape)] shape: Option<&str>,
+        acceleration: Option<&Bound<'py, PyAny>>,
+        angular_acceleration: Option<&Bound<'py, PyAny>>,
+        jerk: Option<&Bound<'py, PyAny>>,
+        angular_jerk: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::synchronise)] synchronise: Option<&str>,
+        previous: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let keywords = Keywords::new(py);
+        let start = twist("start_twist", start_twist)?;
+        let end = twist("end_twist", end_twist)?;
+        let duration = keywords.duration(duration)?;
+        let shape: Shape = keywords.word("shape", shape)?;
+        let linear = [keywords.limit("acceleration", acceleration)?, keywords.limit("jerk", jerk)?];
+        let angular = [
+            keywords.limit("angular_acceleration", angular_acceleration)?,
+            keywords.limit("angular_jerk", angular_jerk)?,
+        ];
+        let synchronise: Synchronise = keywords.word("synchronise", synchronise)?;
+        let previous = keywords.previous(rover.get(), previous)?;
+        let limited = [linear, angular].concat().iter().any(|limit| *limit != f64::INFINITY);
+        let names = "acceleration, angular_acceleration, jerk or angular_jerk";
+        one_of(duration, limited, names)?;
+        let (core, previous) = (&rover.get().core, previous.as_deref());
+        let core = match duration {
+            Some(duration) => shape
+                .between(&start, &end, duration)
+                .and_then(|profile| core::BodyTransition::new(core, profile, previous)),
+            None => {
+                let ends = [start.into(), end.into()];
+                core::BodyTransition::within(core, ends, [linear, angular], synchronise, previous)
+            }
+        };
+        Ok(Self {
+            core: core.map_err(plain)?,
+            made: ConstructorCall {
+                maker: "body_transition",
+                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
+                keywords: keywords.0.unbind(),
+            },
+        })
+    }
+
+    /// Twist and wheels at one time or many: a `TransitionState`.
+    ///
+    /// Parameters
+    /// ----------
+    /// times : float or array_like, shape (...)
+    ///     [s]; before the start and after the end it holds what is there.
+    fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        states(py, self.core.rover(), times, |time, wheels| Some(self.core.at(time, wheels)))
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        self.made.repr(py)
+    }
+}
+
+/// Every steering angle and wheel speed follows its own profile. Made by `profiles.module_transition`.
+#[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
+pub struct ModuleTransition {
+    core: core::ModuleTransition,
+    made: ConstructorCall,
+}
+
+value_methods!(ModuleTransition);
+known_by_its_call!(ModuleTransition);
+replaceable!(ModuleTransition);
+
+/// The pair (steering, speeds).
+fn modules(argument: &str, rover: &Rover, value: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<f64>)> {
+    let pair: Vec<Bound<'_, PyAny>> = value
+        .try_iter()
+        .and_then(Iterator::collect)
+        .map_err(|_| refuse(argument, "be a pair (steering, speeds)", "something else"))?;
+    match pair.as_slice() {
+        [steering, speeds] => Ok((
+            row(&format!("{argument}[0]"), steering, rover.joints())?,
+            row(&format!("{argument}[1]"), speeds, rover.count())?,
+        )),
+        _ => {
+            let got = format!("{} values", pair.len());
+            Err(refuse(argument, "be a pair (steering, speeds)", &got))
+        }
+    }
+}
+
+#[pymethods]
+impl ModuleTransition {
+    /// From one state of the modules to another, each by its own profile: for alignment at rest.
+    ///
+    /// While the rover moves, wheels that do not know of each other scrub: `at` says how much.
+    ///
+    /// Parameters
+    /// ----------
+    /// rover : Rover
+    /// start, end : (array_like, array_like)
+    ///     Steering angles, shape (steered wheels,) [rad], and wheel speeds, shape (wheels,) [rad/s]: what
+    ///     `Rover.inverse` returns.
+    /// duration : float, optional
+    ///     How long it takes [s]; or give limits.
+    /// shape : {'s_curve', 'trapezoid', 'linear'}
+    ///     Profile of every angle and speed in that time.
+    /// steering_rate, steering_acceleration, steering_jerk : float, optional
+    ///     Limits of every steering joint [rad/s, rad/s^2, rad/s^3].
+    /// wheel_acceleration, wheel_jerk : float, optional
+    ///     Limits of every wheel [rad/s^2, rad/s^3]; without any, wheels change speed evenly while the
+    ///     steering takes its time.
+    /// synchronise : {'time', 'phase', 'none'}
+    ///     Whether all arrive together, also in proportion, or each when it can.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not as said, or an angle lies outside its wheel's range.
+    #[staticmethod]
+    #[pyo3(signature = (rover, start, end, duration=None, *, shape=None, steering_rate=None,
+        steering_acceleration=None, steering_jerk=None, wheel_acceleration=None, wheel_jerk=None,
+        synchronise=None))]
+    fn between<'py>(
+        py: Python<'py>,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
+        start: &Bound<'py, PyAny>,
+        end: &Bound<'py, PyAny>,
+        duration: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::shape)] shape: Option<&str>,
+        steering_rate: Option<&Bound<'py, PyAny>>,
+        steering_acceleration: Option<&Bound<'py, PyAny>>,
+        steering_jerk: Option<&Bound<'py, PyAny>>,
+        wheel_acceleration: Option<&Bound<'py, PyAny>>,
+        wheel_jerk: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::synchronise)] synchronise: Option<&str>,
+    ) -> PyResult<Self> {
+        let keywords = Keywords::new(py);
+        let from = modules("start", rover.get(), start)?;
+        let to = modules("end", rover.get(), end)?;
+        let duration = keywords.duration(duration)?;
+        let shape: Shape = keywords.word("shape", shape)?;
+        let limits = ModuleLimits {
+            steering_rate: keywords.limit("steering_rate", steering_rate)?,
+            steering_acceleration: keywords.limit("steering_acceleration", steering_acceleration)?,
+            steering_jerk: keywords.limit("steering_jerk", steering_jerk)?,
+            wheel_acceleration: keywords.limit("wheel_acceleration", wheel_acceleration)?,
+            wheel_jerk: keywords.limit("wheel_jerk", wheel_jerk)?,
+        };
+        let synchronise: Synchronise = keywords.word("synchronise", synchronise)?;
+        let unlimited = ModuleLimits {
+            steering_rate: f64::INFINITY,
+            steering_acceleration: f64::INFINITY,
+            steering_jerk: f64::INFINITY,
+            wheel_acceleration: f64::INFINITY,
+            wheel_jerk: f64::INFINITY,
+        };
+        one_of(duration, limits != unlimited, "limits of the steering or the wheels")?;
+        let view = |(steering, speeds): &(Vec<f64>, Vec<f64>)| {
+            PyResult::Ok((PyTuple::new(py, steering)?, PyTuple::new(py, speeds)?))
+        };
+        let arguments = (&rover, view(&from)?, view(&to)?).into_pyobject(py)?.unbind();
+        let [start, end] = [&from, &to].map(|(steering, speeds)| Modules { steering, speeds });
+        let rover = &rover.get().core;
+        let core = match duration {
+            Some(duration) => core::ModuleTransition::shaped(rover, start, end, shape, duration),
+            None => core::ModuleTransition::within(rover, start, end, &limits, synchronise),
+        };
+        Ok(Self {
+            core: core.map_err(plain)?,
+            made: ConstructorCall { maker: "module_transition", arguments, keywords: keywords.0.unbind() },
+        })
+    }
+
+    /// Wheels at one time or many, and the twist that fits them best: a `TransitionState`.
+    ///
+    /// Parameters
+    /// ----------
+    /// times : float or array_like, shape (...)
+    ///     [s]; before the start and after the end it holds what is there.
+    fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        states(py, self.core.rover(), times, |time, wheels| {
+            self.core.at(time, wheels);
+            None
+        })
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        self.made.repr(py)
+    }
+}
+
+/// All wheels keep one centre of rotation at every instant. Made by `profiles.icr_transition`.
+#[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
+pub struct IcrTransition {
+    core: core::IcrTransition,
+    made: ConstructorCall,
+}
+
+value_methods!(IcrTransition);
+known_by_its_call!(IcrTransition);
+replaceable!(IcrTransition);
+
+getters! { IcrTransition, this, py:
+    /// How often the rover has to come to rest on the way.
+    stops: usize = this.core.stops();
+}
+
+#[pymethods]
+impl IcrTransition {
+    /// From one twist to another with one centre of rotation (ICR) at every instant: no wheel scrubs.
+    ///
+    /// The twist goes straight from start to end in the space of (vx, vy, omega), where the ICR moves on a
+    /// straight line on which infinity and the origin are points like any other. All limits hold along it,
+    /// and it is the fastest on that path: exactly so under limits of rates, speeds and accelerations of the
+    /// body and the wheels; to the width of its 256 cells under a limit of the steering acceleration as
+    /// well; a limit of the steering jerk is kept, at more time than the least.
+    ///
+    /// Where the wheels cannot follow that path without leaving their range, a rover without unsteered
+    /// wheels goes round what is in the way; otherwise the rover stops, turns its wheels at rest and drives
+    /// on, and `phases` says why.
+    ///
+    /// Parameters
+    /// ----------
+    /// rover : Rover
+    /// start_twist, end_twist : array_like, shape (3,)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// steering_rate : float
+    ///     Limit of every steering joint [rad/s].
+    /// steering_acceleration, steering_jerk : float, optional
+    ///     Limits of every steering joint [rad/s^2, rad/s^3]. With either, steering starts and ends at rest.
+    /// wheel_speed, wheel_acceleration : float, optional
+    ///     Limits of every driven wheel [rad/s, rad/s^2].
+    /// acceleration, angular_acceleration : float, optional
+    ///     Limits of the change of the body's twist in its own axes: length of that of (vx, vy), and of
+    ///     omega [m/s^2, rad/s^2].
+    /// previous : array_like, shape (steered wheels,), optional
+    ///     Steering angles at the start [rad]; default those next to 0. They decide which way round wheels
+    ///     stand, and are held by wheels whose pivots rest.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If the rover cannot make one of the twists, or not within the wheel speed.
+    /// ValueError
+    ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
+    #[staticmethod]
+    #[pyo3(signature = (rover, start_twist, end_twist, *, steering_rate, steering_acceleration=None,
+        steering_jerk=None, wheel_speed=None, wheel_acceleration=None, acceleration=None,
+        angular_acceleration=None, previous=None))]
+    fn between<'py>(
+        py: Python<'py>,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
+        start_twist: &Bound<'py, PyAny>,
+        end_twist: &Bound<'py, PyAny>,
+        steering_rate: &Bound<'py, PyAny>,
+        steering_acceleration: Option<&Bound<'py, PyAny>>,
+        steering_jerk: Option<&Bound<'py, PyAny>>,
+        wheel_speed: Option<&Bound<'py, PyAny>>,
+        wheel_acceleration: Option<&Bound<'py, PyAny>>,
+        acceleration: Option<&Bound<'py, PyAny>>,
+        angular_acceleration: Option<&Bound<'py, PyAny>>,
+        previous: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let keywords = Keywords::new(py);
+        let start = twist("start_twist", start_twist)?;
+        let end = twist("end_twist", end_twist)?;
+        let limits = IcrLimits {
+            steering_rate: keywords.limit("steering_rate", Some(steering_rate))?,
+            steering_acceleration: keywords.limit("steering_acceleration", steering_acceleration)?,
+            steering_jerk: keywords.limit("steering_jerk", steering_jerk)?,
+            wheel_speed: keywords.limit("wheel_speed", wheel_speed)?,
+            wheel_acceleration: keywords.limit("wheel_acceleration", wheel_acceleration)?,
+            acceleration: keywords.limit("acceleration", acceleration)?,
+            angular_acceleration: keywords.limit("angular_acceleration", angular_acceleration)?,
+        };
+        let previous = keywords.previous(rover.get(), previous)?;
+        let core = core::IcrTransition::new(&rover.get().core, start.into(), end.into(), &limits, previous.as_deref());
+        Ok(Self {
+            core: core.map_err(plain)?,
+            made: ConstructorCall {
+                maker: "icr_transition",
+                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
+                keywords: keywords.0.unbind(),
+            },
+        })
+    }
+
+    /// What happens when and why: a tuple of `Phase`.
+    #[getter]
+    fn phases<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let kind = class(py, "Phase")?;
+        let mut phases = Vec::new();
+        for phase in self.core.phases() {
+            let name = phase.action.name();
+            phases.push(kind.call1((name, phase.start, phase.duration, &phase.reason))?);
+        }
+        PyTuple::new(py, phases)
+    }
+
+    /// Twist and wheels at one time or many: a `TransitionState`.
+    ///
+    /// Parameters
+    /// ----------
+    /// times : float or array_like, shape (...)
+    ///     [s]; before the start and after the end it holds what is there.
+    fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        states(py, self.core.rover(), times, |time, wheels| Some(self.core.at(time, wheels)))
+    }
+
+    fn __repr__(&self) -> String {
+        let phase = |phase: &core::Phase| format!("{} {:.4} s ({})", phase.action.name(), phase.duration, phase.reason);
+        let phases: Vec<String> = self.core.phases().iter().map(phase).collect();
+        let stops = match self.core.stops() {
+            0 => "no stop".into(),
+            1 => "1 stop".into(),
+            stops => format!("{stops} stops"),
+        };
+        let duration = self.core.duration();
+        format!("<icr_transition of {duration:.4} s, {stops}: {}>", phases.join(", "))
+    }
+}

@@ -1,0 +1,153 @@
+//! `Rover.admissible`, `Rover.project` and `Rover.icr`.
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use six_wheel_kinematics::admissible::Keep;
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_numerics::threads::workers::Workers;
+
+use super::Rover;
+use crate::arguments;
+use crate::convert::{AnyArray, OrRaise, Output, Rows, compute_rows, joined, memory, name, one_twist, scalar_or_array};
+use crate::workers::any_workers;
+
+#[pymethods]
+impl Rover {
+    /// Whether the rover can make a twist: no side slip, every wheel inside its steering range.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    ///
+    /// Returns
+    /// -------
+    /// bool or ndarray of bool, shape (...)
+    ///     Side slip up to 1e-9 of the fastest wheel's speed counts as rounding.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite.
+    #[pyo3(
+        signature = (twist, *more, threads=None),
+        text_signature = "($self, twist, *, threads=None)"
+    )]
+    fn admissible<'py>(
+        &self,
+        py: Python<'py>,
+        twist: &Bound<'py, PyAny>,
+        more: &Bound<'py, PyTuple>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<Py<PyAny>> {
+        one_twist("Rover.admissible((vx, vy, omega))", 1, more)?;
+        let workers = any_workers(threads, None)?;
+        let twists = Rows::read("twist", twist, 3)?;
+        let rows = twists.triples();
+        let mut answers = memory::filled(false, rows.len())?;
+        compute_rows(py, rows.len(), &twists.leading, || batch::admissible(&self.core, rows, &mut answers, workers))?;
+        scalar_or_array(py, answers, &twists.leading)
+    }
+
+    /// The nearest twist the rover can make; one it can make already is returned unchanged.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// keep : {'curvature', 'speed', 'yaw_rate', 'nearest'}
+    ///     What is preserved. ``'curvature'``: `vx` and `omega`, and with them the turning radius; if that turn
+    ///     is too tight, the nearest possible twist, scaled so that neither grows (a spin the rover cannot
+    ///     make becomes rest). ``'speed'``: `vx`. ``'yaw_rate'``: `omega`. ``'nearest'``: as much as possible,
+    ///     by the root mean square change of the wheel pivots' velocities.
+    /// out : ndarray, shape (..., 3), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 3)
+    ///     An admissible twist.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If no admissible twist keeps what was asked for.
+    /// ValueError
+    ///     If a value is not finite.
+    #[pyo3(
+        signature = (twist, keep=None, *more, out=None, dtype=None, threads=None),
+        text_signature = "($self, twist, keep='curvature', *, out=None, dtype=None, threads=None)"
+    )]
+    fn project<'py>(
+        &self,
+        py: Python<'py>,
+        twist: &Bound<'py, PyAny>,
+        keep: Option<&Bound<'py, PyAny>>,
+        more: &Bound<'py, PyTuple>,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<AnyArray<'py>> {
+        one_twist("Rover.project((vx, vy, omega))", 2, more)?;
+        let keep = keep.map_or(Ok(Keep::Curvature), |keep| name(keep).parse::<Keep>());
+        let keep = keep.or_raise(&[])?;
+        let twists = Rows::read("twist", twist, 3)?;
+        let mut projected = Output::asked(py, (out, dtype), &twists.shape())?;
+        let workers = Workers { fresh: projected.is_unseen(), ..any_workers(threads, None)? };
+        let (rows, target) = (twists.triples(), projected.triples());
+        compute_rows(py, rows.len(), &twists.leading, || batch::project(&self.core, rows, keep, target, workers))?;
+        projected.finish_any()
+    }
+
+    /// Instantaneous centre of rotation of a twist: the point of the body that stands still.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// out : ndarray, shape (..., 2), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 2)
+    ///     ``[x, y]`` in body axes [m]. Straight ahead it is at infinity, ``[0, inf]`` forwards and
+    ///     ``[0, -inf]`` backwards; at rest there is none, ``[nan, nan]``.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite.
+    #[pyo3(
+        signature = (twist, *more, out=None, dtype=None, threads=None),
+        text_signature = "($self, twist, *, out=None, dtype=None, threads=None)"
+    )]
+    fn icr<'py>(
+        &self,
+        py: Python<'py>,
+        twist: &Bound<'py, PyAny>,
+        more: &Bound<'py, PyTuple>,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<AnyArray<'py>> {
+        one_twist("Rover.icr((vx, vy, omega))", 1, more)?;
+        let workers = any_workers(threads, None)?;
+        let twists = Rows::read_finite("twist", twist, 3)?;
+        let mut centres = Output::asked(py, (out, dtype), &joined(&twists.leading, 2))?;
+        let (rows, target) = (twists.triples(), centres.flat().as_chunks_mut().0);
+        compute_rows(py, rows.len(), &twists.leading, || batch::fill(target, workers, |k| Twist::from(rows[k]).icr()))?;
+        centres.finish_any()
+    }
+}

@@ -1,0 +1,147 @@
+//! The fast path of `Rover.inverse`, `forward`, `admissible` and `project`: one twist, or the readings of one instant.
+
+use pyo3::prelude::*;
+use six_wheel_kinematics::admissible::Keep;
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::estimate::{Measured, Unseen};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::Inputs;
+
+use super::Rover;
+use crate::fastcall::{self, Answer, Arguments, Numbers, Object, Row, fresh, pair, three, truth};
+
+/// Puts the quick ways before the methods of the class.
+pub fn install(py: Python<'_>) -> PyResult<()> {
+    fastcall::install::<3, Inverse>(py)?;
+    fastcall::install::<3, Forward>(py)?;
+    fastcall::install::<1, Admissible>(py)?;
+    fastcall::install::<2, Project>(py)
+}
+
+fast_method!(Inverse<3>: Rover, c"inverse", [c"twist", c"out", c"previous"], 1, inverse);
+
+#[inline(always)]
+fn inverse<'py>(this: Borrowed<'_, 'py, Rover>, [twist, out, previous]: Arguments<'_, 'py, 3>) -> Answer<'py> {
+    let (py, rover) = (this.py(), &this.get().core);
+    let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+    let twist = twist?;
+    let numbers = three(twist)?;
+    let solve = |previous: Option<&[f64]>, [steering, speeds]: [Row<'_>; 2]| {
+        let inputs = Inputs { previous, ..Inputs::default() };
+        // SAFETY: the two are apart from each other and from what is read: `previous`, see below.
+        let targets = unsafe { (steering.numbers_mut(), speeds.numbers_mut()) };
+        let twist = Twist::from(numbers);
+        batch::inverse_one(rover, twist, inputs, targets.0, targets.1).ok()
+    };
+    let mut room = Numbers::new();
+    let Some(out) = out else {
+        let (steering, angles) = fresh(py, joints)?;
+        let (speeds, rotations) = fresh(py, wheels)?;
+        let previous = match previous {
+            // SAFETY: the targets are new, and nobody else's.
+            Some(previous) => Some(unsafe { room.read(previous, joints) }?),
+            None => None,
+        };
+        solve(previous, [angles, rotations])?;
+        return pair(py, steering, speeds);
+    };
+    let targets = out_rows(out, [joints, wheels])?;
+    let [angles, rotations] = targets;
+    if Row::read(twist, 3).is_some_and(|twist| targets.iter().any(|row| row.overlaps(twist))) {
+        return None;
+    }
+    let previous = match previous {
+        None => None,
+        Some(previous) => Some(match Row::read(previous, joints) {
+            Some(row) if row.is(angles) => room.copy(row)?,
+            Some(row) if row.overlaps(angles) || row.overlaps(rotations) => return None,
+            // SAFETY: apart from the targets, as the line above has made sure.
+            _ => unsafe { room.read(previous, joints) }?,
+        }),
+    };
+    solve(previous, targets)?;
+    Some(out.to_owned())
+}
+
+/// The two arrays of `out=`, in a tuple, apart from each other.
+#[inline(always)]
+fn out_rows<'a>(out: Object<'a, '_>, [joints, wheels]: [usize; 2]) -> Option<[Row<'a>; 2]> {
+    let [first, second] = fastcall::two(out)?;
+    let (steering, speeds) = (Row::target(first, joints)?, Row::target(second, wheels)?);
+    (!steering.overlaps(speeds)).then_some([steering, speeds])
+}
+
+fast_method!(Forward<3>: Rover, c"forward", [c"steering", c"speeds", c"out"], 2, forward);
+
+#[inline(always)]
+fn forward<'py>(this: Borrowed<'_, 'py, Rover>, [steering, speeds, out]: Arguments<'_, 'py, 3>) -> Answer<'py> {
+    let (py, rover) = (this.py(), &this.get().core);
+    let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+    let mut rooms = [Numbers::new(), Numbers::new()];
+    let [room, other] = &mut rooms;
+    // SAFETY: nothing is written before the twist is known.
+    let measured = unsafe {
+        Measured {
+            steering: match steering {
+                Some(steering) => room.read(steering, joints)?,
+                None if joints == 0 => &[],
+                None => return None,
+            },
+            speeds: other.read(speeds?, wheels)?,
+            steering_rates: None,
+        }
+    };
+    if !rover.are_plain(measured.steering) {
+        return None;
+    }
+    let target = match out {
+        Some(out) => {
+            let target = Row::target(out, 3)?;
+            let inputs = [steering.and_then(|object| Row::read(object, joints)), Row::read(speeds?, wheels)];
+            if inputs.into_iter().flatten().any(|input| input.overlaps(target)) {
+                return None;
+            }
+            Some((out.to_owned(), target))
+        }
+        None => None,
+    };
+    let twist = batch::forward_one(rover, measured, Unseen::Refuse).ok()?;
+    let (array, target) = match target {
+        Some(target) => target,
+        None => fresh(py, 3)?,
+    };
+    // SAFETY: what has been read is not used any more.
+    unsafe { target.numbers_mut() }.copy_from_slice(&<[f64; 3]>::from(twist));
+    Some(array)
+}
+
+fast_method!(Admissible<1>: Rover, c"admissible", [c"twist"], 1, admissible);
+
+#[inline(always)]
+fn admissible<'py>(this: Borrowed<'_, 'py, Rover>, [twist]: Arguments<'_, 'py, 1>) -> Answer<'py> {
+    let twist = Twist::from(three(twist?)?);
+    let answer = batch::admissible_one(&this.get().core, twist).ok()?;
+    Some(truth(this.py(), answer))
+}
+
+fast_method!(Project<2>: Rover, c"project", [c"twist", c"out"], 1, project);
+
+#[inline(always)]
+fn project<'py>(this: Borrowed<'_, 'py, Rover>, [twist, out]: Arguments<'_, 'py, 2>) -> Answer<'py> {
+    let (py, twist) = (this.py(), twist?);
+    let wanted = Twist::from(three(twist)?);
+    let (array, target) = match out {
+        Some(out) => {
+            let target = Row::target(out, 3)?;
+            if Row::read(twist, 3).is_some_and(|twist| twist.overlaps(target)) {
+                return None;
+            }
+            (out.to_owned(), target)
+        }
+        None => fresh(py, 3)?,
+    };
+    let found = batch::project_one(&this.get().core, wanted, Keep::Curvature).ok()?;
+    // SAFETY: the twist has been copied, and nothing else is at work.
+    unsafe { target.numbers_mut() }.copy_from_slice(&<[f64; 3]>::from(found));
+    Some(array)
+}

@@ -1,0 +1,291 @@
+//! `Rover.inverse` and `Rover.forward`.
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use six_wheel_kinematics::estimate::Unseen;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::table::{Beside, Log, Source, Table};
+use six_wheel_kinematics::{batch, units};
+use six_wheel_numerics::threads::workers::Workers;
+
+use super::Rover;
+use crate::arguments;
+use crate::convert::{
+    AnyArray, Blocks, Output, Precision, Rows, compute_rows, given, joined, named, one_twist, out_tuple, refuse,
+    together,
+};
+use crate::unit_warnings::warn_units;
+use crate::workers::any_workers;
+
+/// Twists of points of the body, read as those of its origin.
+struct ReferencePoint<'a> {
+    twists: Table<'a>,
+    /// One per twist, or one for all.
+    centres: &'a [[f64; 2]],
+}
+
+impl Source for ReferencePoint<'_> {
+    fn read(&self, first: usize, target: &mut [f64]) {
+        match self.twists {
+            Table::Flat(twists) => target.copy_from_slice(&twists[first..first + target.len()]),
+            Table::Read(source) => source.read(first, target),
+        }
+        let twists = target.as_chunks_mut::<3>().0;
+        let about = |twist: &mut [f64; 3], centre| *twist = Twist::from(*twist).about(centre).into();
+        match self.centres {
+            [centre] => twists.iter_mut().for_each(|twist| about(twist, *centre)),
+            centres => {
+                for (twist, centre) in twists.iter_mut().zip(&centres[first / 3..]) {
+                    about(twist, *centre);
+                }
+            }
+        }
+    }
+}
+
+/// The columns of a log over common leading axes, in the memory of the caller.
+pub struct Tables<'py> {
+    steering: Option<Blocks<'py>>,
+    speeds: Blocks<'py>,
+    rates: Option<Blocks<'py>>,
+    leading: Vec<usize>,
+}
+
+impl<'py> Tables<'py> {
+    /// All of it, for the batches.
+    fn tables(&self) -> batch::Readings<'_> {
+        batch::Readings {
+            steering: self.steering.as_ref().map_or(Table::Flat(&[]), Blocks::table),
+            speeds: self.speeds.table(),
+            steering_rates: self.rates.as_ref().map(Blocks::table),
+        }
+    }
+
+    /// The same, row after row.
+    pub fn flat(self) -> PyResult<Readings<'py>> {
+        let flat = |argument, blocks: Option<Blocks<'py>>| blocks.map(|blocks| blocks.flat(argument)).transpose();
+        Ok(Readings {
+            steering: flat("steering", self.steering)?,
+            speeds: self.speeds.flat("speeds")?,
+            rates: flat("steering_rates", self.rates)?,
+        })
+    }
+}
+
+/// The columns of a log, row after row.
+pub struct Readings<'py> {
+    steering: Option<Rows<'py>>,
+    pub speeds: Rows<'py>,
+    rates: Option<Rows<'py>>,
+}
+
+impl Readings<'_> {
+    /// All of it, as the core takes it.
+    pub fn log(&self) -> Log<'_> {
+        Log {
+            steering: self.steering.as_ref().map_or(&[], Rows::flat),
+            speeds: self.speeds.flat(),
+            steering_rates: self.rates.as_ref().map(Rows::flat),
+        }
+    }
+}
+
+/// The treatment of motions that no reading sees.
+pub fn unseen(allow_underdetermined: bool) -> Unseen {
+    if allow_underdetermined { Unseen::Zero } else { Unseen::Refuse }
+}
+
+impl Rover {
+    /// Reads steering angles, speeds and steering rates, and repeats what is there over their common leading axes.
+    pub fn read_log<'py>(
+        &self,
+        steering: &Bound<'py, PyAny>,
+        speeds: &Bound<'py, PyAny>,
+        steering_rates: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Tables<'py>> {
+        let py = speeds.py();
+        let mut speeds = Blocks::read("speeds", speeds, self.count())?;
+        let steering = (!steering.is_none()).then_some(steering);
+        let mut angles = Blocks::read_optional("steering", steering, self.joints())?;
+        if angles.is_none() && self.joints() > 0 {
+            return Err(refuse("steering", "hold the angles of the steered wheels", "None"));
+        }
+        let mut rates = Blocks::read_optional("steering_rates", steering_rates, self.joints())?;
+        let all =
+            [Some(named("speeds", &mut speeds)), given("steering", &mut angles), given("steering_rates", &mut rates)];
+        let leading = together(all.into_iter().flatten())?;
+        if let Some(angles) = &angles {
+            let asked = units::angles(&self.core, angles.table(), angles.count());
+            warn_units(py, asked)?;
+        }
+        Ok(Tables { steering: angles, speeds, rates, leading })
+    }
+}
+
+#[pymethods]
+impl Rover {
+    /// What every wheel has to do for the body to move with a twist: angles and speeds.
+    ///
+    /// Exact at every turning radius: straight, on the spot, with the centre of rotation between the wheels
+    /// or under one of them. Of the equivalent angles of a wheel, half a turn apart, the one nearest to
+    /// `previous` is taken; a wheel whose pivot rests holds `previous`.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Three floats in a tuple or list are fastest.
+    /// previous : array_like, shape (..., steered wheels), optional
+    ///     Present steering angles [rad], default 0. One outside the range counts as its nearest end.
+    /// steering_rates : array_like, shape (..., steered wheels), optional
+    ///     Rates of the steering angles [rad/s], default 0; they matter to wheels with scrub or trail.
+    /// centre : array_like, shape (2,) or (..., 2), optional
+    ///     The point ``[x, y]`` whose velocity `twist` is [m], and about which the rover turns if that is
+    ///     zero; default the origin.
+    /// previous_speeds : array_like, shape (..., wheels), optional
+    ///     Present wheel speeds [rad/s]. A wheel that would have to turn by about 90 degrees either way goes
+    ///     with the others of its kind: the way they roll already, otherwise the shorter one for all.
+    /// out : (ndarray, ndarray), optional
+    ///     Where to write the results; they may be `previous` and `previous_speeds` themselves.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    /// level : str, optional
+    ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14.
+    ///
+    /// Returns
+    /// -------
+    /// steering : ndarray, shape (..., steered wheels)
+    ///     Steering angles [rad].
+    /// speeds : ndarray, shape (..., wheels)
+    ///     Wheel speeds [rad/s].
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If a wheel would slide sideways or steer past its range; the first bad row is named and nothing
+    ///     is written. `project` finds a twist the rover can make.
+    /// ValueError
+    ///     If a value is not finite or a shape does not fit.
+    ///
+    /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
+    #[pyo3(
+        signature = (twist, *more, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, level=None),
+        text_signature = "($self, twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, level=None)"
+    )]
+    pub fn inverse<'py>(
+        &self,
+        py: Python<'py>,
+        twist: &Bound<'py, PyAny>,
+        more: &Bound<'py, PyTuple>,
+        previous: Option<&Bound<'py, PyAny>>,
+        steering_rates: Option<&Bound<'py, PyAny>>,
+        centre: Option<&Bound<'py, PyAny>>,
+        previous_speeds: Option<&Bound<'py, PyAny>>,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
+    ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
+        one_twist("Rover.inverse((vx, vy, omega))", 1, more)?;
+        let precision = Precision::read(py, dtype, out)?;
+        let mut twists = Blocks::read("twist", twist, 3)?;
+        let mut centres = Rows::read_optional("centre", centre, 2)?;
+        let mut previous = Blocks::read_optional("previous", previous, self.joints())?;
+        let mut rates = Blocks::read_optional("steering_rates", steering_rates, self.joints())?;
+        let mut rolling = Blocks::read_optional("previous_speeds", previous_speeds, self.count())?;
+        let all = [
+            Some(named("twist", &mut twists)),
+            // One for all rows stays one.
+            given("centre", &mut centres).filter(|(_, centres)| !centres.leading().is_empty()),
+            given("previous", &mut previous),
+            given("steering_rates", &mut rates),
+            given("previous_speeds", &mut rolling),
+        ];
+        let leading = together(all.into_iter().flatten())?;
+        centres.as_ref().map_or(Ok(()), |centres| centres.check_finite("centre"))?;
+        let about = centres.as_ref().map(|centres| ReferencePoint { twists: twists.table(), centres: centres.pairs() });
+        let outputs = out_tuple::<2>(out, "be a pair of arrays (steering, speeds)")?;
+        for (input, out) in [&mut previous, &mut rolling].into_iter().zip(&outputs) {
+            if let (Some(input), Some(out)) = (input, out) {
+                input.release_if(out)?;
+            }
+        }
+        let output = |k: usize, width| {
+            Output::of(py, ["out[0]", "out[1]"][k], outputs[k].as_ref(), precision, &joined(&leading, width))
+        };
+        let (mut steering, mut speeds) = (output(0, self.joints())?, output(1, self.count())?);
+        let rows = match &about {
+            Some(about) => Table::Read(about),
+            None => twists.table(),
+        };
+        let beside = Beside {
+            previous: previous.as_ref().map(Blocks::table),
+            previous_speeds: rolling.as_ref().map(Blocks::table),
+            steering_rates: rates.as_ref().map(Blocks::table),
+        };
+        let workers = Workers { fresh: steering.is_unseen() && speeds.is_unseen(), ..any_workers(threads, level)? };
+        let (angles, rotations) = (steering.flat(), speeds.flat());
+        compute_rows(py, twists.count(), &leading, || {
+            batch::inverse(&self.core, rows, beside, angles, rotations, workers)
+        })?;
+        Ok((steering.finish_any()?, speeds.finish_any()?))
+    }
+
+    /// The twist that angles and speeds of all wheels report, by least squares.
+    ///
+    /// Parameters
+    /// ----------
+    /// steering : array_like, shape (..., steered wheels)
+    ///     Steering angles [rad]; None for a rover that does not steer.
+    /// speeds : array_like, shape (..., wheels)
+    ///     Wheel speeds [rad/s]; NaN where a passive wheel has no encoder.
+    /// steering_rates : array_like, shape (..., steered wheels), optional
+    ///     Rates of the steering angles [rad/s], default 0; they matter to wheels with scrub or trail.
+    /// allow_underdetermined : bool
+    ///     Take a motion that no wheel sees to be zero instead of raising.
+    /// out : ndarray, shape (..., 3), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    /// level : str, optional
+    ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14, times the condition number of the
+    ///     wheels' rows: the largest singular value over `TwistFit.sigma_min`.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    ///
+    /// Raises
+    /// ------
+    /// UnderdeterminedError
+    ///     If the wheels do not determine the twist.
+    /// ValueError
+    ///     If a value is not finite or a shape does not fit.
+    #[pyo3(signature = (steering, speeds, *, steering_rates=None, allow_underdetermined=false, out=None, dtype=None, threads=None, level=None))]
+    fn forward<'py>(
+        &self,
+        py: Python<'py>,
+        steering: &Bound<'py, PyAny>,
+        speeds: &Bound<'py, PyAny>,
+        steering_rates: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::allow_underdetermined)] allow_underdetermined: bool,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
+    ) -> PyResult<AnyArray<'py>> {
+        let readings = self.read_log(steering, speeds, steering_rates)?;
+        let leading = readings.leading.as_slice();
+        let mut twists = Output::asked(py, (out, dtype), &joined(leading, 3))?;
+        let fresh = twists.is_unseen();
+        let (tables, target) = (readings.tables(), twists.triples());
+        let unseen = unseen(allow_underdetermined);
+        let workers = Workers { fresh, ..any_workers(threads, level)? };
+        compute_rows(py, target.len(), leading, || batch::forward(&self.core, tables, unseen, target, workers))?;
+        twists.finish_any()
+    }
+}

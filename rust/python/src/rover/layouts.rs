@@ -1,0 +1,318 @@
+//! The named layouts of `Rover`: each only fills a list of wheels.
+
+mod cars;
+mod per_wheel;
+mod rollers;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use six_wheel_kinematics::layouts::SkidCentres;
+use six_wheel_kinematics::presets;
+use six_wheel_kinematics::rover::{MAX_WHEELS, Rover as Core};
+use six_wheel_kinematics::steering::SteeringRange;
+
+use super::Rover;
+use crate::arguments;
+use crate::convert::{Rows, memory, number, optional_number, refuse, short_repr};
+use crate::wheel::steering_range;
+use per_wheel::PerWheel;
+
+/// One radius for both sides, or one for each.
+fn radii(value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
+    match value.extract::<[Bound<'_, PyAny>; 2]>() {
+        Ok([left, right]) => Ok([number("wheel_radius[0]", &left)?, number("wheel_radius[1]", &right)?]),
+        Err(_) => Ok([number("wheel_radius", value)?; 2]),
+    }
+}
+
+/// Positions, one row per wheel.
+pub fn positions(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
+    let rows = Rows::read_table("positions", value, 2)?;
+    memory::gathered(rows.pairs().iter().copied())
+}
+
+/// Fails where an argument comes beside others that say the same.
+fn refuse_beside(
+    argument: &str,
+    value: Option<&Bound<'_, PyAny>>,
+    names: &str,
+    others: [Option<&Bound<'_, PyAny>>; 2],
+) -> PyResult<()> {
+    match value {
+        Some(value) if others.iter().any(Option::is_some) => {
+            Err(refuse(argument, &format!("be left out beside {names}, which say the same"), &short_repr(value)))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[pymethods]
+impl Rover {
+    /// The six-wheel rover with four steered corners and unsteered middle wheels.
+    ///
+    /// Wheels: front_left, front_right, middle_left, middle_right, rear_left, rear_right; origin between the
+    /// middle wheels.
+    ///
+    /// Parameters
+    /// ----------
+    /// d1 : float
+    ///     Half track of the corner wheels [m].
+    /// d2, d3 : float
+    ///     Middle axle to rear axle, and to front axle [m].
+    /// d4 : float
+    ///     Half track of the middle wheels [m]; may be 0.
+    /// wheel_radius : float
+    ///     Hub to ground [m].
+    /// steering_limit : float, (float, float), sequence or mapping, optional
+    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
+    ///     Of all corner wheels or one each: a mapping by name, or a sequence of pairs.
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name.
+    /// names : sequence of str, optional
+    ///     Of the wheels, in the order above.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a dimension or the limit is not finite and positive.
+    ///
+    /// Source: the corner-steering geometry of NASA's Mars rovers as used by the JPL Open Source Rover.
+    #[staticmethod]
+    #[pyo3(
+        signature = (d1, d2, d3, d4, wheel_radius, steering_limit=None, *, scrub=None, trail=None, names=None),
+        text_signature = "(d1, d2, d3, d4, wheel_radius, steering_limit=None, *, scrub=0.0, trail=0.0, names=None)"
+    )]
+    fn six_wheel(
+        py: Python<'_>,
+        d1: &Bound<'_, PyAny>,
+        d2: &Bound<'_, PyAny>,
+        d3: &Bound<'_, PyAny>,
+        d4: &Bound<'_, PyAny>,
+        wheel_radius: &Bound<'_, PyAny>,
+        steering_limit: Option<&Bound<'_, PyAny>>,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
+        names: Option<Vec<String>>,
+    ) -> PyResult<Self> {
+        let dimensions = [number("d1", d1)?, number("d2", d2)?, number("d3", d3)?, number("d4", d4)?];
+        let radius = number("wheel_radius", wheel_radius)?;
+        let given = PerWheel { steering_limit, scrub, trail, names };
+        Self::named(py, Ok(given.fit(Core::six_wheel(dimensions, radius, SteeringRange::default()))?))
+    }
+
+    /// A vehicle whose wheels are all steered.
+    ///
+    /// Parameters
+    /// ----------
+    /// positions : array_like, shape (n, 2)
+    ///     Pivots ``[x, y]`` of the modules, n from 2 to 64 [m].
+    /// wheel_radius : float
+    ///     Hub to ground [m].
+    /// steering_limit : float, (float, float), sequence or mapping, optional
+    ///     Largest steering angle to either side, or smallest and largest [rad]; default endless, ``math.inf`` for endless.
+    ///     Of all modules or one each: a mapping by name, or a sequence of pairs.
+    ///     Beyond half a turn, turns are counted.
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name.
+    /// names : sequence of str, optional
+    ///     Default ``module_0``, ``module_1``, ...
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite, the radius or the limit not positive, or two modules share a point.
+    ///
+    /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
+    #[staticmethod]
+    #[pyo3(
+        signature = (positions, wheel_radius, *, steering_limit=None, names=None, scrub=None, trail=None),
+        text_signature = "(positions, wheel_radius, *, steering_limit=None, names=None, scrub=0.0, trail=0.0)"
+    )]
+    fn swerve(
+        py: Python<'_>,
+        positions: &Bound<'_, PyAny>,
+        wheel_radius: &Bound<'_, PyAny>,
+        steering_limit: Option<&Bound<'_, PyAny>>,
+        names: Option<Vec<String>>,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let positions = self::positions(positions)?;
+        let radius = number("wheel_radius", wheel_radius)?;
+        let given = PerWheel { steering_limit, scrub, trail, names: None };
+        Self::named(py, Ok(given.fit(Core::swerve(&positions, names, radius, SteeringRange::ENDLESS))?))
+    }
+
+    /// Differential drive: fixed wheels on two sides. With several wheels per side, skid steering.
+    ///
+    /// Several axles turn about their mean; on the ground they skid, and `icr_left` and `icr_right`, measured,
+    /// say where each side really turns.
+    ///
+    /// Parameters
+    /// ----------
+    /// track_width : float
+    ///     Left to right wheel [m].
+    /// wheel_radius : float or (float, float)
+    ///     Hub to ground, of both sides or of left and right [m].
+    /// wheels_per_side : int, default 1
+    ///     Axles; they are spread over `wheelbase`, front to rear, the origin in their middle.
+    /// wheelbase : float, optional
+    ///     First to last axle [m]; needed for more than one.
+    /// icr_left, icr_right : float, optional
+    ///     Lateral positions of the treads' centres of rotation [m]; default half the track width to either
+    ///     side. Their distance is the effective track.
+    /// icr_forward : float, default 0.0
+    ///     Longitudinal position of the centres [m].
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name. Not beside `icr_left`,
+    ///     `icr_right` and `icr_forward`, which say the same.
+    /// names : sequence of str, optional
+    ///     Of the wheels, front to rear, left before right; default ``left`` and ``right``, behind the axle's where
+    ///     there are several.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a length is not finite and positive, or the centres lie the wrong way round.
+    ///
+    /// Source: J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
+    #[staticmethod]
+    #[pyo3(
+        signature = (track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=None, scrub=None, trail=None, names=None),
+        text_signature = "(track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
+    )]
+    fn differential(
+        py: Python<'_>,
+        track_width: &Bound<'_, PyAny>,
+        wheel_radius: &Bound<'_, PyAny>,
+        #[pyo3(from_py_with = arguments::wheels_per_side)] wheels_per_side: i64,
+        wheelbase: Option<&Bound<'_, PyAny>>,
+        icr_left: Option<&Bound<'_, PyAny>>,
+        icr_right: Option<&Bound<'_, PyAny>>,
+        icr_forward: Option<&Bound<'_, PyAny>>,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
+        names: Option<Vec<String>>,
+    ) -> PyResult<Self> {
+        let given = PerWheel { scrub, trail, names, ..PerWheel::default() };
+        refuse_beside("scrub", scrub, "icr_left and icr_right", [icr_left, icr_right])?;
+        refuse_beside("trail", trail, "icr_forward", [icr_forward, None])?;
+        let skid = SkidCentres {
+            left: optional_number("icr_left", icr_left)?,
+            right: optional_number("icr_right", icr_right)?,
+            forward: optional_number("icr_forward", icr_forward)?.unwrap_or_default(),
+        };
+        let track = number("track_width", track_width)?;
+        let wheelbase = optional_number("wheelbase", wheelbase)?;
+        let radii = radii(wheel_radius)?;
+        let Ok(per_side) = usize::try_from(wheels_per_side) else {
+            let got = wheels_per_side.to_string();
+            let rule = format!("be 1 to {}", MAX_WHEELS / 2);
+            return Err(refuse("wheels_per_side", &rule, &got));
+        };
+        if per_side > 1 && wheelbase.is_none() {
+            let rule = "be given for more than one wheel per side";
+            return Err(refuse("wheelbase", rule, "None"));
+        }
+        let base = wheelbase.unwrap_or_default();
+        Self::named(py, Ok(given.fit(Core::differential(track, radii, per_side, base, skid))?))
+    }
+
+    /// Tracked drive: a left and a right track, each a wheel with the radius of its sprocket.
+    ///
+    /// Parameters
+    /// ----------
+    /// track_width : float
+    ///     Left to right track, middle to middle [m].
+    /// wheel_radius : float or (float, float)
+    ///     Sprocket axle to the outside of the track, of both or of left and right [m].
+    /// icr_left, icr_right : float, optional
+    ///     Lateral positions of the tracks' centres of rotation [m]; default half the track width to either
+    ///     side, as without slip. Their distance is the effective track.
+    /// icr_forward : float, default 0.0
+    ///     Longitudinal position of the centres [m].
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name. Not beside `icr_left`,
+    ///     `icr_right` and `icr_forward`, which say the same.
+    /// names : sequence of str, optional
+    ///     Of the left and the right track; default ``left`` and ``right``.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a length is not finite and positive, or the centres lie the wrong way round.
+    ///
+    /// Source: J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
+    #[staticmethod]
+    #[pyo3(
+        signature = (track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=None, scrub=None, trail=None, names=None),
+        text_signature = "(track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
+    )]
+    fn tracked(
+        py: Python<'_>,
+        track_width: &Bound<'_, PyAny>,
+        wheel_radius: &Bound<'_, PyAny>,
+        icr_left: Option<&Bound<'_, PyAny>>,
+        icr_right: Option<&Bound<'_, PyAny>>,
+        icr_forward: Option<&Bound<'_, PyAny>>,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
+        names: Option<Vec<String>>,
+    ) -> PyResult<Self> {
+        Self::differential(
+            py,
+            track_width,
+            wheel_radius,
+            1,
+            None,
+            icr_left,
+            icr_right,
+            icr_forward,
+            scrub,
+            trail,
+            names,
+        )
+    }
+
+    /// A published rover by name; `Rover.presets` lists them.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     One of `Rover.presets()`.
+    /// steering_limit : float or (float, float), optional
+    ///     In place of the published limit [rad]; where none is published, a quarter turn to either side.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is no such preset.
+    #[staticmethod]
+    #[pyo3(signature = (name, *, steering_limit=None))]
+    fn preset(
+        py: Python<'_>,
+        #[pyo3(from_py_with = arguments::name)] name: &str,
+        steering_limit: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        Self::named(py, presets::preset(name, steering_range(steering_limit)?))
+    }
+
+    /// Names of the published rovers, each with the source of its dimensions.
+    ///
+    /// Returns
+    /// -------
+    /// dict of str to str
+    ///     Name to source; iterates over the names.
+    #[staticmethod]
+    fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let sources = PyDict::new(py);
+        for preset in presets::PRESETS {
+            sources.set_item(preset.name, preset.source)?;
+        }
+        Ok(sources)
+    }
+}

@@ -1,0 +1,114 @@
+//! `Suspension.settle` and `six_wheel.SettledPose`: chains on ground.
+
+mod fastcall;
+mod margins;
+mod stability;
+mod stand;
+
+use pyo3::prelude::*;
+use six_wheel_terrain::ground::{self, Settler, Status};
+
+use crate::arguments;
+use crate::convert::{Rows, compute, memory, raise, read_point};
+use crate::suspension::Suspension;
+use crate::terrain::Terrain;
+use crate::workers::any_workers;
+
+pub use fastcall::install;
+pub use margins::MarginJacobian;
+pub use stability::{Feasibility, Stability};
+pub use stand::Stand;
+
+/// Steering angles beside poses: none, one row for all, or one per pose.
+pub fn read_steering(value: Option<&Bound<'_, PyAny>>, joints: usize, leading: &[usize]) -> PyResult<Vec<f64>> {
+    let Some(value) = value else { return Ok(Vec::new()) };
+    let rows = Rows::read("steering", value, joints)?;
+    if !rows.is_single() {
+        rows.check_leading("steering", leading)?;
+    }
+    memory::gathered(rows.flat().iter().copied())
+}
+
+#[pymethods]
+impl Suspension {
+    /// Where the rover settles on ground: heights, attitude and joint angles that put every wheel on it, exactly.
+    ///
+    /// A wheel is a circle; its gap is the least vertical distance of the circle over the bilinear surface.
+    /// Settled means that every gap is 0. At the stop of a joint (`rocker_limit`, `bogie_limit`) a wheel hangs: one
+    /// that the joint would lower if it could turn on. On a bogie that is the wheel ahead of its joint at the upper
+    /// stop and the one behind at the lower. At the stop of the rockers several may: those hang without which
+    /// no wheel has to be pulled down, with vertical loads and the weight in `centre_of_mass` but for one
+    /// hundredth in the centre of every wheel, which turns a bogie that carries nothing. The same rule says which
+    /// three of four wheels on a rigid body touch. Wheels may also touch where friction would have to hold a
+    /// bogie from tipping over: this is geometry.
+    ///
+    /// Parameters
+    /// ----------
+    /// ground : Terrain
+    ///     What it stands on.
+    /// poses : array_like, shape (..., 3)
+    ///     Rows ``[x, y, yaw]`` of the body's origin in the world [m, m, rad].
+    /// steering : array_like, shape (steered,) or (..., steered), optional
+    ///     Steering angles [rad], default 0.
+    /// derivatives : bool
+    ///     Whether `by_pose` and `by_dimension` are wanted.
+    /// centre_of_mass : (float, float, float), optional
+    ///     In the body [m]; default the mean of the wheel centres, on a rocker-bogie at the height of the rocker axis.
+    /// threads : int, optional
+    ///     How many threads work at most; default `default_threads()`. Results do not depend on it.
+    /// level : str, optional
+    ///     One of `simd_levels()`; default the best. Results differ by rounding.
+    ///
+    /// Returns
+    /// -------
+    /// SettledPose
+    ///     With a status for every pose; numbers are NaN where it does not stand.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite or a shape does not fit.
+    ///
+    /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4),
+    /// 2005, for the kinematics; the contact of circle and grid is solved over every cell (`docs/ground.md`).
+    #[pyo3(signature = (ground, poses, steering=None, *, derivatives=false, centre_of_mass=None, threads=None, level=None))]
+    fn settle(
+        slf: &Bound<'_, Self>,
+        py: Python<'_>,
+        #[pyo3(from_py_with = arguments::ground)] ground: Bound<'_, Terrain>,
+        poses: &Bound<'_, PyAny>,
+        steering: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = arguments::derivatives)] derivatives: bool,
+        centre_of_mass: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
+    ) -> PyResult<Stand> {
+        let chain = &slf.get().chain;
+        let poses = Rows::read("poses", poses, 3)?;
+        let steering = read_steering(steering, chain.steering().len(), &poses.leading)?;
+        let mut settler = Settler::new(&ground.get().0, chain);
+        if let Some(centre) = centre_of_mass {
+            settler.balance = read_point("centre_of_mass", centre)?.into();
+        }
+        let workers = any_workers(threads, level)?;
+        settler.level = workers.level;
+        let rows = poses.triples();
+        let nothing = ground::Stand::nothing(Status::NotConverged);
+        let mut stands = memory::filled(nothing, rows.len())?;
+        compute(py, rows.len(), || ground::settle(&settler, rows, &steering, workers.threads, &mut stands)).map_err(
+            |error| {
+                let one = error.argument == "steering" && error.row.is_none();
+                raise(error, if one { &[] } else { &poses.leading })
+            },
+        )?;
+        Ok(Stand {
+            suspension: slf.clone().unbind(),
+            ground: ground.get().0.clone(),
+            poses: memory::gathered(rows.iter().copied())?,
+            steering,
+            stands,
+            leading: poses.leading.clone(),
+            derivatives,
+        })
+    }
+}

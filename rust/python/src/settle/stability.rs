@@ -1,0 +1,307 @@
+//! `Suspension.stability` and `RockerBogie.feasible`.
+
+use pyo3::prelude::*;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_terrain::bounds::{
+    Allowed, Belly, Judge, Verdict, joint_margins, loads, margins_by_dimension, margins_by_pose, tilt, tip_over_angle,
+};
+use six_wheel_terrain::ground::Settler;
+
+use super::margins::{MarginJacobian, slopes};
+use super::stand::Stand;
+use crate::arguments;
+use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, number, read_point, refuse, scalar_or_array};
+use crate::suspension::{RockerBogie, Suspension};
+use crate::terrain::Terrain;
+use crate::workers::{any_workers, fill_rows};
+
+result_class! {
+    /// What a settled pose means for the rover: see `Suspension.stability`.
+    pub struct Stability {
+        /// What every wheel carries, straight up, shape (..., wheels) [N]; a negative one would have to pull.
+        loads: Py<PyAny>,
+        /// Least angle by which the rover has to be turned about a line through two contacts to tip over, shape (...)
+        /// [rad]; negative where it does.
+        tip_over_angle: Py<PyAny>,
+        /// Least vertical distance from the ground to the belly, shape (...) [m]; negative where the ground is in it.
+        clearance: Py<PyAny>,
+        /// Angle of every free joint to its nearer stop, shape (..., joints) [rad]; infinite without stops.
+        joint_margins: Py<PyAny>,
+        /// Angle between the rover's z axis and the vertical, shape (...) [rad].
+        tilt: Py<PyAny>,
+        /// Derivatives of these margins by x, y and yaw; None unless the stand was asked for `derivatives`.
+        by_pose: Option<Py<MarginJacobian>>,
+        /// Derivatives by the dimensions of a rocker-bogie; None for other chains, and unless the stand was asked for them.
+        by_dimension: Option<Py<MarginJacobian>>,
+    }
+    repr { loads tip_over_angle clearance joint_margins tilt }
+}
+
+result_class! {
+    /// Whether a rover may stand at poses: see `RockerBogie.feasible`.
+    pub struct Feasibility {
+        /// Whether it may, shape (...).
+        ok: Py<PyAny>,
+        /// Numbers of the reasons in `six_wheel.FeasibilityReason`, shape (...), as in the layer of `six-wheel traverse`.
+        reason_codes: Py<PyAny>,
+        /// What is left of the limit of which least is, shape (...): shares of angles and drops, clearances in wheel
+        /// radii. NaN where nothing is known.
+        margin: Py<PyAny>,
+        /// Tilt, shape (...) [rad]; the largest possible where `exact` is false.
+        tilt: Py<PyAny>,
+        /// Clearance, shape (...) [m]; the least possible where `exact` is false.
+        clearance: Py<PyAny>,
+        /// Whether the rover was settled to know, shape (...).
+        exact: Py<PyAny>,
+    }
+    repr { ok reason margin tilt clearance exact }
+}
+
+#[pymethods]
+impl Feasibility {
+    /// Why not, shape (...): `six_wheel.FeasibilityReason`, ``ok`` where it may.
+    #[getter]
+    fn reason(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let module = py.import("six_wheel.kinematics.statuses")?;
+        let reasons = module.call_method1("feasible_reasons", (&self.reason_codes,))?;
+        Ok(reasons.unbind())
+    }
+}
+
+/// Reads the limits of an object that has them as attributes, or the default ones.
+fn allowed(py: Python<'_>, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Allowed> {
+    let limits = match limits {
+        Some(limits) => limits.clone(),
+        None => py.import("six_wheel.kinematics.statuses")?.call_method0("FeasibilityLimits")?,
+    };
+    let read = |name: &str| match limits.getattr(name) {
+        Ok(value) => number(name, &value),
+        Err(_) => {
+            let got = limits.get_type().name()?.to_string();
+            Err(refuse("limits", "be a FeasibilityLimits", &got))
+        }
+    };
+    let allowed = Allowed {
+        roll: read("roll")?,
+        pitch: read("pitch")?,
+        tilt: read("tilt")?,
+        rocker: read("rocker")?,
+        bogie: read("bogie")?,
+        clearance: read("clearance")?,
+        wheel_drop: read("wheel_drop")?,
+    };
+    allowed.check().or_raise(&[])?;
+    Ok(allowed)
+}
+
+#[pymethods]
+impl RockerBogie {
+    /// Whether the rover may stand at poses: by `bounds` where they decide, by `settle` where they do not.
+    ///
+    /// Parameters
+    /// ----------
+    /// ground : Terrain
+    ///     The map.
+    /// poses : array_like, shape (..., 3)
+    ///     Rows ``[x, y, yaw]`` of the rover's origin [m, m, rad].
+    /// limits : FeasibilityLimits, optional
+    ///     What is allowed; default what Curiosity is.
+    /// map_error : float, default 0.0
+    ///     How far the heights of the map may be from the true ones [m]: bounds hold for all of them, settled
+    ///     clearances are less by twice as much.
+    /// belly : (float, float, float, float), optional
+    ///     As for `bounds`.
+    /// out : tuple of ndarray, optional
+    ///     Where to write margin, tilt and clearance, in this order; what is left out, or None, is fresh. Nothing is
+    ///     written by a call that fails.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`. Results do not depend on it.
+    ///
+    /// Returns
+    /// -------
+    /// Feasibility
+    ///     `ok`, `reason`, `margin`, `tilt`, `clearance`, `exact`, each of shape (...).
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a limit not positive or a shape does not fit.
+    #[pyo3(signature = (ground, poses, limits=None, *, map_error=0.0, belly=None, out=None, threads=None))]
+    fn feasible<'py>(
+        slf: &Bound<'py, Self>,
+        py: Python<'py>,
+        #[pyo3(from_py_with = arguments::ground)] ground: Bound<'py, Terrain>,
+        poses: &Bound<'py, PyAny>,
+        limits: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::map_error)] map_error: f64,
+        #[pyo3(from_py_with = arguments::belly)] belly: Option<(f64, f64, f64, f64)>,
+        out: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<Feasibility> {
+        let this = slf.get();
+        let error = this.question(map_error, belly, None)?.error;
+        let allowed = allowed(py, limits)?;
+        let poses = Rows::read_finite("poses", poses, 3)?;
+        let workers = any_workers(threads, None)?;
+        let (rows, ground, leading) = (poses.triples(), &*ground.get().0, &poses.leading);
+        let settler = Settler::new(ground, this.0.chain());
+        let judge = this.belly(belly).and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, error));
+        let judge = judge.or_raise(&[])?;
+        let mut verdicts = memory::filled(Verdict::UNKNOWN, rows.len())?;
+        let shapes = [(); 3].map(|()| leading.clone());
+        let mut results = Out::read(out, ["margin", "tilt", "clearance"])?.results(py, shapes, false)?;
+        compute_rows(py, rows.len().max(ground.heights().len() / 1000), &[], || {
+            judge.judge(rows, &mut verdicts, workers)
+        })?;
+        let truths =
+            |value: fn(&Verdict) -> bool| scalar_or_array(py, memory::gathered(verdicts.iter().map(value))?, leading);
+        let codes = verdicts.iter().map(|verdict| verdict.reason as u8);
+        let reason_codes = scalar_or_array(py, memory::gathered(codes)?, leading)?;
+        let (ok, exact) = (truths(|verdict| verdict.reason as u8 == 0)?, truths(|verdict| verdict.exact)?);
+        let [margins, tilts, clear] = results.flat();
+        let targets = margins.iter_mut().zip(tilts).zip(clear);
+        for (verdict, ((margin, tilt), clearance)) in verdicts.iter().zip(targets) {
+            (*margin, *tilt, *clearance) = (verdict.margin, verdict.tilt, verdict.clearance);
+        }
+        let [margin, tilt, clearance] = results.finish()?;
+        Ok(Feasibility { ok, reason_codes, margin, tilt, clearance, exact })
+    }
+}
+
+fn check_positive(argument: &str, value: f64) -> PyResult<()> {
+    match value.is_finite() && value > 0.0 {
+        true => Ok(()),
+        false => Err(refuse(argument, "be finite and positive", &format!("{value:?}"))),
+    }
+}
+
+/// The belly that is given, or that of a rocker-bogie between its wheels.
+fn belly_of(suspension: &Bound<'_, Suspension>, given: Option<(f64, f64, f64, f64)>) -> PyResult<Option<Belly>> {
+    match (given, suspension.cast::<RockerBogie>()) {
+        (Some((rear, front, half_width, z)), _) => Belly::new([rear, front], half_width, z).map(Some).or_raise(&[]),
+        (None, Ok(rover)) => Ok(Some(Belly::between_wheels(rover.get().0.dimensions()))),
+        (None, Err(_)) => Ok(None),
+    }
+}
+
+/// Derivatives of the margins by pose and by dimensions, where the stand was asked for them.
+fn derivatives(
+    suspension: &Bound<'_, Suspension>,
+    stand: &Stand,
+    workers: Workers,
+    centre: [f64; 3],
+    belly: Option<Belly>,
+) -> PyResult<[Option<Py<MarginJacobian>>; 2]> {
+    if !stand.derivatives {
+        return Ok([None, None]);
+    }
+    let (py, chain) = (suspension.py(), &suspension.get().chain);
+    let by_pose = slopes(py, stand, workers, |k| {
+        let (one, placed) = (&stand.stands[k], stand.placed(k)?);
+        margins_by_pose(&stand.ground, chain, one, &placed, centre, belly)
+    })?;
+    let by_dimension = |rover: &Bound<'_, RockerBogie>| {
+        let of = (chain, rover.get().0.dimensions());
+        slopes(py, stand, workers, |k| {
+            let (one, placed) = (&stand.stands[k], stand.placed(k)?);
+            margins_by_dimension(&stand.ground, of, one, &placed, centre, belly)
+        })
+    };
+    Ok([Some(by_pose), suspension.cast::<RockerBogie>().ok().map(by_dimension).transpose()?])
+}
+
+#[pymethods]
+impl Suspension {
+    /// What settled poses mean: loads of the wheels, the way to tipping over, clearance, joints near their stops.
+    ///
+    /// Loads push straight up where wheels touch, wheels held by their links; all mass is in the body. They keep
+    /// the body and every free joint in balance; a joint at its stop takes any moment.
+    ///
+    /// Parameters
+    /// ----------
+    /// stand : SettledPose
+    ///     From `settle` of this suspension.
+    /// mass : float
+    ///     Of the rover [kg].
+    /// centre_of_mass : (float, float, float), optional
+    ///     In the rover's frame [m]; default that of `settle`.
+    /// gravity : float, default 9.80665
+    ///     [m/s^2].
+    /// belly : (float, float, float, float), optional
+    ///     As for `RockerBogie.bounds`, which has a default; without one `clearance` is NaN.
+    /// out : tuple of ndarray, optional
+    ///     Where to write loads, tip-over angle, clearance, joint margins and tilt, in this order; what is left out, or
+    ///     None, is fresh. Nothing is written by a call that fails.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    ///
+    /// Returns
+    /// -------
+    /// Stability
+    ///     `loads` (..., wheels), `tip_over_angle` (...), `clearance` (...), `joint_margins` (..., joints),
+    ///     `tilt` (...); NaN where the rover does not stand, or where forces are not determined. Of a stand with
+    ///     `derivatives`, those of the margins: `by_pose`, `by_dimension`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If mass or gravity are not finite and positive, or the stand is of another suspension.
+    ///
+    /// Source: E. Papadopoulos, D. Rey, A new measure of tipover stability margin for mobile manipulators,
+    /// ICRA 1996.
+    #[pyo3(signature = (stand, *, mass, centre_of_mass=None, gravity=9.80665, belly=None, out=None, threads=None))]
+    fn stability<'py>(
+        slf: &Bound<'py, Self>,
+        py: Python<'py>,
+        #[pyo3(from_py_with = arguments::stand)] stand: Bound<'py, Stand>,
+        #[pyo3(from_py_with = arguments::mass)] mass: f64,
+        centre_of_mass: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::gravity)] gravity: f64,
+        #[pyo3(from_py_with = arguments::belly)] belly: Option<(f64, f64, f64, f64)>,
+        out: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<Stability> {
+        let workers = any_workers(threads, None)?;
+        check_positive("mass", mass)?;
+        check_positive("gravity", gravity)?;
+        let (chain, stand) = (&slf.get().chain, stand.get());
+        if !stand.suspension.bind(py).is(slf) && stand.suspension.get().chain.wheels().len() != chain.wheels().len() {
+            return Err(refuse("stand", "be one of this suspension", "one of another"));
+        }
+        let centre =
+            centre_of_mass.map_or(Ok(chain.balance().into()), |centre| read_point("centre_of_mass", centre))?;
+        let belly = belly_of(slf, belly)?;
+        let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
+        let leading = stand.leading.as_slice();
+        let [one, wheel, joint] = [leading.to_vec(), joined(leading, wheels), joined(leading, joints)];
+        let shapes = [wheel, one.clone(), one.clone(), joint, one];
+        let names = ["loads", "tip_over_angle", "clearance", "joint_margins", "tilt"];
+        let mut results = Out::read(out, names)?.results(py, shapes, false)?;
+        let [by_pose, by_dimension] = derivatives(slf, stand, workers, centre, belly)?;
+        let [carried, tipping, clear, margins, tilts] = results.flat();
+        let outputs = [(carried, wheels), (tipping, 1), (clear, 1), (margins, joints), (tilts, 1)];
+        let fill = |k: usize, [carried, tipping, clear, margins, tilts]: [&mut [f64]; 5]| {
+            for row in [&mut *carried, &mut *tipping, &mut *clear, &mut *margins, &mut *tilts] {
+                row.fill(f64::NAN);
+            }
+            let one = &stand.stands[k];
+            let Some(placed) = stand.placed(k) else { return Ok(()) };
+            if let Some(shares) = loads(chain, one, &placed, centre) {
+                for (load, share) in carried.iter_mut().zip(shares) {
+                    *load = share * mass * gravity;
+                }
+            }
+            for (margin, value) in margins.iter_mut().zip(joint_margins(chain, one)) {
+                *margin = value;
+            }
+            let clearance = belly.and_then(|belly| belly.above(&stand.ground, &placed));
+            tipping[0] = tip_over_angle(chain, one, &placed, centre).unwrap_or(f64::NAN);
+            clear[0] = clearance.unwrap_or(f64::NAN);
+            tilts[0] = tilt(&placed);
+            Ok(())
+        };
+        fill_rows(py, workers, stand.stands.len(), leading, outputs, fill)?;
+        let [loads, tip_over_angle, clearance, joint_margins, tilt] = results.finish()?;
+        Ok(Stability { loads, tip_over_angle, clearance, joint_margins, tilt, by_pose, by_dimension })
+    }
+}

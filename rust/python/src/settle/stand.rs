@@ -1,0 +1,304 @@
+//! `six_wheel.SettledPose`: settled poses.
+
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_terrain::ground::{self, Contact, DIMENSIONS, by_dimension, by_pose, rim_point};
+use six_wheel_terrain::suspension::{Placed, PlanPose};
+use six_wheel_terrain::terrain::Terrain;
+
+use crate::arguments::ArgumentKind;
+use crate::convert::{Array, Output, memory, scalar_or_array};
+use crate::suspension::{RockerBogie, Suspension};
+
+/// Where a rover stands on ground: as many poses as were asked for, each with its status.
+///
+/// Arrays have the leading axes of the poses, and are made when they are asked for. Numbers are NaN where the
+/// rover does not stand, and for wheels over which nothing is known. Wheels are in the order of
+/// `Suspension.wheel_names`.
+#[pyclass(frozen, module = "six_wheel", name = "SettledPose")]
+pub struct Stand {
+    /// The suspension that stands.
+    pub suspension: Py<Suspension>,
+    /// The ground below it.
+    pub ground: Arc<Terrain>,
+    /// Rows x, y, yaw.
+    pub poses: Vec<[f64; 3]>,
+    /// None, one row, or one per pose.
+    pub steering: Vec<f64>,
+    /// The settled poses.
+    pub stands: Vec<ground::Stand>,
+    /// Leading axes.
+    pub leading: Vec<usize>,
+    /// True if derivatives were asked for.
+    pub derivatives: bool,
+}
+
+impl Stand {
+    /// Steering angles of a row.
+    pub fn angles(&self, row: usize) -> &[f64] {
+        let joints = self.suspension.get().chain.steering().len();
+        if self.steering.len() > joints { &self.steering[row * joints..][..joints] } else { &self.steering }
+    }
+
+    /// The chain at a row; None where it does not stand.
+    pub fn placed(&self, row: usize) -> Option<Placed<'_>> {
+        let chain = &self.suspension.get().chain;
+        let pose = PlanPose::from(self.poses[row]);
+        self.stands[row].place(chain, pose, self.angles(row))
+    }
+
+    fn wheels(&self) -> usize {
+        self.suspension.get().chain.wheels().len()
+    }
+
+    fn joint_count(&self) -> usize {
+        self.suspension.get().chain.joints().len()
+    }
+
+    /// An array with these last axes, a row at a time.
+    fn array<'py>(
+        &self,
+        py: Python<'py>,
+        last: &[usize],
+        fill: impl Fn(usize, &ground::Stand, &mut [f64]),
+    ) -> PyResult<Array<'py>> {
+        let shape: Vec<usize> = self.leading.iter().chain(last).copied().collect();
+        let width = last.iter().product::<usize>();
+        let mut output = Output::fresh(py, &shape)?;
+        let rows = output.flat().chunks_exact_mut(width.max(1));
+        for (k, (row, stand)) in rows.zip(&self.stands).enumerate() {
+            fill(k, stand, row);
+        }
+        output.finish()
+    }
+
+    /// One number per pose.
+    fn scalars(&self, py: Python<'_>, value: impl Fn(&ground::Stand) -> f64) -> PyResult<Py<PyAny>> {
+        let values = memory::gathered(self.stands.iter().map(value))?;
+        scalar_or_array(py, values, &self.leading)
+    }
+
+    /// One number per wheel.
+    fn per_wheel<'py>(&self, py: Python<'py>, value: impl Fn(&Contact) -> f64) -> PyResult<Array<'py>> {
+        self.array(py, &[self.wheels()], |_, stand, row| {
+            for (target, contact) in row.iter_mut().zip(&stand.wheels) {
+                *target = value(contact);
+            }
+        })
+    }
+
+    /// Points of the rims at these contact angles.
+    fn points<'py>(&self, py: Python<'py>, at: impl Fn(&Contact) -> Direction) -> PyResult<Array<'py>> {
+        let chain = &self.suspension.get().chain;
+        self.array(py, &[self.wheels(), 3], |k, stand, row| {
+            row.fill(f64::NAN);
+            let Some(placed) = self.placed(k) else { return };
+            for (wheel, target) in row.chunks_exact_mut(3).enumerate() {
+                let point = rim_point(chain, &placed, wheel, at(&stand.wheels[wheel]));
+                target.copy_from_slice(point.as_slice());
+            }
+        })
+    }
+}
+
+impl ArgumentKind for Stand {
+    const KIND: &'static str = "a SettledPose";
+
+    fn remedy(_: &Bound<'_, PyAny>) -> String {
+        "what settle(...) has returned".into()
+    }
+}
+
+getters! { Stand, this, py:
+    /// The ground it stands on.
+    ground: crate::terrain::Terrain = crate::terrain::Terrain(this.ground.clone());
+    /// The suspension that stands.
+    suspension: Py<Suspension> = this.suspension.clone_ref(py);
+    /// Rows ``[x, y, yaw]`` that were asked for, shape (..., 3) [m, m, rad].
+    poses: PyResult<Array<'py>> = this.array(py, &[3], |k, _, row| row.copy_from_slice(&this.poses[k]));
+    /// Height of the body's origin, shape (...) [m].
+    z: PyResult<Py<PyAny>> = this.scalars(py, |stand| stand.state[0]);
+    /// Roll, positive with the right side down, shape (...) [rad].
+    roll: PyResult<Py<PyAny>> = this.scalars(py, |stand| stand.state[1]);
+    /// Pitch, positive with the nose down, shape (...) [rad].
+    pitch: PyResult<Py<PyAny>> = this.scalars(py, |stand| stand.state[2]);
+    /// Least vertical distance of every rim over the ground, shape (..., wheels) [m]: 0 but for wheels that hang.
+    gap: PyResult<Array<'py>> = this.per_wheel(py, |contact| contact.gap);
+    /// Contact angles, shape (..., wheels) [rad]: 0 straight below the wheel, positive to its front.
+    contact_angles: PyResult<Array<'py>> = this.per_wheel(py, Contact::angle);
+    /// Contact angles of the next best contact, shape (..., wheels) [rad]; NaN unless its gap is the same to 1e-7 m.
+    next_contact_angles: PyResult<Array<'py>> = this.per_wheel(py, |contact| contact.next);
+    /// Points of the rims where the gaps are least, in the world, shape (..., wheels, 3) [m].
+    contacts: PyResult<Array<'py>> = this.points(py, |contact| contact.at);
+    /// The next best contacts, shape (..., wheels, 3) [m]; NaN unless their gaps are the same to 1e-7 m.
+    next_contacts: PyResult<Array<'py>> = this.points(py, |contact| Direction::from(contact.next));
+}
+
+#[pymethods]
+impl Stand {
+    /// `SettleStatus` of the pose, or an array of them: settled, at_stop, off_map, unknown_cells, not_converged.
+    #[getter]
+    fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let codes = self.stands.iter().map(|stand| stand.status.told() as i64);
+        let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
+        py.import("six_wheel.kinematics.statuses")?.call_method1("settle_statuses", (codes,))
+    }
+
+    /// Why the rover does not stand at the pose, or an array of such words, shape (...); empty where it does. What has not
+    /// converged may have tipped over, or nobody knows.
+    #[getter]
+    fn reason<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut words = self.stands.iter().map(|stand| stand.status.reason());
+        if self.leading.is_empty() {
+            return Ok(PyString::new(py, words.next().unwrap_or_default()).into_any());
+        }
+        let words = words.map(|words| PyString::new(py, words).into_any().unbind());
+        scalar_or_array(py, memory::gathered(words)?, &self.leading).map(|array| array.into_bound(py))
+    }
+
+    /// Whether the rover stands: settled, or at a stop.
+    #[getter]
+    fn stands(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let stands = self.stands.iter().map(|stand| stand.status.stands());
+        scalar_or_array(py, memory::gathered(stands)?, &self.leading)
+    }
+
+    /// Steering angles that were given, shape (..., steered) [rad].
+    #[getter]
+    fn steering<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let joints = self.suspension.get().chain.steering().len();
+        self.array(py, &[joints], |k, _, row| {
+            let angles = self.angles(k);
+            row[..angles.len()].copy_from_slice(angles);
+        })
+    }
+
+    /// Free angles, shape (..., joints) [rad]: rho, beta_1, beta_2 of a rocker-bogie.
+    #[getter(joints)]
+    fn free_angles<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let joints = self.joint_count();
+        self.array(py, &[joints], |_, stand, row| {
+            row.copy_from_slice(&stand.state[3..3 + joints]);
+        })
+    }
+
+    /// Which joints are at a stop, shape (..., joints): -1 the lower, 1 the upper, 0 none.
+    #[getter]
+    fn stops<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.array(py, &[self.joint_count()], |_, stand, row| {
+            for (target, stop) in row.iter_mut().zip(stand.stops) {
+                *target = f64::from(stop);
+            }
+        })
+    }
+
+    /// Unit normals of the ground at the contacts, in the world, shape (..., wheels, 3). On a crease the mix of
+    /// both sides that is square to the rim.
+    #[getter]
+    fn normals<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.array(py, &[self.wheels(), 3], |_, stand, row| {
+            for (target, contact) in row.chunks_exact_mut(3).zip(&stand.wheels) {
+                let normal = six_wheel_terrain::terrain::normal(contact.gradient);
+                target.copy_from_slice(normal.as_slice());
+            }
+        })
+    }
+
+    /// ``world_from_body``, shape (..., 4, 4): takes coordinates in the body to the world [m].
+    #[getter]
+    fn transform<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.array(py, &[4, 4], |k, _, row| {
+            row.fill(f64::NAN);
+            let Some(placed) = self.placed(k) else { return };
+            for i in 0..3 {
+                for j in 0..3 {
+                    row[4 * i + j] = placed.rotation[(i, j)];
+                }
+                row[4 * i + 3] = placed.origin[i];
+            }
+            row[12..].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);
+        })
+    }
+
+    /// Wheel centres in the world, shape (..., wheels, 3) [m].
+    #[getter]
+    fn wheel_centres<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.array(py, &[self.wheels(), 3], |k, _, row| {
+            row.fill(f64::NAN);
+            let Some(placed) = self.placed(k) else { return };
+            for (wheel, target) in row.chunks_exact_mut(3).enumerate() {
+                target.copy_from_slice(placed.wheel(wheel).centre.as_slice());
+            }
+        })
+    }
+
+    /// Derivatives of z, roll, pitch and the free angles by x, y and yaw, shape (..., 3 + joints, 3); None unless
+    /// `derivatives` were asked for. Joints at stops stay there; NaN where the state is not determined.
+    #[getter]
+    fn by_pose<'py>(&self, py: Python<'py>) -> PyResult<Option<Array<'py>>> {
+        if !self.derivatives {
+            return Ok(None);
+        }
+        let chain = &self.suspension.get().chain;
+        let count = chain.state_count();
+        let array = self.array(py, &[count, 3], |k, stand, row| {
+            row.fill(f64::NAN);
+            let found = self.placed(k).and_then(|placed| by_pose(chain, &placed, stand));
+            if let Some(found) = found {
+                row.copy_from_slice(&found.as_flattened()[..3 * count]);
+            }
+        });
+        array.map(Some)
+    }
+
+    /// Derivatives of the six numbers of a rocker-bogie by its dimensions, shape (..., 6, 16): by x, y and z of
+    /// each vector in the order of `RockerBogie.dimensions`, and by the wheel radius; None unless `derivatives`
+    /// were asked for, and for other chains.
+    #[getter]
+    fn by_dimension<'py>(&self, py: Python<'py>) -> PyResult<Option<Array<'py>>> {
+        let suspension = self.suspension.bind(py);
+        let Ok(rover) = suspension.cast::<RockerBogie>() else { return Ok(None) };
+        if !self.derivatives {
+            return Ok(None);
+        }
+        let (chain, of) = (&suspension.get().chain, rover.get().core().dimensions());
+        let array = self.array(py, &[6, DIMENSIONS], |k, stand, row| {
+            row.fill(f64::NAN);
+            let placed = self.placed(k);
+            let found = placed.and_then(|placed| by_dimension(chain, of, &placed, stand));
+            if let Some(found) = found {
+                row.copy_from_slice(found.as_flattened());
+            }
+        });
+        array.map(Some)
+    }
+
+    fn __len__(&self) -> usize {
+        self.leading.first().copied().unwrap_or(1)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        if self.leading.is_empty() {
+            let text = |value: Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
+            return Ok(format!(
+                "SettledPose(status={}, z={}, roll={}, pitch={}, joints={})",
+                self.status(py)?,
+                text(self.z(py)?)?,
+                text(self.roll(py)?)?,
+                text(self.pitch(py)?)?,
+                text(self.free_angles(py)?.into_any().unbind())?,
+            ));
+        }
+        let mut counts = Vec::new();
+        for status in ground::Status::ALL {
+            let count = self.stands.iter().filter(|stand| stand.status.told() == status).count();
+            if count > 0 {
+                counts.push(format!("{count} {}", status.name()));
+            }
+        }
+        Ok(format!("SettledPose(<{}>)", counts.join(", ")))
+    }
+}

@@ -1,0 +1,314 @@
+//! `six_wheel.Suspension`: any chain of parts and wheels.
+
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_ground_motion::Prepared;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::error::Error;
+use six_wheel_terrain::suspension::{Chain, TripleBogie};
+
+use super::joint_range::{joint_range, steering};
+use crate::arguments::{self, ArgumentKind};
+use crate::classes::{reduce, repr_of_call};
+use crate::convert::{OrRaise, Rows, number, numbers, refuse, shape_text};
+
+/// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
+///
+/// `RockerBogie` is one of them; `triple_bogie`, `pivoting_axles` and `rigid` make others. What settles on
+/// ground works on any.
+#[pyclass(frozen, subclass, module = "six_wheel")]
+pub struct Suspension {
+    /// The parts, joints and wheels.
+    pub chain: Chain,
+    /// The constants of its motion, in a box: their registers need more alignment than the memory of Python's objects has.
+    pub motion: Box<Prepared>,
+    /// The name of what made it, and its arguments.
+    made: Option<(&'static str, Py<PyDict>)>,
+}
+
+impl Suspension {
+    /// The face of a chain that a subclass makes.
+    pub fn of(chain: Chain) -> Self {
+        Self { motion: Box::new(Prepared::new(&chain)), chain, made: None }
+    }
+
+    /// The face of a chain, and how it is made again.
+    fn made(chain: Result<Chain, Error>, name: &'static str, arguments: Bound<'_, PyDict>) -> PyResult<Self> {
+        let chain = chain.or_raise(&[])?;
+        Ok(Self { made: Some((name, arguments.unbind())), ..Self::of(chain) })
+    }
+}
+
+/// The pairs that steer.
+fn pairs(steered: &str) -> PyResult<[bool; 3]> {
+    match steered {
+        "front" => Ok([true, false, false]),
+        "corners" => Ok([true, false, true]),
+        "all" => Ok([true; 3]),
+        _ => {
+            let rule = "be 'front', 'corners' or 'all'";
+            Err(refuse("steered", rule, &format!("{steered:?}")))
+        }
+    }
+}
+
+impl ArgumentKind for Suspension {
+    const KIND: &'static str = "a Suspension, such as a RockerBogie";
+
+    fn remedy(_: &Bound<'_, PyAny>) -> String {
+        "one like sw.RockerBogie.perseverance()".into()
+    }
+}
+
+getters! { Suspension, this, py:
+    /// Names of the wheels, in the order of every array.
+    wheel_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, this.chain.wheels().iter().map(|wheel| &*wheel.name));
+    /// Names of the free angles, in the order of `joints` of a settled pose.
+    free_joints: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, this.chain.joints().iter().map(|joint| &*joint.name));
+}
+
+equal_by!(Suspension: chain);
+replaceable!(Suspension);
+
+#[pymethods]
+impl Suspension {
+    /// Six wheels on three bogies, as on ExoMars.
+    ///
+    /// Left and right bogie each carry a front and a middle wheel and turn about +y, positive with the front
+    /// down; the one behind lies across, carries the rear wheels and turns about +x, positive with its right side
+    /// down. Free angles beta_1 (left), beta_2 (right), beta_3 (rear). Vectors ``(x, y, z)`` [m] are those of
+    /// the left-hand side with all joints at 0, in the axes of the rover.
+    ///
+    /// Parameters
+    /// ----------
+    /// bogie_pivot, bogie_to_front, bogie_to_middle : (float, float, float)
+    ///     From the rover's origin to the axis of the left bogie, and from there to the centres of its wheels.
+    /// rear_pivot, rear_to_wheel : (float, float, float)
+    ///     From the rover's origin to the axis of the rear bogie, and from there to the centre of its left wheel.
+    /// wheel_radius : float
+    ///     Hub to ground [m].
+    /// steered : {'corners', 'front', 'all'}
+    ///     Which wheels steer, about the upright axis through their centre.
+    /// steering_limit : float or (float, float), optional
+    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
+    /// bogie_limit : float or (float, float), optional
+    ///     Stops of each bogie [rad]; default none.
+    ///
+    /// Returns
+    /// -------
+    /// Suspension
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, or the radius or a limit makes no sense.
+    #[staticmethod]
+    #[pyo3(signature = (*, bogie_pivot, bogie_to_front, bogie_to_middle, rear_pivot, rear_to_wheel, wheel_radius, steered="corners", steering_limit=None, bogie_limit=None))]
+    fn triple_bogie<'py>(
+        py: Python<'py>,
+        bogie_pivot: &Bound<'py, PyAny>,
+        bogie_to_front: &Bound<'py, PyAny>,
+        bogie_to_middle: &Bound<'py, PyAny>,
+        rear_pivot: &Bound<'py, PyAny>,
+        rear_to_wheel: &Bound<'py, PyAny>,
+        wheel_radius: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = arguments::steered)] steered: &str,
+        steering_limit: Option<&Bound<'py, PyAny>>,
+        bogie_limit: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let of = TripleBogie {
+            bogie_pivot: numbers("bogie_pivot", bogie_pivot)?,
+            bogie_to_front: numbers("bogie_to_front", bogie_to_front)?,
+            bogie_to_middle: numbers("bogie_to_middle", bogie_to_middle)?,
+            rear_pivot: numbers("rear_pivot", rear_pivot)?,
+            rear_to_wheel: numbers("rear_to_wheel", rear_to_wheel)?,
+            wheel_radius: number("wheel_radius", wheel_radius)?,
+            steered: pairs(steered)?,
+            steering: steering(py, steering_limit)?,
+            bogie_limit: joint_range("bogie_limit", bogie_limit)?,
+        };
+        let arguments = PyDict::new(py);
+        let vectors = [
+            ("bogie_pivot", of.bogie_pivot),
+            ("bogie_to_front", of.bogie_to_front),
+            ("bogie_to_middle", of.bogie_to_middle),
+            ("rear_pivot", of.rear_pivot),
+            ("rear_to_wheel", of.rear_to_wheel),
+        ];
+        for (argument, [x, y, z]) in vectors {
+            arguments.set_item(argument, (x, y, z))?;
+        }
+        arguments.set_item("wheel_radius", of.wheel_radius)?;
+        arguments.set_item("steered", steered)?;
+        arguments.set_item("steering_limit", steering_limit)?;
+        arguments.set_item("bogie_limit", bogie_limit)?;
+        Self::made(Chain::triple_bogie(&of), "triple_bogie", arguments)
+    }
+
+    /// Four wheels on two axles that pivot about the vertical in their middle; the rear one also rolls.
+    ///
+    /// The steering angles are those of the axles, front and rear. The free angle gamma is that of the rear axle about
+    /// +x, positive with its right side down. The origin is midway between the pivots.
+    ///
+    /// Parameters
+    /// ----------
+    /// wheelbase, track_width : float
+    ///     Front to rear axle, left to right wheel [m].
+    /// drop : float
+    ///     Pivots above the wheel centres [m].
+    /// wheel_radius : float
+    ///     Hub to ground [m].
+    /// steering_limit : float or (float, float), optional
+    ///     Largest angle of an axle to either side, or smallest and largest [rad]; default a quarter turn.
+    /// roll_limit : float or (float, float), optional
+    ///     Stops of the rear axle's roll [rad]; default none.
+    ///
+    /// Returns
+    /// -------
+    /// Suspension
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a length is not positive or a limit makes no sense.
+    #[staticmethod]
+    #[pyo3(signature = (*, wheelbase, track_width, drop, wheel_radius, steering_limit=None, roll_limit=None))]
+    fn pivoting_axles<'py>(
+        py: Python<'py>,
+        wheelbase: &Bound<'py, PyAny>,
+        track_width: &Bound<'py, PyAny>,
+        drop: &Bound<'py, PyAny>,
+        wheel_radius: &Bound<'py, PyAny>,
+        steering_limit: Option<&Bound<'py, PyAny>>,
+        roll_limit: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let arguments = PyDict::new(py);
+        let read = |argument: &'static str, value| {
+            let number = number(argument, value)?;
+            arguments.set_item(argument, number)?;
+            PyResult::Ok(number)
+        };
+        let chain = Chain::pivoting_axles(
+            read("wheelbase", wheelbase)?,
+            read("track_width", track_width)?,
+            read("drop", drop)?,
+            read("wheel_radius", wheel_radius)?,
+            steering(py, steering_limit)?,
+            joint_range("roll_limit", roll_limit)?,
+        );
+        arguments.set_item("steering_limit", steering_limit)?;
+        arguments.set_item("roll_limit", roll_limit)?;
+        Self::made(chain, "pivoting_axles", arguments)
+    }
+
+    /// Zoe: four wheels on two passively steered axles, of which the rear one rolls.
+    ///
+    /// No limits are published.
+    ///
+    /// Source: nealseegmiller/wmrde, src/demo/zoemodel.cpp (84e1e9f), with its front axle fixed in roll.
+    #[staticmethod]
+    fn zoe(py: Python<'_>) -> PyResult<Self> {
+        let arguments = PyDict::new(py);
+        let numbers = [("wheelbase", 1.91), ("track_width", 1.64), ("drop", 0.119), ("wheel_radius", 0.325)];
+        for (argument, value) in numbers {
+            arguments.set_item(argument, value)?;
+        }
+        let [wheelbase, track_width, drop, wheel_radius] = numbers.map(|(_, value)| value);
+        let chain = Chain::pivoting_axles(
+            wheelbase,
+            track_width,
+            drop,
+            wheel_radius,
+            SteeringRange::default(),
+            Default::default(),
+        );
+        Self::made(chain, "pivoting_axles", arguments)
+    }
+
+    /// Three to six wheels on the body itself, of which three touch at a time.
+    ///
+    /// Parameters
+    /// ----------
+    /// centres : array_like, shape (wheels, 3)
+    ///     Wheel centres in the body, front to rear, left before right [m].
+    /// wheel_radius : float
+    ///     Hub to ground [m].
+    /// names : sequence of str, optional
+    ///     Default ``wheel_1`` and so on.
+    /// steered : sequence of int
+    ///     Indices of the wheels that steer, about the upright axis through their centre.
+    /// steering_limit : float or (float, float), optional
+    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
+    ///
+    /// Returns
+    /// -------
+    /// Suspension
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there are too few or too many wheels, or a number makes no sense.
+    #[staticmethod]
+    #[pyo3(signature = (centres, wheel_radius, *, names=None, steered=Vec::new(), steering_limit=None))]
+    fn rigid<'py>(
+        py: Python<'py>,
+        centres: &Bound<'py, PyAny>,
+        wheel_radius: &Bound<'py, PyAny>,
+        names: Option<Vec<String>>,
+        steered: Vec<usize>,
+        steering_limit: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let rows = Rows::read_table("centres", centres, 3)?;
+        let radius = number("wheel_radius", wheel_radius)?;
+        let range = steering(py, steering_limit)?;
+        let count = rows.count();
+        let numbered = || (1..=count).map(|wheel| format!("wheel_{wheel}")).collect();
+        let names: Vec<String> = names.unwrap_or_else(numbered);
+        if names.len() != count {
+            let rule = format!("hold {count}, one for each of the centres");
+            return Err(refuse("names", &rule, &names.len().to_string()));
+        }
+        if let Some(wheel) = steered.iter().find(|&&wheel| wheel >= count) {
+            let rule = format!("hold indices of wheels, of shape {}", shape_text(&[count]));
+            return Err(refuse("steered", &rule, &wheel.to_string()));
+        }
+        let wheels: Vec<_> = names
+            .iter()
+            .zip(rows.triples())
+            .enumerate()
+            .map(|(k, (name, centre))| (name.as_str(), *centre, steered.contains(&k).then_some(range)))
+            .collect();
+        let arguments = PyDict::new(py);
+        let places: Vec<(f64, f64, f64)> = rows.triples().iter().map(|&[x, y, z]| (x, y, z)).collect();
+        arguments.set_item("centres", places)?;
+        arguments.set_item("wheel_radius", radius)?;
+        arguments.set_item("names", &names)?;
+        arguments.set_item("steered", &steered)?;
+        arguments.set_item("steering_limit", steering_limit)?;
+        Self::made(Chain::rigid(&wheels, radius), "rigid", arguments)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let Some((name, arguments)) = &self.made else { return Ok("Suspension(...)".into()) };
+        repr_of_call(&format!("Suspension.{name}"), arguments.bind(py))
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        let centres = self.chain.wheels().iter().flat_map(|wheel| {
+            let [x, y, z] = wheel.centre.into();
+            [x, y, z, wheel.radius]
+        });
+        PyTuple::new(py, centres.collect::<Vec<f64>>())?.hash()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let py = slf.py();
+        let Some((name, arguments)) = &slf.get().made else {
+            return reduce(slf.as_any(), &PyTuple::empty(py), &PyDict::new(py));
+        };
+        let make = py.get_type::<Self>().getattr(*name)?;
+        let partial = py.import("functools")?.call_method(intern!(py, "partial"), (make,), Some(arguments.bind(py)))?;
+        (partial, PyTuple::empty(py)).into_pyobject(py)
+    }
+}

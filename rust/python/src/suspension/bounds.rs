@@ -1,0 +1,244 @@
+//! `RockerBogie.bounds`.
+
+use std::borrow::Cow;
+
+use pyo3::prelude::*;
+use pyo3::types::PyFloat;
+use six_wheel_numerics::error::Error;
+use six_wheel_terrain::bounds::{self as core, Belly, Ground, Knowledge, Margins, Plan, Within};
+
+use super::rocker_bogie::RockerBogie;
+use crate::arguments;
+use crate::convert::{
+    OrRaise, Out, Rows, Scalars, compute_rows, joined, memory, named, refuse, scalar_or_array, together,
+};
+use crate::terrain::Terrain;
+use crate::workers::any_workers;
+
+result_class! {
+    /// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
+    ///
+    /// Every interval holds its lower and its upper end in the last axis; NaN unless `status` is ``bounded``.
+    pub struct PoseBounds {
+        /// Height of the origin of the rover's frame, shape (..., 2) [m].
+        z: Py<PyAny>,
+        /// Roll, shape (..., 2) [rad].
+        roll: Py<PyAny>,
+        /// Pitch, shape (..., 2) [rad].
+        pitch: Py<PyAny>,
+        /// Angle between the rover's z axis and the vertical, shape (..., 2) [rad].
+        tilt: Py<PyAny>,
+        /// Least vertical distance from the ground to the belly, shape (..., 2) [m].
+        clearance: Py<PyAny>,
+        /// Angle of the left rocker, shape (..., 2) [rad].
+        rocker: Py<PyAny>,
+        /// Angles of the left and the right bogie, shape (..., 2, 2) [rad].
+        bogies: Py<PyAny>,
+        /// How far, in the rover's frame, the wheel that has come down most is below its place on level ground, shape
+        /// (..., 2) [m].
+        wheel_drop: Py<PyAny>,
+    }
+    hidden {
+        worth: Vec<Knowledge>,
+        leading: Vec<usize>,
+    }
+    repr { z roll pitch tilt clearance rocker bogies wheel_drop status }
+}
+
+#[pymethods]
+impl PoseBounds {
+    /// What the intervals are worth, shape (...): `six_wheel.BoundsStatus`.
+    #[getter]
+    fn status(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let codes = self.worth.iter().map(|worth| *worth as u8);
+        let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
+        let module = py.import("six_wheel.kinematics.statuses")?;
+        module.call_method1("bound_statuses", (codes,)).map(Bound::unbind)
+    }
+}
+
+/// Reads sizes, one or one per pose, default 0.
+fn sizes<'py>(py: Python<'py>, argument: &'static str, value: Option<&Bound<'py, PyAny>>) -> PyResult<Scalars<'py>> {
+    let none = PyFloat::new(py, 0.0);
+    let sizes = Scalars::read(argument, value.unwrap_or(none.as_any()))?;
+    let wrong = |size: &&f64| !(size.is_finite() && **size >= 0.0);
+    match sizes.flat().iter().find(wrong) {
+        Some(size) => Err(refuse(argument, "be finite and not negative", &format!("{size:?}"))),
+        None => Ok(sizes),
+    }
+}
+
+/// The arrays of `out=`, in this order.
+const RESULTS: [&str; 8] = ["z", "roll", "pitch", "tilt", "clearance", "rocker", "bogies", "wheel_drop"];
+
+/// Shape of one of them.
+fn shape(leading: &[usize], k: usize) -> Vec<usize> {
+    let pairs = joined(leading, 2);
+    match RESULTS[k] {
+        "bogies" => joined(&pairs, 2),
+        _ => pairs,
+    }
+}
+
+/// The intervals of an array.
+fn pairs(values: &mut [f64]) -> &mut [[f64; 2]] {
+    values.as_chunks_mut().0
+}
+
+/// A belly as it is given: rear and front edge, half width and height [m].
+type Plate = (f64, f64, f64, f64);
+
+/// The options of the bounds beside the poses.
+pub struct Question<'a> {
+    pub plans: Cow<'a, [Plan]>,
+    pub error: f64,
+}
+
+impl RockerBogie {
+    /// Reads what concerns the rover and the map.
+    pub fn question(
+        &self,
+        map_error: f64,
+        belly: Option<Plate>,
+        within: Option<(f64, f64, f64)>,
+    ) -> PyResult<Question<'_>> {
+        if !(map_error.is_finite() && map_error >= 0.0) {
+            return Err(refuse("map_error", "be finite and not negative", &format!("{map_error:?}")));
+        }
+        let plans = match (belly, within) {
+            (None, None) => self.usual_plans().map(Cow::Borrowed),
+            (_, Some((attitude, rocker, bogie))) => {
+                let within = Within { attitude, rocker, bogie };
+                self.plan(belly, within).map(|plan| Cow::Owned(vec![plan]))
+            }
+            (_, None) => self.plans(belly).map(|plans| Cow::Owned(plans.into())),
+        };
+        Ok(Question { plans: plans.or_raise(&[])?, error: map_error })
+    }
+
+    fn plan(&self, belly: Option<Plate>, within: Within) -> Result<Plan, Error> {
+        Plan::new(self.0.dimensions(), self.belly(belly)?, within)
+    }
+
+    fn plans(&self, belly: Option<Plate>) -> Result<[Plan; 2], Error> {
+        let narrow = self.plan(belly, Within::default())?;
+        Ok([narrow, self.plan(belly, Within::wide())?])
+    }
+
+    /// Those of calls that say nothing else, made once.
+    fn usual_plans(&self) -> Result<&[Plan], Error> {
+        if self.1.get().is_none() {
+            let plans = self.plans(None)?;
+            let _ = self.1.set(plans); // or somebody else has
+        }
+        Ok(self.1.get().map_or(&[], |plans| plans))
+    }
+
+    /// The belly that is given, or the default one.
+    pub fn belly(&self, belly: Option<Plate>) -> Result<Belly, Error> {
+        match belly {
+            Some((rear, front, half_width, z)) => Belly::new([rear, front], half_width, z),
+            None => Ok(Belly::between_wheels(self.0.dimensions())),
+        }
+    }
+}
+
+#[pymethods]
+impl RockerBogie {
+    /// Conservative intervals of how the rover stands, without settling it.
+    ///
+    /// Per wheel the lowest and highest ground in a box that covers it, and closed-form kinematics of the extremes:
+    /// a fraction of the time of `settle`, and a statement about every place and yaw within margins. The rover
+    /// without steering, its joints away from their stops, is inside wherever `status` is ``bounded``.
+    ///
+    /// Parameters
+    /// ----------
+    /// ground : Terrain
+    ///     The map. At the first call it makes a pyramid of its extremes: 48 bytes per cell.
+    /// poses : array_like, shape (..., 3)
+    ///     Rows ``[x, y, yaw]`` of the rover's origin [m, m, rad].
+    /// yaw_margin : float or array_like, shape (...)
+    ///     Holds for every yaw up to so much to either side [rad].
+    /// position_margin : float or array_like, shape (...)
+    ///     Holds for every place up to so far away [m].
+    /// map_error : float, default 0.0
+    ///     Holds for every map whose heights differ by up to so much [m].
+    /// belly : (float, float, float, float), optional
+    ///     Rear edge, front edge, half width and height of the underside of the body in the rover's frame [m].
+    ///     Default: between the wheels, as wide as three quarters of the way to the rockers, a quarter of a wheel's
+    ///     radius below the lower of the rockers' and the bogies' axes.
+    /// within : (float, float, float), optional
+    ///     Largest roll or pitch, rocker and bogie angle for which the boxes cover the wheels [rad]; bounds beyond
+    ///     them are not known. Default 15, 7 and 17 degrees, and where that is too narrow 25, 20 and 38.
+    /// out : tuple of ndarray, optional
+    ///     Where to write z, roll, pitch, tilt, clearance, rocker, bogies and wheel drop, in this order; what is left out,
+    ///     or None, is fresh. Nothing is written by a call that fails.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    /// level : str, optional
+    ///     Instructions; the result is the same with any, to the bit.
+    ///
+    /// Returns
+    /// -------
+    /// PoseBounds
+    ///     `z`, `roll`, `pitch`, `tilt`, `clearance`, `rocker`, `wheel_drop` (..., 2), `bogies` (..., 2, 2),
+    ///     `status` (...).
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a margin negative or a shape does not fit.
+    ///
+    /// Source: K. Otsu, G. Matheron, S. Ghosh, O. Toupet, M. Ono, Fast approximate clearance evaluation for rovers with
+    /// articulated suspension systems, Journal of Field Robotics 37(5), 2020, with another closed form
+    /// (`docs/bounds.md`).
+    #[pyo3(signature = (ground, poses, yaw_margin=None, *, position_margin=None, map_error=0.0, belly=None, within=None, out=None, threads=None, level=None))]
+    fn bounds<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = arguments::ground)] ground: Bound<'py, Terrain>,
+        poses: &Bound<'py, PyAny>,
+        yaw_margin: Option<&Bound<'py, PyAny>>,
+        position_margin: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::map_error)] map_error: f64,
+        #[pyo3(from_py_with = arguments::belly)] belly: Option<(f64, f64, f64, f64)>,
+        #[pyo3(from_py_with = arguments::within)] within: Option<(f64, f64, f64)>,
+        out: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
+    ) -> PyResult<PoseBounds> {
+        let question = self.question(map_error, belly, within)?;
+        let mut poses = Rows::read_finite("poses", poses, 3)?;
+        let mut yaw = sizes(py, "yaw_margin", yaw_margin)?;
+        let mut position = sizes(py, "position_margin", position_margin)?;
+        together([named("poses", &mut poses), named("yaw_margin", &mut yaw), named("position_margin", &mut position)])?;
+        let leading = poses.leading.as_slice();
+        let kept = |sizes: &Scalars<'_>| memory::gathered(sizes.flat().iter().copied());
+        let (yaw, position) = (kept(&yaw)?, kept(&position)?);
+        let workers = any_workers(threads, level)?;
+        let (rows, ground) = (poses.triples(), &*ground.get().0);
+        let count = rows.len();
+        let shapes = std::array::from_fn(|k| shape(leading, k));
+        let mut results = Out::read(out, RESULTS)?.results(py, shapes, false)?;
+        let mut sides = [memory::filled([0.0; 2], count)?, memory::filled([0.0; 2], count)?];
+        let mut status = memory::filled(Knowledge::Bounded, count)?;
+        let [z, roll, pitch, tilt, clearance, rocker, bogies, drop] = results.flat();
+        let [z, roll, pitch, tilt] = [z, roll, pitch, tilt].map(pairs);
+        let [clearance, rocker, drop] = [clearance, rocker, drop].map(pairs);
+        let bogies = bogies.as_chunks_mut::<4>().0;
+        compute_rows(py, count.max(ground.heights().len() / 1000), &[], || {
+            let map = Ground { pyramid: ground.pyramid()?, error: question.error };
+            let margins = Margins { yaw: &yaw, position: &position };
+            let [left, right] = sides.each_mut().map(Vec::as_mut_slice);
+            let blocks = [z, roll, pitch, tilt, clearance, rocker, &mut *left, &mut *right, drop];
+            core::bounds(&question.plans, map, rows, margins, blocks, &mut status, workers);
+            for ((pair, left), right) in bogies.iter_mut().zip(&*left).zip(&*right) {
+                *pair = [left[0], left[1], right[0], right[1]];
+            }
+            Ok(())
+        })?;
+        let [z, roll, pitch, tilt, clearance, rocker, bogies, wheel_drop] = results.finish()?;
+        let leading = leading.to_vec();
+        Ok(PoseBounds { z, roll, pitch, tilt, clearance, rocker, bogies, wheel_drop, worth: status, leading })
+    }
+}

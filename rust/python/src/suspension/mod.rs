@@ -1,0 +1,14 @@
+//! `six_wheel.Suspension` and `six_wheel.RockerBogie`: suspensions as data, and what follows from joint angles alone.
+
+mod base;
+mod bounds;
+mod chain;
+mod joint_range;
+mod rocker_bogie;
+mod steer;
+
+pub use base::Suspension;
+pub use bounds::PoseBounds;
+pub use chain::Joints;
+pub use rocker_bogie::{Link, RockerBogie};
+pub use steer::SteeringCommand;

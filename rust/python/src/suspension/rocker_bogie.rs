@@ -1,0 +1,328 @@
+//! `six_wheel.RockerBogie`.
+
+use std::sync::OnceLock;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_numerics::error::Error;
+use six_wheel_terrain::bounds::Plan;
+use six_wheel_terrain::suspension::{Bogie, Differential, Dimensions, JointRange, RockerBogie as Core, Steered};
+
+use super::base::Suspension;
+use super::joint_range::{joint_range, steering};
+use crate::arguments;
+use crate::classes::{reduce, repr_of_call};
+use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
+
+/// A rover on a rocker-bogie suspension: frames and Jacobians in 3D, and the rover seen from above.
+///
+/// A differential couples the rockers: the left one turns by `rho`, the right one by ``-rho``. Each
+/// carries a wheel and a bogie, which turns by ``beta[0]`` on the left and ``beta[1]`` on the right and
+/// carries two wheels. These angles count about +y, so a positive one lowers what lies ahead of the joint.
+/// Steering angles `psi` count counter-clockwise.
+///
+/// The dimensions are those of the left-hand side with all joints at 0, as vectors ``(x, y, z)`` in the
+/// axes of the rover's frame R (x forward, y left, z up) [m]; the right-hand side mirrors them. With the bogies
+/// behind give `rocker_to_front`, `bogie_to_middle` and `bogie_to_rear`; with the bogies in front
+/// `rocker_to_rear`, `bogie_to_front` and `bogie_to_middle`.
+///
+/// Parameters
+/// ----------
+/// rocker_pivot : (float, float, float)
+///     From the origin of R to the rocker joint. In the papers on Rocky 7: ``(k2, k3, k1)``.
+/// rocker_to_front : (float, float, float)
+///     From the rocker joint to the centre of the front wheel: ``(k4, 0, -k5)``.
+/// rocker_to_bogie : (float, float, float)
+///     From the rocker joint to the bogie joint: ``(k6 cos k9, 0, -k6 sin k9)``.
+/// bogie_to_middle, bogie_to_rear : (float, float, float)
+///     From the bogie joint to the centre of the middle and of the rear wheel: ``(k7, k3b, -k8)`` and
+///     ``(-k7, k3b, -k8)``.
+/// wheel_radius : float
+///     Hub to ground [m]: ``k10``.
+/// steered : {'corners', 'front', 'all'}
+///     Which wheels steer, about the upright axis through their centre.
+/// steering_limit : float or (float, float), optional
+///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
+/// rocker_to_rear, bogie_to_front : (float, float, float), optional
+///     With the bogies in front: from the rocker joint to the centre of the rear wheel, from the bogie joint to
+///     that of the front wheel.
+/// rocker_limit, bogie_limit : float or (float, float), optional
+///     Stops of `rho` and of each bogie: largest angle to either side, or smallest and largest [rad]; default
+///     none.
+/// differential_bar : (float, float, float), optional
+///     Half length of a bar across the body, pivoted in its middle, the levers upright on the rockers and the
+///     rods ahead of the bar that join them [m]; the right rocker then turns by ``-rho`` only nearly. Default
+///     a gear.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a number is not finite, the radius or a limit not positive, limits exclude 0, or a wheel of the
+///     left-hand side does not lie to the left.
+///
+/// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
+/// ICRA 1999.
+#[pyclass(frozen, extends = Suspension, module = "six_wheel")]
+pub struct RockerBogie(pub Core, pub(super) UsualPlans);
+
+/// Those of its bounds, when they have been asked for.
+type UsualPlans = OnceLock<[Plan; 2]>;
+
+impl RockerBogie {
+    fn build(core: Result<Core, Error>) -> PyResult<PyClassInitializer<Self>> {
+        let core = core.or_raise(&[])?;
+        let base = Suspension::of(core.chain().clone());
+        Ok(PyClassInitializer::from(base).add_subclass(Self(core, UsualPlans::new())))
+    }
+
+    fn named(py: Python<'_>, core: Result<Core, Error>) -> PyResult<Py<Self>> {
+        Py::new(py, Self::build(core)?)
+    }
+
+    /// The rover itself.
+    pub fn core(&self) -> &Core {
+        &self.0
+    }
+
+    pub(super) fn steered(&self) -> &'static [usize] {
+        self.0.dimensions().steered.wheels()
+    }
+
+    /// Name of a joint.
+    fn joint_name(&self, joint: usize) -> String {
+        match joint {
+            0 => "rho".into(),
+            1 | 2 => format!("beta_{joint}"),
+            _ => format!("psi_{}", self.steered()[joint - 3] + 1),
+        }
+    }
+}
+
+result_class! {
+    /// One row of the Denavit-Hartenberg table: ``Rotz(gamma) Transz(d) Transx(a) Rotx(alpha)`` from the parent.
+    pub struct Link {
+        /// Name of the frame.
+        frame: &'static str,
+        /// Name of the frame it starts from; R is the rover's own.
+        parent: &'static str,
+        /// Name of the joint whose angle is added to `gamma`, or None.
+        joint: Option<String>,
+        /// Sign with which it is; 0 without a joint.
+        sign: f64,
+        /// Angle about the parent's z axis at joint angle 0 [rad].
+        gamma: f64,
+        /// Shift along the parent's z axis [m].
+        d: f64,
+        /// Shift along the new x axis [m].
+        a: f64,
+        /// Angle about the new x axis [rad].
+        alpha: f64,
+    }
+}
+
+#[pymethods]
+impl Link {
+    fn __repr__(&self) -> String {
+        let joint = self.joint.as_ref().map_or_else(|| "None".into(), |joint| format!("{joint:?}"));
+        format!(
+            "Link(frame={:?}, parent={:?}, joint={joint}, sign={:?}, gamma={:?}, d={:?}, a={:?}, alpha={:?})",
+            self.frame, self.parent, self.sign, self.gamma, self.d, self.a, self.alpha
+        )
+    }
+}
+
+/// An argument that may only be left out where another takes its place.
+fn given<'a, 'py>(argument: &str, value: Option<&'a Bound<'py, PyAny>>) -> PyResult<&'a Bound<'py, PyAny>> {
+    value.ok_or_else(|| ArgumentTypeError::new_err(format!("{argument} must be given, got nothing")))
+}
+
+equal_by!(RockerBogie: 0);
+
+#[pymethods]
+impl RockerBogie {
+    #[new]
+    #[pyo3(signature = (
+        rocker_pivot, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None, bogie_to_rear=None,
+        wheel_radius=None, steered="corners", steering_limit=None, *, rocker_to_rear=None, bogie_to_front=None,
+        rocker_limit=None, bogie_limit=None, differential_bar=None
+    ))]
+    fn new(
+        py: Python<'_>,
+        rocker_pivot: &Bound<'_, PyAny>,
+        rocker_to_front: Option<&Bound<'_, PyAny>>,
+        rocker_to_bogie: Option<&Bound<'_, PyAny>>,
+        bogie_to_middle: Option<&Bound<'_, PyAny>>,
+        bogie_to_rear: Option<&Bound<'_, PyAny>>,
+        wheel_radius: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = arguments::steered)] steered: &str,
+        steering_limit: Option<&Bound<'_, PyAny>>,
+        rocker_to_rear: Option<&Bound<'_, PyAny>>,
+        bogie_to_front: Option<&Bound<'_, PyAny>>,
+        rocker_limit: Option<&Bound<'_, PyAny>>,
+        bogie_limit: Option<&Bound<'_, PyAny>>,
+        differential_bar: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let steered = steered.parse::<Steered>();
+        let bogie = match (rocker_to_rear, bogie_to_front) {
+            (None, None) => Bogie::Behind,
+            _ => Bogie::InFront,
+        };
+        let (values, unused) = match bogie {
+            Bogie::Behind => ([rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear], [None, None]),
+            Bogie::InFront => (
+                [rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle],
+                [("rocker_to_front", rocker_to_front), ("bogie_to_rear", bogie_to_rear)]
+                    .map(|(argument, value)| value.map(|_| argument)),
+            ),
+        };
+        if let Some(argument) = unused.into_iter().flatten().next() {
+            let rule = "be left out beside rocker_to_rear or bogie_to_front, which put the bogies in front";
+            return Err(refuse(argument, rule, "a value"));
+        }
+        let steering = steering(py, steering_limit)?;
+        let names = bogie.names();
+        let read = |k: usize| numbers(names[k + 1], given(names[k + 1], values[k])?);
+        let pivot = numbers(names[0], rocker_pivot)?;
+        let (wheel, to_bogie, first, second) = (read(0)?, read(1)?, read(2)?, read(3)?);
+        Self::build(Core::new(Dimensions {
+            rocker_pivot: pivot,
+            rocker_to_wheel: wheel,
+            rocker_to_bogie: to_bogie,
+            bogie_to_wheels: [first, second],
+            bogie,
+            wheel_radius: number("wheel_radius", given("wheel_radius", wheel_radius)?)?,
+            steered: steered.or_raise(&[])?,
+            steering,
+            rocker_limit: joint_range("rocker_limit", rocker_limit)?,
+            bogie_limit: joint_range("bogie_limit", bogie_limit)?,
+            differential: match differential_bar {
+                None => Differential::Gear,
+                Some(bar) => {
+                    let [half_length, lever, rod] = numbers("differential_bar", bar)?;
+                    Differential::Bar { half_length, lever, rod }
+                }
+            },
+        }))
+    }
+
+    /// Rocky 7: two steered front wheels, limited to 60 degrees.
+    ///
+    /// Frame R as in the papers, between the bogie joints to 3.5 um, 0.085 m above the ground.
+    ///
+    /// Source: nealseegmiller/wmrde, Rocky 7 model after Tarokh and McDermott (da081e4).
+    #[staticmethod]
+    fn rocky7(py: Python<'_>) -> PyResult<Py<Self>> {
+        Self::named(py, Core::rocky7())
+    }
+
+    /// Perseverance: four steered corners.
+    ///
+    /// Frame R on the ground under the middle of the middle wheels. No steering limit is published.
+    ///
+    /// Source: nasa-jpl/m2020-urdf-models, rover/m2020.urdf (c422fc6).
+    #[staticmethod]
+    fn perseverance(py: Python<'_>) -> PyResult<Py<Self>> {
+        Self::named(py, Core::perseverance())
+    }
+
+    /// Curiosity, to about 1 cm: four steered corners.
+    ///
+    /// Frame R on the ground under the middle of the middle wheels. No steering limit is published.
+    ///
+    /// Source: Project Chrono Curiosity model (BSD-3-Clause), read off a 3D model; origin moved from the
+    /// chassis by (-0.089, 0, -0.001), radius half the nominal wheel diameter.
+    #[staticmethod]
+    fn curiosity(py: Python<'_>) -> PyResult<Py<Self>> {
+        Self::named(py, Core::curiosity())
+    }
+
+    /// The Open Source Rover of JPL: bogies in front, four steered corners.
+    ///
+    /// Frame R on the ground under the middle of the middle wheels, with all joints at 0; the model's wheel
+    /// centres then differ in height by 5 mm. Steering axes are taken through the wheel centres; in the model
+    /// they run up to 6 mm behind and 20 mm inside. No steering limit is published.
+    ///
+    /// Source: nasa-jpl/osr-rover-code, ROS/osr_gazebo/urdf/osr.urdf.xacro (8d1de34); wheel radius from its
+    /// osr_params.yaml (e7c9e87).
+    #[staticmethod]
+    fn open_source_rover(py: Python<'_>) -> PyResult<Py<Self>> {
+        Self::named(py, Core::open_source_rover())
+    }
+
+    /// The Denavit-Hartenberg table, one row per frame, parents before children.
+    #[getter]
+    fn links<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let table = self.0.links();
+        let links = table.map(|row| Link {
+            frame: row.frame,
+            parent: row.parent.map_or("R", |parent| table[parent].frame),
+            joint: row.joint.map(|(joint, _)| self.joint_name(joint)),
+            sign: row.joint.map_or(0.0, |(_, sign)| sign),
+            gamma: row.gamma,
+            d: row.d,
+            a: row.a,
+            alpha: row.alpha.sin.atan2(row.alpha.cos),
+        });
+        PyTuple::new(py, links)
+    }
+
+    /// Names of the joints, in the order of the columns of `jacobians`.
+    #[getter]
+    fn joint_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let names = (0..self.0.joint_count()).map(|joint| self.joint_name(joint));
+        PyTuple::new(py, names.collect::<Vec<_>>())
+    }
+
+    /// The arguments that make this very suspension, by name.
+    #[getter]
+    fn dimensions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let of = self.0.dimensions();
+        let arguments = PyDict::new(py);
+        for (argument, [x, y, z]) in of.vectors() {
+            arguments.set_item(argument, (x, y, z))?;
+        }
+        arguments.set_item("wheel_radius", of.wheel_radius)?;
+        arguments.set_item("steered", of.steered.name())?;
+        arguments.set_item("steering_limit", (of.steering.lower, of.steering.upper))?;
+        let limit = |range: JointRange| (!range.is_open()).then_some((range.lower, range.upper));
+        arguments.set_item("rocker_limit", limit(of.rocker_limit))?;
+        arguments.set_item("bogie_limit", limit(of.bogie_limit))?;
+        let bar = match of.differential {
+            Differential::Gear => None,
+            Differential::Bar { half_length, lever, rod } => Some((half_length, lever, rod)),
+        };
+        arguments.set_item("differential_bar", bar)?;
+        Ok(arguments)
+    }
+
+    /// The text of a URDF from which `load` makes a rover on this suspension, and which viewers open.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Of the robot.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     Rockers, bogies, steering and wheels as links and joints; the base link is the rover's frame R.
+    #[pyo3(signature = (name="rover"))]
+    fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
+        let module = slf.py().import("six_wheel.robot_description.urdf")?;
+        module.call_method1("suspension_urdf", (slf, name))?.extract()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        repr_of_call("RockerBogie", &self.dimensions(py)?)
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        // Numbers hash in Python so that zeros of either sign hash alike.
+        PyTuple::new(py, self.dimensions(py)?.values())?.hash()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let py = slf.py();
+        reduce(slf.as_any(), &PyTuple::empty(py), &slf.get().dimensions(py)?)
+    }
+}

@@ -1,0 +1,182 @@
+//! `RockerBogie.icr_offset` and `RockerBogie.steer`.
+
+use pyo3::prelude::*;
+use six_wheel_kinematics::rover::Inputs;
+use six_wheel_terrain::suspension::WHEELS;
+
+use super::chain::Joints;
+use super::rocker_bogie::RockerBogie;
+use crate::arguments;
+use crate::convert::{
+    Output, Results, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together,
+};
+use crate::workers::any_workers;
+
+result_class! {
+    /// What the wheels have to do for a forward speed and a yaw rate.
+    pub struct SteeringCommand {
+        /// Steering angles, shape (..., steered wheels) [rad].
+        steering: Py<PyAny>,
+        /// Speeds of all wheels, shape (..., 6) [rad/s].
+        wheel_speeds: Py<PyAny>,
+        /// Distance of the centre of rotation to the left of the origin [m]; infinite driving straight, NaN at rest.
+        turning_radius: Py<PyAny>,
+        /// Speed at which each unsteered wheel slides to its left, shape (..., unsteered wheels) [m/s].
+        scrub: Py<PyAny>,
+    }
+    repr { steering wheel_speeds turning_radius scrub }
+}
+
+#[pymethods]
+impl RockerBogie {
+    /// How far behind the origin the unsteered wheels want the centre of rotation: x_R of the papers.
+    ///
+    /// Turning about a point of the line ``x = -icr_offset`` they scrub least. It moves with the suspension.
+    ///
+    /// Parameters
+    /// ----------
+    /// rho : float or array_like, shape (...)
+    ///     Angle of the left rocker [rad]; the right one has ``-rho``.
+    /// beta : array_like, shape (..., 2)
+    ///     Angles of the left and the right bogie against their rockers [rad].
+    /// out : ndarray, shape (...), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    ///
+    /// Returns
+    /// -------
+    /// float or ndarray, shape (...)
+    ///     Mean of the unsteered wheels' x, negated [m].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or a shape does not fit.
+    #[pyo3(signature = (rho, beta, *, out=None, dtype=None, threads=None))]
+    fn icr_offset<'py>(
+        &self,
+        py: Python<'py>,
+        rho: &Bound<'py, PyAny>,
+        beta: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let workers = any_workers(threads, None)?;
+        let mut joints = Joints::read(rho, beta)?;
+        together(joints.both())?;
+        let rows = memory::gathered((0..joints.beta.count()).map(|k| joints.row(k)))?;
+        let mut offsets = Output::asked(py, (out, dtype), &joints.beta.leading)?;
+        if out.is_some() {
+            offsets = offsets.beside()?; // a row may be refused after others
+        }
+        let targets = [(offsets.flat(), 1)];
+        compute(py, rows.len(), || {
+            workers.rows(rows.len(), targets, |k, [target]| {
+                let (rho, beta) = rows[k];
+                let offset = self.0.icr_offset(rho, beta);
+                target[0] = offset.map_err(|error| error.at_row(k))?;
+                Ok(())
+            })
+        })
+        .map_err(|error| joints.raise(error))?;
+        offsets.finish_number(out)
+    }
+
+    /// What the wheels have to do for a forward speed and a yaw rate, and how much the unsteered ones scrub.
+    ///
+    /// The point of the line of `icr_offset` abreast of the origin moves straight ahead: this is
+    /// ``planar(rho, beta).inverse((speed, 0, yaw_rate), centre=(-icr_offset, 0))``.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed : float or array_like, shape (...)
+    ///     Forward speed of the origin of R [m/s].
+    /// yaw_rate : float or array_like, shape (...)
+    ///     Counter-clockwise [rad/s].
+    /// rho : float or array_like, shape (...)
+    ///     Angle of the left rocker [rad]; the right one has ``-rho``.
+    /// beta : array_like, shape (..., 2)
+    ///     Angles of the left and the right bogie against their rockers [rad].
+    /// previous : array_like, shape (..., steered wheels), optional
+    ///     Present steering angles [rad], default 0; a wheel whose pivot rests holds them.
+    /// previous_speeds : array_like, shape (..., 6), optional
+    ///     Present wheel speeds [rad/s]: which way round wheels go on that could go either way.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    ///
+    /// Returns
+    /// -------
+    /// SteeringCommand
+    ///     `steering` [rad], `wheel_speeds` [rad/s], `turning_radius` [m], `scrub` [m/s].
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If a wheel would steer past its limit.
+    /// ValueError
+    ///     If a value is not finite or a shape does not fit.
+    ///
+    /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
+    /// ICRA 1999.
+    #[pyo3(signature = (speed, yaw_rate, rho, beta, *, previous=None, previous_speeds=None, threads=None))]
+    fn steer<'py>(
+        &self,
+        py: Python<'py>,
+        speed: &Bound<'py, PyAny>,
+        yaw_rate: &Bound<'py, PyAny>,
+        rho: &Bound<'py, PyAny>,
+        beta: &Bound<'py, PyAny>,
+        previous: Option<&Bound<'py, PyAny>>,
+        previous_speeds: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<SteeringCommand> {
+        let workers = any_workers(threads, None)?;
+        let steered = self.steered().len();
+        let mut joints = Joints::read(rho, beta)?;
+        let mut speeds = Scalars::read_finite("speed", speed)?;
+        let mut yaw_rates = Scalars::read_finite("yaw_rate", yaw_rate)?;
+        let mut previous = Rows::read_optional("previous", previous, steered)?;
+        let mut rolling = Rows::read_optional("previous_speeds", previous_speeds, WHEELS.len())?;
+        let all = joints
+            .both()
+            .into_iter()
+            .chain([named("speed", &mut speeds), named("yaw_rate", &mut yaw_rates)])
+            .chain(given("previous", &mut previous))
+            .chain(given("previous_speeds", &mut rolling));
+        let leading = together(all)?;
+        let (previous, rolling) = (previous.as_ref().map(Rows::flat), rolling.as_ref().map(Rows::flat));
+        let motion = |k| (speeds.at(k), yaw_rates.at(k), joints.row(k));
+        let motions = memory::gathered((0..joints.beta.count()).map(motion))?;
+        let unsteered = WHEELS.len() - steered;
+        let widths = [steered, WHEELS.len(), unsteered];
+        let mut results = Results::fresh(py, widths.map(|width| joined(&leading, width)))?;
+        let [steering, wheel_speeds, scrub] = results.flat();
+        let mut radii = memory::filled(0.0, motions.len())?;
+        let targets = [(steering, steered), (wheel_speeds, WHEELS.len()), (scrub, unsteered), (&mut radii[..], 1)];
+        compute(py, motions.len(), || {
+            workers.rows(motions.len(), targets, |k, [angles, speeds, scrubs, radius]| {
+                let (speed, yaw_rate, (rho, beta)) = motions[k];
+                let row = |width: usize| k * width..(k + 1) * width;
+                let inputs = Inputs {
+                    previous: previous.map(|angles| &angles[row(steered)]),
+                    previous_speeds: rolling.map(|speeds| &speeds[row(WHEELS.len())]),
+                    steering_rates: None,
+                };
+                let command = self.0.steer(speed, yaw_rate, rho, beta, inputs);
+                let command = command.map_err(|error| error.at_row(k))?;
+                angles.copy_from_slice(&command.steering);
+                speeds.copy_from_slice(&command.wheel_speeds);
+                scrubs.copy_from_slice(&command.scrub);
+                radius[0] = command.turning_radius;
+                Ok(())
+            })
+        })
+        .map_err(|error| joints.raise(error))?;
+        let [steering, wheel_speeds, scrub] = results.finish_arrays()?;
+        Ok(SteeringCommand { turning_radius: scalar_or_array(py, radii, &leading)?, steering, wheel_speeds, scrub })
+    }
+}

@@ -1,0 +1,335 @@
+//! `six_wheel.Terrain`: ground as a regular grid of heights.
+
+mod sources;
+
+use std::sync::Arc;
+
+use numpy::PyUntypedArrayMethods;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString, PyTuple};
+use six_wheel_terrain::terrain::{Heights, Interpolation, Sample, Terrain as Core, normal};
+
+use crate::arguments::{self, ArgumentKind, shown};
+use crate::classes::reduce;
+use crate::convert::{
+    OrRaise, Output, OutputOptions, Rows, is_of_another_kind, memory, number, read_array, refuse, scalar_or_array,
+    shape_text, singles,
+};
+use crate::workers::{any_workers, fill_rows};
+
+/// Ground as a regular grid of heights.
+///
+/// Node ``(row, column)`` lies at ``origin + R(orientation) (column dx, row dy)``: x grows with columns, y with
+/// rows. Between nodes heights are bilinear. NaN is a height that nobody knows; neither it nor the outside is
+/// ever guessed.
+///
+/// Parameters
+/// ----------
+/// heights : array_like, shape (rows, columns)
+///     Heights [m], NaN where unknown. Single precision stays single precision.
+/// spacing : float or (float, float)
+///     Between columns and between rows [m].
+/// origin : (float, float)
+///     Where node (0, 0) lies in the world [m].
+/// orientation : float
+///     By how much the rows are turned from the x axis of the world, counter-clockwise [rad].
+///
+/// Raises
+/// ------
+/// ValueError
+///     If there are fewer than two rows or columns, a height is infinite, or the spacing is not positive, or so
+///     small that it can only be in degrees.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct Terrain(pub Arc<Core>);
+
+/// Heights of an array, and its number of columns.
+fn read_heights(value: &Bound<'_, PyAny>) -> PyResult<(Heights, usize)> {
+    let array = read_array("heights", value)?;
+    let columns = columns(array.shape())?;
+    if let Some(single) = singles("heights", &array)? {
+        return Ok((Heights::Single(Arc::new(single)), columns));
+    }
+    let rows = Rows::read("heights", &array, columns)?;
+    let heights = memory::gathered(rows.flat().iter().copied())?;
+    Ok((Heights::Double(Arc::new(heights)), columns))
+}
+
+fn columns(shape: &[usize]) -> PyResult<usize> {
+    match shape {
+        [rows, columns] if *rows >= 2 && *columns >= 2 => Ok(*columns),
+        _ => {
+            let rule = "have at least two rows and two columns";
+            Err(refuse("heights", rule, &format!("shape {}", shape_text(shape))))
+        }
+    }
+}
+
+/// One number for both, or two.
+fn pair(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
+    if let Ok(pair) = value.extract::<[f64; 2]>() {
+        return Ok(pair);
+    }
+    let one = number(argument, value)?;
+    Ok([one, one])
+}
+
+impl Terrain {
+    #[allow(clippy::too_many_arguments)] // each is a thing of its own
+    /// Asks for the ground at every row, and writes what `width` numbers it gives; NaN where nothing is known.
+    fn ask<'py>(
+        &self,
+        py: Python<'py>,
+        xy: &Bound<'py, PyAny>,
+        method: &str,
+        width: usize,
+        asked: OutputOptions<'_, 'py>,
+        threads: Option<i64>,
+        answer: impl Fn(f64, [f64; 2], &mut [f64]) + Sync + Send,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let workers = any_workers(threads, None)?;
+        let method: Interpolation = method.parse().or_raise(&[])?;
+        let rows = Rows::read("xy", xy, 2)?;
+        let mut shape = rows.leading.clone();
+        if width > 1 {
+            shape.push(width);
+        }
+        let mut output = Output::asked(py, asked, &shape)?;
+        let (points, target, ground) = (rows.pairs(), output.flat(), &*self.0);
+        fill_rows(py, workers, points.len(), &rows.leading, [(target, width)], |row, [target]| {
+            let [x, y] = points[row];
+            match ground.sample(x, y, method) {
+                Sample::Known { height, gradient } => answer(height, gradient, target),
+                Sample::Unknown | Sample::Outside => target.fill(f64::NAN),
+            }
+            Ok(())
+        })?;
+        output.finish_number(asked.0)
+    }
+
+    /// The arguments that make this very ground.
+    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = PyDict::new(py);
+        let ([dx, dy], [x, y]) = (self.0.spacing(), self.0.origin());
+        arguments.set_item("heights", self.heights(py)?)?;
+        arguments.set_item("spacing", (dx, dy))?;
+        arguments.set_item("origin", (x, y))?;
+        arguments.set_item("orientation", self.0.orientation())?;
+        Ok(arguments)
+    }
+}
+
+impl ArgumentKind for Terrain {
+    const KIND: &'static str = "a Terrain";
+
+    fn remedy(value: &Bound<'_, PyAny>) -> String {
+        match value.is_instance_of::<PyString>() {
+            true => format!("sw.Terrain.read({})", shown(value)),
+            false => "sw.Terrain(heights, spacing=...)".into(),
+        }
+    }
+}
+
+getters! { Terrain, this, py:
+    /// Number of rows and of columns.
+    shape: (usize, usize) = this.0.shape().into();
+    /// Between columns and between rows [m].
+    spacing: (f64, f64) = this.0.spacing().into();
+    /// Where node (0, 0) lies in the world [m].
+    origin: (f64, f64) = this.0.origin().into();
+    /// By how much the rows are turned from the x axis of the world, counter-clockwise [rad].
+    orientation: f64 = this.0.orientation();
+}
+
+equal_by!(Terrain: 0);
+replaceable!(Terrain);
+
+#[pymethods]
+impl Terrain {
+    #[new]
+    #[pyo3(signature = (heights, spacing, origin=None, orientation=None))]
+    fn new(
+        heights: &Bound<'_, PyAny>,
+        spacing: &Bound<'_, PyAny>,
+        origin: Option<&Bound<'_, PyAny>>,
+        orientation: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (heights, columns) = read_heights(heights)?;
+        let spacing = pair("spacing", spacing)?;
+        let origin = match origin.map(|origin| (origin, origin.extract::<[f64; 2]>())) {
+            None => [0.0; 2],
+            Some((_, Ok(origin))) => origin,
+            Some((origin, Err(error))) if is_of_another_kind(origin.py(), &error) => {
+                let got = origin.repr()?.to_string();
+                return Err(refuse("origin", "be two numbers", &got));
+            }
+            Some((_, Err(error))) => return Err(error),
+        };
+        let orientation = orientation.map_or(Ok(0.0), |value| number("orientation", value))?;
+        let core = Core::new(heights, columns, spacing, origin, orientation);
+        core.map(|core| Self(Arc::new(core))).or_raise(&[])
+    }
+
+    /// The heights [m], shape (rows, columns), as a fresh array.
+    #[getter]
+    fn heights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let shape = &self.0.shape();
+        Ok(match self.0.heights() {
+            Heights::Single(heights) => memory::array(py, heights, shape)?.into_any(),
+            Heights::Double(heights) => memory::array(py, heights, shape)?.into_any(),
+        })
+    }
+
+    /// Heights at points of the world.
+    ///
+    /// Parameters
+    /// ----------
+    /// xy : array_like, shape (..., 2)
+    ///     Points [m].
+    /// method : {'bilinear', 'bicubic'}
+    ///     From the four corners of the cell, which is the surface that wheels stand on; or smoothly from
+    ///     sixteen nodes.
+    /// out : ndarray, shape (...), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    ///
+    /// Returns
+    /// -------
+    /// float or ndarray, shape (...)
+    ///     Heights [m]; NaN off the map and where a height that enters is unknown.
+    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
+    fn height<'py>(
+        &self,
+        py: Python<'py>,
+        xy: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = arguments::method)] method: &str,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.ask(py, xy, method, 1, (out, dtype), threads, |height, _, target| {
+            target[0] = height;
+        })
+    }
+
+    /// Derivatives of the height by x and y.
+    ///
+    /// Parameters
+    /// ----------
+    /// xy : array_like, shape (..., 2)
+    ///     Points [m].
+    /// method : {'bilinear', 'bicubic'}
+    ///     As for `height`. On a crease of the bilinear surface, those of the cell that comes after it.
+    /// out : ndarray, shape (..., 2), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 2)
+    ///     Slopes along x and y of the world; NaN off the map and where a height that enters is unknown.
+    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
+    fn gradient<'py>(
+        &self,
+        py: Python<'py>,
+        xy: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = arguments::method)] method: &str,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.ask(py, xy, method, 2, (out, dtype), threads, |_, gradient, target| {
+            target.copy_from_slice(&gradient);
+        })
+    }
+
+    /// Unit normals of the ground, upwards.
+    ///
+    /// Parameters
+    /// ----------
+    /// xy : array_like, shape (..., 2)
+    ///     Points [m].
+    /// method : {'bilinear', 'bicubic'}
+    ///     As for `gradient`.
+    /// out : ndarray, shape (..., 3), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 3)
+    ///     Normals in world axes; NaN off the map and where a height that enters is unknown.
+    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
+    fn normal<'py>(
+        &self,
+        py: Python<'py>,
+        xy: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = arguments::method)] method: &str,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.ask(py, xy, method, 3, (out, dtype), threads, |_, gradient, target| {
+            target.copy_from_slice(normal(gradient).as_slice());
+        })
+    }
+
+    /// Whether points lie on the map, its rim included; heights there may still be unknown.
+    ///
+    /// Parameters
+    /// ----------
+    /// xy : array_like, shape (..., 2)
+    ///     Points [m].
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    ///
+    /// Returns
+    /// -------
+    /// bool or ndarray, shape (...)
+    #[pyo3(signature = (xy, *, threads=None))]
+    fn contains<'py>(
+        &self,
+        py: Python<'py>,
+        xy: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+    ) -> PyResult<Py<PyAny>> {
+        let workers = any_workers(threads, None)?;
+        let rows = Rows::read("xy", xy, 2)?;
+        let (points, ground) = (rows.pairs(), &*self.0);
+        let mut inside = memory::filled(false, points.len())?;
+        fill_rows(py, workers, points.len(), &rows.leading, [(&mut inside, 1)], |row, [target]| {
+            let [x, y] = points[row];
+            target[0] = ground.contains(x, y);
+            Ok(())
+        })?;
+        scalar_or_array(py, inside, &rows.leading)
+    }
+
+    fn __repr__(&self) -> String {
+        let ([rows, columns], [dx, dy], [x, y]) = (self.0.shape(), self.0.spacing(), self.0.origin());
+        let turned = match self.0.orientation() {
+            0.0 => String::new(),
+            orientation => format!(", orientation={orientation:?}"),
+        };
+        format!("Terrain(<{rows} x {columns} heights>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){turned})")
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        let ([dx, dy], [x, y]) = (self.0.spacing(), self.0.origin());
+        let place = [dx, dy, x, y, self.0.orientation()];
+        PyTuple::new(py, place)?.hash()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let py = slf.py();
+        reduce(slf.as_any(), &PyTuple::empty(py), &slf.get().arguments(py)?)
+    }
+}

@@ -1,0 +1,107 @@
+//! `Terrain.read` and `Terrain.yard`: ground from files and from a seed.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::Terrain;
+use crate::arguments;
+
+#[pymethods]
+impl Terrain {
+    /// The map of a file.
+    ///
+    /// GeoTIFF, PDS and whatever else GDAL reads (extra ``[terrain]``), ESRI ASCII grids, lists of extents and heights
+    /// as text, and ``grid_map_msgs/GridMap`` in ROS bags (extra ``[bags]``). Coordinates stay those of the map's
+    /// own frame.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path
+    ///     The file, or the folder of a bag.
+    /// window : (float, float, float, float), optional
+    ///     x_min, y_min, x_max, y_max in the frame of the map [m]: only this part is read.
+    /// topic : str, optional
+    ///     Topic of a bag, default the only one with maps.
+    /// layer : str, optional
+    ///     Layer of a grid map, default ``elevation`` or the only one.
+    ///
+    /// Returns
+    /// -------
+    /// Terrain
+    ///     NaN where the map has no height.
+    ///
+    /// Raises
+    /// ------
+    /// FileNotFoundError
+    ///     If there is no such file.
+    /// ImportError
+    ///     If the library that reads such files is not installed.
+    /// TerrainFileError
+    ///     If it is no map, its coordinates are degrees, or the window is off it.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, window=None, topic=None, layer=None))]
+    fn read<'py>(
+        path: &Bound<'py, PyAny>,
+        window: Option<&Bound<'py, PyAny>>,
+        topic: Option<&Bound<'py, PyAny>>,
+        layer: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = PyDict::new(path.py());
+        for (name, value) in [("window", window), ("topic", topic), ("layer", layer)] {
+            options.set_item(name, value)?;
+        }
+        let module = path.py().import("six_wheel.maps")?;
+        module.call_method("read", (path,), Some(&options))
+    }
+
+    /// Ground made by seed: fractal (Hurst 0.7), with rocks as on Mars.
+    ///
+    /// Parameters
+    /// ----------
+    /// size : float or (float, float)
+    ///     Along x and along y [m].
+    /// spacing : float, default 0.05
+    ///     Between heights [m].
+    /// cover : float, default 0.1
+    ///     Share of the ground that rocks cover, 0 to 0.5. Those of diameter D [m] and more cover
+    ///     ``cover exp(-q D)`` with ``q = 1.79 + 0.152 / cover``; they are half as high, from 0.05 to 3 m large, and
+    ///     where they overlap the higher one is seen.
+    /// seed : int
+    ///     The same seed makes the same ground on every platform.
+    /// roughness : float, default 0.1
+    ///     Root mean square of the fractal heights over 40 m [m].
+    ///
+    /// Returns
+    /// -------
+    /// Terrain
+    ///     Its origin at (0, 0), heights rounded to 0.1 mm.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite or out of its range.
+    ///
+    /// Source: M. Golombek, D. Rapp, Size-frequency distributions of rocks on Mars and Earth analog sites, Journal of
+    /// Geophysical Research 102, 1997.
+    #[staticmethod]
+    #[pyo3(signature = (size=None, spacing=0.05, cover=0.1, seed=None, *, roughness=0.1))]
+    fn yard<'py>(
+        py: Python<'py>,
+        size: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::spacing)] spacing: f64,
+        #[pyo3(from_py_with = arguments::cover)] cover: f64,
+        seed: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = arguments::roughness)] roughness: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = PyDict::new(py);
+        options.set_item("spacing", spacing)?;
+        options.set_item("cover", cover)?;
+        options.set_item("roughness", roughness)?;
+        for (name, value) in [("size", size), ("seed", seed)] {
+            if let Some(value) = value {
+                options.set_item(name, value)?;
+            }
+        }
+        py.import("six_wheel.maps")?.call_method("yard", (), Some(&options))
+    }
+}

@@ -1,0 +1,281 @@
+//! Whether a rover may stand somewhere: by bounds where they decide, by settling where they do not.
+
+use super::belly::Belly;
+use super::boxes::Within;
+use super::kernel::{Ground, Margins, bounds};
+use super::plan::{COUNT, Knowledge, Plan};
+use super::stability::{tilt, wheel_drop};
+use crate::ground::{Settler, Stand, Status, settle_part, worth_lanes};
+use crate::suspension::{Dimensions, MAX_WHEELS};
+use six_wheel_numerics::error::{Error, number};
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_numerics::threads::workers::each;
+
+/// What is allowed: largest sizes of angles [rad], least clearance and largest drop of a wheel [m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Allowed {
+    /// Largest roll.
+    pub roll: f64,
+    /// Largest pitch.
+    pub pitch: f64,
+    /// Largest tilt.
+    pub tilt: f64,
+    /// Largest angle of a rocker.
+    pub rocker: f64,
+    /// Largest angle of a bogie.
+    pub bogie: f64,
+    /// Least clearance of the belly [m].
+    pub clearance: f64,
+    /// Largest drop of a wheel [m].
+    pub wheel_drop: f64,
+}
+
+impl Allowed {
+    /// Fails unless angles and the drop are positive, and nothing is NaN.
+    pub fn check(&self) -> Result<(), Error> {
+        let positive = [
+            ("roll", self.roll),
+            ("pitch", self.pitch),
+            ("tilt", self.tilt),
+            ("rocker", self.rocker),
+            ("bogie", self.bogie),
+            ("wheel_drop", self.wheel_drop),
+        ];
+        for (name, value) in positive {
+            if value.is_nan() || value <= 0.0 {
+                return Err(Error::value(name, "be positive", number(value)));
+            }
+        }
+        if !self.clearance.is_finite() {
+            return Err(Error::value("clearance", "be finite", number(self.clearance)));
+        }
+        Ok(())
+    }
+
+    /// Angles for which the boxes of the bounds have to cover the wheels.
+    fn within(&self) -> Within {
+        let up_to = |angle: f64, at_most: f64| angle.min(at_most.to_radians());
+        Within {
+            attitude: up_to(self.roll.max(self.pitch).min(self.tilt), 25.0),
+            rocker: up_to(self.rocker, 20.0),
+            bogie: up_to(self.bogie, 38.0),
+        }
+    }
+}
+
+/// Why a rover may not stand somewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Reason {
+    /// It may.
+    Ok = 0,
+    /// The first of what it would go furthest beyond.
+    Roll = 1,
+    /// As for roll.
+    Pitch = 2,
+    /// As for roll.
+    Tilt = 3,
+    /// As for roll.
+    Clearance = 4,
+    /// As for roll.
+    Rocker = 5,
+    /// As for roll.
+    Bogie = 6,
+    /// As for roll.
+    WheelDrop = 7,
+    /// A rim or the belly may leave the map.
+    OffMap = 8,
+    /// A rim or the belly may be over ground that is not known.
+    UnknownCells = 9,
+    /// It does not settle.
+    NotSettled = 10,
+}
+
+/// The answer for a pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict {
+    /// Why not, or that it may.
+    pub reason: Reason,
+    /// What is left of that limit of which least is: the share of an angle or a drop, clearances in wheel radii. At
+    /// least so much where bounds decide in favour, at most so much where they decide against; NaN where nothing is
+    /// known.
+    pub margin: f64,
+    /// Tilt [rad] and clearance [m]: at worst, where bounds decide.
+    pub tilt: f64,
+    /// As for the tilt.
+    pub clearance: f64,
+    /// Whether the rover was settled to know.
+    pub exact: bool,
+}
+
+impl Verdict {
+    /// Nothing is known.
+    pub const UNKNOWN: Self =
+        Self { reason: Reason::NotSettled, margin: f64::NAN, tilt: f64::NAN, clearance: f64::NAN, exact: false };
+
+    /// Nothing is known, for this reason.
+    fn refused(reason: Reason) -> Self {
+        Self { reason, ..Self::UNKNOWN }
+    }
+}
+
+/// Poses that are bounded, or settled, at a time.
+const BLOCK: usize = 1024;
+
+/// What to judge with.
+#[derive(Clone, Debug)]
+pub struct Judge<'a> {
+    settler: Settler<'a>,
+    plan: Plan,
+    belly: Belly,
+    allowed: Allowed,
+    radius: f64,
+    level: [f64; MAX_WHEELS],
+    error: f64,
+}
+
+impl<'a> Judge<'a> {
+    /// For a rover with this belly on a map whose heights may be wrong by so much [m]; `settler` has its chain.
+    pub fn new(
+        settler: Settler<'a>,
+        dimensions: &Dimensions,
+        belly: Belly,
+        allowed: Allowed,
+        error: f64,
+    ) -> Result<Self, Error> {
+        allowed.check()?;
+        Ok(Self {
+            settler,
+            plan: Plan::new(dimensions, belly, allowed.within())?,
+            belly,
+            allowed,
+            radius: dimensions.wheel_radius,
+            level: std::array::from_fn(|wheel| dimensions.level_place(wheel / 2)[2]),
+            error,
+        })
+    }
+
+    /// What is left of each limit where quantities are as large as this: the sizes of roll, pitch, tilt, then the
+    /// clearance, the sizes of rocker and bogie, and the drop.
+    fn left(&self, [roll, pitch, tilt, clearance, rocker, bogie, drop]: [f64; 7]) -> (Reason, f64) {
+        let allowed = &self.allowed;
+        let share = |size: f64, limit: f64| {
+            if limit.is_finite() { 1.0 - size / limit } else { 1.0 }
+        };
+        let all = [
+            (Reason::Roll, share(roll, allowed.roll)),
+            (Reason::Pitch, share(pitch, allowed.pitch)),
+            (Reason::Tilt, share(tilt, allowed.tilt)),
+            (Reason::Clearance, (clearance - allowed.clearance) / self.radius),
+            (Reason::Rocker, share(rocker, allowed.rocker)),
+            (Reason::Bogie, share(bogie, allowed.bogie)),
+            (Reason::WheelDrop, share(drop, allowed.wheel_drop)),
+        ];
+        all.into_iter().fold((Reason::Ok, f64::INFINITY), |least, one| if one.1 < least.1 { one } else { least })
+    }
+
+    /// Decided by the bounds of a pose, or not.
+    fn by_bounds(&self, bound: &[[f64; 2]; COUNT]) -> Option<Verdict> {
+        let [_, roll, pitch, tilt, clearance, rocker, left, right, drop] = *bound;
+        let most = |[low, high]: [f64; 2]| low.abs().max(high.abs());
+        let least = |[low, high]: [f64; 2]| low.max(-high).max(0.0);
+        let worst =
+            [most(roll), most(pitch), tilt[1], clearance[0], most(rocker), most(left).max(most(right)), drop[1]];
+        let verdict = |reason, margin| Verdict { reason, margin, tilt: tilt[1], clearance: clearance[0], exact: false };
+        let (_, margin) = self.left(worst);
+        if margin >= 0.0 {
+            return Some(verdict(Reason::Ok, margin));
+        }
+        let best =
+            [least(roll), least(pitch), tilt[0], clearance[1], least(rocker), least(left).max(least(right)), drop[0]];
+        let (reason, margin) = self.left(best);
+        (margin < 0.0).then(|| verdict(reason, margin))
+    }
+
+    /// Decided by how the rover settles.
+    fn by_settling(&self, pose: [f64; 3], stand: &Stand) -> Verdict {
+        let chain = self.settler.chain;
+        let Some(placed) = stand.place(chain, pose.into(), &[]) else {
+            return Verdict::refused(match stand.status {
+                Status::OffMap => Reason::OffMap,
+                Status::UnknownCells => Reason::UnknownCells,
+                _ => Reason::NotSettled,
+            });
+        };
+        let tilt = tilt(&placed);
+        let belly = self.belly.above(self.settler.ground, &placed);
+        let Some(clearance) = belly else {
+            return Verdict::refused(Reason::UnknownCells);
+        };
+        // The wheels may stand lower, and the ground under the belly be higher.
+        let clearance = clearance - 2.0 * self.error;
+        let [_, roll, pitch, rocker, left, right] = stand.state;
+        let (reason, margin) = self.left([
+            roll.abs(),
+            pitch.abs(),
+            tilt,
+            clearance,
+            rocker.abs(),
+            left.abs().max(right.abs()),
+            wheel_drop(chain, &placed, &self.level),
+        ]);
+        Verdict { reason: if margin >= 0.0 { Reason::Ok } else { reason }, margin, tilt, clearance, exact: true }
+    }
+
+    /// Whether the rover may stand at every pose, which is finite. Fails if there is no memory for the pyramid.
+    pub fn judge(&self, poses: &[[f64; 3]], verdicts: &mut [Verdict], workers: Workers) -> Result<(), Error> {
+        let ground = Ground { pyramid: self.settler.ground.pyramid()?, error: self.error };
+        let share = poses.len().div_ceil(workers.threads.max(1)).max(64);
+        let parts = poses.chunks(share).zip(verdicts.chunks_mut(share));
+        let lanes = worth_lanes(poses.len());
+        each(parts, |(poses, verdicts)| {
+            self.some(ground, poses, verdicts, lanes, workers.level);
+            Ok(())
+        })
+    }
+
+    fn some(&self, ground: Ground<'_>, poses: &[[f64; 3]], verdicts: &mut [Verdict], lanes: bool, level: Level) {
+        let workers = Workers { threads: 1, level, fresh: false };
+        let mut table = Box::new([[[0.0; 2]; BLOCK]; COUNT]);
+        let mut worth = [Knowledge::Beyond; BLOCK];
+        let margins = Margins { yaw: &[0.0], position: &[0.0] };
+        let mut open = Vec::with_capacity(2 * BLOCK);
+        for first in (0..poses.len()).step_by(BLOCK) {
+            let some = &poses[first..poses.len().min(first + BLOCK)];
+            let targets = table.each_mut().map(|block| &mut block[..some.len()]);
+            let worth = &mut worth[..some.len()];
+            let plan = std::slice::from_ref(&self.plan);
+            bounds(plan, ground, some, margins, targets, worth, workers);
+            for (k, worth) in worth.iter().enumerate() {
+                let by_bounds = || self.by_bounds(&table.each_ref().map(|block| block[k]));
+                // What might stand on unknown ground may not: nothing but another map can tell.
+                let decided = match worth {
+                    Knowledge::OffMap => Some(Verdict::refused(Reason::OffMap)),
+                    Knowledge::UnknownCells => Some(Verdict::refused(Reason::UnknownCells)),
+                    Knowledge::Bounded => by_bounds(),
+                    _ => None,
+                };
+                match decided {
+                    Some(decided) => verdicts[first + k] = decided,
+                    None => open.push(first + k),
+                }
+            }
+            if open.len() >= BLOCK {
+                self.settled(&open, poses, verdicts, lanes);
+                open.clear();
+            }
+        }
+        self.settled(&open, poses, verdicts, lanes);
+    }
+
+    /// Settles what bounds leave open.
+    fn settled(&self, open: &[usize], poses: &[[f64; 3]], verdicts: &mut [Verdict], lanes: bool) {
+        let some: Vec<[f64; 3]> = open.iter().map(|row| poses[*row]).collect();
+        let mut stands = vec![Stand::nothing(Status::NotConverged); some.len()];
+        settle_part(&self.settler, &some, &|_| &[], lanes, &mut stands);
+        for ((row, pose), stand) in open.iter().zip(some).zip(&stands) {
+            verdicts[*row] = self.by_settling(pose, stand);
+        }
+    }
+}

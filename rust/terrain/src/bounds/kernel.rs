@@ -1,0 +1,374 @@
+//! The bounds of many poses, as many at a time as a register holds; the same to the bit at every level.
+
+use pulp::{Scalar, Simd};
+
+use super::boxes::Patch;
+use super::plan::{COUNT, Knowledge, Plan, TILT};
+use super::stand::Under;
+use crate::interval::{Interval, all};
+use crate::pyramid::{Boxes, Pyramid, nothing};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, ROUND, sin_cos};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::threads::workers::Workers;
+
+/// Lanes of the widest level.
+const MOST: usize = 8;
+
+/// How much wider the intervals are made: more than the kernel and a settled pose can round [m, rad].
+const ROUNDING: f64 = 1e-9;
+
+/// Poses that are tried with one plan before the next: their numbers stay in the first-level cache.
+const BLOCK: usize = 256;
+
+/// Positions from which on neighbouring doubles are further apart than a wheel is large.
+const FAR: f64 = 1e15;
+
+/// What the ground is known to be.
+#[derive(Clone, Copy, Debug)]
+pub struct Ground<'a> {
+    /// Its extremes.
+    pub pyramid: &'a Pyramid,
+    /// How far the true heights may be from those of the map [m].
+    pub error: f64,
+}
+
+/// What else than the pose itself is asked about.
+#[derive(Clone, Copy, Debug)]
+pub struct Margins<'a> {
+    /// Yaw up to so much to either side, per row or once [rad].
+    pub yaw: &'a [f64],
+    /// Places up to so far away, per row or once [m].
+    pub position: &'a [f64],
+}
+
+impl Margins<'_> {
+    fn at(self, k: usize) -> [f64; 2] {
+        [self.yaw, self.position].map(|values| if values.len() == 1 { values[0] } else { values[k] })
+    }
+}
+
+/// The bounds of every pose `[x, y, yaw]`, finite. Writes for each of the quantities a block of intervals, a row
+/// per pose, and the worth of every row; intervals that are not known are NaN. Poses whose wheels may leave the boxes
+/// of a plan are tried with the next.
+pub fn bounds(
+    plans: &[Plan],
+    ground: Ground<'_>,
+    poses: &[[f64; 3]],
+    margins: Margins<'_>,
+    blocks: [&mut [[f64; 2]]; COUNT],
+    worth: &mut [Knowledge],
+    workers: Workers,
+) {
+    let workers = workers.here();
+    let share = workers.share(poses.len());
+    let mut blocks = blocks.map(|block| block.chunks_mut(share));
+    let jobs = worth.chunks_mut(share).enumerate().map(|(k, worth)| Job {
+        plans,
+        ground,
+        poses: &poses[k * share..][..worth.len()],
+        margins,
+        first: k * share,
+        blocks: blocks.each_mut().map(|block| block.next().unwrap_or_default()),
+        worth,
+    });
+    // A job does not fail.
+    let _ = workers.each(jobs, |job| {
+        if workers.level == Level::Plain {
+            job.work(Scalar::new());
+        } else {
+            workers.level.run(job);
+        }
+        Ok(())
+    });
+}
+
+/// Poses that one thread takes.
+struct Job<'a> {
+    plans: &'a [Plan],
+    ground: Ground<'a>,
+    poses: &'a [[f64; 3]],
+    margins: Margins<'a>,
+    /// Row of the first one among all.
+    first: usize,
+    blocks: [&'a mut [[f64; 2]]; COUNT],
+    worth: &'a mut [Knowledge],
+}
+
+impl Kernel for Job<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) {
+        self.work(simd);
+    }
+}
+
+/// How far a point one metre from the origin goes over an interval of yaw [m].
+fn chord(margin: f64) -> f64 {
+    if margin == 0.0 { 0.0 } else { 2.0 * (0.5 * margin.min(std::f64::consts::PI)).sin() }
+}
+
+/// A number per lane, on its way between registers and memory.
+type Column = [f64; MOST];
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, column: &Column) -> Lanes<S> {
+    Lanes::load(simd, S::as_simd_f64s(&column[..S::F64_LANES]).0, 0)
+}
+
+#[inline(always)]
+fn store<S: Simd>(lanes: Lanes<S>, column: &mut Column) {
+    lanes.store(S::as_mut_simd_f64s(&mut column[..S::F64_LANES]).0, 0);
+}
+
+impl Job<'_> {
+    #[inline(always)]
+    fn work<S: Vector>(mut self, simd: S) {
+        for first in (0..self.poses.len()).step_by(BLOCK) {
+            let mut rows: [usize; BLOCK] = std::array::from_fn(|k| first + k);
+            let mut count = BLOCK.min(self.poses.len() - first);
+            for plan in self.plans {
+                for some in rows[..count].chunks(S::F64_LANES) {
+                    self.some(simd, plan, some);
+                }
+                let mut left = 0;
+                for k in 0..count {
+                    if self.worth[rows[k]] == Knowledge::Beyond {
+                        rows[left] = rows[k];
+                        left += 1;
+                    }
+                }
+                count = left;
+            }
+        }
+    }
+
+    /// The poses of as many rows as there are lanes, or fewer.
+    #[inline(always)]
+    fn some<S: Vector>(&mut self, simd: S, plan: &Plan, rows: &[usize]) {
+        let apart = rows.len() < S::F64_LANES || rows[rows.len() - 1] - rows[0] >= S::F64_LANES;
+        let pose = if apart {
+            let mut columns = [[0.0; MOST]; 3];
+            for lane in 0..S::F64_LANES {
+                let pose = self.poses[rows[lane.min(rows.len() - 1)]];
+                for (column, value) in columns.iter_mut().zip(pose) {
+                    column[lane] = value;
+                }
+            }
+            [load(simd, &columns[0]), load(simd, &columns[1]), load(simd, &columns[2])]
+        } else {
+            let poses = &self.poses[rows[0]..][..S::F64_LANES];
+            Lanes::unbraid(simd, poses.as_flattened())
+        };
+        let (zero, far) = (all(simd, 0.0), all(simd, FAR));
+        let near = pose[0].abs().below(far) & pose[1].abs().below(far);
+        let yaw = within_turns(simd, pose[2]);
+        let [chord, margin] = self.spread(simd, rows);
+        let pose = [near.select(pose[0], zero), near.select(pose[1], zero), yaw];
+        let place = Place::new(simd, self.ground.pyramid, pose, [chord, margin]);
+        let seen = Seen::new(simd, plan, self.ground, &place);
+        let (intervals, checks) = plan.stand(simd, &seen.wheels, seen.under);
+        // The first that does not hold is said, so it is looked at last.
+        let mut says = code(simd, Knowledge::Bounded);
+        for (holds, knowledge) in checks.into_iter().rev() {
+            says = holds.select(says, code(simd, knowledge));
+        }
+        says = seen.known.select(says, code(simd, Knowledge::UnknownCells));
+        says = (seen.on_map & near).select(says, code(simd, Knowledge::OffMap));
+        let bounded = says.below(all(simd, 0.5));
+        let (unknown, more) = (all(simd, f64::NAN), all(simd, ROUNDING));
+        let mut said = [0.0; MOST];
+        store(says, &mut said);
+        let worth = said.map(|says| KNOWLEDGE[says as usize % KNOWLEDGE.len()]);
+        for (row, worth) in rows.iter().zip(worth) {
+            self.worth[*row] = worth;
+        }
+        let quantities = self.blocks.iter_mut().zip(intervals).enumerate();
+        for (k, (block, [low, high])) in quantities {
+            // No tilt is less than none.
+            let least = if k == TILT { more } else { low };
+            let interval = [bounded.select(low.max(least) - more, unknown), bounded.select(high + more, unknown)];
+            if apart {
+                let mut ends = [[0.0; 2]; MOST];
+                Lanes::zip(interval, ends.as_flattened_mut());
+                for (row, ends) in rows.iter().zip(ends) {
+                    block[*row] = ends;
+                }
+            } else {
+                let block = &mut block[rows[0]..][..S::F64_LANES];
+                Lanes::zip(interval, block.as_flattened_mut());
+            }
+        }
+    }
+}
+
+impl Job<'_> {
+    /// How far a point one metre from the origin goes over the interval of yaw, and how far all points go [m].
+    #[inline(always)]
+    fn spread<S: Vector>(&self, simd: S, rows: &[usize]) -> [Lanes<S>; 2] {
+        let Margins { yaw, position } = self.margins;
+        if let ([yaw], [position]) = (yaw, position) {
+            return [all(simd, chord(*yaw)), all(simd, *position)];
+        }
+        let mut columns = [[0.0; MOST]; 2];
+        for lane in 0..S::F64_LANES {
+            let row = rows[lane.min(rows.len() - 1)];
+            let [yaw, position] = self.margins.at(self.first + row);
+            (columns[0][lane], columns[1][lane]) = (chord(yaw), position);
+        }
+        [load(simd, &columns[0]), load(simd, &columns[1])]
+    }
+}
+
+/// Angles of which sines and cosines can be had.
+#[inline(always)]
+fn within_turns<S: Vector>(simd: S, yaw: Lanes<S>) -> Lanes<S> {
+    if !all(simd, LARGEST_ANGLE).below(yaw.abs()).any() {
+        return yaw;
+    }
+    let mut turned = [0.0; MOST];
+    store(yaw, &mut turned);
+    for yaw in &mut turned {
+        if yaw.abs() > LARGEST_ANGLE {
+            *yaw %= std::f64::consts::TAU;
+        }
+    }
+    load(simd, &turned)
+}
+
+/// What is known, by its number.
+const KNOWLEDGE: [Knowledge; 6] = [
+    Knowledge::Bounded,
+    Knowledge::OffMap,
+    Knowledge::UnknownCells,
+    Knowledge::Unsolved,
+    Knowledge::Beyond,
+    Knowledge::AtStop,
+];
+
+#[inline(always)]
+fn code<S: Simd>(simd: S, knowledge: Knowledge) -> Lanes<S> {
+    all(simd, f64::from(knowledge as u8))
+}
+
+/// Where the poses are, in cells of the map.
+struct Place<S: Vector> {
+    origin: [Lanes<S>; 2],
+    /// Cells along the map's rows and columns per metre ahead and per metre to the left.
+    ahead: [Lanes<S>; 2],
+    left: [Lanes<S>; 2],
+    /// How far a point one metre from the origin goes over the interval of yaw, and all points go, in cells.
+    chord: [Lanes<S>; 2],
+    margin: [Lanes<S>; 2],
+    /// Number of cells.
+    cells: [f64; 2],
+    simd: S,
+}
+
+impl<S: Vector> Place<S> {
+    #[inline(always)]
+    fn new(simd: S, pyramid: &Pyramid, [x, y, yaw]: [Lanes<S>; 3], [chord, margin]: [Lanes<S>; 2]) -> Self {
+        let turn = pyramid.turn();
+        let (turned_cos, turned_sin) = (all(simd, turn.cos), all(simd, turn.sin));
+        let (sin, cos) = sin_cos(simd, yaw);
+        let (cos, sin) = (turned_cos * cos + turned_sin * sin, turned_cos * sin - turned_sin * cos);
+        let [x0, y0] = pyramid.origin();
+        let (x, y) = (x - all(simd, x0), y - all(simd, y0));
+        let [dx, dy] = pyramid.spacing();
+        let [across, along] = [all(simd, 1.0 / dx), all(simd, 1.0 / dy)];
+        let [columns, rows] = pyramid.cells();
+        Self {
+            origin: [(turned_cos * x + turned_sin * y) * across, (turned_cos * y - turned_sin * x) * along],
+            ahead: [cos * across, sin * along],
+            left: [-sin * across, cos * along],
+            chord: [chord * across, chord * along],
+            margin: [margin * across, margin * along],
+            cells: [columns as f64, rows as f64],
+            simd,
+        }
+    }
+
+    /// The ground in a patch, and of what is in `span`; whether lanes have the patch on the map.
+    #[inline(always)]
+    fn look(&self, pyramid: &Pyramid, patch: &Patch, span: Lanes<S>) -> (Lanes<S>, Mask<S>) {
+        let simd = self.simd;
+        let (cx, cy) = (all(simd, patch.centre[0]), all(simd, patch.centre[1]));
+        let (hx, hy) = (all(simd, patch.half[0]), all(simd, patch.half[1]));
+        let reach = all(simd, patch.reach);
+        let (zero, less, round) = (all(simd, 0.0), all(simd, 0.5), all(simd, ROUND));
+        let mut on_map = zero.at_most(zero);
+        let [mut first, mut last] = [self.origin; 2];
+        for axis in 0..2 {
+            let (ahead, left) = (self.ahead[axis], self.left[axis]);
+            let middle = ahead.mul_add(cx, left.mul_add(cy, self.origin[axis]));
+            let margin = self.chord[axis].mul_add(reach, self.margin[axis]);
+            let half = ahead.abs().mul_add(hx, left.abs().mul_add(hy, margin));
+            let (low, high) = (middle - half, middle + half);
+            on_map = on_map & zero.at_most(low) & high.at_most(all(simd, self.cells[axis]));
+            // Rounded to the nearest whole number; on a line of the grid either cell has it.
+            let end = all(simd, self.cells[axis] - 1.0);
+            first[axis] = ((low - less).max(zero).min(end) + round) - round;
+            last[axis] = ((high - less).max(zero).min(end) + round) - round;
+        }
+        let boxes = Boxes { first, last, on_map };
+        // SAFETY: both ends, the second not below the first, are between 0 and the last cell.
+        (unsafe { pyramid.spans(&boxes, span) }, on_map)
+    }
+
+    /// Lowest and highest ground in patches, and which lanes have them on the map and know their heights.
+    #[inline(always)]
+    fn extremes(&self, ground: Ground<'_>, patches: &[Patch], [on_map, known]: [&mut Mask<S>; 2]) -> Interval<S> {
+        let simd = self.simd;
+        let mut span = nothing(simd);
+        for patch in patches {
+            let (more, here) = self.look(ground.pyramid, patch, span);
+            span = more;
+            *on_map = *on_map & here;
+        }
+        let [lowest, minus_highest] = span.unpair();
+        let (zero, error) = (all(simd, 0.0), all(simd, ground.error));
+        let here = all(simd, f64::NEG_INFINITY).below(lowest);
+        *known = *known & here;
+        [here.select(lowest, zero) - error, here.select(-minus_highest, zero) + error]
+    }
+}
+
+/// The ground under the rover.
+struct Seen<S: Vector> {
+    /// Lowest and highest under each wheel, left and right, front to rear, less the mean of all [m].
+    wheels: [[Interval<S>; 3]; 2],
+    under: Under<S>,
+    /// Whether all of it is on the map, and is known.
+    on_map: Mask<S>,
+    known: Mask<S>,
+}
+
+impl<S: Vector> Seen<S> {
+    #[inline(always)]
+    fn new(simd: S, plan: &Plan, ground: Ground<'_>, place: &Place<S>) -> Self {
+        let yes = all(simd, 0.0).at_most(all(simd, 0.0));
+        let (mut on_map, mut known) = (yes, yes);
+        let mut wheels = [[[all(simd, 0.0); 2]; 3]; 2];
+        let mut sum = all(simd, 0.0);
+        for (side, patches) in wheels.iter_mut().zip(&plan.wheels) {
+            for (wheel, patches) in side.iter_mut().zip(patches) {
+                *wheel = place.extremes(ground, patches, [&mut on_map, &mut known]);
+                sum = sum + wheel[0] + wheel[1];
+            }
+        }
+        let [_, summit] = place.extremes(ground, &plan.belly, [&mut on_map, &mut known]);
+        let middle = std::slice::from_ref(&plan.middle);
+        let [floor, _] = place.extremes(ground, middle, [&mut on_map, &mut known]);
+        let mean = sum * all(simd, 1.0 / 12.0);
+        for side in &mut wheels {
+            for span in side {
+                *span = [span[0] - mean, span[1] - mean];
+            }
+        }
+        let under = Under { mean, summit: summit - mean, floor: floor - mean };
+        Self { wheels, under, on_map, known }
+    }
+}

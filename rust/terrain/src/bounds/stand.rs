@@ -1,0 +1,336 @@
+//! From the ground under the wheels to intervals of everything: the closed form of `side` on both sides.
+//!
+//! Written without closures: they would be functions of their own, without the instructions of the level.
+
+use pulp::Simd;
+
+use super::plan::{COUNT, Knowledge, Plan, Room};
+use super::side::{Lever, Side};
+use crate::interval::{Interval, Turned, all, asin, both, complement, even, inside, minus, sum, times, widest};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::sin_cos;
+
+/// Rounds of the contraction of tan(g); the fourth gained less than 1e-3 of the width.
+const ROUNDS: usize = 3;
+
+/// tan(30 degrees): where the contraction of tan(g) begins.
+const STEEPEST: f64 = 0.577_350_269_189_625_8;
+
+/// The ground under the body, less the mean of that under the wheels, and that mean [m].
+#[derive(Clone, Copy)]
+pub(super) struct Under<S: Simd> {
+    pub mean: Lanes<S>,
+    /// Highest under the belly, lowest under its middle.
+    pub summit: Lanes<S>,
+    pub floor: Lanes<S>,
+}
+
+/// Of all quantities.
+pub(super) type Intervals<S> = [Interval<S>; COUNT];
+
+/// One side, with its height and both its angles.
+#[derive(Clone, Copy)]
+struct Raised<S: Simd> {
+    /// Height of D, less what lateral places add [m].
+    axis: Interval<S>,
+    /// Sines `sin(phi - t)` of the bogie and of the rocker.
+    bogie: Interval<S>,
+    rocker: Interval<S>,
+    /// Heights of B where the bogie is turned least and most [m].
+    turned: Interval<S>,
+    /// Whether all extremes are at corners.
+    sure: Mask<S>,
+}
+
+impl Lever {
+    /// Height of the axis under a support at this height, `sin` the sine of phi - t.
+    #[inline(always)]
+    fn below<S: Simd>(&self, support: Lanes<S>, sin: Lanes<S>) -> Lanes<S> {
+        let simd = sin.simd();
+        support - (all(simd, self.off) * complement(sin) + all(simd, self.along) * sin)
+    }
+}
+
+impl Side {
+    /// Sine of phi - t of the rocker, from the heights of its wheel and of the bogie's axis.
+    #[inline(always)]
+    fn tilt<S: Simd>(&self, wheel: Lanes<S>, joint: Lanes<S>) -> Lanes<S> {
+        let rise = if self.in_front { joint - wheel } else { wheel - joint };
+        rise * all(wheel.simd(), self.rocker.inverse_length)
+    }
+
+    /// From the reduced heights of the rocker's wheel and of the bogie's, ahead and behind.
+    #[inline(always)]
+    fn raise<S: Simd>(&self, [single, ahead, behind]: [Interval<S>; 3]) -> Raised<S> {
+        let by_bogie = all(single[0].simd(), self.bogie.inverse_length);
+        let bogie = [(ahead[0] - behind[1]) * by_bogie, (ahead[1] - behind[0]) * by_bogie];
+        let joint = [
+            self.bogie.below(ahead[0], (ahead[0] - behind[0]) * by_bogie),
+            self.bogie.below(ahead[1], (ahead[1] - behind[1]) * by_bogie),
+        ];
+        let opposed = [self.tilt(single[0], joint[1]), self.tilt(single[1], joint[0])];
+        let rocker = if self.in_front { [opposed[1], opposed[0]] } else { opposed };
+        let axis = [
+            self.rocker.below(single[0], self.tilt(single[0], joint[0])),
+            self.rocker.below(single[1], self.tilt(single[1], joint[1])),
+        ];
+        Raised {
+            axis,
+            bogie,
+            rocker,
+            turned: [self.bogie.below(ahead[1], bogie[1]), self.bogie.below(ahead[0], bogie[0])],
+            sure: inside(bogie, self.bogie.range) & inside(rocker, self.rocker.range),
+        }
+    }
+
+    /// Angles of the rocker against the plane, and of the bogie against the rocker.
+    #[inline(always)]
+    fn angles<S: Simd>(&self, raised: &Raised<S>, single: Interval<S>) -> [Interval<S>; 2] {
+        let simd = single[0].simd();
+        let (phi_bogie, phi_rocker) = (all(simd, self.bogie.phi), all(simd, self.rocker.phi));
+        let rocker = [phi_rocker - asin(raised.rocker[1]), phi_rocker - asin(raised.rocker[0])];
+        let bogie = [phi_bogie - asin(raised.bogie[1]), phi_bogie - asin(raised.bogie[0])];
+        if !self.coupled {
+            return [rocker, [bogie[0] - rocker[1], bogie[1] - rocker[0]]];
+        }
+        // Least where the bogie is turned least and the rocker, by its wheel, most.
+        let wheel = if self.in_front { [single[1], single[0]] } else { single };
+        [
+            rocker,
+            [
+                bogie[0] - (phi_rocker - asin(self.tilt(wheel[0], raised.turned[0]))),
+                bogie[1] - (phi_rocker - asin(self.tilt(wheel[1], raised.turned[1]))),
+            ],
+        ]
+    }
+}
+
+impl Plan {
+    /// Reduced heights of the wheels of a side at inclinations in an interval: the rocker's, and the bogie's ahead
+    /// and behind.
+    #[inline(always)]
+    fn reduced<S: Simd>(
+        &self,
+        wheels: &[Interval<S>; 3],
+        rise: Interval<S>,
+        inverse_cos: Interval<S>,
+    ) -> [Interval<S>; 3] {
+        let simd = rise[0].simd();
+        let mut reduced = [rise; 3];
+        for (reduced, &pair) in reduced.iter_mut().zip(&self.roles) {
+            let scaled = times(wheels[pair], inverse_cos);
+            let (offset, radius) = (all(simd, self.offsets[pair]), all(simd, self.radius));
+            *reduced = [rise[0].mul_add(offset, scaled[0] + radius), rise[1].mul_add(offset, scaled[1] + radius)];
+        }
+        reduced
+    }
+
+    /// Both sides at inclinations in an interval.
+    #[inline(always)]
+    fn sides<S: Simd>(&self, wheels: &[[Interval<S>; 3]; 2], tan: Interval<S>) -> [[Interval<S>; 3]; 2] {
+        let one = all(tan[0].simd(), 1.0);
+        let inverse_cos = even(tan, both!(end in tan => end.mul_add(end, one).sqrt()), one);
+        [self.reduced(&wheels[0], minus(tan), inverse_cos), self.reduced(&wheels[1], tan, inverse_cos)]
+    }
+
+    /// Intervals of all quantities, and what has to hold for them to be bounds.
+    #[inline(always)]
+    pub(super) fn stand<S: Simd>(
+        &self,
+        simd: S,
+        wheels: &[[Interval<S>; 3]; 2],
+        under: Under<S>,
+    ) -> (Intervals<S>, [(Mask<S>, Knowledge); 3]) {
+        let (zero, one, half) = (all(simd, 0.0), all(simd, 1.0), all(simd, 0.5));
+        let mut tan = [all(simd, -STEEPEST), all(simd, STEEPEST)];
+        let mut sure = zero.at_most(one);
+        let per_width = all(simd, 0.5 / self.lateral);
+        for _ in 0..ROUNDS {
+            let [left, right] = self.sides(wheels, tan);
+            let (left, right) = (self.side.raise(left), self.side.raise(right));
+            let narrower = [
+                tan[0].max((left.axis[0] - right.axis[1]) * per_width),
+                tan[1].min((left.axis[1] - right.axis[0]) * per_width),
+            ];
+            let proved = left.sure & right.sure;
+            let held = narrower[0].at_most(narrower[1]);
+            // No inclination of up to 30 degrees has these heights: a steeper one may have.
+            sure = sure & (held | !proved);
+            let take = proved & held;
+            tan = [take.select(narrower[0], tan[0]), take.select(narrower[1], tan[1])];
+        }
+        let [left, right] = self.sides(wheels, tan);
+        let (raised_left, raised_right) = (self.side.raise(left), self.side.raise(right));
+        sure = sure & raised_left.sure & raised_right.sure;
+        let [left, bogie_left] = self.side.angles(&raised_left, left[0]);
+        let [right, bogie_right] = self.side.angles(&raised_right, right[0]);
+
+        let inverse = both!(end in tan => one.quotient(end.mul_add(end, one).sqrt()));
+        let cos_side = even(tan, inverse, one);
+        let sin_side = [tan[0] * inverse[0], tan[1] * inverse[1]];
+        let slack = all(simd, self.slack);
+        let lean = [(left[0] + right[0]) * half - slack, (left[1] + right[1]) * half + slack];
+        let rocker = [(left[0] - right[1]) * half - slack, (left[1] - right[0]) * half + slack];
+        let ends = both!(end in lean => sin_cos(simd, end));
+        let sin_lean = [ends[0].0, ends[1].0];
+        let cos_lean = even(lean, [ends[0].1, ends[1].1], one);
+        let sin_pitch = times(sin_lean, cos_side);
+        let secants = both!(sin in sin_pitch => one.quotient(complement(sin).max(all(simd, 0.03))));
+        let sin_roll = times(sin_side, even(sin_pitch, secants, one));
+        let (a, b) = (
+            even(sin_side, both!(sin in sin_side => sin * sin), zero),
+            even(sin_lean, both!(sin in sin_lean => sin * sin), zero),
+        );
+        // 1 - cos(tilt)^2, cos(tilt) = cos(g) cos(lean).
+        let tilt = [asin((one - a[0]).mul_add(b[0], a[0]).sqrt()), asin((one - a[1]).mul_add(b[1], a[1]).sqrt())];
+        let posture = Posture {
+            axis: both!(end in sum(raised_left.axis, raised_right.axis) => end * half),
+            sin_lean,
+            cos_lean,
+            cos_side,
+        };
+        let z = both!(end in self.point(&posture, 0.0, 0.0) => end + under.mean);
+        let clearance = self.clearance(&posture, widest(sin_side), under);
+        let roll = both!(sin in sin_roll => asin(sin));
+        let pitch = both!(sin in sin_pitch => asin(sin));
+        let turned = self.turned(rocker, [bogie_left, bogie_right]);
+        let drop = self.drop(&turned);
+        let angle = [-self.within.attitude, self.within.attitude];
+        let swing = [-self.within.bogie, self.within.bogie];
+        let boxed = self.boxed(&turned, widest(sin_pitch), widest(sin_roll))
+            | inside(roll, angle)
+                & inside(pitch, angle)
+                & inside(rocker, [-self.within.rocker, self.within.rocker])
+                & inside(bogie_left, swing)
+                & inside(bogie_right, swing);
+        let free = inside(rocker, self.rocker_limit)
+            & inside(bogie_left, self.bogie_limit)
+            & inside(bogie_right, self.bogie_limit);
+        (
+            [z, roll, pitch, tilt, clearance, rocker, bogie_left, bogie_right, drop],
+            [(sure, Knowledge::Unsolved), (boxed, Knowledge::Beyond), (free, Knowledge::AtStop)],
+        )
+    }
+
+    /// Height of a point of the middle plane of the body.
+    #[inline(always)]
+    fn point<S: Simd>(&self, posture: &Posture<S>, x: f64, z: f64) -> Interval<S> {
+        let simd = posture.axis[0].simd();
+        // From the axis of the rockers.
+        let (behind, below) = (all(simd, self.pivot[0] - x), all(simd, self.pivot[2] - z));
+        let swings = both!(sin in posture.sin_lean => sin * behind);
+        let drops = both!(cos in posture.cos_lean => cos * below);
+        let height = [
+            posture.axis[0] + swings[0].min(swings[1]) - drops[0].max(drops[1]),
+            posture.axis[1] + swings[0].max(swings[1]) - drops[0].min(drops[1]),
+        ];
+        times(height, posture.cos_side)
+    }
+
+    /// From the lowest corner of the belly to the highest ground under it, and from its middle, at its highest, to
+    /// the lowest ground there.
+    #[inline(always)]
+    fn clearance<S: Simd>(&self, posture: &Posture<S>, sin_side: Lanes<S>, under: Under<S>) -> Interval<S> {
+        let simd = sin_side.simd();
+        let plate = self.plate;
+        let rear = self.point(posture, plate.x[0], plate.z);
+        let front = self.point(posture, plate.x[1], plate.z);
+        let middle = self.point(posture, (plate.x[0] + plate.x[1]) / 2.0, plate.z);
+        let lowest = rear[0].min(front[0]) - all(simd, plate.half_width) * sin_side;
+        [lowest - under.summit, middle[1] - under.floor]
+    }
+
+    /// Sines and cosines of the ends of the rockers' and the bogies' angles in the body, left and right.
+    #[inline(always)]
+    fn turned<S: Simd>(&self, rocker: Interval<S>, bogies: [Interval<S>; 2]) -> [[Turned<S>; 2]; 2] {
+        let simd = rocker[0].simd();
+        let slack = all(simd, 2.0 * self.slack);
+        let left = both!(end in rocker => sin_cos(simd, end));
+        // What a bar turns the right rocker more or less than back only matters for the bogie it carries.
+        let right = [(-left[1].0, left[1].1), (-left[0].0, left[0].1)];
+        let loose = [-slack, slack];
+        let on_left = sum(sum(rocker, bogies[0]), loose);
+        let on_right = sum(sum(minus(rocker), bogies[1]), loose);
+        [[left, both!(end in on_left => sin_cos(simd, end))], [right, both!(end in on_right => sin_cos(simd, end))]]
+    }
+
+    /// How much a vector of `vectors` ends lower than when it is level.
+    #[inline(always)]
+    fn fall<S: Simd>(&self, k: usize, ends: &Turned<S>) -> Interval<S> {
+        let simd = ends[0].0.simd();
+        let [x, _, z] = self.vectors[k];
+        let (x, z, sag) = (all(simd, x), all(simd, z), all(simd, self.sag[k]));
+        let falls = both!(end in *ends => z - (z * end.1 - x * end.0));
+        [falls[0].min(falls[1]) - sag, falls[0].max(falls[1]) + sag]
+    }
+
+    /// How far, in the body, the wheel that has come down most is below its place on level ground.
+    #[inline(always)]
+    fn drop<S: Simd>(&self, turned: &[[Turned<S>; 2]; 2]) -> Interval<S> {
+        let simd = turned[0][0][0].0.simd();
+        let mut most = [all(simd, f64::NEG_INFINITY); 2];
+        for [rocker, carried] in turned {
+            let joint = self.fall(1, rocker);
+            let falls = [self.fall(0, rocker), sum(joint, self.fall(2, carried)), sum(joint, self.fall(3, carried))];
+            for fall in falls {
+                most = [most[0].max(fall[0]), most[1].max(fall[1])];
+            }
+        }
+        let loose = all(simd, self.looseness);
+        [most[0] - loose, most[1] + loose]
+    }
+
+    /// How far the end of a vector of `vectors` swings along and across.
+    #[inline(always)]
+    fn swing<S: Simd>(&self, k: usize, ends: &Turned<S>) -> Interval<S> {
+        let simd = ends[0].0.simd();
+        let [x, _, z] = self.vectors[k];
+        let (x, z) = (all(simd, x.abs()), all(simd, z.abs()));
+        let sin = ends[0].0.abs().max(ends[1].0.abs());
+        let less = all(simd, 1.0) - ends[0].1.min(ends[1].1);
+        [z * sin + x * less, x * sin + z * less]
+    }
+
+    /// Whether every wheel and the belly, seen from above, are in the boxes that were looked at.
+    ///
+    /// Stretched from level to what it is, the ground leads the rover from where all wheels are in their boxes to
+    /// where it stands. It cannot leave them on the way while the bounds, which hold inside, say that it is inside.
+    #[inline(always)]
+    fn boxed<S: Simd>(&self, turned: &[[Turned<S>; 2]; 2], pitch: Lanes<S>, roll: Lanes<S>) -> Mask<S> {
+        let simd = pitch.simd();
+        let still = [all(simd, 0.0); 2];
+        let mut fits = self.rooms[3].holds(still, pitch, roll);
+        for [rocker, carried] in turned {
+            let joint = self.swing(1, rocker);
+            let moved = [self.swing(0, rocker), sum(joint, self.swing(2, carried)), sum(joint, self.swing(3, carried))];
+            for (moved, &pair) in moved.into_iter().zip(&self.roles) {
+                fits = fits & self.rooms[pair].holds(moved, pitch, roll);
+            }
+        }
+        fits
+    }
+}
+
+impl Room {
+    /// Whether something that has moved so far ahead and up in the body is seen inside, at these sines at most.
+    #[inline(always)]
+    fn holds<S: Simd>(&self, moved: [Lanes<S>; 2], pitch: Lanes<S>, roll: Lanes<S>) -> Mask<S> {
+        let simd = pitch.simd();
+        let [x, y, z] = self.place;
+        let (x, y, height) = (all(simd, x), all(simd, y), all(simd, z) + moved[1]);
+        let one = all(simd, 1.0);
+        let (sunk, leaned) = (one - complement(pitch), one - complement(roll));
+        let ahead = moved[0] + x * sunk + pitch * (y * roll + height);
+        let aside = y * leaned + (height + all(simd, self.radius)) * roll;
+        ahead.at_most(all(simd, self.room[0])) & aside.at_most(all(simd, self.room[1]))
+    }
+}
+
+/// How the body is held.
+struct Posture<S: Simd> {
+    /// Height of the axis of the rockers, in the plane [m].
+    axis: Interval<S>,
+    sin_lean: Interval<S>,
+    cos_lean: Interval<S>,
+    cos_side: Interval<S>,
+}

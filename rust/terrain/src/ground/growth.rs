@@ -1,0 +1,213 @@
+//! Settling where Newton's method finds nothing: on the way from level ground to the ground that there is.
+//!
+//! With all its heights at a share of what they are above a datum, the ground grows from flat, where a rover stands, to what it
+//! is. The states that close all gaps meanwhile make up a curve of state and share, which may turn back and go on; it is
+//! followed by its length. Where it comes to the full share, at angles at which something stands, there is the answer. Where it
+//! leads beyond them and no way back, growing ground tips the rover, or a bogie, over.
+//!
+//! A rim over ground of share `s` has `s` times the gap of one that is `1 / s` times as high.
+//!
+//! (E. Allgower, K. Georg, Introduction to Numerical Continuation Methods, SIAM 2003, ch. 2 and 6.)
+
+use std::f64::consts::PI;
+
+use nalgebra::{SMatrix, SVector};
+
+use super::newton::{Attempt, Hold, LARGEST_ANGLE};
+use super::settler::{Settler, Status};
+use super::touch::Touches;
+use crate::suspension::{MAX_STATE, MAX_WHEELS, PlanPose, State};
+use crate::terrain::{Interpolation, Sample};
+
+/// Numbers of a state, and the share.
+const SIZE: usize = MAX_STATE + 1;
+
+type Point = SVector<f64, SIZE>;
+
+/// Share of the heights at which the way begins: little enough that Newton's method finds where the rover stands.
+const FIRST: f64 = 0.1;
+
+/// A way that comes back to this share has turned around for good, and one that goes beyond that share does not come back.
+const BACK: f64 = 0.02;
+const FORTH: f64 = 2.0;
+
+/// Steps along the curve: the longest, the first and the shortest one, and how many.
+const LONGEST: f64 = 0.1;
+const FIRST_STEP: f64 = 0.02;
+const SHORTEST: f64 = 2e-5;
+const STEPS: usize = 1500;
+
+/// A body tilted by more than this has tipped over for good [rad]; a joint has when it has turned by half a turn.
+const UPRIGHT: f64 = 1.5;
+
+/// Turns of Newton's method back to the curve, and the gap at which it is there [m].
+const TURNS: usize = 8;
+const THERE: f64 = 1e-9;
+
+/// Cosine of how far the curve may turn in a step, but for steps shorter than this: at a corner it turns at once.
+const BEND: f64 = 0.7;
+const AROUND: f64 = 2e-3;
+
+/// Where the wheels are: their gaps, and how these change with the state and the share.
+struct Look {
+    gaps: SVector<f64, SIZE>,
+    slopes: SMatrix<f64, SIZE, SIZE>,
+}
+
+/// The ground of a pose, of any share.
+struct Growth<'a, 'b> {
+    settler: &'b Settler<'a>,
+    pose: PlanPose,
+    steering: &'b [f64],
+    /// Heights are from here [m].
+    datum: f64,
+}
+
+impl<'a> Settler<'a> {
+    /// Where the chain stands with no joint at a stop, by the ground growing under it; or why it was not found.
+    pub(crate) fn grown(&self, pose: PlanPose, steering: &[f64]) -> Result<Attempt<'a>, Status> {
+        let Sample::Known { height, .. } = self.ground.sample(pose.x, pose.y, Interpolation::Bilinear) else {
+            return Err(Status::NotConverged);
+        };
+        let growth = Growth { settler: self, pose, steering, datum: height };
+        growth.followed()
+    }
+}
+
+impl<'a> Growth<'a, '_> {
+    fn count(&self) -> usize {
+        self.settler.chain.state_count()
+    }
+
+    /// None where the differential does not reach or no ground is known.
+    fn look(&self, point: &Point) -> Option<Look> {
+        let share = point[MAX_STATE];
+        let (ground, chain) = (self.settler.ground, self.settler.chain);
+        let state: State = std::array::from_fn(|k| point[k]);
+        let over = [share, self.datum];
+        let touches = Touches::over_part(ground, chain, self.pose, &state, self.steering, over)?;
+        let mut look = Look { gaps: SVector::zeros(), slopes: SMatrix::identity() };
+        for wheel in 0..self.count().min(MAX_WHEELS) {
+            let (touch, (_, slopes)) = (&touches.wheels[wheel], touches.slopes(wheel));
+            if touch.gap.is_nan() {
+                return None;
+            }
+            look.gaps[wheel] = touch.gap;
+            for (k, slope) in slopes.into_iter().enumerate().take(self.count()) {
+                look.slopes[(wheel, k)] = slope;
+            }
+            // As high as the ground is there, less.
+            look.slopes[(wheel, MAX_STATE)] = (touch.gap - (touch.point.z - self.datum)) / share;
+        }
+        Some(look)
+    }
+
+    /// Back to the curve, across a direction. None where Newton's method does not lead there.
+    fn back(&self, mut point: Point, across: &Point) -> Option<(Point, Look)> {
+        let mut worst = f64::INFINITY;
+        for _ in 0..TURNS {
+            let mut look = self.look(&point)?;
+            let gap = look.gaps.amax();
+            if gap <= THERE {
+                return Some((point, look));
+            }
+            if gap > worst {
+                return None;
+            }
+            worst = gap;
+            look.slopes.set_row(MAX_STATE, &across.transpose());
+            point -= look.slopes.lu().solve(&look.gaps)?;
+        }
+        None
+    }
+
+    /// The direction of the curve: that in which state, share and gaps turn as they do where it begins.
+    ///
+    /// At a corner, where a wheel gets another contact or goes over a crease, the curve may turn back by more than a right angle,
+    /// so that the way it came does not say which way it goes on. The determinant does: its sign is kept where a row of slopes
+    /// is exchanged for that of the other contact, whose gap has to get smaller than that of the one before.
+    fn along(look: &Look, turns: f64) -> Option<Point> {
+        // Orthogonal to the slopes of all gaps.
+        let q = look.slopes.transpose().qr().q();
+        let mut direction: Point = q.column(MAX_STATE).into_owned();
+        let mut slopes = look.slopes;
+        slopes.set_row(MAX_STATE, &direction.transpose());
+        let determinant = slopes.determinant();
+        if determinant * turns < 0.0 {
+            direction.neg_mut();
+        }
+        (determinant != 0.0 && direction.norm().is_finite()).then_some(direction)
+    }
+
+    /// The next point of the curve, so far away, and its direction there. A short step goes around a corner.
+    fn next(&self, point: &Point, direction: &Point, step: f64, turns: f64) -> Option<[Point; 2]> {
+        let reach = |direction: &Point| {
+            let (next, look) = self.back(point + direction * step, direction)?;
+            let turned = Self::along(&look, turns)?;
+            let near = (next - point).norm() < 2.0 * step;
+            let smooth = turned.dot(direction) > BEND;
+            (near && (smooth || step < AROUND)).then_some([next, turned])
+        };
+        reach(direction).or_else(|| {
+            let around = (step < AROUND).then(|| self.look(&(point + direction * step)))??;
+            reach(&Self::along(&around, turns)?)
+        })
+    }
+
+    fn followed(&self) -> Result<Attempt<'a>, Status> {
+        let mut lost = Status::NotConverged;
+        let share_alone = Point::ith(MAX_STATE, 1.0);
+        let (mut point, look) = self.begin(&share_alone).ok_or(lost)?;
+        // The share grows at first.
+        let turns = look.slopes.determinant().signum();
+        let mut direction = Self::along(&look, turns).ok_or(lost)?;
+        let mut step = FIRST_STEP;
+        for _ in 0..STEPS {
+            let Some([next, turned]) = self.next(&point, &direction, step, turns) else {
+                step *= 0.5;
+                if step < SHORTEST {
+                    return Err(lost);
+                }
+                continue;
+            };
+            let crosses = (point[MAX_STATE] < 1.0) != (next[MAX_STATE] < 1.0);
+            if crosses && let Some(attempt) = self.arrived(&point, &next) {
+                return Ok(attempt);
+            }
+            if (1..MAX_STATE).any(|k| next[k].abs() > LARGEST_ANGLE) {
+                // It may come back: what it leads to counts.
+                lost = Status::TipsOver;
+            }
+            let over = (1..3).any(|k| next[k].abs() > UPRIGHT) || (3..MAX_STATE).any(|k| next[k].abs() > PI);
+            if over || !(BACK..FORTH).contains(&next[MAX_STATE]) {
+                return Err(lost);
+            }
+            (point, direction) = (next, turned);
+            step = (1.5 * step).min(LONGEST);
+        }
+        Err(lost)
+    }
+
+    /// On nearly flat ground.
+    fn begin(&self, share_alone: &Point) -> Option<(Point, Look)> {
+        let mut point = Point::zeros();
+        point[0] = self.datum;
+        point[MAX_STATE] = FIRST;
+        let look = self.look(&point)?;
+        let wheels = self.count() as f64;
+        point[0] -= look.gaps.sum() / wheels;
+        self.back(point, share_alone)
+    }
+
+    /// The end of the curve, between two points of it.
+    fn arrived(&self, before: &Point, after: &Point) -> Option<Attempt<'a>> {
+        let share = (1.0 - before[MAX_STATE]) / (after[MAX_STATE] - before[MAX_STATE]);
+        let between = before.lerp(after, share);
+        [between, *before, *after].iter().find_map(|point| {
+            let state: State = std::array::from_fn(|k| point[k]);
+            let attempt = self.settler.close(self.pose, self.steering, state, &Hold::NONE);
+            let upright = |state: &State| state[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE);
+            attempt.filter(|attempt| attempt.closed && upright(&attempt.state))
+        })
+    }
+}

@@ -1,0 +1,301 @@
+//! Closing the gaps of the wheels that touch: Newton's method with step control.
+
+use super::settler::Settler;
+use super::touch::Touches;
+use crate::ground::rims::rim::Part;
+use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
+use crate::terrain::{Interpolation, Sample};
+
+/// Largest turn of any joint or of the body in one step [rad].
+const LARGEST_TURN: f64 = 0.3;
+
+/// Angles beyond this are no way to stand [rad].
+pub(crate) const LARGEST_ANGLE: f64 = 1.35;
+
+/// Steps of one attempt.
+const STEPS: usize = 40;
+
+/// Steps that may close no gap before another start is tried.
+const STALLS: usize = 5;
+
+/// What touches and what may move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    /// Angles of the joints that are held.
+    pub joints: [Option<f64>; MAX_FREE],
+    /// Bits of the wheels that are left in the air.
+    pub hanging: u32,
+}
+
+impl Hold {
+    /// Nothing held, nothing in the air.
+    pub const NONE: Self = Self { joints: [None; MAX_FREE], hanging: 0 };
+
+    /// Whether a wheel touches.
+    #[inline]
+    pub fn touches(&self, wheel: usize) -> bool {
+        self.hanging >> wheel & 1 == 0
+    }
+}
+
+/// As many equations as unknowns, of which there are at most six, and up to three right-hand sides.
+pub(crate) struct System<const RIGHT: usize> {
+    /// Rows of coefficients.
+    pub rows: [[f64; MAX_STATE]; MAX_WHEELS],
+    /// Right-hand sides, row by row.
+    pub right: [[f64; RIGHT]; MAX_WHEELS],
+    /// Number of both.
+    pub count: usize,
+}
+
+impl<const RIGHT: usize> System<RIGHT> {
+    #[inline]
+    pub fn empty() -> Self {
+        Self { rows: [[0.0; MAX_STATE]; MAX_WHEELS], right: [[0.0; RIGHT]; MAX_WHEELS], count: 0 }
+    }
+
+    /// Adds an equation.
+    #[inline]
+    pub fn push(&mut self, row: [f64; MAX_STATE], right: [f64; RIGHT]) {
+        self.rows[self.count] = row;
+        self.right[self.count] = right;
+        self.count += 1;
+    }
+
+    /// Solves by elimination with row exchanges: the solutions in place of the right-hand sides. None if it is
+    /// singular.
+    #[inline]
+    pub fn solve(mut self) -> Option<[[f64; RIGHT]; MAX_WHEELS]> {
+        let n = self.count;
+        for k in 0..n {
+            let largest = (k..n).max_by(|&a, &b| self.rows[a][k].abs().total_cmp(&self.rows[b][k].abs()))?;
+            self.rows.swap(k, largest);
+            self.right.swap(k, largest);
+            let pivot = self.rows[k][k];
+            if pivot.abs() < 1e-10 || !pivot.is_finite() {
+                return None;
+            }
+            let (above, below) = self.rows.split_at_mut(k + 1);
+            let (right_above, right_below) = self.right.split_at_mut(k + 1);
+            for (row, right) in below.iter_mut().zip(right_below).take(n - k - 1) {
+                let factor = row[k] / pivot;
+                for (x, y) in row.iter_mut().zip(&above[k]).take(n).skip(k) {
+                    *x -= factor * y;
+                }
+                for (x, y) in right.iter_mut().zip(&right_above[k]) {
+                    *x -= factor * y;
+                }
+            }
+        }
+        for k in (0..n).rev() {
+            for c in 0..RIGHT {
+                let known: f64 = (k + 1..n).map(|j| self.rows[k][j] * self.right[j][c]).sum();
+                self.right[k][c] = (self.right[k][c] - known) / self.rows[k][k];
+            }
+        }
+        Some(self.right)
+    }
+}
+
+/// The columns of the state that may move, in their order.
+pub(crate) fn loose(count: usize, hold: &Hold) -> impl Iterator<Item = usize> {
+    let joints = hold.joints;
+    (0..count).filter(move |&k| k < 3 || joints[k - 3].is_none())
+}
+
+/// A chain that stands, or the best that an attempt came to.
+pub struct Attempt<'a> {
+    pub state: State,
+    pub touches: Touches<'a>,
+    pub closed: bool,
+}
+
+impl<'a> Settler<'a> {
+    /// Largest gap of the wheels that touch [m]; infinite where one has no known ground.
+    fn worst(&self, touches: &Touches<'_>, hold: &Hold) -> f64 {
+        let wheels = (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel));
+        wheels.fold(0.0, |worst: f64, wheel| {
+            let gap = touches.wheels[wheel].gap.abs();
+            if gap.is_nan() { f64::INFINITY } else { worst.max(gap) }
+        })
+    }
+
+    /// Gap that counts as none [m]: some roundings of heights of this size.
+    fn tolerance(&self, state: &State) -> f64 {
+        2e-12 + 2e-15 * state[0].abs()
+    }
+
+    /// The wheels at a state. None where the differential does not reach.
+    pub fn touches(
+        &self,
+        pose: PlanPose,
+        state: &State,
+        steering: &[f64],
+        part: Part,
+        near: Option<&Touches<'a>>,
+    ) -> Option<Touches<'a>> {
+        let mut touches = Touches::nowhere(self.chain);
+        self.look(&mut touches, pose, state, steering, part, near).map(|()| touches)
+    }
+
+    /// The same, written over what is there.
+    fn look(
+        &self,
+        touches: &mut Touches<'a>,
+        pose: PlanPose,
+        state: &State,
+        steering: &[f64],
+        part: Part,
+        near: Option<&Touches<'a>>,
+    ) -> Option<()> {
+        let (ground, chain) = (self.ground, self.chain);
+        touches.put(ground, chain, pose, state, steering, part, near, self.level)
+    }
+
+    /// Closes the gaps from a start. None where the differential does not reach.
+    pub fn close(&self, pose: PlanPose, steering: &[f64], start: State, hold: &Hold) -> Option<Attempt<'a>> {
+        let (mut part, mut stalls) = (Part::Lower, 0);
+        let mut state = start;
+        for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
+            *angle = held.unwrap_or(*angle);
+        }
+        // Where the chain is, where it is tried, and the best trial: written over, and never moved.
+        let room = || Touches::nowhere(self.chain);
+        let [first, second, third] = &mut [room(), room(), room()];
+        let (mut here, mut there, mut best) = (first, second, third);
+        self.look(here, pose, &state, steering, part, None)?;
+        let mut worst = self.worst(here, hold);
+        for _ in 0..STEPS {
+            let tolerance = self.tolerance(&state);
+            if worst <= tolerance {
+                // Only the whole rim says that nothing else touches.
+                if part == Part::Lower && here.look_up(self.ground, self.chain) {
+                    part = Part::Whole;
+                    worst = self.worst(here, hold);
+                }
+                if worst <= tolerance {
+                    return Some(Attempt { state, touches: here.clone(), closed: true });
+                }
+            }
+            let step = worst.is_finite().then(|| self.step(here, hold)).flatten();
+            let Some(step) = step else {
+                break;
+            };
+            let mut found: Option<(State, f64)> = None;
+            let mut share = 1.0;
+            while share > 0.01 {
+                let mut trial = state;
+                for k in 0..MAX_STATE {
+                    trial[k] += share * step[k];
+                }
+                if trial[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE) {
+                    self.look(there, pose, &trial, steering, part, Some(here))?;
+                    let size = self.worst(there, hold);
+                    if found.is_none_or(|(_, least)| size < least) {
+                        found = Some((trial, size));
+                        std::mem::swap(&mut there, &mut best);
+                    }
+                    if size < worst * (1.0 - 0.3 * share) || size <= tolerance {
+                        break;
+                    }
+                }
+                share *= 0.5;
+            }
+            let Some((trial, size)) = found else {
+                break;
+            };
+            if size >= worst {
+                if worst < 1e-10 {
+                    // Rounding: there is nothing left to close.
+                    return self.accept(pose, steering, state, hold);
+                }
+                stalls += 1;
+                if stalls > STALLS {
+                    break;
+                }
+            }
+            (state, worst) = (trial, size);
+            std::mem::swap(&mut here, &mut best);
+        }
+        Some(Attempt { state, touches: here.clone(), closed: false })
+    }
+
+    /// A state whose gaps are as small as rounding lets them be, looked at once more all along the rims.
+    fn accept(&self, pose: PlanPose, steering: &[f64], state: State, hold: &Hold) -> Option<Attempt<'a>> {
+        let touches = self.touches(pose, &state, steering, Part::Whole, None)?;
+        let closed = self.worst(&touches, hold) < 1e-10;
+        Some(Attempt { state, touches, closed })
+    }
+
+    /// Newton's step, no longer than [`LARGEST_TURN`].
+    fn step(&self, touches: &Touches<'_>, hold: &Hold) -> Option<State> {
+        let count = self.chain.state_count();
+        let mut system = System::<1>::empty();
+        for wheel in (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel)) {
+            let (_, slopes) = touches.slopes(wheel);
+            let mut row = [0.0; MAX_STATE];
+            for (target, k) in row.iter_mut().zip(loose(count, hold)) {
+                *target = slopes[k];
+            }
+            system.push(row, [-touches.wheels[wheel].gap]);
+        }
+        let solution = system.solve()?;
+        let mut step = [0.0; MAX_STATE];
+        for (value, k) in solution.iter().zip(loose(count, hold)) {
+            step[k] = value[0];
+        }
+        let turn = step[1..].iter().fold(0.0, |most: f64, turn| most.max(turn.abs()));
+        if turn > LARGEST_TURN {
+            step = step.map(|value| value * (LARGEST_TURN / turn));
+        }
+        Some(step)
+    }
+
+    /// A state to start from: every wheel's centre one radius above the ground below it.
+    pub(crate) fn guess(&self, pose: PlanPose, steering: &[f64], mut state: State, hold: &Hold) -> Option<State> {
+        let count = self.chain.state_count();
+        for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
+            *angle = held.unwrap_or(*angle);
+        }
+        let mut placed = self.chain.nowhere();
+        for round in 0..3 {
+            placed.put(pose, &state, steering)?;
+            let mut system = System::<1>::empty();
+            let (mut missing, mut mean) = (0.0, 0.0);
+            for wheel in (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel)) {
+                let (centre, radius) = (placed.wheel(wheel).centre, self.chain.wheels()[wheel].radius);
+                let sample = self.ground.sample(centre.x, centre.y, Interpolation::Bilinear);
+                let Sample::Known { height, .. } = sample else {
+                    missing += 1.0;
+                    continue;
+                };
+                mean += height + radius - centre.z;
+                let slopes = placed.point_slopes(wheel, centre);
+                let mut row = [0.0; MAX_STATE];
+                for (target, k) in row.iter_mut().zip(loose(count, hold)) {
+                    *target = slopes[3 + k].z;
+                }
+                system.push(row, [height + radius - centre.z]);
+            }
+            if missing > 0.0 || round == 0 {
+                // The height first; and nothing else where some ground is not known.
+                state[0] += mean / (system.count as f64).max(1.0);
+                if missing > 0.0 {
+                    return Some(state);
+                }
+                continue;
+            }
+            let Some(solution) = system.solve() else {
+                return Some(state);
+            };
+            for (value, k) in solution.iter().zip(loose(count, hold)) {
+                let limit = if k == 0 { f64::INFINITY } else { 0.4 };
+                state[k] += value[0].clamp(-limit, limit);
+                if k > 0 {
+                    state[k] = state[k].clamp(-0.8, 0.8);
+                }
+            }
+        }
+        Some(state)
+    }
+}

@@ -1,0 +1,152 @@
+//! Circles in lanes, and the cells below them.
+
+use crate::terrain::{Heights, Terrain};
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::polynomials::ROUND;
+use six_wheel_numerics::simd::vector::Vector;
+
+/// An expression for 0 and 1. A closure would not get the instructions of the level.
+macro_rules! both {
+    ($k: ident, $value: expr) => {
+        [
+            {
+                let $k = 0;
+                $value
+            },
+            {
+                let $k = 1;
+                $value
+            },
+        ]
+    };
+}
+pub(crate) use both;
+
+/// Circles that are walked together.
+pub(crate) const RIMS: usize = 8;
+
+/// Larger than any gap [m].
+pub(crate) const FAR: f64 = 1e30;
+
+/// The numbers of the lanes.
+#[inline(always)]
+pub(crate) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; RIMS] {
+    let mut values = [0.0; RIMS];
+    lanes.store(S::as_mut_simd_f64s(&mut values).0, 0);
+    values
+}
+
+/// Largest whole numbers not above these, up to 2^50.
+#[inline(always)]
+pub(crate) fn floor<S: Vector>(simd: S, x: Lanes<S>) -> Lanes<S> {
+    let round = Lanes::splat(simd, ROUND);
+    let near = (x + round) - round;
+    x.below(near).select(near - Lanes::splat(simd, 1.0), near)
+}
+
+/// Cells of the lanes.
+#[derive(Clone, Copy)]
+pub(crate) struct Cells<S: Vector> {
+    pub h00: Lanes<S>,
+    pub along: Lanes<S>,
+    pub across: Lanes<S>,
+    pub twist: Lanes<S>,
+}
+
+/// The cells with these lowest columns and rows; NaN off the map.
+#[inline(always)]
+pub(crate) fn cells<S: Vector>(simd: S, ground: &Terrain, column: Lanes<S>, row: Lanes<S>) -> Cells<S> {
+    let [rows, columns] = ground.shape();
+    let zero = Lanes::splat(simd, 0.0);
+    let last = [Lanes::splat(simd, columns as f64 - 2.0), Lanes::splat(simd, rows as f64 - 2.0)];
+    let inside = zero.at_most(column) & zero.at_most(row) & column.at_most(last[0]) & row.at_most(last[1]);
+    let place = row.mul_add(Lanes::splat(simd, columns as f64), column);
+    let [h00, h10, h01, h11] = match ground.heights() {
+        Heights::Double(heights) => place.square(heights, columns),
+        Heights::Single(_) => singles(simd, ground, place),
+    };
+    let (along, across) = (h10 - h00, h01 - h00);
+    let twist = (h11 - h10) - across;
+    Cells { h00, along, across, twist: inside.select(twist, Lanes::splat(simd, f64::NAN)) }
+}
+
+/// Corners of the cells that begin at these places, as near to them as there are any.
+#[inline(always)]
+fn singles<S: Vector>(simd: S, ground: &Terrain, place: Lanes<S>) -> [Lanes<S>; 4] {
+    let [rows, columns] = ground.shape();
+    let (places, mut corners) = (spread(place), [[0.0; RIMS]; 4]);
+    for lane in 0..S::F64_LANES {
+        let place = (places[lane] as usize).min((rows - 1) * columns - 2); // NaN is 0
+        for (corner, offset) in corners.iter_mut().zip([0, 1, columns, columns + 1]) {
+            corner[lane] = ground.heights().at(place + offset);
+        }
+    }
+    [
+        Lanes::load(simd, S::as_simd_f64s(&corners[0]).0, 0),
+        Lanes::load(simd, S::as_simd_f64s(&corners[1]).0, 0),
+        Lanes::load(simd, S::as_simd_f64s(&corners[2]).0, 0),
+        Lanes::load(simd, S::as_simd_f64s(&corners[3]).0, 0),
+    ]
+}
+
+/// The circles of the lanes.
+#[derive(Clone, Copy)]
+pub(crate) struct Rims<S: Vector> {
+    pub centre: [Lanes<S>; 3],
+    pub forward: [Lanes<S>; 3],
+    pub up: [Lanes<S>; 3],
+}
+
+/// A point of every rim: where it is and how it moves along the rim.
+#[derive(Clone, Copy)]
+pub(crate) struct Point<S: Vector> {
+    pub sin: Lanes<S>,
+    pub cos: Lanes<S>,
+    /// From the centre.
+    pub spoke: [Lanes<S>; 3],
+    /// Derivative by the contact angle.
+    pub tangent: [Lanes<S>; 3],
+}
+
+/// Gap, its first three derivatives along the rim, and the slope of the ground.
+#[derive(Clone, Copy)]
+pub(crate) struct Jet<S: Vector> {
+    pub gap: Lanes<S>,
+    pub rise: Lanes<S>,
+    pub curvature: Lanes<S>,
+    pub third: Lanes<S>,
+    pub slope: [Lanes<S>; 2],
+}
+
+impl<S: Vector> Rims<S> {
+    #[inline(always)]
+    pub(crate) fn point(&self, sin: Lanes<S>, cos: Lanes<S>) -> Point<S> {
+        let [mut spoke, mut tangent] = [self.centre; 2];
+        for k in 0..3 {
+            spoke[k] = self.forward[k] * sin - self.up[k] * cos;
+            tangent[k] = self.forward[k] * cos + self.up[k] * sin;
+        }
+        Point { sin, cos, spoke, tangent }
+    }
+
+    /// The gap over a cell whose lowest corner is so far from the centre.
+    #[inline(always)]
+    pub(crate) fn jet(&self, cell: &Cells<S>, from: [Lanes<S>; 2], at: &Point<S>) -> Jet<S> {
+        let (a, b) = (from[0] + at.spoke[0], from[1] + at.spoke[1]);
+        let across = cell.twist.mul_add(a, cell.across);
+        let along = cell.twist.mul_add(b, cell.along);
+        let height = across.mul_add(b, cell.along.mul_add(a, cell.h00));
+        let [x, y, z] = at.tangent;
+        let rise = z - (along * x + across * y);
+        let turning = cell.twist * x * y;
+        let curvature = (along * at.spoke[0] + across * at.spoke[1] - at.spoke[2]) - (turning + turning);
+        let bending = cell.twist * (at.spoke[0] * y + at.spoke[1] * x);
+        Jet {
+            third: (bending + bending + bending) - rise,
+            gap: (self.centre[2] + at.spoke[2]) - height,
+            rise,
+            curvature,
+            slope: [along, across],
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! Settled poses as plain numbers.
+
+use std::mem::offset_of;
+
+use nalgebra::Vector3;
+
+use super::settler::{Settled, Status};
+use crate::ground::rims::rim::Minimum;
+use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
+use six_wheel_kinematics::wheels::Direction;
+
+/// What a settled pose is, without the chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)] // see `numbers`
+pub struct Stand {
+    /// What came of settling.
+    pub status: Status,
+    /// Which joints are at their stops: -1 the lower, 1 the upper.
+    pub stops: [i8; MAX_FREE],
+    /// Bits of the wheels in the air.
+    pub hanging: u8,
+    /// z [m], roll, pitch and the free angles [rad]; NaN where it does not stand.
+    pub state: State,
+    /// Of every wheel.
+    pub wheels: [Contact; MAX_WHEELS],
+}
+
+/// Where a wheel meets the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)] // see `Stand::numbers`
+pub struct Contact {
+    /// Least vertical distance of the rim over the ground [m].
+    pub gap: f64,
+    /// Contact angle: 0 straight below, positive to the front.
+    pub at: Direction,
+    /// Derivatives of the ground's height by x and y there; on a crease the mix of both sides that is square to
+    /// the rim.
+    pub gradient: [f64; 2],
+    /// Contact angle of the next best contact, NaN unless its gap is the same to 1e-7 m.
+    pub next: f64,
+}
+
+/// Numbers of a contact, and of a stand.
+pub const CONTACT: usize = 6;
+/// Numbers of a settled pose: its state and its contacts.
+pub const NUMBERS: usize = MAX_STATE + CONTACT * MAX_WHEELS;
+
+impl Contact {
+    /// No contact.
+    pub const NONE: Self =
+        Self { gap: f64::NAN, at: Direction { sin: f64::NAN, cos: f64::NAN }, gradient: [f64::NAN; 2], next: f64::NAN };
+
+    /// The vector whose product with the velocity of the contact point is the rate of the gap.
+    #[inline]
+    pub fn upwards(&self) -> Vector3<f64> {
+        Vector3::new(-self.gradient[0], -self.gradient[1], 1.0)
+    }
+
+    /// Contact angle [rad].
+    #[inline]
+    pub fn angle(&self) -> f64 {
+        self.at.sin.atan2(self.at.cos)
+    }
+}
+
+impl Stand {
+    /// A pose at which nothing stands.
+    pub const fn nothing(status: Status) -> Self {
+        Self {
+            status,
+            stops: [0; MAX_FREE],
+            hanging: 0,
+            state: [f64::NAN; MAX_STATE],
+            wheels: [Contact::NONE; MAX_WHEELS],
+        }
+    }
+
+    /// The numbers of a settled pose.
+    pub fn of(settled: &Settled<'_>) -> Self {
+        let mut stand = Self::nothing(settled.status);
+        let Some(touches) = &settled.touches else {
+            return stand;
+        };
+        stand.state = settled.state;
+        stand.stops = settled.stops;
+        stand.hanging = settled.hanging as u8;
+        for (contact, touch) in stand.wheels.iter_mut().zip(&touches.wheels) {
+            let Some(least) = touch.rim.least else {
+                continue;
+            };
+            let angle = |next: Minimum| next.at.sin.atan2(next.at.cos);
+            *contact = Contact {
+                gap: touch.gap,
+                at: least.at,
+                gradient: touch.gradient,
+                next: touch.rim.next.map_or(f64::NAN, angle),
+            };
+        }
+        stand
+    }
+
+    /// The state, then of every wheel gap, sine and cosine of the contact angle, gradient and next angle.
+    #[inline]
+    pub fn numbers(&self) -> &[f64; NUMBERS] {
+        const {
+            assert!(offset_of!(Self, wheels) == offset_of!(Self, state) + size_of::<State>());
+            assert!(size_of::<Contact>() == CONTACT * size_of::<f64>());
+        }
+        let stand: *const Self = self;
+        // SAFETY: from the state on there are only numbers, without a gap between them: a contact is as large as its own.
+        unsafe { &*stand.byte_add(offset_of!(Self, state)).cast() }
+    }
+
+    /// Whether a wheel touches the ground.
+    #[inline]
+    pub fn touches(&self, wheel: usize) -> bool {
+        self.hanging >> wheel & 1 == 0
+    }
+
+    /// The chain where it stands; None where it does not.
+    pub fn place<'a>(&self, chain: &'a Chain, pose: PlanPose, steering: &[f64]) -> Option<Placed<'a>> {
+        if !self.status.stands() {
+            return None;
+        }
+        chain.place(pose, &self.state, steering)
+    }
+
+    /// Where a wheel touches [m], on its rim.
+    #[inline]
+    pub fn point(&self, chain: &Chain, placed: &Placed<'_>, wheel: usize) -> Vector3<f64> {
+        rim_point(chain, placed, wheel, self.wheels[wheel].at)
+    }
+}
+
+/// A point of a wheel's rim in the world [m].
+pub fn rim_point(chain: &Chain, placed: &Placed<'_>, wheel: usize, at: Direction) -> Vector3<f64> {
+    let frame = placed.wheel(wheel);
+    frame.centre + (frame.forward * at.sin - frame.up * at.cos) * chain.wheels()[wheel].radius
+}

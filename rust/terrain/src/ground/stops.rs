@@ -1,0 +1,296 @@
+//! Joints at their stops, and which wheels then hang.
+//!
+//! At a stop a joint leaves the problem and a wheel hangs: one that the joint would lower if it could turn on. On
+//! a bogie that is the wheel ahead of its joint at the upper stop and the one behind at the lower. On a rocker, and
+//! on a body with more than three wheels and no joints, several may: those hang without which no wheel has to
+//! be pulled down. Loads for that act vertically; the weight acts in [`Chain::balance`] or where the caller
+//! says, but for one hundredth of it in the centre of every wheel, which is what turns a bogie that carries
+//! nothing.
+
+use nalgebra::Vector3;
+
+use super::newton::{Attempt, Hold, System, loose};
+use super::settler::Settler;
+use super::touch::Touches;
+use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
+
+#[allow(unused_imports)] // for the documentation
+use crate::suspension::Chain;
+
+/// Share of the weight that acts in each wheel.
+const WHEEL_WEIGHT: f64 = 0.01;
+
+/// Gap of a hanging wheel below which it is in the ground [m].
+const IN_THE_GROUND: f64 = -1e-9;
+
+/// Loads and moments this far below 0 are 0, of the weight.
+const ROUNDING: f64 = 1e-9;
+
+/// A joint this far past its stop is at it [rad].
+pub(crate) const AT_STOP: f64 = 1e-12;
+
+/// Which stop each joint is at: -1 the lower, 1 the upper, 0 none.
+pub(crate) type Stops = [i8; MAX_FREE];
+
+/// Which wheels are looked at for some to hang.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Hanging {
+    /// Those that a joint at its stop would lower.
+    Lowered,
+    /// All, where there are several of those.
+    Any,
+}
+
+/// A way to stand with joints at stops or wheels in the air.
+pub struct Standing<'a> {
+    pub attempt: Attempt<'a>,
+    pub hold: Hold,
+    pub stops: Stops,
+    /// Smallest load of a wheel that touches, of the weight.
+    pub load: f64,
+    /// Smallest moment with which a stop holds its joint back, of the weight [m]; a negative one would have to pull.
+    pub moment: f64,
+    /// Whether other wheels might hang at these stops, so that loads have to decide.
+    pub open: bool,
+}
+
+impl Standing<'_> {
+    /// Whether no stop has to pull.
+    fn holds(&self) -> bool {
+        self.moment >= -ROUNDING
+    }
+
+    /// Whether no wheel has to be pulled down either.
+    fn stands(&self) -> bool {
+        self.holds() && self.load >= -ROUNDING
+    }
+
+    fn is_better_than(&self, other: Option<&Self>) -> bool {
+        let worth = |standing: &Self| (standing.stands(), standing.holds());
+        other.is_none_or(|other| worth(self) > worth(other) || worth(self) == worth(other) && self.load > other.load)
+    }
+}
+
+impl<'a> Settler<'a> {
+    /// Which joints are past their stops.
+    pub(crate) fn past(&self, state: &State) -> Stops {
+        let mut stops = [0; MAX_FREE];
+        for (k, joint) in self.chain.joints().iter().enumerate() {
+            let angle = state[3 + k];
+            stops[k] = if angle > joint.range.upper + AT_STOP {
+                1
+            } else if angle < joint.range.lower - AT_STOP {
+                -1
+            } else {
+                0
+            };
+        }
+        stops
+    }
+
+    /// Stands with as many joints at stops and wheels in the air as it takes, near a state.
+    pub fn stand(&self, pose: PlanPose, steering: &[f64], near: &State, first: Stops) -> Option<Standing<'a>> {
+        let mut found: Option<Standing<'a>> = None;
+        // A joint may be past its stop only for another one that is: some of them first. Elsewhere, and with wheels
+        // in the air that no stop lets hang, only where loads have to decide and do not like what was found.
+        for (starts, whose) in
+            [(parts(first), Hanging::Lowered), (self.all_stops(), Hanging::Lowered), (self.all_stops(), Hanging::Any)]
+        {
+            if found.as_ref().is_some_and(|found| !found.open) {
+                break;
+            }
+            let mut tried = Vec::with_capacity(27); // three to the power of three
+            let mut waiting = starts;
+            while let Some(stops) = waiting.pop() {
+                if tried.contains(&stops) {
+                    continue;
+                }
+                tried.push(stops);
+                let best = self.best_of(pose, steering, near, stops, whose, &mut waiting);
+                let best = best.filter(|best| best.holds() && best.is_better_than(found.as_ref()));
+                if let Some(best) = best {
+                    if best.stands() {
+                        return Some(best);
+                    }
+                    found = Some(best);
+                }
+            }
+        }
+        found
+    }
+
+    /// The way with these stops that stands, and whose least load is largest. Stops that its candidates go past are put on the
+    /// list of those to try.
+    fn best_of(
+        &self,
+        pose: PlanPose,
+        steering: &[f64],
+        near: &State,
+        stops: Stops,
+        whose: Hanging,
+        waiting: &mut Vec<Stops>,
+    ) -> Option<Standing<'a>> {
+        let wheels = self.chain.wheels().len();
+        let in_air = (wheels + held(&stops)).checked_sub(self.chain.state_count())?;
+        let mut hold = Hold::NONE;
+        for (k, joint) in self.chain.joints().iter().enumerate() {
+            hold.joints[k] = match stops[k] {
+                1 => Some(joint.range.upper),
+                -1 => Some(joint.range.lower),
+                _ => None,
+            };
+        }
+        let lowered = self.lowered(pose, steering, near, &stops);
+        let open = lowered.count_ones() as usize > in_air;
+        let mut best: Option<Standing<'a>> = None;
+        for hanging in 0..1_u32 << wheels {
+            let may = hanging & !lowered == 0 || whose == Hanging::Any && open;
+            let fits = hanging.count_ones() as usize == in_air && may;
+            if !fits {
+                continue;
+            }
+            hold.hanging = hanging;
+            let Some(attempt) = self.attempt(pose, steering, near, &hold) else {
+                continue;
+            };
+            let past = self.past(&attempt.state);
+            if past.iter().any(|&stop| stop != 0) {
+                let both = std::array::from_fn(|k| if past[k] != 0 { past[k] } else { stops[k] });
+                waiting.push(both);
+                continue;
+            }
+            let gap = |wheel: usize| attempt.touches.wheels[wheel].gap;
+            if (0..wheels).any(|wheel| !hold.touches(wheel) && gap(wheel) < IN_THE_GROUND) {
+                continue;
+            }
+            let [load, moment] = self.least_loads(&attempt, &hold, &stops);
+            let standing = Standing { attempt, hold, stops, load, moment, open };
+            if standing.is_better_than(best.as_ref()) {
+                best = Some(standing);
+            }
+        }
+        best
+    }
+
+    /// Gaps closed from a state nearby, or from a fresh guess.
+    fn attempt(&self, pose: PlanPose, steering: &[f64], near: &State, hold: &Hold) -> Option<Attempt<'a>> {
+        let attempt = self.close(pose, steering, *near, hold)?;
+        if attempt.closed {
+            return Some(attempt);
+        }
+        let guess = self.guess(pose, steering, [0.0; MAX_STATE], hold)?;
+        let attempt = self.close(pose, steering, guess, hold)?;
+        attempt.closed.then_some(attempt)
+    }
+
+    /// Bits of the wheels that may hang at these stops: all if there are none, otherwise those that one of the
+    /// joints would lower if it could turn on.
+    fn lowered(&self, pose: PlanPose, steering: &[f64], near: &State, stops: &Stops) -> u32 {
+        let wheels = self.chain.wheels().len();
+        let all = (1 << wheels) - 1;
+        let Some(placed) = self.chain.place(pose, near, steering) else {
+            return all;
+        };
+        if stops.iter().all(|&stop| stop == 0) {
+            return all;
+        }
+        let mut lowered = 0;
+        for wheel in 0..wheels {
+            let slopes = placed.point_slopes(wheel, placed.wheel(wheel).centre);
+            let falls = |k: usize| slopes[6 + k].z * f64::from(stops[k]) < 0.0;
+            if (0..MAX_FREE).any(falls) {
+                lowered |= 1 << wheel;
+            }
+        }
+        lowered
+    }
+
+    /// The smallest load of a wheel that touches, of the weight, and the smallest moment of a stop [m]; minus
+    /// infinity where statics does not say.
+    fn least_loads(&self, attempt: &Attempt<'a>, hold: &Hold, stops: &Stops) -> [f64; 2] {
+        let (count, wheels) = (self.chain.state_count(), self.chain.wheels().len());
+        let touches = &attempt.touches;
+        let placed = &touches.placed;
+        // The work of the loads on every way to move is that of the weight.
+        let body = placed.origin + placed.rotation * self.balance;
+        let weight = self.weight(placed.body_slopes(body), touches);
+        let mut lifts = [[0.0; MAX_STATE]; MAX_WHEELS];
+        let mut touching = 0;
+        for wheel in (0..wheels).filter(|&wheel| hold.touches(wheel)) {
+            let slopes = placed.point_slopes(wheel, touches.wheels[wheel].point);
+            lifts[touching] = std::array::from_fn(|k| slopes[3 + k].z);
+            touching += 1;
+        }
+        let mut system = System::<1>::empty();
+        for k in loose(count, hold) {
+            let mut row = [0.0; MAX_STATE];
+            for (target, lift) in row.iter_mut().zip(&lifts[..touching]) {
+                *target = lift[k];
+            }
+            system.push(row, [weight[k]]);
+        }
+        let Some(loads) = system.solve() else {
+            return [f64::NEG_INFINITY; 2];
+        };
+        let loads = || loads[..touching].iter().map(|load| load[0]);
+        let moment = |(joint, &stop): (usize, &i8)| {
+            let k = 3 + joint;
+            let pushed: f64 = loads().zip(&lifts).map(|(load, lift)| load * lift[k]).sum();
+            f64::from(stop) * (pushed - weight[k])
+        };
+        let held = stops.iter().enumerate().filter(|(_, stop)| **stop != 0);
+        [loads().fold(f64::INFINITY, f64::min), held.map(moment).fold(f64::INFINITY, f64::min)]
+    }
+
+    /// How far the weight rises with every number of the state.
+    fn weight(&self, body: [Vector3<f64>; 3], touches: &Touches<'_>) -> [f64; MAX_STATE] {
+        let wheels = self.chain.wheels().len();
+        let share = 1.0 - WHEEL_WEIGHT * wheels as f64;
+        let mut weight = [0.0; MAX_STATE];
+        for (target, slope) in weight.iter_mut().zip(body) {
+            *target = share * slope.z;
+        }
+        for (wheel, touch) in touches.wheels.iter().enumerate().take(wheels) {
+            let slopes = touches.placed.point_slopes(wheel, touch.frame.centre);
+            for (target, slope) in weight.iter_mut().zip(&slopes[3..]) {
+                *target += WHEEL_WEIGHT * slope.z;
+            }
+        }
+        weight
+    }
+
+    /// Every combination of stops there is, those with few last.
+    fn all_stops(&self) -> Vec<Stops> {
+        let joints = self.chain.joints();
+        let mut all: Vec<Stops> = (0..27)
+            .map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1])
+            .filter(|stops| {
+                stops.iter().enumerate().all(|(k, &stop)| match joints.get(k) {
+                    None => stop == 0,
+                    Some(joint) => match stop {
+                        1 => joint.range.upper.is_finite(),
+                        -1 => joint.range.lower.is_finite(),
+                        _ => true,
+                    },
+                })
+            })
+            .collect();
+        all.sort_by_key(|stops| std::cmp::Reverse(held(stops)));
+        all
+    }
+}
+
+/// Stops and what is left of them without some, those with few last; without all of them only if there are none.
+fn parts(stops: Stops) -> Vec<Stops> {
+    let mut parts: Vec<Stops> = (0..1_u32 << MAX_FREE)
+        .map(|kept| std::array::from_fn(|k| if kept >> k & 1 == 1 { stops[k] } else { 0 }))
+        .filter(|part| held(part) > 0 || held(&stops) == 0)
+        .collect();
+    parts.sort_by_key(|part| std::cmp::Reverse(held(part)));
+    parts
+}
+
+/// Number of joints at a stop.
+fn held(stops: &Stops) -> usize {
+    stops.iter().filter(|&&stop| stop != 0).count()
+}

@@ -1,0 +1,198 @@
+//! All wheels of a chain over the ground: gaps, contact points, and how the gaps change with the state.
+
+use nalgebra::Vector3;
+
+use crate::ground::rims::circle::Circle;
+use crate::ground::rims::circles::RIMS;
+use crate::ground::rims::lanes as rims;
+use crate::ground::rims::rim::{Minimum, Part, Rim, upper_half_matters, walk};
+use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State, WheelFrame};
+use crate::terrain::Terrain;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::simd::level::Level;
+
+/// Straight below a wheel.
+const BELOW: Direction = Direction { sin: 0.0, cos: 1.0 };
+
+/// A wheel over the ground.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// The wheel.
+    pub frame: WheelFrame,
+    /// What the walk along its rim has found.
+    pub rim: Rim,
+    /// Least vertical distance of the rim over the ground [m]; NaN where there is no known ground.
+    pub gap: f64,
+    /// Where that is [m].
+    pub point: Vector3<f64>,
+    /// Derivatives of the ground's height there by x and y; on a crease the mix of both sides that is square to
+    /// the rim.
+    pub gradient: [f64; 2],
+}
+
+/// All wheels of a chain over the ground.
+#[derive(Clone, Debug)]
+pub struct Touches<'a> {
+    /// The chain where it stands.
+    pub placed: Placed<'a>,
+    /// Its wheels; those it does not have repeat the first.
+    pub wheels: [Touch; MAX_WHEELS],
+}
+
+/// Derivatives of a wheel's gap by x, y and yaw, and by z, roll, pitch and the free angles, steering held. The
+/// contact angle is where the gap is least, so how it moves does not matter.
+pub fn gap_slopes(
+    placed: &Placed<'_>,
+    wheel: usize,
+    point: Vector3<f64>,
+    gradient: [f64; 2],
+) -> ([f64; 3], [f64; MAX_STATE]) {
+    let upwards = Vector3::new(-gradient[0], -gradient[1], 1.0);
+    let slopes = placed.point_slopes(wheel, point);
+    let [x, y, yaw, state @ ..] = slopes.map(|slope| upwards.dot(&slope));
+    ([x, y, yaw], state)
+}
+
+/// The rim of a wheel over the grid.
+fn circle(ground: &Terrain, frame: &WheelFrame, radius: f64) -> Circle {
+    let [x, y] = ground.grid_from_world(frame.centre.x, frame.centre.y);
+    let [dx, dy] = ground.spacing();
+    let in_grid = |direction: Vector3<f64>| {
+        let [u, v] = ground.grid_axes([direction.x * radius, direction.y * radius]);
+        [u / dx, v / dy, direction.z * radius]
+    };
+    Circle { centre: [x, y, frame.centre.z], forward: in_grid(frame.forward), up: in_grid(frame.up) }
+}
+
+impl Touch {
+    fn of(ground: &Terrain, frame: WheelFrame, radius: f64, rim: Rim) -> Self {
+        let mut touch = Self { frame, rim, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
+        if let Some(least) = rim.least {
+            touch.gap = least.gap;
+            (touch.point, touch.gradient) = touch.contact(ground, radius, &least);
+        }
+        touch
+    }
+
+    /// Point and gradient of a minimum [m].
+    #[inline]
+    pub fn contact(&self, ground: &Terrain, radius: f64, minimum: &Minimum) -> (Vector3<f64>, [f64; 2]) {
+        let WheelFrame { centre, forward, up, .. } = self.frame;
+        let [dx, dy] = ground.spacing();
+        let at = minimum.at;
+        (
+            centre + (forward * at.sin - up * at.cos) * radius,
+            ground.world_axes([minimum.slope[0] / dx, minimum.slope[1] / dy]),
+        )
+    }
+}
+
+impl<'a> Touches<'a> {
+    /// Room for a chain over the ground.
+    #[inline]
+    pub fn nowhere(chain: &'a Chain) -> Self {
+        let frame =
+            WheelFrame { centre: Vector3::zeros(), forward: Vector3::x(), axle: Vector3::y(), up: Vector3::z() };
+        let touch = Touch { frame, rim: Rim::NOTHING, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
+        Self { placed: chain.nowhere(), wheels: [touch; MAX_WHEELS] }
+    }
+
+    /// Puts the chain at a pose, a state and steering angles over the ground. Contacts are looked for from those of a state
+    /// nearby, if there is one. None, and nothing that makes sense, where a differential does not reach.
+    #[allow(clippy::too_many_arguments)] // one caller, which names them
+    pub fn put(
+        &mut self,
+        ground: &Terrain,
+        chain: &Chain,
+        pose: PlanPose,
+        state: &State,
+        steering: &[f64],
+        part: Part,
+        near: Option<&Self>,
+        level: Level,
+    ) -> Option<()> {
+        let Self { placed, wheels } = self;
+        placed.put(pose, state, steering)?;
+        let count = chain.wheels().len();
+        // Lanes without a wheel repeat the first.
+        let frames: [WheelFrame; RIMS] = std::array::from_fn(|k| placed.wheel(if k < count { k } else { 0 }));
+        let radius = |k: usize| chain.wheels()[if k < count { k } else { 0 }].radius;
+        let circles: [Circle; RIMS] = std::array::from_fn(|k| circle(ground, &frames[k], radius(k)));
+        let least = rims::walk(level, ground, &circles, count);
+        for (k, touch) in wheels.iter_mut().enumerate().take(count) {
+            let sure =
+                least[k].filter(|least| part == Part::Lower || !upper_half_matters(ground, &circles[k], least.gap));
+            let rim = sure.map_or_else(
+                || {
+                    let near = near.and_then(|near| near.wheels[k].rim.least);
+                    let near = near.map_or(BELOW, |least| least.at);
+                    walk(ground, &circles[k], part, near)
+                },
+                Rim::of,
+            );
+            *touch = Touch::of(ground, frames[k], radius(k), rim);
+        }
+        let first = wheels[0];
+        wheels[count..].fill(first);
+        Some(())
+    }
+
+    /// The same over ground whose heights are a share of what they are above a datum, the lower halves of the rims alone: `over`
+    /// holds the share and the datum.
+    pub(crate) fn over_part(
+        ground: &Terrain,
+        chain: &'a Chain,
+        pose: PlanPose,
+        state: &State,
+        steering: &[f64],
+        [share, datum]: [f64; 2],
+    ) -> Option<Self> {
+        let placed = chain.place(pose, state, steering)?;
+        let count = chain.wheels().len();
+        let touch = |k: usize| {
+            let (frame, radius) = (placed.wheel(k), chain.wheels()[k].radius);
+            let mut circle = circle(ground, &frame, radius);
+            // As much higher as the ground is lower.
+            circle.centre[2] = datum + (circle.centre[2] - datum) / share;
+            circle.forward[2] /= share;
+            circle.up[2] /= share;
+            let rim = walk(ground, &circle, Part::Lower, BELOW);
+            let mut touch = Touch::of(ground, frame, radius, rim);
+            touch.gap *= share;
+            touch.gradient = touch.gradient.map(|slope| slope * share);
+            touch
+        };
+        let wheels = std::array::from_fn(|k| touch(if k < count { k } else { 0 }));
+        Some(Self { placed, wheels })
+    }
+
+    /// Walks along the upper halves of the rims too where the ground may be that high, or is not known; whether
+    /// there is such a rim.
+    pub(crate) fn look_up(&mut self, ground: &Terrain, chain: &Chain) -> bool {
+        let mut looked = false;
+        for (touch, wheel) in self.wheels.iter_mut().zip(chain.wheels()) {
+            let circle = circle(ground, &touch.frame, wheel.radius);
+            let gap = touch.rim.least.map_or(f64::INFINITY, |least| least.gap);
+            if upper_half_matters(ground, &circle, gap) {
+                looked = true;
+                let near = touch.rim.least.map_or(BELOW, |least| least.at);
+                let rim = walk(ground, &circle, Part::Whole, near);
+                *touch = Touch::of(ground, touch.frame, wheel.radius, rim);
+            }
+        }
+        looked
+    }
+
+    /// [`gap_slopes`] of a wheel.
+    #[inline]
+    pub fn slopes(&self, wheel: usize) -> ([f64; 3], [f64; MAX_STATE]) {
+        let touch = &self.wheels[wheel];
+        gap_slopes(&self.placed, wheel, touch.point, touch.gradient)
+    }
+
+    /// Whether a rim lies over unknown cells, and whether one leaves the map.
+    pub(crate) fn blind(&self) -> [bool; 2] {
+        let any = |seen: fn(&Rim) -> bool| self.wheels.iter().any(|touch| seen(&touch.rim));
+        [any(|rim| rim.unknown), any(|rim| rim.outside)]
+    }
+}

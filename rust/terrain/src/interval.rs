@@ -1,0 +1,90 @@
+//! Arithmetic on intervals, one in every lane.
+//!
+//! Written without closures: they would be functions of their own, without the instructions of the level.
+
+use pulp::Simd;
+
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::angle;
+
+/// Lower and upper end.
+pub(super) type Interval<S> = [Lanes<S>; 2];
+
+/// Sine and cosine at both ends of an angle's interval.
+pub(super) type Turned<S> = [(Lanes<S>, Lanes<S>); 2];
+
+/// The same for both ends of an interval.
+macro_rules! both {
+    ($end:ident in $interval:expr => $value:expr) => {{
+        let [first, second] = $interval;
+        [
+            {
+                let $end = first;
+                $value
+            },
+            {
+                let $end = second;
+                $value
+            },
+        ]
+    }};
+}
+pub(super) use both;
+
+#[inline(always)]
+pub(super) fn all<S: Simd>(simd: S, value: f64) -> Lanes<S> {
+    Lanes::splat(simd, value)
+}
+
+#[inline(always)]
+pub(super) fn sum<S: Simd>(a: Interval<S>, b: Interval<S>) -> Interval<S> {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+#[inline(always)]
+pub(super) fn minus<S: Simd>([low, high]: Interval<S>) -> Interval<S> {
+    [-high, -low]
+}
+
+#[inline(always)]
+pub(super) fn widest<S: Simd>([a, b]: Interval<S>) -> Lanes<S> {
+    a.abs().max(b.abs())
+}
+
+/// An interval times one that is positive.
+#[inline(always)]
+pub(super) fn times<S: Simd>([low, high]: Interval<S>, [least, most]: Interval<S>) -> Interval<S> {
+    [(low * least).min(low * most), (high * least).max(high * most)]
+}
+
+/// The interval of an even function that only rises, or only falls, away from 0: from its values at the ends of an
+/// interval, and at 0.
+#[inline(always)]
+pub(super) fn even<S: Simd>([low, high]: Interval<S>, [a, b]: Interval<S>, middle: Lanes<S>) -> Interval<S> {
+    let around = (low * high).below(all(low.simd(), 0.0));
+    let (least, most) = (a.min(b), a.max(b));
+    [around.select(least.min(middle), least), around.select(most.max(middle), most)]
+}
+
+/// Whether an interval is inside another.
+#[inline(always)]
+pub(super) fn inside<S: Simd>([low, high]: Interval<S>, [least, most]: [f64; 2]) -> Mask<S> {
+    let simd = low.simd();
+    all(simd, least).at_most(low) & high.at_most(all(simd, most))
+}
+
+/// Arc sine, of numbers beyond 1 that of 1.
+#[inline(always)]
+pub(super) fn asin<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+    let (simd, one) = (x.simd(), all(x.simd(), 1.0));
+    let size = x.abs().min(one);
+    let cos = (one - size) * (one + size);
+    angle(simd, cos.sqrt(), size).flip(x.sign())
+}
+
+/// The other side of the unit circle: the cosine of a sine, or the sine of a cosine.
+#[inline(always)]
+pub(super) fn complement<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+    let simd = x.simd();
+    (all(simd, 1.0) - x * x).max(all(simd, 0.0)).sqrt()
+}

@@ -1,0 +1,294 @@
+//! Lowest and highest ground over boxes of cells, from windows that are known beforehand.
+//!
+//! Level `k` holds, for every cell, the extremes over the square window of `2^k` cells that begins there. Between
+//! its nodes a bilinear surface stays between them, so a window's extremes are those of its nodes; single
+//! precision, rounded outwards, halves the memory. Any box is covered by four windows of its own size, or by some
+//! more where it is long.
+
+use crate::heights::Heights;
+use crate::interval::all;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::error::{Error, ErrorKind};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::{Vector, ZEROTH};
+
+/// Windows up to 32 cells wide.
+const LEVELS: u32 = 6;
+
+/// Lowest height and minus the highest one: both grow outwards by the same operation.
+type Extremes = [f32; 2];
+
+/// Where a height in the window is not known.
+const UNKNOWN: Extremes = [f32::NEG_INFINITY; 2];
+
+/// Extremes of the ground in windows of a map.
+#[derive(Clone, Debug)]
+pub struct Pyramid {
+    /// Cells along x and along y.
+    cells: [usize; 2],
+    spacing: [f64; 2],
+    origin: [f64; 2],
+    turn: Direction,
+    /// Level after level the cells, row after row.
+    windows: Box<[Extremes]>,
+}
+
+/// Boxes of cells, both ends included, a box in every lane.
+pub(crate) struct Boxes<S: Vector> {
+    pub first: [Lanes<S>; 2],
+    pub last: [Lanes<S>; 2],
+    /// Which lanes matter.
+    pub on_map: Mask<S>,
+}
+
+impl Pyramid {
+    /// Takes memory for `8 LEVELS` bytes per cell, which may not be there, and a few milliseconds per 10^5 cells.
+    #[inline]
+    pub fn new(
+        heights: &Heights,
+        [rows, columns]: [usize; 2],
+        spacing: [f64; 2],
+        origin: [f64; 2],
+        turn: Direction,
+    ) -> Result<Self, Error> {
+        let cells = [columns - 1, rows - 1];
+        let corners = |k: usize| {
+            let (row, column) = (k / cells[0], k % cells[0]);
+            let k = row * columns + column;
+            let nodes = [k, k + 1, k + columns, k + columns + 1].map(|k| heights.at(k));
+            if nodes.iter().any(|height| height.is_nan()) {
+                return UNKNOWN;
+            }
+            let [low, minus_high] =
+                nodes.iter().fold([f64::INFINITY; 2], |[low, minus_high], h| [low.min(*h), minus_high.min(-*h)]);
+            [rounded_down(low), rounded_down(minus_high)]
+        };
+        let count = cells[0] * cells[1];
+        let mut windows: Vec<Extremes> = Vec::new();
+        let all = count.saturating_mul(LEVELS as usize);
+        windows.try_reserve_exact(all).map_err(|_| {
+            let heights = format!("{rows} x {columns} heights");
+            let rule = "leave memory for the extremes of its windows";
+            Error::value("ground", rule, heights).of_kind(ErrorKind::Memory)
+        })?;
+        windows.extend((0..count).map(corners));
+        for level in 1..LEVELS {
+            let step = 1 << (level - 1);
+            let below = windows.len() - count;
+            // Beside the last rows and columns a window holds what there is.
+            for row in 0..cells[1] {
+                let next = (row + step).min(cells[1] - 1);
+                let [row, next] = [row, next].map(|row| below + row * cells[0]);
+                for column in 0..cells[0] {
+                    let across = (column + step).min(cells[0] - 1);
+                    let [a, b, c, d] = [row + column, row + across, next + column, next + across].map(|k| windows[k]);
+                    windows.push(least(least(a, b), least(c, d)));
+                }
+            }
+        }
+        Ok(Self { cells, spacing, origin, turn, windows: windows.into() })
+    }
+
+    /// Number of cells along x and along y.
+    pub(super) fn cells(&self) -> [usize; 2] {
+        self.cells
+    }
+
+    pub(super) fn spacing(&self) -> [f64; 2] {
+        self.spacing
+    }
+
+    pub(super) fn origin(&self) -> [f64; 2] {
+        self.origin
+    }
+
+    pub(super) fn turn(&self) -> Direction {
+        self.turn
+    }
+
+    /// Extremes over boxes of cells, or over some more beside the long sides of those that are longer than wide: four windows, each
+    /// at least half as long as the box. False for boxes that are longer than two windows.
+    ///
+    /// # Safety
+    ///
+    /// Ends are whole numbers, in order, of cells of the map.
+    #[inline(always)]
+    pub(crate) unsafe fn around<S: Vector>(
+        &self,
+        [[x, y], [x_last, y_last]]: [[Lanes<S>; 2]; 2],
+    ) -> (Lanes<S>, Mask<S>) {
+        let simd = x.simd();
+        let one = all(simd, 1.0);
+        let long = (x_last - x).max(y_last - y);
+        // The smallest power of two that is half of one more.
+        let most = all(simd, f64::from(1 << (LEVELS - 1)));
+        let size = long.max(one).power().min(most);
+        let fits = long.below(size + size);
+        let count = all(simd, (self.cells[0] * self.cells[1]) as f64);
+        let level = size.exponent().mul_add(count, all(simd, ZEROTH));
+        let columns = all(simd, self.cells[0] as f64);
+        let end = [((x_last + one) - size).max(x), ((y_last + one) - size).max(y)];
+        let (first, last) = (y.mul_add(columns, level), end[1].mul_add(columns, level));
+        // SAFETY: the windows begin at cells between the ends of the box.
+        let (a, b, c, d) = unsafe {
+            (
+                (first + x).pairs(&self.windows),
+                (first + end[0]).pairs(&self.windows),
+                (last + x).pairs(&self.windows),
+                (last + end[0]).pairs(&self.windows),
+            )
+        };
+        (a.least_pairs(b).least_pairs(c.least_pairs(d)), fits)
+    }
+
+    /// Extremes over boxes of cells, and of what is in `span`: in pairs as [`Vector::least_pairs`] has them.
+    ///
+    /// Whichever windows cover a box and nothing else, its extremes are the same to the bit.
+    ///
+    /// # Safety
+    ///
+    /// Ends are whole numbers, in order, of cells of the map.
+    #[inline(always)]
+    pub(crate) unsafe fn spans<S: Vector>(&self, boxes: &Boxes<S>, span: Lanes<S>) -> Lanes<S> {
+        let simd = span.simd();
+        let one = all(simd, 1.0);
+        let ([x, y], [x_last, y_last]) = (boxes.first, boxes.last);
+        let (width, height) = ((x_last - x) + one, (y_last - y) + one);
+        let (short, long) = (width.min(height), width.max(height));
+        // The largest windows that are in the box, and where their level begins.
+        let most = short.min(all(simd, f64::from(1 << (LEVELS - 1))));
+        let size = most.power();
+        let count = all(simd, (self.cells[0] * self.cells[1]) as f64);
+        let level = most.exponent().mul_add(count, all(simd, ZEROTH));
+        let columns = all(simd, self.cells[0] as f64);
+        let end = [(x_last + one) - size, (y_last + one) - size];
+        let (first, last) = (y.mul_add(columns, level), end[1].mul_add(columns, level));
+        // SAFETY: the windows begin at cells between the ends of the box.
+        let (a, b, c, d) = unsafe {
+            (
+                (first + x).pairs(&self.windows),
+                (first + end[0]).pairs(&self.windows),
+                (last + x).pairs(&self.windows),
+                (last + end[0]).pairs(&self.windows),
+            )
+        };
+        let span = span.least_pairs(a.least_pairs(b)).least_pairs(c.least_pairs(d));
+        let longer = boxes.on_map & (size + size).below(long);
+        if !longer.any() {
+            return span;
+        }
+        // One more in the middle of both long sides, unless that is not enough either.
+        let wide = height.below(width);
+        let middle = [wide.select((x + size).min(end[0]), x), wide.select(y, (y + size).min(end[1]))];
+        let other = [wide.select(middle[0], end[0]), wide.select(end[1], middle[1])];
+        let [first, last] =
+            [middle[1].mul_add(columns, level) + middle[0], other[1].mul_add(columns, level) + other[0]];
+        // SAFETY: as above.
+        let (a, b) = unsafe { (first.pairs(&self.windows), last.pairs(&self.windows)) };
+        let span = span.least_pairs(a.least_pairs(b));
+        let large = (size + size).below(short) | ((size + size) + size).below(long);
+        if !(boxes.on_map & large).any() {
+            return span;
+        }
+        let mut span = span;
+        let mut row = y;
+        loop {
+            let mut column = x;
+            let first = row.mul_add(columns, level);
+            loop {
+                // SAFETY: as above.
+                span = span.least_pairs(unsafe { (first + column).pairs(&self.windows) });
+                if !(boxes.on_map & column.below(end[0])).any() {
+                    break;
+                }
+                column = (column + size).min(end[0]);
+            }
+            if !(boxes.on_map & row.below(end[1])).any() {
+                return span;
+            }
+            row = (row + size).min(end[1]);
+        }
+    }
+}
+
+/// What [`Pyramid::spans`] starts with: nothing yet.
+#[inline(always)]
+pub(crate) fn nothing<S: Vector>(simd: S) -> Lanes<S> {
+    let bits = u64::from(f32::INFINITY.to_bits());
+    all(simd, f64::from_bits(bits | bits << 32))
+}
+
+#[inline(always)]
+fn least(a: Extremes, b: Extremes) -> Extremes {
+    // Compared, not `f32::min`: one instruction, and there is no NaN.
+    let pick = |a: f32, b: f32| if a < b { a } else { b };
+    [pick(a[0], b[0]), pick(a[1], b[1])]
+}
+
+/// The largest single that is not above a double.
+fn rounded_down(height: f64) -> f32 {
+    let near = height as f32;
+    if f64::from(near) > height { near.next_down() } else { near }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::terrain::Heights;
+    use six_wheel_numerics::simd::level::Kernel;
+    use six_wheel_numerics::simd::level::Level;
+
+    /// Extremes over one box, in every lane.
+    struct Look<'a>(&'a Pyramid, [[f64; 2]; 2]);
+
+    impl Kernel for Look<'_> {
+        type Output = [f64; 2];
+
+        #[inline(always)]
+        fn run<S: Vector>(self, simd: S) -> [f64; 2] {
+            let Self(pyramid, ends) = self;
+            let [first, last] = ends.map(|end| end.map(|cell| all(simd, cell)));
+            let on_map = all(simd, 0.0).at_most(all(simd, 0.0));
+            let boxes = Boxes { first, last, on_map };
+            // SAFETY: the test asks for boxes of the map.
+            let span = unsafe { pyramid.spans(&boxes, nothing(simd)) };
+            span.unpair().map(|end| end.last(simd))
+        }
+    }
+
+    #[test]
+    fn boxes_have_the_extremes_of_their_nodes() -> Result<(), Error> {
+        const SHAPE: [usize; 2] = [75, 141];
+        let mut seed = 1_u32;
+        let mut draw = |below: usize| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as usize % below
+        };
+        let mut heights: Vec<f64> = (0..SHAPE[0] * SHAPE[1]).map(|_| draw(1000) as f64 / 7.0 - 60.0).collect();
+        heights[40 * SHAPE[1] + 77] = f64::NAN;
+        let grid = Heights::Double(heights.clone().into());
+        let pyramid = Pyramid::new(&grid, SHAPE, [1.0, 1.0], [0.0, 0.0], Direction::from(0.0))?;
+        for _ in 0..3000 {
+            let longest = [1, 3, 8, 40, 140][draw(5)];
+            let ends = [SHAPE[1] - 1, SHAPE[0] - 1].map(|cells| {
+                let first = draw(cells);
+                [first, (first + draw(longest)).min(cells - 1)]
+            });
+            let [[left, right], [low, high]] = ends;
+            let nodes = (low..=high + 1)
+                .flat_map(|row| (left..=right + 1).map(move |column| row * SHAPE[1] + column))
+                .map(|k| heights[k]);
+            let known = nodes.clone().all(|height| !height.is_nan());
+            let least = nodes.clone().fold(f64::INFINITY, f64::min);
+            let most = nodes.fold(f64::NEG_INFINITY, f64::max);
+            let expected =
+                if known { [rounded_down(least), rounded_down(-most)].map(f64::from) } else { [f64::NEG_INFINITY; 2] };
+            let look = || Look(&pyramid, [[left, low], [right, high]].map(|end| end.map(|k| k as f64)));
+            for level in Level::available() {
+                let found = level.run_any(look());
+                assert_eq!(found, expected, "{level:?} {ends:?}");
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,317 @@
+//! The vehicles that are chains: each only fills the lists of a [`Chain`].
+
+use std::borrow::Cow;
+
+use nalgebra::Vector3;
+
+use super::WHEELS;
+use super::chain::{Chain, Joint, MAX_PARTS, MAX_WHEELS, Mount, Part, Turning};
+use super::dimensions::{Dimensions, JointRange};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::error::{Error, finite, positive};
+
+/// Six wheels on three bogies, as on ExoMars: left and right each carry a front and a middle wheel and turn about
+/// +y; the one behind lies across, carries the rear wheels and turns about +x. The left-hand side at joint
+/// angles 0, vectors `[x, y, z]` [m]; the right mirrors it. Free angles beta_1 (left), beta_2 (right; both positive
+/// with the front down), beta_3 (rear; positive with its right side down).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TripleBogie {
+    /// Origin of the rover's frame to the axis of the left bogie.
+    pub bogie_pivot: [f64; 3],
+    /// That axis to the front wheel.
+    pub bogie_to_front: [f64; 3],
+    /// That axis to the middle wheel.
+    pub bogie_to_middle: [f64; 3],
+    /// Origin of the rover's frame to the axis of the rear bogie.
+    pub rear_pivot: [f64; 3],
+    /// That axis to the left rear wheel.
+    pub rear_to_wheel: [f64; 3],
+    /// Hub to ground.
+    pub wheel_radius: f64,
+    /// Which pairs steer, from the front.
+    pub steered: [bool; 3],
+    /// How far they do.
+    pub steering: SteeringRange,
+    /// How far the bogies turn.
+    pub bogie_limit: JointRange,
+}
+
+impl Chain {
+    /// Six wheels on rockers and bogies; free angles rho, beta_1 (left), beta_2 (right).
+    pub fn rocker_bogie(of: &Dimensions) -> Result<Self, Error> {
+        of.check()?;
+        let mut parts = Vec::with_capacity(MAX_PARTS);
+        let sides = ["left", "right"];
+        for (side, name) in sides.into_iter().enumerate() {
+            parts.push(Part {
+                name: format!("{name} rocker").into(),
+                parent: None,
+                origin: on_side(of.rocker_pivot, side),
+                axis: Vector3::y_axis(),
+                turning: match name {
+                    "left" => Turning::Free(0),
+                    _ => Turning::Across(0, of.differential),
+                },
+            });
+        }
+        for (side, name) in sides.into_iter().enumerate() {
+            parts.push(Part {
+                name: format!("{name} bogie").into(),
+                parent: Some(side),
+                origin: on_side(of.rocker_to_bogie, side),
+                axis: Vector3::y_axis(),
+                turning: Turning::Free(1 + side),
+            });
+        }
+        let mut wheels = Vec::with_capacity(MAX_WHEELS);
+        for (wheel, name) in WHEELS.into_iter().enumerate() {
+            let (pair, side) = (wheel / 2, wheel % 2);
+            let carrier = if of.bogie.carries(pair) { 2 + side } else { side };
+            let centre = on_side(of.to_wheel(pair), side);
+            let steering = of.steered.wheels().iter().position(|&other| other == wheel);
+            wheels.push(mount(&mut parts, name, carrier, centre, of.wheel_radius, steering));
+        }
+        let joint = |name: &'static str, range| Joint { name: name.into(), range };
+        let joints =
+            vec![joint("rho", of.rocker_limit), joint("beta_1", of.bogie_limit), joint("beta_2", of.bogie_limit)];
+        let steering = vec![of.steering; of.steered.wheels().len()];
+        let mut chain = Self::new(parts, wheels, joints, steering)?;
+        // The body hangs in the rocker axis.
+        chain.set_balance_height(of.rocker_pivot[2]);
+        Ok(chain)
+    }
+
+    /// Six wheels on three bogies, as on ExoMars.
+    pub fn triple_bogie(of: &TripleBogie) -> Result<Self, Error> {
+        positive("wheel_radius", of.wheel_radius)?;
+        of.steering.check()?;
+        of.bogie_limit.check("bogie_limit")?;
+        let side_vectors = [of.bogie_pivot, of.bogie_to_front, of.bogie_to_middle];
+        for ([_, y, _], argument) in side_vectors.into_iter().zip(["bogie_pivot", "bogie_to_front", "bogie_to_middle"])
+        {
+            finite(argument, &[y])?;
+        }
+        let part = |name: &'static str, origin, axis, joint| Part {
+            name: name.into(),
+            parent: None,
+            origin,
+            axis,
+            turning: Turning::Free(joint),
+        };
+        let mut parts = vec![
+            part("left bogie", on_side(of.bogie_pivot, 0), Vector3::y_axis(), 0),
+            part("right bogie", on_side(of.bogie_pivot, 1), Vector3::y_axis(), 1),
+            part("rear bogie", Vector3::from(of.rear_pivot), Vector3::x_axis(), 2),
+        ];
+        let (mut wheels, mut joint) = (Vec::with_capacity(MAX_WHEELS), 0);
+        for (wheel, name) in WHEELS.into_iter().enumerate() {
+            let (pair, side) = (wheel / 2, wheel % 2);
+            let carrier = if pair == 2 { 2 } else { side };
+            let centre = [of.bogie_to_front, of.bogie_to_middle, of.rear_to_wheel][pair];
+            let steering = of.steered[pair].then_some(joint);
+            joint += usize::from(of.steered[pair]);
+            let centre = on_side(centre, side);
+            wheels.push(mount(&mut parts, name, carrier, centre, of.wheel_radius, steering));
+        }
+        let joints = ["beta_1", "beta_2", "beta_3"].map(|name| Joint { name: name.into(), range: of.bogie_limit });
+        Self::new(parts, wheels, joints.into(), vec![of.steering; joint])
+    }
+
+    /// Four wheels on two axles that pivot about the vertical in their middle, as on Zoe; the rear one also rolls:
+    /// free angle gamma, positive with its right side down. The steering angles are those of the axles, front
+    /// and rear. The origin is midway between the pivots, `drop` above the wheel centres [m].
+    pub fn pivoting_axles(
+        wheelbase: f64,
+        track_width: f64,
+        drop: f64,
+        wheel_radius: f64,
+        steering: SteeringRange,
+        limit: JointRange,
+    ) -> Result<Self, Error> {
+        positive("wheelbase", wheelbase)?;
+        positive("track_width", track_width)?;
+        finite("drop", &[drop])?;
+        positive("wheel_radius", wheel_radius)?;
+        steering.check()?;
+        limit.check("roll_limit")?;
+        let part = |name: &'static str, parent, x, axis, turning| Part {
+            name: name.into(),
+            parent,
+            origin: Vector3::new(x, 0.0, 0.0),
+            axis,
+            turning,
+        };
+        let half = wheelbase / 2.0;
+        let parts = vec![
+            part("front axle", None, half, Vector3::z_axis(), Turning::Steering(0)),
+            part("rear roll", None, -half, Vector3::x_axis(), Turning::Free(0)),
+            part("rear axle", Some(1), 0.0, Vector3::z_axis(), Turning::Steering(1)),
+        ];
+        let names = ["front_left", "front_right", "rear_left", "rear_right"];
+        let wheels = names.into_iter().enumerate().map(|(wheel, name)| {
+            let side = if wheel % 2 == 0 { 0.5 } else { -0.5 };
+            Mount {
+                name: name.into(),
+                part: Some(if wheel < 2 { 0 } else { 2 }),
+                centre: Vector3::new(0.0, side * track_width, -drop),
+                radius: wheel_radius,
+            }
+        });
+        let joint = Joint { name: "gamma".into(), range: limit };
+        Self::new(parts, wheels.collect(), vec![joint], vec![steering; 2])
+    }
+
+    /// Three to six wheels on the body itself; of these, three touch. Centres `[x, y, z]` [m].
+    #[inline]
+    pub fn rigid(wheels: &[(&str, [f64; 3], Option<SteeringRange>)], wheel_radius: f64) -> Result<Self, Error> {
+        positive("wheel_radius", wheel_radius)?;
+        let (mut parts, mut mounts, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
+        for (name, centre, range) in wheels {
+            finite("wheels", centre)?;
+            let name = (*name).to_owned();
+            let centre = Vector3::from(*centre);
+            let Some(range) = range else {
+                mounts.push(Mount { name: name.into(), part: None, centre, radius: wheel_radius });
+                continue;
+            };
+            range.check()?;
+            parts.push(Part {
+                name: format!("{name} steering").into(),
+                parent: None,
+                origin: centre,
+                axis: Vector3::z_axis(),
+                turning: Turning::Steering(ranges.len()),
+            });
+            mounts.push(Mount {
+                name: name.into(),
+                part: Some(parts.len() - 1),
+                centre: Vector3::zeros(),
+                radius: wheel_radius,
+            });
+            ranges.push(*range);
+        }
+        Self::new(parts, mounts, Vec::new(), ranges)
+    }
+}
+
+/// A vector of the left-hand side (0), or its mirror image (1).
+fn on_side([x, y, z]: [f64; 3], side: usize) -> Vector3<f64> {
+    Vector3::new(x, if side == 0 { y } else { -y }, z)
+}
+
+/// A wheel on its carrier, behind a knuckle if it steers.
+fn mount(
+    parts: &mut Vec<Part>,
+    name: &'static str,
+    carrier: usize,
+    centre: Vector3<f64>,
+    radius: f64,
+    steering: Option<usize>,
+) -> Mount {
+    let name = Cow::Borrowed(name);
+    let Some(joint) = steering else {
+        return Mount { name, part: Some(carrier), centre, radius };
+    };
+    parts.push(Part {
+        name: format!("{name} steering").into(),
+        parent: Some(carrier),
+        origin: centre,
+        axis: Vector3::z_axis(),
+        turning: Turning::Steering(joint),
+    });
+    Mount { name, part: Some(parts.len() - 1), centre: Vector3::zeros(), radius }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Matrix3;
+
+    use super::*;
+    use crate::suspension::{Bogie, Differential, PlanPose, RockerBogie, Steered};
+
+    fn chains() -> Result<Vec<Chain>, Error> {
+        let level = SteeringRange::default();
+        let mut bar = *RockerBogie::perseverance()?.dimensions();
+        bar.differential = Differential::Bar { half_length: 0.6, lever: 0.2, rod: 0.3 };
+        bar.steered = Steered::All;
+        Ok(vec![
+            Chain::rocker_bogie(RockerBogie::rocky7()?.dimensions())?,
+            Chain::rocker_bogie(&bar)?,
+            Chain::rocker_bogie(RockerBogie::open_source_rover()?.dimensions())?,
+            Chain::triple_bogie(&TripleBogie {
+                bogie_pivot: [0.13, 0.3, 0.1],
+                bogie_to_front: [0.13, 0.0, -0.1],
+                bogie_to_middle: [-0.13, 0.0, -0.1],
+                rear_pivot: [-0.26, 0.0, 0.1],
+                rear_to_wheel: [0.0, 0.3, -0.1],
+                wheel_radius: 0.07,
+                steered: [true, false, true],
+                steering: level,
+                bogie_limit: JointRange::default(),
+            })?,
+            Chain::pivoting_axles(1.91, 1.64, 0.119, 0.325, level, JointRange::default())?,
+            Chain::rigid(
+                &[
+                    ("fl", [0.5, 0.4, 0.1], Some(level)),
+                    ("fr", [0.5, -0.4, 0.1], Some(level)),
+                    ("rl", [-0.5, 0.4, 0.1], None),
+                    ("rr", [-0.5, -0.4, 0.1], None),
+                ],
+                0.1,
+            )?,
+        ])
+    }
+
+    #[test]
+    fn slopes_are_the_differences_of_points() -> Result<(), Error> {
+        let (steering, rim) = ([0.2, -0.1, 0.3, 0.05, -0.2, 0.1], Vector3::new(0.03, 0.0, -0.04));
+        let numbers = [0.3, -0.2, 0.7, 0.4, 0.1, -0.2, 0.15, -0.1, 0.25];
+        let at = |chain: &Chain, numbers: [f64; 9], wheel: usize| {
+            let [x, y, yaw, state @ ..] = numbers;
+            let placed = chain.place(PlanPose { x, y, yaw }, &state, &steering);
+            let placed = placed.ok_or_else(|| Error::value("rho", "be within reach", "more"))?;
+            let frame = placed.wheel(wheel);
+            let point = frame.centre + frame.forward * rim.x + frame.up * rim.z;
+            Ok::<_, Error>((point, placed.point_slopes(wheel, point)))
+        };
+        for chain in chains()? {
+            for wheel in 0..chain.wheels().len() {
+                let (_, slopes) = at(&chain, numbers, wheel)?;
+                for k in 0..3 + chain.state_count() {
+                    let step = 1e-6;
+                    let (mut ahead, mut behind) = (numbers, numbers);
+                    ahead[k] += step;
+                    behind[k] -= step;
+                    let difference = (at(&chain, ahead, wheel)?.0 - at(&chain, behind, wheel)?.0) / (2.0 * step);
+                    // Rounding: 1 m / 1e-6 of 2e-16.
+                    assert!((slopes[k] - difference).amax() < 1e-9, "{wheel} {k}");
+                }
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_rocker_bogie_is_its_table() -> Result<(), Error> {
+        let mut rovers = vec![RockerBogie::rocky7()?, RockerBogie::open_source_rover()?];
+        let mut bar = *RockerBogie::perseverance()?.dimensions();
+        bar.differential = Differential::Bar { half_length: 0.6, lever: 0.2, rod: 0.3 };
+        rovers.push(RockerBogie::new(bar)?);
+        assert_eq!(rovers[1].dimensions().bogie, Bogie::InFront);
+        for rover in rovers {
+            let joints = [0.2, -0.3, 0.1, 0.4, -0.5, 0.6, -0.7];
+            let joints = &joints[..rover.joint_count()];
+            let posture = rover.posture(joints)?;
+            let state = [0.0, 0.0, 0.0, joints[0], joints[1], joints[2]];
+            let placed = rover.chain().place([0.0; 3].into(), &state, &joints[3..]);
+            let placed = placed.ok_or_else(|| Error::value("rho", "be within reach", "more"))?;
+            for wheel in 0..6 {
+                let (frame, link) = (placed.wheel(wheel), posture.wheel(wheel));
+                assert!((frame.centre - link.translation.vector).amax() < 1e-15);
+                let axes = [frame.forward, frame.axle, frame.up];
+                assert!((Matrix3::from_columns(&axes) - link.rotation.matrix()).amax() < 1e-15);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,395 @@
+//! Ground as a regular grid of heights: heights, gradients and normals, and what is not known.
+//!
+//! Node `(row, column)` lies at `origin + R(orientation) [column dx, row dy]`, so x grows with columns and y with
+//! rows. Between nodes a height is bilinear, the surface every contact is computed on; bicubic heights can be
+//! asked for. NaN is a height nobody knows. Neither it nor the outside is ever guessed: both are answers
+//! ([`Sample`]).
+
+mod spline;
+
+use std::sync::{Arc, OnceLock};
+
+use nalgebra::Vector3;
+
+use self::spline::{catmull_rom, four};
+pub use crate::heights::Heights;
+use crate::pyramid::Pyramid;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::error::{Error, finite, number, numbers};
+
+/// Spacings below this are no metres: an arc second of a map in degrees is 2.8e-4 [m].
+const SMALLEST_SPACING: f64 = 1e-3;
+
+/// How heights go on between nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// From the four corners of the cell: continuous, with creases along the lines of the grid.
+    Bilinear,
+    /// From sixteen nodes (Catmull-Rom): with continuous slopes. Beside the rim the grid goes on as straight
+    /// as it ends.
+    Bicubic,
+}
+
+impl std::str::FromStr for Interpolation {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        match name {
+            "bilinear" => Ok(Self::Bilinear),
+            "bicubic" => Ok(Self::Bicubic),
+            _ => {
+                let rule = "be 'bilinear' or 'bicubic'";
+                Err(Error::value("method", rule, format!("{name:?}")))
+            }
+        }
+    }
+}
+
+/// What is known of the ground at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sample {
+    /// Height [m] and its derivatives by x and y of the world [1].
+    Known {
+        /// Height [m].
+        height: f64,
+        /// Derivatives by x and y.
+        gradient: [f64; 2],
+    },
+    /// A height that enters here is NaN.
+    Unknown,
+    /// Not on the map.
+    Outside,
+}
+
+/// The corners of a cell: `height = h00 + b a + c b' + d a b'` with `a, b'` from 0 to 1 along columns and rows.
+#[derive(Clone, Copy, Debug)]
+pub struct Cell {
+    /// Height of the corner with the lowest column and row [m].
+    pub h00: f64,
+    /// Rise along the columns at that corner, over the whole cell [m].
+    pub along: f64,
+    /// Rise along the rows at that corner, over the whole cell [m].
+    pub across: f64,
+    /// What the opposite corner is higher than both rises say [m].
+    pub twist: f64,
+}
+
+impl Cell {
+    /// Height at the fractions `a` of a column and `b` of a row [m].
+    #[inline]
+    pub fn height(&self, a: f64, b: f64) -> f64 {
+        self.h00 + self.along * a + (self.across + self.twist * a) * b
+    }
+
+    /// Derivatives by `a` and `b` [m].
+    #[inline]
+    pub fn slope(&self, a: f64, b: f64) -> [f64; 2] {
+        [self.along + self.twist * b, self.across + self.twist * a]
+    }
+
+    /// Height of the highest corner, which no point of the cell is above [m].
+    #[inline]
+    pub fn highest(&self) -> f64 {
+        let opposite = self.along + self.across + self.twist;
+        self.h00 + self.along.max(self.across).max(opposite).max(0.0)
+    }
+
+    /// Whether all four corners are known.
+    #[inline]
+    pub fn is_known(&self) -> bool {
+        // NaN in any of the corners is NaN in the twist, and heights are finite otherwise.
+        !self.twist.is_nan()
+    }
+}
+
+/// A regular grid of heights. Immutable; clones share the heights.
+#[derive(Clone, Debug)]
+pub struct Terrain {
+    heights: Heights,
+    rows: usize,
+    columns: usize,
+    spacing: [f64; 2],
+    origin: [f64; 2],
+    orientation: f64,
+    turn: Direction,
+    /// Made when it is first asked for.
+    pyramid: OnceLock<Arc<Pyramid>>,
+}
+
+impl PartialEq for Terrain {
+    /// Bit for bit in the heights, so that unknown ones are equal too; a zero is a zero.
+    fn eq(&self, other: &Self) -> bool {
+        let same = |k| {
+            let (a, b) = (self.heights.at(k), other.heights.at(k));
+            a == b || a.is_nan() && b.is_nan()
+        };
+        self.shape() == other.shape()
+            && self.spacing == other.spacing
+            && self.origin == other.origin
+            && self.orientation == other.orientation
+            && (0..self.heights.len()).all(same)
+    }
+}
+
+impl Terrain {
+    /// A grid of `columns` heights per row. Fails unless there are at least two rows and columns, every height
+    /// is finite or NaN, and the place makes sense.
+    #[inline]
+    pub fn new(
+        heights: Heights,
+        columns: usize,
+        spacing: [f64; 2],
+        origin: [f64; 2],
+        orientation: f64,
+    ) -> Result<Self, Error> {
+        let rows = heights.len().checked_div(columns).unwrap_or(0);
+        if rows < 2 || columns < 2 || rows * columns != heights.len() {
+            let rule = "have at least two rows and two columns";
+            let shape = format!("shape ({rows}, {columns})");
+            return Err(Error::value("heights", rule, shape));
+        }
+        if let Some(k) = (0..heights.len()).find(|&k| heights.at(k).is_infinite()) {
+            let place = format!("heights[{}, {}]", k / columns, k % columns);
+            return Err(Error::value(place, "be finite, or nan where unknown", number(heights.at(k))));
+        }
+        for step in spacing {
+            if !(step.is_finite() && step > 0.0) {
+                let rule = "be finite and positive";
+                return Err(Error::value("spacing", rule, numbers(&spacing)));
+            }
+            if step < SMALLEST_SPACING {
+                let rule = "be at least 0.001 m (a map in degrees has to be projected to metres first)";
+                return Err(Error::value("spacing", rule, numbers(&spacing)));
+            }
+        }
+        finite("origin", &origin)?;
+        finite("orientation", &[orientation])?;
+        let reach = spacing[0] * columns as f64 + spacing[1] * rows as f64;
+        if reach + origin[0].abs() + origin[1].abs() >= 1e15 {
+            // Beyond, neighbouring doubles lie further apart than a wheel is large.
+            return Err(Error::value("spacing", "make a map whose coordinates have digits", numbers(&spacing)));
+        }
+        Ok(Self {
+            heights,
+            rows,
+            columns,
+            spacing,
+            origin,
+            orientation,
+            turn: Direction::from(orientation),
+            pyramid: OnceLock::new(),
+        })
+    }
+
+    /// The heights, row after row.
+    pub fn heights(&self) -> &Heights {
+        &self.heights
+    }
+
+    /// Lowest and highest heights in windows; made at the first call, from all heights. Fails if there is no memory
+    /// for it.
+    pub fn pyramid(&self) -> Result<&Pyramid, Error> {
+        if let Some(made) = self.pyramid.get() {
+            return Ok(made);
+        }
+        let made = Arc::new(Pyramid::new(&self.heights, self.shape(), self.spacing(), self.origin(), self.turn())?);
+        Ok(self.pyramid.get_or_init(|| made))
+    }
+
+    /// The pyramid if it was asked for before.
+    #[inline(always)]
+    pub(crate) fn known_pyramid(&self) -> Option<&Pyramid> {
+        self.pyramid.get().map(|pyramid| &**pyramid)
+    }
+
+    /// Height of the highest node of a box of cells on the map, both ends included [m]; infinity where one is not
+    /// known.
+    pub(crate) fn highest(&self, first: [usize; 2], last: [usize; 2]) -> f64 {
+        let mut top = f64::NEG_INFINITY;
+        for row in first[1]..=last[1] + 1 {
+            for column in first[0]..=last[0] + 1 {
+                let height = self.heights.at(row * self.columns + column);
+                let height = if height.is_nan() { f64::INFINITY } else { height };
+                top = top.max(height);
+            }
+        }
+        top
+    }
+
+    /// Number of rows and of columns.
+    pub fn shape(&self) -> [usize; 2] {
+        [self.rows, self.columns]
+    }
+
+    /// Between columns and between rows [m].
+    pub fn spacing(&self) -> [f64; 2] {
+        self.spacing
+    }
+
+    /// Where node (0, 0) lies [m].
+    #[inline]
+    pub fn origin(&self) -> [f64; 2] {
+        self.origin
+    }
+
+    /// By how much the rows are turned from the x axis of the world, counter-clockwise [rad].
+    pub fn orientation(&self) -> f64 {
+        self.orientation
+    }
+
+    /// Cosine and sine of [`Self::orientation`].
+    #[inline]
+    pub fn turn(&self) -> Direction {
+        self.turn
+    }
+
+    /// A point of the world [m] in numbers of columns and rows from node (0, 0).
+    #[inline]
+    pub fn grid_from_world(&self, x: f64, y: f64) -> [f64; 2] {
+        let [u, v] = self.grid_axes([x - self.origin[0], y - self.origin[1]]);
+        [u / self.spacing[0], v / self.spacing[1]]
+    }
+
+    /// The reverse of [`Self::grid_from_world`].
+    #[inline]
+    pub fn world_from_grid(&self, column: f64, row: f64) -> [f64; 2] {
+        let [x, y] = self.world_axes([column * self.spacing[0], row * self.spacing[1]]);
+        [self.origin[0] + x, self.origin[1] + y]
+    }
+
+    /// A direction of the world in the axes of the grid [m].
+    #[inline]
+    pub fn grid_axes(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let Direction { sin, cos } = self.turn;
+        [cos * x + sin * y, cos * y - sin * x]
+    }
+
+    /// A direction in the axes of the grid [m] in those of the world.
+    #[inline]
+    pub fn world_axes(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let Direction { sin, cos } = self.turn;
+        [cos * u - sin * v, sin * u + cos * v]
+    }
+
+    /// Heights of a cell's corners by its lowest column and row, which are at most the number of columns and rows
+    /// less 2: there, a column on, a row on, both [m].
+    #[inline]
+    pub fn corners(&self, column: usize, row: usize) -> [f64; 4] {
+        let k = row * self.columns + column;
+        let places = [k, k + 1, k + self.columns, k + self.columns + 1];
+        match &self.heights {
+            Heights::Double(heights) => places.map(|k| heights[k]),
+            Heights::Single(heights) => places.map(|k| f64::from(heights[k])),
+        }
+    }
+
+    /// A cell by its lowest column and row, as for [`Self::corners`].
+    #[inline]
+    pub fn cell(&self, column: usize, row: usize) -> Cell {
+        let [h00, h10, h01, h11] = self.corners(column, row);
+        Cell { h00, along: h10 - h00, across: h01 - h00, twist: h11 - h10 - (h01 - h00) }
+    }
+
+    /// Whether a point of the world lies on the map, its rim included.
+    #[inline]
+    pub fn contains(&self, x: f64, y: f64) -> bool {
+        let [u, v] = self.grid_from_world(x, y);
+        self.on_grid(u, v)
+    }
+
+    /// Whether a place in columns and rows lies on the map, its rim included. False for NaN.
+    #[inline]
+    pub fn on_grid(&self, u: f64, v: f64) -> bool {
+        u >= 0.0 && v >= 0.0 && u <= (self.columns - 1) as f64 && v <= (self.rows - 1) as f64
+    }
+
+    /// What is known of the ground at a point of the world [m].
+    pub fn sample(&self, x: f64, y: f64, interpolation: Interpolation) -> Sample {
+        let [u, v] = self.grid_from_world(x, y);
+        if !self.on_grid(u, v) {
+            return Sample::Outside;
+        }
+        // The last line of nodes belongs to the last cell.
+        let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
+        let (a, b) = (u - i as f64, v - j as f64);
+        let (height, slope) = match interpolation {
+            Interpolation::Bilinear => {
+                let cell = self.cell(i, j);
+                (cell.height(a, b), cell.slope(a, b))
+            }
+            Interpolation::Bicubic => self.cubic([i, j], [a, b]),
+        };
+        if height.is_nan() {
+            return Sample::Unknown;
+        }
+        let gradient = self.world_axes([slope[0] / self.spacing[0], slope[1] / self.spacing[1]]);
+        Sample::Known { height, gradient }
+    }
+
+    /// Height and slope per cell from sixteen nodes.
+    fn cubic(&self, [i, j]: [usize; 2], [a, b]: [f64; 2]) -> (f64, [f64; 2]) {
+        let row = |j: usize| {
+            let node = |i: usize| self.heights.at(j * self.columns + i);
+            catmull_rom(four(node, i, self.columns), a)
+        };
+        let along = four(row, j, self.rows);
+        let (height, across) = catmull_rom(along.map(|(height, _)| height), b);
+        let (slope, _) = catmull_rom(along.map(|(_, slope)| slope), b);
+        (height, [slope, across])
+    }
+}
+
+/// Unit normal, upwards, of ground with this gradient.
+#[inline]
+pub fn normal([x, y]: [f64; 2]) -> Vector3<f64> {
+    // A gradient may be so steep that its square has no double: scale first.
+    let scale = x.abs().max(y.abs()).max(1.0);
+    Vector3::new(-x / scale, -y / scale, 1.0 / scale).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp(orientation: f64) -> Result<Terrain, Error> {
+        // 4 rows, 5 columns of a plane: 1 + 0.3 u - 0.2 v in the axes of the grid.
+        let heights: Vec<f64> =
+            (0..20).map(|k| 1.0 + 0.3 * 0.5 * f64::from(k % 5) - 0.2 * 0.25 * f64::from(k / 5)).collect();
+        Terrain::new(Heights::Double(Arc::new(heights)), 5, [0.5, 0.25], [2.0, -3.0], orientation)
+    }
+
+    #[test]
+    fn a_plane_is_itself_everywhere_by_both_interpolations() -> Result<(), Error> {
+        for orientation in [0.0, 0.7, -2.0] {
+            let ground = ramp(orientation)?;
+            for (u, v) in [(0.0, 0.0), (0.1, 0.7), (1.99, 0.01), (2.0, 0.75), (0.3, 0.3)] {
+                let [x, y] = ground.world_from_grid(u / 0.5, v / 0.25);
+                let [gx, gy] = ground.world_axes([0.3, -0.2]);
+                for method in [Interpolation::Bilinear, Interpolation::Bicubic] {
+                    let [back, _] = ground.grid_from_world(x, y);
+                    if !(0.0..=4.0).contains(&back) {
+                        continue; // rounded off the rim
+                    }
+                    let Sample::Known { height, gradient } = ground.sample(x, y, method) else {
+                        continue;
+                    };
+                    assert!((height - (1.0 + 0.3 * u - 0.2 * v)).abs() < 1e-14);
+                    assert!((gradient[0] - gx).abs() < 1e-13 && (gradient[1] - gy).abs() < 1e-13);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn the_outside_and_the_unknown_are_answers() -> Result<(), Error> {
+        let mut heights = vec![0.0_f32; 9];
+        heights[4] = f32::NAN;
+        let ground = Terrain::new(Heights::Single(Arc::new(heights)), 3, [1.0; 2], [0.0; 2], 0.0)?;
+        let sample = |x, y| ground.sample(x, y, Interpolation::Bilinear);
+        assert_eq!(sample(0.5, 0.5), Sample::Unknown);
+        assert_eq!(sample(2.0 + 1e-12, 0.5), Sample::Outside);
+        assert_eq!(sample(f64::NAN, 0.5), Sample::Outside);
+        Ok(())
+    }
+}
