@@ -1,10 +1,10 @@
 //! The envelope of the turn ahead, and the turn inside it.
 
-use super::envelope::Envelope;
-use super::goal::Goal;
-use super::motion::{Held, Motion};
 use super::way::Route;
 use super::{Controller, Into};
+use crate::motion::envelope::Envelope;
+use crate::motion::goal::Goal;
+use crate::motion::{Held, Motion};
 use six_wheel_kinematics::geometry::Twist;
 
 /// Pieces of the arc ahead that are tried, each half as long.

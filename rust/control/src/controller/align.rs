@@ -1,10 +1,10 @@
 //! At rest: each joint on its own way to the angles of a direction.
 
-use super::goal::Goal;
-use super::motion::{Held, Motion};
-use super::reason;
 use super::way::Route;
 use super::{Controller, Into, PATIENCE};
+use crate::motion::goal::Goal;
+use crate::motion::reason;
+use crate::motion::{Held, Motion};
 use six_wheel_kinematics::geometry::Twist;
 
 /// Largest turn of a joint [rad] that is made in motion where it could be made at rest too. A goal whose joints are no

@@ -1,11 +1,12 @@
 //! A halt, and limits that change during a motion.
 
-use super::envelope::{Envelope, Room, fastest};
-use super::limits::Limits;
-use super::motion::Motion;
 use super::route::ANGLE_TOLERANCE;
 use super::way::Route;
-use super::{Controller, PATIENCE, reason, room};
+use super::{Controller, PATIENCE, room};
+use crate::motion::Motion;
+use crate::motion::envelope::{Envelope, Room, fastest};
+use crate::motion::limits::Limits;
+use crate::motion::reason;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::MAX_WHEELS;
 use six_wheel_numerics::error::Error;

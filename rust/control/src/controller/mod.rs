@@ -1,9 +1,9 @@
 //! From a wanted twist to joint commands, one step at a time, within limits.
 //!
-//! A [`Controller`] holds one motion the rover can make: a direction, which is a point of an [`Arc`](arc::Arc), and
+//! A [`Controller`] holds one motion the rover can make: a direction, which is a point of an [`Arc`], and
 //! a speed along it. A step moves both, never a joint or a component of the twist on its own: every output has
 //! one centre of rotation, and while only the speed changes the curvature stays. What the two may do in a step
-//! is a box of constants, the [`Envelope`](envelope::Envelope) of the piece of arc ahead, inside which all limits
+//! is a box of constants, the [`Envelope`] of the piece of arc ahead, inside which all limits
 //! hold whatever happens; a better one is taken as soon as the motion fits into it.
 //!
 //! Between directions that no continuous turn of the wheels connects, and from rest, the joints go on their own
@@ -11,33 +11,30 @@
 
 mod ahead;
 mod align;
-mod arc;
-mod envelope;
 mod following;
-mod goal;
 mod halt;
-mod limits;
-mod motion;
 mod options;
-pub mod reason;
 mod route;
 mod run;
 mod step;
 mod swing;
+mod watch;
 mod way;
 
 use nalgebra::{Matrix3, Vector3};
 
-use self::arc::Arc;
-use self::envelope::{Envelope, Room};
 use self::following::Following;
-use self::goal::Goal;
-pub use self::goal::Mode;
-pub use self::limits::Limits;
-use self::motion::Motion;
 pub use self::options::{Align, Options};
 pub use self::run::Steps;
 use self::way::Route;
+use crate::motion::Motion;
+use crate::motion::arc::Arc;
+use crate::motion::envelope::{Envelope, Room};
+pub use crate::motion::goal::Mode;
+use crate::motion::goal::{self, Goal};
+use crate::motion::limits;
+pub use crate::motion::limits::Limits;
+pub use crate::motion::reason;
 use six_wheel_kinematics::admissible::Keep;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS, Rover};

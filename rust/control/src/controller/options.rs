@@ -2,8 +2,8 @@
 
 use std::str::FromStr;
 
-use super::goal::Mode;
-use super::limits::Limits;
+use crate::motion::goal::Mode;
+use crate::motion::limits::Limits;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::wheels::{Pivot, Wheel};

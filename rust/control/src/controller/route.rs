@@ -3,11 +3,11 @@
 use nalgebra::Vector3;
 
 use super::align::{NEAR, STILL_NEAR};
-use super::goal::Goal;
-use super::motion::Motion;
-use super::reason;
 use super::way::Route;
 use super::{Controller, Into, PATIENCE};
+use crate::motion::Motion;
+use crate::motion::goal::Goal;
+use crate::motion::reason;
 use six_wheel_kinematics::geometry::Twist;
 
 /// Sine of the angle between directions that are one.

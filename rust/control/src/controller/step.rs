@@ -2,11 +2,11 @@
 
 use super::Controller;
 use super::ahead::Bridle;
-use super::goal::Goal;
-use super::motion::{Held, Motion};
 use super::options::Align;
-use super::reason;
 use super::way::Route;
+use crate::motion::goal::Goal;
+use crate::motion::reason;
+use crate::motion::{Held, Motion};
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_numerics::error::Error;
 

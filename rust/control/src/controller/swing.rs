@@ -7,11 +7,11 @@
 use nalgebra::Vector3;
 
 use super::Controller;
-use super::envelope::over;
-use super::goal::Goal;
-use super::motion::Motion;
 use super::route::SAME;
 use super::way::Route;
+use crate::motion::Motion;
+use crate::motion::envelope::over;
+use crate::motion::goal::Goal;
 
 /// Share of the change of a turn that is for its plane, in a step in which that swings; the rest is for its rate.
 const SHARE: f64 = 0.5;

@@ -1,4 +1,13 @@
 //! One number on its way to a goal, its rate and the change of its rate limited.
+//!
+//! Beside it what such a motion is made of: the arc of directions, limits and what they leave of it, goals, and the reasons
+//! why a motion is not what was asked for.
+
+pub mod arc;
+pub mod envelope;
+pub mod goal;
+pub mod limits;
+pub mod reason;
 
 /// Share of a motion's way or time that is rounding.
 const ROUNDING: f64 = 1e-12;

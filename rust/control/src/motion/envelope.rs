@@ -20,9 +20,9 @@
 //! These are constants. So a step inside needs no check, and from any state inside, braking the turn by `turn[1]` and
 //! the speed by `change` stays inside: the motion can always be stopped.
 
+use super::Motion;
 use super::arc::{Arc, Bound, Bounds};
 use super::limits::Limits;
-use super::motion::Motion;
 use super::reason;
 
 /// Excess that is rounding.

@@ -1,0 +1,56 @@
+//! Joints that do not follow their commands: they are measured, and halt the rover once they are stuck.
+
+use std::f64::consts::{PI, TAU};
+
+use super::Controller;
+
+impl Controller {
+    /// Measured angles minus those last commanded [rad], if the last step was given any. That of a joint without an end
+    /// is the shorter way round.
+    pub fn joint_errors(&self) -> Option<&[f64]> {
+        self.following.errors()
+    }
+
+    /// The joint that is stuck, or else the one with the largest error above the tolerance.
+    pub fn worst_joint(&self) -> Option<usize> {
+        let errors = || self.following.errors().into_iter().flatten().map(|error| error.abs()).enumerate();
+        let worst = || errors().filter(|(_, error)| *error > self.options.align_tolerance);
+        self.following.stuck.or_else(|| Some(worst().max_by(|(_, a), (_, b)| a.total_cmp(b))?.0))
+    }
+
+    /// Takes note of the measured angles [rad], and halts if a joint has not followed for too long.
+    pub(super) fn watch_joints(&mut self, measured: Option<&[f64]>, dt: f64) {
+        self.following.measured = measured.is_some();
+        let Some(measured) = measured else {
+            return;
+        };
+        let (bound, longest) = (self.options.following_error, self.options.following_time);
+        let bound = bound.filter(|_| longest.is_some()).unwrap_or(f64::INFINITY);
+        let rests = self.at_rest_with_joints();
+        let mut found: Option<usize> = None;
+        for (k, &angle) in measured.iter().enumerate() {
+            let wheel = &self.given.wheels()[self.given.steered()[k]];
+            let mut error = angle - self.steering[k];
+            if wheel.steering().is_some_and(|range| range.lower.is_infinite() && range.upper.is_infinite()) {
+                error = (error + PI).rem_euclid(TAU) - PI;
+            }
+            let following = &mut self.following;
+            following.errors[k] = error;
+            let before = following.beyond[k].map(|time| time + dt);
+            following.beyond[k] = (error.abs() > bound).then(|| before.unwrap_or(0.0));
+            let late = following.beyond[k].zip(longest).is_some_and(|(time, longest)| time >= longest);
+            if late {
+                let larger = |other: usize| following.errors[other].abs() >= error.abs();
+                found = found.filter(|&other| larger(other)).or(Some(k));
+            }
+            if following.holds[k].map_or(late, |_| !rests) {
+                // At the same whole turn as it was commanded.
+                following.holds[k] = Some(self.steering[k] + error);
+            }
+        }
+        if let Some(joint) = found {
+            self.following.stuck.get_or_insert(joint);
+            self.halt();
+        }
+    }
+}
