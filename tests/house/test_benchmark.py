@@ -102,7 +102,7 @@ def test_the_runner_prints_every_table(tmp_path: Path, without_peers: bool) -> N
         (hide if without_peers else "")
         + "import sys, runpy\n"
         + f"sys.path.insert(0, {str(BENCHES)!r})\n"
-        + "from six_wheel import benchmark\n"
+        + "from six_wheel.cli import benchmark\n"
         + "benchmark.SPAN = 1e-5\n"
         + "sys.argv = ['benches/run.py', *sys.argv[1:]]\n"
         + f"runpy.run_path({str(BENCHES / 'run.py')!r}, run_name='__main__')\n"
