@@ -177,14 +177,19 @@ impl Controller {
             self.rerouted |= self.route == Route::Wait;
         }
         if self.turn != before {
-            self.solve(Twist::from(self.direction()), Into::Steering);
-            let rates = self.arc.steering_rates(&self.rover, self.turn.value);
-            self.steering_rates.fill(0.0);
-            for (rate, &joint) in rates.zip(&self.joints) {
-                self.steering_rates[joint] = rate * self.turn.rate;
-            }
+            self.turn_joints();
         }
         reasons
+    }
+
+    /// Gives the joints the angles and rates of the turn.
+    fn turn_joints(&mut self) {
+        self.solve(Twist::from(self.direction()), Into::Steering);
+        let rates = self.arc.steering_rates(&self.rover, self.turn.value);
+        self.steering_rates.fill(0.0);
+        for (rate, &joint) in rates.zip(&self.joints) {
+            self.steering_rates[joint] = rate * self.turn.rate;
+        }
     }
 
     /// Takes the envelope of the direction there is, as soon as the speed fits into it.
