@@ -1,7 +1,8 @@
 //! The envelope of the turn ahead, and the turn inside it.
 
+use super::Controller;
+use super::joints::Into;
 use super::way::Route;
-use super::{Controller, Into};
 use crate::motion::envelope::Envelope;
 use crate::motion::goal::Goal;
 use crate::motion::{Held, Motion};
@@ -93,7 +94,7 @@ impl Controller {
             self.speed.value * sign
         };
         let needed = peak.max(target.abs());
-        // A short turn leaves room for speeding up.
+        // A short turn leaves the rest of the acceleration for speeding up.
         let time = if target.abs() > self.speed.value.abs() { dt.max(SHORT_TURN) } else { dt };
         let useful = ((end - here).abs() / time).max(self.turn.rate.abs());
         let mut ahead = Ahead { best: None, whole: None, needed };
@@ -104,7 +105,7 @@ impl Controller {
             if piece_end == here {
                 break;
             }
-            let mut envelope = Envelope::new(&self.room, &self.arc, [here, piece_end], needed, useful);
+            let mut envelope = Envelope::new(&self.speed_bounds, &self.arc, [here, piece_end], needed, useful);
             envelope.turn[1].value *= share;
             ahead.whole.get_or_insert(envelope);
             let fits = envelope.holds_turn(self.turn) && envelope.holds_speed(self.speed);
@@ -176,20 +177,25 @@ impl Controller {
             self.rerouted |= self.route == Route::Wait;
         }
         if self.turn != before {
-            self.solve(Twist::from(self.direction()), Into::Steering);
-            let rates = self.arc.steering_rates(&self.rover, self.turn.value);
-            self.steering_rates.fill(0.0);
-            for (rate, &joint) in rates.zip(&self.joints) {
-                self.steering_rates[joint] = rate * self.turn.rate;
-            }
+            self.turn_joints();
         }
         reasons
+    }
+
+    /// Gives the joints the angles and rates of the turn.
+    fn turn_joints(&mut self) {
+        self.solve(Twist::from(self.direction()), Into::Steering);
+        let rates = self.arc.steering_rates(&self.rover, self.turn.value);
+        self.steering_rates.fill(0.0);
+        for (rate, &joint) in rates.zip(&self.joints) {
+            self.steering_rates[joint] = rate * self.turn.rate;
+        }
     }
 
     /// Takes the envelope of the direction there is, as soon as the speed fits into it.
     pub(super) fn rest_turn(&mut self) {
         let here = self.turn.value;
-        let envelope = Envelope::of_direction(&self.room, &self.arc, here);
+        let envelope = Envelope::of_direction(&self.speed_bounds, &self.arc, here);
         if envelope.holds_speed(self.speed) {
             self.envelope = envelope;
             self.settled = true;

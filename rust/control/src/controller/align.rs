@@ -1,7 +1,8 @@
 //! At rest: each joint on its own way to the angles of a direction.
 
+use super::joints::Into;
 use super::way::Route;
-use super::{Controller, Into, PATIENCE};
+use super::{Controller, PATIENCE};
 use crate::motion::goal::Goal;
 use crate::motion::reason;
 use crate::motion::{Held, Motion};
@@ -48,7 +49,7 @@ impl Controller {
 
     /// Time after which all joints can be at these angles [s].
     fn time_to(&self, angles: &[f64]) -> f64 {
-        let limits = &self.room.limits;
+        let limits = &self.speed_bounds.limits;
         let joints = self.steering.iter().zip(&self.steering_rates).zip(angles);
         let times = joints.map(|((&value, &rate), &angle)| {
             Motion { value, rate }.time_to(angle, [limits.steering_rate; 2], limits.steering_acceleration)
@@ -58,7 +59,7 @@ impl Controller {
 
     /// Moves each joint on its own way, the body at rest. Returns true if the drive may begin, and the reasons.
     pub(super) fn align(&mut self, goal: Option<&Goal>, dt: f64) -> (bool, u32) {
-        let limits = &self.room.limits;
+        let limits = &self.speed_bounds.limits;
         let (rates, change) = ([limits.steering_rate; 2], limits.steering_acceleration);
         let at_once = limits.steering_rate.is_infinite() && change.is_infinite();
         let onwards = self.route == Route::Align;

@@ -2,9 +2,9 @@
 
 use super::route::ANGLE_TOLERANCE;
 use super::way::Route;
-use super::{Controller, PATIENCE, room};
+use super::{Controller, PATIENCE, speed_bounds};
 use crate::motion::Motion;
-use crate::motion::envelope::{Envelope, Room, fastest};
+use crate::motion::envelope::{Envelope, SpeedBounds, fastest};
 use crate::motion::limits::Limits;
 use crate::motion::reason;
 use six_wheel_kinematics::geometry::Twist;
@@ -97,7 +97,7 @@ impl Controller {
     pub fn set_limits(&mut self, limits: Limits) -> Result<(), Error> {
         let (model, _) = self.options.model(&self.given, &limits)?;
         let filled = limits.on(&self.given);
-        self.pending = Some(room(&model, filled, &self.options));
+        self.pending = Some(speed_bounds(&model, filled, &self.options));
         self.limits = limits;
         self.filled = filled;
         self.narrowed = Some(model);
@@ -112,8 +112,8 @@ impl Controller {
 
     /// Takes new limits as soon as the motion is ready for them.
     pub(super) fn adopt_limits(&mut self, dt: f64) {
-        if let Some(room) = self.pending
-            && self.is_ready_for(room, dt)
+        if let Some(speed_bounds) = self.pending
+            && self.is_ready_for(speed_bounds, dt)
         {
             self.pending = None;
             self.rerouted = true;
@@ -139,8 +139,8 @@ impl Controller {
     }
 
     /// Takes what follows from new limits if the turn under way can end within them, and returns true.
-    fn is_ready_for(&mut self, room: Room, dt: f64) -> bool {
-        let old = std::mem::replace(&mut self.room, room);
+    fn is_ready_for(&mut self, speed_bounds: SpeedBounds, dt: f64) -> bool {
+        let old = std::mem::replace(&mut self.speed_bounds, speed_bounds);
         if !self.aligned {
             return true;
         }
@@ -151,19 +151,19 @@ impl Controller {
             return true;
         }
         if self.turn.rate != 0.0 && self.envelope.turn[1].value.is_finite() {
-            self.room = old;
+            self.speed_bounds = old;
             self.rerouted = true;
             return false;
         }
         let here = self.turn.value;
         self.turn.rate = 0.0;
-        let envelope = Envelope::of_direction(&self.room, &self.arc, here);
+        let envelope = Envelope::of_direction(&self.speed_bounds, &self.arc, here);
         self.enter(envelope.for_motion(self.speed, &self.envelope));
         true
     }
 
     /// The highest speed in the direction there is [m/s].
-    pub(super) fn fastest_by(&self, room: &Room) -> f64 {
-        fastest(&room.limits, &self.arc.bounds(self.turn.value, self.turn.value)).value
+    pub(super) fn fastest_by(&self, speed_bounds: &SpeedBounds) -> f64 {
+        fastest(&speed_bounds.limits, &self.arc.bounds(self.turn.value, self.turn.value)).value
     }
 }

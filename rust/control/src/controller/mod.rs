@@ -11,8 +11,8 @@
 
 mod ahead;
 mod align;
-mod following;
 mod halt;
+mod joints;
 mod options;
 mod route;
 mod run;
@@ -23,13 +23,13 @@ mod way;
 
 use nalgebra::{Matrix3, Vector3};
 
-use self::following::Following;
 pub use self::options::{Align, Options};
 pub use self::run::Steps;
 use self::way::Route;
 use crate::motion::Motion;
 use crate::motion::arc::Arc;
-use crate::motion::envelope::{Envelope, Room};
+use crate::motion::envelope::{Envelope, SpeedBounds};
+use crate::motion::following::Following;
 pub use crate::motion::goal::Mode;
 use crate::motion::goal::{self, Goal};
 use crate::motion::limits;
@@ -37,11 +37,8 @@ pub use crate::motion::limits::Limits;
 pub use crate::motion::reason;
 use six_wheel_kinematics::admissible::Keep;
 use six_wheel_kinematics::geometry::Twist;
-use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS, Rover};
-use six_wheel_numerics::error::{Error, HUGE, finite, number, numbers};
-
-/// How far past its range a measured steering angle may be [rad]: play and noise, not another wheel's angle.
-const MEASURED_SLACK: f64 = 0.05;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::{Error, HUGE, finite, number};
 
 /// Largest turn of a joint in one step [rad]: less than a quarter turn, so that a wheel does not go the other way round.
 const LARGEST_TURN: f64 = 1.2;
@@ -54,7 +51,7 @@ const PATIENCE: f64 = 0.1;
 #[derive(Clone, Copy, Debug)]
 struct Command {
     goal: Goal,
-    /// What was asked for: the goal follows from it and the limits.
+    /// The twist and the mode of the call; the goal follows from them and the limits.
     twist: Twist,
     mode: Mode,
     stamp: f64,
@@ -74,9 +71,9 @@ pub struct Controller {
     /// The limits as they were given, and with their defaults.
     limits: Limits,
     filled: Limits,
-    room: Room,
-    /// What follows from new limits, until the motion is ready for them.
-    pending: Option<Room>,
+    speed_bounds: SpeedBounds,
+    /// The bounds of new limits, until the motion is ready for them.
+    pending: Option<SpeedBounds>,
     options: Options,
     /// The angles were given: the first measured ones do not replace them.
     placed: bool,
@@ -141,15 +138,15 @@ impl Controller {
         let along = Vector3::x() / model.metric[(0, 0)].sqrt();
         let arc = Arc::new(&model, along);
         let filled = limits.on(rover);
-        let room = room(&model, filled, &options);
-        let envelope = Envelope::of_direction(&room, &arc, 0.0);
+        let speed_bounds = speed_bounds(&model, filled, &options);
+        let envelope = Envelope::of_direction(&speed_bounds, &arc, 0.0);
         let mut controller = Self {
             given: rover.clone(),
             narrowed: None,
             joints,
             limits,
             filled,
-            room,
+            speed_bounds,
             pending: None,
             options,
             placed: false,
@@ -206,7 +203,7 @@ impl Controller {
             self.speed = Motion::at(speed);
             self.twist = possible;
             // Taken even if the speed does not fit into it: then it comes down until it does.
-            self.envelope = Envelope::of_direction(&self.room, &self.arc, 0.0);
+            self.envelope = Envelope::of_direction(&self.speed_bounds, &self.arc, 0.0);
             self.settled = true;
             self.placed = true;
             self.set_speeds();
@@ -310,7 +307,7 @@ impl Controller {
         self.twist
     }
 
-    /// Why it is not the motion asked for: bits of [`reason`].
+    /// Reasons why it is not the motion asked for: bits of [`reason`].
     pub fn reasons(&self) -> u32 {
         self.reasons
     }
@@ -320,7 +317,7 @@ impl Controller {
         self.command.map_or(1.0, |command| command.goal.share)
     }
 
-    /// Whether everything stands still.
+    /// True if body and joints stand still.
     pub fn stopped(&self) -> bool {
         self.speed == Motion::default() && self.steering_rates.iter().all(|rate| *rate == 0.0)
     }
@@ -335,7 +332,7 @@ impl Controller {
         &self.limits
     }
 
-    /// How it was set up.
+    /// The options it was made with.
     pub fn options(&self) -> &Options {
         &self.options
     }
@@ -351,73 +348,6 @@ impl Controller {
         let (slowing, change) = (self.envelope.rates[0].value, self.envelope.change.value);
         let way = limits::stop(speed, rate, slowing, change) + speed * self.last_step;
         self.envelope.way * way
-    }
-
-    /// Fails unless there is an angle for every joint, near its range at least.
-    fn check_angles(&self, argument: &'static str, angles: &[f64]) -> Result<(), Error> {
-        self.check_numbers(argument, angles)?;
-        for (&joint, &i) in self.joints.iter().zip(self.rover.steered()) {
-            let wheel = &self.rover.wheels()[i];
-            let range = wheel.steering().unwrap_or_default();
-            if (angles[joint] - range.clip(angles[joint])).abs() > MEASURED_SLACK {
-                let rule = format!(
-                    "be inside the steering range, {range}, of wheel {:?} (to {MEASURED_SLACK} rad)",
-                    wheel.name
-                );
-                return Err(Error::value(argument, rule, numbers(angles)));
-            }
-        }
-        Ok(())
-    }
-
-    /// Fails unless there is a finite angle for every joint.
-    fn check_numbers(&self, argument: &'static str, angles: &[f64]) -> Result<(), Error> {
-        if angles.len() != self.steering.len() {
-            let rule = format!("have {} angles, one per steered wheel", self.steering.len());
-            return Err(Error::value(argument, rule, angles.len().to_string()));
-        }
-        finite(argument, angles)
-    }
-
-    fn set_angles_in_range(&mut self) {
-        for (&joint, &i) in self.joints.iter().zip(self.rover.steered()) {
-            let range = self.rover.wheels()[i].steering().unwrap_or_default();
-            self.steering[joint] = range.clip(self.steering[joint]);
-        }
-    }
-
-    /// Angles of a twist, from the present angles; where they become those of the joints, its wheel speeds too.
-    fn solve(&mut self, twist: Twist, into: Into) {
-        let count = self.joints.len();
-        let (mut previous, mut angles) = ([0.0; MAX_WHEELS], [0.0; MAX_WHEELS]);
-        for (value, &joint) in previous.iter_mut().zip(&self.joints) {
-            *value = self.steering[joint];
-        }
-        let inputs = Inputs { previous: Some(&previous[..count]), ..Inputs::default() };
-        let angles = &mut angles[..count];
-        // The speeds are those of the last step: they are set anew at the end of every step.
-        let (joints, ratios) = match into {
-            Into::Steering => (&mut self.steering, &mut self.ratios),
-            Into::Candidates => (&mut self.candidates, &mut self.speeds),
-        };
-        self.rover.solve(twist, inputs, angles, ratios);
-        joints.fill(0.0);
-        for (angle, &joint) in angles.iter().zip(&self.joints) {
-            joints[joint] = *angle;
-        }
-    }
-
-    /// Wheel speeds of the motion, with what turning the wheels about their pivots asks of those with scrub.
-    fn set_speeds(&mut self) {
-        for (speed, ratio) in self.speeds.iter_mut().zip(&self.ratios) {
-            *speed = self.speed.value * ratio;
-        }
-        for (&joint, &i) in self.joints.iter().zip(self.rover.steered()) {
-            let wheel = &self.rover.wheels()[i];
-            if wheel.scrub != 0.0 {
-                self.speeds[i] -= wheel.scrub * self.steering_rates[joint] / wheel.radius;
-            }
-        }
     }
 
     /// The direction of the motion.
@@ -442,15 +372,8 @@ impl Controller {
     }
 }
 
-/// The angles to write.
-#[derive(Clone, Copy)]
-enum Into {
-    Steering,
-    Candidates,
-}
-
-/// Limits with what steering takes from them: a wheel with scrub rolls while it is steered.
-fn room(rover: &Rover, mut limits: Limits, options: &Options) -> Room {
+/// Limits less the share of steering: a wheel with scrub rolls while it is steered.
+fn speed_bounds(rover: &Rover, mut limits: Limits, options: &Options) -> SpeedBounds {
     let lever = |&i: &usize| rover.wheels()[i].scrub.abs() / rover.wheels()[i].radius;
     let lever = rover.steered().iter().map(lever).fold(0.0, f64::max);
     let mut steering_share = [0.0; 2];
@@ -464,5 +387,5 @@ fn room(rover: &Rover, mut limits: Limits, options: &Options) -> Room {
             }
         }
     }
-    Room { limits, steering_share, fastest_turn: LARGEST_TURN / options.max_step }
+    SpeedBounds { limits, steering_share, fastest_turn: LARGEST_TURN / options.max_step }
 }

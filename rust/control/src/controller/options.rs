@@ -1,4 +1,4 @@
-//! How a controller is set up, beside rover and limits.
+//! Options of a controller, beside rover and limits.
 
 use std::str::FromStr;
 
@@ -9,7 +9,7 @@ use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::wheels::{Pivot, Wheel};
 use six_wheel_numerics::error::{Error, number, positive};
 
-/// What becomes of the drive while the measured steering angles differ from the commanded ones.
+/// The drive while measured steering angles differ from the commanded ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// It is reduced by the cosine of the largest error.
@@ -40,7 +40,7 @@ impl FromStr for Align {
     }
 }
 
-/// How a controller is set up, beside rover and limits.
+/// Options of a controller, beside rover and limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Age at which a command is too old [s]; infinite for never.
@@ -49,9 +49,9 @@ pub struct Options {
     pub period: Option<f64>,
     /// Longest time one step may count for [s].
     pub max_step: f64,
-    /// Which motions are meant.
+    /// The motions that commands mean.
     pub mode: Mode,
-    /// What becomes of the drive while the wheels are not aligned.
+    /// The drive while the wheels are not aligned; None: as if they were.
     pub align: Option<Align>,
     /// Error of a steering angle that is none [rad].
     pub align_tolerance: f64,
@@ -59,7 +59,7 @@ pub struct Options {
     pub following_error: Option<f64>,
     /// Time for which a joint may be farther from its command [s]; None for ever.
     pub following_time: Option<f64>,
-    /// Whether a command is the motion of one period, not the velocity at its beginning.
+    /// True if a command is the motion of one period, not the velocity at its beginning.
     pub discretise: bool,
 }
 

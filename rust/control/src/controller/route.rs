@@ -3,8 +3,9 @@
 use nalgebra::Vector3;
 
 use super::align::{NEAR, STILL_NEAR};
+use super::joints::Into;
 use super::way::Route;
-use super::{Controller, Into, PATIENCE};
+use super::{Controller, PATIENCE};
 use crate::motion::Motion;
 use crate::motion::goal::Goal;
 use crate::motion::reason;
@@ -139,7 +140,7 @@ impl Controller {
     fn is_near(&self, end: f64) -> bool {
         let turns = self.arc.turns(&self.rover, self.turn.value, end);
         let most = turns.fold(0.0, |most: f64, turn| most.max(turn.abs()));
-        let limits = &self.room.limits;
+        let limits = &self.speed_bounds.limits;
         let at_once = limits.steering_rate.is_infinite() && limits.steering_acceleration.is_infinite();
         !at_once && 0.0 < most && most <= if self.arrived { STILL_NEAR } else { NEAR }
     }

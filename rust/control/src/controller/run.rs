@@ -4,7 +4,7 @@ use super::Controller;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_numerics::error::{Error, finite, number};
 
-/// Where the steps of a run are written, one after the other.
+/// Output of a run, one row a step.
 pub struct Steps<'a> {
     /// Steering angles [rad], joint after joint.
     pub steering: &'a mut [f64],
@@ -14,7 +14,7 @@ pub struct Steps<'a> {
     pub speeds: &'a mut [f64],
     /// The motions they make: vx, vy, omega.
     pub twists: &'a mut [[f64; 3]],
-    /// Why they are not what was asked for: bits of [`super::reason`].
+    /// Reasons why they are not the motions asked for: bits of [`super::reason`].
     pub reasons: &'a mut [u32],
 }
 

@@ -84,9 +84,9 @@ impl Controller {
         self.steering_rates.fill(0.0);
     }
 
-    /// Whether stopping and turning the wheels takes no time at all.
+    /// True if stopping and turning the wheels takes no time at all.
     fn stops_at_once(&self) -> bool {
-        let steering = &self.room.limits;
+        let steering = &self.speed_bounds.limits;
         let envelope = &self.envelope;
         [steering.steering_rate, steering.steering_acceleration, envelope.rates[0].value, envelope.change.value]
             .iter()
@@ -153,8 +153,8 @@ impl Controller {
             }
             Route::Stay | Route::Align => 0.0,
         };
-        if let Some(room) = &self.pending {
-            bridle.speed = bridle.speed.min(self.fastest_by(room));
+        if let Some(speed_bounds) = &self.pending {
+            bridle.speed = bridle.speed.min(self.fastest_by(speed_bounds));
         }
         reasons |= bridle.reasons;
         let turning = self.turn_on(goal, dt);

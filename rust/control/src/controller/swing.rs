@@ -77,7 +77,7 @@ impl Controller {
 
     /// Largest angle by which the plane of the turn may swing from `ahead` towards `across` [rad].
     fn largest_swing(&mut self, from: Vector3<f64>, [across, ahead]: [Vector3<f64>; 2], speed: f64, dt: f64) -> f64 {
-        let limits = self.room.limits;
+        let limits = self.speed_bounds.limits;
         let (rate, speed) = (self.turn.rate.abs(), speed.max(self.speed.value.abs()));
         // The change counts over the time between the middles of two steps; half of that has the rate's whole change.
         let time = SHARE / 2.0 * dt.min(self.step_before);

@@ -115,7 +115,7 @@ impl Piece {
     }
 }
 
-/// What one wheel contributes.
+/// The velocity of one wheel along the arc.
 #[derive(Clone, Copy, Debug, Default)]
 struct Spoke {
     wave: Wave,
@@ -224,7 +224,7 @@ impl Arc {
         (y.atan2(x), off.dot(&(metric * off)).max(0.0).sqrt())
     }
 
-    /// By how much the wheels of a rover turn between two angles less than half a turn apart, in the order of
+    /// Turns of the steered wheels between two angles less than half a turn apart [rad], in the order of
     /// its joints.
     pub fn turns(&self, rover: &Rover, start: f64, end: f64) -> impl Iterator<Item = f64> {
         let [first, last] = [start, end].map(f64::sin_cos);

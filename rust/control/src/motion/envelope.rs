@@ -13,7 +13,7 @@
 //! # What holds
 //!
 //! While `0 <= s <= speed`, `-rates[0] <= s' <= rates[1]`, `|s''| <= change`, `|a'| <= turn[0]` and `|a''| <= turn[1]`,
-//! and `a` is on the piece from `start` to `end`, no limit of [`Room::limits`] is exceeded: the worst `f` and `g` of the
+//! and `a` is on the piece from `start` to `end`, no limit of [`SpeedBounds::limits`] is exceeded: the worst `f` and `g` of the
 //! piece stand for all of it, half of every limit was given to the terms with `a'`, and `rates` and `change` are what
 //! those terms leave of it.
 //!
@@ -46,12 +46,12 @@ impl Cap {
     }
 }
 
-/// What bounds the motion beside the arc.
+/// Bounds of the motion beside those of the arc.
 #[derive(Clone, Copy, Debug)]
-pub struct Room {
+pub struct SpeedBounds {
     /// The limits, those of the joints tightened for what steering asks of wheels with scrub.
     pub limits: Limits,
-    /// What steering by itself takes of the wheels' speed and acceleration, at most [rad/s, rad/s²].
+    /// Share of steering in the wheels' speed and acceleration, at most [rad/s, rad/s²].
     pub steering_share: [f64; 2],
     /// Rate at which a joint turns by less than half a turn in the longest step [rad/s].
     pub fastest_turn: f64,
@@ -62,7 +62,7 @@ pub struct Room {
 pub struct Envelope {
     /// Angle of the arc at which the turn comes to rest [rad].
     pub end: f64,
-    /// Whether there is a turn.
+    /// True if there is a turn.
     pub turning: bool,
     /// Highest speed on this piece with the turn at rest [m/s]; at least `speed`.
     pub fastest: Cap,
@@ -111,18 +111,18 @@ struct Row {
 
 impl Envelope {
     /// Of one direction that is kept.
-    pub fn of_direction(room: &Room, arc: &Arc, angle: f64) -> Self {
-        Self::new(room, arc, [angle; 2], 0.0, 0.0)
+    pub fn of_direction(speed_bounds: &SpeedBounds, arc: &Arc, angle: f64) -> Self {
+        Self::new(speed_bounds, arc, [angle; 2], 0.0, 0.0)
     }
 
     /// Of the turn from `start` to `end` at a rate of `useful` at most [rad/s], up to `speed` or what is possible of it.
-    pub fn new(room: &Room, arc: &Arc, [start, end]: [f64; 2], speed: f64, useful: f64) -> Self {
-        let mut limits = room.limits;
+    pub fn new(speed_bounds: &SpeedBounds, arc: &Arc, [start, end]: [f64; 2], speed: f64, useful: f64) -> Self {
+        let mut limits = speed_bounds.limits;
         let turning = end != start;
         let bounds = arc.bounds(start, end);
         if turning {
-            limits.wheel_speed -= room.steering_share[0];
-            limits.wheel_acceleration -= room.steering_share[1];
+            limits.wheel_speed -= speed_bounds.steering_share[0];
+            limits.wheel_acceleration -= speed_bounds.steering_share[1];
         }
         let fastest = fastest(&limits, &bounds);
         let speed = speed.min(fastest.value);
@@ -138,7 +138,7 @@ impl Envelope {
             way: bounds.linear.along,
         };
         if turning {
-            envelope.turn = turn(room, &limits, &bounds, &rows, [speed, useful]);
+            envelope.turn = turn(speed_bounds, &limits, &bounds, &rows, [speed, useful]);
         } else {
             envelope.speed = fastest.value;
         }
@@ -172,7 +172,7 @@ impl Envelope {
         ([self.turn[0].value; 2], self.turn[1].value)
     }
 
-    /// How fast the turn could become on the way from `angle` to its end, which is not to come sooner than `dt` [rad/s].
+    /// Highest rate of the turn on the way from `angle` to its end [rad/s], which is not to come sooner than `dt`.
     pub fn promise(&self, angle: f64, dt: f64) -> f64 {
         let [rate, change] = self.turn.map(|cap| cap.value);
         let left = (self.end - angle).abs();
@@ -191,7 +191,7 @@ impl Envelope {
         self
     }
 
-    /// Whether a turn is inside: not faster than `turn[0]`, and braked by `turn[1]` at rest before `end`.
+    /// True if a turn is inside: not faster than `turn[0]`, and braked by `turn[1]` at rest before `end`.
     pub fn holds_turn(&self, turn: Motion) -> bool {
         let [rate, change] = self.turn.map(|cap| cap.value);
         if turn.rate == 0.0 || change.is_infinite() {
@@ -203,7 +203,7 @@ impl Envelope {
         turn.rate.abs() <= rate * ROUNDING && braking.abs() <= left * ROUNDING
     }
 
-    /// Whether a speed is inside: its change is, and easing that off by `change` leads neither above `speed` nor past
+    /// True if a speed is inside: its change is, and easing that off by `change` leads neither above `speed` nor past
     /// rest.
     pub fn holds_speed(&self, speed: Motion) -> bool {
         let sign = if speed.value < 0.0 { -1.0 } else { 1.0 };
@@ -243,7 +243,13 @@ fn rows(limits: &Limits, bounds: &Bounds) -> [Row; 3] {
 }
 
 /// Limits of the turn: what joints allow, and half of what everything else does.
-fn turn(room: &Room, limits: &Limits, bounds: &Bounds, rows: &[Row; 3], [speed, useful]: [f64; 2]) -> [Cap; 2] {
+fn turn(
+    speed_bounds: &SpeedBounds,
+    limits: &Limits,
+    bounds: &Bounds,
+    rows: &[Row; 3],
+    [speed, useful]: [f64; 2],
+) -> [Cap; 2] {
     let [first, second] = bounds.steering;
     let joints = [limits.steering_rate, limits.steering_acceleration];
     let mut rate = Cap::NONE
@@ -258,7 +264,7 @@ fn turn(room: &Room, limits: &Limits, bounds: &Bounds, rows: &[Row; 3], [speed, 
     }
     if rate.value < f64::INFINITY {
         // So that the wheels go the way round they would go in smaller steps.
-        rate = rate.or(over(room.fastest_turn, first), rate.reason);
+        rate = rate.or(over(speed_bounds.fastest_turn, first), rate.reason);
         rate.value = rate.value.min(useful);
     }
     let left = joints[1] - times(second, rate.value * rate.value);

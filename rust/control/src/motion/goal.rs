@@ -1,4 +1,4 @@
-//! From what was asked for to what the rover could do for good: mode, projection, limits of speed.
+//! Goals: the steady motions that commands become by mode, projection and limits of speed.
 
 use std::str::FromStr;
 
@@ -16,7 +16,7 @@ use six_wheel_numerics::error::Error;
 /// Rounds after which a command of finite steps has settled under the limits.
 const ROUNDS: usize = 32;
 
-/// Which motions are meant.
+/// The motions that commands mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
     /// Every one the rover can make.
@@ -41,7 +41,7 @@ impl Mode {
         }
     }
 
-    /// What it leaves of a twist.
+    /// The part of a twist that it leaves.
     fn of(self, twist: Twist) -> Twist {
         match self {
             Self::Free | Self::FrontOnly => twist,
@@ -73,7 +73,7 @@ pub struct Goal {
     pub speed: f64,
     /// Share of the speed asked for that the limits leave.
     pub share: f64,
-    /// Why it is not what was asked for.
+    /// Reasons why it is not the motion asked for.
     pub reasons: u32,
 }
 

@@ -1,4 +1,4 @@
-//! What the motion may not exceed: of the body, of the wheels, of the steering.
+//! Limits of the motion: of the body, of the wheels, of the steering.
 
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::{Error, HUGE, TINY, number};
@@ -128,7 +128,7 @@ impl Limits {
         Ok(limits)
     }
 
-    /// Whether a limit was given, by its name.
+    /// True if the limit of this name was given.
     pub fn has(&self, name: &str) -> bool {
         Self::NAMES.iter().position(|known| *known == name).is_some_and(|k| self.given & 1 << k != 0)
     }

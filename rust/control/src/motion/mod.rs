@@ -5,6 +5,7 @@
 
 pub mod arc;
 pub mod envelope;
+pub mod following;
 pub mod goal;
 pub mod limits;
 pub mod reason;
@@ -15,13 +16,13 @@ const ROUNDING: f64 = 1e-12;
 /// A value that changes at a rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Where it is.
+    /// The value.
     pub value: f64,
-    /// How it changes, per second.
+    /// Its change per second.
     pub rate: f64,
 }
 
-/// What keeps a motion from its goal.
+/// The limit that keeps a motion from its goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Held {
     /// Nothing: it is there.
@@ -38,7 +39,7 @@ impl Motion {
         Self { value, rate: 0.0 }
     }
 
-    /// Where it comes to rest when its rate falls by `change` per second.
+    /// Value at which it comes to rest when its rate falls by `change` per second.
     pub fn stop(self, change: f64) -> f64 {
         if self.rate == 0.0 || change.is_infinite() {
             self.value
@@ -54,11 +55,11 @@ impl Motion {
     pub fn approach(self, goal: f64, rates: [f64; 2], change: f64, dt: f64) -> (Self, Held) {
         let there = (Self::at(goal), Held::No);
         let (sign, way) = match self.plan(goal, rates, change) {
-            Plan::Arrived => return there,
-            Plan::Constant { gap, limit, .. } if limit * dt >= gap || limit.is_infinite() => return there,
-            Plan::Constant { sign, limit, .. } => (sign, (limit * dt, limit, Held::Rate)),
-            Plan::Phases { end, .. } if dt >= end * (1.0 - ROUNDING) => return there,
-            Plan::Phases { sign, rate, peak, first, first_way, cruise, end, limit } => {
+            PhaseList::Arrived => return there,
+            PhaseList::Constant { gap, limit, .. } if limit * dt >= gap || limit.is_infinite() => return there,
+            PhaseList::Constant { sign, limit, .. } => (sign, (limit * dt, limit, Held::Rate)),
+            PhaseList::Phases { end, .. } if dt >= end * (1.0 - ROUNDING) => return there,
+            PhaseList::Phases { sign, rate, peak, first, first_way, cruise, end, limit } => {
                 if dt < first {
                     let slope = if rate > peak { -change } else { change };
                     (sign, (dt * (rate + slope * dt / 2.0), slope.mul_add(dt, rate), Held::Change))
@@ -79,20 +80,20 @@ impl Motion {
     /// Time of the way of [`Self::approach`] [s].
     pub fn time_to(self, goal: f64, rates: [f64; 2], change: f64) -> f64 {
         match self.plan(goal, rates, change) {
-            Plan::Arrived => 0.0,
-            Plan::Constant { gap, limit, .. } => gap / limit,
-            Plan::Phases { end, .. } => end,
+            PhaseList::Arrived => 0.0,
+            PhaseList::Constant { gap, limit, .. } => gap / limit,
+            PhaseList::Phases { end, .. } => end,
         }
     }
 
     /// The quickest way to rest at the goal.
-    fn plan(self, goal: f64, rates: [f64; 2], change: f64) -> Plan {
+    fn plan(self, goal: f64, rates: [f64; 2], change: f64) -> PhaseList {
         let stop = self.stop(change);
         // Braking already, and just in time.
         let brakes = (goal - stop).abs() <= ROUNDING * ((stop - self.value).abs() + goal.abs());
         let way = if brakes && self.rate != 0.0 { self.rate } else { goal - stop };
         if way == 0.0 {
-            return Plan::Arrived;
+            return PhaseList::Arrived;
         }
         let sign = way.signum();
         let limit = rates[usize::from(way > 0.0)];
@@ -100,7 +101,7 @@ impl Motion {
         // Squares of speeds, beyond which there is no number: no limit that any motion meets.
         let fastest = change * gap + rate * rate / 2.0;
         if change.is_infinite() || !fastest.is_finite() {
-            return Plan::Constant { sign, gap, limit };
+            return PhaseList::Constant { sign, gap, limit };
         }
         // Braking distances of the three speeds, and the fastest one from which it can still stop in time.
         let braking = |rate: f64| rate * rate / (2.0 * change);
@@ -109,12 +110,12 @@ impl Motion {
         let first_way = if rate > peak { braking(rate) - braking(peak) } else { braking(peak) - braking(rate) };
         let cruise_way = (gap - first_way - braking(peak)).max(0.0);
         let cruise = if cruise_way > 0.0 && peak > 0.0 { cruise_way / peak } else { 0.0 };
-        Plan::Phases { sign, rate, limit, peak, first, first_way, cruise, end: first + cruise + peak / change }
+        PhaseList::Phases { sign, rate, limit, peak, first, first_way, cruise, end: first + cruise + peak / change }
     }
 }
 
 /// A way to rest at a goal; ways and rates count in the direction `sign`.
-enum Plan {
+enum PhaseList {
     /// The goal is reached.
     Arrived,
     /// At one rate over the gap: the change of the rate is not limited.

@@ -1,4 +1,4 @@
-//! Why a step is not simply what was asked for: one bit each.
+//! Reasons why a step is not the motion asked for: one bit each.
 
 /// Declares the bits and the table of their names.
 macro_rules! reasons {

@@ -4,14 +4,14 @@
 #[derive(Clone, Debug)]
 pub struct Following {
     /// Measured angle minus last command [rad], if the last step was given measured angles.
-    pub(super) errors: Vec<f64>,
-    pub(super) measured: bool,
+    pub errors: Vec<f64>,
+    pub measured: bool,
     /// Time for which a joint has been farther from its command than it may be [s]; none if it is not.
-    pub(super) beyond: Vec<Option<f64>>,
-    /// Where a joint that is stuck was measured [rad].
-    pub(super) holds: Vec<Option<f64>>,
+    pub beyond: Vec<Option<f64>>,
+    /// Measured angle of a joint that is stuck [rad].
+    pub holds: Vec<Option<f64>>,
     /// The joint that was found to be stuck.
-    pub(super) stuck: Option<usize>,
+    pub stuck: Option<usize>,
 }
 
 impl Following {
