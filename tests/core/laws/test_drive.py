@@ -145,7 +145,7 @@ def test_no_rover_rests_longer_than_its_joints_take(
 @pytest.mark.parametrize("noise", [0.0, 1e-8, 0.01])
 def test_wheels_with_trail_go_on_in_a_direction_that_is_nearly_right(noise):
     """They change direction at rest only, and stopped for every digit of a command."""
-    rover = sw.Rover.tricycle(**CAR, steering_limit=1.2, trail=0.03)
+    rover = sw.Rover.tricycle(**CAR, steering_limit=1.2).replace("front", trail=0.03)
     controller = sw.Controller(rover, sw.Limits(acceleration=0.5, steering_rate=1.0), timeout=None)
     times = np.arange(0.0, 10.0, 0.01)
     draws = np.random.default_rng(0).uniform(-1.0, 1.0, times.size)
