@@ -206,7 +206,7 @@ fn main() -> Result<(), Error> {
     drive.rover.project(TWIST, Keep::Nearest)?; // makes the faces
     project_one(&drive)?;
     odometry_update(&drive, &mut Odometry::new(drive.rover.clone(), Settings::default())?)?;
-    let limits = Limits { speed: 1.0, acceleration: 0.5, ..Limits::default() };
+    let limits = Limits { speed: 1.0, acceleration: 0.5, ..Limits::NONE };
     controller_step(&mut Controller::new(&drive.rover, limits, Options::default(), None)?)?;
     inverse(&drive, &mut steering, &mut speeds)?;
     forward(&drive, &mut twists)?;

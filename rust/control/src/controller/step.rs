@@ -41,7 +41,9 @@ impl Controller {
         if share < 1.0 {
             reasons |= reason::ALIGNING;
         }
-        if self.rerouted || (self.at_rest() && self.route.needs_rest()) {
+        // Joints under way to the newest goal need no other way.
+        let settled = self.route == Route::Align && goal.as_ref().is_some_and(|goal| goal.direction == self.target);
+        if self.rerouted || (self.at_rest() && self.route.needs_rest() && !settled) {
             self.rerouted = false;
             self.route = self.find_route(goal.as_ref(), dt);
         }
