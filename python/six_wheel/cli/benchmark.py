@@ -1,6 +1,6 @@
-"""How fast the compiled core is on this machine, beside `six_wheel.reference`, the same in plain NumPy.
+"""Speed of the compiled core on this machine, beside `six_wheel.reference`, the same in plain NumPy.
 
-What times a call is here too, for the longer comparison under `benches`.
+The timer of a call is here too, for the longer comparison under `benches`.
 """
 
 import os
@@ -86,7 +86,7 @@ class Timing:
         return (statistics.median(self._times) - self._loop) / self.items
 
     def __len__(self) -> int:
-        """How often it was timed."""
+        """Number of times it was timed."""
         return len(self._times)
 
 
@@ -158,7 +158,7 @@ def nanoseconds(seconds: float) -> str:
 
 @cache
 def machine() -> dict[str, str]:
-    """What a figure depends on, by name."""
+    """Properties of this machine that the figures depend on, by name."""
     processor = platform.processor() or platform.machine()
     with suppress(OSError):
         for line in Path("/proc/cpuinfo").read_text().splitlines():
@@ -177,7 +177,7 @@ def machine() -> dict[str, str]:
 
 
 def jobs() -> list[Job]:
-    """What `six-wheel bench` times: one call as in a control loop, and a batch."""
+    """Jobs that `six-wheel bench` times: one call as in a control loop, and a batch."""
     core = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
     plain = reference.Rover.like(core)
     twist = (0.5, 0.0, 0.3)

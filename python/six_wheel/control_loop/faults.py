@@ -1,4 +1,4 @@
-"""What was wrong: how often, when last, and how bad; nothing is lost between two reports."""
+"""Faults of a loop: number, last time and severity of each; nothing is lost between two reports."""
 
 from dataclasses import dataclass
 

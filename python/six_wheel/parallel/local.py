@@ -76,7 +76,7 @@ def processes(function: Callable[[Any], Any], items: Items, workers: int) -> Gen
                     idle.append(worker)
                 yield replace(outcome, index=index)
     finally:
-        # What nobody waits for any more need not be finished.
+        # Items that nobody waits for any more need not be finished.
         for worker, _, _ in busy.values():
             worker.process.terminate()
         for worker in [*idle, *(worker for worker, _, _ in busy.values())]:

@@ -100,7 +100,7 @@ def draw_course(
         found.append(axes)
         for place, (column, hue) in enumerate(zip(columns, hues, strict=True)):
             x, y = _line(begin, low[:, column], high[:, column], course.stride)
-            # What was asked for is a broad pale line, on which what was done lies.
+            # The commanded motion is a broad pale line below the limited one.
             asked = hue == ASKED and column < 3
             width = (3.0 if asked else 1.1) / (1.0 if course.stride == 1 else 2.0)
             axes.plot(
@@ -127,7 +127,7 @@ def draw_course(
 
 
 def draw_key(axes: Axes, rover: Rover) -> None:
-    """What the colours of `draw_course` mean."""
+    """Draw the legend of `draw_course`."""
     lines = [
         Line2D([], [], color=ASKED, linewidth=3.0, alpha=0.4, label="commanded"),
         Line2D([], [], color=DONE, linewidth=1.1, label="limited"),

@@ -1,4 +1,4 @@
-"""What the readings of a gyroscope are to be multiplied by, and whether they are about the right axis."""
+"""Scale factor of the readings of a gyroscope, and a check of their axis."""
 
 from collections.abc import Iterator, Sequence
 

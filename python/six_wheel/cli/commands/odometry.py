@@ -204,7 +204,7 @@ def _reckon_all(chosen: Chosen, paths: list[Path], given: dict[str, Any]) -> Non
 
 
 def _settings(chosen: Chosen, given: dict[str, Any]) -> Any:
-    """How to reckon: what the parameter file says, and over it the arguments."""
+    """Settings of dead reckoning: those of the parameter file, overridden by the arguments."""
     from six_wheel._core import Noise
     from six_wheel.log_odometry.run_log import Settings
 

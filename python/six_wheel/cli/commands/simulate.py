@@ -220,7 +220,7 @@ def _draw(chosen: Chosen, done: "Simulation", plot: Path) -> None:
 
 
 def _stuck(ran: "Controlled | None") -> list[tuple[str, object]]:
-    """What the controller made of a joint that sticks, as rows for `grid`."""
+    """Response of the controller to a joint that sticks, as rows for `grid`."""
     if ran is None:
         return []
     found: object = "no joint"

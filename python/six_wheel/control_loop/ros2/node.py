@@ -110,7 +110,7 @@ class RoverNode(BaseNode):
         self._tell(step)
 
     def _tell(self, step: Step) -> None:
-        """What else came of a step: the motion, odometry, transforms."""
+        """Publish the other outputs of a step: the motion, odometry, transforms."""
         if step.steering is not None and self._limited is not None:
             self._limited.publish(self._twist.pack(step.now, planar_twist(step.twist)))
         rate = self.settings.options.publish_rate

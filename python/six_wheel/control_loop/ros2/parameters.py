@@ -78,7 +78,7 @@ class Declared:
         self.settings = settings.changed(changes) if changes else settings
 
     def changes(self, parameters: Sequence[Any]) -> dict[str, Any]:
-        """What a request to set parameters means for `Settings.changed`.
+        """Convert a request to set parameters into the changes that `Settings.changed` takes.
 
         Raises
         ------
