@@ -191,18 +191,20 @@ def cross_validate(
     tried = [Candidate((), 0, nominal, 1.0, each)]
     total = len(sets)
 
-    def tell(done: int) -> None:
+    def report_progress(done: int) -> None:
         if progress is not None:
             progress(done, total, f"sets of parameters, each without one {kind} after another")
 
-    tell(0)
+    report_progress(0)
     problem = Problem(empty, drives, loss, lengths, margin)
     items = [
         Trial(replace(problem, model=with_mounts(rover, catalogue.find(names), drives)), tuple(keys))
         for names in sets
     ]
     workers = None if client else workers
-    outcomes = collect(errors_left_out, items, cluster=client, workers=workers, journal=journal, tell=tell)
+    outcomes = collect(
+        errors_left_out, items, cluster=client, workers=workers, journal=journal, tell=report_progress
+    )
     for number, failure in outcomes.failures.items():
         raise ValueError(f"{', '.join(sets[number])} could not be fitted: {failure}")
     for names, item, each in zip(sets, items, outcomes.values, strict=True):

@@ -60,7 +60,7 @@ class Observability:
 
 
 def told(drives: Sequence[Drive]) -> list[str]:
-    """Messages on what truths of less than poses leave open, and on drives at a standstill."""
+    """Messages on what truths of less than poses leave open, and on times at a standstill."""
     said = []
     if any(not drive.truth.has_headings for drive in drives):
         said.append(

@@ -13,10 +13,10 @@ import typer
 
 from six_wheel.cli.commands.calibrate import calibrate
 from six_wheel.cli.commands.check import check
+from six_wheel.cli.commands.control_loop import PASSING, command_filter, node, replay
 from six_wheel.cli.commands.drive import drive
 from six_wheel.cli.commands.example import example
 from six_wheel.cli.commands.odometry import odometry
-from six_wheel.cli.commands.onboard import PASSING, command_filter, node, replay
 from six_wheel.cli.commands.show import show
 from six_wheel.cli.commands.simulate import simulate
 from six_wheel.cli.commands.traverse import traverse

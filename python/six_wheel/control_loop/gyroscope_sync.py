@@ -69,8 +69,8 @@ class Rows:
         if not self._seated:
             self._up = list(up)
 
-    def hear(self, rates: Sequence[float], stamp: int, now: int) -> bool:
-        """A reading about the axes of the sensor [rad/s] that came at `now` [ns]; whether it can be used."""
+    def add_rates(self, rates: Sequence[float], stamp: int, now: int) -> bool:
+        """Add a reading about the axes of the sensor [rad/s] that came at `now` [ns]; True if it can be used."""
         stamp -= self._offset
         rate = self._scale * sum(share * each for share, each in zip(self._up, rates, strict=True))
         if not math.isfinite(rate) or (self._last is not None and stamp <= self._last):

@@ -150,7 +150,7 @@ class Loop:
         """Take readings of a gyroscope about its axes [rad/s] at `stamp` (0: now), that came at `now` [ns].
         Returns a step, without commands, if odometry counts with it."""
         now = self._move_on(now)
-        counted, state = self._odometer.hear(rates, stamp or now, now)
+        counted, state = self._odometer.add_rates(rates, stamp or now, now)
         return None if state is None else Step(now, None, None, self.twist, 0, counted, state)
 
     def mount(self, up: Sequence[float], now: int) -> None:

@@ -1,4 +1,4 @@
-"""On a robot and afterwards: `six-wheel node` and `filter`, which take arguments of ROS, and `replay`."""
+"""Commands of the control loop: `six-wheel node` and `filter`, which take arguments of ROS, and `replay`."""
 
 import contextlib
 import sys
