@@ -70,7 +70,7 @@ class Rows:
             self._up = list(up)
 
     def add_rates(self, rates: Sequence[float], stamp: int, now: int) -> bool:
-        """Add a reading about the axes of the sensor [rad/s] that came at `now` [ns]; True if it can be used."""
+        """Add a reading about the axes of the sensor [rad/s] that came at `now` [ns]; True if it is valid."""
         stamp -= self._offset
         rate = self._scale * sum(share * each for share, each in zip(self._up, rates, strict=True))
         if not math.isfinite(rate) or (self._last is not None and stamp <= self._last):
