@@ -94,7 +94,7 @@ class RunErrors:
 
     @classmethod
     def of(cls, model: Model, drive: Drive, values: Floats) -> Self:
-        """Of a drive with these values; `before` with the nominal ones."""
+        """Errors of a drive with these values; `before` with the nominal ones."""
         before, after = (_error(drive.truth, *path(model, drive, one)) for one in (model.start, values))
         ways = drive.distance, before, after, drive.dropped, drive.number
         return cls(drive.name, drive.session, *ways, "m" if drive.truth.has_positions else "rad")

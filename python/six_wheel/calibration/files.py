@@ -167,7 +167,7 @@ def _read_back(text: str, parameters: Parameters | None) -> list[str]:
 
 def _check_truth(path: Path, log: WheelLog, truth: Path | None) -> None:
     if log.truth is None and log.yaw_rate is not None:
-        return  # which tells how it turned
+        return  # the gyroscope is the truth of the heading
     if log.truth is None:
         remedy = "give --truth, or columns x, y and yaw"
         raise TableError(f"{path}: a calibration needs to know where the rover really was; {remedy}")

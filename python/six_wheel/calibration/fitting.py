@@ -90,7 +90,7 @@ class Problem:
         return np.concatenate([drive.lengths for drive in self.drives])
 
     def bounds(self) -> tuple[Floats, Floats]:
-        """As far as values may go: lengths stay lengths, and clocks within what the windows leave."""
+        """Bounds of the values: lengths stay positive, and clocks within what the windows leave."""
         low, high = np.full(len(self.model.names), -np.inf), np.full(len(self.model.names), np.inf)
         for number, parameter in enumerate(self.model.parameters):
             if parameter.positive:
@@ -485,7 +485,7 @@ def _degrees(direction: Floats, without: Floats, stiff: Floats, whole: Floats) -
 
 
 def quantile(degrees: float, confidence: float) -> float:
-    """Of Student's t distribution: half the width of an interval in standard deviations."""
+    """Quantile of Student's t distribution: half the width of an interval in standard deviations."""
     return float(stdtrit(degrees, 0.5 + confidence / 2.0))
 
 

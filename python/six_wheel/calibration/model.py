@@ -175,7 +175,7 @@ class Model:
         twists, by_twist = self.twists(drive, values, self.wheels(values))
         poses = integrate(twists, drive.dt)
         by_pose = carried(poses, twists, by_twist, drive.dt)
-        rest = len(values) - self.own  # which move nothing but what is tracked
+        rest = len(values) - self.own  # parameters that move only the tracked point
         offset = self.value(values, "time_offset", 0.0)
         if drive.truth.has_headings:
             first, last = drive.rows.T

@@ -133,7 +133,7 @@ def ends(
     found = []
     for rows in np.array_split(np.arange(len(known)), pieces):
         first, last = int(rows[0]), int(rows[-1])
-        part = slice(known[first], known[last] + 1)  # where nothing is known of the truth it drives as well
+        part = slice(known[first], known[last] + 1)  # rows without a known truth are driven as well
         readings = (
             None if log.steering is None else log.steering[part],
             log.wheel_angles[part],

@@ -125,7 +125,7 @@ def _alone(model: Model, solution: Solution, number: int, drives: Sequence[Drive
 
 
 def _together(unseen: Floats, mixed: NDArray[np.int64], names: Sequence[str]) -> str:
-    """Those that may stand for each other; or of which nothing is known, where mounts take it all."""
+    """Message on parameters that may stand for each other, or of which nothing is known."""
     listed = ", ".join(names[i] for i in mixed)
     count = int(np.linalg.matrix_rank(unseen[mixed], tol=WORTH_A_WORD))
     if count >= len(mixed):

@@ -242,7 +242,7 @@ def _with_gyroscope(result: Calibration, logs: Sequence[WheelLog]) -> Calibratio
 
 
 def _slides(slipped: Sequence[slip.Slip], number: int) -> list[Stretch]:
-    """Those of one log."""
+    """Stretches of slip of one log."""
     return [stretch for one in slipped if one.number == number for stretch in one.stretches]
 
 

@@ -61,7 +61,7 @@ class Timing:
 
     @classmethod
     def of(cls, function: Callable[..., Any], *arguments: Any, items: int = 1, **keywords: Any) -> Self:
-        """Of a call. Every argument is a name of its own: unpacking a tuple costs as much as a short call."""
+        """Timing of a call. Every argument has its own name: unpacking takes as long as a short call."""
         values = {f"argument_{k}": value for k, value in enumerate(arguments)}
         words = [*values, *(f"{name}={name}" for name in keywords)]
         return cls(f"call({', '.join(words)})", {"call": function, **values, **keywords}, items=items)
@@ -131,7 +131,7 @@ class Grid:
     notes: list[str] = field(default_factory=list)
 
     def rich(self) -> "RenderableType":
-        """As rich draws it."""
+        """The grid as a table that rich draws."""
         from rich.table import Table
 
         shown = Table(title=self.title, title_justify="left", caption="\n".join(self.notes) or None)
@@ -143,7 +143,7 @@ class Grid:
         return shown
 
     def markdown(self) -> str:
-        """As Markdown has it."""
+        """The grid as a table in Markdown."""
         lines = [f"**{self.title}**", "", "| " + " | ".join(self.headings) + " |"]
         lines.append("|" + "|".join("---" if not k else "---:" for k in range(len(self.headings))) + "|")
         lines += ["| " + " | ".join(row) + " |" for row in self.rows]

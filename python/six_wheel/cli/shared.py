@@ -63,7 +63,7 @@ class Chosen(NamedTuple):
 
     @property
     def limits(self) -> "Limits":
-        """Those of the file: of a robot description the rates of its joints."""
+        """Limits of the file; in a robot description those are the rates of its joints."""
         from six_wheel._core import Limits
 
         source = self.parameters or self.robot
@@ -150,7 +150,7 @@ def progress_bar(what: str) -> Iterator[Callable[..., None]]:
     def update(done: int, total: int, doing: str | None = None) -> None:
         bar.update(task, completed=done, total=total, description=doing or what)
         if time.monotonic() - begin > PROGRESS_AFTER:
-            bar.start()  # which does nothing the second time
+            bar.start()  # a second call does nothing
 
     try:
         yield update

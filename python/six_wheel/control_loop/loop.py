@@ -270,7 +270,7 @@ class Loop:
 
     @property
     def state(self) -> OdometryState:
-        """Of the odometry."""
+        """State of the odometry."""
         return self._odometer.odometry.state
 
     @property
@@ -354,7 +354,7 @@ class Loop:
         self._give_again()
 
     def _begin(self) -> bool:
-        """Make a controller from what is measured; whether there is one."""
+        """Make a controller from the measured joints; True if that succeeded."""
         try:
             controller = self._moved.controller(self.settings, self._measured)
         except ValueError as error:

@@ -65,7 +65,7 @@ class Odometer:
         self.odometry.set_pose(pose, covariance)
 
     def reset(self, pose: Numbers, covariance: Numbers | None) -> None:
-        """It starts over."""
+        """Restart the odometry at a pose."""
         self.rest()
         self.odometry.reset(pose, covariance)
         self._stamp_origin = None

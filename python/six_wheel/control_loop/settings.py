@@ -66,7 +66,7 @@ class Settings:
 
     @classmethod
     def of_rover(cls, rover: Rover, options: Options | None = None, **others: Any) -> "Settings":
-        """Of a rover that comes from elsewhere; `others` are those of `dump`."""
+        """Settings of a rover without a parameter file; `others` are the arguments of `dump`."""
         return cls.of_text(dump(rover, **others), options=options)
 
     @property

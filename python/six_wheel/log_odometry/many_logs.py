@@ -187,7 +187,7 @@ def _tracks(logs: Sequence[Path], output: Path, ending: str) -> list[Path]:
 
 
 def _key(job: Job) -> int:
-    """Of everything that a track depends on; another one as soon as any of it changes."""
+    """Hash of everything that a track depends on; it changes with any of it."""
     files = sorted(job.path.rglob("*")) if job.path.is_dir() else [job.path]
     files += [] if job.truth is None else [job.truth]
     states = [(str(file), file.stat().st_size, file.stat().st_mtime_ns) for file in files if file.is_file()]

@@ -196,7 +196,7 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
         raise TableError(f"{path}: the format {kind} is {what}")
     columns, topics = options.columns or None, options.topics or None
     given = {"wheel": options.encoders, "steering": options.steering_encoders}
-    # What counts is known from the headers: encoders with a resolution are for that, others for radians.
+    # The headers tell counts from radians: encoders with a resolution are for counts, others for radians.
     # Messages have no units: there a resolution says that they are counts.
     counted = {part: kind == "bag" and "resolution" in values for part, values in given.items()}
 

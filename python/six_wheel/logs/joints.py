@@ -160,7 +160,7 @@ class JointLog:
             self._turned = found.reversed
             columns_of = {w: found.columns[f"steering {w}"] for w in rover.steered_names}
             self._counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
-            self.warnings += [w for w in table.warnings if "last line" not in w]  # which is a finding here
+            self.warnings += [w for w in table.warnings if "last line" not in w]  # that one is a finding here
             silent = list(found.silent)
             self._in_rows = any(name in found.columns for name in RATES)
             if self._in_rows and self._gyroscope.get("time_offset"):

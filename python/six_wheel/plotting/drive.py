@@ -27,8 +27,8 @@ NEAR = 2.5  # a limit this many times as far away as the values is not in the pi
 SIDE = 0.2  # share of the largest value that makes the limit of a side worth its room
 STEERING = Reason.STEERING_LIMIT | Reason.STEERING_RATE | Reason.STEERING_ACCELERATION
 ROLLING = Reason.WHEEL_SPEED | Reason.WHEEL_ACCELERATION
-STATES = ~(2 * Reason.ANGULAR_JERK.value - 1)  # of the command and the loop, not of a motion's size
-BODILY = "#b5651d"  # of what limits the body
+STATES = ~(2 * Reason.ANGULAR_JERK.value - 1)  # reasons of the command and the loop, not of a motion's size
+BODILY = "#b5651d"  # colour of reasons that limit the body
 DASHES: tuple[Any, Any] = (
     "-",
     (0, (4, 3)),

@@ -101,7 +101,7 @@ def _unchanged(drive: Drive) -> Drive:
 
 
 def _misfit(model: Model, drives: Sequence[Drive], change: Callable[[Drive], Drive] = _unchanged) -> float:
-    """Of usual windows under the nominal dimensions [m]."""
+    """Size of the errors of usual windows under the nominal dimensions [m]."""
     squares: list[Floats] = []
     for drive in drives:
         errors, _ = model.errors(change(drive), model.start)

@@ -212,7 +212,7 @@ def _settings(chosen: Chosen, given: dict[str, Any]) -> Any:
     noise |= {key: given[option] for option, key in NOISE.items() if given[option] is not None}
     options = dict(chosen.parameters.odometry) if chosen.parameters else {}
     if chosen.parameters and (dimensions := chosen.parameters.dimensions) is not None:
-        options["dimensions"] = dimensions.tolist()  # whose text a journal keeps
+        options["dimensions"] = dimensions.tolist()  # a journal's key has their text
     options |= {"method": "robust"} if given["robust"] else {}
     options |= {"inflate": True} if given["inflate"] else {}
     known, period = None, None

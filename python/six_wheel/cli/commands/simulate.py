@@ -278,7 +278,7 @@ def _over_ground(
 
 
 def _middle(land: "Terrain") -> tuple[float, float]:
-    """Of a map [m]."""
+    """Middle of a map, x and y [m]."""
     (rows, columns), (dx, dy), (x, y) = land.shape, land.spacing, land.origin
     ahead, aside = dx * (columns - 1) / 2, dy * (rows - 1) / 2
     cos, sin = math.cos(land.orientation), math.sin(land.orientation)

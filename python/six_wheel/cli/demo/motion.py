@@ -48,7 +48,7 @@ class DemoResult:
     rover: Rover
     scale: float
     tightest_radius: float
-    """Of the turns held for `SUSTAINED` seconds, before scaling [m]."""
+    """Smallest radius of the turns held for `SUSTAINED` seconds, before scaling [m]."""
     needed_radius: float
     """The tightest turn this rover is asked to drive [m]."""
     times: Floats

@@ -77,7 +77,7 @@ class Replayed:
 
     @property
     def rover(self) -> Rover:
-        """That of the record."""
+        """Rover of the record."""
         return self.before.rover
 
     @property

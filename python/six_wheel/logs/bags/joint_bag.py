@@ -195,5 +195,5 @@ class _Series:
 
 
 def _like_wheels(joints: Iterable[str]) -> list[str]:
-    """Those of the joints whose names tell a place, as a wheel's do; all of them if none does."""
+    """Joints whose names tell a place, as a wheel's do; all joints if no name does."""
     return [joint for joint in joints if said_by(joint) is not None] or [*joints]

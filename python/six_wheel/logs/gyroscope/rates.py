@@ -114,7 +114,7 @@ class Passing:
         self._rates: list[float] = []
 
     def add(self, stamp: float, rate: float) -> None:
-        """One more reading, later than those that are there."""
+        """Add a reading, later than those that are there."""
         self._stamps.append(stamp)
         self._rates.append(rate)
 
