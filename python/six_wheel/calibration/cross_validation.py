@@ -1,4 +1,4 @@
-"""Which parameters to calibrate: those that predict drives best which were left out of the fit."""
+"""Choice of the parameters to calibrate: those that best predict drives left out of the fit."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -46,8 +46,8 @@ class Candidate:
     runs: Floats
 
     def clearly_beats(self, other: "Candidate") -> bool:
-        """Whether it is worth its numbers beside a smaller set: errors smaller by a tenth for every number
-        more on half of what was left out, and by more than chance, in a paired, one-sided t test.
+        """True if this set is worth its parameters beside a smaller one: the median error of what was left
+        out is a tenth smaller for every parameter more, and by more than chance (paired, one-sided t test).
 
         Of logarithms, so that what is large by itself counts no more; over sessions, whose runs go together,
         or over runs where there are too few.
@@ -191,18 +191,20 @@ def cross_validate(
     tried = [Candidate((), 0, nominal, 1.0, each)]
     total = len(sets)
 
-    def tell(done: int) -> None:
+    def report_progress(done: int) -> None:
         if progress is not None:
             progress(done, total, f"sets of parameters, each without one {kind} after another")
 
-    tell(0)
+    report_progress(0)
     problem = Problem(empty, drives, loss, lengths, margin)
     items = [
         Trial(replace(problem, model=with_mounts(rover, catalogue.find(names), drives)), tuple(keys))
         for names in sets
     ]
     workers = None if client else workers
-    outcomes = collect(errors_left_out, items, cluster=client, workers=workers, journal=journal, tell=tell)
+    outcomes = collect(
+        errors_left_out, items, cluster=client, workers=workers, journal=journal, tell=report_progress
+    )
     for number, failure in outcomes.failures.items():
         raise ValueError(f"{', '.join(sets[number])} could not be fitted: {failure}")
     for names, item, each in zip(sets, items, outcomes.values, strict=True):

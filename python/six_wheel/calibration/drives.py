@@ -65,7 +65,7 @@ class Drive:
 
 
 def encoders(rover: Rover, logs: Sequence[WheelLog]) -> list[bool]:
-    """Which wheels report how far they turn: those with a number somewhere.
+    """One flag per wheel: True if it has an encoder, which is if any of its readings is a number.
 
     Raises
     ------
@@ -157,7 +157,7 @@ def prepare(rover: Rover, log: WheelLog, lengths: Floats, margin: float, number:
 
 
 def _nothing_known(truth: GroundTruth, stamps: Floats, moved: float) -> str:
-    """What there is of a drive no part of which can be compared."""
+    """The reason that no part of a drive can be compared with its truth, for the error."""
     seen, driven = (f"{one[0]:.6g} to {one[-1]:.6g} s" for one in (truth.stamps, stamps))
     if truth.stamps[-1] < stamps[0] or stamps[-1] < truth.stamps[0]:
         return f"a truth of {seen} for a log of {driven}: give both the same clock"
@@ -168,7 +168,7 @@ def _nothing_known(truth: GroundTruth, stamps: Floats, moved: float) -> str:
 
 
 def moving(rover: Rover, logs: Sequence[WheelLog], margin: float = 0.0) -> list[bool]:
-    """In which logs the rover moves while its truth is known; `margin` as for `prepare`.
+    """One flag per log: True if the rover moves in it while its truth is known; `margin` as for `prepare`.
 
     Raises
     ------

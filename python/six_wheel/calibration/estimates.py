@@ -1,4 +1,4 @@
-"""What a calibration is made of: values and how well they are known, errors of windows and of runs."""
+"""Parts of a calibration's result: values with their uncertainty, errors of windows and of runs."""
 
 import math
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class Estimate:
 
     @property
     def identified(self) -> bool:
-        """Whether the data tell it by itself."""
+        """True if the data determine this value by itself."""
         return not math.isnan(self.std)
 
     def __repr__(self) -> str:
@@ -94,7 +94,7 @@ class RunErrors:
 
     @classmethod
     def of(cls, model: Model, drive: Drive, values: Floats) -> Self:
-        """Of a drive with these values; `before` with the nominal ones."""
+        """Errors of a drive with these values; `before` with the nominal ones."""
         before, after = (_error(drive.truth, *path(model, drive, one)) for one in (model.start, values))
         ways = drive.distance, before, after, drive.dropped, drive.number
         return cls(drive.name, drive.session, *ways, "m" if drive.truth.has_positions else "rad")

@@ -167,7 +167,7 @@ def _read_back(text: str, parameters: Parameters | None) -> list[str]:
 
 def _check_truth(path: Path, log: WheelLog, truth: Path | None) -> None:
     if log.truth is None and log.yaw_rate is not None:
-        return  # which tells how it turned
+        return  # the gyroscope is the truth of the heading
     if log.truth is None:
         remedy = "give --truth, or columns x, y and yaw"
         raise TableError(f"{path}: a calibration needs to know where the rover really was; {remedy}")
@@ -207,7 +207,7 @@ def _encoders(result: Calibration, parameters: Parameters | None) -> dict[str, A
 
 
 def _beside(done: Calibrated, parameters: Parameters | None) -> dict[str, dict[str, Any] | None]:
-    """What was found beside the rover, by the keys of every parameter file."""
+    """Calibrated sections beside the rover's dimensions, by the keys that every parameter file has."""
     result = done.result
     return {
         "encoders": _encoders(result, parameters),
@@ -280,7 +280,7 @@ def _known(result: Calibration) -> dict[str, Any] | None:
 
 
 def half_width(one: Estimate) -> float:
-    """How far the interval of a value reaches to either side."""
+    """Half the width of a value's confidence interval."""
     low, high = one.interval
     return (high - low) / 2.0
 
@@ -294,7 +294,7 @@ def interval(one: Estimate) -> str:
 
 
 def _remarks(done: Calibrated) -> list[str]:
-    """What the calibrated file says of itself."""
+    """Comment lines at the head of the calibrated file."""
     result = done.result
     runs = ", ".join(log.name for log in done.logs[:3]) + (", ..." if len(done.logs) > 3 else "")
     lines = [f"Calibrated by six-wheel {__version__} on {_count(len(done.logs), 'run')}: {runs}"]

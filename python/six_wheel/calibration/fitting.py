@@ -40,7 +40,7 @@ FEW = 10
 ROUNDS, STEPS = 12, 8
 # Rounds of reweighting, and the change of the sum of squares that ends them.
 REWEIGHTED, NOTHING = 60, 1e-14
-# How far the first, coarse fit goes: the second begins there.
+# Tolerance of the first, coarse fit; the second begins there.
 COARSE = 1e-3
 SETTLED = 1e-3  # of a standard deviation
 FEWEST_SESSIONS, FEWEST_RUNS = 4, 3
@@ -90,7 +90,7 @@ class Problem:
         return np.concatenate([drive.lengths for drive in self.drives])
 
     def bounds(self) -> tuple[Floats, Floats]:
-        """As far as values may go: lengths stay lengths, and clocks within what the windows leave."""
+        """Bounds of the values: lengths stay positive, and clocks within what the windows leave."""
         low, high = np.full(len(self.model.names), -np.inf), np.full(len(self.model.names), np.inf)
         for number, parameter in enumerate(self.model.parameters):
             if parameter.positive:
@@ -256,7 +256,7 @@ def _reweighted(
 
 
 def _steps(model: Model, directions: Floats, values: Floats) -> Floats:
-    """How far values are along directions that are independent, each plausible as far as 1."""
+    """Offsets of `values` from the start along independent directions, in plausible deviations."""
     independent = model.surprise @ directions
     found: Floats = independent.T @ (model.surprise @ ((values - model.start) / model.plausible))
     return found
@@ -298,7 +298,7 @@ def _rms(values: Floats, weights: Floats) -> float:
 
 
 def _weights(ratio: Floats, loss: Loss) -> Floats:
-    """How much a residual still counts, as a factor on its square: the derivative of the loss."""
+    """Weight of a residual: the derivative of the loss by the square of the ratio."""
     if loss == "soft_l1":
         return 1.0 / np.sqrt(1.0 + ratio * ratio)
     if loss == "huber":
@@ -309,7 +309,7 @@ def _weights(ratio: Floats, loss: Loss) -> Floats:
 
 
 def _stiffness(ratio: Floats, loss: Loss) -> Floats:
-    """How much of a change of a residual the fit feels: half the second derivative of the loss."""
+    """Curvature of the loss: half its second derivative by the ratio."""
     if loss == "soft_l1":
         return (1.0 + ratio * ratio) ** -1.5
     if loss == "huber":
@@ -364,7 +364,7 @@ def covariance(problem: Problem, solution: Solution) -> tuple[Floats, Floats, st
     labels, basis = _clusters(problem)
     parts = [_jackknife(problem, solution, one) for one in labels]
     degrees = np.min([part[1] for part in parts], axis=0)
-    # What is known for the most part may be off by what is plausible of the rest.
+    # A value that is known for the most part may err by the plausible deviation of the rest.
     rest = problem.model.plausible[:, None] * solution.unseen
     rest[openness(solution.unseen) >= KNOWN] = 0.0
     return np.sum([part[0] for part in parts], axis=0) + rest @ rest.T, degrees, basis
@@ -400,10 +400,10 @@ def _per_cluster(
     seen: Floats,
     clusters: NDArray[np.int64],
 ) -> tuple[Floats, Floats]:
-    """How every cluster of windows pulls along the directions seen (k, q), and how stiffly (k, q, q).
+    """Score vectors (k, q) and information matrices (k, q, q) of every cluster along the directions seen.
 
-    How stiff a robust fit is, is the second derivative of its loss, on the average of each kind of window:
-    weights alone would call it stiffer, and what they promise too narrow.
+    The information of a robust fit is the second derivative of its loss, averaged over each kind of window.
+    The weights alone would overstate it, and the intervals would be too narrow.
     """
     which, plausible = problem.which, problem.model.plausible
     size = scales[which][:, [0, 0, 1]]
@@ -426,8 +426,9 @@ def _per_cluster(
 def _hold(
     problem: Problem, errors: Floats, by: Floats, weights: Floats, scales: Floats, seen: Floats
 ) -> float:
-    """How many windows say no more than one alone would if none repeated another: what one plausible
-    deviation counts for among them.
+    """Composite-likelihood factor `tr(H⁻¹ J) / p`, at least 1, for correlated windows.
+
+    The prior is weighted by it against the windows, so that overlapping windows do not count as independent.
 
     Source: Ribatet, Cooley & Davison, Bayesian Inference from Composite Likelihoods, Statistica Sinica 22,
     2012: the magnitude adjustment, p / tr(H⁻¹ J).
@@ -454,7 +455,7 @@ def _jackknife(problem: Problem, solution: Solution, clusters: NDArray[np.int64]
         solution.seen,
         clusters,
     )
-    # Where one cluster alone shows a direction, nothing is known without it but what is plausible.
+    # Without the one cluster that shows a direction, only the plausible deviation is known: the identity.
     whole = stiff.sum(axis=0) + np.eye(solution.seen.shape[1])
     without = np.linalg.inv(whole - stiff)
     together = np.einsum("kqr,kr->kq", without, pulls)
@@ -467,10 +468,10 @@ def _jackknife(problem: Problem, solution: Solution, clusters: NDArray[np.int64]
 
 
 def _degrees(direction: Floats, without: Floats, stiff: Floats, whole: Floats) -> float:
-    """For how many independent squares the variance along a direction counts.
+    """Degrees of freedom of the variance along a direction (Satterthwaite).
 
-    One less than there are clusters if these tell the same; where one of them tells most, it is little more
-    than its own square. Of clusters whose errors are as the fit weighs them.
+    They are the number of clusters less one if all clusters contribute alike, and near 1 if one of them
+    dominates. The errors of the clusters are taken to be as the fit weights them.
 
     Source: Bell & McCaffrey, Bias Reduction in Standard Errors for Linear Regression with Multi-Stage
     Samples, Survey Methodology 28(2), 2002: Satterthwaite's degrees of freedom, here of the jackknife.
@@ -484,7 +485,7 @@ def _degrees(direction: Floats, without: Floats, stiff: Floats, whole: Floats) -
 
 
 def quantile(degrees: float, confidence: float) -> float:
-    """Of Student's t distribution: half the width of an interval in standard deviations."""
+    """Quantile of Student's t distribution: half the width of an interval in standard deviations."""
     return float(stdtrit(degrees, 0.5 + confidence / 2.0))
 
 

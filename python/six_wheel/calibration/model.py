@@ -1,4 +1,4 @@
-"""Where the windows of a drive end by dead reckoning, and how that changes with every parameter.
+"""Ends of the windows of a drive by dead reckoning, and their derivatives by every parameter.
 
 The derivatives of the twist come from the core (`Rover.sensitivity`); here they are carried along the drive
 by the chain rule, all rows at once.
@@ -66,7 +66,7 @@ class Model:
         return float(values[self.names.index(name)]) if name in self.names else default
 
     def change(self, values: Floats) -> Floats:
-        """By how much the numbers of the rover differ from the nominal ones, (own,): mounts move no wheel."""
+        """Differences of the rover's own parameters from their start values, (own,), without mounts."""
         change: Floats = (values - self.start)[: self.own]
         return change
 
@@ -99,12 +99,12 @@ class Model:
         return np.array(found)
 
     def columns(self, kind: str, axis: str, mount: str) -> list[int]:
-        """Which numbers move an axis of the sensor, or of the origin, in a session."""
+        """Indices of the parameters that move an axis of the sensor, or of the origin, in a session."""
         names = [f"{kind}_{axis}", *([f"mount_{axis}[{mount}]"] if kind == "sensor" else [])]
         return [self.names.index(name) for name in names if name in self.names]
 
     def tracked(self, values: Floats, mount: str | None = None) -> Floats:
-        """What the truth follows, as a pose in the nominal body: the sensor as seen from the new origin."""
+        """Pose in the nominal body of the point that the truth follows: origin and sensor composed."""
         return joined(self.pose(values, "origin"), self.pose(values, "sensor", mount))
 
     def rover(self, values: Floats) -> Rover:
@@ -117,7 +117,7 @@ class Model:
         return with_wheels(rover, ({"x": x, "y": y, "heading": yaw} for x, y, yaw in seen.tolist()))
 
     def deviations(self, values: Floats, covariance: Floats) -> Floats:
-        """What the rover with these values may be off by, of numbers (own, own), as `Odometry` takes it."""
+        """Deviations of the dimensions, from a covariance (own, own), in the form that `Odometry` takes."""
         rover, moved = self.rover(values), []
         yaw = self.pose(values, "origin")[2]
         for parameter, value in zip(self.parameters[: self.own], values, strict=False):
@@ -171,11 +171,11 @@ class Model:
         return joined(body, self.tracked(values))
 
     def errors(self, drive: Drive, values: Floats) -> tuple[Floats, Floats]:
-        """How far each window ends from the truth, seen from there (m, 3), and the derivatives (m, 3, p)."""
+        """Error of the end of each window in the frame of the truth (m, 3), and its derivatives (m, 3, p)."""
         twists, by_twist = self.twists(drive, values, self.wheels(values))
         poses = integrate(twists, drive.dt)
         by_pose = carried(poses, twists, by_twist, drive.dt)
-        rest = len(values) - self.own  # which move nothing but what is tracked
+        rest = len(values) - self.own  # parameters that move only the tracked point
         offset = self.value(values, "time_offset", 0.0)
         if drive.truth.has_headings:
             first, last = drive.rows.T
@@ -206,7 +206,7 @@ class Model:
         return error, turned
 
     def shortened(self, drive: Drive, values: Floats) -> Floats:
-        """By how much of its way each window ends short (m, 2) per squared error of its heading.
+        """Second-order shortening of each window's displacement (m, 2) per squared error of its heading.
 
         A heading errs by the root of the way since the start of a window, so what comes early counts least:
         the mean over the way of what is left to the end. In the frame of `errors`; 0 where headings are not

@@ -1,4 +1,4 @@
-"""How far a calibrated rover's dead reckoning errs: slip along and across, by maximum likelihood.
+"""Noise of a calibrated rover's dead reckoning: slip along and across, by maximum likelihood.
 
 What is compared is where dead reckoning ends with where the rover was, on drives whose own session was left
 out of the fit: so what the dimensions are still off by is in it, and a rover that drives with this noise is
@@ -23,7 +23,7 @@ from six_wheel.kinematics.odometry import dead_reckon
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs import WheelLog
 
-# What the truth itself is not better than [m, m, rad]: motion capture.
+# Standard deviation of the truth itself [m, m, rad]: motion capture.
 TRUTH = np.array([1e-3, 1e-3, 1e-3])
 # Sections a few runs are cut into, and from how many runs on each is one section.
 PIECES, ENOUGH = 4, 4
@@ -122,7 +122,7 @@ def _bound() -> float:
 def ends(
     rover: Rover, dimensions: Floats, log: WheelLog, sensor: Floats, offset: float, pieces: int
 ) -> list[End]:
-    """Where dead reckoning of a log ends, against the truth, for each of so many pieces of it."""
+    """Ends of dead reckoning against the truth, for each of `pieces` pieces of a log."""
     if log.truth is None:
         return []
     truth = log.truth.at(log.stamps + offset)
@@ -133,7 +133,7 @@ def ends(
     found = []
     for rows in np.array_split(np.arange(len(known)), pieces):
         first, last = int(rows[0]), int(rows[-1])
-        part = slice(known[first], known[last] + 1)  # where nothing is known of the truth it drives as well
+        part = slice(known[first], known[last] + 1)  # rows without a known truth are driven as well
         readings = (
             None if log.steering is None else log.steering[part],
             log.wheel_angles[part],
@@ -155,7 +155,7 @@ def ends(
 def _end(
     rover: Rover, readings: tuple[Floats | None, Floats, Floats], start: Floats, noise: Noise, **options: Any
 ) -> tuple[Floats, Floats]:
-    """Where a drive ends (3,), and the covariance of that (3, 3)."""
+    """Pose at the end of a drive (3,), and its covariance (3, 3)."""
     track = dead_reckon(rover, *readings, noise=noise, start=start, residuals=False, **options)
     assert track.covariances is not None
     return track.poses[-1], track.covariances[-1]
@@ -197,7 +197,7 @@ def measure(
         else Estimate(name, "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
         for place, name in enumerate(("slip", "side_slip"))
     )
-    # What the wheels differ by and what the dimensions explain count by themselves, and slip is the rest.
+    # Differences between wheels and errors of the dimensions count by themselves; slip is the rest.
     common = np.exp(2.0 * logs)[:, None, None] * whole.wheels
     told = told_apart(whole.errors, common, whole.fixed + np.diag(TRUTH**2), sessions, confidence)
     times = alike if told is None else np.array([_digits(one) for one in told[0]])

@@ -1,4 +1,4 @@
-"""What the drives do not tell, in words."""
+"""Messages on what the drives leave unobservable."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ NO_FARTHER = "they moved from their nominal values no farther than the data ask"
 
 @dataclass(frozen=True, eq=False)
 class Observability:
-    """Which parameters the drives identify.
+    """Identifiability of the parameters by the drives.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Observability:
 
     @property
     def complete(self) -> bool:
-        """Whether every parameter is identified."""
+        """True if every parameter is identified."""
         return bool(self.identified.all())
 
     def __repr__(self) -> str:
@@ -60,7 +60,7 @@ class Observability:
 
 
 def told(drives: Sequence[Drive]) -> list[str]:
-    """What truths of less than poses leave open, and where the rover only stands."""
+    """Messages on what truths of less than poses leave open, and on times at a standstill."""
     said = []
     if any(not drive.truth.has_headings for drive in drives):
         said.append(
@@ -84,7 +84,7 @@ def told(drives: Sequence[Drive]) -> list[str]:
 
 
 def _returns(drive: Drive) -> bool:
-    """Whether all that is known of a drive is that it is at the same place again."""
+    """True if a drive's truth only says that it returned to the same place."""
     if not drive.truth.has_positions or np.diff(drive.truth.stamps).min() <= drive.truth.max_gap:
         return False
     places = drive.truth.poses[:, :2]
@@ -125,7 +125,7 @@ def _alone(model: Model, solution: Solution, number: int, drives: Sequence[Drive
 
 
 def _together(unseen: Floats, mixed: NDArray[np.int64], names: Sequence[str]) -> str:
-    """Those that may stand for each other; or of which nothing is known, where mounts take it all."""
+    """Message on parameters that may stand for each other, or of which nothing is known."""
     listed = ", ".join(names[i] for i in mixed)
     count = int(np.linalg.matrix_rank(unseen[mixed], tol=WORTH_A_WORD))
     if count >= len(mixed):

@@ -1,4 +1,4 @@
-"""What a calibration returns: values and how well they are known, errors before and after, a report."""
+"""Result of a calibration: values with their uncertainty, errors before and after, a report."""
 
 import math
 from dataclasses import dataclass, field
@@ -83,7 +83,7 @@ class Calibration:
 
     @property
     def noise(self) -> Noise:
-        """What was measured, for ``Odometry(result.rover, result.noise)``; the default where nothing was."""
+        """Measured noise, for ``Odometry(result.rover, result.noise)``; the default if none was measured."""
         return Noise() if self.measured_noise is None else self.measured_noise.noise
 
     @property
@@ -225,7 +225,7 @@ class Calibration:
 
 
 def _of_gyroscope(found: MeasuredGyroscope) -> list[str]:
-    """What was measured of it, as sentences."""
+    """The measured errors of a gyroscope, as sentences."""
     rate, walk = found.noise, found.bias_walk
     said = f"A reading of the gyroscope errs by {rate.value:.3g} rad/s "
     said += f"({rate.interval[0]:.3g} to {rate.interval[1]:.3g}), "

@@ -212,7 +212,7 @@ def calibrate(
 
 
 def _of_tracks(truth: object) -> bool:
-    """Whether a truth is another odometry."""
+    """True if a truth is another odometry."""
     given = truth if isinstance(truth, (list, tuple)) else [truth]
     return any(isinstance(one, Track) for one in given)
 
@@ -224,7 +224,7 @@ def _saying(result: Calibration, *messages: str) -> Calibration:
 
 
 def _with_gyroscope(result: Calibration, logs: Sequence[WheelLog]) -> Calibration:
-    """What a gyroscope in the logs errs by, and what is odd about it."""
+    """The result with the errors of a gyroscope in the logs, and with messages on oddities of it."""
     measured = gyroscope.measure(logs, result.confidence)
     messages: tuple[str, ...] = tuple(mistaken(result.nominal, logs))
     if measured is None and any(one.yaw_rate is not None for one in logs):
@@ -242,7 +242,7 @@ def _with_gyroscope(result: Calibration, logs: Sequence[WheelLog]) -> Calibratio
 
 
 def _slides(slipped: Sequence[slip.Slip], number: int) -> list[Stretch]:
-    """Those of one log."""
+    """Stretches of slip of one log."""
     return [stretch for one in slipped if one.number == number for stretch in one.stretches]
 
 

@@ -1,4 +1,4 @@
-"""Whether wheels of one rover slip by different noise: by maximum likelihood, where ends of drives say so.
+"""Noise of slip of each wheel relative to the others, by maximum likelihood, where ends of drives show it.
 
 What a wheel slips by moves an end in a direction of its own, so how errors of an end go together tells one
 wheel from another. Ends of one session go together: each session counts for one end, however many runs it
@@ -23,8 +23,8 @@ MOST_APART = 10.0
 def told_apart(
     errors: Floats, by_wheel: Floats, rest: Floats, sessions: int, confidence: float
 ) -> tuple[Floats, Floats] | None:
-    """How many times the common noise each wheel has (wheels,), with intervals (wheels, 2); None if the ends
-    do not tell.
+    """Factor on the common noise of each wheel (wheels,), with intervals (wheels, 2); None if the ends do not
+    tell the wheels apart.
 
     Parameters
     ----------

@@ -13,10 +13,10 @@ import typer
 
 from six_wheel.cli.commands.calibrate import calibrate
 from six_wheel.cli.commands.check import check
+from six_wheel.cli.commands.control_loop import PASSING, command_filter, node, replay
 from six_wheel.cli.commands.drive import drive
 from six_wheel.cli.commands.example import example
 from six_wheel.cli.commands.odometry import odometry
-from six_wheel.cli.commands.onboard import PASSING, command_filter, node, replay
 from six_wheel.cli.commands.show import show
 from six_wheel.cli.commands.simulate import simulate
 from six_wheel.cli.commands.traverse import traverse
@@ -55,7 +55,7 @@ app.command(help=COMMANDS["traverse"])(traverse)
 app.command(help=COMMANDS["show"])(show)
 app.command(help=COMMANDS["example"])(example)
 app.command(help=COMMANDS["replay"])(replay)
-# What follows --ros-args is for ROS to read.
+# Arguments after --ros-args are for ROS to read.
 app.command("node", help=COMMANDS["node"], context_settings=PASSING)(node)
 app.command("filter", help=COMMANDS["filter"], context_settings=PASSING)(command_filter)
 
@@ -111,7 +111,7 @@ def _odd_value(error: Exception) -> str | None:
 
 
 def _explain(error: Exception) -> str | None:
-    """What to tell the user about an error; None if it is not their input but this program that is wrong."""
+    """Message for the user about an error; None if the error is in this program and not in the input."""
     if findings := getattr(error, "findings", None):  # of a parameter file
         others = len(findings) - 1
         return f"{findings[0]}" + (f"; and {others} more: {PROGRAM} check shows all" if others else "")

@@ -1,6 +1,6 @@
-"""How fast the compiled core is on this machine, beside `six_wheel.reference`, the same in plain NumPy.
+"""Speed of the compiled core on this machine, beside `six_wheel.reference`, the same in plain NumPy.
 
-What times a call is here too, for the longer comparison under `benches`.
+The timer of a call is here too, for the longer comparison under `benches`.
 """
 
 import os
@@ -61,7 +61,7 @@ class Timing:
 
     @classmethod
     def of(cls, function: Callable[..., Any], *arguments: Any, items: int = 1, **keywords: Any) -> Self:
-        """Of a call. Every argument is a name of its own: unpacking a tuple costs as much as a short call."""
+        """Timing of a call. Every argument has its own name: unpacking takes as long as a short call."""
         values = {f"argument_{k}": value for k, value in enumerate(arguments)}
         words = [*values, *(f"{name}={name}" for name in keywords)]
         return cls(f"call({', '.join(words)})", {"call": function, **values, **keywords}, items=items)
@@ -86,7 +86,7 @@ class Timing:
         return (statistics.median(self._times) - self._loop) / self.items
 
     def __len__(self) -> int:
-        """How often it was timed."""
+        """Number of times it was timed."""
         return len(self._times)
 
 
@@ -131,7 +131,7 @@ class Grid:
     notes: list[str] = field(default_factory=list)
 
     def rich(self) -> "RenderableType":
-        """As rich draws it."""
+        """The grid as a table that rich draws."""
         from rich.table import Table
 
         shown = Table(title=self.title, title_justify="left", caption="\n".join(self.notes) or None)
@@ -143,7 +143,7 @@ class Grid:
         return shown
 
     def markdown(self) -> str:
-        """As Markdown has it."""
+        """The grid as a table in Markdown."""
         lines = [f"**{self.title}**", "", "| " + " | ".join(self.headings) + " |"]
         lines.append("|" + "|".join("---" if not k else "---:" for k in range(len(self.headings))) + "|")
         lines += ["| " + " | ".join(row) + " |" for row in self.rows]
@@ -158,7 +158,7 @@ def nanoseconds(seconds: float) -> str:
 
 @cache
 def machine() -> dict[str, str]:
-    """What a figure depends on, by name."""
+    """Properties of this machine that the figures depend on, by name."""
     processor = platform.processor() or platform.machine()
     with suppress(OSError):
         for line in Path("/proc/cpuinfo").read_text().splitlines():
@@ -177,7 +177,7 @@ def machine() -> dict[str, str]:
 
 
 def jobs() -> list[Job]:
-    """What `six-wheel bench` times: one call as in a control loop, and a batch."""
+    """Jobs that `six-wheel bench` times: one call as in a control loop, and a batch."""
     core = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
     plain = reference.Rover.like(core)
     twist = (0.5, 0.0, 0.3)

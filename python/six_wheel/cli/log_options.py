@@ -47,13 +47,13 @@ ReportOption = Annotated[Path | None, typer.Option(help="Written report, .md, it
 
 
 def log_options(chosen: Chosen, given: dict[str, Any]) -> "LogOptions":
-    """How to read a log: what the parameter file says of encoders, and over it the arguments of a command."""
+    """Options for reading a log: those of the parameter file, overridden by the arguments of a command."""
     from six_wheel._core import Encoder
     from six_wheel.logs.detect_reader import LogOptions
 
     encoders = dict(chosen.parameters.encoders) if chosen.parameters else {}
     counts = {key: given[key] for key in ("resolution", "gear", "modulus") if given[key] is not None}
-    Encoder(**counts)  # which knows what they must be
+    Encoder(**counts)  # refuses values that no encoder has
     encoders |= counts | ({"per_sample": True} if given["per_sample"] else {})
     columns = {}
     for text in given["column"] or []:

@@ -1,4 +1,4 @@
-"""What the command line is called, and what each of its commands does: no more than the overview needs."""
+"""Name of the command line and one line on each of its commands: no more than the overview needs."""
 
 PROGRAM = "six-wheel"
 PURPOSE = "Kinematics of wheeled rovers: what their wheels must do, and what they did."

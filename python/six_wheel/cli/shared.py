@@ -1,4 +1,4 @@
-"""What the commands of `six-wheel` share: the rover they are given, the console, progress, figures."""
+"""Common parts of the commands of `six-wheel`: the rover they are given, the console, progress, figures."""
 
 import contextlib
 import difflib
@@ -45,7 +45,7 @@ RadiusOption = Annotated[
 
 
 class Reading(NamedTuple):
-    """How to read a rover's file, where it does not say by itself."""
+    """Options for reading a rover's file, for what it does not state itself."""
 
     node: str | None = None
     kind: str | None = None
@@ -63,7 +63,7 @@ class Chosen(NamedTuple):
 
     @property
     def limits(self) -> "Limits":
-        """Those of the file: of a robot description the rates of its joints."""
+        """Limits of the file; in a robot description those are the rates of its joints."""
         from six_wheel._core import Limits
 
         source = self.parameters or self.robot
@@ -71,7 +71,7 @@ class Chosen(NamedTuple):
 
     @property
     def warnings(self) -> "Sequence[Finding]":
-        """What may be a mistake in the file."""
+        """Warnings about possible mistakes in the file."""
         source = self.parameters or self.robot
         return source.warnings if source else ()
 
@@ -105,7 +105,7 @@ def choose(argument: str, reading: Reading = Reading()) -> Chosen:  # noqa: B008
 
 
 def closest(name: str, known: Sequence[str]) -> str:
-    """What somebody who wrote this may have meant, and what there is."""
+    """Hint for a name that is not known: the closest known name, and all of them."""
     close = difflib.get_close_matches(name, known, 1)
     hint = f'did you mean "{close[0]}"? ' if close else ""
     return f"{hint}there are {', '.join(known)}"
@@ -128,7 +128,7 @@ def choose_suspension(argument: str, reading: Reading = Reading()) -> "tuple[Roc
 
 
 def new_console(stderr: bool = False) -> "Console":
-    """Where to print."""
+    """Console on the standard output, or on the standard error."""
     from rich.console import Console
 
     stream = sys.stderr if stderr else sys.stdout
@@ -150,7 +150,7 @@ def progress_bar(what: str) -> Iterator[Callable[..., None]]:
     def update(done: int, total: int, doing: str | None = None) -> None:
         bar.update(task, completed=done, total=total, description=doing or what)
         if time.monotonic() - begin > PROGRESS_AFTER:
-            bar.start()  # which does nothing the second time
+            bar.start()  # a second call does nothing
 
     try:
         yield update

@@ -1,4 +1,4 @@
-"""What runs on a rover, without a middleware: commands and joint states in, joint commands and odometry out.
+"""Control loop of a rover, without a middleware: commands and joint states in, joint commands, odometry out.
 
 `settings` is everything it is told, from a parameter file and changes to it; `options` lists what it can be
 told beside that; `joints` reads joint states by name; `faults` counts what was wrong; `starting` is the

@@ -1,4 +1,4 @@
-"""What a loop has to say about itself, as statuses of diagnostics: one for each thing that can be wrong."""
+"""Diagnostics of a loop: one status for each thing that can be wrong."""
 
 import math
 
@@ -37,7 +37,7 @@ def statuses(loop: Loop, name: str) -> list[Status]:
 
 
 def _motion(loop: Loop, name: str) -> Status:
-    """What the controller does, and why not what it was told."""
+    """Status of the controller: wanted and commanded motion, and the reasons for limiting it."""
     steps = sum(loop.reasons.values())
     shares = {
         str(each.name): sum(count for reasons, count in loop.reasons.items() if reasons & each) / steps
@@ -71,7 +71,7 @@ def _motion(loop: Loop, name: str) -> Status:
 
 
 def _odometry(loop: Loop) -> dict[str, str]:
-    """Where the rover is, how far that may be off, and how the wheels slide."""
+    """Values of the odometry: pose, its standard deviation, health, bias of the gyroscope, slip."""
     state = loop.state
     x, y, yaw = state.pose.tolist()
     sigmas = [math.sqrt(max(state.covariance[k, k], 0.0)) for k in range(3)]

@@ -1,4 +1,4 @@
-"""What was wrong: how often, when last, and how bad; nothing is lost between two reports."""
+"""Faults of a loop: number, last time and severity of each; nothing is lost between two reports."""
 
 from dataclasses import dataclass
 
@@ -44,7 +44,7 @@ class Faults:
         self._known: dict[tuple[str, str], Fault] = {}
 
     def add(self, area: str, level: int, what: str, got: str = "") -> bool:
-        """One more; whether it is the first since the last report."""
+        """Count one more fault; True if it is the first of its kind since the last report."""
         fault = self._known.get((area, what))
         if fault is None:
             fault = self._known[area, what] = Fault(area, level, what)
@@ -54,7 +54,7 @@ class Faults:
         return fault.new == 1
 
     def of(self, area: str) -> list[Fault]:
-        """Those of an area, the worst first."""
+        """Faults of an area, the worst first."""
         found = [fault for fault in self._known.values() if fault.area == area]
         return sorted(found, key=lambda fault: -fault.level)
 

@@ -18,12 +18,12 @@ from six_wheel.logs.gyroscope.rates import Passing, upward
 __all__ = ["Row", "Rows"]
 
 SECOND = 1_000_000_000  # [ns]
-FIRST_LOOK = SECOND // 10  # in which it is seen how far apart joint readings come
+FIRST_LOOK = SECOND // 10  # [ns] over which the interval of joint readings is measured
 MOST = 1 << 14  # readings of a gyroscope that are kept for wheels that are silent
 
 
 class Row(NamedTuple):
-    """What the joints said at `stamp`, and when that came [ns]."""
+    """Joint readings of time `stamp`, and the time of their arrival [ns]."""
 
     readings: Readings
     stamp: int
@@ -69,8 +69,8 @@ class Rows:
         if not self._seated:
             self._up = list(up)
 
-    def hear(self, rates: Sequence[float], stamp: int, now: int) -> bool:
-        """A reading about the axes of the sensor [rad/s] that came at `now` [ns]; whether it can be used."""
+    def add_rates(self, rates: Sequence[float], stamp: int, now: int) -> bool:
+        """Add a reading about the axes of the sensor [rad/s] that came at `now` [ns]; True if it is valid."""
         stamp -= self._offset
         rate = self._scale * sum(share * each for share, each in zip(self._up, rates, strict=True))
         if not math.isfinite(rate) or (self._last is not None and stamp <= self._last):
@@ -111,7 +111,7 @@ class Rows:
             yield row, None
 
     def _look(self) -> bool:
-        """How far apart joint readings come, if enough have."""
+        """Measure the median interval `apart` of joint readings [s]; True if there are enough for that."""
         if not self._rows or self._rows[-1].came - self._rows[0].came < FIRST_LOOK:
             return False
         self.apart = statistics.median(b.stamp - a.stamp for a, b in pairwise(self._rows)) / SECOND

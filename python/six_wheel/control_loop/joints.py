@@ -20,7 +20,7 @@ NAMED = 12  # strangers that are remembered, for a "did you mean"
 
 
 class Readings(NamedTuple):
-    """What every joint said, in the rover's order: steering angles [rad]; wheels, NaN for passive ones."""
+    """Readings of all joints, in the rover's order: steering angles [rad]; wheels, NaN for passive ones."""
 
     steering: list[float]
     wheels: list[float]
@@ -137,7 +137,7 @@ class JointReader:
         self._last = [None] * len(self._joints)
 
     def _look(self, names: Sequence[str]) -> bool:
-        """Where the joints are in messages with these names; whether they can be used."""
+        """Find the joints in messages with these names; True if such messages can be used."""
         columns: list[tuple[int, int]] = []
         seen: set[int] = set()
         for column, name in enumerate(names):
@@ -147,7 +147,7 @@ class JointReader:
                     self._strangers[name] = None
                 continue
             if place in seen:
-                # Which of the two is true nobody knows.
+                # Nothing tells which of the two is true.
                 self._faults.add("joints", ERROR, "a joint must be in a message once", f"{name} twice")
                 return False
             seen.add(place)

@@ -88,8 +88,7 @@ class Loop:
         self._latest = -math.inf  # the latest stamp that the controller was given
         self._wanted = (0.0, 0.0, 0.0)
 
-    # What comes in
-
+    # Inputs
     def command(self, twist: tuple[float, float, float], stamp: int, now: int) -> None:
         """A command ``[vx, vy, omega]`` that was given at `stamp` and came at `now` [ns]; stamp 0: now."""
         now = self._move_on(now)
@@ -148,14 +147,14 @@ class Loop:
         return self._step(now, stamp, send)._replace(stamp=counted, state=state)
 
     def imu(self, rates: Sequence[float], stamp: int, now: int) -> Step | None:
-        """What a gyroscope reads about its axes [rad/s] at `stamp` (0: now), that came at `now` [ns]. A step,
-        without commands, if odometry counts with it."""
+        """Take readings of a gyroscope about its axes [rad/s] at `stamp` (0: now), that came at `now` [ns].
+        Returns a step, without commands, if odometry counts with it."""
         now = self._move_on(now)
-        counted, state = self._odometer.hear(rates, stamp or now, now)
+        counted, state = self._odometer.add_rates(rates, stamp or now, now)
         return None if state is None else Step(now, None, None, self.twist, 0, counted, state)
 
     def mount(self, up: Sequence[float], now: int) -> None:
-        """How the gyroscope sits: the rover's z in its axes. What the parameter file tells goes first."""
+        """Set the mounting of the gyroscope: the rover's z in its axes. The parameter file comes first."""
         self._move_on(now)
         self._odometer.mount(up)
 
@@ -246,12 +245,12 @@ class Loop:
 
     @property
     def halted(self) -> bool:
-        """Whether a halt, or a joint that did not follow, keeps the rover from taking commands."""
+        """True if a halt, or a joint that did not follow, keeps the rover from taking commands."""
         return self._halted if self._controller is None else self._controller.halted
 
     @property
     def stopped(self) -> bool:
-        """Whether the commands that are in force move nothing."""
+        """True if the commands that are in force move nothing."""
         if self._controller is None:
             return self._last is None or self._last.speeds is None or not any(self._last.speeds)
         return self._controller.stopped
@@ -266,17 +265,17 @@ class Loop:
 
     @property
     def stopping_distance(self) -> float:
-        """How far the rover goes, at most, if it is told to stop now [m]."""
+        """Largest distance that the rover covers if it is told to stop now [m]."""
         return 0.0 if self._controller is None else self._controller.stopping_distance
 
     @property
     def state(self) -> OdometryState:
-        """Of the odometry."""
+        """State of the odometry."""
         return self._odometer.odometry.state
 
     @property
     def gyroscope_bias(self) -> tuple[float, float] | None:
-        """What the gyroscope reads at rest, as far as is learnt, and its deviation [rad/s]; None without."""
+        """Estimated bias of the gyroscope and its standard deviation [rad/s]; None without a gyroscope."""
         return self._odometer.odometry.gyroscope_bias
 
     @property
@@ -355,7 +354,7 @@ class Loop:
         self._give_again()
 
     def _begin(self) -> bool:
-        """Make a controller from what is measured; whether there is one."""
+        """Make a controller from the measured joints; True if that succeeded."""
         try:
             controller = self._moved.controller(self.settings, self._measured)
         except ValueError as error:

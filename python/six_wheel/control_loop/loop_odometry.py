@@ -65,7 +65,7 @@ class Odometer:
         self.odometry.set_pose(pose, covariance)
 
     def reset(self, pose: Numbers, covariance: Numbers | None) -> None:
-        """It starts over."""
+        """Restart the odometry at a pose."""
         self.rest()
         self.odometry.reset(pose, covariance)
         self._stamp_origin = None
@@ -86,7 +86,7 @@ class Odometer:
         if self._rows is not None:
             self._rows.mount(up)
 
-    def hear(self, rates: Sequence[float], stamp: int, now: int) -> Counted:
+    def add_rates(self, rates: Sequence[float], stamp: int, now: int) -> Counted:
         """As `Loop.imu`."""
         if self._rows is None:
             return None, None
@@ -94,7 +94,7 @@ class Odometer:
         if abs(now - stamp) > timeout:
             rule = f"stamps of the gyroscope must be within {timeout / SECOND:g} s of the clock"
             self._faults.add("odometry", WARN, rule, f"{(now - stamp) / SECOND:.3g} s")
-        elif not self._rows.hear(rates, stamp, now):
+        elif not self._rows.add_rates(rates, stamp, now):
             self._faults.add("odometry", WARN, "a gyroscope must read finite rates at stamps that increase")
         return self._ready(now)
 

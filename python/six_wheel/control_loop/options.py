@@ -1,4 +1,4 @@
-"""What a loop can be told beside its parameter file; names of ros2_controllers where they have one."""
+"""Options of a loop beside its parameter file; names of ros2_controllers where they have one."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields

@@ -1,4 +1,4 @@
-"""What a loop is given and what it makes of it, into a record from which it can be run again."""
+"""Recording of the inputs and outputs of a loop, from which it can be run again."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -47,12 +47,12 @@ class Recorder:
         self.record.tick(now)
 
     def change(self, what: Mapping[str, Any], now: int) -> None:
-        """What was set: ``{"set": {...}}``, ``{"pose": ..., "covariance": ...}``, ``{"active": ...}``,
+        """Record a change: ``{"set": {...}}``, ``{"pose": ..., "covariance": ...}``, ``{"active": ...}``,
         ``{"halt": True}``, ``{"release": True}``, ``{"end": True}``, ..."""
         self.record.change(now, what)
 
     def step(self, step: Step) -> None:
-        """What came of it."""
+        """Record the outputs of a step."""
         record, now = self.record, step.now
         if step.steering is not None and step.speeds is not None:
             record.commands(now, step.steering, step.speeds)

@@ -24,7 +24,7 @@ NAMES = frozenset(option.name for option in OPTIONS)
 
 @dataclass(frozen=True)
 class Settings:
-    """What a loop is told.
+    """Settings of a loop.
 
     Attributes
     ----------
@@ -66,12 +66,12 @@ class Settings:
 
     @classmethod
     def of_rover(cls, rover: Rover, options: Options | None = None, **others: Any) -> "Settings":
-        """Of a rover that comes from elsewhere; `others` are those of `dump`."""
+        """Settings of a rover without a parameter file; `others` are the arguments of `dump`."""
         return cls.of_text(dump(rover, **others), options=options)
 
     @property
     def rover(self) -> Rover:
-        """What is driven."""
+        """The rover that is driven."""
         return self.parameters.rover
 
     def changed(self, changes: Mapping[str, Any]) -> "Settings":
@@ -110,7 +110,7 @@ class Settings:
 
     @property
     def listens(self) -> bool:
-        """Whether a gyroscope is used: the file says what it errs by, and wheels report."""
+        """True if a gyroscope is used: the file states its errors, and the loop is closed."""
         return self.parameters.known_gyroscope is not None and not self.options.open_loop
 
     def odometry(self, apart: float | None = None, bias: tuple[float, float] | None = None) -> Odometry:
@@ -147,13 +147,13 @@ class Settings:
 
 
 def same(one: Parameters, other: Parameters) -> bool:
-    """Whether two files say the same, wherever they lie."""
+    """True if two files hold the same parameters; their paths and warnings do not count."""
     whatever: dict[str, Any] = {"path": Path(), "warnings": (), "asked": None}
     return replace(one, **whatever) == replace(other, **whatever)
 
 
 def _is_set(settings: Settings, key: str, value: Any) -> bool:
-    """Whether this is what the file says already."""
+    """True if the file has this value under `key` already."""
     data: Any = _section(settings.text, settings.parameters.node).data
     if key in data:
         return bool(data[key] == value)

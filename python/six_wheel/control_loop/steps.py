@@ -1,4 +1,4 @@
-"""What a step of the loop hands on."""
+"""Outputs of a step of the loop."""
 
 from collections.abc import Callable
 from typing import NamedTuple, TypeAlias
@@ -8,11 +8,11 @@ from six_wheel._core import OdometryState
 __all__ = ["Send", "Step"]
 
 Send: TypeAlias = Callable[[int, list[float], list[float]], None]
-"""What commands go to: a time [ns], steering angles and wheel speeds in the order of the joints."""
+"""Receiver of commands: a time [ns], steering angles and wheel speeds in the order of the joints."""
 
 
 class Step(NamedTuple):
-    """What came of one step.
+    """Outputs of one step.
 
     Attributes
     ----------

@@ -51,7 +51,7 @@ class FleetLog:
 
 @dataclass(frozen=True)
 class Job:
-    """What a worker needs for one log."""
+    """Input of a worker for one log."""
 
     rover: Rover
     path: Path
@@ -171,7 +171,7 @@ def reckon_one(job: Job) -> dict[str, Any]:
 
 
 def _tracks(logs: Sequence[Path], output: Path, ending: str) -> list[Path]:
-    """Where the tracks go: as the logs lie below what they have in common, whole names where stems meet."""
+    """Paths of the tracks: as the logs lie below their common folder, whole names where stems are equal."""
     places = [path.resolve() for path in logs]
     root = Path(os.path.commonpath([place.parent for place in places]))
     stems = [place.relative_to(root).with_suffix("") for place in places]
@@ -187,7 +187,7 @@ def _tracks(logs: Sequence[Path], output: Path, ending: str) -> list[Path]:
 
 
 def _key(job: Job) -> int:
-    """Of everything that a track depends on; another one as soon as any of it changes."""
+    """Hash of everything that a track depends on; it changes with any of it."""
     files = sorted(job.path.rglob("*")) if job.path.is_dir() else [job.path]
     files += [] if job.truth is None else [job.truth]
     states = [(str(file), file.stat().st_size, file.stat().st_mtime_ns) for file in files if file.is_file()]

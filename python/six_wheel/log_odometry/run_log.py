@@ -41,7 +41,7 @@ COVARIANCES = ("x_x", "x_y", "x_yaw", "y_y", "y_yaw", "yaw_yaw")
 
 @dataclass(frozen=True)
 class Settings:
-    """How to dead-reckon: the noise, other options of `Odometry`, and the first pose [m, m, rad].
+    """Settings of dead reckoning: the noise, other options of `Odometry`, and the first pose [m, m, rad].
 
     `gyroscope` is what one in the log errs by, of readings `period` [s] apart, if that is known; without it
     none is used.
@@ -64,7 +64,7 @@ class Settings:
 
 @dataclass
 class Count:
-    """How many rows, and the first of them."""
+    """Number of rows, and the first of them."""
 
     rows: int = 0
     first: list[int] = field(default_factory=list)
@@ -82,7 +82,7 @@ class Count:
 
 @dataclass
 class Reckoned:
-    """What dead reckoning of a log came to.
+    """Result of dead reckoning of a log.
 
     Attributes
     ----------
@@ -146,7 +146,7 @@ class Reckoned:
         return others[:, 0], poses, others[:, 1:10].reshape(-1, 3, 3), others[:, 10:]
 
 
-# Why a row was not used, in words; the others come from the file's reader.
+# Reasons for which a row was not used, in words; the others come from the file's reader.
 REASONS = {
     OdometryHealth.NOT_FINITE: "a reading is not a finite number",
     OdometryHealth.DUPLICATE: "the same time twice",
@@ -272,7 +272,7 @@ class _Run:
         self.result.placed = absolute_error(seen, wanted, "se2")
 
     def _compare(self) -> None:
-        """What was kept for the end."""
+        """Compare the rows kept so far with the truth that the log itself holds."""
         stamps, poses = (np.concatenate(part) for part in zip(*self._own, strict=True))
         later = np.concatenate(([True], np.diff(np.maximum.accumulate(stamps)) > 0.0))
         if later.sum() < 2:

@@ -16,7 +16,7 @@ __all__ = ["of_track"]
 def of_track(
     track: Track, truth: Reference | None = None, *, name: str = "track", length: float = 0.5
 ) -> Reckoned:
-    """What there is to say about a track, against its truth if that is known.
+    """Summary of a track, with its errors against the truth if that is known.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What was recorded, and what is written: tables, bags, recordings, any of them opened by what it is.
+"""Readers and writers of logs: tables, bags and recordings; the format of a file is detected.
 
 `columns` says what a header means; `tables` reads commands, `joints` readings and `ground_truth` where it
 was, from tables (`skip_bad_rows` goes on after a bad one) or `bags`; `gyroscope` is rates in either;

@@ -1,4 +1,4 @@
-"""What the header of a column says: which quantity it holds, and in which unit."""
+"""Column headers of tables: the quantity that a column holds, and its unit."""
 
 import difflib
 import math
@@ -39,7 +39,7 @@ class Unit:
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a table holds: its name, the headers that mean it, and the units they may state (SI first)."""
+    """A quantity in a table: its name, the headers that mean it, and the units they may state (SI first)."""
 
     name: str
     spellings: tuple[str, ...]
@@ -90,7 +90,7 @@ QUANTITIES = (
     Quantity("omega", ("omega", "w", *_ANGULAR.split()), _TURN),
 )
 
-# What ROS tools put before a field: "/cmd_vel/twist/linear/x", "field.header.stamp".
+# Prefixes that ROS tools put before a field: "/cmd_vel/twist/linear/x", "field.header.stamp".
 _PREFIX = re.compile(r"^(?:(?:cmd_vel|command|cmd|field|msg|data|twist|header)_)+")
 BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*$")
 
@@ -120,7 +120,7 @@ def _interpret(header: str, quantity: Quantity) -> tuple[Unit, bool] | None:
 
 
 def find_columns(headers: Sequence[str], quantities: Sequence[Quantity] = QUANTITIES) -> dict[str, Column]:
-    """Which column holds which quantity; those that are not required may be absent.
+    """The column of each quantity, by name; those that are not required may be absent.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def _missing(
 
 
 def is_number(cell: str) -> bool:
-    """Whether a cell of a table is a number, as every program that writes tables spells one."""
+    """True if a cell of a table is a number that `float` reads, without Python's underscores."""
     try:
         float(cell)
     except ValueError:

@@ -84,7 +84,7 @@ def log_formats() -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class LogOptions:
-    """What a log does not say by itself; see `JointLog`. Encoders, truth and gyroscope have a parameter
+    """Options for what a log does not state; see `JointLog`. Encoders, truth and gyroscope have a parameter
     file's keys; `frame` is its base_frame_id."""
 
     format: str | None = None
@@ -100,7 +100,7 @@ class LogOptions:
 
     @property
     def sensor(self) -> Floats:
-        """Where what a truth follows sits in the body, x, y, yaw (3,)."""
+        """Pose in the body of the point that the truth follows: x, y, yaw (3,) [m, m, rad]."""
         return np.array([self.truth.get(axis, 0.0) for axis in ("x", "y", "yaw")])
 
     def of_body(self, truth: GroundTruth) -> GroundTruth:
@@ -126,7 +126,7 @@ def metadata_of(path: Path) -> Path | None:
 
 
 def log_format(path: Path) -> str:
-    """What a file is, by its ending and what stands beside it.
+    """Format of a log, by its ending and the files beside it.
 
     Raises
     ------
@@ -168,7 +168,7 @@ def logs_in(paths: Sequence[Path]) -> list[Path]:
 
 
 def _is_log(path: Path) -> bool:
-    """Whether a path in a folder is a log by itself: no part of a bag, not hidden, no metadata of runs."""
+    """True if a path in a folder is a log by itself: no part of a bag, not hidden, no metadata of runs."""
     if path.is_dir():
         return (path / "metadata.yaml").exists()
     inside_bag = (path.parent / "metadata.yaml").exists()
@@ -196,7 +196,7 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
         raise TableError(f"{path}: the format {kind} is {what}")
     columns, topics = options.columns or None, options.topics or None
     given = {"wheel": options.encoders, "steering": options.steering_encoders}
-    # What counts is known from the headers: encoders with a resolution are for that, others for radians.
+    # The headers tell counts from radians: encoders with a resolution are for counts, others for radians.
     # Messages have no units: there a resolution says that they are counts.
     counted = {part: kind == "bag" and "resolution" in values for part, values in given.items()}
 
@@ -385,7 +385,7 @@ class WholeLog:
 
     @property
     def has_gyroscope(self) -> bool:
-        """Whether rows come with yaw rates."""
+        """True if rows have yaw rates."""
         return self._log.yaw_rate is not None
 
     def chunks(self, chunk_rows: int = 200_000) -> Iterator[JointRows]:

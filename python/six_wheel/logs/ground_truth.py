@@ -1,4 +1,4 @@
-"""Where a rover was: columns and messages of poses or positions, in a log or in a file of their own."""
+"""Ground truth: columns and messages of poses or positions, in a log or in a file of their own."""
 
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
@@ -94,7 +94,7 @@ def _find_truth(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[
 
 
 def has_headings(values: Mapping[str, Any]) -> bool:
-    """Whether columns of a pose tell its heading."""
+    """True if columns of a pose hold a heading: a yaw or a quaternion."""
     return "yaw" in values or "qw" in values
 
 

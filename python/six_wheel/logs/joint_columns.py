@@ -1,4 +1,4 @@
-"""Which column of a joint log holds which joint, and what it says about it.
+"""Columns of a joint log: the joint and the quantity that each of them holds.
 
 A wheel may be read as the angle it has turned, as its rate, or in ticks of an encoder: three quantities
 that no default can tell apart, so a header says which, by a word (``front_left_wheel_joint/velocity``) or by
@@ -50,7 +50,7 @@ _WORDS: Mapping[Reading, tuple[str, ...]] = {
     "speed": ("velocity", "vel", "speed", "rate"),
     "ticks": ("encoder", "ticks", "tick", "counts", "count", "pulses"),
 }
-# What recorders put before the name of a joint.
+# Prefixes that recorders put before the name of a joint.
 _BEFORE = ("", "joint_states_", "joint_state_")
 
 _LENGTHS = (unit("m", 1.0, "m metres meters"), unit("cm", 1e-2, "cm"), unit("mm", 1e-3, "mm"))
@@ -77,7 +77,7 @@ YAW = _truth("yaw", _HEADINGS, _ANGLES)
 QUATERNION = tuple(_truth(f"q{axis}", _QUATERNIONS, _NONE, axis) for axis in "xyzw")
 
 
-# What wheels and their joints are called: their own names, and those that joints have where none are given.
+# Names of wheels and their joints: their own names, and those that joints have where none are given.
 _STEERING_FORMS = ("{0}_steering", "{0}_steer", "steering_{0}", "{0}_steering_joint", "{0}_steer_joint")
 _WHEEL_FORMS = ("{0}", "{0}_wheel", "{0}_wheel_joint")
 
@@ -200,7 +200,7 @@ def position_columns(headers: Sequence[str]) -> dict[str, Column]:
 
 
 def _stems(wheels: Sequence[str], joints: Mapping[str, str], forms: Sequence[str]) -> dict[str, str]:
-    """What a header may begin with, and the wheel that it means."""
+    """Beginnings that a header may have, each with the wheel that it means."""
     named = {words(form.format(wheel)): wheel for wheel in wheels for form in forms}
     return named | {words(joint): wheel for joint, wheel in joints.items()}
 
@@ -230,7 +230,7 @@ def _doubt(header: str, text: str, rest: str, given: str | None, part: str) -> s
 
 
 def _reading(rest: str, given: str | None, default: Reading | None) -> tuple[Reading, Unit] | None:
-    """What the words behind a name and a unit in brackets say together; None if nothing, or not the same."""
+    """Reading and unit by the words behind a name and the unit in brackets; None if they do not agree."""
     given = words(given) if given else None
     for kind in READINGS:
         for each in _UNITS[kind]:

@@ -160,7 +160,7 @@ class JointLog:
             self._turned = found.reversed
             columns_of = {w: found.columns[f"steering {w}"] for w in rover.steered_names}
             self._counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
-            self.warnings += [w for w in table.warnings if "last line" not in w]  # which is a finding here
+            self.warnings += [w for w in table.warnings if "last line" not in w]  # that one is a finding here
             silent = list(found.silent)
             self._in_rows = any(name in found.columns for name in RATES)
             if self._in_rows and self._gyroscope.get("time_offset"):
@@ -207,7 +207,7 @@ class JointLog:
 
     @property
     def has_gyroscope(self) -> bool:
-        """Whether rows come with yaw rates."""
+        """True if rows have yaw rates."""
         return self._in_rows or self._rates is not None
 
     def _rates_of_bag(self, frame: str) -> Source | None:
@@ -240,12 +240,12 @@ class JointLog:
 
     @property
     def size(self) -> int:
-        """What `position` counts up to: bytes of a CSV file, rows or messages of others."""
+        """Largest value of `position`: bytes of a CSV file, rows or messages of others."""
         return self._source.size
 
     @property
     def position(self) -> int:
-        """How far reading has come, in the unit of `size`."""
+        """Progress of reading, in the unit of `size`."""
         return self._source.position
 
     def chunks(self, chunk_rows: int = 200_000) -> Iterator[JointRows]:
@@ -366,7 +366,7 @@ class JointLog:
         return JointRows(batch.rows, stamps, steered, angles, truth, rates)
 
     def _turning(self) -> Turning | None:
-        """What brings rates of a gyroscope with stamps of its own to the rows."""
+        """Resampler that brings rates of a gyroscope with stamps of its own to the rows."""
         source = self._rates
         if source is None:
             return None
@@ -410,7 +410,7 @@ class _Total:
 
     @property
     def counts(self) -> bool:
-        """Whether it is given whole numbers."""
+        """True if the encoder has a whole number of counts per turn."""
         resolution = None if self._encoder is None else self._encoder.resolution
         return resolution is not None and resolution % 1.0 == 0.0
 

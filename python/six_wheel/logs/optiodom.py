@@ -32,7 +32,7 @@ Metadata = Mapping[str, list[float]]
 
 @dataclass(frozen=True)
 class Robot:
-    """What a file of this robot means.
+    """Interpretation of the files of one robot of the data set.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ def _differential(metadata: Metadata) -> Rover:
 
 
 def _tricycle(metadata: Metadata) -> Rover:
-    # How far apart its rear wheels are is not told and without encoders does not matter: one stands for both.
+    # The distance of its rear wheels is not stated and, without encoders, not needed: one stands for both.
     return Rover.bicycle(metadata["Li"][0], metadata["Di"][0] / 2, driven="front")
 
 

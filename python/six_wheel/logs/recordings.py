@@ -75,16 +75,16 @@ class GroundTruth:
 
     @property
     def has_positions(self) -> bool:
-        """Whether x and y are known."""
+        """True if x and y are known."""
         return not np.isnan(self.poses[0, 0])
 
     @property
     def has_headings(self) -> bool:
-        """Whether yaw is known."""
+        """True if yaw is known."""
         return not np.isnan(self.poses[0, 2])
 
     def covers(self, stamps: ArrayLike, margin: float = 0.0) -> NDArray[np.bool_]:
-        """Whether it is known throughout `margin` [s] before and after these times. Shape (m,)."""
+        """True where the truth is known throughout `margin` [s] before and after these times. Shape (m,)."""
         wanted = np.asarray(stamps, dtype=np.float64)
         first = np.searchsorted(self.stamps, wanted - margin, side="right") - 1
         last = np.searchsorted(self.stamps, wanted + margin, side="left")
@@ -110,7 +110,7 @@ class GroundTruth:
 
 @dataclass(frozen=True, eq=False)
 class WheelLog:
-    """What the encoders of one drive said, and the truth if it is known.
+    """Encoder readings of one drive, and the truth if it is known.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ class WheelLog:
         name: str = "",
         session: str = "",
     ) -> Self:
-        """From how far each wheel turned since the row before [rad]; the first row counts from 0."""
+        """A log from the angle of each wheel since the row before [rad]; the first row counts from 0."""
         angles = np.cumsum(np.asarray(increments, dtype=np.float64), axis=0)
         return cls(stamps, steering, angles, truth, name, session)  # type: ignore[arg-type]
 
@@ -285,8 +285,7 @@ def encoders_of(argument: str, given: Any, names: Sequence[str]) -> list[Encoder
 
 
 def _where_there(made: Sequence[Callable[[Floats, Rows], Floats]], columns: Floats) -> Floats:
-    """What is made of the numbers of every column and of the rows they are in; NaN stays a reading that is
-    missing, and costs no other."""
+    """Apply to every column its function of the finite numbers and their rows; missing readings stay NaN."""
     found = np.full_like(columns, math.nan)
     for column, read, make in zip(found.T, columns.T, made, strict=True):
         rows = np.flatnonzero(np.isfinite(read))
@@ -302,7 +301,7 @@ def _summed(stamps: Floats, rates: Floats, rows: Rows) -> Floats:
 
 
 def _angles(encoder: Encoder, absolute: bool, counts: Floats, rows: Rows) -> Floats:
-    """What counts mean [rad], a counter that starts over unrolled; an absolute one starts near 0."""
+    """Angles [rad] of encoder counts, a counter that starts over unrolled; an absolute one starts near 0."""
     steps = np.diff(counts)
     if encoder.modulus is not None:
         steps -= encoder.modulus * np.round(steps / encoder.modulus)

@@ -48,7 +48,7 @@ class Finding:
 
 @dataclass
 class Findings:
-    """What was left out: the first `MOST_FINDINGS` findings in full, and the number of `rows`."""
+    """Rows that were left out: the first `MOST_FINDINGS` findings in full, and the number of `rows`."""
 
     path: Path
     listed: list[Finding] = field(default_factory=list)
@@ -88,7 +88,7 @@ class Batch:
 
 
 class Source(Protocol):
-    """Where batches come from: a table or a bag."""
+    """Source of batches: a table or a bag."""
 
     time_unit: Unit
     findings: Findings
@@ -134,7 +134,7 @@ class TolerantTable(Table):
 
     @property
     def stated(self) -> bool:
-        """Whether the header of the times states their unit, or it is the default."""
+        """True if the header of the times states their unit, False if it is the default."""
         return self._columns["time"].stated
 
     def batches(self, chunk_rows: int) -> Iterator[Batch]:
@@ -223,7 +223,7 @@ class TolerantTable(Table):
         return Batch(rows, lines, time, scaled)
 
     def _line_by_line(self, block: bytes, row: int, lines: NDArray[np.int64]) -> Batch:
-        """What Arrow refused as a whole: every row that is one."""
+        """Valid rows of a block that Arrow refused as a whole, read line by line; the others are reported."""
         texts = [line for line in block.decode("utf-8", "replace").split("\n") if line.strip("\r")]
         kept: list[int] = []
         cells: list[list[float | int]] = []

@@ -123,7 +123,7 @@ class Table:
 
     @property
     def position(self) -> int:
-        """How far reading has come, in the unit of `size`."""
+        """Progress of reading, in the unit of `size`."""
         if self.format == "parquet" or self._handle is None or self._handle.closed:
             return self._rows_read
         return self._handle.tell()
@@ -335,7 +335,7 @@ class CommandTable(Table):
         return Chunk(row, time, twists)
 
     def _unreadable(self, error: Exception) -> TableError:
-        """What is wrong with the row at which the parser gave up; its own message knows no line."""
+        """The error that names the first bad row and its line, which the parser's own message does not."""
         if self.format == "csv":
             with contextlib.suppress(csv.Error):
                 for row, (_, line) in enumerate(self._rows(), start=1):

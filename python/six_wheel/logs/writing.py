@@ -48,7 +48,7 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
 
 
 def remove_leftovers(path: Path) -> None:
-    """What writers of `path` left beside it that were killed: for when there is none at work any more."""
+    """Delete temporary files that killed writers of `path` left beside it. No writer may be at work."""
     for rest in path.parent.glob(f".{escape(path.stem)}.{'[0-9a-f]' * 8}{escape(path.suffix)}"):
         rest.unlink(missing_ok=True)
 

@@ -1,4 +1,4 @@
-"""What the readers share: what a file can be told, and how it is refused."""
+"""Common parts of the readers of maps: checks of arguments and files, and their errors."""
 
 import math
 from typing import NamedTuple
@@ -57,7 +57,7 @@ def cut(grid: Grid, window: Window | None, name: str) -> Grid:
 
 
 def extent(grid: Grid) -> str:
-    """Where a grid lies, in words."""
+    """Sentence on the range of x and y [m] that a grid covers."""
     (x, y), (dx, dy) = grid.origin, grid.spacing
     rows, columns = grid.heights.shape
     return f"the map has x {x:g} to {x + dx * (columns - 1):g}, y {y:g} to {y + dy * (rows - 1):g}"

@@ -1,4 +1,4 @@
-"""One tile of a map: at every node and every heading, whether a rover can stand."""
+"""One tile of a map: feasibility of the settled pose at every node and every heading."""
 
 import math
 from dataclasses import dataclass

@@ -32,7 +32,7 @@ BANDS = {
 
 
 class Layers(NamedTuple):
-    """What is known of every cell, as rows of the image; NaN where nothing is."""
+    """Layers of the result for every cell, as rows of the image; NaN where nothing is known."""
 
     safe: NDArray[np.float32]
     tilt: NDArray[np.float32]  # [rad]
@@ -42,7 +42,7 @@ class Layers(NamedTuple):
 
 @dataclass(frozen=True)
 class Traversed:
-    """What came of a map."""
+    """Result of `traverse` for a map."""
 
     output: Path
     cells: int
@@ -78,7 +78,7 @@ def traverse(
     workers: int | None = None,
     tell: Callable[[int, int], object] | None = None,
 ) -> Traversed:
-    """Where a rover can stand, at every cell of a map and so many headings.
+    """Feasibility of the settled pose of a rover at every cell of a map and at `headings` headings.
 
     The map is read, judged and written in tiles: memory does not grow with it. Finished tiles are kept in a
     folder beside the output until that is whole; the same call after a stop goes on there. Results do not
@@ -263,7 +263,7 @@ def _write(output: Path, raster: Raster, windows: list[Window], journal: Journal
                         few
                     )
                 safe += float(layers["safe"].sum(dtype=np.float64))
-        with library.open(beside) as written:  # what did not fit on the disk is noticed here
+        with library.open(beside) as written:  # a full disk is noticed here
             written.read(1, window=((rows - 1, rows), (0, columns)))
         beside.replace(output)
     except library.errors.RasterioError as error:

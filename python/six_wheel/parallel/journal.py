@@ -112,7 +112,7 @@ class Journal:
         for unfinished in self.path.glob(".*.npz.*"):  # of a run that was killed
             unfinished.unlink(missing_ok=True)
         (self.path / MANIFEST).unlink(missing_ok=True)
-        with contextlib.suppress(OSError):  # what someone else has put there stays
+        with contextlib.suppress(OSError):  # files of others stay
             self.path.rmdir()
         self.done = set()
 

@@ -37,7 +37,7 @@ def here(function: Callable[[Any], Any], items: Items) -> Generator[Outcome]:
 
 
 def processes(function: Callable[[Any], Any], items: Items, workers: int) -> Generator[Outcome]:
-    """As they get done, in so many processes, a pipe to each: whose item died is always known."""
+    """Outcomes in the order in which they finish, in `workers` processes with a pipe each."""
     busy: dict[Connection, tuple[Worker, int, Any]] = {}
     idle: list[Worker] = []
     again: list[tuple[int, Any]] = []
@@ -76,7 +76,7 @@ def processes(function: Callable[[Any], Any], items: Items, workers: int) -> Gen
                     idle.append(worker)
                 yield replace(outcome, index=index)
     finally:
-        # What nobody waits for any more need not be finished.
+        # Items that nobody waits for any more need not be finished.
         for worker, _, _ in busy.values():
             worker.process.terminate()
         for worker in [*idle, *(worker for worker, _, _ in busy.values())]:

@@ -1,4 +1,4 @@
-"""What comes back of an item: its value, or why there is none."""
+"""Outcome of an item: its value, or the failure."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,12 +8,12 @@ __all__ = ["Failure", "Outcome", "Outcomes", "failed"]
 
 @dataclass(frozen=True)
 class Failure:
-    """Why an item has no value."""
+    """Failure of an item: the exception that it raised, or the death of its worker."""
 
     kind: str
     """Name of the exception, or ``WorkerDied``."""
     message: str
-    """What it said, in one line."""
+    """Message of the exception, in one line."""
 
     def __str__(self) -> str:
         return f"{self.kind}: {self.message}" if self.message else self.kind
@@ -26,11 +26,11 @@ class Outcome:
     index: int
     """Place of the item among the items."""
     value: Any = None
-    """What the function made of it; None where it failed."""
+    """Value of the function; None if it failed."""
     failure: Failure | None = None
     """None where it did not."""
     resumed: bool = False
-    """Whether the value was read from a journal."""
+    """True if the value was read from a journal."""
 
 
 @dataclass(frozen=True)

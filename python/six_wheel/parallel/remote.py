@@ -72,7 +72,9 @@ def _version() -> str:
 
 
 def on_cluster(function: Callable[[Any], Any], items: Items, client: Any) -> Generator[Outcome]:
-    """As they get done, on the workers of a client; those of a worker that dies go to another.
+    """Outcomes in the order in which they finish, on the workers of a client.
+
+    Items of a worker that dies go to another.
 
     Raises
     ------

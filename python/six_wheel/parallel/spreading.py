@@ -22,7 +22,7 @@ def spread(
     prepare: Callable[[Any], Any] | None = None,
     tell: Callable[[int], object] | None = None,
 ) -> Generator[Outcome]:
-    """What the function makes of every item, as they get done.
+    """Outcomes of a function for every item, in the order in which they finish.
 
     Only some items per worker are on their way at a time: many items need no more memory than few.
 

@@ -1,4 +1,4 @@
-"""What every picture shares: colours, a quiet frame, a rover's sizes, and the rover itself from above."""
+"""Common parts of all pictures: colours, frame, sizes of a rover, and the rover from above."""
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
@@ -226,7 +226,7 @@ def headings(rover: Rover, steering: ArrayLike | None = None) -> Floats:
 
 
 def contacts(rover: Rover, steering: ArrayLike | None = None) -> Floats:
-    """Where the wheels touch the ground, in the body [m]: (..., steered wheels) -> (..., wheels, 2)."""
+    """Contacts of the wheels with the ground, in the body [m]: (..., steered wheels) -> (..., wheels, 2)."""
     x, y, trail, scrub = np.array([(wheel.x, wheel.y, wheel.trail, wheel.scrub) for wheel in rover.wheels]).T
     cosine, sine = np.cos(headings(rover, steering)), np.sin(headings(rover, steering))
     return np.stack((x - trail * cosine - scrub * sine, y - trail * sine + scrub * cosine), axis=-1)

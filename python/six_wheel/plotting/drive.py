@@ -27,8 +27,8 @@ NEAR = 2.5  # a limit this many times as far away as the values is not in the pi
 SIDE = 0.2  # share of the largest value that makes the limit of a side worth its room
 STEERING = Reason.STEERING_LIMIT | Reason.STEERING_RATE | Reason.STEERING_ACCELERATION
 ROLLING = Reason.WHEEL_SPEED | Reason.WHEEL_ACCELERATION
-STATES = ~(2 * Reason.ANGULAR_JERK.value - 1)  # of the command and the loop, not of a motion's size
-BODILY = "#b5651d"  # of what limits the body
+STATES = ~(2 * Reason.ANGULAR_JERK.value - 1)  # reasons of the command and the loop, not of a motion's size
+BODILY = "#b5651d"  # colour of reasons that limit the body
 DASHES: tuple[Any, Any] = (
     "-",
     (0, (4, 3)),
@@ -100,7 +100,7 @@ def draw_course(
         found.append(axes)
         for place, (column, hue) in enumerate(zip(columns, hues, strict=True)):
             x, y = _line(begin, low[:, column], high[:, column], course.stride)
-            # What was asked for is a broad pale line, on which what was done lies.
+            # The commanded motion is a broad pale line below the limited one.
             asked = hue == ASKED and column < 3
             width = (3.0 if asked else 1.1) / (1.0 if course.stride == 1 else 2.0)
             axes.plot(
@@ -127,7 +127,7 @@ def draw_course(
 
 
 def draw_key(axes: Axes, rover: Rover) -> None:
-    """What the colours of `draw_course` mean."""
+    """Draw the legend of `draw_course`."""
     lines = [
         Line2D([], [], color=ASKED, linewidth=3.0, alpha=0.4, label="commanded"),
         Line2D([], [], color=DONE, linewidth=1.1, label="limited"),

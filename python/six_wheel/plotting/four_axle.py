@@ -101,7 +101,7 @@ def _stations(result: FourAxleSimulation) -> list[int]:
 
 
 def _stands_after(result: FourAxleSimulation, row: int) -> bool:
-    """Whether the axles turn after this row while the body stands."""
+    """True if the axles turn after this row while the body stands."""
     later = result.ends[result.ends > row]
     if len(later) == 0:
         return False
@@ -110,7 +110,7 @@ def _stands_after(result: FourAxleSimulation, row: int) -> bool:
 
 
 def _write_actions(axes: Axes, result: FourAxleSimulation, size: float) -> None:
-    """What takes time, beside the place where it happens; brakes alone are in the strips below."""
+    """Write the actions that take time beside the places where they happen; the strips show the rest."""
     places: list[tuple[np.ndarray, list[str]]] = []
     begin = 0
     for step, end in zip(result.steps, result.ends.tolist(), strict=True):

@@ -81,7 +81,7 @@ def _fill(axes: Axes, found: Rim) -> list[Patch]:
             corners = 4.0 * ways[[*rows, after]]  # off the page
         else:
             corners = ends[[*rows, after]]
-            if kinds[after] in SHADES:  # whose fastest motion is another one's
+            if kinds[after] in SHADES:  # its fastest motion belongs to another sector
                 corners[-1] = ways[after] * np.linalg.norm(corners[-2]) / np.linalg.norm(ways[rows[-1]])
         axes.add_patch(
             Polygon([(0.0, 0.0), *corners], facecolor=color, edgecolor=color, linewidth=0.4, zorder=1)

@@ -89,7 +89,7 @@ def draw_path(axes: Axes, result: Reckoned) -> None:
 
 
 def draw_key(figure: Figure, axes: Axes) -> None:
-    """What a path is drawn with, under all of the picture: ellipses may fill it."""
+    """Draw the legend of a path below the picture, which ellipses may fill."""
     figure.legend(
         *axes.get_legend_handles_labels(), loc="outside lower left", ncols=5, frameon=False, fontsize=8,
         labelcolor=INK,
@@ -124,7 +124,7 @@ def _draw_growth(axes: Axes, result: Reckoned) -> None:
 
 
 def _draw_residuals(axes: Axes, result: Reckoned) -> None:
-    """How fast each wheel slid, stretches of slip shaded."""
+    """Draw the sliding speed of each wheel [mm/s], with stretches of slip shaded."""
     stamps, _, _, residuals = result.trace()
     names = result.rover.wheel_names
     stamps, residuals = _thin(stamps, residuals)

@@ -75,7 +75,7 @@ def plan_figure(
     length = draw_path(axes, rover, poses, steering, count=8)
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     draw_costmap(axes, costmap)
-    # What stands in the way beside it, too.
+    # Obstacles beside the motion stay in view: 0.6 m on every side.
     axes.set(xlim=(left - 0.6, right + 0.6), ylim=(low - 0.6, high + 0.6))
     if path is not None:
         asked = np.asarray(path, dtype=np.float64)

@@ -93,7 +93,7 @@ def draw_icr_line(axes: Axes, rover: Rover) -> None:
 
 
 def icr_levels(rover: Rover) -> list[float]:
-    """How far ahead that line lies [m], if there is one."""
+    """Position ahead [m] of the line on which the centre of rotation lies, if the fixed wheels define one."""
     fixed = [w for w in rover.wheels if not (w.steered or w.castor) and w.roller_angle is None]
     if not fixed or any(abs(math.sin(wheel.heading)) > 1e-9 for wheel in fixed):
         return []
@@ -124,7 +124,7 @@ def _draw_icr_line(axes: Axes, rover: Rover, height: float) -> None:
 def draw_turning_circles(
     axes: Axes, wheels: Floats, twist: Floats, icr: Floats, size: float, shown: bool
 ) -> list[Floats]:
-    """Where every wheel, now at `wheels` in the body, goes next, fading out, and the circle it goes round.
+    """Draw the next motion of every wheel, now at `wheels` in the body, fading out, and its circle.
 
     Returns points of the lines, for words to keep off.
     """
@@ -292,7 +292,7 @@ def _corner(axes: Axes, words: str, *, right: bool = False, color: str = CENTRE)
 
 
 def draw_key(figure: Figure, rover: Rover, moving: bool) -> None:
-    """What wedges, lines and arrows mean."""
+    """Draw the legend of wedges, lines and arrows."""
     shown: list[Line2D | Patch] = []
     if any(wheel.steered for wheel in rover.wheels):
         shown.append(Patch(facecolor=AXLE, alpha=0.13, linewidth=0, label="steering range"))

@@ -1,4 +1,4 @@
-"""What a controller did in a simulated drive."""
+"""Record of a controller in a simulated drive."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Controlled:
-    """What a controller did.
+    """Record of a controller's steps.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How a simulated rover is asked to move: stamps and twists, from commands or from a path."""
+"""Desired motion of a simulated rover: stamps and twists, from commands or from a path."""
 
 import reprlib
 from dataclasses import dataclass, field
@@ -48,7 +48,7 @@ class Course:
 
 
 def read_course(path: object, rover: Rover, speed: float) -> Course:
-    """What `simulate` takes as a path or commands.
+    """Convert the path or commands given to `simulate` into a `Course`.
 
     Parameters
     ----------

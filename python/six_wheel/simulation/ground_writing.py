@@ -140,7 +140,7 @@ def _wheel_transforms(
 
 
 def _quaternion(rotation: Floats) -> Floats:
-    """Of rotations by less than half a turn, x, y, z, w (n, 4)."""
+    """Quaternions x, y, z, w (n, 4) of rotations by less than half a turn."""
     w = np.sqrt(np.maximum(0.0, 1.0 + np.trace(rotation, axis1=1, axis2=2))) / 2.0
     pairs = ((2, 1), (0, 2), (1, 0))
     vector = [(rotation[:, i, k] - rotation[:, k, i]) / (4.0 * w) for i, k in pairs]
@@ -148,7 +148,7 @@ def _quaternion(rotation: Floats) -> Floats:
 
 
 def _product(first: Floats, second: Floats) -> Floats:
-    """Of quaternions x, y, z, w (n, 4)."""
+    """Product of quaternions x, y, z, w (n, 4)."""
     a, b = first[:, :3], second[:, :3]
     s, t = first[:, 3:], second[:, 3:]
     return np.concatenate(

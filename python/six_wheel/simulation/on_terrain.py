@@ -90,7 +90,7 @@ def simulate_on_ground(
     wanted = course.at(moved.stamps)[:, [0, 2]]
     told = arm.inverse(stand, wanted, view="plan", steering=moved.steering)
     missing = np.isnan(told.speeds[:, 0])
-    # Where no way to stand was found, which the status says, wheels go on as they did.
+    # Rows without a settled pose, which the status says, get speeds interpolated over the gap.
     rows = np.arange(len(missing))
     columns = [np.interp(rows, rows[~missing], column[~missing]) for column in told.speeds.T]
     speeds = np.stack(columns, axis=-1)

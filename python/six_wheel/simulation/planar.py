@@ -1,5 +1,4 @@
-"""How a simulated rover really moves: joints, poses and wheels, slip and all, finer than anything
-samples them."""
+"""True motion of a simulated rover: joints, poses and wheels with slip, in steps finer than any sampling."""
 
 import math
 from collections.abc import Sequence
@@ -53,7 +52,7 @@ class Slip:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What truly happened: the seam between how a rover moves and what its sensors make of it.
+    """True motion, the interface between the model of the rover and that of its sensors.
 
     `stamps` (n,) [s]; `poses` (n, 3) [m, m, rad]; `steering` (n, steered) [rad]; `turned` (n, wheels),
     running totals [rad]; `yaw_rate` (n,) about the body's vertical axis [rad/s]. Between rows everything
@@ -94,7 +93,7 @@ class Simulation(WheelLog):
 
 
 def generator(seed: int) -> np.random.Generator:
-    """What is random, the same for the same seed."""
+    """Random generator, the same for the same seed."""
     try:
         return np.random.default_rng(seed)
     except (TypeError, ValueError):
@@ -110,7 +109,7 @@ def drive(
     start: Floats,
     random: np.random.Generator,
 ) -> Motion:
-    """How a rover moves on a plane.
+    """Simulate the motion of a rover on a plane.
 
     Its wheels do what they are told and their contacts slip, by chance with `noise.slip` and
     `noise.side_slip` per root metre, independently; the body goes where the sliding of all of them is
@@ -186,7 +185,7 @@ def _sliding(
     dt: float,
     random: np.random.Generator,
 ) -> Floats:
-    """What chance slip of the contacts adds to the twists, (n, 3)."""
+    """Random change of the twists by slip of the contacts, (n, 3)."""
     if noise.slip == 0.0 and noise.side_slip == 0.0:
         return np.zeros_like(twists)
     by = rover.sensitivity(steering, speeds, steering_rates=rates, quantities=("slip", "side_slip"))
@@ -202,7 +201,7 @@ def _sliding(
 
 
 def during(slip: Slip, stamps: Floats) -> NDArray[np.bool_]:
-    """Which steps between these stamps it covers, (n - 1,)."""
+    """True for the steps between these stamps that the slip covers, (n - 1,)."""
     return (stamps[:-1] >= slip.start) & (stamps[1:] <= slip.stop)
 
 

@@ -1,5 +1,4 @@
-"""What encoders and a gyroscope make of a motion: noise, ticks, counters that start over, jitter, rows
-that get lost."""
+"""Model of encoders and a gyroscope: noise, ticks, counters that start over, jitter, lost rows."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -46,7 +45,7 @@ def read(
     gyroscope: Gyroscope | None,
     random: np.random.Generator,
 ) -> Sampled:
-    """What the sensors report at the rows of a motion.
+    """Simulated readings of the sensors at the rows of a motion.
 
     Every step of a wheel errs on its own by `noise.speed` times its duration, so that totals wander as
     odometry takes them to; every reading of a joint errs on its own. The bias of the gyroscope starts

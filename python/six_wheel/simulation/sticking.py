@@ -65,8 +65,9 @@ def drive_stuck(
     start: Floats,
     random: np.random.Generator,
 ) -> tuple[Motion, Controlled]:
-    """How a rover moves whose controller is given the twist of the course in every step, and the angles of
-    the joints, one of which sticks.
+    """Simulate a rover under a `Controller` with one joint that sticks.
+
+    In every step the controller is given the twist of the course and the measured angles of the joints.
 
     Parameters: as `motion.drive`; `step` is at most the period of the controller.
     """

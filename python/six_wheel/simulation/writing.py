@@ -112,8 +112,8 @@ def upright(yaw: float) -> Floats:
 
 
 def reckoned(log: WheelLog, rover: Rover) -> list[tuple[Floats, Floats, Floats, Floats]]:
-    """What odometry makes of the readings from the first true pose on: pose, twist and their covariances
-    (6, 6), row by row."""
+    """Odometry of the readings from the first true pose on: pose, twist and their covariances (6, 6), row by
+    row."""
     odometry = Odometry(rover, **log.options)
     if log.truth is not None:
         odometry.reset(log.truth.at(log.stamps[:1])[0])
@@ -193,7 +193,7 @@ class Messages:
         self._write("geometry_msgs/msg/PoseStamped", stamp, WORLD, pose=pose)
 
     def odometry(self, stamp: int, pose: Floats, twist: Floats, of_pose: Floats, of_twist: Floats) -> None:
-        """Where the rover is by its wheels, with both covariances (6, 6)."""
+        """Write a message of odometry with both covariances (6, 6)."""
         make = self._make
         place = self._vector((pose[0], pose[1], 0.0), "Point")
         posed = make("geometry_msgs/msg/Pose", position=place, orientation=self._quaternion(upright(pose[2])))

@@ -1,1 +1,1 @@
-"""What a gyroscope errs by: `noise` from where the rover stands, `scale` against how it turned."""
+"""Errors of a gyroscope: `noise` while the rover stands, `scale` against the rotation of the rover."""

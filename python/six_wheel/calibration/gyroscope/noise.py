@@ -31,7 +31,7 @@ HALVINGS = 30
 
 @dataclass(frozen=True, eq=False)
 class MeasuredGyroscope:
-    """What a gyroscope errs by.
+    """Measured errors of a gyroscope.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ def measure(logs: Sequence[WheelLog], confidence: float) -> MeasuredGyroscope | 
 
 
 def with_gyroscope(measured: MeasuredNoise, gyroscope: MeasuredGyroscope) -> MeasuredNoise:
-    """What was measured of the wheels, and what a gyroscope errs by, its bias counted as noise."""
+    """The measured noise of slip with that of a gyroscope, whose bias counts as noise of the yaw rate."""
     known = gyroscope.known
     rate = _digits(math.hypot(known.noise, known.bias_noise))
     noise, beside = (
@@ -143,7 +143,7 @@ def with_gyroscope(measured: MeasuredNoise, gyroscope: MeasuredGyroscope) -> Mea
 
 
 def _cost(steps: Floats, dt: Floats, white: float, walk: float) -> float:
-    """How unlikely differences of readings are, by variances of noise and of wandering in a second."""
+    """Negative log-likelihood of differences of readings, by variances of noise and bias walk per second."""
     band = np.full((2, len(steps)), -white)
     band[0] = 2.0 * white + walk * dt
     try:

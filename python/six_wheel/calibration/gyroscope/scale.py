@@ -1,4 +1,4 @@
-"""What the readings of a gyroscope are to be multiplied by, and whether they are about the right axis."""
+"""Scale factor of the readings of a gyroscope, and a check of their axis."""
 
 from collections.abc import Iterator, Sequence
 
@@ -107,7 +107,7 @@ def _stretches(stamps: Floats, whole: Floats) -> Iterator[tuple[int, int]]:
 
 
 def _true_headings(log: WheelLog, offset: float) -> Floats:
-    """Those of a truth with poses: headings alone may be the gyroscope's own."""
+    """Headings of a truth with poses [rad], otherwise NaN: headings alone may be the gyroscope's own."""
     if log.truth is None or not (log.truth.has_headings and log.truth.has_positions):
         return np.full(len(log), np.nan)
     return log.truth.at(log.stamps + offset)[:, 2]

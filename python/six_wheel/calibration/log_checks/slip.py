@@ -18,7 +18,7 @@ from six_wheel.logs.recordings import WheelLog
 LARGE = 1.5
 # unless they last for so long [s]: a steering joint that lags, a corner that scrubs is over before.
 LASTING = 1.75
-# By what share of a usual motion a slide errs at least: under a fit, dimensions err by far less.
+# Least error of a slide, as a share of a usual motion: under a fit, dimensions err by far less.
 LEAST = 0.1
 # Left out on either side of a slide [s]: where it begins is known to half a window.
 MARGIN = 0.5
@@ -27,7 +27,7 @@ FEWEST_ROWS = 10
 
 @dataclass(frozen=True)
 class Slip:
-    """What was left out of one log."""
+    """Stretches of slip that were left out of one log."""
 
     number: int
     name: str
@@ -96,7 +96,7 @@ def _outside(drive: Drive, stretches: Sequence[Stretch]) -> Drive:
 def clean(
     log: WheelLog, stretches: Sequence[Stretch], ready: Callable[[WheelLog], Drive], session: str
 ) -> list[tuple[WheelLog, Drive]]:
-    """What is left of a log without its slides, ready to be fitted; each piece begins where the truth is."""
+    """Pieces of a log between its slides, ready to be fitted; each piece begins where the truth is."""
     spans = merged(stretches, MARGIN)
     begins, ends = [-np.inf, *(end for _, end in spans)], [*(start for start, _ in spans), np.inf]
     pieces = []

@@ -14,13 +14,13 @@ from six_wheel.calibration.model import Model
 from six_wheel.kinematics.odometry.dimensions import size
 from six_wheel.kinematics.poses import Floats
 
-# How much better another reading must fit than the one given, nominal dimensions both.
+# Ratio of misfits by which another reading must beat the given one, both with nominal dimensions.
 FAR_BETTER = 3.0
 # Readings that fit as well as the best one, but for this factor, are told with it.
 ALIKE = 1.1
-# What a fit leaves of usual windows at least, as a share of their length, where logs and truth are strangers.
+# Error after a fit, as a share of the length of usual windows, above which logs and truth do not match.
 STRANGE = 0.25
-# By how much a factor differs from one that has a reason, as a logarithm.
+# Least difference of the logarithms between a free factor and every factor that has a known reason.
 ANOTHER = 0.2
 # About a factor that is guessed by the ways.
 NEAR = np.geomspace(0.5, 2.0, 25)
@@ -55,7 +55,7 @@ FACTORS = (
 
 
 def mistaken(problem: Problem, solution: Solution) -> list[str]:
-    """What is probably wrong with the logs, their truth or the rover, and the remedy; nothing if they fit.
+    """Messages on probable mistakes in the logs, their truth or the rover, with remedies; empty if they fit.
 
     Every suspicion is tried: sides swapped, wheels that count backwards, factors of two, degrees for radians;
     where nothing else explains what a fit leaves, any other factor.
@@ -84,7 +84,7 @@ def mistaken(problem: Problem, solution: Solution) -> list[str]:
 
 
 def _left(problem: Problem, solution: Solution) -> float:
-    """What a fit leaves of usual windows, as a share of their length; 0 where all begin at the start."""
+    """Median error of usual windows after a fit, as a share of their length; 0 if all begin at the start."""
     some = problem.which < len(problem.lengths)
     errors = solution.errors[some] * (1.0, 1.0, size(problem.model.nominal))
     shares = np.linalg.norm(errors, axis=1) / problem.lengths[problem.which[some]]
@@ -101,7 +101,7 @@ def _unchanged(drive: Drive) -> Drive:
 
 
 def _misfit(model: Model, drives: Sequence[Drive], change: Callable[[Drive], Drive] = _unchanged) -> float:
-    """Of usual windows under the nominal dimensions [m]."""
+    """Size of the errors of usual windows under the nominal dimensions [m]."""
     squares: list[Floats] = []
     for drive in drives:
         errors, _ = model.errors(change(drive), model.start)
@@ -110,7 +110,7 @@ def _misfit(model: Model, drives: Sequence[Drive], change: Callable[[Drive], Dri
 
 
 def _factor(model: Model, drives: Sequence[Drive]) -> tuple[float, float]:
-    """By how much wheels turn too little, and what is left then [m]."""
+    """Factor on the rotation of all wheels that fits the truth best, and the misfit with it [m]."""
     reach, ways = size(model.nominal) * np.array((0.0, 0.0, 1.0)) + (1.0, 1.0, 0.0), np.zeros(2)
     for drive in drives:
         times = np.arange(drive.stamps[0], drive.stamps[-1], A_STEP)
@@ -226,7 +226,7 @@ def at_bounds(problem: Problem, solution: Solution) -> list[str]:
 
 
 def unsettled(solution: Solution, mistaken: bool = False) -> list[str]:
-    """Why a fit did not settle, and what to do."""
+    """The reason that a fit did not settle, with a remedy; empty if it settled."""
     if solution.converged:
         return []
     widest = float(solution.spread.max(initial=0.0))

@@ -75,7 +75,7 @@ def wheels_table(chosen: Chosen) -> Any:
 
 
 def derived_table(robot: "Robot") -> Any:
-    """What was derived from a robot description, and from where, a row for each wheel."""
+    """Table of the values derived from a robot description and their sources, a row for each wheel."""
     from rich.table import Table
 
     table = Table(title=f"derived from the {len(robot.wheels)} wheels of {robot.name}", title_justify="left")
@@ -129,7 +129,7 @@ def plan(rover: "Rover") -> str:
 
 
 def _turning(wheel: "Wheel") -> str:
-    """How a wheel steers, and what else is not as usual about it."""
+    """Steering range of a wheel, and everything else about it that is not the default."""
     ends = wheel.steering_range
     turns = "fixed" if ends is None else f"{math.degrees(ends[0]):.1f}° to {math.degrees(ends[1]):.1f}°"
     if ends is not None and math.isinf(ends[1]):
@@ -152,7 +152,7 @@ def _joints(joints: dict[str, str]) -> str:
 
 
 def _given(values: dict[str, Any]) -> str | None:
-    """What a group of keys holds, in one line; None if nothing."""
+    """Values of a group of keys, in one line; None if there are none."""
     return ", ".join(f"{name} {_written(value)}" for name, value in values.items()) or None
 
 
@@ -169,7 +169,7 @@ def _written(value: Any) -> str:
 
 
 def abilities(chosen: Chosen) -> list[tuple[str, object]]:
-    """What a rover can do, as rows for `grid`."""
+    """Abilities of a rover, as rows for `grid`."""
     from six_wheel.kinematics.rover_edit import joints_as_given
 
     rover, parameters = chosen.rover, chosen.parameters
@@ -204,14 +204,14 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
 
 
 def _guessed() -> str:
-    """What is said of noise that nobody measured."""
+    """Note on noise that nobody measured."""
     from six_wheel._core import Noise
 
     return GUESSED.format(slip=Noise().slip)
 
 
 def _described(robot: "Robot") -> list[tuple[str, object]]:
-    """What a robot description says beside the wheels, as rows for `grid`."""
+    """Properties in a robot description beside the wheels, as rows for `grid`."""
     found = robot.suspension
     joints = "" if found is None else ", ".join(f"{what} {joint}" for what, joint in found.joints.items())
     model = "none" if found is None else f"rocker-bogie: {joints}"
@@ -220,7 +220,7 @@ def _described(robot: "Robot") -> list[tuple[str, object]]:
 
 
 def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
-    """What a rover can do within limits, as rows for `grid`; nothing without any."""
+    """Performance of a rover within limits, as rows for `grid`; no rows without limits."""
     from six_wheel.simulation.drive.performance import bound, halt_from, stop_from, time_to_full_lock
 
     rows: list[tuple[str, object]] = []
@@ -252,7 +252,7 @@ SOURCES = {
     "steering_rate": "1.2 rad in a step of 0.1 s",
     "halt_deceleration": "as deceleration",
 }
-"""What the default of a limit comes from."""
+"""Sources of the defaults of the limits, by name."""
 
 
 def filled_in(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
@@ -265,7 +265,7 @@ def filled_in(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
 
 
 def _words(bound: "Bound") -> str:
-    """What keeps a motion from being faster."""
+    """Names of the limits that keep a motion from being faster."""
     return " and ".join(str(reason.name).lower().replace("_", " ") for reason in bound.reasons) or "steering"
 
 

@@ -134,7 +134,7 @@ def _loop(chosen: Chosen, rate: float | None, halt: float | None) -> "Loop | Non
 
 
 def _summary(summary: "Summary", limits: "Limits", halt: float | None = None) -> list[tuple[str, object]]:
-    """What a drive came to, as rows for `grid`."""
+    """Summary of a drive, as rows for `grid`."""
 
     def at(peak: "Peak", value: str, limit: float = math.inf) -> str | None:
         if not peak.row:
@@ -148,7 +148,7 @@ def _summary(summary: "Summary", limits: "Limits", halt: float | None = None) ->
         return at(peak, f"{peak.value:.4g} {unit}", limit)
 
     def limited(peak: "Peak", unit: str, limit: float) -> str | None:
-        """Of what is only of interest beside a limit."""
+        """Text of a peak if it has a finite limit, otherwise None."""
         return largest(peak, unit, limit) if math.isfinite(limit) else None
 
     angle, residual = summary.steering_angle, summary.residual

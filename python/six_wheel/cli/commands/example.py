@@ -26,7 +26,7 @@ def example(
         raise ValueError(f'NAME must be an example, got "{name}"; {closest(name, known)}')
     target = output or Path(name)
     try:
-        with target.open("xb") as file:  # what is there already may be somebody's own
+        with target.open("xb") as file:  # an existing file may be the user's own
             file.write((folder / name).read_bytes())
     except FileExistsError:
         raise ValueError(f"{target}: the file is there already; --output says where else") from None

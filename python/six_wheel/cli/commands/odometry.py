@@ -204,7 +204,7 @@ def _reckon_all(chosen: Chosen, paths: list[Path], given: dict[str, Any]) -> Non
 
 
 def _settings(chosen: Chosen, given: dict[str, Any]) -> Any:
-    """How to reckon: what the parameter file says, and over it the arguments."""
+    """Settings of dead reckoning: those of the parameter file, overridden by the arguments."""
     from six_wheel._core import Noise
     from six_wheel.log_odometry.run_log import Settings
 
@@ -212,7 +212,7 @@ def _settings(chosen: Chosen, given: dict[str, Any]) -> Any:
     noise |= {key: given[option] for option, key in NOISE.items() if given[option] is not None}
     options = dict(chosen.parameters.odometry) if chosen.parameters else {}
     if chosen.parameters and (dimensions := chosen.parameters.dimensions) is not None:
-        options["dimensions"] = dimensions.tolist()  # whose text a journal keeps
+        options["dimensions"] = dimensions.tolist()  # a journal's key has their text
     options |= {"method": "robust"} if given["robust"] else {}
     options |= {"inflate": True} if given["inflate"] else {}
     known, period = None, None

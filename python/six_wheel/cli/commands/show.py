@@ -102,7 +102,7 @@ def left_turn(chosen: Chosen) -> Motion:
 
 
 def _past(chosen: Chosen, motion: Motion) -> list[str]:
-    """What a motion asks beyond the limits of the file."""
+    """Demands of a motion that exceed the limits of the file."""
     return [
         f"{name} is {value:.4g} {unit}, {limit:g} allowed"
         for name, value, limit, unit in _demands(chosen, motion)

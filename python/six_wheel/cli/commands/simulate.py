@@ -220,7 +220,7 @@ def _draw(chosen: Chosen, done: "Simulation", plot: Path) -> None:
 
 
 def _stuck(ran: "Controlled | None") -> list[tuple[str, object]]:
-    """What the controller made of a joint that sticks, as rows for `grid`."""
+    """Response of the controller to a joint that sticks, as rows for `grid`."""
     if ran is None:
         return []
     found: object = "no joint"
@@ -278,7 +278,7 @@ def _over_ground(
 
 
 def _middle(land: "Terrain") -> tuple[float, float]:
-    """Of a map [m]."""
+    """Middle of a map, x and y [m]."""
     (rows, columns), (dx, dy), (x, y) = land.shape, land.spacing, land.origin
     ahead, aside = dx * (columns - 1) / 2, dy * (rows - 1) / 2
     cos, sin = math.cos(land.orientation), math.sin(land.orientation)

@@ -83,7 +83,7 @@ class ControlResult:
 
     @property
     def poses(self) -> Floats:
-        """Where the motion leads, at every step, shape (n, 3)."""
+        """Poses of the motion at every step, shape (n, 3)."""
         return integrate(self.twists[:-1], 1.0 / RATE)
 
 
@@ -139,7 +139,7 @@ def draw_control(result: ControlResult) -> Figure:
 
 
 def rows(results: list[ControlResult]) -> list[list[str]]:
-    """What the drives came to: what, then one cell per drive."""
+    """Results of the drives: in each row the name, then one cell per drive."""
     cells = []
     for result in results:
         asked, driven = result.length(result.commanded), result.length(result.twists)

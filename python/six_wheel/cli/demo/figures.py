@@ -1,4 +1,4 @@
-"""How the demo is shown: one picture, one table of commands per rover, and the numbers on the console."""
+"""Output of the demo: one picture, one table of commands per rover, and the numbers on the console."""
 
 import math
 from collections.abc import Sequence
@@ -71,7 +71,7 @@ def write_commands(result: DemoResult, path: Path) -> None:
 
 
 def introduce(motion: Motion) -> str:
-    """What was recorded and what is done to it."""
+    """Text on the recording and its preparation."""
     yaw, ahead = motion.frame
     way = float(np.sum(np.abs(motion.twists[:, 0]) * np.diff(motion.times)))
     return "\n".join(

@@ -26,7 +26,7 @@ SUSTAINED = 1.0  # [s] what is held for less is the beginning or end of somethin
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What the recorded robot did, seen from its fixed axle, where a robot cannot move sideways."""
+    """Motion of the recorded robot, seen from its fixed axle, where a robot cannot move sideways."""
 
     times: Floats
     """(n,) time stamps [s]."""
@@ -37,7 +37,7 @@ class Motion:
     start: Floats
     """(3,) smoothed first pose."""
     frame: tuple[float, float]
-    """Where the recorded frame is, seen from the axle: yaw [rad] and distance ahead [m]."""
+    """Recorded frame, seen from the axle: yaw [rad] and distance ahead [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class DemoResult:
     rover: Rover
     scale: float
     tightest_radius: float
-    """Of the turns held for `SUSTAINED` seconds, before scaling [m]."""
+    """Smallest radius of the turns held for `SUSTAINED` seconds, before scaling [m]."""
     needed_radius: float
     """The tightest turn this rover is asked to drive [m]."""
     times: Floats
@@ -223,7 +223,7 @@ def _axle(poses: Floats, frame: tuple[float, float]) -> Floats:
 
 
 def _held(condition: NDArray[np.bool_], samples: int) -> NDArray[np.bool_]:
-    """Where a condition holds for at least so many samples in a row."""
+    """True where a condition holds for at least `samples` samples in a row."""
     window = np.ones(max(1, samples))
     starts = np.convolve(condition, window, "valid") > len(window) - 0.5
     return np.asarray(np.convolve(starts, window, "full") > 0.5)

@@ -22,7 +22,7 @@ __all__ = ["Console", "run", "time_against_reference"]
 
 
 class Console(Protocol):
-    """Where the report goes: a rich console, or anything else that prints."""
+    """Output of the report: a rich console, or anything else that prints."""
 
     def print(self, *objects: Any) -> None: ...
 

@@ -8,7 +8,7 @@ __all__ = ["ground_facts"]
 
 
 def ground_facts(run: GroundSimulation) -> list[tuple[str, str]]:
-    """What a drive came to: names and values, a row each."""
+    """Results of a drive: names and values, a row each."""
     assert run.stand is not None
     assert run.speeds is not None
     assert run.flat_speeds is not None

@@ -1,4 +1,4 @@
-"""What dead reckoning came to, in words: for the console, and as a written report."""
+"""Results of dead reckoning in words: for the console, and as a written report."""
 
 import math
 from collections.abc import Sequence
@@ -39,7 +39,7 @@ def facts(result: Reckoned) -> Rows:
 
 
 def slipped(result: Reckoned) -> Rows:
-    """Which wheel disagrees with the others, and when; nothing where no wheel can."""
+    """Rows on the wheel that disagrees most with the others, and on the times of slip."""
     slip = result.slip
     if not slip.told:
         known = _lost(result)

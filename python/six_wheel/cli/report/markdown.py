@@ -49,7 +49,7 @@ class Pages:
 
 
 def beside(report: Path, ending: str) -> Path:
-    """Where a picture of a report goes."""
+    """Path of a picture of a report."""
     return report.with_name(f"{report.stem}{ending}.png")
 
 
@@ -57,7 +57,7 @@ def beside(report: Path, ending: str) -> Path:
 def reporting(
     plot: Path | None, report: Path | None, sources: Sequence[Path | None], endings: Sequence[str] = ("",)
 ) -> Iterator[Pages | None]:
-    """What writes picture and report, replaced if the block succeeds; None if neither is wanted.
+    """Context of a writer of picture and report, replaced if the block succeeds; None if neither is wanted.
 
     Raises
     ------

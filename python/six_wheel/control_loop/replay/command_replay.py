@@ -95,7 +95,7 @@ def _write(writer: DriveRecord, blocks: Iterable[list[Any]]) -> None:
 
 
 def _chunks(rows: Iterator[list[float]]) -> Iterator[Chunk]:
-    """What came at once."""
+    """Chunks of commands: the rows up to each empty row."""
     first = 1
     while part := list(itertools.takewhile(bool, rows)):
         time = np.array([row[0] for row in part])
@@ -104,7 +104,7 @@ def _chunks(rows: Iterator[list[float]]) -> Iterator[Chunk]:
 
 
 def _collect(record: Record, settings: Settings) -> Collected:
-    """What a record says was commanded and counted."""
+    """Commands and odometry of a record."""
     rover = settings.rover
     collected = Collected(len(rover.steering_joints), len(rover.traction_joints))
     for message in record.messages(OUT):

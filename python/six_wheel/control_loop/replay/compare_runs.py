@@ -1,4 +1,4 @@
-"""What became different when a record was run again."""
+"""Differences between a record and its rerun."""
 
 from collections import Counter
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ SECOND = 1e9
 
 @dataclass(frozen=True)
 class Figures:
-    """What one run came to, in SI units."""
+    """Figures of one run, in SI units."""
 
     steps: int
     path_length: float
@@ -64,7 +64,7 @@ class Difference:
 
 
 def compare(replayed: Replayed) -> Difference:
-    """What became different."""
+    """Differences between the recorded run and the rerun."""
     one, other = replayed.recorded, replayed.again
     figures = _figures(one), _figures(other)
     times, left, right = np.intersect1d(one.times, other.times, return_indices=True)
@@ -93,7 +93,7 @@ def compare(replayed: Replayed) -> Difference:
 
 def _figures(run: Run) -> Figures:
     steps = np.diff(run.times) / SECOND
-    onwards = steps > 0.0  # where time jumped back no way was made
+    onwards = steps > 0.0  # no distance is driven in steps in which time jumped back
     steps = steps[onwards]
     path = integrate(run.twists[:-1][onwards], steps) if len(steps) else np.zeros((1, 3))
     speed = np.hypot(run.twists[:, 0], run.twists[:, 1])

@@ -152,10 +152,10 @@ class _Again:
         return given
 
     def _change(self, what: Mapping[str, Any], now: int) -> Step | None:
-        """What was set; a step if it is the last one."""
+        """Apply a recorded change to the loop; returns a step if the change is the last one."""
         loop = self.loop
         if "set" in what:
-            # What is asked for now goes before what was set then.
+            # Changes asked for in the rerun take precedence over recorded ones.
             kept = {key: value for key, value in what["set"].items() if key not in self._changes}
             if kept:
                 loop.change(loop.settings.changed(kept), now)
@@ -183,7 +183,7 @@ class _Again:
 
 
 def settings_of(record: Record) -> Settings:
-    """What the loop of a record was told at its beginning."""
+    """Settings of the loop of a record at its beginning."""
     text = record.files.get(rover_record.PARAMETERS)
     if text is None:
         raise RecordError(f"{record.path}: the record must hold the parameter file, got none")

@@ -1,4 +1,4 @@
-"""What a loop commanded and counted: of a record, and again."""
+"""Commands and odometry of a loop, from a record and from its rerun."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ OUT = (rover_record.COMMANDS, rover_record.LIMITED, rover_record.REASONS, rover_
 
 @dataclass
 class Run:
-    """What a loop commanded and counted; times in ns.
+    """Commands and odometry of a loop; times in ns.
 
     Attributes
     ----------
@@ -77,12 +77,12 @@ class Replayed:
 
     @property
     def rover(self) -> Rover:
-        """That of the record."""
+        """Rover of the record."""
         return self.before.rover
 
     @property
     def same_bits(self) -> bool:
-        """Whether commands and odometry are the same numbers to the last bit."""
+        """True if commands and odometry are the same numbers to the last bit."""
         one, other = self.recorded, self.again
         return one.reasons == other.reasons and all(
             getattr(one, name).tobytes() == getattr(other, name).tobytes()
@@ -104,7 +104,7 @@ class Collected:
         self._reason = ""
 
     def add(self, step: Step) -> None:
-        """What a step says."""
+        """Add the outputs of a step."""
         if step.steering is not None and step.speeds is not None:
             self.times.append(step.now)
             self.joints.append([*step.steering, *step.speeds])
@@ -119,7 +119,7 @@ class Collected:
             self.motion.append([*pose, *state.twist.tolist(), *both[0], *both[1]])
 
     def read(self, record: Record, message: Message) -> None:
-        """What a message of a record says, of a topic in `OUT`."""
+        """Add a message of a record, of a topic in `OUT`."""
         content = record.parsed(message)
         if message.topic == rover_record.COMMANDS:
             steered = self._widths[0]

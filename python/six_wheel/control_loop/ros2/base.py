@@ -1,4 +1,4 @@
-"""What both nodes are: parameters, lifecycle, time, a timer, commands in, diagnostics, a record."""
+"""Base of both nodes: parameters, lifecycle, time, a timer, commands in, diagnostics, a record."""
 
 import gc
 import time
@@ -283,7 +283,7 @@ class BaseNode(LifecycleNode):
         gc.collect()  # otherwise nobody does: see `running`
 
     def _check_graph(self) -> None:
-        """Who else is there that should not be."""
+        """Report other publishers of the node's topics and publishers of wrong types."""
         faults = self.loop.faults
         for topic, alone, area, kind in self._topics:
             infos = self.get_publishers_info_by_topic(topic)

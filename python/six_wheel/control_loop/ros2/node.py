@@ -82,10 +82,10 @@ class RoverNode(BaseNode):
         except ValueError as error:
             self.loop.faults.add("joints", ERROR, "joint states must be readable", str(error))
             return
-        # The commands go out as soon as they are there, what is told of them afterwards.
+        # The commands are published first, the other outputs of the step after them.
         step = self.loop.joints(names, positions, velocities, stamp, now, self._interface.publish)
         if step is not None:
-            self._tell(step)
+            self._publish_outputs(step)
             self.halting.publish()
         if self.recorder is not None:
             self.recorder.joints(message, stamp, now)
@@ -107,10 +107,10 @@ class RoverNode(BaseNode):
     def _publish(self, step: Step) -> None:
         if step.steering is not None and step.speeds is not None:
             self._interface.publish(step.now, step.steering, step.speeds)
-        self._tell(step)
+        self._publish_outputs(step)
 
-    def _tell(self, step: Step) -> None:
-        """What else came of a step: the motion, odometry, transforms."""
+    def _publish_outputs(self, step: Step) -> None:
+        """Publish the other outputs of a step: the motion, odometry, transforms."""
         if step.steering is not None and self._limited is not None:
             self._limited.publish(self._twist.pack(step.now, planar_twist(step.twist)))
         rate = self.settings.options.publish_rate

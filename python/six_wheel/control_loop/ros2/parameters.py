@@ -17,7 +17,7 @@ from six_wheel.robot_description.parameters.schema import GROUPS
 __all__ = ["FILTER", "NODE", "Declared"]
 
 LARGEST = 1e6
-NONE = 0.0  # of what is not given
+NONE = 0.0  # value of a parameter that is not given
 
 NODE = (
     Option("use_stamped_vel", True, "cmd_vel is geometry_msgs/TwistStamped; false: geometry_msgs/Twist"),
@@ -78,7 +78,7 @@ class Declared:
         self.settings = settings.changed(changes) if changes else settings
 
     def changes(self, parameters: Sequence[Any]) -> dict[str, Any]:
-        """What a request to set parameters means for `Settings.changed`.
+        """Convert a request to set parameters into the changes that `Settings.changed` takes.
 
         Raises
         ------

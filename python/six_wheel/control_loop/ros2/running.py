@@ -18,7 +18,7 @@ PATIENCE = 4.0  # [s] from the first signal on in which the rover stops within i
 LATEST = 4.5  # [s] from the first signal on at which the last command is sent, in motion or not
 SENDING = 0.05  # [s] for the middleware to send it
 TURN = 0.05  # [s] between looks at the signals
-# What a terminal, a launcher or a service manager sends, as far as the system has it.
+# Signals that a terminal, a launcher or a service manager sends, as far as the system has them.
 ENDING = [
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
 ]

@@ -1,4 +1,4 @@
-"""How far an estimated path is from the true one, and the square-path test UMBmark."""
+"""Errors of an estimated path against the true one, and the square-path test UMBmark."""
 
 from typing import TYPE_CHECKING
 

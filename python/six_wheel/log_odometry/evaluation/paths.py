@@ -1,4 +1,4 @@
-"""How far an estimated path is from the true one: absolute and relative errors, and how they grow.
+"""Errors of an estimated path against the true one: absolute, relative, and their growth with distance.
 
 Both paths hold one pose per row, x, y, yaw [m, m, rad], taken at the same times. `GroundTruth.at` of
 `six_wheel.logs.recordings` brings a reference with its own clock to the stamps of a log.
@@ -287,7 +287,7 @@ def error_growth(
     *,
     stride: int | None = STRIDE,
 ) -> ErrorGrowth:
-    """How relative errors grow with the distance driven.
+    """Growth of relative errors with the distance driven.
 
     Parameters
     ----------

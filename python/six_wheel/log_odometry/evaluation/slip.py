@@ -1,4 +1,4 @@
-"""Where in time an estimate lost its truth: slip that the wheels alone need not show."""
+"""Stretches of time in which an estimate departs from its truth: slip that the wheels alone need not show."""
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 

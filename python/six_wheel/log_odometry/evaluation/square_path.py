@@ -22,7 +22,7 @@ __all__ = ["SquareTest", "umbmark"]
 
 @dataclass(frozen=True, eq=False)
 class SquareTest:
-    """What a square-path test tells.
+    """Result of a square-path test.
 
     Attributes
     ----------

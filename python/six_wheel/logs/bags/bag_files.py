@@ -42,7 +42,7 @@ def whole_part(file: Path, folder: Path) -> Path:
 
 
 def one_line(error: Exception) -> str:
-    """What an error says, without line ends."""
+    """Message of an error in one line; the name of its type if it has none."""
     return " ".join(str(error).split()) or type(error).__name__
 
 

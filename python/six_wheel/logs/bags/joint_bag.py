@@ -58,7 +58,7 @@ class JointBag(Bag):
             raise
 
     def _look(self, rover: Rover, reading: Reading | None) -> Reading:
-        """Which joints there are, and what is known of every wheel."""
+        """Reads ahead for the joints of the bag, and returns the kind of reading for the wheels."""
         kinds: dict[str, set[Reading]] = {}
         strangers: dict[str, None] = {}
         for number, _, message in self.messages():
@@ -143,7 +143,7 @@ class JointBag(Bag):
 
 
 class _Series:
-    """What one joint said, as far as it is still needed."""
+    """Readings of one joint, as far back as they are still needed."""
 
     def __init__(self) -> None:
         self.numbers: list[int] = []
@@ -195,5 +195,5 @@ class _Series:
 
 
 def _like_wheels(joints: Iterable[str]) -> list[str]:
-    """Those of the joints whose names tell a place, as a wheel's do; all of them if none does."""
+    """Joints whose names tell a place, as a wheel's do; all joints if no name does."""
     return [joint for joint in joints if said_by(joint) is not None] or [*joints]

@@ -130,7 +130,7 @@ class Bag:
         self._topics = [c for c in self.connections if c.topic in topics]
 
     def transforms(self) -> Iterator[Any]:
-        """Those of every chain, the lasting ones first, then of as many messages as tell all that move."""
+        """Transforms of every chain: the static ones first, then messages until all moving ones are known."""
         kept = self._topics
         there = sorted({c.topic for c in self.connections if c.msgtype in TRANSFORMS and c.msgcount})
         for topic in sorted(there, key=lambda name: (not name.endswith("static"), name)):
@@ -150,7 +150,7 @@ class Bag:
                 except Exception as error:  # struct.error and IndexError among them
                     self.findings.add(number, f"the message must be readable, got: {one_line(error)}")
                     continue
-                if connection.msgtype in TRANSFORMS:  # which has stamps inside
+                if connection.msgtype in TRANSFORMS:  # the stamps are inside the message
                     yield number, received, message
                     continue
                 stamp = message.header.stamp

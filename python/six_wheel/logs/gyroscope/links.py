@@ -1,4 +1,4 @@
-"""How a sensor sits in a rover, by the transforms between their frames."""
+"""Mounting of a sensor in a rover, by the transforms between their frames."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -40,7 +40,7 @@ class Links:
             self._parents.setdefault(child, (parent, rows))
 
     def owns(self, frame: str) -> bool:
-        """Whether a frame is the rover's own, as one without a name is."""
+        """True if a frame is the rover's own; a frame without a name counts as that."""
         return not frame or frame in self._own
 
     def up(self, frame: str) -> Floats | None:

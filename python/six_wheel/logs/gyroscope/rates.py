@@ -1,4 +1,4 @@
-"""What a gyroscope turned, from row to row of a log.
+"""Mean yaw rates of a gyroscope at the rows of a log.
 
 Readings have stamps of their own. Each holds from halfway since the one before to halfway to the next, and a
 row gets their mean over its own such stretch: so no turn is lost between two rates, readings at the rows'
@@ -114,7 +114,7 @@ class Passing:
         self._rates: list[float] = []
 
     def add(self, stamp: float, rate: float) -> None:
-        """One more reading, later than those that are there."""
+        """Add a reading, later than those that are there."""
         self._stamps.append(stamp)
         self._rates.append(rate)
 
@@ -138,7 +138,7 @@ class Passing:
         return mean
 
     def _turned(self, first: int, last: int, total: float) -> float:
-        """What was turned up to one reading [rad], and to a later one: by the nearer rate in between."""
+        """Angle [rad] at reading `last`, from `total` at reading `first`: each rate holds to halfway."""
         stamps, rates = self._stamps, self._rates
         for k in range(first, last):
             before, behind = stamps[k], stamps[k + 1]
@@ -148,7 +148,7 @@ class Passing:
         return total
 
     def _within(self, step: int, time: float, total: float) -> float:
-        """What was turned up to the begin of a step [rad], and to a time in it, as `numpy.interp` has it."""
+        """Angle [rad] at a time within a step that begins at angle `total`, as `numpy.interp` has it."""
         begin, end = self._stamps[step], self._stamps[step + 1]
         middle = begin + (end - begin) / 2.0
         after = total + (middle - begin) * self._rates[step]

@@ -193,8 +193,8 @@ class JointStates:
 
 
 def angular_velocity(message: bytes) -> tuple[int, str, tuple[float, ...], bool]:
-    """Of a sensor_msgs/Imu in bytes: stamp [ns], frame, rates about its three axes, and whether these were
-    measured at all (by REP 145 a first covariance of -1 says that they were not).
+    """Content of a sensor_msgs/Imu in bytes: stamp [ns], frame, rates about its three axes, and True if these
+    were measured (by REP 145 a first covariance of -1 says that they were not).
 
     Raises
     ------
@@ -214,7 +214,7 @@ def angular_velocity(message: bytes) -> tuple[int, str, tuple[float, ...], bool]
 
 
 def _stamp(message: bytes) -> int:
-    """Of the header that a message begins with [ns]."""
+    """Stamp in the header of a message [ns]."""
     if message[: len(ENCAPSULATION)] != ENCAPSULATION:
         raise ValueError(f"messages must be CDR, little-endian, got {message[:4].hex()}")
     second, nanosecond = struct.unpack_from("<iI", message, 4)

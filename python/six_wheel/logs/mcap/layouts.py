@@ -30,7 +30,7 @@ WANTED_AND_LIMITED = (("linear.x", "vx [m/s]"), ("linear.y", "vy [m/s]"), ("angu
 
 
 class Seen(NamedTuple):
-    """What a layout can show: topics, and the joints in the order of their states."""
+    """Content that a layout can show: topics, and the joints in the order of their states."""
 
     topics: frozenset[str]
     joints: tuple[str, ...] = ()
@@ -54,7 +54,7 @@ def _seen(record: Record) -> Seen:
 
 
 def write(path: Path, rover: Rover, record: Path | None = None) -> None:
-    """What the ending of a path says, see `ENDINGS`.
+    """Write the layout or record that the ending of a path asks for, see `ENDINGS`.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def write(path: Path, rover: Rover, record: Path | None = None) -> None:
 
 
 def _path(record: Record) -> tuple[list[tuple[float, float, float]], str]:
-    """Where odometry has been, and in which frame."""
+    """Positions of odometry [m] and the name of their frame."""
     places, frame = [], ""
     for message in record.messages([topics.ODOMETRY]):
         said = record.parsed(message)
@@ -153,7 +153,7 @@ def foxglove(rover: Rover, seen: Seen = ALL) -> dict[str, Any]:
 
 
 def _motion_lines(seen: Seen) -> tuple[str, list[tuple[str, str]]]:
-    """What was wanted and commanded; of a record without commands what odometry says."""
+    """Title and lines of the motion plot: wanted and commanded motion; without commands the odometry's."""
     told = [
         each for each in ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded")) if each[0] in seen.topics
     ]

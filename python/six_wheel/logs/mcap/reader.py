@@ -20,7 +20,7 @@ class RecordError(FileError):
 
 
 class Message(NamedTuple):
-    """What was written: topic, type, time [ns], its own stamp [ns], and its content in bytes."""
+    """A message of a record: topic, type, time [ns], its own stamp [ns], and its content in bytes."""
 
     topic: str
     kind: str

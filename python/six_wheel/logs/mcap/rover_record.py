@@ -138,7 +138,7 @@ class RoverRecord:
         self._file.write(self._file.topic(JOINTS, "sensor_msgs/msg/JointState"), now, message, stamp)
 
     def imu_message(self, now: int, stamp: int, message: bytes) -> None:
-        """What a gyroscope read, as the bytes that came."""
+        """Record a message of a gyroscope as the bytes that arrived."""
         self._file.write(self._file.topic(IMU, "sensor_msgs/msg/Imu"), now, message, stamp)
 
     def tick(self, now: int) -> None:
@@ -167,7 +167,7 @@ class RoverRecord:
         self._twist(LIMITED, now, now, twist, self._names.base)
 
     def reasons(self, now: int, reasons: int) -> None:
-        """Why that is not what was wanted; written where it changes."""
+        """Record the reasons for limiting the motion; written only when they change."""
         if reasons != self._reasons:
             self._reasons = reasons
             self._text(REASONS, now, reason_names(reasons))
@@ -181,7 +181,7 @@ class RoverRecord:
         covariance: Numbers,
         twist_covariance: Numbers,
     ) -> None:
-        """Where the rover is by its wheels: covariances are 6 x 6, row by row; also as a transform."""
+        """Record the odometry, also as a transform; covariances are 6 x 6, row by row."""
         place, motion = frames.planar_pose(pose), frames.planar_twist(twist)
         topic = self._file.topic(ODOMETRY, "nav_msgs/msg/Odometry")
         message = self._odometry.pack(stamp, place, covariance, motion, twist_covariance)
@@ -190,7 +190,7 @@ class RoverRecord:
         self._file.write(topic, now, self._transform.pack(stamp, place), stamp)
 
     def slip(self, now: int, residual: Numbers) -> None:
-        """How fast each wheel's contact slides [m/s]."""
+        """Record the sliding speed of each wheel's contact [m/s]."""
         topic = self._file.topic(SLIP, "std_msgs/msg/Float64MultiArray")
         self._file.write(topic, now, self._slip.pack(now, residual))
 
@@ -215,7 +215,7 @@ class RoverRecord:
         self._file.write_object(DIAGNOSTICS, "diagnostic_msgs/msg/DiagnosticArray", now, build)
 
     def description(self, now: int, urdf: str) -> None:
-        """What the rover looks like, for viewers that draw it."""
+        """Record the robot description (URDF), for viewers that draw the rover."""
         self._text(DESCRIPTION, now, urdf)
 
     def close(self) -> None:

@@ -17,7 +17,7 @@ CHUNK = 1 << 18  # [bytes] half a second of a loop at 200 Hz: what is lost at mo
 
 
 def libraries() -> Any:
-    """What records are written and read with."""
+    """The parts of the packages `mcap` and `rosbags` that write and read records."""
     try:
         import mcap.records
         import mcap.stream_reader

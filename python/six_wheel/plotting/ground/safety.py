@@ -1,4 +1,4 @@
-"""Where a rover can stand, from above."""
+"""Picture of the poses in which a rover can stand, from above."""
 
 import math
 

@@ -214,7 +214,7 @@ class ControlledDrive(Engine):
     # Steps
 
     def _choose_times(self, time: NDArray[Any]) -> None:
-        """How near is near, and whether the steps are whole numbers of the file's unit."""
+        """Set the tolerance of times and the flag for steps that are whole numbers of the file's unit."""
         per_second = round(1.0 / self.time_unit.scale)
         whole = np.issubdtype(time.dtype, np.integer)
         spacing = 1.0 if whole else float(np.spacing(np.abs(time).max()))
@@ -245,7 +245,7 @@ class ControlledDrive(Engine):
         times = np.arange(self._step, self._step + count) / self._rate
         given = int(np.searchsorted(self._stamps, times[-1], side="right"))
         run = self._controller.run(self._stamps[:given], self._twists[:given], times)
-        # Which command is the latest at every step: 0 is the one before these.
+        # Index of the latest command at every step; 0 is the one before these.
         latest = np.searchsorted(self._stamps[:given], times, side="right")
         self._given = np.vstack([self._commanded, self._twists[:given]])[latest]
         self._given_rows = np.concatenate([[self._row], self._rows[:given]])[latest]

@@ -1,4 +1,4 @@
-"""What a rover can do within limits: how fast it gets, which limit stops it there, how soon it stops.
+"""Performance of a rover within limits: top speeds, the limits that bound them, stopping distances.
 
 Nothing is computed here: a `Controller` is asked.
 """
@@ -44,7 +44,7 @@ class Rim(NamedTuple):
 
 
 class Stop(NamedTuple):
-    """What it takes to stop."""
+    """Distance [m] and time [s] of a stop."""
 
     distance: float
     time: float

@@ -58,7 +58,7 @@ class DriveRecord:
         rows = zip(stamps, chunk.time.tolist(), chunk.twists.tolist(), strict=True)
         for stamp, time, twist in rows:
             self._record.given(stamp, [time, *twist])
-        # Where a chunk ends decides in which order poses are summed up, and with it their last bit.
+        # The ends of chunks decide the order in which poses are summed up, and with it their last bit.
         self._record.given(stamps[-1], [])
 
     def write(self, columns: Sequence[NDArray[Any]]) -> None:
@@ -110,7 +110,7 @@ class DriveRecord:
 
     @staticmethod
     def _controlled(named: Mapping[str, Any], twists: Any) -> tuple[Any, Any, Any]:
-        """What was wanted, what the limits left of it and why; without a controller what the joints make."""
+        """Wanted and limited twists and the reasons; without a controller `twists` alone."""
         if "reasons" not in named:
             return None, twists, None
         wanted, limited = (

@@ -1,4 +1,4 @@
-"""What every drive through a command table comes to: names of its columns, odometry, and a summary."""
+"""Drive through a command table: names of the output's columns, odometry, and a summary."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -38,7 +38,7 @@ class Peak:
 
 @dataclass
 class Summary:
-    """What a drive came to, in SI units.
+    """Summary of a drive, in SI units.
 
     `changed` (3,) is the largest change of a projected twist. Of a drive through a controller there are its
     `rate` and the number of rows for each of the `reasons` there were.

@@ -1,4 +1,4 @@
-"""On a robot and afterwards: `six-wheel node` and `filter`, which take arguments of ROS, and `replay`."""
+"""Commands of the control loop: `six-wheel node` and `filter`, which take arguments of ROS, and `replay`."""
 
 import contextlib
 import sys
@@ -54,14 +54,14 @@ def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: Chosen
         raise ValueError(f"arguments of ROS must follow --ros-args, got {arguments[0]}")
     from six_wheel.control_loop.ros2.loading import rclpy
 
-    rclpy()  # what is missing should be said before anything else
+    rclpy()  # a missing package is reported before anything else
     from six_wheel.control_loop.ros2.running import run
 
     return run(kind, settings_of(chosen), arguments)
 
 
 def settings_of(chosen: Chosen) -> "Settings":
-    """What a loop is told, from a parameter file or a preset."""
+    """Settings of a loop, from a parameter file or a preset."""
     from six_wheel.control_loop import Settings
 
     if chosen.parameters is not None:
@@ -139,7 +139,7 @@ def _table(difference: "Difference") -> Any:
 
 
 def _verdict(difference: "Difference", changed: bool) -> list[tuple[str, object]]:
-    """In what the runs differ, as rows for `grid`."""
+    """Differences between the runs, as rows for `grid`."""
     if difference.same_bits:
         meant = ", in spite of the changes" if changed else ""
         return [("commands", f"the same bits in all {difference.common:,} steps{meant}")]
