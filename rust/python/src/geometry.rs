@@ -67,7 +67,7 @@ pub fn differentiate<'py>(
     twists.finish_any()
 }
 
-/// Where holding a twist takes the body frame: the exponential map of SE(2).
+/// Pose of the body frame after holding a twist for `dt`: the exponential map of SE(2).
 ///
 /// Parameters
 /// ----------

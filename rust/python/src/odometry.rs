@@ -124,7 +124,7 @@ impl Odometry {
 }
 
 getters! { Odometry, this, py:
-    /// Where the rover is after the last sample.
+    /// Estimate after the last sample.
     state: PyResult<OdometryState> = Ok(this.state_of(&this.work.lock(py)?.core, py));
     /// The rover.
     rover: Py<Rover> = this.rover.clone_ref(py);

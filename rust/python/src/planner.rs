@@ -90,9 +90,9 @@ pub struct Mppi {
 getters! { Mppi, this, py:
     /// The costs of the last cycle's rollouts, shape (samples,).
     costs: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, this.core.lock(py)?.costs()));
-    /// What is planned for.
+    /// The rover.
     rover: Py<Rover> = this.rover.clone_ref(py);
-    /// What its motion may not exceed.
+    /// Limits of the rover's motion.
     limits: Limits = this.limits.clone();
     /// Steps of a rollout.
     horizon: usize = this.options.horizon;
@@ -327,7 +327,7 @@ impl Mppi {
         output.finish()
     }
 
-    /// What counts how much.
+    /// Weights of the cost terms, by name.
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);

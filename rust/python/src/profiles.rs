@@ -77,9 +77,9 @@ impl Profile {
 }
 
 getters! { Profile, this, py:
-    /// How long it takes until the last axis arrives [s].
+    /// Time until the last axis arrives [s].
     duration: f64 = this.core.duration();
-    /// How long each axis takes [s]: a float, or an array of shape (axes,).
+    /// Duration of each axis [s]: a float, or an array of shape (axes,).
     durations: PyResult<Py<PyAny>> = this.per_axis(py, this.core.durations().collect());
 }
 

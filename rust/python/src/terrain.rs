@@ -134,9 +134,9 @@ getters! { Terrain, this, py:
     shape: (usize, usize) = this.0.shape().into();
     /// Between columns and between rows [m].
     spacing: (f64, f64) = this.0.spacing().into();
-    /// Where node (0, 0) lies in the world [m].
+    /// Place of node (0, 0) in the world [m].
     origin: (f64, f64) = this.0.origin().into();
-    /// By how much the rows are turned from the x axis of the world, counter-clockwise [rad].
+    /// Angle from the x axis of the world to the rows, counter-clockwise [rad].
     orientation: f64 = this.0.orientation();
 }
 
@@ -282,7 +282,7 @@ impl Terrain {
         })
     }
 
-    /// Whether points lie on the map, its rim included; heights there may still be unknown.
+    /// True for points on the map, its rim included; heights there may still be unknown.
     ///
     /// Parameters
     /// ----------

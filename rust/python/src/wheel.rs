@@ -124,9 +124,9 @@ getters! { Wheel, this, py:
     y: f64 = this.0.y;
     /// Hub to ground [m].
     radius: f64 = this.0.radius;
-    /// Whether it turns about a vertical axis at the pivot.
+    /// True if the wheel has a steering joint with a vertical axis at the pivot.
     steered: bool = this.0.steering().is_some();
-    /// Direction in which it rolls at steering angle 0 [rad].
+    /// Direction in which the wheel rolls at steering angle 0 [rad].
     heading: f64 = this.0.heading;
     /// Smallest and largest steering angle [rad]; None for a fixed wheel.
     steering_range: Option<(f64, f64)> = this.0.steering().map(|range| (range.lower, range.upper));
@@ -136,9 +136,9 @@ getters! { Wheel, this, py:
     trail: f64 = this.0.trail;
     /// Between the axes of its rollers and its own [rad]; None without rollers.
     roller_angle: Option<f64> = this.0.roller_angle;
-    /// Whether it has a motor.
+    /// True if the wheel has a motor.
     driven: bool = this.0.driven;
-    /// Whether it swivels freely behind its pivot.
+    /// True if the wheel swivels freely behind its pivot.
     castor: bool = this.0.pivot == Pivot::Castor;
 }
 

@@ -138,7 +138,7 @@ impl FourAxle {
         self.rover.get().inverse(py, twist, &PyTuple::empty(py), previous, None, None, None, out, dtype, threads, None)
     }
 
-    /// What body and free pivots do at these wheel speeds, by least squares over both rows of every wheel.
+    /// Motion of the body and the free pivots at these wheel speeds, by least squares over both rows of every wheel.
     ///
     /// With one pair free and the drives of the other following, the rows may leave open how fast hinged
     /// axles go along; the motion is then the one that lasts, under which the axle lines go on to share a
@@ -185,7 +185,7 @@ impl FourAxle {
         ))
     }
 
-    /// Whether the robot can move with its axles locked at these angles, and how.
+    /// Mobility of the robot with its axles locked at these angles, from the rank of the side-slip rows.
     ///
     /// Parameters
     /// ----------

@@ -10,7 +10,7 @@ use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
 result_class! {
-    /// How wheels slip.
+    /// Slip ratio and slip angle of wheels.
     pub struct WheelSlip {
         /// ``1 - travelled / rolled``, shape (..., wheels): 0 rolls, 1 spins on the spot, negative brakes; NaN where a
         /// wheel does not turn or does not touch.
@@ -91,17 +91,17 @@ impl Suspension {
 }
 
 result_class! {
-    /// Whether, and by how much, a whole rover slips.
+    /// Slip of a whole rover, and the chi-squared test for it.
     pub struct BodySlip {
         /// The navigated motion less the kinematic one, shape (n,).
         slip: Py<PyAny>,
         /// Its squared length in the metric of the covariance: chi-squared, with n degrees of freedom, without slip.
         statistic: f64,
-        /// What the statistic stays below without slip, but for the false alarms.
+        /// Without slip the statistic is above this value only with the probability of a false alarm.
         threshold: f64,
         /// Probability of such a statistic, or a larger one, without slip.
         probability: f64,
-        /// Whether it slips.
+        /// True if the statistic is above the threshold: the rover slips.
         slipping: bool,
     }
 }
@@ -153,7 +153,7 @@ impl BodySlip {
     }
 }
 
-/// Whether a motion that was navigated differs from the one the wheels tell by more than noise.
+/// Tests if a motion that was navigated differs from the one the wheels tell by more than noise.
 ///
 /// Parameters
 /// ----------

@@ -8,7 +8,7 @@ use crate::arguments::{ArgumentKind, constructor_call};
 use crate::classes::{hash_of_numbers, reduce};
 use crate::convert::{OrRaise, number};
 
-/// What is known of a gyroscope about the vertical axis of the body.
+/// Error model of a gyroscope about the vertical axis of the body.
 ///
 /// Parameters
 /// ----------
@@ -56,11 +56,11 @@ impl ArgumentKind for Gyroscope {
 getters! { Gyroscope, this, py:
     /// Standard deviation of a reading [rad/s].
     noise: f64 = this.0.noise;
-    /// What it reads at rest [rad/s].
+    /// Reading at rest [rad/s].
     bias: f64 = this.0.bias;
-    /// Standard deviation of that [rad/s].
+    /// Standard deviation of the bias [rad/s].
     bias_noise: f64 = this.0.bias_noise;
-    /// By how much the bias wanders [rad/s per root s].
+    /// Random walk of the bias [rad/s per root s].
     bias_walk: f64 = this.0.bias_walk;
     /// Standard deviation of the factor that its readings are off by.
     scale_noise: f64 = this.0.scale_noise;

@@ -84,7 +84,7 @@ getters! { Preintegrated, this, py:
     rover: Py<Rover> = this.rover.clone_ref(py);
     /// Standard deviations of readings and slip.
     noise: Noise = this.core.rules().settings.noise.into();
-    /// What is known of the gyroscope; None without one.
+    /// Error model of the gyroscope; None without one.
     gyroscope: Option<Gyroscope> = this.core.rules().gyroscope.map(Gyroscope);
 }
 
@@ -282,7 +282,7 @@ impl Preintegrated {
         Ok(self.written(py, &motion, yaw))
     }
 
-    /// How two poses contradict the motion: ``log(delta⁻¹ pose_i⁻¹ pose_j)``.
+    /// Difference between the motion of two poses and this one: ``log(delta⁻¹ pose_i⁻¹ pose_j)``.
     ///
     /// Parameters
     /// ----------

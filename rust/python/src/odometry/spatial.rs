@@ -93,7 +93,7 @@ impl Odometry3 {
 }
 
 getters! { Odometry3, this, py:
-    /// Where the rover is after the last sample.
+    /// Estimate after the last sample.
     state: PyResult<Odometry3State> = Ok(this.state_of(&*this.work.lock(py)?, py));
     /// The suspension.
     arm: Py<Suspension> = this.arm.clone_ref(py);

@@ -14,7 +14,7 @@ macro_rules! value_methods {
     ($class:ident) => {
         #[pymethods]
         impl $class {
-            /// How long it takes [s].
+            /// Duration [s].
             #[getter]
             fn duration(&self) -> f64 {
                 self.core.duration()
@@ -281,7 +281,7 @@ known_by_its_call!(IcrTransition);
 replaceable!(IcrTransition);
 
 getters! { IcrTransition, this, py:
-    /// How often the rover has to come to rest on the way.
+    /// Number of times the rover comes to rest on the way.
     stops: usize = this.core.stops();
 }
 
@@ -365,7 +365,7 @@ impl IcrTransition {
         })
     }
 
-    /// What happens when and why: a tuple of `Phase`.
+    /// Phases in the order of time, each with its action and reason: a tuple of `Phase`.
     #[getter]
     fn phases<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let kind = class(py, "Phase")?;

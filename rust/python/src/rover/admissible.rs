@@ -14,7 +14,7 @@ use crate::workers::any_workers;
 
 #[pymethods]
 impl Rover {
-    /// Whether the rover can make a twist: no side slip, every wheel inside its steering range.
+    /// True if the rover can make the twist: no side slip, every wheel inside its steering range.
     ///
     /// Parameters
     /// ----------

@@ -124,7 +124,7 @@ impl Rover {
 
 #[pymethods]
 impl Rover {
-    /// What every wheel has to do for the body to move with a twist: angles and speeds.
+    /// Steering angles and wheel speeds with which the body moves with a twist.
     ///
     /// Exact at every turning radius: straight, on the spot, with the centre of rotation between the wheels
     /// or under one of them. Of the equivalent angles of a wheel, half a turn apart, the one nearest to

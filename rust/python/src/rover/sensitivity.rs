@@ -104,7 +104,7 @@ fn wanted(quantities: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<(&'static str, 
 
 #[pymethods]
 impl Rover {
-    /// How the twist of `forward` changes with its readings and with the dimensions of the rover.
+    /// Derivatives of the twist of `forward` by its readings and by the dimensions of the rover.
     ///
     /// Analytic derivatives of the least-squares solution. Unsteered wheels with parallel axles share the mean of
     /// their side-slip rows: by `heading`, a wheel moves that mean by its part.

@@ -31,7 +31,7 @@ pub fn read_steering(value: Option<&Bound<'_, PyAny>>, joints: usize, leading: &
 
 #[pymethods]
 impl Suspension {
-    /// Where the rover settles on ground: heights, attitude and joint angles that put every wheel on it, exactly.
+    /// Settles the rover on ground: heights, attitude and joint angles that put every wheel on it, exactly.
     ///
     /// A wheel is a circle; its gap is the least vertical distance of the circle over the bilinear surface.
     /// Settled means that every gap is 0. At the stop of a joint (`rocker_limit`, `bogie_limit`) a wheel hangs: one
