@@ -29,7 +29,7 @@ result_class! {
 
 #[pymethods]
 impl RockerBogie {
-    /// Distance behind the origin of the centre of rotation for the least scrub of unsteered wheels [m]: x_R of the papers.
+    /// Distance behind the origin of the centre of rotation with the least scrub [m]: x_R of the papers.
     ///
     /// That is a turn about a point of the line ``x = -icr_offset``. The line moves with the suspension.
     ///
