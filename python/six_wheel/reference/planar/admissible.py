@@ -81,7 +81,7 @@ class AdmissibleSet:
 
     @cached_property
     def _turns(self) -> list[tuple[float, bool]]:
-        """Cuts of |R| by the limits, from 0 outwards, each with True if all turns to the next cut are possible.
+        """Cuts of |R| by the limits, from 0 outwards; True if all turns up to the next cut are possible.
 
         The turns about the line of the unsteered wheels, else about the y axis, are ``R * along + spin``.
         """

@@ -310,7 +310,7 @@ def _is_driven(tree: Tree, joint: Joint) -> bool:
 
 
 def _is_castor(tree: Tree, steering: Joint, trails: bool) -> bool:
-    """True if the file leaves a steering joint uncommanded, or is silent and it trails and turns endlessly."""
+    """True if no command moves a steering joint; in a silent file, if it trails and turns endlessly."""
     if steering.mimic is not None:
         return False
     said = controlled(tree)
