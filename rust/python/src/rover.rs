@@ -57,7 +57,7 @@ const MOST_ITEMS: usize = 1 << 16;
 ///     it clockwise. What goes by a joint's name has the joint's sign (`commands`, `readings`, logs), arrays
 ///     in the order of the wheels have the wheel's.
 /// suspension : RockerBogie, optional
-///     What the six wheels stand on, for a rover whose file says.
+///     Suspension of the six wheels, for a rover whose file describes it.
 ///
 /// Raises
 /// ------

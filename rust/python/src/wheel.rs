@@ -24,7 +24,7 @@ use crate::unit_warnings::warn_units;
 /// radius : float
 ///     Hub to ground [m].
 /// steered : bool
-///     Whether it turns about a vertical axis at the pivot.
+///     True if the wheel has a steering joint with a vertical axis at the pivot.
 /// heading : float, default 0.0
 ///     Direction in which it rolls at steering angle 0 [rad].
 /// steering_limit : float or (float, float), optional
@@ -38,9 +38,9 @@ use crate::unit_warnings::warn_units;
 ///     Between the axes of its rollers and its own [rad]: a quarter turn for an omni wheel, an eighth for a
 ///     mecanum wheel.
 /// driven : bool, optional
-///     Whether it has a motor; default True, False for a castor.
+///     True if the wheel has a motor; default True, False for a castor.
 /// castor : bool
-///     Whether it swivels freely behind its pivot, by its trail.
+///     True if the wheel swivels freely behind its pivot, by its trail.
 ///
 /// Raises
 /// ------

@@ -60,7 +60,7 @@ def follow(
             progress(done, source.rows)
 
 
-def join(rover: Rover, tracks: Sequence[Track]) -> Track:
+def concatenate(rover: Rover, tracks: Sequence[Track]) -> Track:
     """Consecutive tracks as one."""
     if len(tracks) == 1:
         return tracks[0]

@@ -110,7 +110,7 @@ impl FourAxle {
     /// previous : array_like, shape (..., 4), optional
     ///     Present axle angles [rad].
     /// out : (ndarray, ndarray), shapes (..., 4) and (..., 4), optional
-    ///     Where to write angles and speeds.
+    ///     Arrays for angles and speeds.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64.
     /// threads : int, optional
@@ -222,7 +222,7 @@ impl FourAxle {
     ///     The point in body axes [m]; (0, 0) to spin in place, (0, inf) for straight ahead, (inf, 0) for a
     ///     crab sideways. Other crabs have a direction, not a point: `inverse`.
     /// out : ndarray, shape (..., 4), optional
-    ///     Where to write the result.
+    ///     Array for the result.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64.
     /// threads : int, optional

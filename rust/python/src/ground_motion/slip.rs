@@ -28,7 +28,7 @@ impl Suspension {
     /// Parameters
     /// ----------
     /// stand : SettledPose
-    ///     What `settle` says, at the steering angles of the moment, shape (...).
+    ///     Result of `settle`, at the steering angles of the moment, shape (...).
     /// speeds : array_like, shape (..., wheels)
     ///     Measured speed of every wheel against the link that carries it [rad/s].
     /// twist : array_like, shape (..., 6)
@@ -36,7 +36,7 @@ impl Suspension {
     /// joint_rates : array_like, shape (..., joints)
     ///     Rates of the free angles [rad/s].
     /// out : tuple of ndarray, optional
-    ///     Where to write ratio and angle, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     Arrays for ratio and angle, in this order; what is left out, or None, is fresh. Nothing is written by
     ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
@@ -118,7 +118,7 @@ impl BodySlip {
     /// Returns
     /// -------
     /// ndarray, shape (n,)
-    ///     What to command.
+    ///     Motion to command.
     ///
     /// Raises
     /// ------
@@ -162,7 +162,7 @@ impl BodySlip {
 /// covariance : array_like, shape (n, n)
 ///     Of their difference without slip: the sum of both covariances.
 /// false_alarm : float, default 0.01
-///     How often a rover that does not slip may be said to.
+///     Probability with which a rover that does not slip is said to slip.
 ///
 /// Returns
 /// -------

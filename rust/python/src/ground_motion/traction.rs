@@ -107,7 +107,7 @@ impl Suspension {
     ///     A wheel that moves across its link faster than `lift_speed` [m/s], and than a slope of `lift_angle` [rad]
     ///     would push it at the commanded speed, is flagged in `lifted`: a wheelie, or a fall.
     /// out : tuple of ndarray, optional
-    ///     Where to write speeds, steering and contact angles, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     Arrays for speeds, steering and contact angles, in this order; what is left out, or None, is fresh. Nothing is written by
     ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.

@@ -15,11 +15,11 @@ use crate::convert::{OrRaise, number};
 /// noise : float, default 0.005
 ///     Standard deviation of a reading [rad/s].
 /// bias : float, default 0.0
-///     What it reads at rest, as far as is known beforehand [rad/s].
+///     Reading at rest, as far as is known beforehand [rad/s].
 /// bias_noise : float, default 0.05
 ///     Standard deviation of that [rad/s].
 /// bias_walk : float, default 0.0001
-///     By how much the bias wanders, as a standard deviation after one second [rad/s per root s].
+///     Random walk of the bias, as a standard deviation after one second [rad/s per root s].
 /// scale_noise : float, default 0.0
 ///     Standard deviation of the factor that its readings are off by, a share of what it turns. It lasts: ten turns the
 ///     same way err ten times as much as one.

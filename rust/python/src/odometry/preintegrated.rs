@@ -46,7 +46,7 @@ type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'
 /// readings, wheel_encoders, steering_encoders, method
 ///     As for `Odometry`.
 /// in_space : bool
-///     Whether every sample has an attitude: SE(3) instead of the plane. Wheels then move the body in the plane they
+///     True if every sample has an attitude: SE(3) instead of the plane. Wheels then move the body in the plane they
 ///     stand on, which the attitude tilts; its turn about the body's own vertical axis is a gyroscope's, which wheels
 ///     and attitude share by their noise.
 /// attitude_noise : float, default 0.01
@@ -287,7 +287,7 @@ impl Preintegrated {
     /// Parameters
     /// ----------
     /// pose_i, pose_j : array_like, shape (3,) or (4, 4)
-    ///     Where the body is when the motion begins and when it ends.
+    ///     Poses of the body at the beginning and at the end of the motion.
     ///
     /// Returns
     /// -------

@@ -31,7 +31,7 @@ const NAMES: [(&str, Quantity); 12] = [
 
 /// A twist with its derivatives: rows ``vx, vy, omega``, one column per wheel or steered wheel.
 ///
-/// What was not asked for is None.
+/// Derivatives that were not asked for are None.
 #[pyclass(frozen, module = "six_wheel", name = "TwistJacobian")]
 #[derive(Default)]
 pub struct Sensitivity {

@@ -45,17 +45,17 @@ impl Suspension {
     /// Parameters
     /// ----------
     /// ground : Terrain
-    ///     What it stands on.
+    ///     The ground.
     /// poses : array_like, shape (..., 3)
     ///     Rows ``[x, y, yaw]`` of the body's origin in the world [m, m, rad].
     /// steering : array_like, shape (steered,) or (..., steered), optional
     ///     Steering angles [rad], default 0.
     /// derivatives : bool
-    ///     Whether `by_pose` and `by_dimension` are wanted.
+    ///     True to compute `by_pose` and `by_dimension`.
     /// centre_of_mass : (float, float, float), optional
     ///     In the body [m]; default the mean of the wheel centres, on a rocker-bogie at the height of the rocker axis.
     /// threads : int, optional
-    ///     How many threads work at most; default `default_threads()`. Results do not depend on it.
+    ///     Threads at most; default `default_threads()`. Results do not depend on it.
     /// level : str, optional
     ///     One of `simd_levels()`; default the best. Results differ by rounding.
     ///

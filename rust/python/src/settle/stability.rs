@@ -105,14 +105,14 @@ impl RockerBogie {
     /// poses : array_like, shape (..., 3)
     ///     Rows ``[x, y, yaw]`` of the rover's origin [m, m, rad].
     /// limits : FeasibilityLimits, optional
-    ///     What is allowed; default what Curiosity is.
+    ///     Limits of a feasible pose; default those of Curiosity.
     /// map_error : float, default 0.0
-    ///     How far the heights of the map may be from the true ones [m]: bounds hold for all of them, settled
+    ///     Largest error of the heights of the map [m]: bounds hold for all of them, settled
     ///     clearances are less by twice as much.
     /// belly : (float, float, float, float), optional
     ///     As for `bounds`.
     /// out : tuple of ndarray, optional
-    ///     Where to write margin, tilt and clearance, in this order; what is left out, or None, is fresh. Nothing is
+    ///     Arrays for margin, tilt and clearance, in this order; what is left out, or None, is fresh. Nothing is
     ///     written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`. Results do not depend on it.
@@ -230,7 +230,7 @@ impl Suspension {
     /// belly : (float, float, float, float), optional
     ///     As for `RockerBogie.bounds`, which has a default; without one `clearance` is NaN.
     /// out : tuple of ndarray, optional
-    ///     Where to write loads, tip-over angle, clearance, joint margins and tilt, in this order; what is left out, or
+    ///     Arrays for loads, tip-over angle, clearance, joint margins and tilt, in this order; what is left out, or
     ///     None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.

@@ -40,7 +40,7 @@ impl RockerBogie {
     /// beta : array_like, shape (..., 2)
     ///     Angles of the left and the right bogie against their rockers [rad].
     /// out : ndarray, shape (...), optional
-    ///     Where to write the result.
+    ///     Array for the result.
     /// dtype : dtype, optional
     ///     float32 for a result of single precision, default float64.
     /// threads : int, optional
