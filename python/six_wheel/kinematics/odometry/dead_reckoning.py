@@ -197,7 +197,8 @@ def dead_reckon(
             raise ValueError("wheel_angles and stamps must come together, got one of them")
         else:
             source = tabular_input.arrays(steering, wheel_angles, stamps, rates)
-        track = tabular_input.concatenate(rover, list(tabular_input.follow(odometry, source, keywords, progress)))
+        tracks = list(tabular_input.follow(odometry, source, keywords, progress))
+        track = tabular_input.concatenate(rover, tracks)
     return track if place is None else seen_by(track, place)
 
 
