@@ -1,4 +1,4 @@
-"""Why a step of a `Controller` is not simply what was asked for."""
+"""Reasons for which a step of a `Controller` differs from the motion asked for."""
 
 from six_wheel.kinematics.flags import TextFlag
 

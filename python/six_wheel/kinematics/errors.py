@@ -1,4 +1,4 @@
-"""What this package raises beyond the built-in exceptions."""
+"""Exceptions of this package beyond the built-in ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What goes into and comes out of `FourAxle`: states, steps and results, as plain values.
+"""States, steps and results of `FourAxle`, as plain values.
 
 Axles come in the order front left, front right, rear left, rear right.
 """
@@ -75,7 +75,7 @@ class FourAxleState:
 
 @dataclass(frozen=True, slots=True)
 class FourAxleStep:
-    """What a `FourAxle` does for a time: the brakes are set, then the wheels turn at constant speeds.
+    """One step of a `FourAxle`: the brakes are set, then the wheels turn at constant speeds.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ class TurnSequence:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FourAxleMobility:
-    """Whether axles at some angles let the robot move, and how."""
+    """Mobility of the robot with its axles locked at some angles, from the rank of the side-slip rows."""
 
     rank: int
     """Rank of the four side-slip rows; 3 means locked."""
@@ -169,7 +169,7 @@ class FourAxleMobility:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FourAxleMotion:
-    """What body and pivots do at some wheel speeds."""
+    """Motion of body and pivots at some wheel speeds."""
 
     twist: Floats
     """Of the body: vx, vy, omega, shape (3,) [m/s, m/s, rad/s]."""

@@ -27,7 +27,7 @@ class Twist(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Where the body frame is in the world; goes wherever three floats do."""
+    """Pose of the body frame in the world; it can be given wherever three floats can."""
 
     x: float
     """[m]"""

@@ -11,7 +11,7 @@ Floats = NDArray[np.float64]
 
 
 def inverse(poses: Floats) -> Floats:
-    """Where the world lies as seen from poses: ``compose(inverse(p), p)`` is the identity. Shape (..., 3)."""
+    """Inverse poses: ``compose(inverse(p), p)`` is the identity. Shape (..., 3)."""
     x, y, yaw = np.moveaxis(poses, -1, 0)
     cos, sin = np.cos(yaw), np.sin(yaw)
     return np.stack((-cos * x - sin * y, sin * x - cos * y, -yaw), axis=-1)

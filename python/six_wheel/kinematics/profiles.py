@@ -1,4 +1,4 @@
-"""How a value goes from here to there: profiles over time, and transitions of a rover built on them.
+"""Profiles of a value over time, and transitions of a rover built on them.
 
 >>> from six_wheel import profiles
 >>> profiles.s_curve(0.0, 1.0, 2.0).at(1.0)
@@ -43,7 +43,7 @@ icr_transition = IcrTransition.between
 
 
 class State(NamedTuple):
-    """Where a profile is at one time, or at many: floats or arrays of shape (..., [axes])."""
+    """State of a profile at one time, or at many: floats or arrays of shape (..., [axes])."""
 
     value: Floats
     """In the unit of start and end."""
@@ -67,7 +67,7 @@ class Peaks(NamedTuple):
 
 
 class TransitionState(NamedTuple):
-    """What body and wheels do at one time of a transition, or at many, along leading axes."""
+    """Motion of body and wheels at one time of a transition, or at many, along leading axes."""
 
     twist: Floats
     """``[vx, vy, omega]``, shape (..., 3) [m/s, m/s, rad/s]; of modules, the one that fits them best."""
@@ -91,6 +91,6 @@ class Phase(NamedTuple):
     start: float
     """When it begins [s]."""
     duration: float
-    """How long it takes [s]."""
+    """Duration [s]."""
     reason: str
     """Why it is there."""

@@ -1,4 +1,4 @@
-"""What a sampling planner gets back for its rollouts."""
+"""Results of the rollouts of a sampling planner."""
 
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 

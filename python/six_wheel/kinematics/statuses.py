@@ -15,7 +15,7 @@ __all__ = ["BoundsStatus", "FeasibilityLimits", "FeasibilityReason", "SettleStat
 
 
 class SettleStatus(StrEnum):
-    """Whether a rover stands at a pose, and if not, why. Prints, and compares with text, by its name."""
+    """Status of a settled pose. Prints, and compares with text, by its name."""
 
     settled = "settled"
     """Every wheel touches that can."""
@@ -43,7 +43,7 @@ def settle_statuses(codes: int | NDArray[np.int64]) -> SettleStatus | NDArray[An
 
 
 class BoundsStatus(StrEnum):
-    """What the bounds of a pose are worth. Prints, and compares with text, by its name."""
+    """Validity of the bounds of a pose. Prints, and compares with text, by its name."""
 
     bounded = "bounded"
     """The rover, settled, is inside the intervals."""
@@ -73,7 +73,7 @@ def bound_statuses(codes: int | NDArray[np.uint8]) -> BoundsStatus | NDArray[Any
 
 
 class FeasibilityReason(StrEnum):
-    """Why a rover may not stand somewhere: the limit it would go furthest beyond, or what is not known."""
+    """Reason for which a rover may not stand at a pose: the limit exceeded most, or the unknown ground."""
 
     ok = "ok"
     """It may."""
@@ -131,7 +131,7 @@ def _with_plausible_units(limits: _Class) -> _Class:
 
 @_with_plausible_units
 class FeasibilityLimits(NamedTuple):
-    """What is allowed where a rover stands; by default what Curiosity is, and a belly that touches nothing.
+    """Limits for standing at a pose; by default those of Curiosity, and a belly that touches nothing.
 
     Source: A. Rankin, M. Maimone, J. Biesiadecki, N. Patel, D. Levine, O. Toupet, Driving Curiosity: Mars
     rover mobility trends during the first seven years, IEEE Aerospace Conference 2020.

@@ -1,4 +1,4 @@
-"""What files say of a robot: `parameters` (ROS 2 or plain keys) and `urdf` (robot descriptions), read and
+"""Files that describe a robot: `parameters` (ROS 2 or plain keys) and `urdf` (robot descriptions), read and
 written.
 
 `diagnostics` are findings about such files, `joint_names` tells a wheel's place from the name of its joint.

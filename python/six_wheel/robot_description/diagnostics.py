@@ -1,4 +1,4 @@
-"""What is wrong with a file that describes a rover, or worth a word: one line for each."""
+"""Errors and warnings about a file that describes a rover, one line for each."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

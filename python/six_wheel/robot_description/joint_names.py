@@ -1,4 +1,4 @@
-"""What the name of a joint says about its wheel: front or rear, left or right.
+"""Place of a wheel from the name of its joint: front or rear, left or right.
 
 Teams abbreviate as they like. What a name does not tell is not guessed.
 """
@@ -91,7 +91,7 @@ def said_by(name: str) -> Said | None:
 
 
 def agree(one: Said | None, other: Said | None) -> bool:
-    """Whether two names can mean the same place."""
+    """True if two names can mean the same place."""
     return (
         one is None
         or other is None

@@ -25,7 +25,7 @@ pub use integration::{integrate, rollout};
 /// dt : float or array_like, shape (n,)
 ///     Duration of the steps [s].
 /// out : ndarray, shape (n, 3), optional
-///     Where to write the result.
+///     Array for the result.
 /// dtype : dtype, optional
 ///     float32 for a result of single precision, default float64.
 /// threads : int, optional
@@ -67,16 +67,16 @@ pub fn differentiate<'py>(
     twists.finish_any()
 }
 
-/// Where holding a twist takes the body frame: the exponential map of SE(2).
+/// Pose of the body frame after holding a twist for `dt`: the exponential map of SE(2).
 ///
 /// Parameters
 /// ----------
 /// twist : array_like, shape (..., 3)
 ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
 /// dt : float or array_like, shape (...), default 1.0
-///     For how long [s].
+///     Duration [s].
 /// out : ndarray, shape (..., 3), optional
-///     Where to write the result.
+///     Array for the result.
 /// dtype : dtype, optional
 ///     float32 for a result of single precision, default float64.
 /// threads : int, optional
@@ -111,7 +111,7 @@ pub fn exp<'py>(
 /// dt : float or array_like, shape (...), default 1.0
 ///     In how long [s].
 /// out : ndarray, shape (..., 3), optional
-///     Where to write the result.
+///     Array for the result.
 /// dtype : dtype, optional
 ///     float32 for a result of single precision, default float64.
 /// threads : int, optional
@@ -170,7 +170,7 @@ fn over_time<'py>(
 /// first, second : array_like, shape (..., 3)
 ///     ``[x, y, yaw]`` [m, m, rad].
 /// out : ndarray, shape (..., 3), optional
-///     Where to write the result.
+///     Array for the result.
 /// dtype : dtype, optional
 ///     float32 for a result of single precision, default float64.
 /// threads : int, optional
@@ -209,7 +209,7 @@ pub fn compose<'py>(
 /// angle : float or array_like, shape (...)
 ///     Angles [rad].
 /// out : ndarray, shape (...), optional
-///     Where to write the result.
+///     Array for the result.
 /// dtype : dtype, optional
 ///     float32 for a result of single precision, default float64.
 /// threads : int, optional

@@ -38,12 +38,12 @@ use values::Noise;
 /// noise : Noise, optional
 ///     Standard deviations of readings and slip, default ``Noise()``.
 /// readings : {'angles', 'speeds', 'increments'}
-///     What is read of the wheels: running totals [rad]; rates at the stamps [rad/s], of which a step takes the mean
+///     Kind of the wheels' readings: running totals [rad]; rates at the stamps [rad/s], of which a step takes the mean
 ///     of its two ends; or what came since the sample before [rad].
 /// wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
 ///     For readings in counts: one for all, one each, or by the name of the wheel.
 /// method : {'least_squares', 'middle_wheels', 'robust'}
-///     How the wheels are weighed, as in `Rover.fit`.
+///     Weights of the wheels, as in `Rover.fit`.
 /// inflate : bool
 ///     Count what the wheels disagree by beyond the noise as more noise of the step.
 /// slip_threshold : float, optional
@@ -58,16 +58,16 @@ use values::Noise;
 /// smoothing : float, default 0.0
 ///     Time constant of the first-order filter of `velocity` [s]; 0: none.
 /// lag : float, default 0.0
-///     How late a pose may come to `correct` [s]; 0: not before the last step.
+///     Largest delay of a pose given to `correct` [s]; 0: not before the last step.
 /// history : int, default 1024
 ///     Samples that are kept for that at most.
 /// gyroscope : Gyroscope, optional
 ///     Of the `yaw_rate` that comes with the samples: its bias is a state, learnt while wheels and gyroscope agree that the
 ///     rover stands, in which case the pose is held. Its noise stands for that of `noise.yaw_rate`.
 /// wheel_noise : array_like of shape (wheels,), or dict of str to float, optional
-///     How many times as much as `noise` says each wheel slips, in the order of the wheels or by name; default 1.
+///     Factor on the slip of `noise` for each wheel, in the order of the wheels or by name; default 1.
 /// dimensions : array_like, shape (k, wheels, 9), optional
-///     What the dimensions may be off by all along, as k independent errors of one standard deviation each: of every wheel
+///     Constant errors of the dimensions, as k independent errors of one standard deviation each: of every wheel
 ///     its radius, x, y [m], heading [rad], scrub, trail [m], roller angle [rad], and as shares of what is read its turns
 ///     and its steering angle. `Calibration.dimensions` and that of a parameter file are such. Steps then take longer.
 ///
@@ -124,7 +124,7 @@ impl Odometry {
 }
 
 getters! { Odometry, this, py:
-    /// Where the rover is after the last sample.
+    /// Estimate after the last sample.
     state: PyResult<OdometryState> = Ok(this.state_of(&this.work.lock(py)?.core, py));
     /// The rover.
     rover: Py<Rover> = this.rover.clone_ref(py);

@@ -38,7 +38,7 @@ const FOOTPRINT: usize = 64;
 /// Parameters
 /// ----------
 /// rover : Rover
-///     What is driven; without steered wheels that have trail.
+///     The rover; without steered wheels that have trail.
 /// limits : Limits, optional
 ///     What its motion may not exceed. All but the jerks count here, which are a controller's matter; steering angles
 ///     may speed up by no more than `steering_acceleration` where they turn on the spot.
@@ -57,18 +57,18 @@ const FOOTPRINT: usize = 64;
 /// temperature : float, default 1.0
 ///     Cost by which a rollout counts 1/e as much.
 /// weights : dict, optional
-///     What counts how much, over the defaults: ``map`` 1 (cost of the map, per second), ``collision`` 1000 (a rollout
+///     Weights of the costs, over the defaults: ``map`` 1 (cost of the map, per second), ``collision`` 1000 (a rollout
 ///     that comes to a lethal place), ``goal`` 1 and ``terminal`` 10 (distance to the goal, per second and at the
 ///     end), ``path`` 5 (distance from it, per second), ``progress`` 10 (way made along it), ``heading`` 1 (square of the
 ///     sine between heading and path, per second), ``effort`` 0 (mean square
 ///     speed of the wheels' pivots, per second), ``scrub`` 1 (square of the speed at which fixed wheels slide, per
 ///     second).
 /// smoothing : bool
-///     Whether the new plan is smoothed by a quadratic over five steps (Savitzky-Golay).
+///     True to smooth the new plan by a quadratic over five steps (Savitzky-Golay).
 /// delay : float, default 0.0
 ///     Dead time of the rover [s]: what is wished that far ahead is on its way already, and stays.
 /// dtype : {'float64', 'float32'}
-///     What rollouts are computed in.
+///     Number type in which rollouts are computed.
 /// footprint : array_like, shape (n, 2), optional
 ///     Points of the body where the map is read, of which the worst counts [m]; default its origin.
 ///
@@ -90,9 +90,9 @@ pub struct Mppi {
 getters! { Mppi, this, py:
     /// The costs of the last cycle's rollouts, shape (samples,).
     costs: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, this.core.lock(py)?.costs()));
-    /// What is planned for.
+    /// The rover.
     rover: Py<Rover> = this.rover.clone_ref(py);
-    /// What its motion may not exceed.
+    /// Limits of the rover's motion.
     limits: Limits = this.limits.clone();
     /// Steps of a rollout.
     horizon: usize = this.options.horizon;
@@ -168,18 +168,18 @@ impl Mppi {
     /// Parameters
     /// ----------
     /// state : array_like, shape (3,), or an object with ``pose``
-    ///     Where the rover is, ``[x, y, yaw]`` [m, m, rad], such as an `OdometryState`, whose ``twist``, ``steering`` and
+    ///     Its pose, ``[x, y, yaw]`` [m, m, rad], such as an `OdometryState`, whose ``twist``, ``steering`` and
     ///     ``frame`` count as well, if it has them.
     /// twist : array_like, shape (3,), optional
     ///     Its motion ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]; default that of `state`, or at rest.
     /// steering : array_like, shape (steered wheels,), optional
-    ///     Where its steering joints are [rad]; default those of `state`, or where the last plan brought them.
+    ///     Angles of its steering joints [rad]; default those of `state`, or where the last plan brought them.
     /// path : array_like, shape (n, 2) or (n, 3), optional
     ///     Corners of a path to follow [m].
     /// costmap : Costmap, optional
-    ///     What it costs to be somewhere. The rover has to be on it.
+    ///     Cost of every place. The rover has to be on it.
     /// goal : array_like, shape (2,) or (3,), optional
-    ///     Where to go [m]; default the end of the path. One of `path`, `goal` and `extra_cost` has to be given.
+    ///     Place to go to [m]; default the end of the path. One of `path`, `goal` and `extra_cost` has to be given.
     /// extra_cost : callable, optional
     ///     Called once, with the poses (samples, horizon + 1, 3) and the motions (samples, horizon, 3) of all rollouts;
     ///     returns a cost for each, shape (samples,), which may be infinite.
@@ -196,7 +196,7 @@ impl Mppi {
     /// Returns
     /// -------
     /// MppiPlan
-    ///     What to command now, and where the plan leads.
+    ///     The motion to command now, and the plan it begins.
     ///
     /// Raises
     /// ------
@@ -327,7 +327,7 @@ impl Mppi {
         output.finish()
     }
 
-    /// What counts how much.
+    /// Weights of the cost terms, by name.
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);

@@ -77,9 +77,9 @@ impl Profile {
 }
 
 getters! { Profile, this, py:
-    /// How long it takes until the last axis arrives [s].
+    /// Time until the last axis arrives [s].
     duration: f64 = this.core.duration();
-    /// How long each axis takes [s]: a float, or an array of shape (axes,).
+    /// Duration of each axis [s]: a float, or an array of shape (axes,).
     durations: PyResult<Py<PyAny>> = this.per_axis(py, this.core.durations().collect());
 }
 
@@ -92,7 +92,7 @@ impl Profile {
     /// start, end : float or array_like, shape (axes,)
     ///     Values at both ends, in any unit.
     /// duration : float
-    ///     How long it takes [s].
+    ///     Duration [s].
     ///
     /// Raises
     /// ------
@@ -115,9 +115,9 @@ impl Profile {
     /// start, end : float or array_like, shape (axes,)
     ///     Values at both ends, in any unit.
     /// duration : float
-    ///     How long it takes [s].
+    ///     Duration [s].
     /// ramp : float, optional
-    ///     How long it accelerates, and decelerates [s]; default a third of the duration, at most a half.
+    ///     Duration of the acceleration, and of the deceleration [s]; default a third of the duration, at most a half.
     ///
     /// Raises
     /// ------
@@ -145,9 +145,9 @@ impl Profile {
     /// start, end : float or array_like, shape (axes,)
     ///     Values at both ends, in any unit.
     /// duration : float
-    ///     How long it takes [s].
+    ///     Duration [s].
     /// ramp : float, optional
-    ///     How long it accelerates, and decelerates [s]; the default and most is half the duration, which
+    ///     Duration of the acceleration, and of the deceleration [s]; the default and most is half the duration, which
     ///     takes the least jerk: over a distance d in the time T, velocity ``2 d / T``, acceleration
     ///     ``8 d / T**2`` and jerk ``32 d / T**3``. Less lowers the velocity, to ``d / (T - ramp)``.
     ///

@@ -57,7 +57,7 @@ const MOST_ITEMS: usize = 1 << 16;
 ///     it clockwise. What goes by a joint's name has the joint's sign (`commands`, `readings`, logs), arrays
 ///     in the order of the wheels have the wheel's.
 /// suspension : RockerBogie, optional
-///     What the six wheels stand on, for a rover whose file says.
+///     Suspension of the six wheels, for a rover whose file describes it.
 ///
 /// Raises
 /// ------
@@ -186,13 +186,13 @@ fn read_wheels(wheels: &Bound<'_, PyAny>) -> PyResult<Vec<Wheel>> {
     items.iter().enumerate().map(wheel).collect()
 }
 
-/// What is odd about a rover's dimensions: each the key it is about, what it is, and what is likely.
+/// Implausible dimensions of a rover: tuples of the key, what is implausible about it, and what is likely.
 #[pyfunction]
 pub fn unit_questions(rover: &Rover) -> Vec<(&'static str, String, String)> {
     listed(units::dimensions(&rover.core))
 }
 
-/// What is odd about settings of `Limits`, `Noise` or `FeasibilityLimits`, a dict by name: as [`unit_questions`].
+/// Implausible settings of `Limits`, `Noise` or `FeasibilityLimits`, a dict by name, as [`unit_questions`] lists them.
 #[pyfunction]
 pub fn setting_questions(settings: &Bound<'_, PyDict>) -> Vec<(&'static str, String, String)> {
     listed(odd_settings(settings))
@@ -204,7 +204,7 @@ pub fn ask_settings(settings: &Bound<'_, PyDict>) -> PyResult<()> {
     warn_units(settings.py(), odd_settings(settings))
 }
 
-/// What is no number is for others to refuse.
+/// Implausible numbers of a dict. Values that are no numbers are skipped; the constructors refuse them.
 fn odd_settings(settings: &Bound<'_, PyDict>) -> Vec<Question> {
     let numbers = settings
         .iter()
@@ -246,7 +246,7 @@ getters! { Rover, this, py:
     steering_joints: PyResult<Bound<'py, PyDict>> = this.joint_dict(py, &joints::in_order_of_wheels(&this.steering));
     /// Names of the joints that count the other way.
     reversed_joints: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, this.reversed());
-    /// What the six wheels stand on, if the rover's file says; None otherwise.
+    /// Suspension of the six wheels, if the rover's file describes it; None otherwise.
     suspension: Option<Py<RockerBogie>> = this.suspension.as_ref().map(|arm| arm.clone_ref(py));
     /// Smallest radius from which on every turn is possible [m]: 0 if all are, infinite if none is.
     ///

@@ -30,9 +30,9 @@ use crate::workers::{any_workers, fill_rows};
 /// spacing : float or (float, float)
 ///     Between columns and between rows [m].
 /// origin : (float, float)
-///     Where node (0, 0) lies in the world [m].
+///     Place of node (0, 0) in the world [m].
 /// orientation : float
-///     By how much the rows are turned from the x axis of the world, counter-clockwise [rad].
+///     Angle from the x axis of the world to the rows, counter-clockwise [rad].
 ///
 /// Raises
 /// ------
@@ -134,9 +134,9 @@ getters! { Terrain, this, py:
     shape: (usize, usize) = this.0.shape().into();
     /// Between columns and between rows [m].
     spacing: (f64, f64) = this.0.spacing().into();
-    /// Where node (0, 0) lies in the world [m].
+    /// Place of node (0, 0) in the world [m].
     origin: (f64, f64) = this.0.origin().into();
-    /// By how much the rows are turned from the x axis of the world, counter-clockwise [rad].
+    /// Angle from the x axis of the world to the rows, counter-clockwise [rad].
     orientation: f64 = this.0.orientation();
 }
 
@@ -189,7 +189,7 @@ impl Terrain {
     ///     From the four corners of the cell, which is the surface that wheels stand on; or smoothly from
     ///     sixteen nodes.
     /// out : ndarray, shape (...), optional
-    ///     Where to write the result.
+    ///     Array for the result.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
@@ -223,7 +223,7 @@ impl Terrain {
     /// method : {'bilinear', 'bicubic'}
     ///     As for `height`. On a crease of the bilinear surface, those of the cell that comes after it.
     /// out : ndarray, shape (..., 2), optional
-    ///     Where to write the result.
+    ///     Array for the result.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
@@ -257,7 +257,7 @@ impl Terrain {
     /// method : {'bilinear', 'bicubic'}
     ///     As for `gradient`.
     /// out : ndarray, shape (..., 3), optional
-    ///     Where to write the result.
+    ///     Array for the result.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
@@ -282,7 +282,7 @@ impl Terrain {
         })
     }
 
-    /// Whether points lie on the map, its rim included; heights there may still be unknown.
+    /// True for points on the map, its rim included; heights there may still be unknown.
     ///
     /// Parameters
     /// ----------

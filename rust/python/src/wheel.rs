@@ -24,7 +24,7 @@ use crate::unit_warnings::warn_units;
 /// radius : float
 ///     Hub to ground [m].
 /// steered : bool
-///     Whether it turns about a vertical axis at the pivot.
+///     True if the wheel has a steering joint with a vertical axis at the pivot.
 /// heading : float, default 0.0
 ///     Direction in which it rolls at steering angle 0 [rad].
 /// steering_limit : float or (float, float), optional
@@ -38,9 +38,9 @@ use crate::unit_warnings::warn_units;
 ///     Between the axes of its rollers and its own [rad]: a quarter turn for an omni wheel, an eighth for a
 ///     mecanum wheel.
 /// driven : bool, optional
-///     Whether it has a motor; default True, False for a castor.
+///     True if the wheel has a motor; default True, False for a castor.
 /// castor : bool
-///     Whether it swivels freely behind its pivot, by its trail.
+///     True if the wheel swivels freely behind its pivot, by its trail.
 ///
 /// Raises
 /// ------
@@ -124,9 +124,9 @@ getters! { Wheel, this, py:
     y: f64 = this.0.y;
     /// Hub to ground [m].
     radius: f64 = this.0.radius;
-    /// Whether it turns about a vertical axis at the pivot.
+    /// True if the wheel has a steering joint with a vertical axis at the pivot.
     steered: bool = this.0.steering().is_some();
-    /// Direction in which it rolls at steering angle 0 [rad].
+    /// Direction in which the wheel rolls at steering angle 0 [rad].
     heading: f64 = this.0.heading;
     /// Smallest and largest steering angle [rad]; None for a fixed wheel.
     steering_range: Option<(f64, f64)> = this.0.steering().map(|range| (range.lower, range.upper));
@@ -136,9 +136,9 @@ getters! { Wheel, this, py:
     trail: f64 = this.0.trail;
     /// Between the axes of its rollers and its own [rad]; None without rollers.
     roller_angle: Option<f64> = this.0.roller_angle;
-    /// Whether it has a motor.
+    /// True if the wheel has a motor.
     driven: bool = this.0.driven;
-    /// Whether it swivels freely behind its pivot.
+    /// True if the wheel swivels freely behind its pivot.
     castor: bool = this.0.pivot == Pivot::Castor;
 }
 

@@ -197,7 +197,8 @@ def dead_reckon(
             raise ValueError("wheel_angles and stamps must come together, got one of them")
         else:
             source = tabular_input.arrays(steering, wheel_angles, stamps, rates)
-        track = tabular_input.join(rover, list(tabular_input.follow(odometry, source, keywords, progress)))
+        tracks = list(tabular_input.follow(odometry, source, keywords, progress))
+        track = tabular_input.concatenate(rover, tracks)
     return track if place is None else seen_by(track, place)
 
 
@@ -252,7 +253,7 @@ def dead_reckon_chunks(
 
 
 def table_columns(rover: Rover) -> dict[str, tuple[str, ...]]:
-    """What the columns of a table may be called, by what they hold; the first that is there is taken.
+    """Accepted names of the columns of a table, by quantity; the first name that the table has is taken.
 
     Wheels and steering joints go by the rover's joint names (`Rover.traction_joints`, `steering_joints`),
     alone or with ``.position`` or ``.velocity`` behind; wheels by their own names as well. The ``"stamp"`` is

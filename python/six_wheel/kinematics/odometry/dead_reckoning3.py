@@ -21,7 +21,7 @@ __all__ = ["Track3"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track3:
-    """Where a rover on ground was over a whole log, one row per sample.
+    """Poses of a rover on ground over a whole log, one row per sample.
 
     Rows that were left out (`health`) hold the state of the row before; their slips are NaN.
 

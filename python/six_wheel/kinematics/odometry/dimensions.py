@@ -31,7 +31,7 @@ MEASURED = 0.1
 LEVEL = 1e-9
 
 WHEEL_QUANTITIES = ("radius", "x", "y", "heading", "scrub", "trail", "roller_angle")  # in the core's order
-# Where these are among the numbers that may be off, with the turns of a wheel and its steering as shares.
+# Columns of these among the numbers of a wheel that may be off; TURNED and STEERED are shares of its turns.
 PLACE, HEADING, TURNED, STEERED, NUMBERS = slice(1, 3), 3, 7, 8, 9
 FRAME = ("x", "y", "yaw")
 
@@ -56,7 +56,7 @@ class Parameter:
 
 
 def mounts(rover: Rover, sessions: Iterable[str], axes: Iterable[str]) -> list[Parameter]:
-    """Where the truth of each session looks from: numbers of that session, not of the rover."""
+    """Pose of the ground-truth sensor in each session: parameters of the session, not of the rover."""
     reach = size(rover)
     plausible = {"x": MEASURED * reach, "y": MEASURED * reach, "yaw": MEASURED * PLAUSIBLE_ANGLE}
     units = {"x": "m", "y": "m", "yaw": "rad"}
@@ -68,7 +68,7 @@ def mounts(rover: Rover, sessions: Iterable[str], axes: Iterable[str]) -> list[P
 
 
 def prior(parameters: Sequence[Parameter]) -> Floats:
-    """What is plausible of all together (p, p), in units of what is plausible for each."""
+    """Prior correlation of the parameters, shape (p, p): covariance in units of `plausible`."""
     alike = PLAUSIBLE_SHARE**2 / (PLAUSIBLE_SHARE**2 + PLAUSIBLE_APART**2)
     kinds = [parameter.kind for parameter in parameters]
     together = np.array([[alike if one and one == other else 0.0 for other in kinds] for one in kinds])
@@ -118,7 +118,7 @@ class Catalogue:
 
     @property
     def has_rollers(self) -> bool:
-        """Whether wheels roll sideways too: then how far out they are counts, not along or across."""
+        """True if a wheel has rollers; then its distance from the origin counts, not x or y alone."""
         return any(wheel.roller_angle is not None for wheel in self._rover.wheels)
 
     @property
@@ -248,7 +248,7 @@ class Catalogue:
 
 
 def deviations(rover: Rover, parameters: Sequence[str], covariance: ArrayLike) -> Floats:
-    """What the dimensions of a rover may be off by, as `Odometry` takes it for `dimensions`.
+    """Covariance of the dimensions of a rover, as `Odometry` takes it for `dimensions`.
 
     Parameters
     ----------
@@ -284,12 +284,12 @@ def deviations(rover: Rover, parameters: Sequence[str], covariance: ArrayLike) -
 
 
 def with_encoders(rover: Rover, names: Iterable[str] = ()) -> list[bool]:
-    """Which wheels have an encoder, where no log tells: those with a motor, and whose radius is named."""
+    """True for wheels taken to have an encoder if no log tells: driven, or with a radius in `names`."""
     return [wheel.driven or f"wheel_radius[{wheel.name}]" in names for wheel in rover.wheels]
 
 
 def moves(rover: Rover, parameter: Parameter, value: float = 1.0) -> Floats:
-    """By how much the numbers of every wheel move with a parameter, shape (wheels, 9).
+    """Derivatives of the numbers of every wheel by a parameter, shape (wheels, 9).
 
     `value` is that of a factor of readings.
     """

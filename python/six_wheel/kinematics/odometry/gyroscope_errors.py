@@ -1,4 +1,4 @@
-"""What a gyroscope errs by in the rows of a log."""
+"""Error model of a gyroscope for the rows of a log."""
 
 import math
 from typing import Any

@@ -35,7 +35,7 @@ def mount(sensor: ArrayLike) -> Floats:
 def start_of_body(
     start: ArrayLike, covariance: ArrayLike | None, sensor: Floats
 ) -> tuple[Floats, Floats | None]:
-    """Where the body is when its sensor is at `start`, and how well that is known."""
+    """Pose of the body whose sensor is at `start`, and the covariance of that pose."""
     import numpy as np
 
     from six_wheel.kinematics.poses import as_poses, inverse, joined

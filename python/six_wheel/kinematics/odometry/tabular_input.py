@@ -60,7 +60,7 @@ def follow(
             progress(done, source.rows)
 
 
-def join(rover: Rover, tracks: Sequence[Track]) -> Track:
+def concatenate(rover: Rover, tracks: Sequence[Track]) -> Track:
     """Consecutive tracks as one."""
     if len(tracks) == 1:
         return tracks[0]
@@ -99,7 +99,7 @@ def arrays(steering: ArrayLike | None, wheels: ArrayLike, stamps: ArrayLike, sen
 
 
 def names(rover: Rover, readings: str = "angles") -> dict[str, tuple[str, ...]]:
-    """What the columns may be called: by joint for steering, by wheel, and the stamp."""
+    """Accepted names of the columns: by joint for steering, by wheel, and the stamp."""
     steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
     traction = {wheel: joint for joint, wheel in rover.traction_joints.items()}
     known: dict[str, tuple[str, ...]] = {"stamp": STAMPS}
@@ -175,7 +175,7 @@ def _parquet(
 
 
 def is_table(source: Any) -> bool:
-    """Whether something has columns with names."""
+    """True if the source has columns with names."""
     return any(hasattr(source, attribute) for attribute in ("column_names", "columns", "keys"))
 
 
@@ -197,7 +197,7 @@ def _find(
     sensors: Sensors,
     options: Mapping[str, Any],
 ) -> dict[str, str]:
-    """Which column holds what; empty for a passive wheel without one."""
+    """Column of each quantity; empty for a passive wheel without a column."""
     known = names(rover, options.get("readings", "angles"))
     given = dict(columns or {})
     joints = {**rover.traction_joints, **{joint: joint for joint in rover.steering_joints}}
@@ -247,7 +247,7 @@ def _numbers(column: Any) -> NDArray[Any]:
 
 
 def _origin(stamps: NDArray[Any]) -> Any:
-    """From where dates count: the first one there is."""
+    """Origin of the stamps: the first date that is not NaT, or 0.0 for stamps in seconds."""
     if stamps.dtype.kind != "M":
         return 0.0
     there = stamps[~np.isnat(stamps)]

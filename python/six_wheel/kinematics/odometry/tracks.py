@@ -33,7 +33,7 @@ SILENT = "the wheels cannot contradict each other: of slip nothing can be told f
 
 
 class OdometryHealth(NamedFlag):
-    """What there is to say about one sample."""
+    """Flags of one sample."""
 
     GOOD = 0
     FIRST = 1
@@ -86,7 +86,7 @@ def findings(health: NDArray[np.uint32]) -> list[str]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """Where a rover was over a whole log, one row per sample.
+    """Poses of a rover over a whole log, one row per sample.
 
     Rows that were left out (`health`) hold the state of the row before; their residuals are NaN.
 
@@ -160,7 +160,7 @@ class Track:
     def slip_report(
         self, *, threshold: float | None = None, gap: float = 0.5, shortest: int = 2
     ) -> SlipReport:
-        """Which wheels disagree with the others, by how much and when; see `SlipReport`.
+        """Wheels that disagree with the others, with size and times of the disagreement; see `SlipReport`.
 
         Parameters
         ----------
@@ -183,7 +183,7 @@ class Track:
 
 @dataclass(frozen=True, slots=True)
 class WheelSlip:
-    """How one wheel disagrees with the others over a log."""
+    """Statistics of the residual of one wheel over a log."""
 
     name: str
     rms: float  # of its residual [m/s]
@@ -314,7 +314,7 @@ class SlipReport:
 
 
 def can_contradict(rover: Rover, largest: float = math.inf) -> bool:
-    """Whether the readings of a rover say more than its motion, so that slip shows in them.
+    """True if slip shows in residuals: readings of the rover that belong to no motion leave some.
 
     Parameters
     ----------

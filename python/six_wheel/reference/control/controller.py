@@ -22,7 +22,7 @@ HALVINGS = 200
 
 
 def _ratios(rover: Rover, limits: Any, twist: Floats) -> Iterator[tuple[str, float]]:
-    """How many times too fast the twist is, by each limit of speed."""
+    """Ratio of the twist to each limit of speed; above 1 it is too fast."""
     vx, vy, omega = twist
     speed = math.hypot(vx, vy)
     yield "SPEED", speed / limits.speed
@@ -129,7 +129,7 @@ class Shot:
 
 
 def excess(limits: Any, log: Sequence[Shot]) -> dict[str, float]:
-    """How much of each limit a log uses, at most: 1 is all of it.
+    """Largest share of each limit that a log uses: 1 is all of it.
 
     Rates and their changes are divided differences, so that steps may be of any length.
     """

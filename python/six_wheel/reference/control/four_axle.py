@@ -32,7 +32,7 @@ def hinge_velocities(hinges: Floats, twist: ArrayLike) -> Floats:
 
 
 def wheel_ends(hinges: Floats, axle_length: float, pose: ArrayLike, angles: ArrayLike) -> Floats:
-    """Where the wheels stand in the world [m], shape (4, 2)."""
+    """Places of the wheels in the world [m], shape (4, 2)."""
     x, y, yaw = np.asarray(pose, dtype=np.float64)
     _, n = headings(angles)
     in_body = hinges + axle_length * SIDES[:, None] * n

@@ -72,7 +72,7 @@ class Joint:
 
 @dataclass
 class Drive:
-    """What rollouts have to know of a rover and its limits.
+    """Data of a rover and its limits that rollouts need.
 
     Motions have two components where wheels are fixed, the speed along their rolling direction and the yaw
     rate, and otherwise all three. `body` (components, 3) turns them into twists.
@@ -122,7 +122,7 @@ class Drive:
         return [joint for joint in self.joints if joint.half < math.pi / 2 - 1e-9]
 
     def beyond(self, motions: Floats) -> Floats:
-        """By how much the worst wheel is beyond its range, 0 or less if none is [m/s]."""
+        """Largest excess of a wheel beyond its range [m/s]; 0 or less if no wheel is beyond."""
         worst = np.full(motions.shape[:-1], -math.inf)
         for joint in self.narrow():
             over = np.abs(motions @ joint.across) * math.cos(joint.half)
@@ -256,7 +256,7 @@ def drive(
 
 
 def _down_to_one(square: Floats) -> Floats:
-    """What brings something down to 1 whose square this is; 1 where it is no more, or by rounding."""
+    """Factor ``1 / sqrt(square)`` on a norm; 1 where ``square < 1 + CLOSE``, which allows for rounding."""
     return np.where(square < 1.0 + CLOSE, 1.0, 1.0 / np.sqrt(np.maximum(square, 1.0)))
 
 

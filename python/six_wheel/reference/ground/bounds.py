@@ -37,7 +37,7 @@ def _turned(v: Floats, angle: float) -> Floats:
 
 
 def boxes(size: Mapping[str, Any], steps: int = 7) -> Floats:
-    """Where the left circles are seen from above in the heading's frame, by sampling, so never too large.
+    """Boxes of the left wheels seen from above in the heading's frame, by sampling, so never too large.
 
     Rows ``x_min, x_max, y_min, y_max`` [m] of the rocker's wheel, the bogie's ahead and behind: (3, 4).
     """

@@ -59,7 +59,7 @@ def axis_turn(axis: ArrayLike, angle: float) -> Floats:
 
 
 class Posture:
-    """Where joint and steering angles put everything, in the body's axes.
+    """Places and directions of all wheels at joint and steering angles, in the body's axes.
 
     `centres`, `forward`, `up` and `axle` are (wheels, 3); `levers` (wheels, joints, 3) moves the centres with
     the joints [m/rad], `turns` (wheels, joints, 3) turns their links [rad/rad], `mounts` are the axes about
@@ -102,7 +102,7 @@ class Posture:
     def _place(
         chain: Chain, link: int | None, point: ArrayLike, rotations: list[Floats], pivots: list[Floats]
     ) -> Floats:
-        """Where a point that rides on a link has come to."""
+        """Place of a point that is fixed to a link [m]."""
         if link is None:
             return np.asarray(point, float)
         away = np.asarray(point, float) - np.asarray(chain.links[link].pivot, float)

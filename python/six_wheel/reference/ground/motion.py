@@ -1,4 +1,4 @@
-"""How body, joints and wheels move together on the ground a rover stands on.
+"""Motion of body, joints and wheels together on the ground a rover stands on.
 
 At a contact the normal of the ground is n, the rim's tangent ``T = h cos t + u sin t``, and ``l = n x T``
 points to the left. The touching point of the wheel has no velocity along n, none along T once the wheel's own
@@ -25,8 +25,8 @@ __all__ = ["Contacts", "Forward", "Inverse", "Traction", "forward", "inverse", "
 
 @dataclass(frozen=True)
 class Contacts:
-    """What holds at the contacts, linear in ``(twist, joint rates)``: `normal`, `along` and `left` are
-    (wheels, 6 + joints) rows of the touching point's velocity before the wheel turns."""
+    """Rows of the contacts, linear in ``(twist, joint rates)``: `normal`, `along` and `left`, each of shape
+    (wheels, 6 + joints), give the touching point's velocity before the wheel turns."""
 
     posture: Posture
     touching: list[int]
@@ -138,7 +138,7 @@ def forward(
 
 @dataclass(frozen=True)
 class Inverse:
-    """What the wheels have to do."""
+    """Steering angles and wheel speeds for a wanted motion, with twist and joint rates."""
 
     steering: Floats
     speeds: Floats  # [rad/s]
@@ -147,7 +147,7 @@ class Inverse:
 
 
 def rest_offset(chain: Chain) -> float:
-    """How far behind the origin the unsteered wheels have their centre, all joints at 0 [m]."""
+    """Distance behind the origin of the mean of the unsteered wheels, all joints at 0 [m]."""
     fixed = [wheel.centre[0] for wheel in chain.wheels if not wheel.steered]
     return -float(np.mean(fixed)) if fixed else 0.0
 
@@ -186,7 +186,7 @@ def inverse(
         level = attitude(stand.roll, stand.pitch, 0.0)  # axes along the heading, from those of the body
         rows = np.zeros((3, 6 + len(chain.limits)))
         rows[:2, :3] = level[:2]
-        # What is left of the body's rates along the vertical is not the yaw rate: pitching axes are level.
+        # Euler rate: yaw_rate = (sin(roll) wy + cos(roll) wz) / cos(pitch), not the vertical component of w.
         rows[2, 4:6] = np.array([math.sin(stand.roll), math.cos(stand.roll)]) / math.cos(stand.pitch)
     else:
         rows = body[[0, 1, 5]]

@@ -78,7 +78,7 @@ def unmapped(
     before: Floats,
     doubt: float,
 ) -> Rows:
-    """Where nothing is known of the ground: the wheels together go along the plane they stand about, each
+    """Rows of the contacts on unknown ground: the wheels together go along the plane they stand about, each
     alone goes where its centre goes."""
     posture = Posture(chain, joints, steering)
     radii = np.array([wheel.radius for wheel in chain.wheels])
@@ -138,7 +138,7 @@ def solve(chain: Chain, rows: Rows, known: dict[int, float], speeds: Floats) -> 
 
 
 def chorded(chain: Chain, angles: Floats, turned: Floats) -> tuple[Floats, Floats]:
-    """What wheels turned and steered over a step, along the chord of the arc that both make."""
+    """Turns and steering of the wheels over a step, times ``sinc(steered / 2)``: along the chord."""
     steered, speeds = np.zeros(len(turned)), turned.copy()
     steered[chain.steered] = angles[1] - angles[0]
     chord = np.sinc(steered / math.tau)
@@ -214,7 +214,7 @@ def _by_joints(
 
 
 def _by_ground(chain: Chain, ground: Terrain, pose: Floats, angles: Floats, turned: Floats) -> Floats:
-    """Where a step leads in plan: by the motion in its middle, to which that of its start leads."""
+    """End of a step in plan by the midpoint rule: half the motion of the start leads to the middle."""
     speeds, swivels = chorded(chain, angles, turned)
 
     def motion(plan: ArrayLike, steering: Floats) -> Floats:

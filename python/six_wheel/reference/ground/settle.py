@@ -32,7 +32,7 @@ class Gap:
 
 @dataclass(frozen=True)
 class SettledPose:
-    """Where a rover stands: ``x, y, yaw`` were given, all else follows from the ground.
+    """Settled pose of a rover: ``x, y, yaw`` were given, all else follows from the ground.
 
     `status` is ``settled``, ``at_stop``, ``off_map``, ``unknown_cells`` or ``not_converged``.
     """
@@ -242,7 +242,7 @@ def candidates(
 
 
 def settle(ground: Terrain, chain: Chain, pose: ArrayLike, steering: ArrayLike | None = None) -> SettledPose:
-    """Where the rover stands at ``x, y, yaw``."""
+    """Settles the rover on the ground at ``x, y, yaw``."""
     pose = np.asarray(pose, float)
     angles = np.zeros(len(chain.steered)) if steering is None else np.asarray(steering, float)
     free = place(ground, chain, pose, steering)
@@ -273,7 +273,7 @@ def settle(ground: Terrain, chain: Chain, pose: ArrayLike, steering: ArrayLike |
 
 
 def _why_not(ground: Terrain, chain: Chain, pose: Floats) -> str:
-    """Whether the ground under the level rover ends, has holes, or neither."""
+    """Status of a rover that does not stand: the ground under the level rover ends, has holes, or neither."""
     turn = axis_turn((0, 0, 1), float(pose[2]))
     spacing = np.broadcast_to(ground.spacing, 2)
     low = np.asarray(ground.origin)

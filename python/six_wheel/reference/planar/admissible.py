@@ -1,4 +1,4 @@
-"""Which twists a rover can make, and the nearest of them to one it cannot.
+"""Set of the twists that a rover can make, and the nearest of them to one that it cannot.
 
 The unsteered wheels leave a subspace of twists. Each narrow steering range leaves a double wedge of it,
 between the two planes on which the wheel rolls exactly at a limit. The admissible set is their intersection.
@@ -81,7 +81,7 @@ class AdmissibleSet:
 
     @cached_property
     def _turns(self) -> list[tuple[float, bool]]:
-        """Where limits cut |R|, from 0 outwards, and whether all turns between there and the next cut go.
+        """Cuts of |R| by the limits, from 0 outwards; True if all turns up to the next cut are possible.
 
         The turns about the line of the unsteered wheels, else about the y axis, are ``R * along + spin``.
         """

@@ -36,7 +36,7 @@ def compose(first: ArrayLike, second: ArrayLike) -> Floats:
 
 
 def exp(twist: ArrayLike, dt: ArrayLike = 1.0) -> Floats:
-    """Where holding a twist for `dt` [s] takes the body frame: (..., 3) -> (..., 3), yaw not wrapped."""
+    """Pose of the body frame after holding a twist for `dt` [s]: (..., 3) -> (..., 3), yaw not wrapped."""
 
     def pose(row: Floats, step: Floats) -> tuple[float, float, float]:
         turn = row[2] * step[0]

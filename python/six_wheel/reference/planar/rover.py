@@ -176,7 +176,7 @@ class Rover(Layout):
         return np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, size]])
 
     def mobility(self, steering: MaybeArray = None) -> degrees.Mobility:
-        """What the wheels leave free at steering angles (steered,) [rad]; by default at those of some turn.
+        """Mobility at steering angles (steered,) [rad]; by default at those of some turn.
 
         Unsteered wheels with parallel axles count with their mean axle.
         """
@@ -202,7 +202,7 @@ class Rover(Layout):
         return rowwise(centre, finite("twist", twist), width=2)
 
     def admissible(self, twist: ArrayLike) -> Any:
-        """Whether each twist (..., 3) is possible without side slip and inside the steering limits."""
+        """True for each twist (..., 3) that is possible without side slip and inside the steering limits."""
         rows = finite("twist", twist)
         possible = np.array([self._possible(rows[i]) for i in np.ndindex(rows.shape[:-1])], dtype=bool)
         return bool(possible[0]) if rows.ndim == 1 else possible.reshape(rows.shape[:-1])

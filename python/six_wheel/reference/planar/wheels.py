@@ -59,7 +59,7 @@ class Wheel:
 
     @property
     def fixed(self) -> bool:
-        """Whether its direction is part of the layout."""
+        """True if the direction of the wheel is part of the layout."""
         return not (self.steered or self.castor)
 
     @property
@@ -100,7 +100,7 @@ class Wheel:
         return math.copysign(along, self.trail) - float(twist[2]) * self.scrub
 
     def ways(self, twist: Floats, previous: float, rate: float, tolerance: float) -> list[Way]:
-        """How the wheel can roll without side slip inside its range: forwards, backwards, both or not at all.
+        """Ways to roll without side slip inside the steering range: forwards, backwards, both or none.
 
         Of the angles that differ by whole turns the one nearest to `previous` is taken.
         """

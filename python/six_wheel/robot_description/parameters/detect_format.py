@@ -1,4 +1,4 @@
-"""Which of the forms a rover is given in, and whether the file has the keys of that form."""
+"""Detects the form in which a file describes a rover, and checks that the file has the keys of that form."""
 
 import re
 from typing import Any
@@ -115,7 +115,7 @@ def _asked(section: Section, asked: str, error: Report) -> Form | None:
 
 
 def _of_unknown_type(section: Section, by_keys: Form | None, error: Report, warning: Report) -> Form | None:
-    """What to do with a controller that nobody has told us about: its keys may be another's."""
+    """Form of a controller of unknown type: the form whose keys it has, with a warning, else an error."""
     at = ("type",)
     line = section.line_of(at)
     node, type_ = one_line(section.node or "the file"), one_line(str(section.type))
@@ -159,7 +159,7 @@ def _score(form: Form, data: dict[str, Any]) -> tuple[int, bool]:
 
 
 def _fits(data: dict[str, Any], form: Form) -> bool:
-    """Whether the steering controllers' lists are as long as this one needs; it tells them apart."""
+    """True if the lists of joints are as long as the form, a steering controller, needs."""
     counts = {
         "ackermann_steering_controller": [(2, 2)],
         "tricycle_steering_controller": [(2, 1), (1, 1)],
@@ -212,7 +212,7 @@ def check_keys(section: Section, form: Form, error: Report, warning: Report) -> 
 
 
 def is_ignored(key: str, form: Form) -> bool:
-    """Whether a key that a form does not read is no mistake either."""
+    """True if a key that a form does not read is no mistake either."""
     head = key.split(".")[0]
     if form in FOREIGN and head in ("linear", "angular", "traction", "steering"):
         return _LIMIT.fullmatch(key) is not None

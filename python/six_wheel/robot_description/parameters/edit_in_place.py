@@ -31,7 +31,7 @@ __all__ = ["text_for"]
 QUANTITIES = ("x", "y", "heading", "radius", "scrub", "trail", "roller_angle")
 SAME = 1e-12  # [m or rad], and of the value: what rounding leaves of a key that is a product of two
 STEPS = 8  # of Newton's method; keys enter linearly or in products of two, for which three are enough
-# What a calibration finds beside the rover.
+# Groups of values that a calibration finds beside the rover.
 KEPT = ("encoders", "noise", "odometry", "gyroscope", "truth", "calibration")
 COUNTS = frozenset({"wheels_per_side"})
 
@@ -147,7 +147,7 @@ def _mended(parameters: Parameters, rover: Rover, beside: Values) -> str | None:
 
 
 def _holds(found: Parameters, beside: Values) -> bool:
-    """Whether a file says this beside the rover."""
+    """True if a file holds these values beside the rover."""
     return all(getattr(found, name) == values for name, values in beside.items())
 
 

@@ -55,7 +55,7 @@ MAX_BYTES = 1 << 18
 
 @dataclass(frozen=True)
 class Parameters:
-    """What a parameter file says.
+    """Contents of a parameter file.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class Parameters:
 
     @property
     def dimensions(self) -> Any:
-        """What the dimensions may be off by, as `Odometry` takes it; None where nobody calibrated them."""
+        """Covariance of the dimensions, as `Odometry` takes it; None if the file has none."""
         known = self.calibration
         if not known.get("covariance"):
             return None
@@ -121,7 +121,7 @@ class Parameters:
 
     @property
     def known_gyroscope(self) -> Gyroscope | None:
-        """What the gyroscope errs by, as `Odometry` takes it; None where the file does not say."""
+        """Error model of the gyroscope, as `Odometry` takes it; None if the file has none."""
         given = {name: self.gyroscope[name] for name in ARGUMENTS if name in self.gyroscope}
         return Gyroscope(**given) if given else None
 
@@ -255,7 +255,7 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
 
 
 def _check_controller(section: Section, parameters: Parameters, log: _Log) -> None:
-    """Whether limits and ways of a controller fit each other, and the rover."""
+    """Refuses limits and options of a controller that fit neither each other nor the rover."""
     if not {"limits", "control"} & section.data.keys():
         return
     try:

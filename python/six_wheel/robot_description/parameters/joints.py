@@ -1,4 +1,4 @@
-"""Which wheel each joint turns.
+"""Wheel of each joint, from its name or its place in a list.
 
 Teams list joints by axle (front left, front right, ...) or by side (front left, middle left, ...), and
 abbreviate as they like; the names are what can be trusted. What a name does not tell is not guessed. Only
@@ -121,7 +121,7 @@ class _Entry(NamedTuple):
 
 
 def _entries(here: JointList, given: list[str] | dict[str, str], stated: Mapping[str, str]) -> list[_Entry]:
-    # What is stated must be a wheel's very name; a joint's own name is read for what it says.
+    # A stated name must be a wheel's very name; a joint's own name is searched for a wheel's place.
     key = here.key
     known = {wheel: wheel for wheel in (*here.wheels, *here.elsewhere)}
     if isinstance(given, dict):

@@ -1,4 +1,4 @@
-"""Which keys of whose files are read, ignored or refused, as a page, from the tables that read them."""
+"""Page of the keys that are read, ignored or refused in each form of file, from the tables that read them."""
 
 import math
 from collections.abc import Iterable
@@ -74,7 +74,7 @@ def _form(form: Form) -> str:
     return "\n".join(lines) + "\n"
 
 
-# What a value is not, if this is refused; and what else is refused of its kind, asked one by one.
+# Samples by type: the value, the words if its like is refused, and more values of its type, tried one by one.
 _KINDS: tuple[tuple[Any, str, dict[str, Any]], ...] = (
     (1.5, "no number", {"zero": 0.0, "negative": -1.0, "NaN": math.nan, "infinite": math.inf}),
     (True, "not true or false", {}),
@@ -87,7 +87,7 @@ _KINDS: tuple[tuple[Any, str, dict[str, Any]], ...] = (
 
 
 def _refused(schema: type[Common], name: str) -> str:
-    """What may not stand there, by trying."""
+    """Kinds of values that a key refuses, found by trying a sample of each."""
 
     def taken(value: Any) -> bool:
         try:

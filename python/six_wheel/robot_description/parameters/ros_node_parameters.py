@@ -24,7 +24,7 @@ GROUPS = frozenset(
 )
 # Of a mapping `wheels` that is such a group, and not one of wheels by name.
 WHEELS = frozenset({"separation", "radius", "encoder_resolution"})
-# How the class of a controller is called that drives a vehicle, whoever wrote it.
+# Names of the classes of controllers that drive a vehicle, of any author.
 _DRIVE = re.compile(
     r"(drive|steering|ackermann|mecanum|swerve|tricycle|bicycle|omni|crab)\w*controller$", re.IGNORECASE
 )
@@ -102,7 +102,7 @@ class Section:
 
 
 def _is_group(key: str, value: Any) -> bool:
-    """Whether a mapping is one of parameters with the key in front."""
+    """True if a mapping holds parameters whose names begin with the key."""
     if not isinstance(value, dict):
         return False
     return key.partition(".")[0] in GROUPS or (key == "wheels" and bool(WHEELS & value.keys()))
@@ -228,12 +228,12 @@ def _blocks(tree: Tree, keys: Collection[str]) -> tuple[list[Path], list[Path]]:
 
 
 def _holds_parameters(data: Any) -> bool:
-    """Whether this is a namespace, although it is named like a key."""
+    """True if the mapping is a namespace: it, or one below it, holds parameters of a node."""
     return isinstance(data, dict) and (PARAMETERS in data or any(map(_holds_parameters, data.values())))
 
 
 def _types(tree: Tree, blocks: list[Path]) -> dict[Path, str]:
-    """What the controller manager of the file, or they themselves, say that its nodes are."""
+    """Types of the nodes, from the controller manager of the file or from the nodes themselves."""
     said: dict[str, str] = {}
     own: dict[Path, str] = {}
     for path in blocks:
@@ -249,12 +249,12 @@ def _types(tree: Tree, blocks: list[Path]) -> dict[Path, str]:
 
 
 def drives(type_: str) -> bool:
-    """Whether the class of a controller is called like one that drives a vehicle."""
+    """True if the class of a controller has a name like one that drives a vehicle."""
     return _DRIVE.search(type_) is not None
 
 
 def _check_nesting(tree: Tree, block: Path, plain: Collection[str], report: Report) -> bool:
-    """Whether there is something to read; what is wrong with the levels around it is reported."""
+    """True if the block holds parameters; mistakes in the levels around them are reported."""
     key, line = str(block[-1]), tree.places[block].line
     if not isinstance(_at(tree, block), dict):
         report(line, block, f"{key} must hold parameters, got none", "indent the parameters below it")
@@ -288,7 +288,7 @@ def _choose(
         wanted = node.strip("/")
         chosen = [path for path in blocks if names[path].strip("/") == wanted]
         chosen = chosen or [path for path in blocks if names[path].rsplit("/", 1)[-1] == wanted]
-        # What stands under /** holds for a node of any name.
+        # Parameters under /** hold for a node of any name.
         chosen = chosen or [path for path in candidates if names[path] == ANY_NODE]
     else:
         chosen = [path for path in candidates if names[path] != ANY_NODE] or candidates

@@ -49,7 +49,7 @@ _FLOAT = re.compile(
 
 
 class Place(NamedTuple):
-    """Where a value stands and how it is written there."""
+    """Line of a value and its text there."""
 
     line: int
     text: str
@@ -162,7 +162,7 @@ def parse(text: str, report: Report, warn: Report | None = None) -> Tree:
     return Tree(None if root is None else reader.read(root, ()), reader.places)
 
 
-# What PyYAML says, and what has usually happened.
+# Messages of PyYAML, each with its usual cause.
 _PLAINLY = {
     "expected <block end>": "this line is not indented like those it belongs to",
     "mapping values are not allowed": "a colon where no key can be; the line above may lack its own",

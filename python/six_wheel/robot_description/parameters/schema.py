@@ -1,4 +1,4 @@
-"""What a key of a parameter file must hold, and what a mistake in it is called.
+"""Types and rules of the keys of a parameter file, and the messages for mistakes in them.
 
 The rules for numbers are the core's own, asked one argument at a time; types and names are here. Which keys
 there are is in `_kinds` (this package's own) and `_controllers` (those of ROS 2).
@@ -76,7 +76,7 @@ def _check_factor(value: float) -> float:
 
 
 def by_type(kind: type, tag: str, otherwise: str) -> Discriminator:
-    """Which of two forms a value has. Without it pydantic reports a bad value once for each of them."""
+    """Discriminator of two forms of a value. Without it pydantic reports a bad value once for each form."""
     return Discriminator(lambda value: tag if isinstance(value, kind) else otherwise)
 
 
@@ -161,7 +161,7 @@ _AXLE: Values = {"rover": Rover.differential(1.0, 1.0)}
 
 
 class NoiseKeys(BaseModel):
-    """What `Parameters.noise` can hold: the arguments of `Noise`."""
+    """Keys of `Parameters.noise`: the arguments of `Noise`."""
 
     speed: Annotated[Number, asks_core(Noise, "speed")] = optional("a standard deviation in m/s")
     steering: Annotated[Number, asks_core(Noise, "steering")] = optional("a standard deviation in rad")
@@ -185,7 +185,7 @@ class _Counting(BaseModel):
 
 
 class EncoderKeys(_Counting):
-    """What `Parameters.encoders` can hold: how the readings of the wheels become angles."""
+    """Keys of `Parameters.encoders`, by which the readings of the wheels become angles."""
 
     per_sample: Flag = optional("whether a row counts from the row before")
     scale: Positive = optional("a factor for the angles of all wheels")
@@ -193,13 +193,13 @@ class EncoderKeys(_Counting):
 
 
 class SteeringEncoderKeys(_Counting):
-    """What `Parameters.steering_encoders` can hold: how their readings become steering angles."""
+    """Keys of `Parameters.steering_encoders`, by which their readings become steering angles."""
 
     offsets: dict[str, Finite] = optional("a mapping of steered wheel to its angle where the reading is 0")
 
 
 class OdometryKeys(BaseModel):
-    """What `Parameters.odometry` can hold: options of `Odometry`."""
+    """Keys of `Parameters.odometry`: options of `Odometry`."""
 
     method: Annotated[Name, asks_core(Odometry, "method", **_AXLE)] = optional(
         "least_squares, middle_wheels or robust"
@@ -219,7 +219,7 @@ class OdometryKeys(BaseModel):
 
 
 class GyroscopeKeys(BaseModel):
-    """What `Parameters.gyroscope` can hold: arguments of `Gyroscope`, and how readings are to be taken."""
+    """Keys of `Parameters.gyroscope`: arguments of `Gyroscope`, and conversions of its readings."""
 
     noise: Annotated[Number, asks_core(Gyroscope, "noise")] = optional("a standard deviation in rad/s")
     period: Positive = optional("the time between the readings whose noise that is in s")
@@ -241,7 +241,7 @@ class GyroscopeKeys(BaseModel):
 
 
 class TruthKeys(BaseModel):
-    """What `Parameters.truth` can hold: what a truth follows, as seen from the body, and its clock."""
+    """Keys of `Parameters.truth`: the pose of the tracked point in the body, and the offset of the clock."""
 
     x: Finite = optional("a length in m, forward")
     y: Finite = optional("a length in m, to the left")
@@ -250,7 +250,7 @@ class TruthKeys(BaseModel):
 
 
 class CalibrationKeys(BaseModel):
-    """What `Parameters.calibration` can hold: how well the dimensions are known."""
+    """Keys of `Parameters.calibration`: the covariance of the dimensions."""
 
     parameters: list[Name] = optional("a list of names, such as wheel_radius")
     covariance: list[list[Finite]] = optional("a list of rows of numbers, one for each of the parameters")
@@ -281,7 +281,7 @@ def keys_of(schema: type[BaseModel]) -> dict[str, FieldInfo]:
 
 
 def _nothing(*_: Any) -> None:
-    """Where a form has no such rules."""
+    """Stands in for the rules of a form that has none."""
 
 
 def _unchanged(section: Section, values: Values) -> Values:
@@ -358,7 +358,7 @@ _RULES = {
 
 
 def describe(form: Form, at: Path) -> str:
-    """What the file should have there."""
+    """Description of the value that the file should have at a key."""
     nested = NESTED[str(at[0])].model_fields if at[0] in NESTED else {}
     inner = next((nested[str(part)] for part in reversed(at[1:]) if part in nested), None)
     return str((inner or form.keys[str(at[0])]).description)
@@ -417,7 +417,7 @@ def _in_words_of_file(message: str, at: Path) -> tuple[str, Path]:
 
 
 def _number_in(text: str) -> str | None:
-    """What to do with a number that YAML reads as text."""
+    """Remedy for a number that YAML reads as text; None if the text is no number."""
     try:
         number = float(text.replace(",", "."))
     except ValueError:

@@ -104,7 +104,7 @@ def _suspended_values(rover: Rover) -> Values:
 
 
 def _same_on_flat_ground(found: Rover, rover: Rover, values: Values) -> bool:
-    """Whether a rover came back; its suspension too, where the keys have room for one."""
+    """True if the rover read back equals the one written, with its suspension where the keys can hold one."""
     if values.get("kind") == "custom":
         steering, traction = joints_as_given(rover)
         rover = Rover(

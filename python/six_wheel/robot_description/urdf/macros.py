@@ -22,7 +22,7 @@ MOST_FOLDERS = 5_000  # that are looked into: a file in somebody's home must not
 
 
 def has_macros(path: Path, text: str) -> bool:
-    """Whether a robot description has to be expanded first."""
+    """True if a robot description has xacro macros, which have to be expanded first."""
     return path.suffix == ENDING or "<xacro:" in _COMMENT.sub("", text)
 
 

@@ -18,7 +18,7 @@ __all__ = ["Robot", "read_urdf"]
 
 @dataclass(frozen=True)
 class Robot:
-    """What a robot description says of how it drives.
+    """Drive of a robot as its description gives it.
 
     Attributes
     ----------

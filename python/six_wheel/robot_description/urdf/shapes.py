@@ -1,4 +1,4 @@
-"""How large a wheel is: from its cylinders and spheres, its meshes, or what else the file says."""
+"""Radius of a wheel from its cylinders and spheres, its meshes, or other entries of the file."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -112,7 +112,7 @@ def mesh_file(name: str, urdf: Path) -> Path | None:
 
 
 def plugin_radius(tree: Tree) -> Radius | None:
-    """What a plugin for the simulation says of the wheels."""
+    """Radius of the wheels [m] that a plugin for the simulation gives, and its source; None without one."""
     for plugin in tree.robot.iter("plugin"):
         for tag, factor in (("wheel_radius", 1.0), ("wheel_diameter", 0.5), ("wheelDiameter", 0.5)):
             for element in plugin.iter(tag):

@@ -1,4 +1,4 @@
-"""Whether a tree is a rocker-bogie: on either side one horizontal hinge with three wheels below it, and below
+"""Finds the rocker-bogie of a tree: on either side one horizontal hinge with three wheels below it, and below
 that another with two of them. The bogie may carry the rear or the front two.
 """
 

@@ -88,12 +88,12 @@ class Joint:
 
     @property
     def turns(self) -> bool:
-        """Whether it is a hinge that can move."""
+        """True if the joint is a hinge that can move."""
         return self.type in TURNING and (self.limits is None or self.limits[0] < self.limits[1])
 
     @property
     def endless(self) -> bool:
-        """Whether it can turn on and on."""
+        """True if the joint is a hinge without limits."""
         return self.turns and (self.type == "continuous" or self.limits is None)
 
 

@@ -1,4 +1,4 @@
-"""Which joints of a tree are wheels, what steers them, and which way they count: geometry decides.
+"""Finds the wheels of a tree, their steering joints and the signs of both, from the geometry.
 
 A wheel is a hinge that turns endlessly about a horizontal axis, near the ground, with nothing driven below
 it; the hinge above it about an upright axis steers it. With `a` the axle's direction, a positive speed rolls
@@ -162,8 +162,8 @@ def _refuse(tree: Tree, notes: Notes) -> None:
 
 
 def _up(tree: Tree, wheels: Sequence[Joint], notes: Notes) -> float:
-    """Which way the root's z axis points: the hinges that hold wheels are above these, a root on the ground
-    is below them, and the masses are no lower than the ground."""
+    """Sign of the root's z axis, 1 up or -1 down: the hinges that hold wheels are above these, a root on the
+    ground is below them, and the masses are no lower than the ground."""
     centres = [tree.pose(joint)[1] for joint in wheels]
     height = float(np.mean([centre[2] for centre in centres]))
     spread = float(np.ptp([centre[:2] for centre in centres], axis=0).max())
@@ -303,14 +303,14 @@ def _steering(tree: Tree, joint: Joint, notes: Notes) -> Joint | None:
 
 
 def _is_driven(tree: Tree, joint: Joint) -> bool:
-    """Whether a motor turns it, by what the file commands; every wheel if it does not say."""
+    """True if a motor turns the wheel: the file commands its joint, or commands no wheel at all."""
     said = controlled(tree)
     wheels = [name for name in said if name in tree.joints and _is_wheel(tree, tree.joints[name])]
     return said.get(joint.name, False) if wheels else True
 
 
 def _is_castor(tree: Tree, steering: Joint, trails: bool) -> bool:
-    """Whether nothing commands a steering joint: what the file says, else whether it swivels endlessly."""
+    """True if no command moves a steering joint; in a silent file, if it trails and turns endlessly."""
     if steering.mimic is not None:
         return False
     said = controlled(tree)

@@ -226,7 +226,7 @@ class _Description:
             SubElement(shape, "material", name=material)
 
     def beam(self, name: str, start: Point, end: Point) -> None:
-        """What is seen between two hinges of a link."""
+        """Adds a visual beam between two hinges of a link."""
         link = next(each for each in self.robot.iter("link") if each.get("name") == name)
         x, y, z = (b - a for a, b in zip(start, end, strict=True))
         length = math.sqrt(x * x + y * y + z * z)

@@ -186,7 +186,7 @@ impl Broadcast for Rows<'_> {
             *self = Self::of(argument, &wide, self.width)?;
             return Ok(());
         }
-        // What is no array is one row.
+        // A value that is no array is one row.
         let row = self.flat();
         let mut all = memory::room(memory::count(&shape)?)?;
         for _ in 0..leading.iter().product() {

@@ -37,7 +37,7 @@ impl FourAxle {
     /// state : FourAxleState
     ///     The present state; it is left as it is.
     /// pair : {'front', 'rear'}
-    ///     Which brake to set.
+    ///     Brake to set.
     ///
     /// Returns
     /// -------
@@ -62,7 +62,7 @@ impl FourAxle {
     /// state : FourAxleState
     ///     The present state; it is left as it is.
     /// pair : {'front', 'rear'}
-    ///     Which brake to release.
+    ///     Brake to release.
     ///
     /// Returns
     /// -------
@@ -81,12 +81,12 @@ impl FourAxle {
     /// Parameters
     /// ----------
     /// state : FourAxleState
-    ///     Where it begins.
+    ///     Pose and angles at the beginning.
     /// speed : float
     ///     Root mean square speed of the hinges [m/s]: straight ahead the speed of the body. Negative
     ///     backwards.
     /// duration : float
-    ///     For how long [s].
+    ///     Duration [s].
     ///
     /// Returns
     /// -------
@@ -121,11 +121,11 @@ impl FourAxle {
     /// Parameters
     /// ----------
     /// state : FourAxleState
-    ///     Where it begins, both pairs locked.
+    ///     Pose and angles at the beginning, both pairs locked.
     /// curvature : float
     ///     To turn with [1/m], positive to the left; 0 is straight ahead.
     /// steer : {'both', 'front', 'rear'}
-    ///     Which axles turn: the centre of rotation lies abreast of the origin, of the rear hinges, of the
+    ///     Axles that turn: the centre of rotation lies abreast of the origin, of the rear hinges, of the
     ///     front hinges.
     /// speed : float, default 0.0
     ///     Root mean square speed of the hinges to begin with [m/s]; 0 to re-aim standing.
@@ -172,7 +172,7 @@ impl FourAxle {
     /// Parameters
     /// ----------
     /// state : FourAxleState
-    ///     Where it begins, both pairs locked.
+    ///     Pose and angles at the beginning, both pairs locked.
     /// icr : array_like, shape (2,)
     ///     The point, as in `concurrent_angles` [m].
     /// speed, pivot_rate, brake_time : float
@@ -213,11 +213,11 @@ impl FourAxle {
     /// Parameters
     /// ----------
     /// sequence : iterable of FourAxleStep
-    ///     What to do; the ends of planned steps are not looked at.
+    ///     Steps to do; the ends of planned steps are not looked at.
     /// dt : float
     ///     Largest time between samples [s].
     /// state : FourAxleState, optional
-    ///     Where it begins; by default straight ahead at the origin, both pairs locked.
+    ///     Pose and angles at the beginning; by default straight ahead at the origin, both pairs locked.
     ///
     /// Returns
     /// -------

@@ -110,7 +110,7 @@ impl FourAxle {
     /// previous : array_like, shape (..., 4), optional
     ///     Present axle angles [rad].
     /// out : (ndarray, ndarray), shapes (..., 4) and (..., 4), optional
-    ///     Where to write angles and speeds.
+    ///     Arrays for angles and speeds.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64.
     /// threads : int, optional
@@ -138,7 +138,7 @@ impl FourAxle {
         self.rover.get().inverse(py, twist, &PyTuple::empty(py), previous, None, None, None, out, dtype, threads, None)
     }
 
-    /// What body and free pivots do at these wheel speeds, by least squares over both rows of every wheel.
+    /// Motion of the body and the free pivots at these wheel speeds, by least squares over both rows of every wheel.
     ///
     /// With one pair free and the drives of the other following, the rows may leave open how fast hinged
     /// axles go along; the motion is then the one that lasts, under which the axle lines go on to share a
@@ -185,7 +185,7 @@ impl FourAxle {
         ))
     }
 
-    /// Whether the robot can move with its axles locked at these angles, and how.
+    /// Mobility of the robot with its axles locked at these angles, from the rank of the side-slip rows.
     ///
     /// Parameters
     /// ----------
@@ -222,7 +222,7 @@ impl FourAxle {
     ///     The point in body axes [m]; (0, 0) to spin in place, (0, inf) for straight ahead, (inf, 0) for a
     ///     crab sideways. Other crabs have a direction, not a point: `inverse`.
     /// out : ndarray, shape (..., 4), optional
-    ///     Where to write the result.
+    ///     Array for the result.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64.
     /// threads : int, optional

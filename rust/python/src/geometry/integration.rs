@@ -27,7 +27,7 @@ use crate::workers::{any_workers, workers};
 /// start : array_like, shape (3,) or (..., 3), default (0, 0, 0)
 ///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
 /// out : ndarray, shape (..., n + 1, 3), optional
-///     Where to write the poses.
+///     Array for the poses.
 /// dtype : dtype, optional
 ///     float32 for a result of single precision, default float64; it is computed in double precision.
 /// threads : int, optional
@@ -77,20 +77,20 @@ pub fn integrate<'py>(
 /// start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
 ///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
 /// out : ndarray, shape (..., k, t + 1, 3), optional
-///     Where to write the poses.
+///     Array for the poses.
 /// dtype : dtype, optional
 ///     float32 for a result of single precision, default float64; it is computed in double precision.
 /// rover : Rover, optional
 ///     Whose motions they are: controls are then wishes, as those of `Mppi`, and what the rover cannot do at once becomes
 ///     what it does instead. The steps take one time, `dt`.
 /// limits : Limits, optional
-///     What these motions may not exceed.
+///     Limits of these motions.
 /// twist : array_like, shape (3,), optional
-///     How the rover moves at the start, in body axes [m/s, m/s, rad/s]; default at rest.
+///     Twist of the rover at the start, in body axes [m/s, m/s, rad/s]; default at rest.
 /// steering : array_like, shape (steered wheels,), optional
-///     Where its steering joints are then [rad]; default straight ahead.
+///     Angles of its steering joints at the start [rad]; default straight ahead.
 /// delay : float, default 0.0
-///     How long it goes on as it does before a control has an effect [s].
+///     Delay before a control has an effect, in which the motion goes on [s].
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
 /// level : str, optional

@@ -35,17 +35,17 @@ impl Suspension {
     /// Parameters
     /// ----------
     /// stand : SettledPose
-    ///     What `settle` says, shape (...). Rows that did not settle give NaN.
+    ///     Result of `settle`, shape (...). Rows that did not settle give NaN.
     /// command : array_like, shape (..., 2) or (2,)
     ///     Forward speed [m/s] and yaw rate [rad/s].
     /// view : {'body', 'plan'}
-    ///     Whether they are the body's, along its x and about its z axis, or those seen from above, along the heading.
+    ///     Frame of the motion: the body's, along its x and about its z axis, or seen from above, along the heading.
     /// steering : array_like, shape (..., steered wheels), optional
     ///     Angles to keep [rad], instead of those that roll.
     /// max_wheel_speed : float, optional
     ///     All speeds are scaled down together so that no wheel exceeds it [rad/s].
     /// out : tuple of ndarray, optional
-    ///     Where to write steering, speeds, twist, joint rates and scale, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     Arrays for steering, speeds, twist, joint rates and scale, in this order; what is left out, or None, is fresh. Nothing is written by
     ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
@@ -130,7 +130,7 @@ impl Suspension {
     /// Parameters
     /// ----------
     /// stand : SettledPose
-    ///     What `settle` says, at the steering angles of the moment, shape (...). Rows that did not settle give NaN.
+    ///     Result of `settle`, at the steering angles of the moment, shape (...). Rows that did not settle give NaN.
     /// steering : array_like, shape (..., steered wheels) or None
     ///     Steering angles [rad], where they are not those of the stand; contacts are then moved on the planes the
     ///     wheels stand on.
@@ -145,7 +145,7 @@ impl Suspension {
     /// weights : array_like, shape (wheels,) or (wheels, 2), optional
     ///     Weight of every wheel, for instance its load, or of its rolling and its side slip apart; default 1.
     /// out : ndarray or tuple of ndarray, optional
-    ///     Where to write the twist, or twist, joint rates and residual, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     Arrays for the twist, or twist, joint rates and residual, in this order; what is left out, or None, is fresh. Nothing is written by
     ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.

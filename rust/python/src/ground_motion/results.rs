@@ -8,7 +8,9 @@ use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 use super::result_columns::{Columns, array};
 use crate::convert::memory;
 
-/// What the wheels have to do on the ground, and what the rover then does. Unpacks into steering and speeds.
+/// Steering angles and wheel speeds for a wanted motion on the ground, and the motion that follows.
+///
+/// Unpacks into steering and speeds.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct GroundCommand(pub(super) Columns<5, CommandRow>);
 
@@ -33,7 +35,7 @@ getters! { GroundCommand, this, py:
     twist: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| array(py, one.twist.as_flattened()));
     /// Rates of the free angles, shape (..., joints) [rad/s].
     joint_rates: PyResult<Py<PyAny>> = this.0.get(py, 3, |one| array(py, &one.joint_rates[..one.joints]));
-    /// What is left of the wanted motion, shape (...): 1 unless a wheel would have been too fast.
+    /// Factor on the wanted motion, shape (...): 1 unless a wheel would have been too fast.
     scale: PyResult<Py<PyAny>> = this.0.get(py, 4, |one| Ok(PyFloat::new(py, one.scale).into_any().unbind()));
 }
 
@@ -58,7 +60,7 @@ impl GroundCommand {
     }
 }
 
-/// How a rover moves on the ground.
+/// Motion of a rover on the ground: twist, joint rates and the residuals of the contacts.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct GroundMotion(pub(super) Columns<3, MotionRow>);
 
@@ -83,7 +85,7 @@ getters! { GroundMotion, this, py:
     twist: PyResult<Py<PyAny>> = this.0.get(py, 0, |one| array(py, one.twist.as_flattened()));
     /// Rates of the free angles, shape (..., joints) [rad/s].
     joint_rates: PyResult<Py<PyAny>> = this.0.get(py, 1, |one| array(py, &one.joint_rates[..one.joints]));
-    /// What every touching point does along the normal of the ground, along the rim and to the left,
+    /// Velocity of every touching point along the normal of the ground, along the rim and to the left,
     /// shape (..., wheels, 3) [m/s]; NaN in the air.
     residual: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| one.residuals(py));
 }

@@ -10,7 +10,7 @@ use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
 result_class! {
-    /// How wheels slip.
+    /// Slip ratio and slip angle of wheels.
     pub struct WheelSlip {
         /// ``1 - travelled / rolled``, shape (..., wheels): 0 rolls, 1 spins on the spot, negative brakes; NaN where a
         /// wheel does not turn or does not touch.
@@ -28,7 +28,7 @@ impl Suspension {
     /// Parameters
     /// ----------
     /// stand : SettledPose
-    ///     What `settle` says, at the steering angles of the moment, shape (...).
+    ///     Result of `settle`, at the steering angles of the moment, shape (...).
     /// speeds : array_like, shape (..., wheels)
     ///     Measured speed of every wheel against the link that carries it [rad/s].
     /// twist : array_like, shape (..., 6)
@@ -36,7 +36,7 @@ impl Suspension {
     /// joint_rates : array_like, shape (..., joints)
     ///     Rates of the free angles [rad/s].
     /// out : tuple of ndarray, optional
-    ///     Where to write ratio and angle, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     Arrays for ratio and angle, in this order; what is left out, or None, is fresh. Nothing is written by
     ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
@@ -91,17 +91,17 @@ impl Suspension {
 }
 
 result_class! {
-    /// Whether, and by how much, a whole rover slips.
+    /// Slip of a whole rover, and the chi-squared test for it.
     pub struct BodySlip {
         /// The navigated motion less the kinematic one, shape (n,).
         slip: Py<PyAny>,
         /// Its squared length in the metric of the covariance: chi-squared, with n degrees of freedom, without slip.
         statistic: f64,
-        /// What the statistic stays below without slip, but for the false alarms.
+        /// Without slip the statistic is above this value only with the probability of a false alarm.
         threshold: f64,
         /// Probability of such a statistic, or a larger one, without slip.
         probability: f64,
-        /// Whether it slips.
+        /// True if the statistic is above the threshold: the rover slips.
         slipping: bool,
     }
 }
@@ -118,7 +118,7 @@ impl BodySlip {
     /// Returns
     /// -------
     /// ndarray, shape (n,)
-    ///     What to command.
+    ///     Motion to command.
     ///
     /// Raises
     /// ------
@@ -153,7 +153,7 @@ impl BodySlip {
     }
 }
 
-/// Whether a motion that was navigated differs from the one the wheels tell by more than noise.
+/// Tests if a motion that was navigated differs from the one the wheels tell by more than noise.
 ///
 /// Parameters
 /// ----------
@@ -162,7 +162,7 @@ impl BodySlip {
 /// covariance : array_like, shape (n, n)
 ///     Of their difference without slip: the sum of both covariances.
 /// false_alarm : float, default 0.01
-///     How often a rover that does not slip may be said to.
+///     Probability with which a rover that does not slip is said to slip.
 ///
 /// Returns
 /// -------

@@ -31,9 +31,9 @@ getters! { Traction, this, py:
     speeds: PyResult<Py<PyAny>> = this.0.get(py, 0, |one| array(py, &one.speeds[..one.wheels]));
     /// Steering angles, shape (..., steered wheels) [rad].
     steering: PyResult<Py<PyAny>> = this.0.get(py, 1, |one| array(py, &one.steering[..one.steered]));
-    /// Where every wheel touches the ground, positive towards the front, shape (..., wheels) [rad].
+    /// Angle at which every wheel touches the ground, positive towards the front, shape (..., wheels) [rad].
     contact_angles: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| array(py, &one.contact_angles[..one.wheels]));
-    /// Whether the joints lift or drop a wheel as no ground would, shape (..., wheels) of bool.
+    /// True if the joints lift or drop the wheel as no ground would, shape (..., wheels) of bool.
     lifted: PyResult<Py<PyAny>> = this.0.get(py, 3, |one| array(py, &one.lifted[..one.wheels]));
     /// Vertical speed of the body's origin in its axes, shape (...) [m/s].
     vertical_speed: PyResult<Py<PyAny>> = this.0.get(py, 4, |one| Ok(PyFloat::new(py, one.vertical).into_any().unbind()));
@@ -107,7 +107,7 @@ impl Suspension {
     ///     A wheel that moves across its link faster than `lift_speed` [m/s], and than a slope of `lift_angle` [rad]
     ///     would push it at the commanded speed, is flagged in `lifted`: a wheelie, or a fall.
     /// out : tuple of ndarray, optional
-    ///     Where to write speeds, steering and contact angles, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     Arrays for speeds, steering and contact angles, in this order; what is left out, or None, is fresh. Nothing is written by
     ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.

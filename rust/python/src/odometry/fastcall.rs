@@ -43,7 +43,7 @@ fn update<'py>(
             yaw_rate: optional(yaw_rate)?,
         }
     };
-    // What is refused here is refused again by the general way, which says why.
+    // A sample that is refused here is refused again by the general path, which gives the reason.
     work.core.update(sample).ok()?;
     let state = work.spares.state(&work.core, &this.rover, py);
     state.ok().map(Bound::into_any)

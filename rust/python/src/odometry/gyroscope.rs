@@ -8,18 +8,18 @@ use crate::arguments::{ArgumentKind, constructor_call};
 use crate::classes::{hash_of_numbers, reduce};
 use crate::convert::{OrRaise, number};
 
-/// What is known of a gyroscope about the vertical axis of the body.
+/// Error model of a gyroscope about the vertical axis of the body.
 ///
 /// Parameters
 /// ----------
 /// noise : float, default 0.005
 ///     Standard deviation of a reading [rad/s].
 /// bias : float, default 0.0
-///     What it reads at rest, as far as is known beforehand [rad/s].
+///     Reading at rest, as far as is known beforehand [rad/s].
 /// bias_noise : float, default 0.05
 ///     Standard deviation of that [rad/s].
 /// bias_walk : float, default 0.0001
-///     By how much the bias wanders, as a standard deviation after one second [rad/s per root s].
+///     Random walk of the bias, as a standard deviation after one second [rad/s per root s].
 /// scale_noise : float, default 0.0
 ///     Standard deviation of the factor that its readings are off by, a share of what it turns. It lasts: ten turns the
 ///     same way err ten times as much as one.
@@ -56,11 +56,11 @@ impl ArgumentKind for Gyroscope {
 getters! { Gyroscope, this, py:
     /// Standard deviation of a reading [rad/s].
     noise: f64 = this.0.noise;
-    /// What it reads at rest [rad/s].
+    /// Reading at rest [rad/s].
     bias: f64 = this.0.bias;
-    /// Standard deviation of that [rad/s].
+    /// Standard deviation of the bias [rad/s].
     bias_noise: f64 = this.0.bias_noise;
-    /// By how much the bias wanders [rad/s per root s].
+    /// Random walk of the bias [rad/s per root s].
     bias_walk: f64 = this.0.bias_walk;
     /// Standard deviation of the factor that its readings are off by.
     scale_noise: f64 = this.0.scale_noise;

@@ -46,7 +46,7 @@ type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'
 /// readings, wheel_encoders, steering_encoders, method
 ///     As for `Odometry`.
 /// in_space : bool
-///     Whether every sample has an attitude: SE(3) instead of the plane. Wheels then move the body in the plane they
+///     True if every sample has an attitude: SE(3) instead of the plane. Wheels then move the body in the plane they
 ///     stand on, which the attitude tilts; its turn about the body's own vertical axis is a gyroscope's, which wheels
 ///     and attitude share by their noise.
 /// attitude_noise : float, default 0.01
@@ -84,7 +84,7 @@ getters! { Preintegrated, this, py:
     rover: Py<Rover> = this.rover.clone_ref(py);
     /// Standard deviations of readings and slip.
     noise: Noise = this.core.rules().settings.noise.into();
-    /// What is known of the gyroscope; None without one.
+    /// Error model of the gyroscope; None without one.
     gyroscope: Option<Gyroscope> = this.core.rules().gyroscope.map(Gyroscope);
 }
 
@@ -282,12 +282,12 @@ impl Preintegrated {
         Ok(self.written(py, &motion, yaw))
     }
 
-    /// How two poses contradict the motion: ``log(delta⁻¹ pose_i⁻¹ pose_j)``.
+    /// Difference between the motion of two poses and this one: ``log(delta⁻¹ pose_i⁻¹ pose_j)``.
     ///
     /// Parameters
     /// ----------
     /// pose_i, pose_j : array_like, shape (3,) or (4, 4)
-    ///     Where the body is when the motion begins and when it ends.
+    ///     Poses of the body at the beginning and at the end of the motion.
     ///
     /// Returns
     /// -------

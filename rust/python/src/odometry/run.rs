@@ -28,7 +28,7 @@ impl Odometry {
     /// errors : {'flag', 'raise'}
     ///     Leave out rows that cannot be, flagged in `health`, or raise on the first one.
     /// covariances, residuals : bool
-    ///     Whether to compute these; what is not is None.
+    ///     True to compute these; those that are not computed are None.
     ///
     /// Returns
     /// -------

@@ -38,13 +38,13 @@ use state::Odometry3State;
 ///     Standard deviations of readings and slip, default ``Noise()``. `yaw_rate` is that of the gyroscope, and of the
 ///     turn that attitudes with a yaw tell.
 /// ground : Terrain, optional
-///     What it drives on, if that is known.
+///     The ground, if it is known.
 /// attitude_noise : float, default 0.002
 ///     Standard deviation of roll and of pitch, as read [rad].
 /// joint_noise : float, default 0.001
 ///     Standard deviation of every joint angle, as read [rad].
 /// readings : {'angles', 'speeds', 'increments'}
-///     What is read of the wheels: running totals [rad]; rates at the stamps [rad/s], of which a step takes the mean
+///     Kind of the wheels' readings: running totals [rad]; rates at the stamps [rad/s], of which a step takes the mean
 ///     of its two ends; or what came since the sample before [rad].
 /// wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
 ///     For readings in counts: one for all, one each, or by the name of the wheel.
@@ -57,7 +57,7 @@ use state::Odometry3State;
 /// max_steering_rate : float, optional
 ///     Steering rate beyond which a sample is refused [rad/s].
 /// lag : float, default 0
-///     How late a pose may come to `correct` [s]; 0: not before the last step.
+///     Largest delay of a pose given to `correct` [s]; 0: not before the last step.
 /// history : int, default 1024
 ///     Samples that are kept for that at most.
 ///
@@ -93,7 +93,7 @@ impl Odometry3 {
 }
 
 getters! { Odometry3, this, py:
-    /// Where the rover is after the last sample.
+    /// Estimate after the last sample.
     state: PyResult<Odometry3State> = Ok(this.state_of(&*this.work.lock(py)?, py));
     /// The suspension.
     arm: Py<Suspension> = this.arm.clone_ref(py);
@@ -232,7 +232,7 @@ impl Odometry3 {
     /// errors : {'flag', 'raise'}
     ///     Leave out rows that cannot be, flagged in `health`, or raise on the first one.
     /// covariances, slips : bool
-    ///     Whether to compute these; what is not is None.
+    ///     True to compute these; those that are not computed are None.
     ///
     /// Returns
     /// -------

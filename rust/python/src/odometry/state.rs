@@ -12,7 +12,7 @@ use crate::arguments;
 use crate::fastcall::Renewed;
 use crate::rover::Rover;
 
-/// Where the rover is after a sample, and how far that may be off.
+/// Pose and twist of the rover after a sample, with their covariances.
 ///
 /// Python cannot change it; what nobody holds any more is written anew by `Odometry` (`Spares`).
 #[pyclass(frozen, module = "six_wheel")]

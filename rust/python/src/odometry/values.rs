@@ -10,7 +10,7 @@ use crate::classes::{hash_of_numbers, reduce};
 use crate::convert::{OrRaise, number, optional_number};
 use crate::unit_warnings::warn_units;
 
-/// How far readings and wheels may err: standard deviations.
+/// Standard deviations of the errors of readings and wheels.
 ///
 /// Errors of different wheels and of different readings are independent. `speed`, `steering` and `yaw_rate` are
 /// those of one reading, as a data sheet or a quick test gives them; what they add up to over a second depends on how
@@ -47,7 +47,7 @@ use crate::unit_warnings::warn_units;
 #[derive(Clone, Copy)]
 pub struct Noise(pub CoreNoise, Measured);
 
-/// Which of speed, steering, slip and side_slip were given: the others follow from that.
+/// True for those of speed, steering, slip and side_slip that were given; the defaults of the others follow from that.
 type Measured = [bool; 4];
 
 impl From<CoreNoise> for Noise {

@@ -21,7 +21,7 @@ use crate::convert::{ArgumentTypeError, OrRaise, number, optional_number, refuse
 /// spacing : float or array_like, shape (2,)
 ///     Distance between cells, along x and along y [m].
 /// origin : array_like, shape (2,)
-///     Where cell ``[0, 0]`` is [m].
+///     Place of cell ``[0, 0]`` [m].
 /// lethal : float, optional
 ///     Cost from which on a place is forbidden.
 /// outside : float, optional
@@ -52,7 +52,7 @@ impl ArgumentKind for Costmap {
 getters! { Costmap, this, py:
     /// Distance between cells, along x and along y [m].
     spacing: (f64, f64) = this.core.spacing().into();
-    /// Where cell ``[0, 0]`` is [m].
+    /// Place of cell ``[0, 0]`` [m].
     origin: (f64, f64) = this.core.origin().into();
     /// Cost from which on a place is forbidden, or None.
     lethal: Option<f64> = this.core.lethal();

@@ -7,25 +7,25 @@ use six_wheel_planner::{Outcome, State, Stuck};
 use crate::convert::{Array, Output};
 
 result_class! {
-    /// What a planner found.
+    /// Result of one planning cycle.
     pub struct MppiPlan {
         /// The motion to command now, ``[vx, vy, omega]`` in body axes, shape (3,) [m/s, m/s, rad/s].
         twist: Py<PyAny>,
-        /// Where the steering joints have to be after this step, shape (steered wheels,) [rad].
+        /// Angles of the steering joints after this step, shape (steered wheels,) [rad].
         steering: Py<PyAny>,
-        /// How fast the wheels roll, shape (wheels,) [rad/s].
+        /// Speeds of the wheels, shape (wheels,) [rad/s].
         speeds: Py<PyAny>,
         /// The motions the plan leads to, within the limits, shape (horizon, 3) [m/s, m/s, rad/s].
         twists: Py<PyAny>,
         /// The poses they lead to, the first one where the rover is, shape (horizon + 1, 3) [m, m, rad].
         poses: Py<PyAny>,
-        /// What is wished at every step: the mean of the samples, shape (horizon, 3) [m/s, m/s, rad/s].
+        /// Wished motion of every step: the weighted mean of the samples, shape (horizon, 3) [m/s, m/s, rad/s].
         controls: Py<PyAny>,
         /// Lowest cost of a rollout.
         cost: f64,
-        /// How many rollouts count: one over the sum of their squared weights.
+        /// Effective number of rollouts: one over the sum of their squared weights.
         effective_samples: f64,
-        /// Why the rover has to stay where it is; empty if it has not.
+        /// Reason for which the rover has to stay where it is; empty if it may move.
         reason: &'static str,
     }
 }

@@ -17,7 +17,7 @@ const COSTS: [&str; 4] = ["wheel_speed", "steering_angle", "steering_rate", "scr
 
 #[pymethods]
 impl Rover {
-    /// What a sampling planner has to know of its rollouts: poses, and the worst each asks of the wheels.
+    /// Rollouts for a sampling planner: poses, and the worst that each rollout asks of the wheels.
     ///
     /// One pass over the controls, which need not be possible for this rover: where a wheel cannot steer to where
     /// it should, it takes the nearest angle it can, and `scrub` says by how much that misses. Every step's angles

@@ -88,13 +88,13 @@ impl Profile {
     ///     Largest magnitudes, per [s], [s^2] and [s^3]; infinite, the default of the last two, where there
     ///     is no limit. A start beyond them is first brought within, as fast as they allow.
     /// start_velocity, start_acceleration, end_velocity, end_acceleration : float or array_like, optional
-    ///     How it moves at both ends, default 0. Accelerations count where the jerk is limited.
+    ///     State of motion at both ends, default 0. Accelerations count where the jerk is limited.
     /// minimum_velocity, minimum_acceleration : float or array_like, optional
     ///     Limits of the other direction, negative; default those of the one.
     /// duration : float, optional
     ///     Stretch the profile to this time [s]; default the least possible.
     /// synchronise : {'time', 'phase', 'none'}
-    ///     Whether all axes arrive together, also stay in proportion to each other (where the moving ends
+    ///     Synchronization: all axes arrive together, also stay in proportion to each other (where the moving ends
     ///     allow it), or take their own least time each; with a duration, all take that.
     ///
     /// Raises

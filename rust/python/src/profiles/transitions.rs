@@ -14,7 +14,7 @@ macro_rules! value_methods {
     ($class:ident) => {
         #[pymethods]
         impl $class {
-            /// How long it takes [s].
+            /// Duration [s].
             #[getter]
             fn duration(&self) -> f64 {
                 self.core.duration()
@@ -54,7 +54,7 @@ impl BodyTransition {
     /// start_twist, end_twist : array_like, shape (3,)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
     /// duration : float, optional
-    ///     How long it takes [s]; or give limits.
+    ///     Duration [s]; or give limits.
     /// shape : {'s_curve', 'trapezoid', 'linear'}
     ///     Profile of the twist in that time.
     /// acceleration, angular_acceleration : float, optional
@@ -62,7 +62,7 @@ impl BodyTransition {
     /// jerk, angular_jerk : float, optional
     ///     Limits of the change of those [m/s^3, rad/s^3].
     /// synchronise : {'time', 'phase', 'none'}
-    ///     Whether vx, vy and omega arrive together, also in proportion, or each when it can.
+    ///     Synchronization: vx, vy and omega arrive together, also in proportion, or each when it can.
     /// previous : array_like, shape (steered wheels,), optional
     ///     Steering angles before it [rad]; default 0.
     ///
@@ -181,7 +181,7 @@ impl ModuleTransition {
     ///     Steering angles, shape (steered wheels,) [rad], and wheel speeds, shape (wheels,) [rad/s]: what
     ///     `Rover.inverse` returns.
     /// duration : float, optional
-    ///     How long it takes [s]; or give limits.
+    ///     Duration [s]; or give limits.
     /// shape : {'s_curve', 'trapezoid', 'linear'}
     ///     Profile of every angle and speed in that time.
     /// steering_rate, steering_acceleration, steering_jerk : float, optional
@@ -190,7 +190,7 @@ impl ModuleTransition {
     ///     Limits of every wheel [rad/s^2, rad/s^3]; without any, wheels change speed evenly while the
     ///     steering takes its time.
     /// synchronise : {'time', 'phase', 'none'}
-    ///     Whether all arrive together, also in proportion, or each when it can.
+    ///     Synchronization: all arrive together, also in proportion, or each when it can.
     ///
     /// Raises
     /// ------
@@ -281,7 +281,7 @@ known_by_its_call!(IcrTransition);
 replaceable!(IcrTransition);
 
 getters! { IcrTransition, this, py:
-    /// How often the rover has to come to rest on the way.
+    /// Number of times the rover comes to rest on the way.
     stops: usize = this.core.stops();
 }
 
@@ -365,7 +365,7 @@ impl IcrTransition {
         })
     }
 
-    /// What happens when and why: a tuple of `Phase`.
+    /// Phases in the order of time, each with its action and reason: a tuple of `Phase`.
     #[getter]
     fn phases<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let kind = class(py, "Phase")?;

@@ -14,7 +14,7 @@ use crate::workers::any_workers;
 
 #[pymethods]
 impl Rover {
-    /// Whether the rover can make a twist: no side slip, every wheel inside its steering range.
+    /// True if the rover can make the twist: no side slip, every wheel inside its steering range.
     ///
     /// Parameters
     /// ----------
@@ -59,12 +59,12 @@ impl Rover {
     /// twist : array_like, shape (..., 3)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
     /// keep : {'curvature', 'speed', 'yaw_rate', 'nearest'}
-    ///     What is preserved. ``'curvature'``: `vx` and `omega`, and with them the turning radius; if that turn
+    ///     Preserved quantity. ``'curvature'``: `vx` and `omega`, and with them the turning radius; if that turn
     ///     is too tight, the nearest possible twist, scaled so that neither grows (a spin the rover cannot
     ///     make becomes rest). ``'speed'``: `vx`. ``'yaw_rate'``: `omega`. ``'nearest'``: as much as possible,
     ///     by the root mean square change of the wheel pivots' velocities.
     /// out : ndarray, shape (..., 3), optional
-    ///     Where to write the result.
+    ///     Array for the result.
     /// dtype : dtype, optional
     ///     float32 for a result of single precision, default float64.
     /// threads : int, optional
@@ -113,7 +113,7 @@ impl Rover {
     /// twist : array_like, shape (..., 3)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
     /// out : ndarray, shape (..., 2), optional
-    ///     Where to write the result.
+    ///     Array for the result.
     /// dtype : dtype, optional
     ///     float32 for a result of single precision, default float64.
     /// threads : int, optional

@@ -77,7 +77,7 @@ impl Rover {
         self.named_values(py, steering.as_any(), speeds.as_any())
     }
 
-    /// What the joints say, as the arrays of steering and wheels: the other way round than `commands`.
+    /// Values of joints as the arrays of steering and wheels: the inverse of `commands`.
     ///
     /// Parameters
     /// ----------

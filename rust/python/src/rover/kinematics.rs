@@ -124,7 +124,7 @@ impl Rover {
 
 #[pymethods]
 impl Rover {
-    /// What every wheel has to do for the body to move with a twist: angles and speeds.
+    /// Steering angles and wheel speeds with which the body moves with a twist.
     ///
     /// Exact at every turning radius: straight, on the spot, with the centre of rotation between the wheels
     /// or under one of them. Of the equivalent angles of a wheel, half a turn apart, the one nearest to
@@ -145,7 +145,7 @@ impl Rover {
     ///     Present wheel speeds [rad/s]. A wheel that would have to turn by about 90 degrees either way goes
     ///     with the others of its kind: the way they roll already, otherwise the shorter one for all.
     /// out : (ndarray, ndarray), optional
-    ///     Where to write the results; they may be `previous` and `previous_speeds` themselves.
+    ///     Arrays for the results; they may be `previous` and `previous_speeds` themselves.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
@@ -245,7 +245,7 @@ impl Rover {
     /// allow_underdetermined : bool
     ///     Take a motion that no wheel sees to be zero instead of raising.
     /// out : ndarray, shape (..., 3), optional
-    ///     Where to write the result.
+    ///     Array for the result.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional

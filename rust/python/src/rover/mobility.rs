@@ -7,7 +7,7 @@ use six_wheel_kinematics::mobility::Mobility as Core;
 use super::Rover;
 use crate::convert::{OrRaise, Rows};
 
-/// What a rover can do at given steering angles, from the rank of its constraints.
+/// Mobility of a rover at given steering angles, from the rank of its constraints.
 ///
 /// Source: G. Campion, G. Bastin, B. d'Andrea-Novel, IEEE Transactions on Robotics and Automation 12(1), 1996.
 #[pyclass(frozen, module = "six_wheel")]
@@ -52,7 +52,7 @@ impl Mobility {
 
 #[pymethods]
 impl Rover {
-    /// What the rover can do at given steering angles, from the rank of its constraints.
+    /// Mobility of the rover at given steering angles, from the rank of its constraints.
     ///
     /// Unsteered wheels on several axles count with their mean axle; wheels with rollers and castors constrain
     /// nothing. Angles that are concurrent to 1e-6 m of side slip per metre count as concurrent.

@@ -31,7 +31,7 @@ const NAMES: [(&str, Quantity); 12] = [
 
 /// A twist with its derivatives: rows ``vx, vy, omega``, one column per wheel or steered wheel.
 ///
-/// What was not asked for is None.
+/// Derivatives that were not asked for are None.
 #[pyclass(frozen, module = "six_wheel", name = "TwistJacobian")]
 #[derive(Default)]
 pub struct Sensitivity {
@@ -104,7 +104,7 @@ fn wanted(quantities: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<(&'static str, 
 
 #[pymethods]
 impl Rover {
-    /// How the twist of `forward` changes with its readings and with the dimensions of the rover.
+    /// Derivatives of the twist of `forward` by its readings and by the dimensions of the rover.
     ///
     /// Analytic derivatives of the least-squares solution. Unsteered wheels with parallel axles share the mean of
     /// their side-slip rows: by `heading`, a wheel moves that mean by its part.

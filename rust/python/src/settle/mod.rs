@@ -31,7 +31,7 @@ pub fn read_steering(value: Option<&Bound<'_, PyAny>>, joints: usize, leading: &
 
 #[pymethods]
 impl Suspension {
-    /// Where the rover settles on ground: heights, attitude and joint angles that put every wheel on it, exactly.
+    /// Settles the rover on ground: heights, attitude and joint angles that put every wheel on it, exactly.
     ///
     /// A wheel is a circle; its gap is the least vertical distance of the circle over the bilinear surface.
     /// Settled means that every gap is 0. At the stop of a joint (`rocker_limit`, `bogie_limit`) a wheel hangs: one
@@ -45,17 +45,17 @@ impl Suspension {
     /// Parameters
     /// ----------
     /// ground : Terrain
-    ///     What it stands on.
+    ///     The ground.
     /// poses : array_like, shape (..., 3)
     ///     Rows ``[x, y, yaw]`` of the body's origin in the world [m, m, rad].
     /// steering : array_like, shape (steered,) or (..., steered), optional
     ///     Steering angles [rad], default 0.
     /// derivatives : bool
-    ///     Whether `by_pose` and `by_dimension` are wanted.
+    ///     True to compute `by_pose` and `by_dimension`.
     /// centre_of_mass : (float, float, float), optional
     ///     In the body [m]; default the mean of the wheel centres, on a rocker-bogie at the height of the rocker axis.
     /// threads : int, optional
-    ///     How many threads work at most; default `default_threads()`. Results do not depend on it.
+    ///     Threads at most; default `default_threads()`. Results do not depend on it.
     /// level : str, optional
     ///     One of `simd_levels()`; default the best. Results differ by rounding.
     ///

@@ -16,9 +16,9 @@ use crate::terrain::Terrain;
 use crate::workers::{any_workers, fill_rows};
 
 result_class! {
-    /// What a settled pose means for the rover: see `Suspension.stability`.
+    /// Loads and margins of a settled rover: see `Suspension.stability`.
     pub struct Stability {
-        /// What every wheel carries, straight up, shape (..., wheels) [N]; a negative one would have to pull.
+        /// Vertical load of every wheel, shape (..., wheels) [N]; a negative one would have to pull.
         loads: Py<PyAny>,
         /// Least angle by which the rover has to be turned about a line through two contacts to tip over, shape (...)
         /// [rad]; negative where it does.
@@ -38,20 +38,20 @@ result_class! {
 }
 
 result_class! {
-    /// Whether a rover may stand at poses: see `RockerBogie.feasible`.
+    /// Feasibility of poses: see `RockerBogie.feasible`.
     pub struct Feasibility {
-        /// Whether it may, shape (...).
+        /// True if the rover may stand at the pose, shape (...).
         ok: Py<PyAny>,
         /// Numbers of the reasons in `six_wheel.FeasibilityReason`, shape (...), as in the layer of `six-wheel traverse`.
         reason_codes: Py<PyAny>,
-        /// What is left of the limit of which least is, shape (...): shares of angles and drops, clearances in wheel
+        /// Least margin to any of the limits, shape (...): shares of angles and drops, clearances in wheel
         /// radii. NaN where nothing is known.
         margin: Py<PyAny>,
         /// Tilt, shape (...) [rad]; the largest possible where `exact` is false.
         tilt: Py<PyAny>,
         /// Clearance, shape (...) [m]; the least possible where `exact` is false.
         clearance: Py<PyAny>,
-        /// Whether the rover was settled to know, shape (...).
+        /// True if the rover was settled at the pose, false if bounds decided, shape (...).
         exact: Py<PyAny>,
     }
     repr { ok reason margin tilt clearance exact }
@@ -59,7 +59,7 @@ result_class! {
 
 #[pymethods]
 impl Feasibility {
-    /// Why not, shape (...): `six_wheel.FeasibilityReason`, ``ok`` where it may.
+    /// Reason for a pose that is not feasible, shape (...): `six_wheel.FeasibilityReason`, ``ok`` where it may.
     #[getter]
     fn reason(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let module = py.import("six_wheel.kinematics.statuses")?;
@@ -96,7 +96,7 @@ fn allowed(py: Python<'_>, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Allowe
 
 #[pymethods]
 impl RockerBogie {
-    /// Whether the rover may stand at poses: by `bounds` where they decide, by `settle` where they do not.
+    /// Tests if the rover may stand at poses: by `bounds` where they decide, by `settle` where they do not.
     ///
     /// Parameters
     /// ----------
@@ -105,14 +105,14 @@ impl RockerBogie {
     /// poses : array_like, shape (..., 3)
     ///     Rows ``[x, y, yaw]`` of the rover's origin [m, m, rad].
     /// limits : FeasibilityLimits, optional
-    ///     What is allowed; default what Curiosity is.
+    ///     Limits of a feasible pose; default those of Curiosity.
     /// map_error : float, default 0.0
-    ///     How far the heights of the map may be from the true ones [m]: bounds hold for all of them, settled
+    ///     Largest error of the heights of the map [m]: bounds hold for all of them, settled
     ///     clearances are less by twice as much.
     /// belly : (float, float, float, float), optional
     ///     As for `bounds`.
     /// out : tuple of ndarray, optional
-    ///     Where to write margin, tilt and clearance, in this order; what is left out, or None, is fresh. Nothing is
+    ///     Arrays for margin, tilt and clearance, in this order; what is left out, or None, is fresh. Nothing is
     ///     written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`. Results do not depend on it.
@@ -212,7 +212,7 @@ fn derivatives(
 
 #[pymethods]
 impl Suspension {
-    /// What settled poses mean: loads of the wheels, the way to tipping over, clearance, joints near their stops.
+    /// Loads of the wheels at settled poses, and the margins to tipping over, to the ground and to the joints' stops.
     ///
     /// Loads push straight up where wheels touch, wheels held by their links; all mass is in the body. They keep
     /// the body and every free joint in balance; a joint at its stop takes any moment.
@@ -230,7 +230,7 @@ impl Suspension {
     /// belly : (float, float, float, float), optional
     ///     As for `RockerBogie.bounds`, which has a default; without one `clearance` is NaN.
     /// out : tuple of ndarray, optional
-    ///     Where to write loads, tip-over angle, clearance, joint margins and tilt, in this order; what is left out, or
+    ///     Arrays for loads, tip-over angle, clearance, joint margins and tilt, in this order; what is left out, or
     ///     None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.

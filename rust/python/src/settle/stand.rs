@@ -13,7 +13,7 @@ use crate::arguments::ArgumentKind;
 use crate::convert::{Array, Output, memory, scalar_or_array};
 use crate::suspension::{RockerBogie, Suspension};
 
-/// Where a rover stands on ground: as many poses as were asked for, each with its status.
+/// Settled poses of a rover on ground, as many as were asked for, each with its status.
 ///
 /// Arrays have the leading axes of the poses, and are made when they are asked for. Numbers are NaN where the
 /// rover does not stand, and for wheels over which nothing is known. Wheels are in the order of
@@ -147,8 +147,8 @@ impl Stand {
         py.import("six_wheel.kinematics.statuses")?.call_method1("settle_statuses", (codes,))
     }
 
-    /// Why the rover does not stand at the pose, or an array of such words, shape (...); empty where it does. What has not
-    /// converged may have tipped over, or nobody knows.
+    /// Reason for which the rover does not stand at the pose, or an array of reasons, shape (...); empty where it
+    /// stands. Where the solution has not converged, the rover may have tipped over.
     #[getter]
     fn reason<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut words = self.stands.iter().map(|stand| stand.status.reason());
@@ -159,7 +159,7 @@ impl Stand {
         scalar_or_array(py, memory::gathered(words)?, &self.leading).map(|array| array.into_bound(py))
     }
 
-    /// Whether the rover stands: settled, or at a stop.
+    /// True if the rover stands: settled, or at a stop.
     #[getter]
     fn stands(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let stands = self.stands.iter().map(|stand| stand.status.stands());
@@ -185,7 +185,7 @@ impl Stand {
         })
     }
 
-    /// Which joints are at a stop, shape (..., joints): -1 the lower, 1 the upper, 0 none.
+    /// Stop at which each joint is, shape (..., joints): -1 the lower, 1 the upper, 0 none.
     #[getter]
     fn stops<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         self.array(py, &[self.joint_count()], |_, stand, row| {

@@ -89,7 +89,7 @@ impl Suspension {
     /// wheel_radius : float
     ///     Hub to ground [m].
     /// steered : {'corners', 'front', 'all'}
-    ///     Which wheels steer, about the upright axis through their centre.
+    ///     Wheels that steer, about the upright axis through their centre.
     /// steering_limit : float or (float, float), optional
     ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
     /// bogie_limit : float or (float, float), optional

@@ -34,8 +34,7 @@ result_class! {
         rocker: Py<PyAny>,
         /// Angles of the left and the right bogie, shape (..., 2, 2) [rad].
         bogies: Py<PyAny>,
-        /// How far, in the rover's frame, the wheel that has come down most is below its place on level ground, shape
-        /// (..., 2) [m].
+        /// Drop of the lowest wheel below its place on level ground, in the rover's frame, shape (..., 2) [m].
         wheel_drop: Py<PyAny>,
     }
     hidden {
@@ -47,7 +46,7 @@ result_class! {
 
 #[pymethods]
 impl PoseBounds {
-    /// What the intervals are worth, shape (...): `six_wheel.BoundsStatus`.
+    /// Validity of the intervals, shape (...): `six_wheel.BoundsStatus`.
     #[getter]
     fn status(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let codes = self.worth.iter().map(|worth| *worth as u8);
@@ -171,7 +170,7 @@ impl RockerBogie {
     ///     Largest roll or pitch, rocker and bogie angle for which the boxes cover the wheels [rad]; bounds beyond
     ///     them are not known. Default 15, 7 and 17 degrees, and where that is too narrow 25, 20 and 38.
     /// out : tuple of ndarray, optional
-    ///     Where to write z, roll, pitch, tilt, clearance, rocker, bogies and wheel drop, in this order; what is left out,
+    ///     Arrays for z, roll, pitch, tilt, clearance, rocker, bogies and wheel drop, in this order; what is left out,
     ///     or None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.

@@ -40,7 +40,7 @@ use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
 /// wheel_radius : float
 ///     Hub to ground [m]: ``k10``.
 /// steered : {'corners', 'front', 'all'}
-///     Which wheels steer, about the upright axis through their centre.
+///     Wheels that steer, about the upright axis through their centre.
 /// steering_limit : float or (float, float), optional
 ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
 /// rocker_to_rear, bogie_to_front : (float, float, float), optional

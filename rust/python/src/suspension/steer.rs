@@ -13,7 +13,7 @@ use crate::convert::{
 use crate::workers::any_workers;
 
 result_class! {
-    /// What the wheels have to do for a forward speed and a yaw rate.
+    /// Steering angles and wheel speeds for a forward speed and a yaw rate.
     pub struct SteeringCommand {
         /// Steering angles, shape (..., steered wheels) [rad].
         steering: Py<PyAny>,
@@ -29,9 +29,9 @@ result_class! {
 
 #[pymethods]
 impl RockerBogie {
-    /// How far behind the origin the unsteered wheels want the centre of rotation: x_R of the papers.
+    /// Distance behind the origin of the centre of rotation with the least scrub [m]: x_R of the papers.
     ///
-    /// Turning about a point of the line ``x = -icr_offset`` they scrub least. It moves with the suspension.
+    /// That is a turn about a point of the line ``x = -icr_offset``. The line moves with the suspension.
     ///
     /// Parameters
     /// ----------
@@ -40,7 +40,7 @@ impl RockerBogie {
     /// beta : array_like, shape (..., 2)
     ///     Angles of the left and the right bogie against their rockers [rad].
     /// out : ndarray, shape (...), optional
-    ///     Where to write the result.
+    ///     Array for the result.
     /// dtype : dtype, optional
     ///     float32 for a result of single precision, default float64.
     /// threads : int, optional
@@ -86,7 +86,7 @@ impl RockerBogie {
         offsets.finish_number(out)
     }
 
-    /// What the wheels have to do for a forward speed and a yaw rate, and how much the unsteered ones scrub.
+    /// Steering angles and wheel speeds for a forward speed and a yaw rate, and the scrub of the unsteered wheels.
     ///
     /// The point of the line of `icr_offset` abreast of the origin moves straight ahead: this is
     /// ``planar(rho, beta).inverse((speed, 0, yaw_rate), centre=(-icr_offset, 0))``.

@@ -172,7 +172,7 @@ _LOCATIONS = (("front", "left"), ("x", "y"))
 
 
 def _place_of(module: dict[str, Any]) -> tuple[float, float]:
-    """Where a module is, forward and to the left [inches]."""
+    """Place of a module, forward and to the left [inches]."""
     location = module["location"]
     ahead, aside = next(keys for keys in _LOCATIONS if keys[0] in location)
     return float(location[ahead]), float(location[aside])

@@ -48,7 +48,7 @@ __all__ = [
     "is_set",
 ]
 
-# What these controllers, their manager and ROS 2 nodes declare that is no matter of kinematics.
+# Parameters of these controllers, their manager and ROS 2 nodes that do not concern kinematics.
 _WELL_KNOWN = """
     allow_multiple_cmd_vel_publishers angular async_parameters cmd_timeout cmd_vel_timeout cmd_vel_topic
     command_interface command_interfaces command_joint_names diagnostic_updater diagonal_covariance
@@ -98,7 +98,7 @@ def given(values: Values, *keys: str) -> Any:
 
 
 def is_set(value: Any) -> bool:
-    """Whether a value is more than a default that a dump of the parameters shows."""
+    """True if a value is neither 0, empty, false nor NaN, the defaults in a dump of the parameters."""
     return bool(value) and value == value
 
 

@@ -48,7 +48,7 @@ def is_number(value: Any) -> TypeGuard[float]:
 
 
 def _in_force(data: Values, key: str) -> bool:
-    """Whether a parameter limits something: 0, NaN and infinity are no limits, and some have a switch."""
+    """True if a parameter is a limit in force: 0, NaN and infinity are no limits, and some have a switch."""
     value = data[key]
     stem, _, what = key.rpartition(".")
     quantity = what.partition("_")[2].removesuffix("_reverse").replace("deceleration", "acceleration")

@@ -1,4 +1,4 @@
-"""How controllers name joints: by those of another controller, by their states, with a sign."""
+"""Names of joints in controllers: those of another controller, those of their states, names with a sign."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any

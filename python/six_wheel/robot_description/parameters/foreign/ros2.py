@@ -134,7 +134,7 @@ def _around(values: Values, rover: Rover) -> list[JointList]:
     return [JointList("wheel_names", rover.wheel_names, order="fixed")]
 
 
-# What keys say together, and what they say beyond our model.
+# Checks of several keys together, and of keys beyond the model.
 
 
 def _check_diff_drive(section: Section, values: Values, error: Report, warning: Report) -> None:

@@ -128,7 +128,7 @@ def _behind(car: Rover) -> Rover:
 
 
 def _steers_behind(values: Values) -> bool:
-    """Whether the file or the names of all joints say that the rear wheels steer."""
+    """True if the file or the names of all joints say that the rear wheels steer."""
 
     def said(*keys: str) -> set[str | None]:
         return {(said_by(name) or (None, None))[0] for name in _listed(_given(values, *keys))}
@@ -141,7 +141,7 @@ def _steers_behind(values: Values) -> bool:
 
 
 def _drives_steered(values: Values) -> bool:
-    """Whether the vehicle is a tricycle with one joint that drives: then it is that of the steered wheel."""
+    """True if the vehicle is a tricycle with one driven joint, which is then that of the steered wheel."""
     if "traction_joint_name" in values:
         return True
     several = _given(values, *RADIUS[:2], *FRONT_RADIUS[:2])  # which bicycles do not have
@@ -164,7 +164,7 @@ def _listed(value: Any) -> list[str]:
     return [value] if isinstance(value, str) else list(value or ())
 
 
-# What follows from the keys.
+# Values that follow from the keys.
 
 
 def with_axle_behind(section: Section, values: Values, second: float = 1.0) -> Values:
@@ -218,7 +218,7 @@ def steered_wheel(values: Values, rover: Rover) -> list[JointList]:
     ]
 
 
-# What keys say together, and what they say beyond our model.
+# Checks of several keys together, and of keys beyond the model.
 
 
 def check_steering(

@@ -13,7 +13,7 @@ use crate::suspension::Suspension;
 type Vector<'py> = Bound<'py, PyArray1<f64>>;
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 
-/// Where a rover on ground is after a sample, and how far that may be off.
+/// Pose and twist of a rover on ground after a sample, with their covariances.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Odometry3State {
     stamp: Option<f64>,
@@ -51,7 +51,7 @@ impl Odometry3State {
     }
 }
 
-/// How fast a contact slides; one without an encoder slides sideways.
+/// Speed at which a contact slides [m/s]: `hypot(along, aside)`, or `|aside|` of a wheel without an encoder.
 fn sliding(along: f64, aside: f64) -> f64 {
     if along.is_nan() { aside.abs() } else { along.hypot(aside) }
 }

@@ -49,7 +49,7 @@ impl Rover {
     ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
     ///     Of both front wheels or one each: a mapping by name, or a sequence of pairs.
     /// driven : {'rear', 'front', 'all'}
-    ///     Which wheels have motors; the others roll along.
+    ///     Wheels that have motors; the others roll along.
     /// scrub, trail : float, sequence or mapping of str to float, default 0.0
     ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
     ///     each: in their order, or by name.
@@ -95,7 +95,7 @@ impl Rover {
     ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
     ///     Of the front wheel: a mapping by name, or a sequence of pairs.
     /// driven : {'front', 'rear', 'all'}
-    ///     Which wheels have motors; the others roll along.
+    ///     Wheels that have motors; the others roll along.
     /// scrub, trail : float, sequence or mapping of str to float, default 0.0
     ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
     ///     each: in their order, or by name.
@@ -139,7 +139,7 @@ impl Rover {
     ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
     ///     Of the front wheel: a mapping by name, or a sequence of pairs.
     /// driven : {'rear', 'front', 'all'}
-    ///     Which wheels have motors; the others roll along.
+    ///     Wheels that have motors; the others roll along.
     /// scrub, trail : float, sequence or mapping of str to float, default 0.0
     ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
     ///     each: in their order, or by name.

@@ -11,7 +11,7 @@ use crate::wheel::steering_range;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// What a layout was given for its wheels.
+/// Arguments of a layout that hold values for single wheels.
 #[derive(Default)]
 pub struct PerWheel<'a, 'py> {
     pub steering_limit: Argument<'a, 'py>,
@@ -54,7 +54,7 @@ impl PerWheel<'_, '_> {
     }
 }
 
-/// Whether a value holds several: a mapping or a sequence, but no text.
+/// True if a value is a mapping or a sequence of values; text is one value.
 fn is_several(value: &Bound<'_, PyAny>) -> bool {
     !value.is_instance_of::<PyString>() && value.try_iter().is_ok()
 }
