@@ -1,4 +1,4 @@
-//! Which twists a rover can make: no side slip, and every steering angle inside its range.
+//! Admissible twists of a rover: no side slip, and every steering angle inside its range.
 //!
 //! In twist space the fixed wheels leave a subspace. Each steered wheel whose range is narrower than half
 //! a turn leaves a double wedge of it, between the two planes on which it rolls exactly at an end of its
@@ -25,7 +25,7 @@ pub const SLIP_TOLERANCE: f64 = 1e-9;
 /// Intervals of turning radius narrower than this are two names of one limit [share of the size].
 const SAME_RADIUS: f64 = 1e-9;
 
-/// What keeps a rover from a twist.
+/// Cause that keeps a rover from a twist.
 #[derive(Clone, Copy, Debug)]
 enum Obstacle {
     /// The unsteered wheels of a bank slide sideways [m/s].
@@ -44,7 +44,7 @@ impl RoverData {
         }
     }
 
-    /// Whether the rover can make a twist. Fails if it is not finite.
+    /// True if the rover can make a twist. Fails if it is not finite.
     #[inline]
     pub fn admissible(&self, twist: Twist) -> Result<bool, Error> {
         let fastest = self.check_speeds(twist, None)?;
@@ -57,7 +57,7 @@ impl RoverData {
             .is_ok_and(|fastest| self.obstacle(twist, None, SLIP_TOLERANCE * fastest).is_none())
     }
 
-    /// What keeps the rover from a twist, sliding by `tolerance` or less apart [m/s].
+    /// Cause that keeps the rover from a twist. Slides of at most `tolerance` [m/s] count as none.
     fn obstacle(&self, twist: Twist, steering_rates: Option<&[f64]>, tolerance: f64) -> Option<Obstacle> {
         let vector = Vector3::from(twist);
         for (bank, Bank { row, .. }) in self.banks.iter().enumerate() {
@@ -120,8 +120,8 @@ impl RoverData {
         })
     }
 
-    /// How fast the worst wheel slides sideways at these steering angles, those of [`RoverData::solve`] [m/s]: 0 if the
-    /// rover can make the twist.
+    /// Side slip of the worst wheel at these steering angles, those of [`RoverData::solve`] [m/s]: 0 if the rover can
+    /// make the twist.
     pub fn scrub(&self, twist: Twist, steering: &[f64]) -> f64 {
         let vector = Vector3::from(twist);
         let fixed = self.banks.iter().map(|bank| bank.row.dot(&vector).abs());
@@ -143,7 +143,7 @@ impl RoverData {
         }
     }
 
-    /// Whether the wheel cannot steer to where the twist wants it.
+    /// Cause, if the wheel cannot steer to the angle that the twist requires.
     fn out_of_range(&self, i: usize, twist: Twist, rate: f64, tolerance: f64) -> Option<Obstacle> {
         let wheel = &self.wheels()[i];
         let Mount::Steered(range, heading) = self.mounts[i] else {

@@ -1,4 +1,4 @@
-//! What a rover can do at given steering angles, from the rank of its constraints.
+//! Mobility of a rover at given steering angles, from the rank of its constraints.
 //!
 //! G. Campion, G. Bastin, B. d'Andrea-Novel, Structural properties and classification of kinematic and dynamic
 //! models of wheeled mobile robots, IEEE Transactions on Robotics and Automation 12(1), 1996.

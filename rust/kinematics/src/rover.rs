@@ -76,12 +76,12 @@ impl Rover {
         self.cone.as_ref().filter(|cone| cone.is_whole)
     }
 
-    /// Whether no angle raises a question of units ([`units::angles`]): a comparison each.
+    /// True if no angle raises a question of units ([`units::angles`]): a comparison each.
     pub fn are_plain(&self, steering: &[f64]) -> bool {
         steering.iter().all(|angle| angle.abs() <= self.plain_angle)
     }
 
-    /// What derivatives of the twist by a quantity are made of.
+    /// Gradients from which derivatives of the twist by a quantity are computed.
     pub(crate) fn gradients(&self, quantity: Quantity) -> &Gradients {
         self.gradients[quantity as usize].get_or_init(|| Gradients::new(&self.data, quantity))
     }

@@ -164,7 +164,7 @@ impl RoverData {
     }
 }
 
-/// What the inverse may be told beside the twist, one value per steered wheel or per wheel.
+/// Optional inputs of the inverse beside the twist, one value per steered wheel or per wheel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inputs<'a> {
     /// Present steering angles [rad]: what a wheel at rest holds, and which equivalent angle is nearer.
@@ -200,11 +200,11 @@ impl Inputs<'_> {
 /// The wheels for which rolling forwards and backwards are about equally near.
 #[derive(Clone, Copy, Debug, Default)]
 struct Undecided {
-    /// How many of them would go forwards and backwards on their own.
+    /// Numbers of them that would go forwards and backwards on their own.
     votes: [usize; 2],
-    /// How much shorter the way backwards is for all of them together [rad].
+    /// Total by which the way backwards is shorter for all of them together [rad].
     lead: f64,
-    /// Which way they roll already [rad/s].
+    /// Sum of their present speeds, whose sign is the way they roll already [rad/s].
     rolling: f64,
 }
 
@@ -259,7 +259,7 @@ fn say(row: &Vector3<f64>, other: &Vector3<f64>) -> f64 {
     (falling * falling).copysign(row.x * other.x + row.y * other.y)
 }
 
-/// How [`say`] changes with the other row.
+/// Change of [`say`] with the other row.
 fn say_change(row: &Vector3<f64>, other: &Vector3<f64>, change: &Vector3<f64>) -> f64 {
     let sine = (row.x * other.y - row.y * other.x) / ASIDE;
     let sine_change = (row.x * change.y - row.y * change.x) / ASIDE;
@@ -280,8 +280,8 @@ impl RoverData {
         }
     }
 
-    /// How the side-slip row of every fixed wheel changes when the own row of wheel `i` does: as part of their means, and
-    /// by what each of the two has to say to the other.
+    /// Changes of the side-slip row of every fixed wheel when the own row of wheel `i` changes: as part of their means,
+    /// and by the weights of the two in each other's row.
     pub(crate) fn changes_with(&self, i: usize, change: Vector3<f64>) -> impl Iterator<Item = (usize, Vector3<f64>)> {
         let rows = move || (0..self.wheels.len()).filter_map(|k| Some((k, self.own_row(k)?)));
         rows().filter_map(move |(k, own)| {
@@ -331,7 +331,7 @@ fn shared_row(wheels: &[Wheel], banks: &[Bank], i: usize, own: Vector3<f64>) -> 
     sum / total
 }
 
-/// What each wheel contributes: constant rows, with the line it shares for its own, or a steering range.
+/// Contribution of each wheel: constant rows, with the line it shares for its own, or a steering range.
 fn mounts(wheels: &[Wheel], banks: &[Bank]) -> Vec<Mount> {
     let mount = |(i, wheel): (usize, &Wheel)| {
         let direction = Direction::from(wheel.heading);

@@ -39,7 +39,7 @@ struct Commands<'a> {
     level: Level,
     twists: Table<'a>,
     beside: Beside<'a>,
-    /// Whether what is written goes past the caches.
+    /// True if the outputs are written past the caches.
     past: bool,
 }
 
@@ -152,7 +152,7 @@ struct Reports<'a> {
     level: Level,
     readings: Readings<'a>,
     unseen: Unseen,
-    /// Whether what is written goes past the caches.
+    /// True if the outputs are written past the caches.
     past: bool,
 }
 

@@ -18,7 +18,7 @@ use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::weave::{BLOCK, Column, weave, with_columns};
 
-/// What the kernel needs to know of a rover and a method.
+/// Constants of a rover and a method for the kernel.
 pub(crate) struct Plan<'a> {
     rover: &'a RoverData,
     method: Method,
@@ -31,7 +31,7 @@ pub(crate) struct Plan<'a> {
     sigma_min: f64,
 }
 
-/// Where the results go, one row per reading: see [`Fit`], and a number per wheel.
+/// Output of fits, one row per reading: see [`Fit`], and a number per wheel.
 pub struct Fits<'a> {
     /// Estimates.
     pub twists: &'a mut [[f64; 3]],
@@ -178,7 +178,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
 /// Rows of robust fits that take long, of many blocks.
 struct Late<'a> {
     block: Block<'a>,
-    /// Where they are among all.
+    /// Their indices among all rows.
     rows: [usize; BLOCK],
 }
 
@@ -260,7 +260,7 @@ impl Plan<'_> {
 }
 
 impl Rows {
-    /// What it adds to the right-hand side.
+    /// Contribution of the wheel to the right-hand side of the normal equations.
     #[inline(always)]
     pub fn moment<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2]) -> [Lanes<S>; 3] {
         let mut moment = [seen[0]; 3];
@@ -277,7 +277,7 @@ impl Rows {
         self.moment(simd, self.miss(simd, seen, unknowns))
     }
 
-    /// What the unknowns leave of its readings.
+    /// Residuals of the wheel's two readings, predicted minus measured [m/s].
     #[inline(always)]
     fn miss<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2], unknowns: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
         [dot(simd, &self.rows[0], unknowns) - seen[0], dot(simd, &self.rows[1], unknowns) - seen[1]]

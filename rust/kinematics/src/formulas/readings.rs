@@ -1,5 +1,5 @@
-//! What the wheels of a register of readings say of its twist: the normal equations, and what they come to. Forward
-//! kinematics, fits and sensitivities start here.
+//! Normal equations of the twists of a register of readings, and their solution. Forward kinematics, fits and
+//! sensitivities start here.
 //!
 //! The rows of a steered wheel say together how fast its contact moves, whichever way it points. Without scrub and trail
 //! the contact is the pivot, and the normal equations and their solution are constants of the rover.
@@ -30,7 +30,7 @@ const DETERMINED: f64 = 1e-10;
 pub(crate) struct Rows {
     pub rows: [[f64; 3]; 2],
     radius: f64,
-    /// Whether it has a say in the twist.
+    /// True if the wheel has a share in the twist.
     says: bool,
     kind: Kind,
 }
@@ -66,7 +66,8 @@ impl Rows {
         Self { rows: rows.map(|row| rover.shifted(&row).into()), radius: wheel.radius, says, kind }
     }
 
-    /// What it adds to the normal equations, whichever way it points: the moments of one with scrub or trail follow that.
+    /// Contribution to the normal equations in any direction of the wheel. The moments of a wheel with scrub or trail
+    /// follow its direction and are left out.
     #[inline]
     pub fn normal(&self) -> [f64; 6] {
         let [mut along, mut across] = self.rows;
@@ -83,7 +84,7 @@ pub(crate) fn products(rows: [[f64; 3]; 2]) -> [f64; 6] {
     places.map(|(i, k)| rows.iter().map(|row| row[i] * row[k]).sum())
 }
 
-/// What the kernel needs to know of a rover.
+/// Constants of a rover for the kernels of readings.
 pub(crate) struct Plan<'a> {
     pub(crate) rover: &'a RoverData,
     pub(crate) wheels: Vec<Rows>,
@@ -150,9 +151,9 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// What is kept of a block beside its twists.
+/// Data of a block that are kept beside its twists.
 pub(crate) struct Kept<'a> {
-    /// What each wheel reads along its rows [m/s].
+    /// Reading of each wheel along its rows [m/s].
     pub seen: &'a mut [[Column; 2]],
     /// About the centre of the pivots, the last one a speed.
     pub unknowns: [Column; 3],

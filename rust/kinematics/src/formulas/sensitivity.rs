@@ -21,7 +21,7 @@ const QUAD: usize = 4;
 /// A quantity, the wheels with a derivative by it, and where these go: three rows of wheels for every row of readings.
 pub(crate) type Target<'a> = (Quantity, &'a [usize], &'a mut [f64]);
 
-/// What is asked of a log.
+/// Input and output of the sensitivities of a log.
 pub(crate) struct Ask<'a, 'b> {
     pub plan: &'a readings::Plan<'a>,
     pub log: Log<'a>,
@@ -163,7 +163,7 @@ fn multiply<S: Vector>(
     }
 }
 
-/// What turns gradients into twists, of four registers from `quad` on.
+/// Matrices that map gradients to twists, of four registers from `quad` on.
 #[inline(always)]
 fn invert<S: Vector>(simd: S, plan: &readings::Plan<'_>, steering: &[Column], quad: usize, inverse: &mut [Column; 9]) {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
@@ -196,7 +196,7 @@ fn summed<S: Vector>(simd: S, sums: &[Sum; 3], products: &[[S::f64s; QUAD]]) -> 
     parts
 }
 
-/// What the inverse makes of a gradient.
+/// Product of the inverse and a gradient.
 #[inline(always)]
 fn turned<S: Vector>(simd: S, gradient: &[[Lanes<S>; QUAD]; 3], inverse: &[Column; 9]) -> [[Lanes<S>; QUAD]; 3] {
     let mut derivative = [[Lanes::splat(simd, 0.0); QUAD]; 3];

@@ -17,8 +17,8 @@ fn numbers(count: usize) -> Vec<f64> {
     (0..count).map(|k| if k % 97 < 3 { 0.0 } else { number(k) }).collect()
 }
 
-/// What `write` writes to the same bits past the caches and not, for every place in a line the output may begin at;
-/// nothing beside it is touched.
+/// Asserts that `write` writes the same bits past the caches and not, for every place in a line the output may begin
+/// at; nothing beside it is touched.
 fn is_the_same(count: usize, mut write: impl FnMut(&mut [f64], bool)) {
     for first in 0..LINE {
         let [mut direct, mut past] = [vec![f64::MAX; count + 2 * LINE], vec![f64::MAX; count + 2 * LINE]];

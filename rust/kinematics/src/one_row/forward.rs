@@ -11,7 +11,7 @@ use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// What the kernel needs to know of a rover.
+/// Constants of a rover for the forward kernel.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     level: Level,
@@ -21,10 +21,10 @@ pub(crate) struct Plan {
     solution: [[f64; 3]; 3],
 }
 
-/// What eight wheels add to the right-hand side.
+/// Contribution of eight wheels to the right-hand side of the normal equations.
 #[derive(Clone, Debug, Default)]
 struct Group {
-    /// How many of them are steered.
+    /// Number of steered wheels among them.
     steered: usize,
     heading: Eight,
     /// Radius and place of a steered wheel, as a lever about the centre of the pivots; 0 for another.

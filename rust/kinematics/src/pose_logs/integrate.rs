@@ -191,7 +191,7 @@ fn go<S: Vector, const N: usize>(
     true
 }
 
-/// Where every lane has come to: compensated sums.
+/// Compensated sums, one per lane.
 #[derive(Clone, Copy)]
 struct Sums<S: Vector> {
     sum: Lanes<S>,
@@ -212,7 +212,7 @@ impl<S: Vector> Sums<S> {
     }
 }
 
-/// What the lanes come to, each with all before it.
+/// Prefix sums of the lanes: each with all before it.
 #[inline(always)]
 fn so_far<S: Vector>(simd: S, terms: Lanes<S>) -> Lanes<S> {
     let mut sum = terms + Lanes::shift::<0>(simd, terms);

@@ -23,7 +23,7 @@ pub enum Part {
     Steered(Steered),
 }
 
-/// What the kernel needs to know of a rover.
+/// Constants of a rover for the inverse kernel.
 pub struct Plan<'a> {
     /// The rover.
     pub rover: &'a RoverData,
@@ -35,11 +35,11 @@ pub struct Plan<'a> {
     pub joints: usize,
     /// Side-slip rows of its axle groups.
     pub banks: Vec<[f64; 3]>,
-    /// Whether every wheel can be steered without a second thought, but for resting ones and such.
+    /// True if every steered wheel has a [`Reach`], which decides its angle except at rest and at the ends of the range.
     pub(crate) is_simple: bool,
-    /// Whether there is only one way of making a motion, wherever the wheels are, unless they rest.
+    /// True if every steered wheel has [`ONLY`] one way of making a motion, unless it rests.
     pub(crate) is_inner: bool,
-    /// Whether some wheels may have to ask the others which of two ways to go.
+    /// True if some wheels may have to ask the others which of two ways to go ([`EITHER`]).
     pub(crate) asks: bool,
 }
 
@@ -92,7 +92,7 @@ impl<'a> Plan<'a> {
         Ok(())
     }
 
-    /// Whether the plain core would surely let a twist pass.
+    /// Lanes whose twist the plain core would surely let pass.
     #[inline(always)]
     pub(crate) fn passes<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3], rates: &[Column], k: usize) -> Mask<S> {
         let mut passes = self.cone.judge(simd, twist).yes;

@@ -11,7 +11,7 @@ pub(crate) const LANES: usize = 8;
 /// Wheels at most: their registers are sorted by comparing neighbours.
 pub(crate) const MOST: usize = 8;
 
-/// What the kernel needs to know of a rover.
+/// Constants of a rover for the robust kernel.
 pub(crate) struct Plan {
     pub(crate) wheels: Vec<Wheel>,
 }

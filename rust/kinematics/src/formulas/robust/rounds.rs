@@ -215,7 +215,7 @@ impl<S: Vector> Rounds<S> {
         self.active = self.active & !there;
     }
 
-    /// Whether so many rounds would surely settle the weights.
+    /// Lanes in which so many rounds would surely settle the weights.
     #[inline(always)]
     fn comes_near(&self, simd: S, plan: &Plan, left: usize) -> Mask<S> {
         let splat = |number| Lanes::splat(simd, number);
