@@ -27,7 +27,7 @@ const SAME_RADIUS: f64 = 1e-9;
 
 /// Cause that keeps a rover from a twist.
 #[derive(Clone, Copy, Debug)]
-enum Obstacle {
+enum InfeasibilityCause {
     /// The unsteered wheels of a bank slide sideways [m/s].
     Slip { bank: usize, slip: f64 },
     /// A wheel cannot steer to where it has to be, and slides sideways at the end of its range [rad, m/s].
@@ -58,12 +58,12 @@ impl RoverData {
     }
 
     /// Cause that keeps the rover from a twist. Slides of at most `tolerance` [m/s] count as none.
-    fn obstacle(&self, twist: Twist, steering_rates: Option<&[f64]>, tolerance: f64) -> Option<Obstacle> {
+    fn obstacle(&self, twist: Twist, steering_rates: Option<&[f64]>, tolerance: f64) -> Option<InfeasibilityCause> {
         let vector = Vector3::from(twist);
         for (bank, Bank { row, .. }) in self.banks.iter().enumerate() {
             let slip = row.dot(&vector).abs();
             if slip > tolerance {
-                return Some(Obstacle::Slip { bank, slip });
+                return Some(InfeasibilityCause::Slip { bank, slip });
             }
         }
         self.steered().iter().enumerate().find_map(|(joint, &i)| {
@@ -72,9 +72,9 @@ impl RoverData {
         })
     }
 
-    fn explained(&self, obstacle: Obstacle, twist: Twist) -> Error {
+    fn explained(&self, obstacle: InfeasibilityCause, twist: Twist) -> Error {
         let rule = match obstacle {
-            Obstacle::Slip { bank, slip } => {
+            InfeasibilityCause::Slip { bank, slip } => {
                 let names: Vec<_> =
                     self.banks[bank].wheels.iter().map(|&i| format!("{:?}", self.wheels()[i].name)).collect();
                 format!(
@@ -84,7 +84,7 @@ impl RoverData {
                     short(slip)
                 )
             }
-            Obstacle::Range { wheel, angle, slip } => {
+            InfeasibilityCause::Range { wheel, angle, slip } => {
                 let wheel = &self.wheels()[wheel];
                 let range = wheel.steering().unwrap_or_default();
                 format!(
@@ -144,7 +144,7 @@ impl RoverData {
     }
 
     /// Cause, if the wheel cannot steer to the angle that the twist requires.
-    fn out_of_range(&self, i: usize, twist: Twist, rate: f64, tolerance: f64) -> Option<Obstacle> {
+    fn out_of_range(&self, i: usize, twist: Twist, rate: f64, tolerance: f64) -> Option<InfeasibilityCause> {
         let wheel = &self.wheels()[i];
         let Mount::Steered(range, heading) = self.mounts[i] else {
             return None;
@@ -159,7 +159,7 @@ impl RoverData {
             return None;
         }
         let slip = wheel.side_slip(angle, twist, rate).abs();
-        (slip > tolerance).then_some(Obstacle::Range { wheel: i, angle, slip })
+        (slip > tolerance).then_some(InfeasibilityCause::Range { wheel: i, angle, slip })
     }
 
     /// Bound of the speed of every pivot and contact, to a factor of two [m/s].

@@ -21,7 +21,7 @@ const INSIDE: f64 = ANGLE_TOLERANCE / 2.0;
 
 /// Input of the choice of a steering angle, one wheel or row per lane.
 #[derive(Clone, Copy)]
-pub struct Asked<S: Simd> {
+pub struct SteeringQuery<S: Simd> {
     pub twist: [Lanes<S>; 3],
     /// Present steering angle [rad].
     pub before: Lanes<S>,
@@ -60,7 +60,7 @@ pub(crate) type Common<S> = Option<Mask<S>>;
 impl Steered {
     /// The nearest way, or for undecided wheels the common one.
     #[inline(always)]
-    pub fn choose<S: Simd>(&self, simd: S, asked: Asked<S>, common: Common<S>) -> Chosen<S> {
+    pub fn choose<S: Simd>(&self, simd: S, asked: SteeringQuery<S>, common: Common<S>) -> Chosen<S> {
         let splat = |number| Lanes::splat(simd, number);
         let zero = splat(0.0);
         let [_, _, omega] = asked.twist;

@@ -85,7 +85,7 @@ pub(crate) fn products(rows: [[f64; 3]; 2]) -> [f64; 6] {
 }
 
 /// Constants of a rover for the kernels of readings.
-pub(crate) struct Plan<'a> {
+pub(crate) struct ForwardConstants<'a> {
     pub(crate) rover: &'a RoverData,
     pub(crate) wheels: Vec<Rows>,
     pub(crate) joints: usize,
@@ -97,13 +97,13 @@ pub(crate) struct Plan<'a> {
 
 /// Readings of a block; no rates where none are given, or they do not matter.
 #[derive(Clone, Copy)]
-pub(crate) struct Heard<'a> {
+pub(crate) struct ReadingColumns<'a> {
     pub steering: &'a [Column],
     pub speeds: &'a [Column],
     pub rates: &'a [Column],
 }
 
-impl<'a> Plan<'a> {
+impl<'a> ForwardConstants<'a> {
     /// Nothing where the twist is never determined, or sizes are extreme.
     pub fn new(rover: &'a RoverData) -> Option<Self> {
         let solution = rover.solution;
@@ -152,7 +152,7 @@ impl<'a> Plan<'a> {
 }
 
 /// Data of a block that are kept beside its twists.
-pub(crate) struct Kept<'a> {
+pub(crate) struct FitColumns<'a> {
     /// Reading of each wheel along its rows [m/s].
     pub seen: &'a mut [[Column; 2]],
     /// About the centre of the pivots, the last one a speed.
@@ -163,7 +163,7 @@ pub(crate) struct Kept<'a> {
     pub doubts: Column,
 }
 
-impl<'a> Kept<'a> {
+impl<'a> FitColumns<'a> {
     /// Nothing yet; no readings are kept of wheels without a place for them.
     #[inline]
     pub fn new(seen: &'a mut [[Column; 2]]) -> Self {
@@ -175,10 +175,10 @@ impl<'a> Kept<'a> {
 #[inline(always)]
 pub(crate) fn solve_block<S: Vector, const KEEP: bool>(
     simd: S,
-    plan: &Plan<'_>,
-    heard: Heard<'_>,
+    plan: &ForwardConstants<'_>,
+    heard: ReadingColumns<'_>,
     twists: &mut [Column; 3],
-    kept: &mut Kept<'_>,
+    kept: &mut FitColumns<'_>,
     log: Log<'_>,
 ) -> bool {
     if plan.solution.is_some() {
@@ -192,10 +192,10 @@ pub(crate) fn solve_block<S: Vector, const KEEP: bool>(
 #[inline(always)]
 fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
     simd: S,
-    plan: &Plan<'_>,
-    heard: Heard<'_>,
+    plan: &ForwardConstants<'_>,
+    heard: ReadingColumns<'_>,
     twists: &mut [Column; 3],
-    kept: &mut Kept<'_>,
+    kept: &mut FitColumns<'_>,
     log: Log<'_>,
 ) -> bool {
     let splat = |number| Lanes::splat(simd, number);
@@ -293,10 +293,10 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
     !(!all).any()
 }
 
-impl Plan<'_> {
+impl ForwardConstants<'_> {
     /// Takes the readings of a block apart.
     #[inline(always)]
-    pub fn hear<'c, S: Vector>(&self, simd: S, log: Log<'_>, columns: &'c mut [Column]) -> Heard<'c> {
+    pub fn load_readings<'c, S: Vector>(&self, simd: S, log: Log<'_>, columns: &'c mut [Column]) -> ReadingColumns<'c> {
         let (steering, rest) = columns.split_at_mut(self.joints);
         let (speeds, rates) = rest.split_at_mut(self.wheels.len());
         unweave(simd, log.steering, steering);
@@ -304,7 +304,7 @@ impl Plan<'_> {
         if !rates.is_empty() {
             unweave(simd, log.steering_rates.unwrap_or_default(), rates);
         }
-        Heard { steering, speeds, rates }
+        ReadingColumns { steering, speeds, rates }
     }
 
     /// The normal equations of a register of angles.

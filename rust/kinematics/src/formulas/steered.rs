@@ -182,7 +182,7 @@ pub(crate) struct Steer<'a, S: Simd> {
 
 /// Excess of the nearer way at this angle over the other one, `2 abs(angle) - pi` [rad]: at most 0.
 #[inline(always)]
-fn lead<S: Simd>(simd: S, angle: Lanes<S>) -> Lanes<S> {
+fn half_turn_margin<S: Simd>(simd: S, angle: Lanes<S>) -> Lanes<S> {
     let size = angle.abs();
     size + size - Lanes::splat(simd, PI)
 }
@@ -197,7 +197,7 @@ impl Steered {
         let other = splat(0.0).below(angle).select(half - splat(TAU), half);
         let (below, above) = (splat(self.range.lower) - other, other - splat(self.range.upper));
         let beyond = below.max(above);
-        let near = splat(-UNDECIDED).below(lead(simd, angle));
+        let near = splat(-UNDECIDED).below(half_turn_margin(simd, angle));
         let sure = !near | splat(2.0 * CLOSE).below(beyond.abs());
         (other, [near & beyond.below(splat(0.0)), sure])
     }
@@ -205,7 +205,7 @@ impl Steered {
     /// Angle and speed of a wheel after those of all have been asked which way to go: where it could as soon go the other
     /// way, and that is theirs, it does.
     #[inline(always)]
-    pub fn agreed<S: Simd>(
+    pub fn apply_common_direction<S: Simd>(
         &self,
         simd: S,
         [angle, speed]: [Lanes<S>; 2],
@@ -243,7 +243,7 @@ impl<S: Simd> Steer<'_, S> {
                 sure = sure & moves & (angle - inside).abs().at_most(at_an_end);
                 angle = inside;
             } else if WAYS == EITHER {
-                let near = lead(simd, angle);
+                let near = half_turn_margin(simd, angle);
                 let beyond = near + Lanes::splat(simd, UNDECIDED);
                 let close = Lanes::splat(simd, CLOSE);
                 sure = sure & margin.below(along.max(across));

@@ -13,7 +13,7 @@ use six_wheel_numerics::simd::vector::Vector;
 
 /// Constants of a rover for the forward kernel.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+pub(crate) struct ForwardConstants {
     level: Level,
     groups: Vec<Group>,
     order: Vec<usize>,
@@ -34,7 +34,7 @@ struct Group {
     row: [Eight; 3],
 }
 
-impl Plan {
+impl ForwardConstants {
     /// Nothing where the solution depends on the readings, or the machine has no kernel.
     pub fn new(rover: &RoverData) -> Option<Self> {
         let level = level()?;
@@ -81,7 +81,7 @@ impl Plan {
 
 /// One row. The answer is nothing where a reading is not of a usual size.
 struct Row<'a> {
-    plan: &'a Plan,
+    plan: &'a ForwardConstants,
     measured: Measured<'a>,
 }
 

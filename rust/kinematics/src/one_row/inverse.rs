@@ -50,7 +50,7 @@ pub fn order(rover: &RoverData) -> Vec<usize> {
 
 /// Constants of a rover for the inverse kernel.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+pub(crate) struct InverseConstants {
     level: Level,
     groups: Vec<Group>,
     order: Vec<usize>,
@@ -136,7 +136,7 @@ impl Group {
     }
 }
 
-impl Plan {
+impl InverseConstants {
     /// Nothing where a wheel is not one of those the kernel knows, or the machine has no kernel.
     pub fn new(rover: &RoverData) -> Option<Self> {
         let level = level()?;
@@ -190,7 +190,7 @@ impl Plan {
 
 /// One row of the inverse. The answer is whether the kernel could decide it; nothing is written otherwise.
 struct Row<'a> {
-    plan: &'a Plan,
+    plan: &'a InverseConstants,
     twist: [f64; 3],
     previous: Option<&'a [f64]>,
     steering: &'a mut [f64],
