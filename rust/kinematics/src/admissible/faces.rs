@@ -122,7 +122,7 @@ fn faces(rover: &RoverData, size: &Matrix3<f64>, keep: Keep) -> Vec<Face> {
         }
         is_point
     };
-    // What is kept and the planes leave one point: the same point, or none, on every face of that one.
+    // The kept components and the planes leave one point: the same point, or none, on every face of that one.
     if add(&planes) {
         return found;
     }
@@ -293,7 +293,7 @@ impl Faces {
             if face.bound && components(keep).iter().any(|&k| (found[k] - target[k]).abs() > AGREED * size) {
                 continue;
             }
-            // What is left of a component that vanishes is rounding, and rounding has no direction.
+            // The rest of a component that vanishes is rounding, and rounding has no direction.
             let lengths = [1.0, 1.0, rover.size];
             if face.open.is_empty() {
                 let vanishes = (0..3).all(|k| found[k].abs() * lengths[k] <= VANISHED * size);

@@ -175,7 +175,7 @@ impl<'a> Reports<'a> {
         if let Some(plan) = &self.plan {
             return plan.check(self.level, log, 0..count, self.unseen);
         }
-        // Where the rows depend on the angles or on gaps in the readings, only solving shows whether it works.
+        // If the rows depend on the angles or on gaps in the readings, only a solution shows that there is one.
         let solvable = |measured: Measured<'_>| {
             if self.rover.solution.is_some() && measured.is_complete() {
                 self.rover.check_readings(measured)

@@ -95,7 +95,7 @@ pub trait Vector: Simd {
     #[inline(always)]
     fn steady_roots(self, numbers: Self::f64s) -> [Self::f64s; 2] {
         let guess = self.single_inverse_root(numbers);
-        // What the guess is off by goes from 2e-7 to 1e-20.
+        // The error of the guess falls from 2e-7 to 1e-20.
         let square = self.mul_f64s(numbers, guess);
         let off = self.mul_add_f64s(square, self.neg_f64s(guess), self.splat_f64s(1.0));
         let half = self.mul_add_f64s(off, self.splat_f64s(0.375), self.splat_f64s(0.5));

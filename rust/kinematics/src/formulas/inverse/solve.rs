@@ -141,7 +141,8 @@ fn solve_block<S: Simd>(
     !(!sure).any()
 }
 
-/// Undecided wheels that would go different ways go the one that is shorter for all of them. Where that is sure.
+/// Undecided wheels that would go different ways go the one that is shorter for all of them. Returns the
+/// lanes in which that is sure.
 #[inline(always)]
 fn agree<S: Simd>(
     simd: S,
@@ -222,8 +223,8 @@ fn choose_block<S: Simd>(
     for k in 0..BLOCK / S::F64_LANES {
         let twist = load(simd, twists, k);
         let mut sure = usual(simd, twist);
-        // How many undecided wheels would go either way, how much shorter the way backwards is for all of them, and
-        // which way they roll already.
+        // Numbers of undecided wheels for either way, the total by which the way backwards is shorter, and the sum of
+        // their present speeds.
         let [mut ahead, mut back, mut lead, mut rolled] = [zero; 4];
         let mut common = None;
         // Once more if the undecided ones have to agree.
@@ -265,7 +266,7 @@ fn choose_block<S: Simd>(
                 if !(rolls | differ).any() {
                     break;
                 }
-                // Where they agree on their own, the way that they go.
+                // If they agree on their own, they keep that way.
                 let agreed = zero.below(back);
                 let shorter = zero.below(lead);
                 common = Some((rolls & rolled.below(zero)) | (!rolls & ((differ & shorter) | (!differ & agreed))));

@@ -114,7 +114,7 @@ impl<S: Vector> IrlsIterations<S> {
         let splat = |number| Lanes::splat(simd, number);
         let (zero, one) = (splat(0.0), splat(1.0));
         let count = plan.wheels.len();
-        // What is not there comes last.
+        // Wheels that are not there come last.
         let mut squares = [splat(f64::MAX); MOST];
         for (i, wheel) in plan.wheels.iter().enumerate() {
             squares[i] = wheel.rows.square(simd, self.seen[i], self.unknowns);
@@ -136,7 +136,7 @@ impl<S: Vector> IrlsIterations<S> {
         let before = self.scale;
         self.scale = before.min(noise.max(before * splat(0.25)));
         self.held = before.at_most(self.scale);
-        // Where nothing disagrees at all, nothing is weighed.
+        // Lanes in which nothing disagrees are not weighed.
         let active = self.active & zero.below(self.scale);
         let per_square = one.quotient(self.scale);
         // One over each of the ratios, from one over their product.
