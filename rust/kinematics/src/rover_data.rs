@@ -251,10 +251,11 @@ fn banks(wheels: &[Wheel]) -> Vec<Bank> {
     banks
 }
 
-/// Weight of one fixed wheel in the side-slip row of another: `+-(1 - (sin d / ASIDE)^2)^2`, 0 if `abs(sin d) >= ASIDE`.
+/// Weight of one fixed wheel in the side-slip row of another: `+-(1 - (sin d / ASIDE)^2)^2`, 0 if
+/// `abs(sin d) >= ASIDE`.
 ///
-/// `d` is the angle between the axles; the weight is negative if the wheels roll opposite ways. It falls smoothly, so that
-/// the estimate is a continuous function of the headings.
+/// `d` is the angle between the axles; the weight is negative if the wheels roll opposite ways. It falls smoothly, so
+/// that the estimate is a continuous function of the headings.
 fn side_slip_share(row: &Vector3<f64>, other: &Vector3<f64>) -> f64 {
     let sine = (row.x * other.y - row.y * other.x) / ASIDE;
     let falling = (1.0 - sine * sine).max(0.0);

@@ -35,7 +35,8 @@ pub struct InverseConstants<'a> {
     pub joints: usize,
     /// Side-slip rows of its axle groups.
     pub banks: Vec<[f64; 3]>,
-    /// True if every steered wheel has a [`Reach`], which decides its angle except at rest and at the ends of the range.
+    /// True if every steered wheel has a [`Reach`], which decides its angle except at rest and at the
+    /// ends of the range.
     pub(crate) is_simple: bool,
     /// True if every steered wheel has [`ONLY`] one way of making a motion, unless it rests.
     pub(crate) is_inner: bool,
