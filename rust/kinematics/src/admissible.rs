@@ -1,4 +1,4 @@
-//! Which twists a rover can make: no side slip, and every steering angle inside its range.
+//! Admissible twists of a rover: no side slip, and every steering angle inside its range.
 //!
 //! In twist space the fixed wheels leave a subspace. Each steered wheel whose range is narrower than half
 //! a turn leaves a double wedge of it, between the two planes on which it rolls exactly at an end of its
@@ -25,9 +25,9 @@ pub const SLIP_TOLERANCE: f64 = 1e-9;
 /// Intervals of turning radius narrower than this are two names of one limit [share of the size].
 const SAME_RADIUS: f64 = 1e-9;
 
-/// What keeps a rover from a twist.
+/// Cause that keeps a rover from a twist.
 #[derive(Clone, Copy, Debug)]
-enum Obstacle {
+enum InfeasibilityCause {
     /// The unsteered wheels of a bank slide sideways [m/s].
     Slip { bank: usize, slip: f64 },
     /// A wheel cannot steer to where it has to be, and slides sideways at the end of its range [rad, m/s].
@@ -44,7 +44,7 @@ impl RoverData {
         }
     }
 
-    /// Whether the rover can make a twist. Fails if it is not finite.
+    /// True if the rover can make a twist. Fails if it is not finite.
     #[inline]
     pub fn admissible(&self, twist: Twist) -> Result<bool, Error> {
         let fastest = self.check_speeds(twist, None)?;
@@ -57,13 +57,13 @@ impl RoverData {
             .is_ok_and(|fastest| self.obstacle(twist, None, SLIP_TOLERANCE * fastest).is_none())
     }
 
-    /// What keeps the rover from a twist, sliding by `tolerance` or less apart [m/s].
-    fn obstacle(&self, twist: Twist, steering_rates: Option<&[f64]>, tolerance: f64) -> Option<Obstacle> {
+    /// Cause that keeps the rover from a twist. Slides of at most `tolerance` [m/s] count as none.
+    fn obstacle(&self, twist: Twist, steering_rates: Option<&[f64]>, tolerance: f64) -> Option<InfeasibilityCause> {
         let vector = Vector3::from(twist);
         for (bank, Bank { row, .. }) in self.banks.iter().enumerate() {
             let slip = row.dot(&vector).abs();
             if slip > tolerance {
-                return Some(Obstacle::Slip { bank, slip });
+                return Some(InfeasibilityCause::Slip { bank, slip });
             }
         }
         self.steered().iter().enumerate().find_map(|(joint, &i)| {
@@ -72,9 +72,9 @@ impl RoverData {
         })
     }
 
-    fn explained(&self, obstacle: Obstacle, twist: Twist) -> Error {
+    fn explained(&self, obstacle: InfeasibilityCause, twist: Twist) -> Error {
         let rule = match obstacle {
-            Obstacle::Slip { bank, slip } => {
+            InfeasibilityCause::Slip { bank, slip } => {
                 let names: Vec<_> =
                     self.banks[bank].wheels.iter().map(|&i| format!("{:?}", self.wheels()[i].name)).collect();
                 format!(
@@ -84,7 +84,7 @@ impl RoverData {
                     short(slip)
                 )
             }
-            Obstacle::Range { wheel, angle, slip } => {
+            InfeasibilityCause::Range { wheel, angle, slip } => {
                 let wheel = &self.wheels()[wheel];
                 let range = wheel.steering().unwrap_or_default();
                 format!(
@@ -120,8 +120,8 @@ impl RoverData {
         })
     }
 
-    /// How fast the worst wheel slides sideways at these steering angles, those of [`RoverData::solve`] [m/s]: 0 if the
-    /// rover can make the twist.
+    /// Side slip of the worst wheel at these steering angles, those of [`RoverData::solve`] [m/s]: 0 if the rover can
+    /// make the twist.
     pub fn scrub(&self, twist: Twist, steering: &[f64]) -> f64 {
         let vector = Vector3::from(twist);
         let fixed = self.banks.iter().map(|bank| bank.row.dot(&vector).abs());
@@ -143,8 +143,8 @@ impl RoverData {
         }
     }
 
-    /// Whether the wheel cannot steer to where the twist wants it.
-    fn out_of_range(&self, i: usize, twist: Twist, rate: f64, tolerance: f64) -> Option<Obstacle> {
+    /// Cause, if the wheel cannot steer to the angle that the twist requires.
+    fn out_of_range(&self, i: usize, twist: Twist, rate: f64, tolerance: f64) -> Option<InfeasibilityCause> {
         let wheel = &self.wheels()[i];
         let Mount::Steered(range, heading) = self.mounts[i] else {
             return None;
@@ -159,7 +159,7 @@ impl RoverData {
             return None;
         }
         let slip = wheel.side_slip(angle, twist, rate).abs();
-        (slip > tolerance).then_some(Obstacle::Range { wheel: i, angle, slip })
+        (slip > tolerance).then_some(InfeasibilityCause::Range { wheel: i, angle, slip })
     }
 
     /// Bound of the speed of every pivot and contact, to a factor of two [m/s].

@@ -37,7 +37,7 @@ pub fn worst_wheel(residuals: &[f64]) -> Option<usize> {
     residuals.iter().position(|residual| *residual == largest && largest > 0.0)
 }
 
-/// How the wheels' readings are weighed against each other.
+/// Method by which the wheels' readings are weighted against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Every wheel alike.
@@ -64,7 +64,7 @@ impl FromStr for Method {
     }
 }
 
-/// What becomes of a motion that no reading sees.
+/// Treatment of a motion that no reading sees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Unseen {
     /// It is an error.
@@ -74,7 +74,7 @@ pub enum Unseen {
     Zero,
 }
 
-/// What a fit says beside the residuals and weights.
+/// Result of a fit beside the residuals and weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     /// The estimate.
@@ -116,7 +116,7 @@ impl Reading {
     }
 }
 
-/// What the wheels report at one instant.
+/// Readings of the wheels at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<'a> {
     /// Angles of the steered wheels [rad].
@@ -128,7 +128,7 @@ pub struct Measured<'a> {
 }
 
 impl Measured<'_> {
-    /// Whether every wheel has a reading.
+    /// True if every wheel has a reading.
     #[inline]
     pub fn is_complete(&self) -> bool {
         self.speeds.iter().all(|speed| !speed.is_nan())
@@ -276,7 +276,7 @@ impl RoverData {
         normal
     }
 
-    /// What turns the right-hand side of the normal equations into their solution.
+    /// Matrix that maps the right-hand side of the normal equations to their solution.
     pub fn solution(&self, normal: Matrix3<f64>, unseen: Unseen) -> Result<Matrix3<f64>, Error> {
         let least = PIVOT_TOLERANCE * normal.trace();
         let determined = normal.cholesky().filter(|factor| {

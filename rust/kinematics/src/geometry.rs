@@ -269,7 +269,7 @@ impl Sum {
     }
 }
 
-/// What a whole turn is more than [`TAU`].
+/// Difference of a whole turn and [`TAU`]: `2 pi - TAU` [rad].
 pub(crate) const TAU_REST: f64 = 2.449_293_598_294_706_4e-16;
 
 /// A pose on its way along a log.

@@ -10,7 +10,7 @@ use six_wheel_numerics::error::{Error, finite, number, numbers, positive};
 /// Sides of a vehicle, left before right.
 const SIDES: [(&str, f64); 2] = [("left", 1.0), ("right", -1.0)];
 
-/// Which wheels of a car or tricycle have motors.
+/// Driven wheels of a car or tricycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drive {
     /// The front wheels.
@@ -37,7 +37,7 @@ impl std::str::FromStr for Drive {
     }
 }
 
-/// Where the treads of a skidding vehicle have their centres of rotation, in body axes [m].
+/// Centres of rotation of the treads of a skidding vehicle, in body axes [m].
 ///
 /// J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,4 +1,4 @@
-//! What a rover can do at given steering angles, from the rank of its constraints.
+//! Mobility of a rover at given steering angles, from the rank of its constraints.
 //!
 //! G. Campion, G. Bastin, B. d'Andrea-Novel, Structural properties and classification of kinematic and dynamic
 //! models of wheeled mobile robots, IEEE Transactions on Robotics and Automation 12(1), 1996.
@@ -40,7 +40,7 @@ impl Mobility {
 
     /// The singular value that decides: the smallest one that is not zero, or 0 if none is.
     ///
-    /// How far a locked rover is from moving, or a mobile one from losing a constraint.
+    /// It is the distance of a locked rover from moving, or of a mobile one from losing a constraint.
     #[inline]
     pub fn margin(&self) -> f64 {
         self.rank.checked_sub(1).map_or(0.0, |last| self.singular_values[last])

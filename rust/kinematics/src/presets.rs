@@ -11,7 +11,7 @@ use six_wheel_numerics::error::Error;
 pub struct Preset {
     /// Its name in [`preset`].
     pub name: &'static str,
-    /// Where the numbers are from.
+    /// Source of the numbers.
     pub source: &'static str,
     /// Published steering limit [rad]; where none is, the whole default range is open.
     pub steering_limit: Option<f64>,

@@ -25,8 +25,8 @@ pub struct Rover {
     /// An angle up to here is no question of units, whichever wheel's it is [rad].
     plain_angle: f64,
     /// Constants of the kernels that answer one call, where there are such kernels.
-    pub(crate) inverse_constants: Option<inverse::Plan>,
-    pub(crate) forward_constants: Option<forward::Plan>,
+    pub(crate) inverse_constants: Option<inverse::InverseConstants>,
+    pub(crate) forward_constants: Option<forward::ForwardConstants>,
     min_radius: f64,
     spin_radius: f64,
     /// The admissible twists as registers judge them, where they do.
@@ -60,8 +60,8 @@ impl Rover {
         let (min_radius, spin_radius) = data.turning_limits();
         Ok(Self {
             plain_angle: units::plain_angle(&data),
-            inverse_constants: inverse::Plan::new(&data),
-            forward_constants: forward::Plan::new(&data),
+            inverse_constants: inverse::InverseConstants::new(&data),
+            forward_constants: forward::ForwardConstants::new(&data),
             min_radius,
             spin_radius,
             cone: Cone::new(&data),
@@ -76,12 +76,12 @@ impl Rover {
         self.cone.as_ref().filter(|cone| cone.is_whole)
     }
 
-    /// Whether no angle raises a question of units ([`units::angles`]): a comparison each.
+    /// True if no angle raises a question of units ([`units::angles`]): a comparison each.
     pub fn are_plain(&self, steering: &[f64]) -> bool {
         steering.iter().all(|angle| angle.abs() <= self.plain_angle)
     }
 
-    /// What derivatives of the twist by a quantity are made of.
+    /// Gradients from which derivatives of the twist by a quantity are computed.
     pub(crate) fn gradients(&self, quantity: Quantity) -> &Gradients {
         self.gradients[quantity as usize].get_or_init(|| Gradients::new(&self.data, quantity))
     }

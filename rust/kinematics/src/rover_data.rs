@@ -122,7 +122,7 @@ impl RoverData {
     /// The inverse kinematics of a twist that has been checked.
     pub fn solve(&self, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
         let vector = Vector3::from(twist);
-        let mut undecided = Undecided::default();
+        let mut undecided = DirectionTie::default();
         let mut joint = 0;
         let wheels = self.wheels.iter().zip(&self.mounts);
         for (i, ((wheel, mount), speed)) in wheels.zip(speeds.iter_mut()).enumerate() {
@@ -164,7 +164,7 @@ impl RoverData {
     }
 }
 
-/// What the inverse may be told beside the twist, one value per steered wheel or per wheel.
+/// Optional inputs of the inverse beside the twist, one value per steered wheel or per wheel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inputs<'a> {
     /// Present steering angles [rad]: what a wheel at rest holds, and which equivalent angle is nearer.
@@ -199,16 +199,16 @@ impl Inputs<'_> {
 
 /// The wheels for which rolling forwards and backwards are about equally near.
 #[derive(Clone, Copy, Debug, Default)]
-struct Undecided {
-    /// How many of them would go forwards and backwards on their own.
+struct DirectionTie {
+    /// Numbers of them that would go forwards and backwards on their own.
     votes: [usize; 2],
-    /// How much shorter the way backwards is for all of them together [rad].
+    /// Total by which the way backwards is shorter for all of them together [rad].
     lead: f64,
-    /// Which way they roll already [rad/s].
+    /// Sum of their present speeds, whose sign is the way they roll already [rad/s].
     rolling: f64,
 }
 
-impl Undecided {
+impl DirectionTie {
     fn note(&mut self, choice: &Choice, way: Way, speed: f64) {
         if let Some(lead) = choice.undecided() {
             self.votes[way as usize] += 1;
@@ -251,16 +251,19 @@ fn banks(wheels: &[Wheel]) -> Vec<Bank> {
     banks
 }
 
-/// Say of one fixed wheel in the side-slip row of another, by both rows: 1 with parallel axles, falling smoothly to 0 at
-/// [`ASIDE`], negative if they roll opposite ways. So the estimate is a continuous function of the headings.
-fn say(row: &Vector3<f64>, other: &Vector3<f64>) -> f64 {
+/// Weight of one fixed wheel in the side-slip row of another: `+-(1 - (sin d / ASIDE)^2)^2`, 0 if
+/// `abs(sin d) >= ASIDE`.
+///
+/// `d` is the angle between the axles; the weight is negative if the wheels roll opposite ways. It falls smoothly, so
+/// that the estimate is a continuous function of the headings.
+fn side_slip_share(row: &Vector3<f64>, other: &Vector3<f64>) -> f64 {
     let sine = (row.x * other.y - row.y * other.x) / ASIDE;
     let falling = (1.0 - sine * sine).max(0.0);
     (falling * falling).copysign(row.x * other.x + row.y * other.y)
 }
 
-/// How [`say`] changes with the other row.
-fn say_change(row: &Vector3<f64>, other: &Vector3<f64>, change: &Vector3<f64>) -> f64 {
+/// Change of [`side_slip_share`] with the other row.
+fn side_slip_share_derivative(row: &Vector3<f64>, other: &Vector3<f64>, change: &Vector3<f64>) -> f64 {
     let sine = (row.x * other.y - row.y * other.x) / ASIDE;
     let sine_change = (row.x * change.y - row.y * change.x) / ASIDE;
     let falling = (1.0 - sine * sine).max(0.0);
@@ -269,7 +272,7 @@ fn say_change(row: &Vector3<f64>, other: &Vector3<f64>, change: &Vector3<f64>) -
 
 impl RoverData {
     /// The side-slip row of a fixed wheel before it is shared; none of wheels that share nothing.
-    fn own_row(&self, k: usize) -> Option<Vector3<f64>> {
+    fn unshared_side_slip_row(&self, k: usize) -> Option<Vector3<f64>> {
         let wheel = &self.wheels[k];
         match self.mounts[k] {
             Mount::Fixed(Rows { rolling, .. }) if wheel.roller_angle.is_none() => {
@@ -280,23 +283,26 @@ impl RoverData {
         }
     }
 
-    /// How the side-slip row of every fixed wheel changes when the own row of wheel `i` does: as part of their means, and
-    /// by what each of the two has to say to the other.
+    /// Changes of the side-slip row of every fixed wheel when the own row of wheel `i` changes: as part of their means,
+    /// and by the weights of the two in each other's row.
     pub(crate) fn changes_with(&self, i: usize, change: Vector3<f64>) -> impl Iterator<Item = (usize, Vector3<f64>)> {
-        let rows = move || (0..self.wheels.len()).filter_map(|k| Some((k, self.own_row(k)?)));
+        let rows = move || (0..self.wheels.len()).filter_map(|k| Some((k, self.unshared_side_slip_row(k)?)));
         rows().filter_map(move |(k, own)| {
             let (mut sum, mut total) = (Vector3::zeros(), 0.0);
             let (mut sum_change, mut total_change) = (Vector3::zeros(), 0.0);
             for (j, row) in rows() {
-                let part = say(&own, &row);
+                let part = side_slip_share(&own, &row);
                 sum += row * part;
                 total += part.abs();
                 if j == i {
                     sum_change += change * part;
                 }
                 if (j == i) != (k == i) {
-                    let part_change =
-                        if j == i { say_change(&own, &row, &change) } else { say_change(&row, &own, &change) };
+                    let part_change = if j == i {
+                        side_slip_share_derivative(&own, &row, &change)
+                    } else {
+                        side_slip_share_derivative(&row, &own, &change)
+                    };
                     sum_change += row * part_change;
                     total_change += part_change * part.signum();
                 }
@@ -317,21 +323,21 @@ fn shared_row(wheels: &[Wheel], banks: &[Bank], i: usize, own: Vector3<f64>) -> 
     let Some(bank) = banks.iter().find(|bank| bank.wheels.contains(&i)) else {
         return own; // with rollers
     };
-    let apart = |other: &&Bank| say(&other.row, &own) != 0.0;
+    let apart = |other: &&Bank| side_slip_share(&other.row, &own) != 0.0;
     if banks.iter().filter(apart).count() == 1 {
         return bank.row;
     }
     let (mut sum, mut total) = (Vector3::zeros(), 0.0);
     for &k in banks.iter().flat_map(|bank| &bank.wheels) {
         let row = wheels[k].rows(Direction::from(wheels[k].heading)).side_slip;
-        let say = say(&own, &row);
-        sum += row * say;
-        total += say.abs();
+        let share = side_slip_share(&own, &row);
+        sum += row * share;
+        total += share.abs();
     }
     sum / total
 }
 
-/// What each wheel contributes: constant rows, with the line it shares for its own, or a steering range.
+/// Contribution of each wheel: constant rows, with the line it shares for its own, or a steering range.
 fn mounts(wheels: &[Wheel], banks: &[Bank]) -> Vec<Mount> {
     let mount = |(i, wheel): (usize, &Wheel)| {
         let direction = Direction::from(wheel.heading);

@@ -1,4 +1,4 @@
-//! Which angle a steered wheel takes: its range, and the choice between rolling forwards and backwards.
+//! Steering angle of a wheel: its range, and the choice between rolling forwards and backwards.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -52,12 +52,12 @@ impl SteeringRange {
         Err(Error::value("steering_limit", rule, self.to_string()))
     }
 
-    /// Whether there are no ends.
+    /// True if there are no ends.
     pub fn is_endless(self) -> bool {
         self == Self::ENDLESS
     }
 
-    /// Whether a wheel can roll in every direction, forwards or backwards.
+    /// True if a wheel can roll in every direction, forwards or backwards.
     #[inline]
     pub fn is_full(self) -> bool {
         self.upper - self.lower >= PI
@@ -98,7 +98,7 @@ impl std::fmt::Display for SteeringRange {
     }
 }
 
-/// What a wheel has to do.
+/// Command of one wheel.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelCommand {
     /// Steering angle [rad]; 0 for a fixed wheel.
@@ -107,7 +107,7 @@ pub struct WheelCommand {
     pub rim_speed: f64,
 }
 
-/// Which way round a wheel rolls.
+/// Rolling direction of a wheel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Way {
     Forwards,
@@ -118,9 +118,9 @@ pub(crate) enum Way {
 #[derive(Clone, Copy, Debug)]
 struct Side {
     command: WheelCommand,
-    /// How far the range ends short of the angle [rad].
+    /// Distance by which the range ends short of the angle [rad].
     overshoot: f64,
-    /// How far the wheel has to turn [rad].
+    /// Distance that the wheel has to turn [rad].
     turn: f64,
 }
 
@@ -161,7 +161,7 @@ impl Choice {
         if key(&self.backwards) < key(&self.forwards) { Way::Backwards } else { Way::Forwards }
     }
 
-    /// By how much the way backwards is shorter [rad], if both are possible and about equally near.
+    /// Difference by which the way backwards is shorter [rad], if both are possible and about equally near.
     pub fn undecided(&self) -> Option<f64> {
         let lead = self.forwards.turn - self.backwards.turn;
         let both = self.forwards.overshoot == 0.0 && self.backwards.overshoot == 0.0;

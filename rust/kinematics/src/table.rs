@@ -34,7 +34,7 @@ impl fmt::Debug for Table<'_> {
 }
 
 impl<'a> Table<'a> {
-    /// Whether it has to be read.
+    /// True if it has to be read.
     pub(crate) fn is_read(self) -> bool {
         matches!(self, Self::Read(_))
     }

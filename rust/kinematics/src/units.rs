@@ -46,7 +46,7 @@ impl Quantity {
         }
     }
 
-    /// Whether a value is none of it in its unit. Infinity is "without a limit".
+    /// True if a value is larger than any plausible one in its unit. Infinity is "without a limit".
     fn excludes(self, value: f64) -> bool {
         value.is_finite() && value.abs() > self.largest()
     }
@@ -55,14 +55,14 @@ impl Quantity {
 /// A radius [m] that would be none in centimetres either.
 const MILLIMETRES: f64 = 20.0;
 
-/// What is odd about a number, and what it may have been meant as.
+/// Suspicion about the unit of a number, with its likely explanation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {
     /// The argument.
     pub about: &'static str,
-    /// What is odd.
+    /// Description of what is odd.
     pub says: String,
-    /// What is likely.
+    /// Likely explanation.
     pub likely: String,
 }
 
@@ -184,7 +184,7 @@ fn range(rover: &RoverData) -> Option<Question> {
     arguments([("steering_limit", quantity, widest)]).pop()
 }
 
-/// Up to which angle [`angles`] asks nothing, whichever wheel's it is [rad].
+/// Largest angle about which [`angles`] asks nothing, whichever wheel's it is [rad].
 pub(crate) fn plain_angle(rover: &RoverData) -> f64 {
     let wheels = rover.wheels().iter();
     let ranges = wheels.filter_map(Wheel::steering).map(widest);

@@ -41,7 +41,7 @@ pub struct Wheel {
     pub radius: f64,
     /// Direction in which the wheel rolls at steering angle 0 [rad].
     pub heading: f64,
-    /// What decides the wheel's direction.
+    /// Cause of the wheel's direction.
     pub pivot: Pivot,
     /// Contact to the left of the steering axis [m].
     pub scrub: f64,
@@ -50,11 +50,11 @@ pub struct Wheel {
     /// Angle of the rollers' axes to the axle [rad]: a quarter turn for an omni wheel, an eighth for a
     /// mecanum wheel; `None` without rollers.
     pub roller_angle: Option<f64>,
-    /// Whether a motor turns it; one that rolls along need not have an encoder.
+    /// True if a motor turns it; one that rolls along need not have an encoder.
     pub driven: bool,
 }
 
-/// What decides the direction of a wheel.
+/// Cause of the direction of a wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pivot {
     /// It is mounted that way.
@@ -124,7 +124,7 @@ impl Wheel {
         self
     }
 
-    /// Where it can steer, if it can.
+    /// Steering range, if the wheel can steer.
     #[inline]
     pub fn steering(&self) -> Option<SteeringRange> {
         match self.pivot {
@@ -179,7 +179,7 @@ impl Wheel {
         Ok(())
     }
 
-    /// Whether a steering angle is a fixed offset of the contact: neither scrub nor trail.
+    /// True if a steering angle is a fixed offset of the contact: neither scrub nor trail.
     #[inline]
     pub fn is_centred(&self) -> bool {
         self.scrub == 0.0 && self.trail == 0.0
@@ -197,14 +197,14 @@ impl Wheel {
         }
     }
 
-    /// What rollers pass on along the wheel of a metre across it; nothing where there are none.
+    /// Motion along the wheel that rollers pass on per metre across it, `cot(roller angle)`; `None` without rollers.
     #[inline]
     pub fn passed_on(&self) -> Option<f64> {
         self.roller_angle.map(|angle| angle.cos() / angle.sin())
     }
 
-    /// What two rows of a steered wheel measure together, whichever way it points, where it has neither scrub nor trail: the
-    /// velocity of its pivot, along the axes.
+    /// The two rows of a steered wheel without scrub and trail, whichever way it points: the velocity of its pivot,
+    /// along the axes.
     pub(crate) fn pivot_rows(&self) -> [Vector3<f64>; 2] {
         [Vector3::new(1.0, 0.0, -self.y), Vector3::new(0.0, 1.0, self.x)]
     }
@@ -251,7 +251,7 @@ impl Wheel {
         Choice::new(range, previous, ways)
     }
 
-    /// How a castor rolls once it has swung in behind its pivot.
+    /// Motion of a castor that has swung in behind its pivot.
     #[inline]
     pub fn castor(&self, heading: Direction, twist: Twist) -> WheelCommand {
         let choice = self.choice(SteeringRange::WHOLE_TURN, heading, twist, 0.0, 0.0);

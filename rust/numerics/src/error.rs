@@ -1,4 +1,4 @@
-//! What can be wrong with an argument, said so that the caller can mend it.
+//! Errors about arguments, which name the argument, the rule and the value, so that the caller can mend it.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -12,22 +12,22 @@ pub enum ErrorKind {
     Infeasible,
     /// The readings do not determine the twist.
     Underdetermined,
-    /// What was asked for does not fit into memory.
+    /// The request does not fit into memory.
     Memory,
 }
 
-/// "`argument` must `rule`, got `value`": what every failure of this crate says.
+/// "`argument` must `rule`, got `value`": the text of every failure of this crate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Error {
-    /// Which exception family.
+    /// Exception family.
     pub kind: ErrorKind,
     /// Name of the argument at fault.
     pub argument: Cow<'static, str>,
     /// Row of a batch, counted over the flattened leading axes.
     pub row: Option<usize>,
-    /// What the argument must be or do.
+    /// Rule that the argument must meet.
     pub rule: String,
-    /// What came instead.
+    /// Value that came instead.
     pub value: String,
 }
 

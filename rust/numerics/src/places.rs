@@ -1,4 +1,4 @@
-//! Where the elements of an array lie, and whether two arrays have one in common.
+//! Addresses of the elements of an array, and the test if two arrays have one in common.
 
 /// Steps of the search for a byte that two arrays share. Views of one table take a few; what takes more counts as shared.
 const STEPS: usize = 10_000;
@@ -16,7 +16,7 @@ pub struct Places {
     lowest: usize,
     terms: Vec<Term>,
     is_empty: bool,
-    /// Whether an axis does not lead anywhere.
+    /// True if an axis of several elements has stride 0.
     repeats: bool,
 }
 
@@ -53,7 +53,7 @@ impl Places {
         self.terms.iter().map(reach).fold(0, usize::saturating_add)
     }
 
-    /// Whether there is a byte in both.
+    /// True if there is a byte in both.
     pub fn share(&self, other: &Self) -> bool {
         if self.is_empty || other.is_empty {
             return false;
@@ -75,7 +75,7 @@ impl Places {
         can_go(way, &terms, &mut 0)
     }
 
-    /// Whether every item surely has a place of its own.
+    /// True if every item surely has a place of its own.
     pub fn are_apart(&self) -> bool {
         let mut taken = 1_usize;
         let mut terms: Vec<&Term> = self.terms.iter().collect();
@@ -89,7 +89,7 @@ impl Places {
     }
 }
 
-/// Whether steps of these terms, the longest first, lead just so far. True also if that takes too long to find out.
+/// True if steps of these terms, the longest first, lead just so far. True also if that takes too long to find out.
 fn can_go(way: usize, terms: &[Term], steps: &mut usize) -> bool {
     *steps += 1;
     let Some((longest, rest)) = terms.split_first() else {

@@ -1,4 +1,4 @@
-//! What is asked of all numbers of a batch before anything else.
+//! Sizes of all numbers of a batch, which are checked before anything else.
 
 use crate::simd::lanes::Lanes;
 use crate::simd::level::{Kernel, Level};
@@ -39,7 +39,7 @@ impl Kernel for SumOfSizes<'_> {
     }
 }
 
-/// Whether every number is finite.
+/// True if every number is finite.
 #[inline]
 pub fn are_finite(values: &[f64]) -> bool {
     Level::best().run_any(Extremes(values)).is_some()

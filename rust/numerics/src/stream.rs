@@ -13,7 +13,7 @@ const LARGE: usize = (32 << 20) / size_of::<f64>();
 /// Blocks from the one that is worked on to the one that is fetched.
 const AHEAD: usize = 4;
 
-/// Whether an output of so many numbers is written past the caches.
+/// True if an output of so many numbers is written past the caches.
 #[inline]
 pub fn is_large(numbers: usize) -> bool {
     numbers > LARGE
@@ -33,10 +33,10 @@ pub fn fetch_ahead<S: Vector>(simd: S, rows: &[f64], k: usize, parts: usize) {
 /// Numbers that wait at most: a block of rows of up to eight, and what is left of a line.
 const ROOM: usize = 8 * BLOCK + LINE;
 
-/// Where a kernel writes its rows, one piece after the other, of at most `ROOM - LINE` numbers.
+/// Target of the rows that a kernel writes, one piece after the other, of at most `ROOM - LINE` numbers.
 #[allow(clippy::large_enum_variant)] // on the stack of the kernel, one per array; a box would be an allocation
 pub enum Output<'a, S: Vector> {
-    /// Where they belong.
+    /// Straight into the array.
     Direct(&'a mut [f64]),
     /// Past the caches.
     Past(Stream<'a, S>),
@@ -74,9 +74,9 @@ struct Buffer([f64; ROOM]);
 /// Numbers on their way, in whole lines: a line written in two pieces costs more than it saves.
 pub struct Stream<'a, S: Vector> {
     simd: S,
-    /// What is not written yet.
+    /// Part of the array that is not written yet.
     target: &'a mut [f64],
-    /// What waits to be written, at the same places of the lines as in the target.
+    /// Numbers that wait to be written, at the same places of the lines as in the target.
     buffer: Buffer,
     first: usize,
     end: usize,

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use six_wheel_kinematics::batch::poses::{Buffers, Journey};
 use six_wheel_kinematics::formulas::cone::dot;
-use six_wheel_kinematics::formulas::inverse::{Part, Plan};
+use six_wheel_kinematics::formulas::inverse::{InverseConstants, WheelKind};
 use six_wheel_kinematics::formulas::steered::Steered;
 use six_wheel_kinematics::formulas::usual::usual;
 use six_wheel_kinematics::geometry::{Steps, Twist};
@@ -88,7 +88,7 @@ pub fn rollout_cost<'a>(
     let logs = poses.len() / (count + 1);
     let plan = journey
         .is_side_by_side(level, logs)
-        .then(|| Plan::new(rover, rover.cone.as_ref()?))
+        .then(|| InverseConstants::new(rover, rover.cone.as_ref()?))
         .flatten()
         .filter(|plan| plan.parts.iter().all(|(part, _)| is_folded(part)));
     journey.rover = Some(rover);
@@ -124,11 +124,11 @@ pub fn rollout_cost<'a>(
     })
 }
 
-fn is_folded(part: &Part) -> bool {
+fn is_folded(part: &WheelKind) -> bool {
     match part {
-        Part::Fixed(_) => true,
-        Part::Castor(_) => false,
-        Part::Steered(steered) => steered.reach.is_some_and(|reach| reach.folded),
+        WheelKind::Fixed(_) => true,
+        WheelKind::Castor(_) => false,
+        WheelKind::Steered(steered) => steered.reach.is_some_and(|reach| reach.folded),
     }
 }
 
@@ -165,7 +165,7 @@ fn worst(rover: &Rover, controls: &[[f64; 3]], steps: Steps<'_>, previous: Optio
 }
 
 struct Judged<'a> {
-    plan: &'a Plan<'a>,
+    plan: &'a InverseConstants<'a>,
     rover: &'a Rover,
     logs: Logs<'a>,
     previous: Option<&'a [f64]>,
@@ -219,7 +219,7 @@ impl Kernel for Judged<'_> {
 
 /// Follows as many rollouts as there are lanes.
 struct Judge<'p, 'r, S: Vector> {
-    plan: &'p Plan<'r>,
+    plan: &'p InverseConstants<'r>,
     /// Angles of the steered wheels after the step before [rad].
     held: [S::f64s; MAX_WHEELS],
     /// Whether the way to the next angles counts.
@@ -248,15 +248,15 @@ impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
         for (part, per_radius) in &self.plan.parts {
             let per_radius = Lanes::splat(simd, *per_radius);
             match part {
-                Part::Fixed(row) => {
+                WheelKind::Fixed(row) => {
                     for t in 0..STEPS {
                         let speed = dot(simd, row, twist(simd, twists, t)) * per_radius;
                         self.worst[0] = self.worst[0].max(speed * speed);
                     }
                 }
                 // Only rovers whose wheels are all folded get here.
-                Part::Castor(_) => {}
-                Part::Steered(steered) => {
+                WheelKind::Castor(_) => {}
+                WheelKind::Steered(steered) => {
                     let Some(reach) = steered.reach else {
                         continue;
                     };

@@ -39,7 +39,7 @@ pub struct Face {
     pub miss: Vec<[f64; 3]>,
     /// Joints whose ranges the point need not be in. None left: all of it is admissible.
     pub open: Vec<usize>,
-    /// Whether the planes themselves say something of the kept components, so that these may contradict them.
+    /// True if the planes themselves restrict the kept components, so that the two may contradict each other.
     pub bound: bool,
 }
 
@@ -50,7 +50,7 @@ impl Face {
         self.span.iter().map(along).sum()
     }
 
-    /// How far it is away, squared.
+    /// Squared distance of the wanted twist from the face.
     fn distance(&self, wanted: &Vector3<f64>) -> f64 {
         let square = |row: &[f64; 3]| Vector3::from(*row).dot(wanted).powi(2);
         self.miss.iter().map(square).sum()
@@ -122,7 +122,7 @@ fn faces(rover: &RoverData, size: &Matrix3<f64>, keep: Keep) -> Vec<Face> {
         }
         is_point
     };
-    // What is kept and the planes leave one point: the same point, or none, on every face of that one.
+    // The kept components and the planes leave one point: the same point, or none, on every face of that one.
     if add(&planes) {
         return found;
     }
@@ -239,7 +239,7 @@ impl Maker<'_> {
         twist.zip_map(&lengths, |part, length| if part.abs() * length <= VANISHED * largest { 0.0 } else { part })
     }
 
-    /// Whether a plane holds all of a face, to rounding.
+    /// True if a plane contains all of a face, to rounding.
     fn holds(&self, row: &Vector3<f64>, face: &Face) -> bool {
         let scaled = self.scaled(row);
         face.span.iter().all(|[direction, _]| {
@@ -259,7 +259,7 @@ impl Maker<'_> {
         face
     }
 
-    /// Whether the nearest point of a face can be admissible without being there already.
+    /// True if the nearest point of a face can be admissible without being there already.
     fn may_count(&self, face: &Face) -> bool {
         match face.span.as_slice() {
             [[direction, _]] => self.rover.is_possible(Vector3::from(*direction).into()),
@@ -293,7 +293,7 @@ impl Faces {
             if face.bound && components(keep).iter().any(|&k| (found[k] - target[k]).abs() > AGREED * size) {
                 continue;
             }
-            // What is left of a component that vanishes is rounding, and rounding has no direction.
+            // The rest of a component that vanishes is rounding, and rounding has no direction.
             let lengths = [1.0, 1.0, rover.size];
             if face.open.is_empty() {
                 let vanishes = (0..3).all(|k| found[k].abs() * lengths[k] <= VANISHED * size);

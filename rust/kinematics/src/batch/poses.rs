@@ -35,9 +35,9 @@ pub struct Journey<'a> {
     pub longest: f64,
     /// Sizes up to here need no second look.
     pub largest: f64,
-    /// Whose wheel speeds have to be finite too.
+    /// Rover whose wheel speeds have to be finite too.
     pub rover: Option<&'a Rover>,
-    /// Whether poses of a log on its own are written past the caches.
+    /// True if poses of a log on its own are written past the caches.
     pub past: bool,
 }
 
@@ -73,7 +73,7 @@ impl<'a> Journey<'a> {
         self.starts[if one { 0 } else { log }]
     }
 
-    /// Whether so many logs are worked on side by side. It depends on nothing else, so that no result does.
+    /// True if so many logs are worked on side by side. It depends on nothing else, so that no result does.
     #[inline]
     pub fn is_side_by_side(&self, level: Level, logs: usize) -> bool {
         level != Level::Plain && logs >= GROUP && self.count <= SHORT_LOG
@@ -115,12 +115,12 @@ impl<'a> Journey<'a> {
         }
     }
 
-    /// What the first pose adds to the bound of all others.
+    /// Share of the first pose in the bound of all others.
     fn size_of_start(&self, log: usize) -> f64 {
         self.start(log).iter().map(|value| value.abs()).sum()
     }
 
-    /// Whether sizes of twists surely lead to finite poses. False for NaN.
+    /// True if sizes of twists surely lead to finite poses. False for NaN.
     fn is_small(&self, start: f64, sizes: f64) -> bool {
         start + sizes * self.longest * 2.0 <= self.largest
     }
@@ -229,7 +229,7 @@ impl<'j, 'a> LogBound<'j, 'a> {
         Self { journey, start: journey.size_of_start(log), sizes: 0.0 }
     }
 
-    /// Whether all poses up to the end of these twists are surely finite.
+    /// True if all poses up to the end of these twists are surely finite.
     fn holds(&mut self, level: Level, twists: &[[f64; 3]]) -> bool {
         self.sizes += sum_of_sizes(level, twists.as_flattened());
         self.journey.is_small(self.start, self.sizes)

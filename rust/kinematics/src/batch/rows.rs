@@ -35,11 +35,11 @@ fn block_of<const N: usize>(share: usize, tables: [Option<Table<'_>>; N]) -> usi
 /// Twists with what goes with them.
 struct Commands<'a> {
     rover: &'a Rover,
-    plan: Option<command::Plan<'a>>,
+    plan: Option<command::InverseConstants<'a>>,
     level: Level,
     twists: Table<'a>,
     beside: Beside<'a>,
-    /// Whether what is written goes past the caches.
+    /// True if the outputs are written past the caches.
     past: bool,
 }
 
@@ -106,7 +106,7 @@ pub fn inverse<'a>(
     let planned = level != Level::Plain && count >= FEW;
     let commands = Commands {
         rover,
-        plan: planned.then(|| command::Plan::new(rover, rover.cone.as_ref()?)).flatten(),
+        plan: planned.then(|| command::InverseConstants::new(rover, rover.cone.as_ref()?)).flatten(),
         level,
         twists: twists.into(),
         beside,
@@ -148,11 +148,11 @@ pub fn inverse<'a>(
 /// Readings and how they are understood.
 struct Reports<'a> {
     rover: &'a Rover,
-    plan: Option<estimate::Plan<'a>>,
+    plan: Option<estimate::ForwardConstants<'a>>,
     level: Level,
     readings: Readings<'a>,
     unseen: Unseen,
-    /// Whether what is written goes past the caches.
+    /// True if the outputs are written past the caches.
     past: bool,
 }
 
@@ -175,7 +175,7 @@ impl<'a> Reports<'a> {
         if let Some(plan) = &self.plan {
             return plan.check(self.level, log, 0..count, self.unseen);
         }
-        // Where the rows depend on the angles or on gaps in the readings, only solving shows whether it works.
+        // If the rows depend on the angles or on gaps in the readings, only a solution shows that there is one.
         let solvable = |measured: Measured<'_>| {
             if self.rover.solution.is_some() && measured.is_complete() {
                 self.rover.check_readings(measured)
@@ -211,7 +211,7 @@ pub fn forward<'a>(
     let planned = level != Level::Plain && count >= FEW;
     let reports = Reports {
         rover,
-        plan: planned.then(|| estimate::Plan::new(rover)).flatten(),
+        plan: planned.then(|| estimate::ForwardConstants::new(rover)).flatten(),
         level,
         readings,
         unseen,

@@ -24,7 +24,7 @@ pub fn inverse_one(
     rover.inverse(twist, inputs, steering, speeds)
 }
 
-/// Whether the kernel could do it; nothing is written otherwise.
+/// Solves one twist by the kernel. False if the kernel could not; nothing is written then.
 #[inline]
 fn try_one(rover: &Rover, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) -> bool {
     rover.inverse_constants.as_ref().is_some_and(|constants| constants.solve(twist, inputs, steering, speeds))
@@ -72,13 +72,13 @@ pub(crate) fn read_row(level: Level, rover: &Rover, measured: Measured<'_>, unse
     }
 }
 
-/// What the kernel says of a twist; nothing where the plain core has to decide.
+/// Verdict of the kernel on a twist; `None` where the plain core has to decide.
 fn judge(rover: &Rover, twist: Twist) -> Option<bool> {
     let cone = rover.whole_cone()?;
     level()?.run(JudgeOne { cone, twist })?
 }
 
-/// Whether [`Rover::check`] would surely pass.
+/// True if [`Rover::check`] would surely pass.
 fn is_sure(rover: &Rover, twist: Twist) -> bool {
     judge(rover, twist) == Some(true)
 }

@@ -3,9 +3,9 @@
 use super::rows::FEW;
 use crate::estimate::sensitivity::Quantity;
 use crate::estimate::{Method, Unseen};
-use crate::formulas::fit::{Fits, Plan};
+use crate::formulas::fit::{FitConstants, Fits};
 use crate::formulas::forward;
-use crate::formulas::sensitivity::{Ask, plain};
+use crate::formulas::sensitivity::{SensitivityQuery, plain};
 use crate::rover::Rover;
 use crate::table::Log;
 use six_wheel_numerics::error::Error;
@@ -38,7 +38,7 @@ pub fn fit(
     let (count, wheels) = (fits.twists.len(), rover.wheels().len());
     let share = workers.share(count);
     let plan = ((count >= FEW || method == Method::Robust) && log.steering_rates.is_none())
-        .then(|| Plan::new(rover, method, unseen))
+        .then(|| FitConstants::new(rover, method, unseen))
         .flatten();
     let twists = fits.twists.chunks_mut(share).zip(fits.ranks.chunks_mut(share));
     let slips = fits.residual.chunks_mut(share * wheels);
@@ -77,7 +77,7 @@ pub fn sensitivity(
 ) -> Result<(), Error> {
     let (share, all) = (workers.share(twists.len()), (0..rover.wheels().len()));
     let all: Vec<_> = all.collect();
-    let plan = forward::Plan::new(rover);
+    let plan = forward::ForwardConstants::new(rover);
     let mut parts: Vec<_> = targets
         .iter_mut()
         .map(|(quantity, target)| {
@@ -104,7 +104,7 @@ pub fn sensitivity(
         let failed = |error: Error| error.below(k * share);
         if let Some(plan) = &plan {
             let gradients: Vec<_> = targets.iter().map(|(quantity, ..)| rover.gradients(*quantity)).collect();
-            let ask = Ask { plan, log, twists, targets: &mut targets, gradients: &gradients };
+            let ask = SensitivityQuery { plan, log, twists, targets: &mut targets, gradients: &gradients };
             if let Some(done) = workers.here().level.run(ask) {
                 return done.map_err(failed);
             }

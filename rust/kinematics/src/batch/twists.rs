@@ -1,4 +1,4 @@
-//! Which twists are possible, and the nearest that are.
+//! Admissible twists, and the nearest ones to any others.
 
 use crate::admissible::Keep;
 use crate::formulas::admissible::{Admissible, Project};
@@ -9,7 +9,7 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::sizes::sum_of_sizes;
 use six_wheel_numerics::threads::workers::Workers;
 
-/// Whether the rover can make each twist. Fails where one is not finite.
+/// Writes for each twist if the rover can make it. Fails where one is not finite.
 #[inline]
 pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool], workers: Workers) -> Result<(), Error> {
     let share = workers.share(twists.len());

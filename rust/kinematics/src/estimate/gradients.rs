@@ -50,7 +50,7 @@ impl Gradients {
     }
 }
 
-/// What is not 0 of the products, for each part.
+/// Products that are not 0, with their indices, for each component.
 fn sums(products: &[Vector3<f64>; PRODUCTS], turning: bool) -> [Sum; 3] {
     [0, 1, 2].map(|part| {
         let parts = products.iter().map(|product| product[part]).enumerate();
@@ -59,7 +59,7 @@ fn sums(products: &[Vector3<f64>; PRODUCTS], turning: bool) -> [Sum; 3] {
     })
 }
 
-/// What every product is multiplied by.
+/// Factors of all products.
 fn products(
     rover: &RoverData,
     readings: &[Reading; MAX_WHEELS],
@@ -89,7 +89,7 @@ fn products(
     products
 }
 
-/// What it is with a wheel in this direction, where everything is 0 but this one number, which is 1.
+/// Gradient with wheel `i` in this direction, if this one number is 1 and all others are 0.
 fn gradient(
     rover: &RoverData,
     mut readings: [Reading; MAX_WHEELS],

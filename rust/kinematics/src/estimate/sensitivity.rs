@@ -1,4 +1,4 @@
-//! How the twist answers to its readings and to the dimensions of the rover: analytic derivatives.
+//! Sensitivity of the twist to its readings and to the dimensions of the rover: analytic derivatives.
 //!
 //! The twist solves `Aᵀ W A t = Aᵀ W b`. With the residual `r = b - A t`, differentiating gives
 //!
@@ -132,7 +132,7 @@ impl Linearised<'_> {
         self.twist.into()
     }
 
-    /// Which of the steered wheels one is.
+    /// Index of a wheel among the steered wheels.
     #[inline]
     pub fn joint(&self, wheel: usize) -> Option<usize> {
         self.rover.steered().iter().position(|&k| k == wheel)
@@ -144,7 +144,7 @@ impl Linearised<'_> {
         self.solve(self.gradient(wheel, quantity))
     }
 
-    /// What turns a gradient of the normal equations into a twist.
+    /// Maps a gradient of the normal equations to a twist.
     fn solve(&self, gradient: Vector3<f64>) -> Vector3<f64> {
         let centred = self.solution * self.rover.shifted(&gradient);
         self.rover.unshifted(&centred)
@@ -219,7 +219,7 @@ impl Linearised<'_> {
     }
 }
 
-/// How one row of the normal equations answers: `da r + a (db - da t)`.
+/// Derivative of one row of the normal equations: `da r + a (db - da t)`.
 fn respond(
     twist: &Vector3<f64>,
     row: &Vector3<f64>,
@@ -232,7 +232,7 @@ fn respond(
 }
 
 impl RoverData {
-    /// What the readings of one instant say about the derivatives of their twist, all wheels alike.
+    /// Calls `ask` with the linearised fit of one instant's readings, all wheels weighted alike.
     pub fn sensitivity<T>(&self, measured: Measured<'_>, ask: impl FnOnce(&Linearised<'_>) -> T) -> Result<T, Error> {
         self.check_readings(measured)?;
         let mut readings = [Reading::NONE; MAX_WHEELS];

@@ -1,4 +1,4 @@
-//! Whether twists are possible, and the nearest that are, block by block.
+//! Admissibility of twists, and the nearest admissible ones, block by block.
 
 use super::cone::Cone;
 use super::steered::load;
@@ -12,7 +12,7 @@ use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::weave::{BLOCK, Column, unweave, weave};
 
-/// Whether each twist is possible; those in doubt are asked of the plain core.
+/// Decides for each twist if it is possible; the plain core decides those in doubt.
 pub(crate) struct Admissible<'a> {
     pub rover: &'a RoverData,
     pub cone: &'a Cone,
@@ -120,7 +120,7 @@ impl Kernel for ProjectOne<'_> {
     }
 }
 
-/// Whether one twist is possible. Nothing where the plain core has to decide.
+/// Decides if one twist is possible. `None` where the plain core has to decide.
 pub(crate) struct JudgeOne<'a> {
     pub cone: &'a Cone,
     pub twist: Twist,

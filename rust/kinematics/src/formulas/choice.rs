@@ -19,9 +19,9 @@ const LEFT: f64 = 0.75;
 /// Angles beyond an end by no more than this surely count as inside [rad].
 const INSIDE: f64 = ANGLE_TOLERANCE / 2.0;
 
-/// What a wheel is asked.
+/// Input of the choice of a steering angle, one wheel or row per lane.
 #[derive(Clone, Copy)]
-pub struct Asked<S: Simd> {
+pub struct SteeringQuery<S: Simd> {
     pub twist: [Lanes<S>; 3],
     /// Present steering angle [rad].
     pub before: Lanes<S>,
@@ -29,7 +29,7 @@ pub struct Asked<S: Simd> {
     pub rate: Lanes<S>,
 }
 
-/// What it does.
+/// Motion of the wheel that was chosen.
 #[derive(Clone, Copy)]
 pub struct Chosen<S: Simd> {
     /// [rad]
@@ -37,10 +37,10 @@ pub struct Chosen<S: Simd> {
     /// [m/s]
     pub rim_speed: Lanes<S>,
     pub backwards: Mask<S>,
-    /// Whether both ways are about equally near, and by how much the way backwards is shorter [rad].
+    /// True if both ways are about equally near. The way backwards is shorter by `lead` [rad].
     pub undecided: Mask<S>,
     pub lead: Lanes<S>,
-    /// Whether the angle is within the range, so that nothing slides.
+    /// True if the angle is within the range, so that nothing slides.
     pub inside: Mask<S>,
     pub sure: Mask<S>,
 }
@@ -50,7 +50,7 @@ struct Side<S: Simd> {
     angle: Lanes<S>,
     overshoot: Lanes<S>,
     turn: Lanes<S>,
-    /// Whether rounding may have led to another turn.
+    /// True if rounding may have led to another turn.
     close: Mask<S>,
 }
 
@@ -60,7 +60,7 @@ pub(crate) type Common<S> = Option<Mask<S>>;
 impl Steered {
     /// The nearest way, or for undecided wheels the common one.
     #[inline(always)]
-    pub fn choose<S: Simd>(&self, simd: S, asked: Asked<S>, common: Common<S>) -> Chosen<S> {
+    pub fn choose<S: Simd>(&self, simd: S, asked: SteeringQuery<S>, common: Common<S>) -> Chosen<S> {
         let splat = |number| Lanes::splat(simd, number);
         let zero = splat(0.0);
         let [_, _, omega] = asked.twist;
@@ -117,8 +117,8 @@ impl Steered {
         }
     }
 
-    /// Whether some angle of the range surely leaves nothing to slide: the slip at its two ends has different signs, or
-    /// is next to nothing at one of them.
+    /// Lanes in which some angle of the range surely leaves nothing to slide: the slip at its two ends has different
+    /// signs, or is next to nothing at one of them.
     #[inline(always)]
     pub fn reaches<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3], rate: Lanes<S>) -> Mask<S> {
         let splat = |number| Lanes::splat(simd, number);
@@ -134,7 +134,7 @@ impl Steered {
         held & (splat(LEFT * LEFT) * square).at_most(along) & !self.rests(simd, twist)
     }
 
-    /// How a castor rolls that has swung in behind its pivot [m/s], and where that is sure.
+    /// Rim speed of a castor that has swung in behind its pivot [m/s], and the lanes in which it is sure.
     #[inline(always)]
     pub fn follow<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> (Lanes<S>, Mask<S>) {
         let splat = |number| Lanes::splat(simd, number);
@@ -152,7 +152,7 @@ impl Steered {
         (rim_speed, sure)
     }
 
-    /// What scrub leaves of a rim speed, and where that keeps its digits.
+    /// Rim speed that is left after the share of scrub [m/s], and the lanes in which it keeps its digits.
     #[inline(always)]
     fn scrubbed<S: Simd>(&self, simd: S, rolled: Lanes<S>, turning: Lanes<S>) -> (Lanes<S>, Mask<S>) {
         let zero = Lanes::splat(simd, 0.0);

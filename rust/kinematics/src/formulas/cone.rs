@@ -1,4 +1,4 @@
-//! Whether a rover can make a twist, for whole registers of them, and the nearest twist that it can.
+//! Admissibility of twists for whole registers of them, and the nearest twist that a rover can make.
 //!
 //! A steered wheel whose range is narrower than half a turn is within it if its pivot moves along the middle of the range,
 //! forwards or backwards, or at an angle to that of half the range at most. With the velocity of the pivot along the
@@ -31,7 +31,7 @@ pub struct Cone {
     pub arm: f64,
     /// Root mean square distance of the pivots from their centre [m].
     size: f64,
-    /// Whether that is all: no steered wheel has trail, whose steering angle depends on more than its pivot's velocity.
+    /// True if that is all: no steered wheel has trail, whose steering angle depends on more than its pivot's velocity.
     pub is_whole: bool,
 }
 
@@ -46,7 +46,7 @@ struct Wedge {
     half: Direction,
 }
 
-/// What is sure of each lane; neither where the plain core has to decide.
+/// Verdict on each lane. Neither holds where the plain core has to decide.
 #[derive(Clone, Copy)]
 pub struct Verdict<S: Simd> {
     /// Lanes with a twist that is surely possible.
@@ -107,7 +107,7 @@ impl Cone {
         [least * splat(SURE[0] * SLIP_TOLERANCE), most * splat(SURE[1] * SLIP_TOLERANCE)]
     }
 
-    /// Whether the rover can make each twist.
+    /// Verdict on the twist of each lane.
     #[inline(always)]
     pub fn judge<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Verdict<S> {
         let usual = usual(simd, twist);
@@ -127,7 +127,7 @@ impl Cone {
         verdict
     }
 
-    /// Whether some joints are within their ranges.
+    /// Verdict on the ranges of the given joints: yes if all are within.
     #[inline(always)]
     fn within<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3], joints: &[usize]) -> Verdict<S> {
         let zero = Lanes::splat(simd, 0.0);
@@ -258,7 +258,7 @@ impl<S: Simd> Verdict<S> {
 }
 
 impl Wedge {
-    /// How fast the wheel slides at the nearer end of its range; negative inside it [m/s].
+    /// Side slip of the wheel at the nearer end of its range; negative inside it [m/s].
     #[inline(always)]
     fn overshoot<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Lanes<S> {
         let along = dot(simd, &self.along, twist).abs();

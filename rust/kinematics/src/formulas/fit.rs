@@ -6,7 +6,7 @@
 mod tests;
 
 use super::cone::dot;
-use super::readings::{self, Kept, Rows, solve_block};
+use super::readings::{self, FitColumns, Rows, solve_block};
 use super::robust::{self, Block, EARLY, LATE};
 use super::steered::load;
 use crate::estimate::{Fit, Measured, Method, Reading, Unseen};
@@ -18,20 +18,20 @@ use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::weave::{BLOCK, Column, weave, with_columns};
 
-/// What the kernel needs to know of a rover and a method.
-pub(crate) struct Plan<'a> {
+/// Constants of a rover and a method for the kernel.
+pub(crate) struct FitConstants<'a> {
     rover: &'a RoverData,
     method: Method,
     unseen: Unseen,
-    forward: readings::Plan<'a>,
-    robust: Option<robust::Plan>,
+    forward: readings::ForwardConstants<'a>,
+    robust: Option<robust::RobustConstants>,
     /// A say of 1 or 0, to begin with.
     weights: Vec<f64>,
     rank: usize,
     sigma_min: f64,
 }
 
-/// Where the results go, one row per reading: see [`Fit`], and a number per wheel.
+/// Output of fits, one row per reading: see [`Fit`], and a number per wheel.
 pub struct Fits<'a> {
     /// Estimates.
     pub twists: &'a mut [[f64; 3]],
@@ -61,7 +61,7 @@ impl Fits<'_> {
     }
 }
 
-impl<'a> Plan<'a> {
+impl<'a> FitConstants<'a> {
     /// Nothing where the solution depends on the readings.
     pub fn new(rover: &'a RoverData, method: Method, unseen: Unseen) -> Option<Self> {
         let solution = rover.solution?;
@@ -83,9 +83,9 @@ impl<'a> Plan<'a> {
             }
         };
         let (rank, sigma_min) = rover.singular_values(readings, &weights);
-        let forward = readings::Plan::weighted(rover, Some(solution), |i| weights[i])?;
+        let forward = readings::ForwardConstants::weighted(rover, Some(solution), |i| weights[i])?;
         let robust = match method {
-            Method::Robust => Some(robust::Plan::new(rover, &forward)?),
+            Method::Robust => Some(robust::RobustConstants::new(rover, &forward)?),
             _ => None,
         };
         Some(Self { rover, method, unseen, forward, robust, weights, rank, sigma_min })
@@ -105,7 +105,7 @@ impl<'a> Plan<'a> {
 
 /// Plain fits have a kernel of their own: beside the rounds of robust ones theirs took 14 % more instructions.
 struct Solve<'a, 'b, const ROBUST: bool> {
-    plan: &'a Plan<'a>,
+    plan: &'a FitConstants<'a>,
     log: Log<'a>,
     fits: &'a mut Fits<'b>,
     /// One per steering angle; per wheel one for its speed and then its residual, one for its weight, two for what it reads.
@@ -130,7 +130,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
         }
         let mut now = Block::new(seen.as_chunks_mut().0, weights);
         let (weights, seen) = self.late.split_at_mut(self.late.len() / 3);
-        let mut late = Late { block: Block::new(seen.as_chunks_mut().0, weights), rows: [0; BLOCK] };
+        let mut late = SlowRows { block: Block::new(seen.as_chunks_mut().0, weights), rows: [0; BLOCK] };
         let rows = self.fits.twists.len();
         let mut done = Ok(());
         for first in (0..rows).step_by(BLOCK) {
@@ -138,7 +138,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
             let at = first..first + count;
             let of_wheels = first * wheels..(first + count) * wheels;
             let log = self.log.rows(plan.rover, at.clone());
-            let (by, heard) = (&plan.forward, plan.forward.hear(simd, log, readings));
+            let (by, heard) = (&plan.forward, plan.forward.load_readings(simd, log, readings));
             let mut sure = solve_block::<S, true>(simd, by, heard, &mut twists, &mut now.kept, log);
             // No longer needed: room for the residuals.
             let residuals = &mut readings[joints..];
@@ -176,19 +176,19 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
 }
 
 /// Rows of robust fits that take long, of many blocks.
-struct Late<'a> {
+struct SlowRows<'a> {
     block: Block<'a>,
-    /// Where they are among all.
+    /// Their indices among all rows.
     rows: [usize; BLOCK],
 }
 
-impl Late<'_> {
+impl SlowRows<'_> {
     /// Settles them and writes what they come to.
     #[inline(always)]
     fn settle<S: Vector>(
         &mut self,
         simd: S,
-        plan: &Plan<'_>,
+        plan: &FitConstants<'_>,
         log: Log<'_>,
         fits: &mut Fits<'_>,
         residuals: &mut [Column],
@@ -221,13 +221,13 @@ impl Late<'_> {
     }
 }
 
-impl Plan<'_> {
+impl FitConstants<'_> {
     /// Residuals of a block, and of robust fits the twists.
     #[inline(always)]
     fn results<S: Vector, const ROBUST: bool>(
         &self,
         simd: S,
-        kept: &Kept<'_>,
+        kept: &FitColumns<'_>,
         twists: &mut [Column; 3],
         residuals: &mut [Column],
     ) {
@@ -260,7 +260,7 @@ impl Plan<'_> {
 }
 
 impl Rows {
-    /// What it adds to the right-hand side.
+    /// Contribution of the wheel to the right-hand side of the normal equations.
     #[inline(always)]
     pub fn moment<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2]) -> [Lanes<S>; 3] {
         let mut moment = [seen[0]; 3];
@@ -274,19 +274,19 @@ impl Rows {
     /// Half the slope of its squared residual.
     #[inline(always)]
     pub fn slope<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2], unknowns: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-        self.moment(simd, self.miss(simd, seen, unknowns))
+        self.moment(simd, self.residuals(simd, seen, unknowns))
     }
 
-    /// What the unknowns leave of its readings.
+    /// Residuals of the wheel's two readings, predicted minus measured [m/s].
     #[inline(always)]
-    fn miss<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2], unknowns: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
+    fn residuals<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2], unknowns: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
         [dot(simd, &self.rows[0], unknowns) - seen[0], dot(simd, &self.rows[1], unknowns) - seen[1]]
     }
 
     /// Its squared residual.
     #[inline(always)]
     pub fn square<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2], unknowns: [Lanes<S>; 3]) -> Lanes<S> {
-        let [along, across] = self.miss(simd, seen, unknowns);
+        let [along, across] = self.residuals(simd, seen, unknowns);
         along.mul_add(along, across * across)
     }
 }

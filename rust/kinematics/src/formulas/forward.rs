@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-pub(crate) use super::readings::Plan;
-use super::readings::{Kept, LARGEST_SPEED, solve, solve_block};
+pub(crate) use super::readings::ForwardConstants;
+use super::readings::{FitColumns, LARGEST_SPEED, solve, solve_block};
 use super::usual::all_within;
 use crate::estimate::Unseen;
 use crate::table::Log;
@@ -15,7 +15,7 @@ use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::stream::{Output, fetch_ahead};
 use six_wheel_numerics::weave::{BLOCK, Column, unweave, weave, with_columns};
 
-impl Plan<'_> {
+impl ForwardConstants<'_> {
     /// Fails at the first row that cannot be read.
     #[inline]
     pub fn check(&self, level: Level, log: Log<'_>, rows: Range<usize>, unseen: Unseen) -> Result<(), Error> {
@@ -44,7 +44,7 @@ impl Plan<'_> {
 }
 
 struct Check<'a> {
-    plan: &'a Plan<'a>,
+    plan: &'a ForwardConstants<'a>,
     log: Log<'a>,
     rows: Range<usize>,
     unseen: Unseen,
@@ -98,7 +98,7 @@ impl Kernel for Check<'_> {
 }
 
 struct Solve<'a> {
-    plan: &'a Plan<'a>,
+    plan: &'a ForwardConstants<'a>,
     log: Log<'a>,
     unseen: Unseen,
     twists: &'a mut [[f64; 3]],
@@ -114,14 +114,14 @@ impl Kernel for Solve<'_> {
     fn run<S: Vector>(self, simd: S) -> Self::Output {
         let (plan, log) = (self.plan, self.log);
         let mut twists = [Column::ZERO; 3];
-        let mut kept = Kept::new(&mut []);
+        let mut kept = FitColumns::new(&mut []);
         let count = self.twists.len();
         let numbers = self.twists.as_flattened_mut();
         let mut output = Output::new(simd, numbers, 3 * BLOCK, self.past);
         for first in (0..count).step_by(BLOCK) {
             let end = count.min(first + BLOCK);
             let log = log.rows(plan.rover, first..end);
-            let heard = plan.hear(simd, log, self.columns);
+            let heard = plan.load_readings(simd, log, self.columns);
             let usual = solve_block::<S, false>(simd, plan, heard, &mut twists, &mut kept, log);
             let rows = output.next(3 * (end - first));
             weave(simd, &twists, rows);

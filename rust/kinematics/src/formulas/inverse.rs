@@ -7,7 +7,7 @@ mod solve;
 mod tests;
 
 use self::plan::block;
-pub use self::plan::{Part, Plan};
+pub use self::plan::{InverseConstants, WheelKind};
 use self::solve::Solve;
 use super::steered::load;
 use super::usual::all_within;
@@ -19,7 +19,7 @@ use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::stream::fetch_ahead;
 use six_wheel_numerics::weave::{BLOCK, Column, unweave, with_columns};
 
-impl Plan<'_> {
+impl InverseConstants<'_> {
     /// Fails at the first row that the rover cannot make; rows count from `first`.
     pub fn check(&self, level: Level, twists: &[[f64; 3]], inputs: Inputs<'_>, first: usize) -> Result<(), Error> {
         let swinging = !self.cone.is_whole && inputs.steering_rates.is_some();
@@ -50,7 +50,7 @@ impl Plan<'_> {
 }
 
 struct Check<'a> {
-    plan: &'a Plan<'a>,
+    plan: &'a InverseConstants<'a>,
     twists: &'a [[f64; 3]],
     inputs: Inputs<'a>,
     first: usize,

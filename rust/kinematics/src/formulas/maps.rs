@@ -121,7 +121,7 @@ fn read<S: Vector>(simd: S, rows: &[[f64; 3]]) -> [Lanes<S>; 3] {
     Lanes::unbraid(simd, &padded)
 }
 
-/// Whether a number is of a usual size, or 0.
+/// True if a number is 0 or of a usual size.
 #[inline(always)]
 fn moderate<S: Vector>(number: Lanes<S>) -> Mask<S> {
     let simd = number.simd();
@@ -131,7 +131,7 @@ fn moderate<S: Vector>(number: Lanes<S>) -> Mask<S> {
     size.at_most(most) & (zero | least.at_most(size))
 }
 
-/// Whether the longer one of two parts of a way is: what the shorter one loses is nothing beside it.
+/// True if the longer one of two parts of a path is: what the shorter one loses is nothing beside it.
 #[inline(always)]
 fn moderate_way<S: Vector>([x, y]: [Lanes<S>; 2]) -> Mask<S> {
     moderate(x.abs().max(y.abs()))
@@ -158,7 +158,7 @@ fn exp<S: Vector>(simd: S, [vx, vy, omega]: [Lanes<S>; 3], dt: Lanes<S>) -> Row<
     ([x * length, y * length, yaw], usual)
 }
 
-/// Where no whole turns have to be taken out.
+/// Logarithm of motions from whose yaw no whole turns have to be taken out.
 #[inline(always)]
 fn log<S: Vector>(simd: S, [x, y, yaw]: [Lanes<S>; 3], dt: Lanes<S>) -> Row<S> {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));

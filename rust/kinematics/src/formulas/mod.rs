@@ -1,4 +1,4 @@
-//! What is computed, one file a job: kernels over whole registers of rows, the same for every level.
+//! Kernels over whole registers of rows, one file per quantity, the same for every level.
 
 pub(crate) mod admissible;
 pub(crate) mod choice;

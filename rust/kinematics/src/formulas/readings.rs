@@ -1,5 +1,5 @@
-//! What the wheels of a register of readings say of its twist: the normal equations, and what they come to. Forward
-//! kinematics, fits and sensitivities start here.
+//! Normal equations of the twists of a register of readings, and their solution. Forward kinematics, fits and
+//! sensitivities start here.
 //!
 //! The rows of a steered wheel say together how fast its contact moves, whichever way it points. Without scrub and trail
 //! the contact is the pivot, and the normal equations and their solution are constants of the rover.
@@ -30,7 +30,7 @@ const DETERMINED: f64 = 1e-10;
 pub(crate) struct Rows {
     pub rows: [[f64; 3]; 2],
     radius: f64,
-    /// Whether it has a say in the twist.
+    /// True if the wheel has a share in the twist.
     says: bool,
     kind: Kind,
 }
@@ -66,7 +66,8 @@ impl Rows {
         Self { rows: rows.map(|row| rover.shifted(&row).into()), radius: wheel.radius, says, kind }
     }
 
-    /// What it adds to the normal equations, whichever way it points: the moments of one with scrub or trail follow that.
+    /// Contribution to the normal equations in any direction of the wheel. The moments of a wheel with scrub or trail
+    /// follow its direction and are left out.
     #[inline]
     pub fn normal(&self) -> [f64; 6] {
         let [mut along, mut across] = self.rows;
@@ -83,8 +84,8 @@ pub(crate) fn products(rows: [[f64; 3]; 2]) -> [f64; 6] {
     places.map(|(i, k)| rows.iter().map(|row| row[i] * row[k]).sum())
 }
 
-/// What the kernel needs to know of a rover.
-pub(crate) struct Plan<'a> {
+/// Constants of a rover for the kernels of readings.
+pub(crate) struct ForwardConstants<'a> {
     pub(crate) rover: &'a RoverData,
     pub(crate) wheels: Vec<Rows>,
     pub(crate) joints: usize,
@@ -96,13 +97,13 @@ pub(crate) struct Plan<'a> {
 
 /// Readings of a block; no rates where none are given, or they do not matter.
 #[derive(Clone, Copy)]
-pub(crate) struct Heard<'a> {
+pub(crate) struct ReadingColumns<'a> {
     pub steering: &'a [Column],
     pub speeds: &'a [Column],
     pub rates: &'a [Column],
 }
 
-impl<'a> Plan<'a> {
+impl<'a> ForwardConstants<'a> {
     /// Nothing where the twist is never determined, or sizes are extreme.
     pub fn new(rover: &'a RoverData) -> Option<Self> {
         let solution = rover.solution;
@@ -150,9 +151,9 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// What is kept of a block beside its twists.
-pub(crate) struct Kept<'a> {
-    /// What each wheel reads along its rows [m/s].
+/// Data of a block that are kept beside its twists.
+pub(crate) struct FitColumns<'a> {
+    /// Reading of each wheel along its rows [m/s].
     pub seen: &'a mut [[Column; 2]],
     /// About the centre of the pivots, the last one a speed.
     pub unknowns: [Column; 3],
@@ -162,7 +163,7 @@ pub(crate) struct Kept<'a> {
     pub doubts: Column,
 }
 
-impl<'a> Kept<'a> {
+impl<'a> FitColumns<'a> {
     /// Nothing yet; no readings are kept of wheels without a place for them.
     #[inline]
     pub fn new(seen: &'a mut [[Column; 2]]) -> Self {
@@ -174,10 +175,10 @@ impl<'a> Kept<'a> {
 #[inline(always)]
 pub(crate) fn solve_block<S: Vector, const KEEP: bool>(
     simd: S,
-    plan: &Plan<'_>,
-    heard: Heard<'_>,
+    plan: &ForwardConstants<'_>,
+    heard: ReadingColumns<'_>,
     twists: &mut [Column; 3],
-    kept: &mut Kept<'_>,
+    kept: &mut FitColumns<'_>,
     log: Log<'_>,
 ) -> bool {
     if plan.solution.is_some() {
@@ -191,10 +192,10 @@ pub(crate) fn solve_block<S: Vector, const KEEP: bool>(
 #[inline(always)]
 fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
     simd: S,
-    plan: &Plan<'_>,
-    heard: Heard<'_>,
+    plan: &ForwardConstants<'_>,
+    heard: ReadingColumns<'_>,
     twists: &mut [Column; 3],
-    kept: &mut Kept<'_>,
+    kept: &mut FitColumns<'_>,
     log: Log<'_>,
 ) -> bool {
     let splat = |number| Lanes::splat(simd, number);
@@ -292,10 +293,10 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
     !(!all).any()
 }
 
-impl Plan<'_> {
+impl ForwardConstants<'_> {
     /// Takes the readings of a block apart.
     #[inline(always)]
-    pub fn hear<'c, S: Vector>(&self, simd: S, log: Log<'_>, columns: &'c mut [Column]) -> Heard<'c> {
+    pub fn load_readings<'c, S: Vector>(&self, simd: S, log: Log<'_>, columns: &'c mut [Column]) -> ReadingColumns<'c> {
         let (steering, rest) = columns.split_at_mut(self.joints);
         let (speeds, rates) = rest.split_at_mut(self.wheels.len());
         unweave(simd, log.steering, steering);
@@ -303,7 +304,7 @@ impl Plan<'_> {
         if !rates.is_empty() {
             unweave(simd, log.steering_rates.unwrap_or_default(), rates);
         }
-        Heard { steering, speeds, rates }
+        ReadingColumns { steering, speeds, rates }
     }
 
     /// The normal equations of a register of angles.

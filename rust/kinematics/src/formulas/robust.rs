@@ -7,9 +7,9 @@ mod block;
 mod rounds;
 
 use self::block::LANES;
-pub(crate) use self::block::{Block, MOST, Plan};
-use self::rounds::Rounds;
-use super::readings::Kept;
+pub(crate) use self::block::{Block, MOST, RobustConstants};
+use self::rounds::IrlsIterations;
+use super::readings::FitColumns;
 use crate::estimate::{NOISE, ROUNDS};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
@@ -37,7 +37,7 @@ impl<'a> Block<'a> {
     #[inline]
     pub fn new(seen: &'a mut [[Column; 2]], weights: &'a mut [Column]) -> Self {
         Self {
-            kept: Kept::new(seen),
+            kept: FitColumns::new(seen),
             weights,
             least: Column::ZERO,
             scale: Column::ZERO,
@@ -49,7 +49,7 @@ impl<'a> Block<'a> {
 
     /// Begins with the least squares of a block, but for the rows that are for the plain core.
     #[inline(always)]
-    pub fn begin<S: Vector>(&mut self, simd: S, plan: &Plan, count: usize) {
+    pub fn begin<S: Vector>(&mut self, simd: S, plan: &RobustConstants, count: usize) {
         let one = Lanes::splat(simd, 1.0);
         fill(one, self.weights);
         self.scale = Column([f64::INFINITY; BLOCK]);
@@ -103,7 +103,7 @@ impl<'a> Block<'a> {
 
     /// So many rounds, or until all rows have settled.
     #[inline(always)]
-    pub fn go_on<S: Vector>(&mut self, simd: S, plan: &Plan, phases: &[usize]) {
+    pub fn go_on<S: Vector>(&mut self, simd: S, plan: &RobustConstants, phases: &[usize]) {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         for phase in phases {
             let mut kept = 0;
@@ -115,8 +115,10 @@ impl<'a> Block<'a> {
                 let length = chunk.len();
                 let of = |half: usize| &chosen[half * S::F64_LANES..(half + 1) * S::F64_LANES];
                 let more = length.saturating_sub(S::F64_LANES);
-                let mut pair =
-                    [Rounds::load(simd, plan, self, of(0), length), Rounds::load(simd, plan, self, of(1), more)];
+                let mut pair = [
+                    IrlsIterations::load(simd, plan, self, of(0), length),
+                    IrlsIterations::load(simd, plan, self, of(1), more),
+                ];
                 let pair = &mut pair[..1 + usize::from(more > 0)];
                 for _ in 0..*phase {
                     let mut active = zero.below(zero);
@@ -130,7 +132,7 @@ impl<'a> Block<'a> {
                 }
                 let mut marks = [[0.0; LANES]; 4];
                 for (half, rounds) in pair.iter_mut().enumerate() {
-                    rounds.leap(simd, plan, self.rounds);
+                    rounds.newton_iterations(simd, plan, self.rounds);
                     let there = length.min((half + 1) * S::F64_LANES) - half * S::F64_LANES;
                     rounds.store(plan, self, &of(half)[..there]);
                     for (mark, mask) in [(0, rounds.active), (2, !rounds.sure)] {
@@ -158,7 +160,7 @@ impl<'a> Block<'a> {
 
     /// Smallest singular values. Marks the rows that are for the plain core; whether there are none.
     #[inline(always)]
-    pub fn finish<S: Vector>(&mut self, simd: S, plan: &Plan, count: usize, sigmas: &mut Column) -> bool {
+    pub fn finish<S: Vector>(&mut self, simd: S, plan: &RobustConstants, count: usize, sigmas: &mut Column) -> bool {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let mut all = zero.at_most(zero);
         for k in 0..count.div_ceil(S::F64_LANES) {
@@ -188,7 +190,7 @@ fn fill<S: Vector>(number: Lanes<S>, columns: &mut [Column]) {
 
 /// Smallest eigenvalue of the weighted rows of the twist itself, by rotations, and where its root is exact.
 #[inline(always)]
-fn smallest<S: Vector>(simd: S, plan: &Plan, weights: &[Lanes<S>; MOST]) -> (Lanes<S>, Mask<S>) {
+fn smallest<S: Vector>(simd: S, plan: &RobustConstants, weights: &[Lanes<S>; MOST]) -> (Lanes<S>, Mask<S>) {
     let splat = |number| Lanes::splat(simd, number);
     let mut sum = [splat(0.0); 6];
     for (wheel, weight) in plan.wheels.iter().zip(weights) {

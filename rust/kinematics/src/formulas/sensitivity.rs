@@ -2,7 +2,7 @@
 //!
 //! They are sums of products of what the wheels read, with constants of the rover: see [`crate::estimate::gradients`].
 
-use super::readings::{self, Kept, solve, solve_block};
+use super::readings::{self, FitColumns, solve, solve_block};
 use super::usual::all_within;
 use crate::estimate::gradients::{GIVEN, Gradients, PRODUCTS, Sum};
 use crate::estimate::sensitivity::Quantity;
@@ -21,9 +21,9 @@ const QUAD: usize = 4;
 /// A quantity, the wheels with a derivative by it, and where these go: three rows of wheels for every row of readings.
 pub(crate) type Target<'a> = (Quantity, &'a [usize], &'a mut [f64]);
 
-/// What is asked of a log.
-pub(crate) struct Ask<'a, 'b> {
-    pub plan: &'a readings::Plan<'a>,
+/// Input and output of the sensitivities of a log.
+pub(crate) struct SensitivityQuery<'a, 'b> {
+    pub plan: &'a readings::ForwardConstants<'a>,
     pub log: Log<'a>,
     pub twists: &'a mut [[f64; 3]],
     pub targets: &'a mut [Target<'b>],
@@ -31,7 +31,7 @@ pub(crate) struct Ask<'a, 'b> {
     pub gradients: &'a [&'a Gradients],
 }
 
-impl Kernel for Ask<'_, '_> {
+impl Kernel for SensitivityQuery<'_, '_> {
     type Output = Result<(), Error>;
 
     #[inline(always)]
@@ -45,12 +45,12 @@ impl Kernel for Ask<'_, '_> {
         let mut products = vec![[simd.splat_f64s(0.0); QUAD]; PRODUCTS * wheels];
         let turning = self.log.steering_rates.is_some();
         let mut twists = [Column::ZERO; 3];
-        let mut kept = Kept::new(&mut []);
+        let mut kept = FitColumns::new(&mut []);
         let mut inverse = [Column::ZERO; 9];
         for first in (0..self.twists.len()).step_by(BLOCK) {
             let end = self.twists.len().min(first + BLOCK);
             let log = self.log.rows(rover, first..end);
-            let heard = plan.hear(simd, log, readings);
+            let heard = plan.load_readings(simd, log, readings);
             let mut usual = solve_block::<S, false>(simd, plan, heard, &mut twists, &mut kept, log);
             let rates = log.steering_rates.unwrap_or_default();
             if !all_within(simd, rates, readings::LARGEST_SPEED) {
@@ -124,7 +124,7 @@ pub(crate) fn plain(
 fn multiply<S: Vector>(
     simd: S,
     rover: &RoverData,
-    heard: readings::Heard<'_>,
+    heard: readings::ReadingColumns<'_>,
     twists: &[Column; 3],
     quad: usize,
     products: &mut [[S::f64s; QUAD]],
@@ -163,9 +163,15 @@ fn multiply<S: Vector>(
     }
 }
 
-/// What turns gradients into twists, of four registers from `quad` on.
+/// Matrices that map gradients to twists, of four registers from `quad` on.
 #[inline(always)]
-fn invert<S: Vector>(simd: S, plan: &readings::Plan<'_>, steering: &[Column], quad: usize, inverse: &mut [Column; 9]) {
+fn invert<S: Vector>(
+    simd: S,
+    plan: &readings::ForwardConstants<'_>,
+    steering: &[Column],
+    quad: usize,
+    inverse: &mut [Column; 9],
+) {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     for k in 0..QUAD {
         let normal = plan.normal(simd, steering, quad + k);
@@ -196,7 +202,7 @@ fn summed<S: Vector>(simd: S, sums: &[Sum; 3], products: &[[S::f64s; QUAD]]) -> 
     parts
 }
 
-/// What the inverse makes of a gradient.
+/// Product of the inverse and a gradient.
 #[inline(always)]
 fn turned<S: Vector>(simd: S, gradient: &[[Lanes<S>; QUAD]; 3], inverse: &[Column; 9]) -> [[Lanes<S>; QUAD]; 3] {
     let mut derivative = [[Lanes::splat(simd, 0.0); QUAD]; 3];

@@ -26,7 +26,8 @@ pub(crate) const DECIDED: f64 = 84.0 * PI / 180.0;
 /// A range that goes further to both sides surely holds the nearer way of any motion [rad].
 const WIDE: f64 = FRAC_PI_2 + 1e-6;
 
-/// How a wheel finds its way: it has only one, the nearer one of two is surely meant, or it may have to ask the others.
+/// Choices that a wheel has: it has only one way, the nearer one of two is surely meant, or it may have to ask the
+/// others.
 pub(crate) const ONLY: u8 = 0;
 pub(crate) const NEARER: u8 = 1;
 pub(crate) const EITHER: u8 = 2;
@@ -39,7 +40,7 @@ pub struct Reach {
     lower: [f64; 2],
     /// True where both ends of the range are equally far.
     pub symmetric: bool,
-    /// Whether it is a quarter turn to either side at most.
+    /// True if the range is a quarter turn to either side at most.
     pub folded: bool,
     /// [`ONLY`], [`NEARER`] or [`EITHER`].
     pub ways: u8,
@@ -73,8 +74,7 @@ impl Reach {
         })
     }
 
-    /// Whether the direction of `(x, y)`, turned by half where `x < 0`, is inside by more than the margin
-    /// [m/s].
+    /// True if the direction of `(x, y)`, turned by half where `x < 0`, is inside by more than the margin [m/s].
     #[inline(always)]
     fn holds<S: Simd>(&self, simd: S, [x, y]: [Lanes<S>; 2], margin: Lanes<S>) -> Mask<S> {
         let (along, rise) = (x.abs(), y.abs());
@@ -145,7 +145,7 @@ impl Steered {
         [cos * ux + sin * uy, cos * uy - sin * ux]
     }
 
-    /// Whether the pivot rests, by the same operations as the plain core.
+    /// Lanes in which the pivot rests, by the same operations as the plain core.
     #[inline(always)]
     pub fn rests<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
         let ahead = Self { heading: None, ..*self };
@@ -176,13 +176,13 @@ pub(crate) struct Steer<'a, S: Simd> {
     pub per_radius: Lanes<S>,
     pub angles: &'a mut [S::f64s],
     pub speeds: &'a mut [S::f64s],
-    /// How many undecided wheels would go either way, and by how much the way backwards is shorter for all of them [rad].
+    /// Numbers of undecided wheels for either way, and the total by which the way backwards is shorter [rad].
     pub votes: &'a mut [Column; 3],
 }
 
-/// By how much the nearer way at this angle is shorter than the other one [rad]: at most 0.
+/// Excess of the nearer way at this angle over the other one, `2 abs(angle) - pi` [rad]: at most 0.
 #[inline(always)]
-fn lead<S: Simd>(simd: S, angle: Lanes<S>) -> Lanes<S> {
+fn half_turn_margin<S: Simd>(simd: S, angle: Lanes<S>) -> Lanes<S> {
     let size = angle.abs();
     size + size - Lanes::splat(simd, PI)
 }
@@ -197,7 +197,7 @@ impl Steered {
         let other = splat(0.0).below(angle).select(half - splat(TAU), half);
         let (below, above) = (splat(self.range.lower) - other, other - splat(self.range.upper));
         let beyond = below.max(above);
-        let near = splat(-UNDECIDED).below(lead(simd, angle));
+        let near = splat(-UNDECIDED).below(half_turn_margin(simd, angle));
         let sure = !near | splat(2.0 * CLOSE).below(beyond.abs());
         (other, [near & beyond.below(splat(0.0)), sure])
     }
@@ -205,7 +205,7 @@ impl Steered {
     /// Angle and speed of a wheel after those of all have been asked which way to go: where it could as soon go the other
     /// way, and that is theirs, it does.
     #[inline(always)]
-    pub fn agreed<S: Simd>(
+    pub fn apply_common_direction<S: Simd>(
         &self,
         simd: S,
         [angle, speed]: [Lanes<S>; 2],
@@ -220,7 +220,7 @@ impl Steered {
 }
 
 impl<S: Simd> Steer<'_, S> {
-    /// Where the wheel surely moves and is surely within its range. What is known of it beforehand leaves the loop.
+    /// Lanes in which the wheel surely moves and is surely within its range. Constants of the wheel leave the loop.
     #[inline(always)]
     pub fn run<const TURNED: bool, const WAYS: u8>(self, simd: S, steered: &Steered, reach: &Reach) -> Mask<S> {
         let mut steered = *steered;
@@ -243,7 +243,7 @@ impl<S: Simd> Steer<'_, S> {
                 sure = sure & moves & (angle - inside).abs().at_most(at_an_end);
                 angle = inside;
             } else if WAYS == EITHER {
-                let near = lead(simd, angle);
+                let near = half_turn_margin(simd, angle);
                 let beyond = near + Lanes::splat(simd, UNDECIDED);
                 let close = Lanes::splat(simd, CLOSE);
                 sure = sure & margin.below(along.max(across));

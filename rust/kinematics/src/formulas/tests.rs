@@ -17,8 +17,8 @@ fn numbers(count: usize) -> Vec<f64> {
     (0..count).map(|k| if k % 97 < 3 { 0.0 } else { number(k) }).collect()
 }
 
-/// What `write` writes to the same bits past the caches and not, for every place in a line the output may begin at;
-/// nothing beside it is touched.
+/// Asserts that `write` writes the same bits past the caches and not, for every place in a line the output may begin
+/// at; nothing beside it is touched.
 fn is_the_same(count: usize, mut write: impl FnMut(&mut [f64], bool)) {
     for first in 0..LINE {
         let [mut direct, mut past] = [vec![f64::MAX; count + 2 * LINE], vec![f64::MAX; count + 2 * LINE]];
@@ -52,7 +52,7 @@ fn rows_are_the_same_past_the_caches() -> Result<(), Error> {
         let readings = numbers(wheels * count);
         let log = Log { steering: &readings[..joints * count], speeds: &readings, steering_rates: None };
         for level in Level::available().into_iter().filter(|level| *level != Level::Plain) {
-            if let Some(plan) = rover.cone.as_ref().and_then(|cone| inverse::Plan::new(&rover, cone)) {
+            if let Some(plan) = rover.cone.as_ref().and_then(|cone| inverse::InverseConstants::new(&rover, cone)) {
                 let mut others = vec![0.0; wheels * count];
                 is_the_same(joints * count, |steering, past| {
                     let inputs = Inputs::default();
@@ -64,7 +64,7 @@ fn rows_are_the_same_past_the_caches() -> Result<(), Error> {
                     plan.solve(level, twists.as_chunks().0, inputs, &mut others, speeds, past);
                 });
             }
-            if let Some(plan) = forward::Plan::new(&rover) {
+            if let Some(plan) = forward::ForwardConstants::new(&rover) {
                 is_the_same(3 * count, |twists, past| {
                     let twists = twists.as_chunks_mut().0;
                     let solved = plan.solve(level, log, Unseen::Refuse, twists, past);

@@ -14,7 +14,7 @@ pub(crate) const LARGEST: f64 = 1e100;
 /// Sizes of rovers with which that holds at every pivot.
 pub(crate) const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 
-/// Whether a twist is surely finite, and its squares are too.
+/// Lanes whose twist is surely finite, and its squares are too.
 #[inline(always)]
 pub fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
     let [vx, vy, omega] = absolute(twist);
@@ -24,7 +24,7 @@ pub fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
     fits & (zero | Lanes::splat(simd, SMALLEST).at_most(size))
 }
 
-/// Whether the squares of a wheel's sizes neither overflow nor lose digits.
+/// True if the squares of a wheel's sizes neither overflow nor lose digits.
 pub(crate) fn is_usual(wheel: &Wheel) -> bool {
     let usual = |length: f64| length == 0.0 || SIZES.contains(&length);
     let lengths = [wheel.radius, wheel.x.abs(), wheel.y.abs()];
@@ -45,7 +45,7 @@ pub(crate) fn pivots_apart(wheels: &[Wheel]) -> [[f64; 2]; 2] {
     [first, other]
 }
 
-/// Whether all numbers are surely at most so large, by the sum of their squares. False for NaN.
+/// True if all numbers are surely at most so large, by the sum of their squares. False for NaN.
 #[inline(always)]
 pub(crate) fn all_within<S: Vector>(simd: S, values: &[f64], largest: f64) -> bool {
     let mut sums = [Lanes::splat(simd, 0.0); 4];

@@ -11,9 +11,9 @@ use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// What the kernel needs to know of a rover.
+/// Constants of a rover for the forward kernel.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+pub(crate) struct ForwardConstants {
     level: Level,
     groups: Vec<Group>,
     order: Vec<usize>,
@@ -21,10 +21,10 @@ pub(crate) struct Plan {
     solution: [[f64; 3]; 3],
 }
 
-/// What eight wheels add to the right-hand side.
+/// Contribution of eight wheels to the right-hand side of the normal equations.
 #[derive(Clone, Debug, Default)]
 struct Group {
-    /// How many of them are steered.
+    /// Number of steered wheels among them.
     steered: usize,
     heading: Eight,
     /// Radius and place of a steered wheel, as a lever about the centre of the pivots; 0 for another.
@@ -34,7 +34,7 @@ struct Group {
     row: [Eight; 3],
 }
 
-impl Plan {
+impl ForwardConstants {
     /// Nothing where the solution depends on the readings, or the machine has no kernel.
     pub fn new(rover: &RoverData) -> Option<Self> {
         let level = level()?;
@@ -81,7 +81,7 @@ impl Plan {
 
 /// One row. The answer is nothing where a reading is not of a usual size.
 struct Row<'a> {
-    plan: &'a Plan,
+    plan: &'a ForwardConstants,
     measured: Measured<'a>,
 }
 

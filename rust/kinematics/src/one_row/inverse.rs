@@ -48,13 +48,13 @@ pub fn order(rover: &RoverData) -> Vec<usize> {
     rover.steered().iter().copied().chain(others).collect()
 }
 
-/// What the inverse kernel needs to know of a rover.
+/// Constants of a rover for the inverse kernel.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+pub(crate) struct InverseConstants {
     level: Level,
     groups: Vec<Group>,
     order: Vec<usize>,
-    /// Whether a steered wheel's angle 0 is not straight ahead.
+    /// True if a steered wheel's angle 0 is not straight ahead.
     turned: bool,
     banks: Vec<[f64; 3]>,
     pivots: [[f64; 2]; 2],
@@ -63,7 +63,7 @@ pub(crate) struct Plan {
 /// Eight wheels.
 #[derive(Clone, Debug, Default)]
 struct Group {
-    /// How many of them are steered.
+    /// Number of steered wheels among them.
     steered: usize,
     /// 1 for a steered wheel, 0 for another.
     steers: Eight,
@@ -76,7 +76,8 @@ struct Group {
     /// knows the tolerances at an end, decides.
     range: [Eight; 2],
     inside: [Eight; 2],
-    /// How far beyond that an angle may be, and is at the end [rad]: where there is no other way of making the motion.
+    /// Tolerance beyond that, within which an angle counts as the end [rad]: where there is no other way of making the
+    /// motion.
     slack: Eight,
     /// Turn from the present angle up to which a wheel need not agree with the others on a way round [rad]; infinite where
     /// the range leaves one way only.
@@ -135,7 +136,7 @@ impl Group {
     }
 }
 
-impl Plan {
+impl InverseConstants {
     /// Nothing where a wheel is not one of those the kernel knows, or the machine has no kernel.
     pub fn new(rover: &RoverData) -> Option<Self> {
         let level = level()?;
@@ -173,7 +174,7 @@ impl Plan {
         self.level.run(row) == Some(true)
     }
 
-    /// Whether the plain core would surely let the twist pass, the steered wheels apart.
+    /// True if the plain core would surely let the twist pass, the steered wheels apart.
     #[inline(always)]
     fn passes(&self, [vx, vy, omega]: [f64; 3]) -> bool {
         let size = vx.abs() + vy.abs() + omega.abs();
@@ -189,7 +190,7 @@ impl Plan {
 
 /// One row of the inverse. The answer is whether the kernel could decide it; nothing is written otherwise.
 struct Row<'a> {
-    plan: &'a Plan,
+    plan: &'a InverseConstants,
     twist: [f64; 3],
     previous: Option<&'a [f64]>,
     steering: &'a mut [f64],
@@ -278,7 +279,7 @@ struct Wheels<'a, S> {
 struct Solved<S: Simd> {
     angle: Lanes<S>,
     speed: Lanes<S>,
-    /// Whether the wheel rests, or there is no doubt how it goes.
+    /// True if the wheel rests, or there is no doubt about its rolling direction.
     sure: Mask<S>,
 }
 

@@ -33,10 +33,10 @@ pub(crate) fn follow(
     if level == Level::Plain {
         return walk.follow(twists, steps, poses);
     }
-    level.run(Follow { twists, steps, poses, past, walk });
+    level.run(PoseIntegrator { twists, steps, poses, past, walk });
 }
 
-struct Follow<'a> {
+struct PoseIntegrator<'a> {
     twists: &'a [[f64; 3]],
     steps: Steps<'a>,
     poses: &'a mut [[f64; 3]],
@@ -44,7 +44,7 @@ struct Follow<'a> {
     walk: &'a mut Walk,
 }
 
-impl Kernel for Follow<'_> {
+impl Kernel for PoseIntegrator<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -163,7 +163,7 @@ fn go<S: Vector, const N: usize>(
         let half = turn * half;
         near = near & half.abs().at_most(largest);
         squares.0[m] = half * half;
-        let upto = so_far(simd, turn);
+        let upto = prefix_sums(simd, turn);
         turns[m] = turned + upto;
         // Along the chord, which leaves at half the turn.
         headings.0[m] = heading.beyond(turns[m] - half);
@@ -179,8 +179,8 @@ fn go<S: Vector, const N: usize>(
     for m in 0..N {
         let (sin, cos) = (sin.0[m], cos.0[m]);
         let (ahead, left) = (ahead[m] * length.0[m], left[m] * length.0[m]);
-        let easts = so_far(simd, cos * ahead - sin * left);
-        let norths = so_far(simd, sin.mul_add(ahead, cos * left));
+        let easts = prefix_sums(simd, cos * ahead - sin * left);
+        let norths = prefix_sums(simd, sin.mul_add(ahead, cos * left));
         let pose = [x.beyond(east + easts), y.beyond(north + norths), yaw.beyond(turns[m])];
         Lanes::braid(pose, &mut poses[width * m..]);
         east = east + easts.spread(simd);
@@ -191,7 +191,7 @@ fn go<S: Vector, const N: usize>(
     true
 }
 
-/// Where every lane has come to: compensated sums.
+/// Compensated sums, one per lane.
 #[derive(Clone, Copy)]
 struct Sums<S: Vector> {
     sum: Lanes<S>,
@@ -212,9 +212,9 @@ impl<S: Vector> Sums<S> {
     }
 }
 
-/// What the lanes come to, each with all before it.
+/// Prefix sums of the lanes: each with all before it.
 #[inline(always)]
-fn so_far<S: Vector>(simd: S, terms: Lanes<S>) -> Lanes<S> {
+fn prefix_sums<S: Vector>(simd: S, terms: Lanes<S>) -> Lanes<S> {
     let mut sum = terms + Lanes::shift::<0>(simd, terms);
     if S::F64_LANES > 2 {
         sum = sum + Lanes::shift::<1>(simd, sum);

@@ -283,7 +283,7 @@ impl<S: Simd> Mask<S> {
         yes.with(self.simd.select_f64s(self.values, yes.values, no.values))
     }
 
-    /// Whether any lane is true.
+    /// True if any lane is true.
     #[inline(always)]
     pub fn any(self) -> bool {
         self.simd.first_true_m64s(self.values) < S::F64_LANES

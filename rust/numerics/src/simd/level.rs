@@ -1,4 +1,4 @@
-//! Which instructions the kernels use: chosen at run time for the processor, or by the caller.
+//! Instruction sets that the kernels use: chosen at run time for the processor, or by the caller.
 
 use std::str::FromStr;
 
@@ -24,7 +24,7 @@ pub enum Level {
     Avx512,
 }
 
-/// What can be asked for, best last.
+/// Levels that can be requested, best last.
 const LEVELS: [Level; 4] = [Level::Plain, Level::Neon, Level::Avx2, Level::Avx512];
 
 impl Level {
@@ -38,7 +38,7 @@ impl Level {
         }
     }
 
-    /// Whether this machine has it.
+    /// True if this machine has it.
     #[inline]
     pub fn is_here(self) -> bool {
         self == Self::Plain || self.run(Nothing).is_some()
@@ -107,7 +107,7 @@ impl Level {
     }
 }
 
-/// What is compiled once for every level.
+/// Code that is compiled once for every level.
 pub trait Kernel {
     /// Result of the kernel.
     type Output;

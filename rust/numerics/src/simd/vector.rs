@@ -39,7 +39,7 @@ pub trait Vector: Simd {
     /// The last lane in every lane.
     fn spread(self, register: Self::f64s) -> Self::f64s;
 
-    /// Whether [`Self::stream`] goes past the caches.
+    /// True if [`Self::stream`] goes past the caches.
     const STREAMS: bool = false;
 
     /// Writes a register past the caches.
@@ -95,7 +95,7 @@ pub trait Vector: Simd {
     #[inline(always)]
     fn steady_roots(self, numbers: Self::f64s) -> [Self::f64s; 2] {
         let guess = self.single_inverse_root(numbers);
-        // What the guess is off by goes from 2e-7 to 1e-20.
+        // The error of the guess falls from 2e-7 to 1e-20.
         let square = self.mul_f64s(numbers, guess);
         let off = self.mul_add_f64s(square, self.neg_f64s(guess), self.splat_f64s(1.0));
         let half = self.mul_add_f64s(off, self.splat_f64s(0.375), self.splat_f64s(0.5));
@@ -197,14 +197,14 @@ fn of_pair(pair: f64) -> [f32; 2] {
     [bits as u32, (bits >> 32) as u32].map(f32::from_bits)
 }
 
-/// What a lane of [`Vector::pairs`] holds.
+/// One lane of [`Vector::pairs`].
 #[inline(always)]
 fn pair_at(table: &[[f32; 2]], place: f64) -> f64 {
     let found = table.get((place.to_bits() ^ ZEROTH.to_bits()) as usize);
     pair(found.copied().unwrap_or([f32::NAN; 2]))
 }
 
-/// What [`Vector::exponent`] is of one number.
+/// [`Vector::exponent`] of one number.
 #[inline(always)]
 fn exponent_of(number: f64) -> f64 {
     (number.to_bits() >> 52) as f64 - 1023.0

@@ -14,14 +14,14 @@ use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError}
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long a thread looks for more before it parks: a batch is checked and then solved, and waking up in between takes
-/// longer than this.
+/// Time for which a thread looks for more before it parks: a batch is checked and then solved, and waking up in between
+/// takes longer than this.
 const PATIENCE: Duration = Duration::from_micros(30);
 
-/// What all hands do at once, each until there is nothing left to do.
+/// Task of all hands at once, each until there is nothing left to do.
 type Task = &'static (dyn Fn() + Sync);
 
-/// What is to be done, and who is at it.
+/// Task of the crew, and the helpers who are at it.
 struct Board {
     task: Option<Task>,
     /// Helpers who may still join in.
@@ -31,7 +31,7 @@ struct Board {
     /// Threads there are, and those of them that are parked.
     helpers: usize,
     parked: usize,
-    /// What a helper panicked with.
+    /// Payload of a helper's panic.
     panic: Option<Box<dyn Any + Send>>,
 }
 

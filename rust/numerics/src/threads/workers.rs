@@ -1,4 +1,4 @@
-//! How a batch is worked through: with which instructions, and by how many threads.
+//! Execution of a batch: its instruction set and its number of threads.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -20,11 +20,11 @@ const LEAST: usize = 2048;
 /// of threads not at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Workers {
-    /// Which instructions.
+    /// Instruction set.
     pub level: Level,
-    /// How many threads at most.
+    /// Largest number of threads.
     pub threads: usize,
-    /// Whether a failure may leave the outputs half written, since nobody sees them then. Every row is
+    /// True if a failure may leave the outputs half written, since nobody sees them then. Every row is
     /// otherwise checked before the first is written.
     pub fresh: bool,
 }

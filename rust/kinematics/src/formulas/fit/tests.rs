@@ -9,7 +9,7 @@ use crate::table::Log;
 use crate::table::row_mut;
 use six_wheel_numerics::error::Error;
 
-/// What a batch finds.
+/// Results of a batch.
 struct Found {
     twists: Vec<[f64; 3]>,
     ranks: Vec<i64>,

@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use crate::formulas::choice::Asked;
+use crate::formulas::choice::SteeringQuery;
 use crate::formulas::cone::Cone;
 use crate::formulas::steered::{EITHER, ONLY, Reach, Steered};
 use crate::geometry::Twist;
@@ -14,7 +14,7 @@ use six_wheel_numerics::weave::Column;
 
 /// Constants of one wheel, by its kind.
 #[derive(Clone, Copy, Debug)]
-pub enum Part {
+pub enum WheelKind {
     /// Rolling row of a fixed wheel.
     Fixed([f64; 3]),
     /// A castor.
@@ -23,34 +23,35 @@ pub enum Part {
     Steered(Steered),
 }
 
-/// What the kernel needs to know of a rover.
-pub struct Plan<'a> {
+/// Constants of a rover for the inverse kernel.
+pub struct InverseConstants<'a> {
     /// The rover.
     pub rover: &'a RoverData,
     /// Its admissible twists.
     pub cone: &'a Cone,
     /// Every wheel with one over its radius.
-    pub parts: Vec<(Part, f64)>,
+    pub parts: Vec<(WheelKind, f64)>,
     /// Number of its steering joints.
     pub joints: usize,
     /// Side-slip rows of its axle groups.
     pub banks: Vec<[f64; 3]>,
-    /// Whether every wheel can be steered without a second thought, but for resting ones and such.
+    /// True if every steered wheel has a [`Reach`], which decides its angle except at rest and at the
+    /// ends of the range.
     pub(crate) is_simple: bool,
-    /// Whether there is only one way of making a motion, wherever the wheels are, unless they rest.
+    /// True if every steered wheel has [`ONLY`] one way of making a motion, unless it rests.
     pub(crate) is_inner: bool,
-    /// Whether some wheels may have to ask the others which of two ways to go.
+    /// True if some wheels may have to ask the others which of two ways to go ([`EITHER`]).
     pub(crate) asks: bool,
 }
 
-impl<'a> Plan<'a> {
+impl<'a> InverseConstants<'a> {
     /// Nothing where sizes are extreme.
     pub fn new(rover: &'a RoverData, cone: &'a Cone) -> Option<Self> {
         let part = |(wheel, mount): (&Wheel, &Mount)| {
             let part = match (*mount, Steered::new(wheel, *mount)) {
-                (Mount::Castor(_), Some(steered)) => Part::Castor(steered),
-                (_, Some(steered)) => Part::Steered(steered),
-                (Mount::Fixed(rows), None) => Part::Fixed(rows.rolling.into()),
+                (Mount::Castor(_), Some(steered)) => WheelKind::Castor(steered),
+                (_, Some(steered)) => WheelKind::Steered(steered),
+                (Mount::Fixed(rows), None) => WheelKind::Fixed(rows.rolling.into()),
                 (_, None) => return None,
             };
             Some((part, 1.0 / wheel.radius))
@@ -60,8 +61,8 @@ impl<'a> Plan<'a> {
         let parts = parts?;
         let all = |holds: &dyn Fn(&Reach) -> bool| {
             parts.iter().all(|(part, _)| match part {
-                Part::Steered(steered) => steered.reach.as_ref().is_some_and(holds),
-                Part::Fixed(_) | Part::Castor(_) => true,
+                WheelKind::Steered(steered) => steered.reach.as_ref().is_some_and(holds),
+                WheelKind::Fixed(_) | WheelKind::Castor(_) => true,
             })
         };
         Some(Self {
@@ -92,7 +93,7 @@ impl<'a> Plan<'a> {
         Ok(())
     }
 
-    /// Whether the plain core would surely let a twist pass.
+    /// Lanes whose twist the plain core would surely let pass.
     #[inline(always)]
     pub(crate) fn passes<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3], rates: &[Column], k: usize) -> Mask<S> {
         let mut passes = self.cone.judge(simd, twist).yes;
@@ -102,14 +103,14 @@ impl<'a> Plan<'a> {
         let zero = Lanes::splat(simd, 0.0);
         let mut joint = 0;
         for (part, _) in &self.parts {
-            let Part::Steered(steered) = part else {
+            let WheelKind::Steered(steered) = part else {
                 continue;
             };
             if steered.trail != 0.0 {
                 let rate = rates.get(joint).map_or(zero, |rates| rates.load(simd, k));
                 let mut fits = steered.reaches(simd, twist, rate);
                 if (!fits).any() {
-                    let asked = Asked { twist, before: zero, rate };
+                    let asked = SteeringQuery { twist, before: zero, rate };
                     let chosen = steered.choose(simd, asked, None);
                     fits = fits | (chosen.inside & chosen.sure);
                 }

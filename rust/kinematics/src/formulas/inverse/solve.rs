@@ -2,8 +2,8 @@
 
 use pulp::Simd;
 
-use super::plan::{Part, Plan, block};
-use crate::formulas::choice::Asked;
+use super::plan::{InverseConstants, WheelKind, block};
+use crate::formulas::choice::SteeringQuery;
 use crate::formulas::cone::dot;
 use crate::formulas::steered::{CLOSE, EITHER, NEARER, ONLY, Steer, Steered, absolute, load};
 use crate::formulas::usual::usual;
@@ -20,7 +20,7 @@ use six_wheel_numerics::weave::{BLOCK, Column, unweave, weave};
 const TRIES: usize = 8;
 
 pub(crate) struct Solve<'a> {
-    pub plan: &'a Plan<'a>,
+    pub plan: &'a InverseConstants<'a>,
     pub twists: &'a [[f64; 3]],
     pub inputs: Inputs<'a>,
     pub steering: &'a mut [f64],
@@ -89,7 +89,7 @@ impl Kernel for Solve<'_> {
 #[inline(always)]
 fn solve_block<S: Simd>(
     simd: S,
-    plan: &Plan<'_>,
+    plan: &InverseConstants<'_>,
     twists: &[Column; 3],
     steering: &mut [Column],
     speeds: &mut [Column],
@@ -113,9 +113,9 @@ fn solve_block<S: Simd>(
     for ((part, per_radius), speeds) in plan.parts.iter().zip(&mut *speeds) {
         let per_radius = Lanes::splat(simd, *per_radius);
         match part {
-            Part::Fixed(row) => roll(simd, row, per_radius, twists, speeds),
-            Part::Castor(castor) => sure = sure & follow(simd, castor, per_radius, twists, speeds),
-            Part::Steered(steered) => {
+            WheelKind::Fixed(row) => roll(simd, row, per_radius, twists, speeds),
+            WheelKind::Castor(castor) => sure = sure & follow(simd, castor, per_radius, twists, speeds),
+            WheelKind::Steered(steered) => {
                 let angles = S::as_mut_simd_f64s(&mut steering[joint].0).0;
                 joint += 1;
                 let Some(reach) = &steered.reach else {
@@ -141,11 +141,12 @@ fn solve_block<S: Simd>(
     !(!sure).any()
 }
 
-/// Undecided wheels that would go different ways go the one that is shorter for all of them. Where that is sure.
+/// Undecided wheels that would go different ways go the one that is shorter for all of them. Returns the
+/// lanes in which that is sure.
 #[inline(always)]
 fn agree<S: Simd>(
     simd: S,
-    plan: &Plan<'_>,
+    plan: &InverseConstants<'_>,
     votes: &[Column; 3],
     steering: &mut [Column],
     speeds: &mut [Column],
@@ -162,12 +163,12 @@ fn agree<S: Simd>(
         sure = sure & !(differ & lead.abs().below(Lanes::splat(simd, CLOSE)));
         let mut angles = steering.iter_mut();
         for ((part, _), speeds) in plan.parts.iter().zip(&mut *speeds) {
-            if let Part::Steered(steered) = part
+            if let WheelKind::Steered(steered) = part
                 && let Some(angles) = angles.next()
                 && steered.reach.is_some_and(|reach| reach.ways == EITHER)
             {
                 let command = [angles.load(simd, k), speeds.load(simd, k)];
-                let [angle, speed] = steered.agreed(simd, command, differ, backwards);
+                let [angle, speed] = steered.apply_common_direction(simd, command, differ, backwards);
                 angles.store(k, angle);
                 speeds.store(k, speed);
             }
@@ -209,7 +210,7 @@ fn follow<S: Simd>(
 #[inline(always)]
 fn choose_block<S: Simd>(
     simd: S,
-    plan: &Plan<'_>,
+    plan: &InverseConstants<'_>,
     twists: &[Column; 3],
     [before, rolling, rates]: [&[Column]; 3],
     steering: &mut [Column],
@@ -222,8 +223,8 @@ fn choose_block<S: Simd>(
     for k in 0..BLOCK / S::F64_LANES {
         let twist = load(simd, twists, k);
         let mut sure = usual(simd, twist);
-        // How many undecided wheels would go either way, how much shorter the way backwards is for all of them, and
-        // which way they roll already.
+        // Numbers of undecided wheels for either way, the total by which the way backwards is shorter, and the sum of
+        // their present speeds.
         let [mut ahead, mut back, mut lead, mut rolled] = [zero; 4];
         let mut common = None;
         // Once more if the undecided ones have to agree.
@@ -232,16 +233,16 @@ fn choose_block<S: Simd>(
             for (i, ((part, per_radius), speeds)) in plan.parts.iter().zip(speeds.iter_mut()).enumerate() {
                 let per_radius = Lanes::splat(simd, *per_radius);
                 let rim_speed = match part {
-                    Part::Fixed(row) => dot(simd, row, twist),
-                    Part::Castor(castor) => {
+                    WheelKind::Fixed(row) => dot(simd, row, twist),
+                    WheelKind::Castor(castor) => {
                         let (rim_speed, safe) = castor.follow(simd, twist);
                         sure = sure & safe;
                         rim_speed
                     }
-                    Part::Steered(steered) => {
+                    WheelKind::Steered(steered) => {
                         let of =
                             |columns: &[Column], at: usize| columns.get(at).map_or(zero, |column| column.load(simd, k));
-                        let asked = Asked { twist, before: of(before, joint), rate: of(rates, joint) };
+                        let asked = SteeringQuery { twist, before: of(before, joint), rate: of(rates, joint) };
                         let chosen = steered.choose(simd, asked, common);
                         if round == 0 {
                             let counted = |mask: Mask<S>, number| mask.select(number, zero);
@@ -265,7 +266,7 @@ fn choose_block<S: Simd>(
                 if !(rolls | differ).any() {
                     break;
                 }
-                // Where they agree on their own, the way that they go.
+                // If they agree on their own, they keep that way.
                 let agreed = zero.below(back);
                 let shorter = zero.below(lead);
                 common = Some((rolls & rolled.below(zero)) | (!rolls & ((differ & shorter) | (!differ & agreed))));

@@ -1,7 +1,7 @@
 //! Rows of robust fits on their way, and the constants of the rover that their rounds need.
 
 use crate::formulas::readings;
-use crate::formulas::readings::{Kept, Rows, products};
+use crate::formulas::readings::{FitColumns, Rows, products};
 use crate::rover_data::RoverData;
 use six_wheel_numerics::weave::{BLOCK, Column};
 
@@ -11,8 +11,8 @@ pub(crate) const LANES: usize = 8;
 /// Wheels at most: their registers are sorted by comparing neighbours.
 pub(crate) const MOST: usize = 8;
 
-/// What the kernel needs to know of a rover.
-pub(crate) struct Plan {
+/// Constants of a rover for the robust kernel.
+pub(crate) struct RobustConstants {
     pub(crate) wheels: Vec<Wheel>,
 }
 
@@ -23,9 +23,9 @@ pub(crate) struct Wheel {
     pub(crate) raw: [f64; 6],
 }
 
-impl Plan {
+impl RobustConstants {
     /// Nothing where there are too many wheels.
-    pub fn new(rover: &RoverData, forward: &readings::Plan<'_>) -> Option<Self> {
+    pub fn new(rover: &RoverData, forward: &readings::ForwardConstants<'_>) -> Option<Self> {
         let raw = |rows: [[f64; 3]; 2]| {
             let [cx, cy] = [rover.centre.x, rover.centre.y];
             products(rows.map(|[x, y, z]| [x, y, z * rover.size - x * cy + y * cx]))
@@ -38,7 +38,7 @@ impl Plan {
 
 /// Rows on their way: those of a block, or those of many blocks that take long.
 pub(crate) struct Block<'a> {
-    pub kept: Kept<'a>,
+    pub kept: FitColumns<'a>,
     pub weights: &'a mut [Column],
     /// Squared noise at least, and square of the scale of the last round [m²/s²].
     pub(crate) least: Column,

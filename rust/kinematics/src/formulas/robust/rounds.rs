@@ -1,6 +1,6 @@
 //! A register of rows in its rounds: weights by residuals, and the least squares with them.
 
-use super::block::{Block, LANES, MOST, Plan};
+use super::block::{Block, LANES, MOST, RobustConstants};
 use crate::estimate::{MEDIANS, SETTLED};
 use crate::formulas::readings::solve;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -29,7 +29,7 @@ macro_rules! order {
 
 /// A register of rows in its rounds.
 #[derive(Clone, Copy)]
-pub(crate) struct Rounds<S: Vector> {
+pub(crate) struct IrlsIterations<S: Vector> {
     seen: [[Lanes<S>; 2]; MOST],
     /// About the centre of the pivots, the last one a speed.
     unknowns: [Lanes<S>; 3],
@@ -63,10 +63,10 @@ fn scattered<S: Vector>(lanes: Lanes<S>, column: &mut Column, rows: &[usize]) {
     }
 }
 
-impl<S: Vector> Rounds<S> {
+impl<S: Vector> IrlsIterations<S> {
     /// Some rows, the first `count` of which are meant.
     #[inline(always)]
-    pub fn load(simd: S, plan: &Plan, rows: &Block<'_>, chosen: &[usize], count: usize) -> Self {
+    pub fn load(simd: S, plan: &RobustConstants, rows: &Block<'_>, chosen: &[usize], count: usize) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         let mut order = [0.0; LANES];
         for (k, place) in order.iter_mut().enumerate() {
@@ -97,7 +97,7 @@ impl<S: Vector> Rounds<S> {
     }
 
     #[inline(always)]
-    pub fn store(&self, plan: &Plan, rows: &mut Block<'_>, chosen: &[usize]) {
+    pub fn store(&self, plan: &RobustConstants, rows: &mut Block<'_>, chosen: &[usize]) {
         for (unknown, column) in self.unknowns.iter().zip(&mut rows.kept.unknowns) {
             scattered(*unknown, column, chosen);
         }
@@ -110,11 +110,11 @@ impl<S: Vector> Rounds<S> {
     /// One round, where it has not settled. In squares of residuals and scales, with one root and few divisions: these
     /// are what takes the time. `NEWTON` takes along how the weights follow the twist, instead of holding them.
     #[inline(always)]
-    pub fn round<const NEWTON: bool>(&mut self, simd: S, plan: &Plan) {
+    pub fn round<const NEWTON: bool>(&mut self, simd: S, plan: &RobustConstants) {
         let splat = |number| Lanes::splat(simd, number);
         let (zero, one) = (splat(0.0), splat(1.0));
         let count = plan.wheels.len();
-        // What is not there comes last.
+        // Wheels that are not there come last.
         let mut squares = [splat(f64::MAX); MOST];
         for (i, wheel) in plan.wheels.iter().enumerate() {
             squares[i] = wheel.rows.square(simd, self.seen[i], self.unknowns);
@@ -136,7 +136,7 @@ impl<S: Vector> Rounds<S> {
         let before = self.scale;
         self.scale = before.min(noise.max(before * splat(0.25)));
         self.held = before.at_most(self.scale);
-        // Where nothing disagrees at all, nothing is weighed.
+        // Lanes in which nothing disagrees are not weighed.
         let active = self.active & zero.below(self.scale);
         let per_square = one.quotient(self.scale);
         // One over each of the ratios, from one over their product.
@@ -188,7 +188,7 @@ impl<S: Vector> Rounds<S> {
     /// by a matrix, whose power says by how much. Where that is not far enough, or the scale would not stay, nothing is
     /// changed.
     #[inline(always)]
-    pub fn leap(&mut self, simd: S, plan: &Plan, left: usize) {
+    pub fn newton_iterations(&mut self, simd: S, plan: &RobustConstants, left: usize) {
         let near = self.change.below(Lanes::splat(simd, NEAR));
         let trusted = self.active & self.held & near & self.comes_near(simd, plan, left);
         if !trusted.any() {
@@ -215,9 +215,9 @@ impl<S: Vector> Rounds<S> {
         self.active = self.active & !there;
     }
 
-    /// Whether so many rounds would surely settle the weights.
+    /// Lanes in which so many rounds would surely settle the weights.
     #[inline(always)]
-    fn comes_near(&self, simd: S, plan: &Plan, left: usize) -> Mask<S> {
+    fn comes_near(&self, simd: S, plan: &RobustConstants, left: usize) -> Mask<S> {
         let splat = |number| Lanes::splat(simd, number);
         let zero = splat(0.0);
         let per_square = splat(4.0).quotient(self.scale);

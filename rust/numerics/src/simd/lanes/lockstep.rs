@@ -1,4 +1,4 @@
-//! What a polynomial needs of its variable, be it one register or several in lockstep.
+//! Arithmetic that a polynomial needs of its variable, be it one register or several in lockstep.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -6,11 +6,11 @@ use pulp::Simd;
 
 use super::{Lanes, Mask};
 
-/// What a polynomial needs of its variable: a register, or several in lockstep.
+/// Arithmetic that a polynomial needs of its variable: a register, or several in lockstep.
 pub trait Numbers<S: Simd>:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
-    /// Where one of them is true.
+    /// Lanes in which a condition is true.
     type Mask: Copy;
 
     /// The same number everywhere.
