@@ -1,9 +1,8 @@
-//! How a value goes from here to there: profiles of one or several axes with three derivatives, and the
-//! transitions of a rover built on them.
+//! Profiles of one or several axes with three derivatives, and the transitions of a rover built on them.
 //!
-//! Every profile is a chain of pieces of constant jerk per axis, whoever made it: [`shapes`] in a given time,
-//! [`optimal`] in the least time. Transitions say what the wheels do meanwhile: [`led`] profiles the body's
-//! twist or each module's own angle and speed, [`icr`] moves the centre of rotation itself.
+//! Every profile is a chain of pieces of constant jerk per axis: [`shapes`] in a given time, [`optimal`] in the least
+//! time. Transitions give the motion of the wheels as a function of time: [`led`] profiles the body's twist or each
+//! module's own angle and speed, [`icr`] moves the centre of rotation itself.
 
 mod chord;
 pub mod icr;
@@ -33,7 +32,7 @@ pub type Derivatives = [f64; 4];
 /// A stretch of constant jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Piece {
-    /// When it starts [s].
+    /// Start [s].
     pub start: f64,
     /// Value and derivatives there.
     pub state: Derivatives,
@@ -44,7 +43,7 @@ pub(crate) struct Piece {
 pub(crate) struct Axis {
     /// At least one, in the order of their starts, the first of which is 0.
     pub pieces: Vec<Piece>,
-    /// When the axis arrives [s].
+    /// Arrival time [s].
     pub duration: f64,
     /// Its state at that instant.
     pub end: Derivatives,
@@ -151,12 +150,12 @@ impl Profile {
         Self::new(self.axes)
     }
 
-    /// When the last axis arrives [s].
+    /// Arrival time of the last axis [s].
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// When each axis arrives [s].
+    /// Arrival time of each axis [s].
     pub fn durations(&self) -> impl Iterator<Item = f64> {
         self.axes.iter().map(|axis| axis.duration)
     }

@@ -91,7 +91,7 @@ impl Brakes {
         }
     }
 
-    /// Whether both brakes are like this.
+    /// True if both brakes are in this state.
     pub fn both(self, brake: Brake) -> bool {
         self.front == brake && self.rear == brake
     }

@@ -1,4 +1,4 @@
-//! What body and free pivots do over time at constant wheel speeds.
+//! Motion of body and free pivots over time at constant wheel speeds, by Gauss collocation with halved steps.
 
 use nalgebra::{Rotation2, Vector2};
 
@@ -93,7 +93,7 @@ pub(super) fn gauss() -> Gauss {
     }
 }
 
-/// What stays the same throughout a step.
+/// Inputs that stay the same throughout a step.
 #[derive(Clone, Copy)]
 struct Held<'a> {
     speeds: &'a Drives,
@@ -138,7 +138,7 @@ impl FourAxle {
         Ok((track, state))
     }
 
-    /// How many samples it takes at most.
+    /// Checks the arguments of a simulation and returns an upper bound of its number of samples.
     fn check_sequence(&self, start: State, sequence: &[Step], dt: f64) -> Result<usize, Error> {
         self.check_angles(&start.angles)?;
         finite("pose", &<[f64; 3]>::from(start.pose))?;

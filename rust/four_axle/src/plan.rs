@@ -1,4 +1,5 @@
-//! From one turn to another: which pair to free when, and how its wheels turn it.
+//! Sequences of steps from one turn to another: the order in which pairs are freed, and the wheel speeds that turn
+//! them.
 //!
 //! Driving on is possible where the axle lines share a point throughout. With one pair locked that point
 //! stays on the lines of the locked axles: on a line if they are in line (a rigid axle always is, hinged
@@ -18,7 +19,7 @@ use six_wheel_numerics::error::{Error, finite, number, numbers, positive};
 /// Angles nearer to each other than this are one [rad].
 const SAME_ANGLE: f64 = 1e-12;
 
-/// Which axles turn for a curve.
+/// The axles that turn for a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Steer {
     /// Front and rear against each other: the centre of rotation lies abreast of the body's origin.
@@ -45,14 +46,14 @@ impl FromStr for Steer {
     }
 }
 
-/// How fast a plan goes.
+/// Speeds of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// Root mean square speed of the hinges as the plan begins [m/s]; 0 to re-aim standing.
+    /// Root mean square speed of the hinges at the begin [m/s]; 0 to re-aim standing.
     pub speed: f64,
     /// Rate of the faster axle where the pair turns slowest [rad/s].
     pub pivot_rate: f64,
-    /// For how long to go on with both pairs locked after locking one [s].
+    /// Time with both pairs locked after locking one [s].
     pub brake_time: f64,
 }
 
@@ -73,13 +74,13 @@ impl Pace {
 pub struct Plan {
     /// In order; each was checked at the angles where it begins.
     pub steps: Vec<Step>,
-    /// Whether the robot has to stand in between.
+    /// True if the robot has to stand in between.
     pub stops: bool,
-    /// Why it stops or makes a detour; empty if it does neither.
+    /// Reason of a stop or a detour; empty without either.
     pub reason: String,
 }
 
-/// A plan as it grows.
+/// A sequence that grows by one step at a time.
 struct Draft<'a> {
     car: &'a FourAxle,
     state: State,

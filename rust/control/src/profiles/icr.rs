@@ -49,17 +49,17 @@ impl IcrTransition {
         Ok(Self { rover: rover.clone(), phases: plan.phases, duration: plan.duration })
     }
 
-    /// How long it takes [s].
+    /// Duration [s].
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// What happens when, and why.
+    /// The phases in the order of time, each with its reason.
     pub fn phases(&self) -> &[Phase] {
         &self.phases
     }
 
-    /// How often the rover has to come to rest on the way.
+    /// Number of phases that bring the rover to rest on the way.
     pub fn stops(&self) -> usize {
         let is_stop = |phase: &&Phase| phase.action == Action::Stop;
         self.phases.iter().filter(is_stop).count()

@@ -1,4 +1,4 @@
-//! How fast a chord may be driven: a law for every joint and every part of the body's motion.
+//! Limits of the speed along a chord: a constraint for every joint and every part of the body's motion.
 
 use nalgebra::{Complex, Vector2, Vector3};
 
@@ -108,7 +108,7 @@ impl Law {
         }
     }
 
-    /// How the pace changes along the chord.
+    /// Derivative of the pace with respect to the share of the chord [s].
     pub fn slope(&self, s: f64) -> f64 {
         match *self {
             Self::Angle(joint, rate) => {
@@ -123,7 +123,7 @@ impl Law {
         }
     }
 
-    /// Time from the start of the chord if this law alone counted, as far as the pace keeps its sign [s].
+    /// Time from the start of the chord under this constraint alone, where the pace keeps its sign [s].
     pub fn time(&self, s: f64) -> f64 {
         match *self {
             Self::Even(pace) => pace * s,
@@ -147,7 +147,7 @@ impl Law {
     }
 }
 
-/// All laws of a chord.
+/// All constraints of a chord.
 pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Law> {
     let change = chord.change();
     let mut laws = Vec::new();

@@ -13,7 +13,7 @@ use six_wheel_kinematics::steering::ANGLE_TOLERANCE;
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::error::{Error, finite, number};
 
-/// Where a transition writes what the wheels do: one value per steered wheel, speeds per wheel.
+/// Output of a transition: one value per steered wheel, speeds per wheel.
 #[derive(Debug)]
 pub struct Wheels<'a> {
     /// Steering angles [rad].
@@ -138,7 +138,7 @@ impl BodyTransition {
         Self::new(rover, profile, previous)
     }
 
-    /// How long it takes [s].
+    /// Duration [s].
     pub fn duration(&self) -> f64 {
         self.profile.duration()
     }
@@ -251,7 +251,7 @@ impl ModuleTransition {
         Ok(Self { rover: rover.clone(), profile })
     }
 
-    /// How long it takes [s].
+    /// Duration [s].
     pub fn duration(&self) -> f64 {
         self.profile.duration()
     }
@@ -261,7 +261,7 @@ impl ModuleTransition {
         &self.rover
     }
 
-    /// What the wheels do at a time [s].
+    /// Writes angles, rates and speeds of the wheels at a time [s].
     pub fn at(&self, time: f64, wheels: &mut Wheels<'_>) {
         wheels.follow(&self.profile, time);
         let joints = wheels.steering.len();

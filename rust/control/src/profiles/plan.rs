@@ -16,7 +16,7 @@ use six_wheel_numerics::error::{Error, ErrorKind, number, numbers};
 /// Angles that differ by less are the same [rad].
 const SAME_ANGLE: f64 = 1e-12;
 
-/// How far aside a detour's corner lies, as shares of the larger twist.
+/// Offsets of a detour's corner from the middle of the chord, as shares of the larger twist.
 const DETOURS: [f64; 6] = [0.3, -0.3, 0.7, -0.7, 1.4, -1.4];
 
 /// A chord that takes longer than this many times what its wheels need at rest is worth a detour.
@@ -37,7 +37,7 @@ impl Plan {
     }
 }
 
-/// What a plan is made for.
+/// Plans the phases of a transition of this rover under these limits.
 pub(super) struct Planner<'a> {
     pub rover: &'a Rover,
     pub limits: &'a IcrLimits,
@@ -235,11 +235,11 @@ impl Planner<'_> {
     }
 }
 
-/// Why a chord is not in the plan.
+/// Reason why a chord cannot be in the plan.
 enum Failure {
-    /// The wheels cannot follow: another way may do.
+    /// The wheels cannot follow this chord, but may follow another one.
     Closed(String),
-    /// Nothing will.
+    /// No chord is possible.
     Refused(Error),
 }
 

@@ -1,4 +1,4 @@
-//! The library behind [`super::optimal`]: what it is asked, in which units, and whether its answer is believed.
+//! The library behind [`super::optimal`]: its input, the choice of units, and the check of its result.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -58,7 +58,7 @@ fn ask(
     [plain, short, natural].iter().find_map(|units| ask_in(units, start, end, bounds, synchronise, duration))
 }
 
-/// Asks the library, and checks what it says.
+/// Calls the library in these units; None if its result does not pass [`is_sound`].
 fn ask_in(
     units: &Units,
     start: &[Moving],
@@ -153,7 +153,7 @@ impl Units {
         Self { time: self.time, lengths: lengths.collect() }
     }
 
-    /// What takes a derivative of this order into the units.
+    /// Factor that converts a derivative of this order to the units.
     fn factor(&self, axis: usize, order: i32) -> f64 {
         self.time.powi(order) / self.lengths[axis]
     }
@@ -201,7 +201,7 @@ fn read(found: &Found, units: &Units, axis: usize, start: &Moving, end: &Moving,
     Axis { pieces, duration, end: [end.value, velocity, acceleration, last[3]] }
 }
 
-/// Whether the pieces join, arrive and stay within the limits.
+/// True if the pieces join, arrive and stay within the limits.
 fn is_sound(axis: &Axis, units: &Units, i: usize, start: &Moving, end: &Moving, bounds: &Bounds) -> bool {
     if !axis.duration.is_finite() || axis.check().is_err() {
         return false;

@@ -1,4 +1,4 @@
-//! When a chord is where: its share as a function of time, as fast as the laws allow.
+//! The share of a chord as a function of time, as fast as its constraints allow.
 //!
 //! Limits of first derivatives alone are met exactly: at every instant one law binds, its joint moves at its limit,
 //! and the place on the chord follows from the joint in closed form. With a limit of the steering acceleration the
@@ -18,10 +18,10 @@ const CELLS: usize = 256;
 const CHECKS: usize = 6;
 const FINE_CHECKS: usize = 96;
 
-/// Share of the worst strain from which a piece is among the tightest.
+/// Share of the worst constraint ratio from which a piece is among the tightest.
 const TIGHT: f64 = 1.0 - 1e-3;
 
-/// What a checked course is stretched beyond its worst place, for the places between.
+/// Relative stretch of a checked course beyond its worst place, for the places between the checks.
 const MARGIN: f64 = 1e-7;
 
 /// Halvings after which a change of the binding law is found.
@@ -282,8 +282,8 @@ impl Cell<'_> {
     }
 }
 
-/// By how much the time has to be stretched for every law to hold: at every place that is looked at, and at
-/// more of them where it is tightest.
+/// Factor by which the time has to be stretched for every constraint to hold at the checked places, which are denser in
+/// the tightest pieces.
 fn excess(chord: &Chord, laws: &[Law], smooth: &Smoothness, axis: &Axis) -> f64 {
     let starts = axis.pieces.iter().map(|piece| piece.start);
     let ends = || starts.clone().skip(1).chain([axis.duration]);
@@ -299,7 +299,7 @@ fn excess(chord: &Chord, laws: &[Law], smooth: &Smoothness, axis: &Axis) -> f64 
     tight.fold(worst, |worst, ((piece, end), _)| worst.max(worst_of(piece, end, FINE_CHECKS)))
 }
 
-/// By how much the time would have to be stretched at one place, given with its derivatives.
+/// Factor by which the time has to be stretched for every constraint to hold at one place, given with its derivatives.
 fn strain(chord: &Chord, laws: &[Law], smooth: &Smoothness, [s, pace, second, third]: Derivatives) -> f64 {
     let s = s.clamp(0.0, 1.0);
     let mut worst = laws.iter().fold(0.0, |most: f64, law| most.max(law.pace(s))) * pace;
