@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// How numbers are added, multiplied and divided: the same operations in the same order, whatever the numbers are.
+/// Operations on one number or on a register of numbers, so that one body of code serves both.
 pub(crate) trait Arithmetic: Copy {
     type Number: Copy
         + Add<Output = Self::Number>

@@ -1,4 +1,4 @@
-//! Dead reckoning that knows its error: where the wheels say the rover is, and how far that may be off.
+//! Dead reckoning with covariance: the pose by the readings of the wheels, and its error.
 //!
 //! [`Odometry`] is one visible struct of state, stepped by one method. A step is exact: the displacement that fits
 //! the turns of all wheels best, at the steering angles of its middle, is held as one arc ([`Twist::exp`]). Its
@@ -30,7 +30,7 @@ use six_wheel_numerics::error::{Error, number, numbers};
 /// The sample from which the next one counts.
 #[derive(Clone, Debug)]
 pub(crate) struct Reference {
-    /// Whether there is one.
+    /// True if there is one.
     pub(crate) known: bool,
     pub(crate) stamp: f64,
     pub(crate) wheels: Vec<f64>,
@@ -51,7 +51,7 @@ pub struct Odometry {
     pub(crate) residual: Vec<f64>,
     pub(crate) health: Health,
     pub(crate) work: Workspace,
-    /// How a usual step is made by registers, where it is.
+    /// Constants of the kernel of a usual step; None where there is no kernel.
     pub(crate) plan: Option<Plan>,
     pub(crate) turned: Vec<f64>,
     pub(crate) angles: Vec<f64>,
@@ -99,13 +99,13 @@ impl Odometry {
         &self.rover
     }
 
-    /// How it works.
+    /// The settings.
     #[inline]
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Where the rover is.
+    /// Pose of the rover.
     #[inline]
     pub fn pose(&self) -> Pose {
         self.state.pose()
@@ -172,7 +172,7 @@ impl Odometry {
         &self.work.weights
     }
 
-    /// What there is to say about the last sample.
+    /// Flags of the last sample.
     #[inline]
     pub fn health(&self) -> Health {
         self.health

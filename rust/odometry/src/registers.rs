@@ -30,8 +30,8 @@ use terms::Terms;
 use wheels::{InLanes, Pick, Register, Squares, disagree, lean, listen};
 
 impl Plan {
-    /// One step: whether a wheel slides further than the noise explains. Nothing where the plain core has to do it; no
-    /// more than the angles at the end have changed then.
+    /// Makes one step; true if a wheel slides further than the noise explains. Returns None where the plain core has to
+    /// make it; only the angles at the end have changed then.
     #[inline]
     pub fn step<'b>(&mut self, given: &Given<'b>, targets: &mut Targets<'b>) -> Option<bool> {
         let level = self.level;
@@ -39,7 +39,7 @@ impl Plan {
     }
 }
 
-/// What a step starts from, and what is known of it.
+/// Input of a step: the state at its start and its readings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Given<'a> {
     /// Readings of the wheels at its start and end.
@@ -54,7 +54,7 @@ pub(crate) struct Given<'a> {
     pub wandered: f64,
 }
 
-/// Where the results of a step go.
+/// Output of a step.
 #[derive(Debug)]
 pub(crate) struct Targets<'a> {
     /// Steering angles at the end [rad].
@@ -213,8 +213,8 @@ fn displace<S: Vector>(
     Some(said.map(Lanes::total))
 }
 
-/// What the displacement may be off by in this step alone. Whether a wheel slid further than the
-/// noise explains.
+/// Covariance of the displacement by what errs in this step alone, and true if a wheel slid further than the noise
+/// explains.
 #[inline(always)]
 fn doubt<S: Vector>(simd: S, plan: &mut Plan, terms: &Terms<Lanes<S>>, displacement: [f64; 3]) -> (Spread, bool) {
     let zero = Lanes::splat(simd, 0.0);
@@ -232,7 +232,7 @@ fn doubt<S: Vector>(simd: S, plan: &mut Plan, terms: &Terms<Lanes<S>>, displacem
     (squares.total(), slips)
 }
 
-/// What the joints' readings at one end add to the displacement's covariance.
+/// Covariance of the displacement by the joints' readings at one end.
 #[inline(always)]
 fn ends<S: Vector>(simd: S, plan: &Plan, terms: &Terms<Lanes<S>>) -> Spread {
     let mut ends = Squares::new(simd);
@@ -263,7 +263,7 @@ fn report<S: Vector>(simd: S, plan: &Plan, per: f64, residual: &mut [f64]) {
     }
 }
 
-/// Whether a wheel slid further than the noise explains, and than the rounding of the others' fit.
+/// True if a wheel slid further than the noise and the rounding of the others' fit explain.
 #[inline(never)]
 fn is_slip(rooms: &[Room]) -> bool {
     let furthest = rooms.iter().flat_map(|room| room.rolled).fold(0.0_f64, |most, rolled| most.max(rolled.abs()));

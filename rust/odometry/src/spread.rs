@@ -63,7 +63,7 @@ impl Spread {
         Vector3::new(self.xz, self.yz, self.zz)
     }
 
-    /// Whether rounding may have left a direction with a negative variance.
+    /// True if rounding may have left a direction with a negative variance.
     #[inline(always)]
     pub fn may_be_negative(&self) -> bool {
         self.minors().into_iter().any(|value| value < 0.0)

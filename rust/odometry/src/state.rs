@@ -6,7 +6,7 @@ use super::uncertainty::Uncertainty;
 use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
 use six_wheel_numerics::error::{Error, HUGE, finite, numbers};
 
-/// What changes from sample to sample and is taken back when a late pose comes.
+/// State that changes from sample to sample and is restored when a late pose comes.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
     pub walk: Walk,

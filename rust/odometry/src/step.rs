@@ -1,4 +1,4 @@
-//! The displacement over one step, from what the wheels turned, and what it may be off by.
+//! The displacement over one step, from the rotations of the wheels, and its errors.
 
 mod arc;
 
@@ -28,15 +28,15 @@ pub(crate) struct Workspace {
     middle: Vec<f64>,
     steered_by: Vec<f64>,
     pub weights: Vec<f64>,
-    /// How far each wheel's contact slid [m].
+    /// Distance each wheel's contact slid [m].
     pub slid: Vec<f64>,
     pub noise: StepNoise,
     deviations: Deviations,
-    /// By which share turns of a gyroscope are off.
+    /// Deviation of the scale of a gyroscope, a share of its turns.
     scale_noise: f64,
-    /// How many times the noise's variance of slip each wheel has.
+    /// Factor of the slip variance of each wheel.
     shares: Vec<f64>,
-    /// Whether a wheel slid further than the noise explains.
+    /// True if a wheel slid further than the noise explains.
     pub slips: bool,
     /// The displacement before a gyroscope had its say, and what that say made of it.
     by_wheels: Vector3<f64>,
@@ -186,8 +186,8 @@ impl Workspace {
         Ok(())
     }
 
-    /// What the deviations of the dimensions and of a gyroscope's scale make of the displacement of the last step, given
-    /// its motion.
+    /// Finds the change of the displacement of the last step, given its motion, by each deviation of the dimensions and
+    /// of a gyroscope's scale.
     pub fn find_lasting(&mut self, rover: &Rover, motion: Motion<'_>, method: Method) -> Result<(), Error> {
         if self.scale_noise > 0.0
             && let Some(of_scale) = self.noise.lasting.last_mut()
@@ -209,7 +209,7 @@ impl Workspace {
         asked
     }
 
-    /// How a gyroscope shared the last step.
+    /// Gains of wheels and gyroscope in the last step.
     pub fn fusion(&self) -> &Fusion {
         &self.fusion
     }
@@ -241,7 +241,7 @@ impl Workspace {
     }
 }
 
-/// Fills in what the displacement may be off by. Whether a wheel slid further than that explains.
+/// Writes the errors of the displacement. Returns true if a wheel slid further than the noise explains.
 fn errors(
     linearised: &Linearised<'_>,
     inverse: &Matrix3<f64>,

@@ -36,7 +36,7 @@ pub(crate) fn rounded<F: Arithmetic>(by: F, mut covariance: Spread<F::Number>) -
     covariance
 }
 
-/// How the end of a step answers to its start and to its displacement in body axes.
+/// Derivatives of the end of a step with respect to its start and to its displacement in body axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepJacobian<T = f64> {
     /// Way in world axes [m]: a turn at the start swings it.
@@ -46,7 +46,7 @@ pub(crate) struct StepJacobian<T = f64> {
 }
 
 impl<T: Copy + Neg<Output = T>> StepJacobian<T> {
-    /// By what an error of the yaw at the start swings the end.
+    /// Derivative of the end position with respect to the yaw at the start [m].
     #[inline(always)]
     pub fn lever(&self) -> [T; 2] {
         [-self.shift[1], self.shift[0]]
@@ -54,7 +54,7 @@ impl<T: Copy + Neg<Output = T>> StepJacobian<T> {
 }
 
 impl<T: Copy + Add<Output = T> + Mul<Output = T>> StepJacobian<T> {
-    /// What an error of the displacement is at the end.
+    /// Error of the pose at the end by an error of the displacement.
     #[inline(always)]
     pub fn ended<F: Arithmetic<Number = T>>(&self, by: F, [x, y, z]: [T; 3]) -> [T; 3] {
         let [[a, b, c], [d, e, f]] = self.by_displacement;
@@ -70,7 +70,7 @@ impl StepJacobian {
         Matrix3::new(a, b, c, d, e, f, 0.0, 0.0, 1.0)
     }
 
-    /// What an error of the displacement is at the end.
+    /// Error of the pose at the end by an error of the displacement.
     #[inline(always)]
     fn map(&self, error: &Vector3<f64>) -> Vector3<f64> {
         let [x, y] = self.by_displacement.map(|[a, b, c]| a * error.x + b * error.y + c * error.z);
@@ -78,13 +78,13 @@ impl StepJacobian {
     }
 }
 
-/// What an error of the start is at the end of a step that swings it by this lever.
+/// Error of the pose at the end of a step with this lever by an error of the start.
 #[inline(always)]
 fn carry([x, y]: [f64; 2], error: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(error.x + x * error.z, error.y + y * error.z, error.z)
 }
 
-/// What one displacement in body axes may be off by.
+/// Errors of one displacement in body axes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StepNoise {
     /// Covariance of all that errs in this step alone.
@@ -156,8 +156,8 @@ pub(crate) struct Bias {
 }
 
 impl Bias {
-    /// Goes along one step that is off by `by_bias` times its error, and wanders by a variance: what that adds to the
-    /// covariance of the pose.
+    /// Propagates the bias through one step whose end is off by `by_bias` times its error, and adds the variance of its
+    /// random walk. Returns the covariance that this adds to the pose.
     #[inline(always)]
     pub fn lean<F: Arithmetic<Number = f64>>(
         &mut self,
@@ -175,7 +175,7 @@ impl Bias {
     }
 }
 
-/// What one deviation of the dimensions makes of a pose, and of the zero of a yaw sensor that was read there.
+/// Error of a pose by one deviation of the dimensions, and of the zero of a yaw sensor that was read there.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lasting {
     pub pose: Vector3<f64>,
@@ -279,13 +279,13 @@ impl Uncertainty {
         self.carry_yaw_offset(step.lever());
     }
 
-    /// What steps came to that went along by registers.
+    /// Sets both parts of the covariance after steps that were made by registers.
     #[inline(always)]
     pub fn settle(&mut self, settled: Spread, open: Spread) {
         (self.settled, self.open) = (settled, open);
     }
 
-    /// Whether a gyroscope's last reading still counts.
+    /// True if the error of a gyroscope's last reading still counts.
     pub fn leans_on_gyroscope(&self) -> bool {
         self.carried.last() != Some(&[0.0; 3])
     }

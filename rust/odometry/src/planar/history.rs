@@ -44,7 +44,7 @@ pub(crate) struct History {
     /// Number of the oldest entry and of the next one.
     pub(crate) first: u64,
     pub(crate) next: u64,
-    /// Where the oldest correction is, once there is no room for more.
+    /// Place of the oldest correction, once there is no room for more.
     pub(crate) oldest_correction: usize,
     /// Samples to keep at most.
     pub(crate) most: usize,
@@ -109,7 +109,7 @@ impl History {
         self.grow()
     }
 
-    /// Whether more samples may have to be kept than there is room for now.
+    /// True if more samples may have to be kept than there is room for now.
     pub fn may_grow(&self) -> bool {
         self.entries.len() < self.most
     }

@@ -15,8 +15,9 @@ use crate::uncertainty::Turned;
 const FEW: usize = 4;
 
 impl Odometry {
-    /// A usual sample by registers. Whether a wheel slips, and what a gyroscope turned; nothing, and nothing has changed,
-    /// where the sample is none, the rover stands, or it may have to be refused.
+    /// Takes in a usual sample by registers. Returns true if a wheel slips, and the turn by the gyroscope [rad].
+    /// Returns None, with nothing changed, where the sample is unusual, the rover stands, or the sample may have to be
+    /// refused.
     #[inline]
     pub(crate) fn step(&mut self, sample: &Sample<'_>) -> Option<(bool, Option<f64>)> {
         let reference = &self.reference;
@@ -66,7 +67,7 @@ impl Odometry {
         Some((slips, turned.map(|turned| turned.turn)))
     }
 
-    /// What every wheel turned between two readings, as far as they are running totals [rad].
+    /// Rotation of every wheel between two readings that are running totals [rad].
     #[inline]
     fn turned_between<'a>(&'a self, [before, after]: [&'a [f64]; 2]) -> impl Iterator<Item = f64> {
         let counts = before.iter().zip(after).enumerate();

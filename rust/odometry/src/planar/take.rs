@@ -1,4 +1,4 @@
-//! How a sample is taken in: checked, turned into a step, and made the one from which the next one counts.
+//! Update by one sample: it is checked, turned into a step, and made the one from which the next one counts.
 
 use super::Odometry;
 use super::advance::{advance, meet_yaw};
@@ -131,7 +131,8 @@ impl Odometry {
         self.reference.yaw_rate = sample.yaw_rate;
     }
 
-    /// What wheels and joints turned since the reference. Whether a counter started over.
+    /// Writes the rotations of wheels and the angles of joints since the reference [rad]. Returns true if a counter
+    /// started over.
     pub(crate) fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
         let mut wrapped = false;
         let pairs = self.reference.wheels.iter().zip(sample.wheels);
@@ -188,8 +189,8 @@ impl Odometry {
         meet_yaw(&mut self.state, yaw, self.settings.noise.yaw);
     }
 
-    /// Whether wheels and gyroscope agree that the rover stands: no wheel rolls, and what the gyroscope reads may well be
-    /// its bias.
+    /// True if wheels and gyroscope agree that the rover stands: no wheel rolls, and the reading of the gyroscope may
+    /// well be its bias.
     #[inline]
     pub(crate) fn stands(&self, rate: f64, bias: Option<Bias>, dt: f64, turned: impl Iterator<Item = f64>) -> bool {
         let (Some(known), Some(bias)) = (self.settings.gyroscope, bias) else {

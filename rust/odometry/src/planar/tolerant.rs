@@ -130,7 +130,7 @@ impl Odometry {
         Ok(flags)
     }
 
-    /// Where the rover is, into a row.
+    /// Writes pose and covariance to a row.
     pub(crate) fn tell(&self, k: usize, track: &mut TrackRows<'_>) {
         track.poses[k] = self.pose().into();
         if let Some(covariances) = &mut track.covariances {

@@ -81,7 +81,7 @@ fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
 }
 
-/// How a displacement in the plane of the wheels enters one in space.
+/// The matrix that takes a displacement in the plane to a tangent in space.
 fn embedding() -> Matrix6x3<f64> {
     let mut embedding = Matrix6x3::zeros();
     for (k, row) in PLANE.into_iter().enumerate() {

@@ -54,7 +54,7 @@ pub(crate) struct Follow<'a> {
 }
 
 impl Follow<'_> {
-    /// How many rows were usual.
+    /// Integrates the rows and returns the number of usual ones.
     pub fn go(self) -> usize {
         let level = self.room.level;
         level.run(self).unwrap_or(0)
@@ -140,7 +140,7 @@ macro_rules! in_parts {
     };
 }
 
-/// What the parts come to, added as the lanes of a register are.
+/// Sum of the parts, added in the order of a register's lanes.
 #[inline(always)]
 fn total<S: Vector, const N: usize>(mut sums: [[Lanes<S>; N]; PARTS]) -> [Lanes<S>; N] {
     let mut parts = PARTS;
@@ -286,7 +286,7 @@ fn step<S: Vector>(
     true
 }
 
-/// In which steps a wheel slid further than the noise explains, and than the rounding of the others' fit.
+/// True in the steps in which a wheel slid further than the noise and the rounding of the others' fit explain.
 #[inline(always)]
 fn beyond_rounding<S: Vector>(simd: S, room: &Room, suspects: Mask<S>) -> Mask<S> {
     let here = Register(simd, 0);
@@ -390,7 +390,7 @@ fn join<S: Vector>(simd: S, plan: &Plan, sums: &mut Sums<S>, leans: bool, k: usi
     store(own.into(), &mut block.own, k);
 }
 
-/// What only goes from row to row: the pose, and what is settled of its covariance.
+/// Sums that go from row to row: the pose, and the settled part of its covariance.
 #[inline(always)]
 fn sum(count: usize, block: &mut Block, state: &mut State) {
     let uncertainty = &mut state.uncertainty;

@@ -1,4 +1,4 @@
-//! What the kernel of a step of odometry needs to know of a rover and its encoders, and its memory.
+//! Constants of a rover and its encoders for the kernel of a step of odometry, and its memory.
 
 use nalgebra::Vector3;
 
@@ -15,7 +15,7 @@ use six_wheel_numerics::simd::polynomials::LARGEST_ANGLE;
 /// Three numbers per wheel.
 pub(crate) type Triple = [Eight; 3];
 
-/// What the kernel needs to know of a rover and its encoders, and its memory.
+/// Constants of a rover and its encoders for the kernel of a step, and its memory.
 ///
 /// What holds: the wheels stand in the lanes in [`order`], steered ones first, so steered wheel `k` of the rover is
 /// lane `k % GROUP` of group `k / GROUP`. Lanes without a wheel hold zeros: their radius, rows and shares are 0, so they
@@ -35,9 +35,9 @@ pub(crate) struct Plan {
 pub(crate) struct Group {
     /// Index of each wheel in the rover; [`usize::MAX`] where there is none.
     pub(crate) wheels: [usize; GROUP],
-    /// How many there are: lanes `0..count`.
+    /// Number of wheels: lanes `0..count`.
     pub(crate) count: usize,
-    /// How many of them are steered: lanes `0..steered`.
+    /// Number of steered wheels: lanes `0..steered`.
     pub(crate) steered: usize,
     /// 1 for a steered wheel, 0 for another.
     pub(crate) steers: Eight,
@@ -60,7 +60,7 @@ pub(crate) struct Group {
     pub(crate) passed_on: Eight,
 }
 
-/// What is kept of eight wheels between the two halves of a step.
+/// Memory of eight wheels between the two halves of a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Room {
     /// [`Group::shares`] with the wheel pointing where it pointed in the middle of the step.
@@ -84,7 +84,8 @@ impl Group {
 }
 
 impl Plan {
-    /// How steps are made by registers: totals, wheels that weigh and slip alike, dimensions that are known.
+    /// Constants for settings that the kernel serves: totals, wheels that weigh and slip alike, dimensions that are
+    /// known.
     pub fn of(settings: &Settings, rover: &Rover) -> Option<Self> {
         let castors = || rover.wheels().iter().any(|wheel| wheel.pivot == Pivot::Castor);
         let is_plain = settings.readings == Readings::Angles

@@ -1,4 +1,4 @@
-//! What a wheel says of a step: the lanes of a register are the wheels of one step, or one wheel in successive steps.
+//! Share of the wheels in a step: the lanes of a register are the wheels of one step, or one wheel in successive steps.
 
 use super::plan::{Group, Room, Triple};
 use super::terms::{LARGEST_STEP, SURELY, Terms};
@@ -60,7 +60,7 @@ impl Terms<f64> {
     }
 }
 
-/// Which numbers of a group of wheels are in a register: those of register `k`, or everywhere that of one wheel.
+/// Source of the lanes: the numbers of register `k` of a group, or the number of one wheel in all lanes.
 pub(crate) trait Pick<S: Vector>: Copy {
     fn of(self, numbers: &Eight) -> Lanes<S>;
 
@@ -139,8 +139,8 @@ impl<S: Vector> Squares<S> {
     }
 }
 
-/// Takes in what wheels counted, and where they are steered, the middle angle and the turn of their joints [rad]: adds what
-/// they say of the displacement. Where that is of a usual size.
+/// Adds the share of these wheels to the least-squares displacement [m, m, rad], by their counts and the middle angle
+/// and turn of their joints [rad]. Returns the lanes whose readings are of a usual size.
 #[inline(always)]
 pub(crate) fn listen<S: Vector, P: Pick<S>>(
     simd: S,
@@ -181,8 +181,8 @@ pub(crate) fn listen<S: Vector, P: Pick<S>>(
     usual
 }
 
-/// How far wheels disagree with the displacement, and what it may be off by for them. Which of them slid further than the
-/// noise explains, but for rounding.
+/// Adds the share of these wheels to the covariance of the displacement, and keeps their residuals [m] and variances
+/// [m²]. Returns the lanes that slid further than the noise explains, but for rounding.
 #[inline(always)]
 pub(crate) fn disagree<S: Vector, P: Pick<S>>(
     simd: S,
@@ -223,7 +223,7 @@ pub(crate) fn disagree<S: Vector, P: Pick<S>>(
     }
 }
 
-/// What half the deviation of a steering angle does to the displacement.
+/// Error of the displacement by half the deviation of a steering angle [m, m, rad].
 #[inline(always)]
 pub(crate) fn lean<S: Vector, P: Pick<S>>(
     simd: S,

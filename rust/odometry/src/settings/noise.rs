@@ -1,4 +1,4 @@
-//! How far readings and wheels may err: standard deviations, and how they grow.
+//! Standard deviations of readings and wheels, and their growth.
 
 use six_wheel_numerics::error::{Error, number};
 
@@ -38,7 +38,7 @@ impl Noise {
     pub const READINGS: Self =
         Self { speed: 0.01, steering: 0.009, slip: 0.0, side_slip: 0.0, yaw: 0.0, yaw_rate: 0.0, period: None };
 
-    /// Whether nobody measured what wheels err by.
+    /// True if the noise of the wheels is the default one, which is a guess.
     pub(crate) fn is_guess(&self) -> bool {
         let wheels = |noise: &Self| [noise.speed, noise.steering, noise.slip, noise.side_slip];
         wheels(self) == wheels(&Self::default())
@@ -69,7 +69,7 @@ impl Noise {
         }
     }
 
-    /// How many independent errors of readings a step holds for one: their variances are multiplied by this.
+    /// Factor of the variances of readings in a step, `period / dt`; 1 without a period.
     #[inline]
     pub fn sharing(&self, dt: f64) -> f64 {
         self.period.map_or(1.0, |period| period / dt)

@@ -33,7 +33,7 @@ const SINE: [f64; 6] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110
 const COSINE: [f64; 6] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0];
 const SLOPE: [f64; 6] = [1.0 / 10.0, 1.0 / 28.0, 1.0 / 54.0, 1.0 / 88.0, 1.0 / 130.0, 1.0 / 180.0];
 
-/// How an arc bends that turns by twice this: its chord as a share of its length, the slope of that, sine and cosine.
+/// Factors of an arc by half its turn h: `sin h / h` (chord over length), its derivative by h, `sin h` and `cos h`.
 pub(crate) type Bend<T> = [T; 4];
 
 /// Of an arc whose half turn is below [`SMALL_TURN`].
@@ -55,7 +55,7 @@ pub(crate) fn bend<F: Arithmetic<Number = f64>>(by: F, half: f64) -> Bend<f64> {
     [length, (cos - length) / half, sin, cos]
 }
 
-/// How the pose at the end of a step answers to heading `(sin, cos)` at its start and displacement.
+/// Derivatives of the pose at the end of a step, from the heading `(sin, cos)` at its start and the displacement.
 #[inline(always)]
 pub(crate) fn step_jacobian<F: Arithmetic>(
     by: F,

@@ -1,23 +1,23 @@
-//! What a gyroscope says of a step, in numbers or registers of steps: how it shares the displacement with the wheels, and how
-//! the error of its bias goes along. The plain core's are `Workspace::fuse` and `Uncertainty::lean_on_bias`.
+//! Fusion of a gyroscope with the wheels in a step, and the propagation of the error of its bias, in numbers or
+//! registers of steps. The plain core's are `Workspace::fuse` and `Uncertainty::lean_on_bias`.
 
 use crate::arithmetic::Arithmetic;
 use crate::spread::Spread;
 
-/// What a gyroscope says of a step.
+/// Measurement of a gyroscope in a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turned<T> {
     /// 1, or 0 where it says nothing: then its gain is 0, which changes nothing.
     pub says: T,
-    /// What it turned, its bias taken off [rad].
+    /// Its turn less its bias [rad].
     pub turn: T,
-    /// What the deviation of a reading at either end makes of that [rad].
+    /// Deviation of that by a reading at one end [rad].
     pub deviation: T,
     /// Variance of the bias at the start [rad²/s²].
     pub bias_variance: T,
 }
 
-/// By how much each part of a displacement follows what a gyroscope turned beyond it.
+/// Gain K of each part of a displacement, by the turn of the gyroscope beyond that of the wheels.
 pub(crate) type Gain<T> = [T; 3];
 
 /// The gain, of wheels whose displacement has this covariance, and the variance that it is divided by: where that is not
@@ -37,7 +37,7 @@ pub(crate) fn gain<F: Arithmetic>(
     (gain, variance)
 }
 
-/// What is left of an error of the wheels' displacement.
+/// Error of the fused displacement by an error e of the wheels' displacement: `(I - K H) e`.
 #[inline(always)]
 pub(crate) fn left<F: Arithmetic>(
     by: F,
@@ -71,8 +71,8 @@ pub(crate) fn agreed<F: Arithmetic>(
     [by.fused(gain[0], beyond, x), by.fused(gain[1], beyond, y), by.fused(gain[2], beyond, z)]
 }
 
-/// An error that was there before a step, at its end, where the step has the error `end` of the same origin: `lever` is by
-/// what an error of the yaw swings the end.
+/// Propagates a pose error through one step: `e' = F e + end`, `F = [[1, 0, lever_x], [0, 1, lever_y], [0, 0, 1]]`,
+/// with `lever = d(end position) / d(yaw)` [m].
 #[inline(always)]
 pub(crate) fn met<F: Arithmetic>(
     by: F,
@@ -83,8 +83,8 @@ pub(crate) fn met<F: Arithmetic>(
     [by.fused(lever_x, z, x + end[0]), by.fused(lever_y, z, y + end[1]), z + end[2]]
 }
 
-/// What a step adds to the covariance of the pose as it leans on a gyroscope, by whose bias the end is off by `by_bias`
-/// times as much: `cross` is the covariance with the pose at the start.
+/// Covariance that the gyroscope bias b adds in one step: `c g^T + g c^T`, with `g = d(end) / db` (`by_bias`) and `c =
+/// F cov(pose, b) + g var(b) / 2`; `cross` is `cov(pose, b)` at the start.
 #[inline(always)]
 pub(crate) fn leant<F: Arithmetic>(
     by: F,

@@ -1,10 +1,10 @@
-//! Rows of a log taken apart: what wheels and joints did in every step.
+//! Splits the rows of a log into columns of steps.
 
 use super::{Block, Room, Rows};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::weave::unweave;
 
-/// What wheels and joints did in every step, by columns.
+/// Splits rows into columns of steps: counts of wheels, middle angles and turns of joints [rad], durations [s].
 #[inline(always)]
 pub(crate) fn apart<S: Vector>(
     simd: S,

@@ -1,4 +1,4 @@
-//! What a block of a log needs of any rover, and its rows on their way out.
+//! Memory of a block of a log that is the same for every rover, and the output of its rows.
 
 use std::ops::Range;
 
@@ -20,16 +20,16 @@ pub(crate) struct Rows<'a> {
     pub steering: &'a [f64],
     pub stamps: &'a [f64],
     pub settings: &'a Settings,
-    /// Whether a gyroscope has a say, or had in the row before; what it says is in the block.
+    /// True if a gyroscope is fused in these rows, or was in the row before; its columns are in the block.
     pub leans: bool,
 }
 
-/// What a block needs of any rover.
+/// Memory of a block that is the same for every rover.
 pub(crate) struct Block {
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
     pub slips: Column,
-    /// What a gyroscope says of every step: [`Turned`](crate::uncertainty::Turned), where it has a say.
+    /// Gyroscope of every step, in the fields of [`Turned`](crate::uncertainty::Turned), where one is fused.
     pub says: Column,
     pub turn: Column,
     pub bias: Column,

@@ -1,4 +1,4 @@
-//! What a block of a log needs as much of as the rover has wheels and joints.
+//! Memory of a block of a log that grows with the number of wheels and joints.
 
 use super::led::{LEAD, Led};
 use crate::registers::plan::{Plan, Room as Place};
@@ -6,8 +6,8 @@ use six_wheel_kinematics::one_row::inverse::GROUP;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::weave::{BLOCK, Column};
 
-/// What a block needs as much of as the rover has wheels. Written by every block before it is read, but for the row before
-/// it in `ends`, which comes from the state.
+/// Memory of a block per wheel and joint. Written by every block before it is read, but for the row before it in
+/// `ends`, which comes from the state.
 pub(crate) struct Room {
     pub(crate) level: Level,
     /// Row by row: what is taken apart into columns next.
