@@ -21,7 +21,7 @@ const DURATION_ACCURACY: f64 = 1e-14;
 const PANELS: usize = 4096;
 
 /// Constant wheel speeds that turn the free pair from one angle to another under way, and the twist at the end.
-pub(super) struct Glide {
+pub(super) struct PivotTransition {
     pub speeds: Drives,
     pub duration: f64,
     pub twist: Twist,
@@ -36,7 +36,7 @@ impl FourAxle {
         pair: Pair,
         goal: &Axles,
         rate: f64,
-    ) -> Result<Glide, String> {
+    ) -> Result<PivotTransition, String> {
         let path = Path::new(self, start, twist, pair, goal)?;
         let speed = self.hinge_speed(twist);
         let mut last = String::new();
@@ -45,7 +45,7 @@ impl FourAxle {
             let speeds = path.wheel_speeds(end, speed, rate);
             match path.duration(&speeds, speed, rate) {
                 Ok((duration, twist)) => {
-                    return Ok(Glide { speeds, duration, twist });
+                    return Ok(PivotTransition { speeds, duration, twist });
                 }
                 Err(refusal) => last = refusal,
             }

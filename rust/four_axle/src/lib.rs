@@ -28,7 +28,7 @@ use six_wheel_numerics::jacobi::Jacobi;
 
 pub use brakes::{Brake, Brakes, Pair};
 pub use flow::Track;
-pub use plan::{Pace, Plan, Steer};
+pub use plan::{Pace, Sequence, Steer};
 
 /// Side slip per distance driven up to which axles count as concurrent, unless the caller knows better: what
 /// pivot encoders of 13 bits, 0.8 mrad apart, leave open.

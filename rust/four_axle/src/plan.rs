@@ -10,7 +10,7 @@ use std::str::FromStr;
 
 use nalgebra::Vector3;
 
-use super::glide::Glide;
+use super::glide::PivotTransition;
 use super::{Axles, Brake, Brakes, Drives, FourAxle, Pair, State, Step};
 use six_wheel_kinematics::admissible::SLIP_TOLERANCE;
 use six_wheel_kinematics::geometry::Twist;
@@ -71,7 +71,7 @@ impl Pace {
 
 /// Steps from one turn to another.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct Sequence {
     /// In order; each was checked at the angles where it begins.
     pub steps: Vec<Step>,
     /// True if the robot has to stand in between.
@@ -81,7 +81,7 @@ pub struct Plan {
 }
 
 /// A sequence that grows by one step at a time.
-struct Draft<'a> {
+struct SequenceBuilder<'a> {
     car: &'a FourAxle,
     state: State,
     twist: Twist,
@@ -90,7 +90,7 @@ struct Draft<'a> {
 
 impl FourAxle {
     /// Re-aims the axles for a curve [1/m]; 0 is straight ahead.
-    pub fn turn_sequence(&self, start: State, curvature: f64, steer: Steer, pace: Pace) -> Result<Plan, Error> {
+    pub fn turn_sequence(&self, start: State, curvature: f64, steer: Steer, pace: Pace) -> Result<Sequence, Error> {
         finite("curvature", &[curvature])?;
         let abreast = match steer {
             Steer::Both => 0.0,
@@ -105,7 +105,7 @@ impl FourAxle {
     }
 
     /// Re-aims the axles at a point [m], standing if need be: (0, 0) to spin in place.
-    pub fn aim_sequence(&self, start: State, icr: [f64; 2], pace: Pace) -> Result<Plan, Error> {
+    pub fn aim_sequence(&self, start: State, icr: [f64; 2], pace: Pace) -> Result<Sequence, Error> {
         let named = |error: Error| Error { argument: "icr".into(), value: numbers(&icr), ..error };
         let goal = self.aim(super::turn_about(icr)?, &start.angles).map_err(named)?;
         self.plan(start, goal, pace)
@@ -123,12 +123,12 @@ impl FourAxle {
             return Err(Error::value("angles", rule, numbers(&start.angles)));
         }
         let twist = times(mobility.least(), speed);
-        let mut draft = Draft { car: self, state: start, twist, steps: Vec::new() };
+        let mut draft = SequenceBuilder { car: self, state: start, twist, steps: Vec::new() };
         draft.go_on("drive", brakes, duration)?;
         draft.steps.pop().ok_or_else(|| Error::value("duration", "make a step", number(duration)))
     }
 
-    fn plan(&self, start: State, goal: Axles, pace: Pace) -> Result<Plan, Error> {
+    fn plan(&self, start: State, goal: Axles, pace: Pace) -> Result<Sequence, Error> {
         pace.check()?;
         self.check_angles(&start.angles)?;
         finite("pose", &<[f64; 3]>::from(start.pose))?;
@@ -149,7 +149,7 @@ impl FourAxle {
                 for first in [Pair::Rear, Pair::Front] {
                     match self.under_way(start, &via, first, pace) {
                         Ok(steps) => {
-                            return Ok(Plan { steps, stops: false, reason });
+                            return Ok(Sequence { steps, stops: false, reason });
                         }
                         Err(refusal) => refusals.push(refusal),
                     }
@@ -160,7 +160,7 @@ impl FourAxle {
                 }
             }
         }
-        Ok(Plan { steps: self.standing(start, goal, pace)?, stops: true, reason })
+        Ok(Sequence { steps: self.standing(start, goal, pace)?, stops: true, reason })
     }
 
     /// Six steps for every leg: free, turn, lock the one pair, then the other. Pairs that stay are left out.
@@ -170,7 +170,7 @@ impl FourAxle {
             return Err("the axle lines do not share one point to begin with".into());
         }
         let mut draft =
-            Draft { car: self, state: start, twist: times(mobility.least(), pace.speed), steps: Vec::new() };
+            SequenceBuilder { car: self, state: start, twist: times(mobility.least(), pace.speed), steps: Vec::new() };
         for leg in legs {
             for pair in [first, first.other()] {
                 if !differ(&draft.state.angles, leg, pair) {
@@ -186,7 +186,7 @@ impl FourAxle {
     /// Stop, turn one axle pair about its hinges while the other pair and its wheels hold the body, then the
     /// other.
     fn standing(&self, start: State, goal: Axles, pace: Pace) -> Result<Vec<Step>, Error> {
-        let mut draft = Draft { car: self, state: start, twist: Twist::ZERO, steps: Vec::new() };
+        let mut draft = SequenceBuilder { car: self, state: start, twist: Twist::ZERO, steps: Vec::new() };
         draft.set("stop", start.brakes)?;
         let turning: Vec<Pair> =
             [Pair::Rear, Pair::Front].into_iter().filter(|pair| differ(&start.angles, &goal, *pair)).collect();
@@ -215,7 +215,7 @@ impl FourAxle {
     }
 }
 
-impl Draft<'_> {
+impl SequenceBuilder<'_> {
     /// Changes brakes, in no time.
     fn set(&mut self, action: &str, brakes: Brakes) -> Result<(), Error> {
         self.go_on(action, brakes, 0.0)
@@ -240,7 +240,7 @@ impl Draft<'_> {
     }
 
     /// Frees a pair, lets its wheels turn it under way, and locks it.
-    fn turn(&mut self, pair: Pair, goal: &Axles, glide: &Glide, pace: Pace) -> Result<(), Error> {
+    fn turn(&mut self, pair: Pair, goal: &Axles, glide: &PivotTransition, pace: Pace) -> Result<(), Error> {
         let free = self.state.brakes.with(pair, Brake::Free);
         self.set(&format!("free {}", pair.name()), free)?;
         self.state = self.car.advance(self.state, &glide.speeds, glide.duration)?;

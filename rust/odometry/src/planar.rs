@@ -17,7 +17,7 @@ use self::history::History;
 pub use self::suspect::Suspect;
 use crate::health::Health;
 use crate::motion::Motion;
-use crate::registers::Plan;
+use crate::registers::StepConstants;
 use crate::settings::{Readings, Settings};
 use crate::spread::Spread;
 use crate::state::{State, check_covariance, check_pose};
@@ -52,7 +52,7 @@ pub struct Odometry {
     pub(crate) health: Health,
     pub(crate) work: Workspace,
     /// Constants of the kernel of a usual step; None where there is no kernel.
-    pub(crate) plan: Option<Plan>,
+    pub(crate) plan: Option<StepConstants>,
     pub(crate) turned: Vec<f64>,
     pub(crate) angles: Vec<f64>,
     pub(crate) history: History,
@@ -85,7 +85,7 @@ impl Odometry {
             residual: vec![0.0; wheels],
             health: Health::GOOD,
             work: Workspace::new(&rover, &settings),
-            plan: Plan::of(&settings, &rover),
+            plan: StepConstants::of(&settings, &rover),
             turned: vec![0.0; wheels],
             angles: vec![0.0; joints],
             rover,

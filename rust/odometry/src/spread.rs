@@ -222,7 +222,7 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Spread<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::arithmetic::Apart;
+    use super::super::arithmetic::Unfused;
     use super::*;
 
     #[test]
@@ -235,9 +235,9 @@ mod tests {
         assert!((spread.image(&a).matrix() - whole).amax() < 1e-14);
         let lever = [0.4, -0.9];
         let swing = Matrix3::new(1.0, 0.0, lever[0], 0.0, 1.0, lever[1], 0.0, 0.0, 1.0);
-        assert!((spread.swung(Apart, lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14);
+        assert!((spread.swung(Unfused, lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14);
         let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.0, 0.0, 1.0);
-        let displaced = spread.displaced(Apart, &[[1.0, 0.2, -0.4], [0.5, -1.0, 0.3]]);
+        let displaced = spread.displaced(Unfused, &[[1.0, 0.2, -0.4], [0.5, -1.0, 0.3]]);
         assert!((displaced.matrix() - spread.image(&a).matrix()).amax() < 1e-14);
         assert_eq!(Spread::of(&spread.matrix()), spread);
     }

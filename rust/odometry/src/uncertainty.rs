@@ -18,8 +18,10 @@ use nalgebra::{Matrix3, Vector3};
 
 mod turned;
 
-pub(crate) use self::turned::{Turned, agreed, gain, leant, left, left_of, met};
-use super::arithmetic::{Apart, Arithmetic};
+pub(crate) use self::turned::{
+    Turned, bias_covariance, fused_displacement, gain, propagate_error, remaining_covariance, remaining_error,
+};
+use super::arithmetic::{Arithmetic, Unfused};
 use super::spread::Spread;
 use six_wheel_numerics::jacobi::Jacobi;
 
@@ -159,7 +161,7 @@ impl Bias {
     /// Propagates the bias through one step whose end is off by `by_bias` times its error, and adds the variance of its
     /// random walk. Returns the covariance that this adds to the pose.
     #[inline(always)]
-    pub fn lean<F: Arithmetic<Number = f64>>(
+    pub fn propagate<F: Arithmetic<Number = f64>>(
         &mut self,
         by: F,
         lever: [f64; 2],
@@ -167,9 +169,9 @@ impl Bias {
         wandered: f64,
     ) -> Spread {
         let cross = self.cross.into();
-        let added = leant(by, lever, cross, by_bias, self.variance);
+        let added = bias_covariance(by, lever, cross, by_bias, self.variance);
         let end = by_bias.map(|part| part * self.variance);
-        self.cross = met(by, lever, cross, end).into();
+        self.cross = propagate_error(by, lever, cross, end).into();
         self.variance += wandered;
         added
     }
@@ -252,7 +254,7 @@ impl Uncertainty {
     /// The same without a negative variance in any direction, rounding or not.
     #[inline]
     pub fn reported(&self) -> Spread {
-        let covariance = rounded(Apart, self.covariance());
+        let covariance = rounded(Unfused, self.covariance());
         if covariance.may_be_negative() {
             return covariance.without_negative();
         }
@@ -264,7 +266,7 @@ impl Uncertainty {
         for (lasting, by) in self.lasting.iter_mut().zip(&noise.lasting) {
             lasting.pose = carry(step.lever(), &lasting.pose) + step.map(by);
         }
-        let mut settled = self.settled.swung(Apart, step.lever());
+        let mut settled = self.settled.swung(Unfused, step.lever());
         settled.add_spread(&noise.own.image(&step.matrix()));
         let ends = noise.old.iter().zip(&noise.new);
         self.open = Spread::default();
@@ -295,7 +297,7 @@ impl Uncertainty {
     pub fn lean_on_bias(&mut self, step: &StepJacobian, gain: &Vector3<f64>, dt: f64, walk: f64) {
         if let Some(bias) = &mut self.bias {
             let by_bias = step.map(&(gain * -dt)).into();
-            let added = bias.lean(Apart, step.lever(), by_bias, walk);
+            let added = bias.propagate(Unfused, step.lever(), by_bias, walk);
             self.settled.add_spread(&added);
         }
     }

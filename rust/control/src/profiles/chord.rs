@@ -97,7 +97,7 @@ pub(crate) struct Chord {
 }
 
 /// A chord that can be driven, or the reason why it cannot.
-pub(crate) enum Way {
+pub(crate) enum ChordFeasibility {
     /// Angles at the start, which those at hand may have to be brought to first.
     Open(Chord),
     /// The reason, in words.
@@ -113,7 +113,7 @@ fn rests(twist: Twist, x: f64, y: f64) -> bool {
 
 impl Chord {
     /// The chord from one twist to another with wheels that stand at these angles; both twists must be possible.
-    pub fn between(rover: &Rover, start: Twist, end: Twist, angles: &[f64]) -> Way {
+    pub fn between(rover: &Rover, start: Twist, end: Twist, angles: &[f64]) -> ChordFeasibility {
         let mut aligned = angles.to_vec();
         let mut speeds = vec![0.0; rover.wheels().len()];
         let inputs = Inputs { previous: Some(angles), ..Inputs::default() };
@@ -144,16 +144,16 @@ impl Chord {
             if turns && least < TOO_CLOSE * change.norm() {
                 let name = &wheel.name;
                 let why = format!("the centre of rotation would pass over the pivot of {name:?}");
-                return Way::Closed(why.into());
+                return ChordFeasibility::Closed(why.into());
             }
             let last = joint.angle + joint.swept(1.0);
             if last < range.lower - ANGLE_TOLERANCE || last > range.upper + ANGLE_TOLERANCE {
                 let why = format!("{:?} would have to steer to {}, outside {range}", wheel.name, radians(last));
-                return Way::Closed(why.into());
+                return ChordFeasibility::Closed(why.into());
             }
             joints.push(joint);
         }
-        Way::Open(Self { start: start.into(), end: end.into(), joints })
+        ChordFeasibility::Open(Self { start: start.into(), end: end.into(), joints })
     }
 
     /// Change of the twist over the chord.

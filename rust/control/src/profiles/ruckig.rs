@@ -6,7 +6,7 @@ use rsruckig::prelude::{DataArrayOrVec, InputParameter, Ruckig, Synchronization,
 use rsruckig::profile::Profile as Found;
 
 use super::limits::{Bounds, Moving, Synchronise};
-use super::{Axis, Piece, Profile, coast};
+use super::{Axis, Piece, Profile, constant_jerk_state};
 use six_wheel_numerics::error::{Error, numbers};
 
 /// Share by which a found profile may pass a limit or miss its end: rounding, and what Ruckig tolerates.
@@ -187,7 +187,7 @@ fn read(found: &Found, units: &Units, axis: usize, start: &Moving, end: &Moving,
     for (length, state) in before.chain(after) {
         let (length, state) = (length * units.time, back(state));
         pieces.push(Piece { start: duration, state });
-        last = coast(state, length);
+        last = constant_jerk_state(state, length);
         duration += length;
     }
     if pieces.is_empty() {
@@ -215,7 +215,7 @@ fn is_sound(axis: &Axis, units: &Units, i: usize, start: &Moving, end: &Moving, 
             return false;
         }
         let next = axis.pieces.get(k + 1).map_or(axis.duration, |next| next.start);
-        value = coast(piece.state, next - piece.start)[0];
+        value = constant_jerk_state(piece.state, next - piece.start)[0];
     }
     let [velocity, acceleration, jerk] = axis.peaks();
     let fastest = bounds.velocity.max(-bounds.minimum_velocity);

@@ -289,7 +289,7 @@ fn excess(chord: &Chord, laws: &[Law], smooth: &Smoothness, axis: &Axis) -> f64 
     let ends = || starts.clone().skip(1).chain([axis.duration]);
     let worst_of = |piece: &Piece, end: f64, checks: usize| {
         let step = (end - piece.start) / checks as f64;
-        let states = (0..=checks).map(|check| super::coast(piece.state, step * check as f64));
+        let states = (0..=checks).map(|check| super::constant_jerk_state(piece.state, step * check as f64));
         states.fold(0.0, |worst: f64, state| worst.max(strain(chord, laws, smooth, state)))
     };
     let coarse = axis.pieces.iter().zip(ends()).map(|(piece, end)| worst_of(piece, end, CHECKS));
@@ -354,7 +354,7 @@ fn average(axis: &Axis, width: f64) -> Axis {
         let acceleration = (ahead[1] - behind[1]) / width - jerk * (middle - time);
         let state = [value, (now[0] - before[0]) / width, acceleration, jerk];
         pieces.push(Piece { start: time, state });
-        value = super::coast(state, end - time)[0];
+        value = super::constant_jerk_state(state, end - time)[0];
     }
     Axis { pieces, duration, end: [1.0, 0.0, 0.0, 0.0] }
 }

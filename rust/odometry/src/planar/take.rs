@@ -16,20 +16,20 @@ impl Odometry {
     /// Takes in a sample. On failure nothing has changed.
     #[inline]
     pub fn update(&mut self, sample: Sample<'_>) -> Result<Health, Error> {
-        self.take(sample).map_err(|refusal| refusal.error)
+        self.try_update(sample).map_err(|refusal| refusal.error)
     }
 
     #[inline]
-    pub(crate) fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+    pub(crate) fn try_update(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.history.make_room(sample.stamp).map_err(|error| Refusal::new(Health::GOOD, error))?;
         match self.step(&sample) {
-            Some((slips, gyro_turn)) => Ok(self.conclude(&sample, Health::SLIP.when(slips), gyro_turn)),
-            None => self.take_any(sample),
+            Some((slips, gyro_turn)) => Ok(self.commit_sample(&sample, Health::SLIP.when(slips), gyro_turn)),
+            None => self.update_any(sample),
         }
     }
 
     /// Any sample.
-    fn take_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+    fn update_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.check_numbers(&sample).map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
         if !self.reference.known {
             if let Some(held) = self.history.commanded.filter(|held| sample.stamp < *held) {
@@ -59,7 +59,7 @@ impl Odometry {
         {
             self.rest(rate, dt);
             let flags = Health::WRAPPED.when(wrapped);
-            return Ok(self.conclude(&sample, flags, None));
+            return Ok(self.commit_sample(&sample, flags, None));
         }
         let before = self.reference.yaw_rate;
         let gyro_turn = sample.yaw_rate.map(|rate| gyroscope::turn(before, rate, bias, dt));
@@ -78,12 +78,12 @@ impl Odometry {
             *residual = slid / dt;
         }
         let flags = Health::WRAPPED.when(wrapped) | Health::SLIP.when(self.work.slips);
-        Ok(self.conclude(&sample, flags, gyro_turn))
+        Ok(self.commit_sample(&sample, flags, gyro_turn))
     }
 
     /// Takes a sample whose step has been made as the one from which the next one counts.
     #[inline]
-    pub(crate) fn conclude(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
+    pub(crate) fn commit_sample(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
         let reference = &mut self.reference;
         let dt = sample.stamp - reference.stamp;
         let is_gap = self.settings.max_gap.is_some_and(|gap| dt > gap);

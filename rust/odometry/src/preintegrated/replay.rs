@@ -189,7 +189,7 @@ impl Sums {
             let by_turn = if from_attitude { gain } else { Vector3::zeros() };
             self.tilt(of, &turned, &relative, &by_turn, &answer);
         }
-        odometry.conclude(&sample, Health::GOOD, gyro_turn);
+        odometry.commit_sample(&sample, Health::GOOD, gyro_turn);
         Ok(step)
     }
 

@@ -23,11 +23,11 @@ pub(crate) type Triple = [Eight; 3];
 /// measure nothing. A plan exists only where the solution of the least squares is a constant of the rover, so `shares`
 /// are constants too. `rooms` are written by every step before they are read and mean nothing between steps.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+pub(crate) struct StepConstants {
     pub(crate) level: Level,
     pub(crate) groups: Vec<Group>,
     /// One per group.
-    pub(crate) rooms: Vec<Room>,
+    pub(crate) rooms: Vec<StepScratch>,
 }
 
 /// Eight wheels.
@@ -62,7 +62,7 @@ pub(crate) struct Group {
 
 /// Memory of eight wheels between the two halves of a step.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Room {
+pub(crate) struct StepScratch {
     /// [`Group::shares`] with the wheel pointing where it pointed in the middle of the step.
     pub(crate) shares: [Triple; 2],
     /// Way along the wheel's heading, for a steered one along the chord [m].
@@ -83,7 +83,7 @@ impl Group {
     }
 }
 
-impl Plan {
+impl StepConstants {
     /// Constants for settings that the kernel serves: totals, wheels that weigh and slip alike, dimensions that are
     /// known.
     pub fn of(settings: &Settings, rover: &Rover) -> Option<Self> {
@@ -152,6 +152,6 @@ impl Plan {
                 }
             }
         }
-        Some(Self { level, rooms: vec![Room::default(); groups.len()], groups })
+        Some(Self { level, rooms: vec![StepScratch::default(); groups.len()], groups })
     }
 }

@@ -1,6 +1,6 @@
 //! The arc of a step: its chord, how it bends, and how the pose at its end answers.
 
-use crate::arithmetic::{Apart, Arithmetic};
+use crate::arithmetic::{Arithmetic, Unfused};
 use crate::uncertainty::StepJacobian;
 use six_wheel_kinematics::geometry::sinc;
 
@@ -14,7 +14,7 @@ pub fn chord(angle: f64) -> f64 {
     if half.abs() > SMALL_TURN {
         return sinc(half);
     }
-    series(Apart, half * half, &SINE)
+    series(Unfused, half * half, &SINE)
 }
 
 /// `1 - x²/a (1 - x²/b (1 - ...))`, the reciprocals of `a`, `b` and so on given: the series of sin(x) / x, of cos(x), and
@@ -92,7 +92,7 @@ mod tests {
         for omega in [0.0, 1e-9, 0.1, -0.3, 0.499_999, 0.500_001, -2.0, 6.0] {
             let displacement = [0.4, -0.3, omega];
             let heading = [yaw.sin(), yaw.cos()];
-            let step = step_jacobian(Apart, displacement, bend(Apart, omega / 2.0), heading);
+            let step = step_jacobian(Unfused, displacement, bend(Unfused, omega / 2.0), heading);
             let ended = end(yaw, displacement);
             assert!((step.shift[0] - ended[0]).abs() < 1e-15, "{omega}");
             assert!((step.shift[1] - ended[1]).abs() < 1e-15, "{omega}");

@@ -39,7 +39,7 @@ pub(crate) fn gain<F: Arithmetic>(
 
 /// Error of the fused displacement by an error e of the wheels' displacement: `(I - K H) e`.
 #[inline(always)]
-pub(crate) fn left<F: Arithmetic>(
+pub(crate) fn remaining_error<F: Arithmetic>(
     by: F,
     [to_x, to_y, to_z]: Gain<F::Number>,
     [x, y, z]: [F::Number; 3],
@@ -49,7 +49,7 @@ pub(crate) fn left<F: Arithmetic>(
 
 /// The same of its covariance, with what readings at one end add.
 #[inline(always)]
-pub(crate) fn left_of<F: Arithmetic>(
+pub(crate) fn remaining_covariance<F: Arithmetic>(
     by: F,
     [to_x, to_y, to_z]: Gain<F::Number>,
     wheels: Spread<F::Number>,
@@ -61,7 +61,7 @@ pub(crate) fn left_of<F: Arithmetic>(
 
 /// The displacement that wheels and gyroscope agree on.
 #[inline(always)]
-pub(crate) fn agreed<F: Arithmetic>(
+pub(crate) fn fused_displacement<F: Arithmetic>(
     by: F,
     gain: Gain<F::Number>,
     [x, y, z]: [F::Number; 3],
@@ -74,7 +74,7 @@ pub(crate) fn agreed<F: Arithmetic>(
 /// Propagates a pose error through one step: `e' = F e + end`, `F = [[1, 0, lever_x], [0, 1, lever_y], [0, 0, 1]]`,
 /// with `lever = d(end position) / d(yaw)` [m].
 #[inline(always)]
-pub(crate) fn met<F: Arithmetic>(
+pub(crate) fn propagate_error<F: Arithmetic>(
     by: F,
     [lever_x, lever_y]: [F::Number; 2],
     [x, y, z]: [F::Number; 3],
@@ -86,7 +86,7 @@ pub(crate) fn met<F: Arithmetic>(
 /// Covariance that the gyroscope bias b adds in one step: `c g^T + g c^T`, with `g = d(end) / db` (`by_bias`) and `c =
 /// F cov(pose, b) + g var(b) / 2`; `cross` is `cov(pose, b)` at the start.
 #[inline(always)]
-pub(crate) fn leant<F: Arithmetic>(
+pub(crate) fn bias_covariance<F: Arithmetic>(
     by: F,
     lever: [F::Number; 2],
     cross: [F::Number; 3],
@@ -95,7 +95,7 @@ pub(crate) fn leant<F: Arithmetic>(
 ) -> Spread<F::Number> {
     let [x, y, z] = by_bias;
     let half = variance * by.number(0.5);
-    let [p, q, r] = met(by, lever, cross, [x * half, y * half, z * half]);
+    let [p, q, r] = propagate_error(by, lever, cross, [x * half, y * half, z * half]);
     let two = by.number(2.0);
     Spread::from([
         two * (x * p),

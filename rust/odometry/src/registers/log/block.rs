@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::room::Room;
+use super::scratch::BlockScratch;
 use crate::recording::TrackRows;
 use crate::registers::wheels::InLanes;
 use crate::settings::Settings;
@@ -25,7 +25,7 @@ pub(crate) struct Rows<'a> {
 }
 
 /// Memory of a block that is the same for every rover.
-pub(crate) struct Block {
+pub(crate) struct LogBlock {
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
     pub slips: Column,
@@ -49,7 +49,7 @@ pub(crate) struct Block {
     pub(crate) covariances: [Column; 9],
 }
 
-impl Block {
+impl LogBlock {
     pub fn new() -> Self {
         Self {
             dt: Column::ZERO,
@@ -97,16 +97,16 @@ pub(crate) fn at<const N: usize>(columns: &[Column; N], row: usize) -> [f64; N] 
     numbers
 }
 
-impl Block {
+impl LogBlock {
     /// The rows that were made, where they belong.
     #[inline]
-    pub fn write(&mut self, room: &Room, rows: Range<usize>, wheels: usize, track: &mut TrackRows<'_>) {
+    pub fn write(&mut self, room: &BlockScratch, rows: Range<usize>, wheels: usize, track: &mut TrackRows<'_>) {
         let write = Write { block: self, room, rows, wheels, track };
         room.level.run(write);
     }
 
     /// Residuals of a step.
-    pub fn last_residual(&self, room: &Room, row: usize, residual: &mut [f64]) {
+    pub fn last_residual(&self, room: &BlockScratch, row: usize, residual: &mut [f64]) {
         for (residual, column) in residual.iter_mut().zip(&room.wheels) {
             *residual = column.0[row];
         }
@@ -114,8 +114,8 @@ impl Block {
 }
 
 struct Write<'a, 'b> {
-    block: &'a mut Block,
-    room: &'a Room,
+    block: &'a mut LogBlock,
+    room: &'a BlockScratch,
     rows: Range<usize>,
     wheels: usize,
     track: &'a mut TrackRows<'b>,
@@ -145,7 +145,7 @@ impl Kernel for Write<'_, '_> {
 
 /// A register of covariances of the pose, without a negative variance in any direction.
 #[inline(always)]
-fn report<S: Vector>(simd: S, k: usize, rows: usize, block: &mut Block) {
+fn report<S: Vector>(simd: S, k: usize, rows: usize, block: &mut LogBlock) {
     let (settled, open) = (load(simd, &block.own, k), load(simd, &block.open, k));
     let spread = rounded(InLanes(simd), Spread::from(settled).and(open.into()));
     let zero = Lanes::splat(simd, 0.0);

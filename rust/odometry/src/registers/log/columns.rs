@@ -1,18 +1,18 @@
 //! Splits the rows of a log into columns of steps.
 
-use super::{Block, Room, Rows};
+use super::{BlockScratch, LogBlock, Rows};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::weave::unweave;
 
 /// Splits rows into columns of steps: counts of wheels, middle angles and turns of joints [rad], durations [s].
 #[inline(always)]
-pub(crate) fn apart<S: Vector>(
+pub(crate) fn split_columns<S: Vector>(
     simd: S,
     rows: &Rows<'_>,
     angles: &[f64],
     count: usize,
-    room: &mut Room,
-    block: &mut Block,
+    room: &mut BlockScratch,
+    block: &mut LogBlock,
 ) {
     let pairs = rows.stamps.iter().zip(&rows.stamps[1..]);
     for (dt, (before, after)) in block.dt.0.iter_mut().zip(pairs) {

@@ -246,7 +246,7 @@ impl ModuleTransition {
         } else {
             let turning = fastest(start.steering, end.steering, &bounds(steering, joints))?;
             let duration = turning.duration().max(f64::MIN_POSITIVE);
-            turning.beside(linear(start.speeds, end.speeds, duration)?)
+            turning.concatenate_axes(linear(start.speeds, end.speeds, duration)?)
         };
         Ok(Self { rover: rover.clone(), profile })
     }
