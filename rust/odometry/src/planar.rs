@@ -19,7 +19,7 @@ use crate::health::Health;
 use crate::motion::Motion;
 use crate::registers::StepConstants;
 use crate::settings::{Readings, Settings};
-use crate::spread::Spread;
+use crate::spread::Covariance3;
 use crate::state::{State, check_covariance, check_pose};
 use crate::step::{Workspace, shared_readings};
 use crate::uncertainty::Uncertainty;
@@ -29,7 +29,7 @@ use six_wheel_numerics::error::{Error, number, numbers};
 
 /// The sample from which the next one counts.
 #[derive(Clone, Debug)]
-pub(crate) struct Reference {
+pub(crate) struct ReferenceSample {
     /// True if there is one.
     pub(crate) known: bool,
     pub(crate) stamp: f64,
@@ -46,7 +46,7 @@ pub(crate) struct Reference {
 pub struct Odometry {
     pub(crate) rover: Rover,
     pub(crate) settings: Settings,
-    pub(crate) reference: Reference,
+    pub(crate) reference: ReferenceSample,
     pub(crate) state: State,
     pub(crate) residual: Vec<f64>,
     pub(crate) health: Health,
@@ -69,7 +69,7 @@ impl Odometry {
         let mut uncertainty = Uncertainty::new(shared, settings.lasting());
         uncertainty.bias = settings.gyroscope.map(|known| known.at_start());
         let state = State { walk: Walk::new([0.0; 3]), twist: Twist::ZERO, velocity: None, uncertainty };
-        let reference = Reference {
+        let reference = ReferenceSample {
             known: false,
             stamp: 0.0,
             wheels: vec![0.0; wheels],
@@ -134,7 +134,7 @@ impl Odometry {
     #[inline]
     pub fn twist_covariance(&self) -> [[f64; 3]; 3] {
         let [_, upper] = self.upper_halves();
-        Spread::from(upper).matrix().into()
+        Covariance3::from(upper).matrix().into()
     }
 
     /// The upper halves of [`Self::covariance`] and [`Self::twist_covariance`], row by row.

@@ -14,11 +14,12 @@ mod wheels;
 
 use crate::arithmetic::Fused;
 use crate::motion::{ROUNDING, SUSPICIOUS};
-use crate::spread::Spread;
+use crate::spread::Covariance3;
 use crate::state::State;
 use crate::step::{bend, step_jacobian};
 use crate::uncertainty::{
-    StepJacobian, StepNoise, Turned, fused_displacement, gain, propagate_error, remaining_covariance, remaining_error,
+    GyroscopeIncrement, StepJacobian, StepNoise, fused_displacement, gain, propagate_error, remaining_covariance,
+    remaining_error,
 };
 pub(crate) use plan::StepConstants;
 use plan::StepScratch;
@@ -28,14 +29,14 @@ use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::sin_cos;
 use six_wheel_numerics::simd::vector::Vector;
-use terms::Terms;
+use terms::NoiseTerms;
 use wheels::{InLanes, LaneSource, Register, Squares, accumulate_displacement, accumulate_noise, steering_error};
 
 impl StepConstants {
     /// Makes one step; true if a wheel slides further than the noise explains. Returns None where the plain core has to
     /// make it; only the angles at the end have changed then.
     #[inline]
-    pub fn step<'b>(&mut self, given: &Given<'b>, targets: &mut Targets<'b>) -> Option<bool> {
+    pub fn step<'b>(&mut self, given: &StepInput<'b>, targets: &mut StepOutput<'b>) -> Option<bool> {
         let level = self.level;
         level.run(Step { plan: self, given, targets })?
     }
@@ -43,22 +44,22 @@ impl StepConstants {
 
 /// Input of a step: the state at its start and its readings.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Given<'a> {
+pub(crate) struct StepInput<'a> {
     /// Readings of the wheels at its start and end.
     pub wheels: [&'a [f64]; 2],
     /// Readings of the steering joints at its start and end.
     pub steering: [&'a [f64]; 2],
     /// Steering angles at its start [rad].
     pub angles: &'a [f64],
-    pub terms: Terms<f64>,
-    pub turned: Option<Turned<f64>>,
+    pub terms: NoiseTerms<f64>,
+    pub turned: Option<GyroscopeIncrement<f64>>,
     /// Variance that the bias of a gyroscope wanders by [rad²/s²].
     pub wandered: f64,
 }
 
 /// Output of a step.
 #[derive(Debug)]
-pub(crate) struct Targets<'a> {
+pub(crate) struct StepOutput<'a> {
     /// Steering angles at the end [rad].
     pub angles: &'a mut [f64],
     /// Speed at which each contact slid [m/s].
@@ -70,15 +71,15 @@ pub(crate) struct Targets<'a> {
 
 struct Step<'a, 'b> {
     plan: &'a mut StepConstants,
-    given: &'a Given<'b>,
-    targets: &'a mut Targets<'b>,
+    given: &'a StepInput<'b>,
+    targets: &'a mut StepOutput<'b>,
 }
 
 impl<S: Vector> Squares<S> {
     #[inline(always)]
-    fn total(self) -> Spread {
+    fn total(self) -> Covariance3 {
         let [xx, xy, xz, yy, yz, zz] = self.0;
-        Spread::from([xx.total(), xy.total(), xz.total(), yy.total(), yz.total(), zz.total()])
+        Covariance3::from([xx.total(), xy.total(), xz.total(), yy.total(), yz.total(), zz.total()])
     }
 }
 
@@ -132,7 +133,7 @@ impl Kernel for Step<'_, '_> {
             return None;
         }
         report(simd, plan, 1.0 / dt, targets.residual);
-        let Targets { state, noise, .. } = targets;
+        let StepOutput { state, noise, .. } = targets;
         let uncertainty = &mut state.uncertainty;
         let by_gyroscope = shared.map(|(gain, ..)| gain);
         let carried = &mut uncertainty.carried;
@@ -170,9 +171,9 @@ impl Kernel for Step<'_, '_> {
 fn displace<S: Vector>(
     simd: S,
     plan: &mut StepConstants,
-    given: &Given<'_>,
-    terms: &Terms<Lanes<S>>,
-    targets: &mut Targets<'_>,
+    given: &StepInput<'_>,
+    terms: &NoiseTerms<Lanes<S>>,
+    targets: &mut StepOutput<'_>,
 ) -> Option<[f64; 3]> {
     let zero = Lanes::splat(simd, 0.0);
     let [before, after] = given.wheels;
@@ -217,9 +218,9 @@ fn displace<S: Vector>(
 fn step_noise<S: Vector>(
     simd: S,
     plan: &mut StepConstants,
-    terms: &Terms<Lanes<S>>,
+    terms: &NoiseTerms<Lanes<S>>,
     displacement: [f64; 3],
-) -> (Spread, bool) {
+) -> (Covariance3, bool) {
     let zero = Lanes::splat(simd, 0.0);
     let step = displacement.map(|part| Lanes::splat(simd, part));
     let mut squares = Squares::new(simd);
@@ -237,7 +238,7 @@ fn step_noise<S: Vector>(
 
 /// Covariance of the displacement by the joints' readings at one end.
 #[inline(always)]
-fn ends<S: Vector>(simd: S, plan: &StepConstants, terms: &Terms<Lanes<S>>) -> Spread {
+fn ends<S: Vector>(simd: S, plan: &StepConstants, terms: &NoiseTerms<Lanes<S>>) -> Covariance3 {
     let mut ends = Squares::new(simd);
     for (group, room) in plan.groups.iter().zip(&plan.rooms) {
         for k in 0..group.steered.div_ceil(S::F64_LANES) {
@@ -282,11 +283,11 @@ fn is_slip(rooms: &[StepScratch]) -> bool {
 fn carry<S: Vector>(
     simd: S,
     plan: &StepConstants,
-    terms: &Terms<Lanes<S>>,
+    terms: &NoiseTerms<Lanes<S>>,
     carried: &mut [[f64; 3]],
     jacobian: &StepJacobian,
     gain: Option<[f64; 3]>,
-) -> [Spread; 2] {
+) -> [Covariance3; 2] {
     let by = InLanes(simd);
     let splat = |number| Lanes::splat(simd, number);
     let ([a, b], [[c, d, e], [f, g, h]]) = (jacobian.shift, jacobian.by_displacement);

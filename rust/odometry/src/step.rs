@@ -8,7 +8,7 @@ use super::motion::{Fusion, Motion, ROUNDING, SUSPICIOUS};
 use super::settings::dimensions::Deviations;
 use super::settings::noise::Noise;
 use super::settings::{Readings, Rules, Settings};
-use super::spread::Spread;
+use super::spread::Covariance3;
 use super::uncertainty::{COLUMNS, StepNoise};
 pub use arc::chord;
 pub(crate) use arc::{SMALL_TURN, bend, small_bend, step_jacobian};
@@ -74,8 +74,8 @@ impl Workspace {
             weights: vec![1.0; wheels],
             slid: vec![0.0; wheels],
             noise: StepNoise {
-                own: Spread::default(),
-                ends: Spread::default(),
+                own: Covariance3::default(),
+                ends: Covariance3::default(),
                 old: shared.clone(),
                 new: shared,
                 lasting: vec![Vector3::zeros(); settings.lasting()],
@@ -256,7 +256,7 @@ fn errors(
     let steering_deviation = sharing.sqrt() * noise.steering;
     let steering_variance = steering_deviation * steering_deviation;
     let displacement = Twist::from(linearised.twist);
-    let mut gradients = Spread::default();
+    let mut gradients = Covariance3::default();
     let mut slips = false;
     let (mut seen, mut explained, mut rows) = (0.0, 0.0, 0.0);
     // Of any wheel: the sides of one that reads nothing slide by the rounding of the others' fit.

@@ -19,10 +19,11 @@ use nalgebra::{Matrix3, Vector3};
 mod turned;
 
 pub(crate) use self::turned::{
-    Turned, bias_covariance, fused_displacement, gain, propagate_error, remaining_covariance, remaining_error,
+    GyroscopeIncrement, bias_covariance, fused_displacement, gain, propagate_error, remaining_covariance,
+    remaining_error,
 };
 use super::arithmetic::{Arithmetic, Unfused};
-use super::spread::Spread;
+use super::spread::Covariance3;
 use six_wheel_numerics::jacobi::Jacobi;
 
 /// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is negative.
@@ -33,7 +34,7 @@ pub(crate) const COLUMNS: usize = 4;
 
 /// A covariance with what rounding may have left of it.
 #[inline(always)]
-pub(crate) fn rounded<F: Arithmetic>(by: F, mut covariance: Spread<F::Number>) -> Spread<F::Number> {
+pub(crate) fn rounded<F: Arithmetic>(by: F, mut covariance: Covariance3<F::Number>) -> Covariance3<F::Number> {
     covariance.add_to_diagonal(by.number(ROUNDING) * covariance.trace());
     covariance
 }
@@ -90,9 +91,9 @@ fn carry([x, y]: [f64; 2], error: &Vector3<f64>) -> Vector3<f64> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StepNoise {
     /// Covariance of all that errs in this step alone.
-    pub own: Spread,
+    pub own: Covariance3,
     /// The same of readings that other steps share, as if those at its two ends erred on their own.
-    pub ends: Spread,
+    pub ends: Covariance3,
     /// Per shared reading: its error at the start of the step, times its standard deviation.
     pub old: Vec<Vector3<f64>>,
     /// The same at the end.
@@ -104,14 +105,14 @@ pub(crate) struct StepNoise {
 impl StepNoise {
     /// Covariance of the displacement, as if the readings at both ends erred on their own.
     #[inline]
-    pub fn total(&self) -> Spread {
+    pub fn total(&self) -> Covariance3 {
         self.own.and(self.ends)
     }
 
     /// No noise: a step in which nothing moved.
     #[inline]
     pub fn clear(&mut self) {
-        (self.own, self.ends) = (Spread::default(), Spread::default());
+        (self.own, self.ends) = (Covariance3::default(), Covariance3::default());
         self.old.fill(Vector3::zeros());
         self.new.fill(Vector3::zeros());
         self.lasting.fill(Vector3::zeros());
@@ -119,7 +120,7 @@ impl StepNoise {
 
     /// Adds up the columns.
     pub fn sum_ends(&mut self) {
-        self.ends = Spread::default();
+        self.ends = Covariance3::default();
         for column in self.old.iter().chain(&self.new) {
             self.ends.add(column, 1.0);
         }
@@ -167,7 +168,7 @@ impl Bias {
         lever: [f64; 2],
         by_bias: [f64; 3],
         wandered: f64,
-    ) -> Spread {
+    ) -> Covariance3 {
         let cross = self.cross.into();
         let added = bias_covariance(by, lever, cross, by_bias, self.variance);
         let end = by_bias.map(|part| part * self.variance);
@@ -187,11 +188,11 @@ pub(crate) struct Lasting {
 /// Error of a pose in world axes: x [m], y [m], yaw [rad].
 #[derive(Clone, Debug)]
 pub(crate) struct Uncertainty {
-    pub settled: Spread,
+    pub settled: Covariance3,
     pub carried: Vec<[f64; 3]>,
     pub lasting: Vec<Lasting>,
     /// Sum over the columns of their products with themselves.
-    open: Spread,
+    open: Covariance3,
     pub yaw_offset: Option<YawOffset>,
     pub bias: Option<Bias>,
 }
@@ -199,10 +200,10 @@ pub(crate) struct Uncertainty {
 impl Uncertainty {
     pub fn new(shared_readings: usize, deviations: usize) -> Self {
         Self {
-            settled: Spread::default(),
+            settled: Covariance3::default(),
             carried: vec![[0.0; 3]; shared_readings],
             lasting: vec![Lasting::default(); deviations],
-            open: Spread::default(),
+            open: Covariance3::default(),
             yaw_offset: None,
             bias: None,
         }
@@ -220,7 +221,7 @@ impl Uncertainty {
 
     /// Starts over from a known covariance.
     pub fn set(&mut self, covariance: Matrix3<f64>) {
-        self.settled = Spread::of(&covariance);
+        self.settled = Covariance3::of(&covariance);
         self.close();
         self.lasting.fill(Lasting::default());
         self.yaw_offset = None;
@@ -231,19 +232,19 @@ impl Uncertainty {
 
     /// No reading before is shared with a step to come.
     pub fn let_go(&mut self) {
-        self.settled.add_spread(&self.open);
+        self.settled.add_assign(&self.open);
         self.close();
         self.yaw_offset = None;
     }
 
     fn close(&mut self) {
         self.carried.fill([0.0; 3]);
-        self.open = Spread::default();
+        self.open = Covariance3::default();
     }
 
     /// Covariance of the pose.
     #[inline]
-    pub fn covariance(&self) -> Spread {
+    pub fn covariance(&self) -> Covariance3 {
         let mut covariance = self.settled.and(self.open);
         for lasting in &self.lasting {
             covariance.add(&lasting.pose, 1.0);
@@ -253,7 +254,7 @@ impl Uncertainty {
 
     /// The same without a negative variance in any direction, rounding or not.
     #[inline]
-    pub fn reported(&self) -> Spread {
+    pub fn reported(&self) -> Covariance3 {
         let covariance = rounded(Unfused, self.covariance());
         if covariance.may_be_negative() {
             return covariance.without_negative();
@@ -267,9 +268,9 @@ impl Uncertainty {
             lasting.pose = carry(step.lever(), &lasting.pose) + step.map(by);
         }
         let mut settled = self.settled.swung(Unfused, step.lever());
-        settled.add_spread(&noise.own.image(&step.matrix()));
+        settled.add_assign(&noise.own.image(&step.matrix()));
         let ends = noise.old.iter().zip(&noise.new);
-        self.open = Spread::default();
+        self.open = Covariance3::default();
         for (carried, (old, new)) in self.carried.iter_mut().zip(ends) {
             let whole = carry(step.lever(), &Vector3::from(*carried)) + step.map(old);
             settled.add(&whole, 1.0);
@@ -283,7 +284,7 @@ impl Uncertainty {
 
     /// Sets both parts of the covariance after steps that were made by registers.
     #[inline(always)]
-    pub fn settle(&mut self, settled: Spread, open: Spread) {
+    pub fn settle(&mut self, settled: Covariance3, open: Covariance3) {
         (self.settled, self.open) = (settled, open);
     }
 
@@ -298,7 +299,7 @@ impl Uncertainty {
         if let Some(bias) = &mut self.bias {
             let by_bias = step.map(&(gain * -dt)).into();
             let added = bias.propagate(Unfused, step.lever(), by_bias, walk);
-            self.settled.add_spread(&added);
+            self.settled.add_assign(&added);
         }
     }
 
@@ -314,7 +315,7 @@ impl Uncertainty {
         let innovation = rate - bias.value;
         let (gain, along) = (bias.variance / spread, bias.cross / spread);
         let less = along * bias.cross.transpose();
-        self.settled = Spread::of(&(self.settled.matrix() - less));
+        self.settled = Covariance3::of(&(self.settled.matrix() - less));
         bias.value += gain * innovation;
         bias.variance *= 1.0 - gain;
         bias.cross *= 1.0 - gain;
@@ -356,7 +357,7 @@ impl Uncertainty {
             lasting.pose -= gain * lasting.yaw_zero;
         }
         let settled = self.settled.matrix() - (mixed + mixed.transpose());
-        self.settled = Spread::of(&settled);
+        self.settled = Covariance3::of(&settled);
         self.settled.add(&gain, variance + offset.variance);
         self.yaw_offset = Some(YawOffset { cross: rest * offset.cross - gain * offset.variance, ..offset });
         gain
@@ -386,7 +387,7 @@ impl Uncertainty {
         };
         let rest = Matrix3::identity() - gain * known;
         self.multiply(&rest);
-        self.settled.add_spread(&Spread::of(&noise).image(&gain));
+        self.settled.add_assign(&Covariance3::of(&noise).image(&gain));
         gain
     }
 

@@ -82,7 +82,7 @@ impl IcrLimits {
 
 /// One limit along a chord: the pace it asks for, in time per share of the chord [s].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Law {
+pub(crate) enum Constraint {
     /// The same all along.
     Even(f64),
     /// A joint turns at most at this rate [rad/s].
@@ -94,7 +94,7 @@ pub(crate) enum Law {
     Rolling(Joint, f64, f64, [f64; 2]),
 }
 
-impl Law {
+impl Constraint {
     /// Least time per share of the chord.
     pub fn pace(&self, s: f64) -> f64 {
         match *self {
@@ -148,7 +148,7 @@ impl Law {
 }
 
 /// All constraints of a chord.
-pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Law> {
+pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Constraint> {
     let change = chord.change();
     let mut laws = Vec::new();
     let mut even = (Vector2::new(change.x, change.y).norm() / limits.acceleration)
@@ -166,7 +166,7 @@ pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Law>
                 };
                 let turns = joint.swing(0.5)[0] != 0.0;
                 if turns {
-                    laws.push(Law::Angle(joint, limits.steering_rate));
+                    laws.push(Constraint::Angle(joint, limits.steering_rate));
                 }
                 if !is_driven(rover, i) {
                     continue;
@@ -175,7 +175,7 @@ pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Law>
                 let offset = wheel.scrub.abs() * change.z.abs();
                 let rest = if wheel.scrub == 0.0 { rim } else { rim / 2.0 };
                 if turns && rest.is_finite() && offset == 0.0 {
-                    laws.push(Law::Speed(joint, rest));
+                    laws.push(Constraint::Speed(joint, rest));
                 } else {
                     let fastest = joint.speed(0.0)[1].abs().max(joint.speed(1.0)[1].abs());
                     even = even.max((fastest + offset) / rest);
@@ -183,13 +183,13 @@ pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Law>
                 if wheel.scrub != 0.0 && turns && limits.wheel_speed.is_finite() {
                     let ends = [chord.start.z, chord.end.z].map(|omega| wheel.scrub * omega);
                     let rim_speed = limits.wheel_speed * wheel.radius;
-                    laws.push(Law::Rolling(joint, wheel.scrub, rim_speed, ends));
+                    laws.push(Constraint::Rolling(joint, wheel.scrub, rim_speed, ends));
                 }
             }
             Mount::Fixed(_) | Mount::Castor(_) => {}
         }
     }
-    laws.push(Law::Even(even));
+    laws.push(Constraint::Even(even));
     laws
 }
 

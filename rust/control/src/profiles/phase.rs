@@ -2,7 +2,7 @@
 
 use super::Profile;
 use super::chord::Chord;
-use super::timing::Timing;
+use super::timing::TimeParametrization;
 use six_wheel_kinematics::geometry::Twist;
 
 /// The kind of motion in a phase of a transition.
@@ -43,6 +43,6 @@ pub struct Phase {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Motion {
-    Along(Chord, Timing),
+    Along(Chord, TimeParametrization),
     Turning(Twist, Profile),
 }

@@ -8,7 +8,7 @@ use super::laws::{IcrLimits, laws};
 use super::limits::{Bounds, Moving, Synchronise};
 use super::optimal::time_optimal;
 use super::phase::{Action, Motion, Phase};
-use super::timing::{Smoothness, Timing};
+use super::timing::{Smoothness, TimeParametrization};
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, Rover};
 use six_wheel_numerics::error::{Error, ErrorKind, number, numbers};
@@ -188,7 +188,7 @@ impl TransitionPlanner<'_> {
             plan.push(Action::Align, reason, profile.duration(), motion);
         }
         let smooth = self.smoothness();
-        let timing = Timing::new(&chord, &laws(self.rover, &chord, self.limits), &smooth)
+        let timing = TimeParametrization::new(&chord, &laws(self.rover, &chord, self.limits), &smooth)
             .ok_or_else(|| TransitionError::Refused(infeasible(end, "a limit leaves no room to move")))?;
         plan.angles = chord.joints.iter().map(|joint| joint.angle + joint.swept(1.0)).collect();
         plan.push(Action::Drive, why, timing.duration(), Motion::Along(chord, timing));
@@ -198,7 +198,7 @@ impl TransitionPlanner<'_> {
     /// Nothing to do.
     fn hold(&self, mut plan: PhaseList, start: Twist, end: Twist) -> Result<PhaseList, TransitionError> {
         if let ChordFeasibility::Open(chord) = Chord::between(self.rover, start, end, &plan.angles) {
-            let timing = Timing::Binding { bounds: Vec::new(), duration: 0.0 };
+            let timing = TimeParametrization::Binding { bounds: Vec::new(), duration: 0.0 };
             plan.push(Action::Drive, "there already", 0.0, Motion::Along(chord, timing));
         }
         Ok(plan)

@@ -7,9 +7,9 @@ use crate::arithmetic::Unfused;
 use crate::health::Health;
 use crate::recording::{Recording, Sample, TrackRows};
 use crate::registers::log::{BlockScratch, LogBlock, LogIntegrator, Rows};
-use crate::registers::{Given, Targets};
+use crate::registers::{StepInput, StepOutput};
 use crate::settings::gyroscope;
-use crate::uncertainty::Turned;
+use crate::uncertainty::GyroscopeIncrement;
 
 /// Rows of a log that are worth a register.
 const FEW: usize = 4;
@@ -38,7 +38,7 @@ impl Odometry {
             if self.stands(rate, bias, dt, self.turned_between(wheels)) {
                 return None;
             }
-            turned = Some(Turned {
+            turned = Some(GyroscopeIncrement {
                 says: 1.0,
                 turn: gyroscope::turn(reference.yaw_rate, rate, bias, dt),
                 deviation: self.settings.turn_deviation(Unfused, dt),
@@ -46,7 +46,7 @@ impl Odometry {
             });
         }
         let plan = self.plan.as_mut()?;
-        let given = Given {
+        let given = StepInput {
             wheels,
             steering: [&reference.steering, sample.steering],
             angles: &reference.angles,
@@ -54,7 +54,7 @@ impl Odometry {
             wandered: self.settings.wandered(dt),
             turned,
         };
-        let mut targets = Targets {
+        let mut targets = StepOutput {
             angles: &mut self.angles,
             residual: &mut self.residual,
             state: &mut self.state,

@@ -22,11 +22,11 @@ use super::wheels::{
 use crate::arithmetic::Fused;
 use crate::motion::{ROUNDING, SUSPICIOUS};
 use crate::settings::Settings;
-use crate::spread::Spread;
+use crate::spread::Covariance3;
 use crate::state::State;
 use crate::step::{SMALL_TURN, small_bend, step_jacobian};
 use crate::uncertainty::{
-    Bias, StepJacobian, StepNoise, Turned, bias_covariance, fused_displacement, gain, propagate_error,
+    Bias, GyroscopeIncrement, StepJacobian, StepNoise, bias_covariance, fused_displacement, gain, propagate_error,
     remaining_covariance, remaining_error,
 };
 use six_wheel_kinematics::one_row::inverse::GROUP;
@@ -87,8 +87,8 @@ impl Kernel for LogIntegrator<'_> {
         let Some(last) = usual.checked_sub(1) else {
             return 0;
         };
-        let ends = Spread::from(at(&block.open, last));
-        (noise.own, noise.ends) = (Spread::from(at(&block.own, last)), ends.and(ends));
+        let ends = Covariance3::from(at(&block.open, last));
+        (noise.own, noise.ends) = (Covariance3::from(at(&block.own, last)), ends.and(ends));
         for k in 0..usual.min(BLOCK) {
             block.heading.0[k] = state.walk.heading.value();
             state.walk.turn(block.displacement[2].0[k]);
@@ -239,13 +239,13 @@ fn step<S: Vector>(
     );
     let mut open = total(sums.six);
     if rows.leans {
-        let turned = Turned {
+        let turned = GyroscopeIncrement {
             says: block.says.load(simd, k),
             turn: block.turn.load(simd, k),
             deviation: rows.settings.turn_deviation(by, dt),
             bias_variance: block.bias.load(simd, k),
         };
-        let (wheels, ends) = (Spread::from(own), Spread::from(open));
+        let (wheels, ends) = (Covariance3::from(own), Covariance3::from(open));
         let (gain, variance) = gain(by, &turned, wheels.and(ends.and(ends)), dt);
         usual = usual & zero.below(variance);
         displacement = fused_displacement(by, gain, displacement, turned.turn);
@@ -319,7 +319,7 @@ fn place<S: Vector>(simd: S, leans: bool, k: usize, room: &mut BlockScratch, blo
     let jacobian: StepJacobian<Lanes<S>> = step_jacobian(by, displacement, bend, [sin, cos]);
     let matrix = jacobian.by_displacement;
     for columns in [&mut block.own, &mut block.open] {
-        let spread = Spread::from(load(simd, columns, k));
+        let spread = Covariance3::from(load(simd, columns, k));
         store(spread.displaced(by, &matrix).into(), columns, k);
     }
     for ends in &mut room.ends {
@@ -388,8 +388,8 @@ fn add_covariance<S: Vector>(
             squares = Squares::new(simd);
         }
     );
-    let mut whole = Spread::from(total(sums.six));
-    let mut own = Spread::from(load(simd, &block.own, k));
+    let mut whole = Covariance3::from(total(sums.six));
+    let mut own = Covariance3::from(load(simd, &block.own, k));
     if leans {
         let ends = &room.by_gyroscope;
         let (before, end) = (all(simd, ends, k, 1), all(simd, ends, k, 0));
@@ -410,7 +410,7 @@ fn sum(count: usize, block: &mut LogBlock, state: &mut State) {
     let mut settled = uncertainty.settled;
     for k in 0..count.min(BLOCK) {
         let lever = at(&block.lever, k);
-        let added = Spread::from(at(&block.own, k));
+        let added = Covariance3::from(at(&block.own, k));
         settled = settled.swung(Fused, lever).and(added);
         for (part, column) in <[f64; 6]>::from(settled).into_iter().zip(&mut block.own) {
             column.0[k] = part;
@@ -421,6 +421,6 @@ fn sum(count: usize, block: &mut LogBlock, state: &mut State) {
         uncertainty.carry_yaw_offset(lever);
     }
     if let Some(last) = count.checked_sub(1) {
-        uncertainty.settle(settled, Spread::from(at(&block.open, last)));
+        uncertainty.settle(settled, Covariance3::from(at(&block.open, last)));
     }
 }

@@ -12,7 +12,7 @@ pub(crate) const SURELY: f64 = 1.0 - 1e-9;
 
 /// Variances and bounds of a step that follow from the settings.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Terms<T> {
+pub(crate) struct NoiseTerms<T> {
     /// Duration [s].
     pub dt: T,
     /// Variance of what a wheel rolled, but for slip [m²].
@@ -33,7 +33,7 @@ pub(crate) struct Terms<T> {
 impl Settings {
     /// Of a step that takes so long.
     #[inline(always)]
-    pub(crate) fn terms<F: Arithmetic>(&self, by: F, dt: F::Number) -> Terms<F::Number> {
+    pub(crate) fn terms<F: Arithmetic>(&self, by: F, dt: F::Number) -> NoiseTerms<F::Number> {
         let noise = &self.noise;
         let read = by.number(noise.speed) * dt;
         let steering = by.number(noise.steering);
@@ -49,7 +49,7 @@ impl Settings {
             Some(limit) => by.least(by.number(SURELY * limit) * dt, by.number(largest)),
         };
         let [way, turn] = LARGEST_STEP;
-        Terms {
+        NoiseTerms {
             dt,
             reading_variance,
             half_deviation: deviation * by.number(0.5),

@@ -1,7 +1,7 @@
 //! Share of the wheels in a step: the lanes of a register are the wheels of one step, or one wheel in successive steps.
 
 use super::plan::{Group, StepScratch, Triple};
-use super::terms::{LARGEST_STEP, SURELY, Terms};
+use super::terms::{LARGEST_STEP, NoiseTerms, SURELY};
 use crate::arithmetic::Arithmetic;
 use crate::motion::SUSPICIOUS;
 use six_wheel_kinematics::one_row::inverse::Eight;
@@ -42,12 +42,12 @@ impl<S: Vector> Arithmetic for InLanes<S> {
     }
 }
 
-impl Terms<f64> {
+impl NoiseTerms<f64> {
     /// The same for every wheel.
     #[inline(always)]
-    pub(crate) fn broadcast<S: Vector>(&self, simd: S) -> Terms<Lanes<S>> {
+    pub(crate) fn broadcast<S: Vector>(&self, simd: S) -> NoiseTerms<Lanes<S>> {
         let splat = |number| Lanes::splat(simd, number);
-        Terms {
+        NoiseTerms {
             dt: splat(self.dt),
             reading_variance: splat(self.reading_variance),
             half_deviation: splat(self.half_deviation),
@@ -188,7 +188,7 @@ pub(crate) fn accumulate_noise<S: Vector, P: LaneSource<S>>(
     simd: S,
     (group, pick): (&Group, P),
     displacement: [Lanes<S>; 3],
-    terms: &Terms<Lanes<S>>,
+    terms: &NoiseTerms<Lanes<S>>,
     squares: &mut Squares<S>,
     (room, k): (&mut StepScratch, usize),
 ) -> Mask<S> {
@@ -228,7 +228,7 @@ pub(crate) fn accumulate_noise<S: Vector, P: LaneSource<S>>(
 pub(crate) fn steering_error<S: Vector, P: LaneSource<S>>(
     simd: S,
     (group, pick): (&Group, P),
-    terms: &Terms<Lanes<S>>,
+    terms: &NoiseTerms<Lanes<S>>,
     (room, k): (&StepScratch, usize),
 ) -> [Lanes<S>; 3] {
     let here = Register(simd, k);

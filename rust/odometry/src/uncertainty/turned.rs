@@ -2,11 +2,11 @@
 //! registers of steps. The plain core's are `Workspace::fuse` and `Uncertainty::lean_on_bias`.
 
 use crate::arithmetic::Arithmetic;
-use crate::spread::Spread;
+use crate::spread::Covariance3;
 
 /// Measurement of a gyroscope in a step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Turned<T> {
+pub(crate) struct GyroscopeIncrement<T> {
     /// 1, or 0 where it says nothing: then its gain is 0, which changes nothing.
     pub says: T,
     /// Its turn less its bias [rad].
@@ -25,8 +25,8 @@ pub(crate) type Gain<T> = [T; 3];
 #[inline(always)]
 pub(crate) fn gain<F: Arithmetic>(
     by: F,
-    turned: &Turned<F::Number>,
-    wheels: Spread<F::Number>,
+    turned: &GyroscopeIncrement<F::Number>,
+    wheels: Covariance3<F::Number>,
     dt: F::Number,
 ) -> (Gain<F::Number>, F::Number) {
     let [_, _, x, _, y, z] = wheels.into();
@@ -52,11 +52,11 @@ pub(crate) fn remaining_error<F: Arithmetic>(
 pub(crate) fn remaining_covariance<F: Arithmetic>(
     by: F,
     [to_x, to_y, to_z]: Gain<F::Number>,
-    wheels: Spread<F::Number>,
-) -> Spread<F::Number> {
+    wheels: Covariance3<F::Number>,
+) -> Covariance3<F::Number> {
     let [xx, xy, xz, yy, yz, zz] = wheels.swung(by, [-to_x, -to_y]).into();
     let rest = by.number(1.0) - to_z;
-    Spread::from([xx, xy, xz * rest, yy, yz * rest, zz * (rest * rest)])
+    Covariance3::from([xx, xy, xz * rest, yy, yz * rest, zz * (rest * rest)])
 }
 
 /// The displacement that wheels and gyroscope agree on.
@@ -92,12 +92,12 @@ pub(crate) fn bias_covariance<F: Arithmetic>(
     cross: [F::Number; 3],
     by_bias: [F::Number; 3],
     variance: F::Number,
-) -> Spread<F::Number> {
+) -> Covariance3<F::Number> {
     let [x, y, z] = by_bias;
     let half = variance * by.number(0.5);
     let [p, q, r] = propagate_error(by, lever, cross, [x * half, y * half, z * half]);
     let two = by.number(2.0);
-    Spread::from([
+    Covariance3::from([
         two * (x * p),
         by.fused(x, q, y * p),
         by.fused(x, r, z * p),

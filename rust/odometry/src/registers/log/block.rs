@@ -6,7 +6,7 @@ use super::scratch::BlockScratch;
 use crate::recording::TrackRows;
 use crate::registers::wheels::InLanes;
 use crate::settings::Settings;
-use crate::spread::Spread;
+use crate::spread::Covariance3;
 use crate::uncertainty::rounded;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
@@ -29,7 +29,8 @@ pub(crate) struct LogBlock {
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
     pub slips: Column,
-    /// Gyroscope of every step, in the fields of [`Turned`](crate::uncertainty::Turned), where one is fused.
+    /// Gyroscope of every step, in the fields of [`GyroscopeIncrement`](crate::uncertainty::GyroscopeIncrement), where
+    /// one is fused.
     pub says: Column,
     pub turn: Column,
     pub bias: Column,
@@ -147,7 +148,7 @@ impl Kernel for Write<'_, '_> {
 #[inline(always)]
 fn report<S: Vector>(simd: S, k: usize, rows: usize, block: &mut LogBlock) {
     let (settled, open) = (load(simd, &block.own, k), load(simd, &block.open, k));
-    let spread = rounded(InLanes(simd), Spread::from(settled).and(open.into()));
+    let spread = rounded(InLanes(simd), Covariance3::from(settled).and(open.into()));
     let zero = Lanes::splat(simd, 0.0);
     let mut negative = zero.below(zero);
     for minor in spread.minors() {
@@ -158,7 +159,7 @@ fn report<S: Vector>(simd: S, k: usize, rows: usize, block: &mut LogBlock) {
     if negative.any() {
         for row in k * S::F64_LANES..rows.min((k + 1) * S::F64_LANES) {
             let [xx, xy, xz, _, yy, yz, _, _, zz] = at(&block.covariances, row);
-            let spread = Spread::from([xx, xy, xz, yy, yz, zz]);
+            let spread = Covariance3::from([xx, xy, xz, yy, yz, zz]);
             if spread.may_be_negative() {
                 let matrix: [[f64; 3]; 3] = spread.without_negative().matrix().into();
                 for (part, column) in matrix.as_flattened().iter().zip(&mut block.covariances) {
