@@ -31,9 +31,9 @@ pub struct Track {
     pub poses: Vec<[f64; 3]>,
     /// Axle angles [rad].
     pub angles: Vec<Axles>,
-    /// Of the body, as the step that leads to the sample ends.
+    /// Twists of the body at the end of the step that leads to the sample.
     pub twists: Vec<[f64; 3]>,
-    /// Of all wheels, the following ones included [rad/s].
+    /// Speeds of all wheels, the following ones included [rad/s].
     pub speeds: Vec<Axles>,
     /// Speed at which each contact slides [m/s].
     pub residual: Vec<Axles>,

@@ -107,11 +107,11 @@ impl Mobility {
 /// Velocities of body and pivots at given wheel speeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// Of the body.
+    /// Twist of the body.
     pub twist: Twist,
-    /// Of the axles in the body [rad/s]; 0 where locked.
+    /// Rates of the axles in the body [rad/s]; 0 where locked.
     pub pivot_rates: Axles,
-    /// Of all wheels, the following ones included [rad/s].
+    /// Speeds of all wheels, the following ones included [rad/s].
     pub speeds: Axles,
     /// Speed at which each contact slides [m/s].
     pub residual: Axles,

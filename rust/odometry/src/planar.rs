@@ -166,7 +166,7 @@ impl Odometry {
         &self.residual
     }
 
-    /// Say of each wheel over the last step, 0 to 1.
+    /// Weight of each wheel over the last step, 0 to 1.
     #[inline]
     pub fn weights(&self) -> &[f64] {
         &self.work.weights
@@ -178,7 +178,7 @@ impl Odometry {
         self.health
     }
 
-    /// When the last sample was taken, or until when the last command was held [s]; None before the first one.
+    /// Time of the last sample, or end of the last command [s]; None before the first one.
     #[inline]
     pub fn stamp(&self) -> Option<f64> {
         match self.reference.known {

@@ -139,7 +139,7 @@ impl Preintegrated {
         self.samples.stamps.is_empty()
     }
 
-    /// When it begins and ends [s]; None without a sample.
+    /// Begin and end [s]; None without a sample.
     #[inline]
     pub fn span(&self) -> Option<[f64; 2]> {
         let stamps = &self.samples.stamps;

@@ -32,7 +32,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// The columns of joints come in whole registers, on every level that has this kernel.
 pub(crate) const COLUMNS: usize = 4;
 
-/// A covariance with what rounding may have left of it.
+/// Covariance plus [`ROUNDING`] times its trace on the diagonal.
 #[inline(always)]
 pub(crate) fn rounded<F: Arithmetic>(by: F, mut covariance: Covariance3<F::Number>) -> Covariance3<F::Number> {
     covariance.add_to_diagonal(by.number(ROUNDING) * covariance.trace());
@@ -126,7 +126,7 @@ impl StepNoise {
         }
     }
 
-    /// Applies what a correction leaves of every error.
+    /// Multiplies every error by `I - K H` of a correction.
     pub fn multiply(&mut self, rest: &Matrix3<f64>) {
         self.own = self.own.image(rest);
         self.ends = self.ends.image(rest);
@@ -293,8 +293,8 @@ impl Uncertainty {
         self.carried.last() != Some(&[0.0; 3])
     }
 
-    /// The bias of a gyroscope goes along one step, in which it turned the rover by as much as `gain` let it, and wandered
-    /// by a variance. Where the gyroscope said nothing, what it turned before still swings the pose.
+    /// Propagates the bias of a gyroscope through one step with this gain and random walk. A gain of 0 means no
+    /// reading: the correlation with the pose is propagated all the same.
     pub fn lean_on_bias(&mut self, step: &StepJacobian, gain: &Vector3<f64>, dt: f64, walk: f64) {
         if let Some(bias) = &mut self.bias {
             let by_bias = step.map(&(gain * -dt)).into();
@@ -303,7 +303,8 @@ impl Uncertainty {
         }
     }
 
-    /// At rest a gyroscope reads its bias: by how much that moves the pose, which has leant on it.
+    /// Corrects the bias by a reading at rest. Returns the correction of the pose, whose error correlates with that of
+    /// the bias.
     pub fn learn_bias(&mut self, rate: f64, variance: f64) -> Vector3<f64> {
         let Some(mut bias) = self.bias else {
             return Vector3::zeros();
@@ -340,7 +341,7 @@ impl Uncertainty {
         }
     }
 
-    /// A reading of the yaw sensor with this variance: by how much its innovation moves the pose.
+    /// Corrects by a reading of the yaw sensor with this variance. Returns the gain of the pose by the innovation.
     pub fn correct_yaw(&mut self, offset: YawOffset, variance: f64) -> Vector3<f64> {
         let (mut cross, mut of_zero) = (offset.cross, offset.variance);
         for lasting in &self.lasting {
@@ -363,8 +364,8 @@ impl Uncertainty {
         gain
     }
 
-    /// A pose from outside with this covariance, infinite where it says nothing: by how much its innovation moves
-    /// the pose.
+    /// Corrects by a pose from outside with this covariance, infinite where the pose is unknown. Returns the gain of
+    /// the pose by the innovation.
     pub fn correct(&mut self, measured: &Matrix3<f64>) -> Matrix3<f64> {
         let mut known = Matrix3::zeros();
         let mut noise = *measured;
@@ -391,7 +392,7 @@ impl Uncertainty {
         gain
     }
 
-    /// Applies what a correction leaves of every error.
+    /// Multiplies every error by `I - K H` of a correction.
     fn multiply(&mut self, rest: &Matrix3<f64>) {
         self.settled = self.settled.image(rest);
         self.open = self.open.image(rest);

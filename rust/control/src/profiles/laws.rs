@@ -13,19 +13,19 @@ const SIZES: std::ops::RangeInclusive<f64> = TINY..=HUGE;
 /// Limits of a transition; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IcrLimits {
-    /// Of every steering joint [rad/s].
+    /// Largest rate of every steering joint [rad/s].
     pub steering_rate: f64,
-    /// Of every steering joint [rad/s²].
+    /// Largest acceleration of every steering joint [rad/s²].
     pub steering_acceleration: f64,
-    /// Of every steering joint [rad/s³].
+    /// Largest jerk of every steering joint [rad/s³].
     pub steering_jerk: f64,
-    /// Of every driven wheel [rad/s].
+    /// Largest speed of every driven wheel [rad/s].
     pub wheel_speed: f64,
-    /// Of every driven wheel [rad/s²].
+    /// Largest acceleration of every driven wheel [rad/s²].
     pub wheel_acceleration: f64,
-    /// Of the body's velocity, seen from the body: the length of the change of (vx, vy) [m/s²].
+    /// Largest length of the derivative of (vx, vy) in body axes [m/s²].
     pub acceleration: f64,
-    /// Of the yaw rate [rad/s²].
+    /// Largest magnitude of the derivative of the yaw rate [rad/s²].
     pub angular_acceleration: f64,
 }
 

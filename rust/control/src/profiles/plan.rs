@@ -140,7 +140,7 @@ impl TransitionPlanner<'_> {
             let half = planner.drive(plan.clone(), start, corner, why).ok()?;
             planner.drive(half, corner, end, why).ok()
         };
-        // Which corner is best shows without the limits that take long to plan for.
+        // The best corner is found without the limits that take long to plan for.
         let firm = IcrLimits { steering_acceleration: f64::INFINITY, steering_jerk: f64::INFINITY, ..*self.limits };
         let quick = TransitionPlanner { rover: self.rover, limits: &firm };
         let tried = |corner: Twist, why: String| {

@@ -129,7 +129,7 @@ impl BodyTransition {
         let limits = [linear, linear, angular];
         let bounds = |axis: usize| {
             let [first, second] = limits[axis];
-            // What does not change needs no limit.
+            // An axis that does not change needs no limit.
             let first = if start[axis] == end[axis] { first.min(1.0) } else { first };
             Bounds::symmetric(first, second, f64::INFINITY)
         };
@@ -172,15 +172,15 @@ fn twist_at(profile: &Profile, time: f64) -> [Vector3<f64>; 3] {
 /// Limits of a transition of modules; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModuleLimits {
-    /// Of every steering joint [rad/s].
+    /// Largest rate of every steering joint [rad/s].
     pub steering_rate: f64,
-    /// Of every steering joint [rad/s²].
+    /// Largest acceleration of every steering joint [rad/s²].
     pub steering_acceleration: f64,
-    /// Of every steering joint [rad/s³].
+    /// Largest jerk of every steering joint [rad/s³].
     pub steering_jerk: f64,
-    /// Of every wheel [rad/s²].
+    /// Largest acceleration of every wheel [rad/s²].
     pub wheel_acceleration: f64,
-    /// Of every wheel [rad/s³].
+    /// Largest jerk of every wheel [rad/s³].
     pub wheel_jerk: f64,
 }
 

@@ -134,7 +134,7 @@ fn chain(start: f64, end: f64, duration: f64, stretches: &[Stretch]) -> Axis {
         let (state, length) = rest(stretch);
         super::constant_jerk_state(state, length)
     });
-    // What is left of a velocity or acceleration that ends in rest is rounding.
+    // The rest of a velocity or acceleration that ends in rest is rounding.
     let ends = |i: usize| {
         let largest = stretches.iter().fold(0.0, |a: f64, (moving, _)| a.max(moving[i - 1].abs()));
         if last[i].abs() <= 1e-14 * largest { 0.0 } else { last[i] }

@@ -67,7 +67,7 @@ impl TimeParametrization {
         timing.duration().is_finite().then_some(timing)
     }
 
-    /// When the chord is done [s].
+    /// Duration of the chord [s].
     pub fn duration(&self) -> f64 {
         match self {
             Self::Binding { duration, .. } => *duration,

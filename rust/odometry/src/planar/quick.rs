@@ -82,7 +82,7 @@ impl Odometry {
     }
 
     /// Takes in rows of a log from `first` on, the row before which has just been taken in, as many as are usual: the
-    /// same numbers as row by row. How many.
+    /// same numbers as row by row. Returns their number.
     pub(crate) fn update_rows(
         &mut self,
         recording: &Recording<'_>,
@@ -146,8 +146,8 @@ impl Odometry {
         count
     }
 
-    /// Notes what a gyroscope says in rows of a log, until the first one in which the rover stands, or that may have to be
-    /// refused: where they end.
+    /// Loads the gyroscope's turns of rows of a log, until the first one in which the rover stands, or that may have to
+    /// be refused. Returns the end of these rows.
     fn load_gyroscope_rows(&self, recording: &Recording<'_>, rows: Range<usize>, block: &mut LogBlock) -> usize {
         let (wheels, joints) = (self.rover.wheels().len(), self.rover.steered().len());
         let mut bias = self.state.uncertainty.bias;

@@ -13,8 +13,8 @@ use six_wheel_numerics::error::{Error, ErrorKind};
 const SINGLY: usize = 8;
 
 impl Odometry {
-    /// Takes in a sample if it can be; otherwise leaves it out and says why. The state goes on from the last good
-    /// one either way. Fails, with nothing changed, only where there is no memory for what is kept.
+    /// Takes in a sample if it can be; otherwise leaves it out and returns the flag of the reason. The state goes on
+    /// from the last good one either way. Fails, with nothing changed, only where there is no memory for what is kept.
     pub fn absorb(&mut self, sample: Sample<'_>) -> Result<Health, Error> {
         match self.try_update(sample) {
             Ok(health) => Ok(health),

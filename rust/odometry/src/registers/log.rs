@@ -46,8 +46,8 @@ struct Sums<S: Vector> {
     six: [[Lanes<S>; 6]; PARTS],
 }
 
-/// Goes along rows of a log, from these angles of the joints on, as many as are usual. Nothing but the state and the noise
-/// of the last step has changed for them.
+/// Integrates rows of a log, from these angles of the joints on, as far as they are usual. Only the state and the noise
+/// of the last step change.
 pub(crate) struct LogIntegrator<'a> {
     pub plan: &'a StepConstants,
     pub rows: Rows<'a>,
@@ -161,7 +161,7 @@ fn total<S: Vector, const N: usize>(mut sums: [[Lanes<S>; N]; PARTS]) -> [Lanes<
     sums[0]
 }
 
-/// A register of steps in body axes; whether all of them are usual.
+/// Makes a register of steps in body axes; true if all of them are usual.
 #[inline(always)]
 fn step<S: Vector>(
     simd: S,

@@ -17,11 +17,11 @@ pub(crate) type Triple = [Eight; 3];
 
 /// Constants of a rover and its encoders for the kernel of a step, and its memory.
 ///
-/// What holds: the wheels stand in the lanes in [`order`], steered ones first, so steered wheel `k` of the rover is
-/// lane `k % GROUP` of group `k / GROUP`. Lanes without a wheel hold zeros: their radius, rows and shares are 0, so they
-/// roll nowhere and add nothing, and their entry of `wheels` is no index of any array. The same numbers make a castor
-/// measure nothing. A plan exists only where the solution of the least squares is a constant of the rover, so `shares`
-/// are constants too. `rooms` are written by every step before they are read and mean nothing between steps.
+/// Invariants: the wheels stand in the lanes in [`order`], steered ones first, so steered wheel `k` of the rover is
+/// lane `k % GROUP` of group `k / GROUP`. Lanes without a wheel hold zeros: their radius, rows and shares are 0, so
+/// they roll nowhere and add nothing, and their entry of `wheels` is no index of any array. The same numbers make a
+/// castor measure nothing. A plan exists only where the solution of the least squares is a constant of the rover, so
+/// `shares` are constants too. `rooms` are written by every step before they are read and mean nothing between steps.
 #[derive(Clone, Debug)]
 pub(crate) struct StepConstants {
     pub(crate) level: Level,

@@ -22,7 +22,8 @@ pub(crate) struct NoiseTerms<T> {
     pub steering_variance: T,
     /// Slip of a wheel above which it is reported [m]; None: by the variances.
     pub slip_bound: Option<T>,
-    /// Way of a wheel and turn of a joint beyond which the plain core is asked [m, rad]; at most [`LARGEST_STEP`].
+    /// Distance of a wheel and turn of a joint beyond which the plain core makes the step [m, rad]; at most
+    /// [`LARGEST_STEP`].
     pub most: [T; 2],
     /// Variance along and across a wheel's heading per metre of its pivot [m].
     pub slip_variances: [f64; 2],
@@ -31,7 +32,7 @@ pub(crate) struct NoiseTerms<T> {
 }
 
 impl Settings {
-    /// Of a step that takes so long.
+    /// Terms of a step of this duration [s].
     #[inline(always)]
     pub(crate) fn terms<F: Arithmetic>(&self, by: F, dt: F::Number) -> NoiseTerms<F::Number> {
         let noise = &self.noise;

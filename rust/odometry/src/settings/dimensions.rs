@@ -18,7 +18,7 @@ use six_wheel_numerics::error::{Error, HUGE, number};
 /// wheel and its steering angle.
 pub const NUMBERS: usize = DIMENSIONS.len() + 2;
 
-/// Independent errors of one standard deviation: what they move, and by how much.
+/// Independent errors of one standard deviation, each with the quantities that it changes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deviations {
     count: usize,

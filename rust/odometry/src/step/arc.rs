@@ -36,7 +36,7 @@ const SLOPE: [f64; 6] = [1.0 / 10.0, 1.0 / 28.0, 1.0 / 54.0, 1.0 / 88.0, 1.0 / 1
 /// Factors of an arc by half its turn h: `sin h / h` (chord over length), its derivative by h, `sin h` and `cos h`.
 pub(crate) type Bend<T> = [T; 4];
 
-/// Of an arc whose half turn is below [`SMALL_TURN`].
+/// Factors of an arc whose half turn is below [`SMALL_TURN`], by series.
 #[inline(always)]
 pub(crate) fn small_bend<F: Arithmetic>(by: F, half: F::Number) -> Bend<F::Number> {
     let square = half * half;
@@ -44,7 +44,7 @@ pub(crate) fn small_bend<F: Arithmetic>(by: F, half: F::Number) -> Bend<F::Numbe
     [length, half * by.number(-1.0 / 3.0) * series(by, square, &SLOPE), half * length, series(by, square, &COSINE)]
 }
 
-/// Of any arc.
+/// Factors of any arc.
 #[inline(always)]
 pub(crate) fn bend<F: Arithmetic<Number = f64>>(by: F, half: f64) -> Bend<f64> {
     if half.abs() < SMALL_TURN {

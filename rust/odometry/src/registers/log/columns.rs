@@ -44,7 +44,7 @@ pub(crate) fn split_columns<S: Vector>(
     unweave(simd, turns, turned);
 }
 
-/// Middle angles, turns and angles of `N` joints from this one on, one row after the other. How many they are.
+/// Middle angles, turns and angles of `N` joints from this one on, one row after the other. Returns N.
 #[inline(always)]
 fn turn<const N: usize>(
     steering: &[f64],
