@@ -1,28 +1,27 @@
-//! How a value goes from here to there: profiles of one or several axes with three derivatives, and the
-//! transitions of a rover built on them.
+//! Profiles of one or several axes with three derivatives, and the transitions of a rover built on them.
 //!
-//! Every profile is a chain of pieces of constant jerk per axis, whoever made it: [`shapes`] in a given time,
-//! [`optimal`] in the least time. Transitions say what the wheels do meanwhile: [`led`] profiles the body's
-//! twist or each module's own angle and speed, [`icr`] moves the centre of rotation itself.
+//! Every profile is a chain of pieces of constant jerk per axis: [`shapes`] in a given time, [`optimal`] in the least
+//! time. Transitions give the motion of the wheels as a function of time: [`sampling`] profiles the body's twist or each
+//! module's own angle and speed, [`icr`] moves the centre of rotation itself.
 
 mod chord;
 pub mod icr;
 mod laws;
-pub mod led;
 mod limits;
 pub mod optimal;
 mod phase;
 mod plan;
 mod ruckig;
+pub mod sampling;
 pub mod shapes;
 mod timing;
 
 pub use icr::IcrTransition;
 pub use laws::IcrLimits;
-pub use led::{BodyTransition, ModuleLimits, ModuleTransition, Modules, Wheels};
 pub use limits::{Bounds, Moving, Synchronise};
 pub use optimal::time_optimal;
 pub use phase::{Action, Phase};
+pub use sampling::{BodyTransition, ModuleLimits, ModuleTransition, Modules, Wheels};
 pub use shapes::{Shape, linear, s_curve, trapezoid};
 
 use six_wheel_numerics::error::{Error, number};
@@ -33,7 +32,7 @@ pub type Derivatives = [f64; 4];
 /// A stretch of constant jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Piece {
-    /// When it starts [s].
+    /// Start [s].
     pub start: f64,
     /// Value and derivatives there.
     pub state: Derivatives,
@@ -44,7 +43,7 @@ pub(crate) struct Piece {
 pub(crate) struct Axis {
     /// At least one, in the order of their starts, the first of which is 0.
     pub pieces: Vec<Piece>,
-    /// When the axis arrives [s].
+    /// Arrival time [s].
     pub duration: f64,
     /// Its state at that instant.
     pub end: Derivatives,
@@ -58,7 +57,7 @@ pub struct Profile {
 }
 
 /// A state after a time of constant jerk.
-pub(crate) fn coast([value, velocity, acceleration, jerk]: Derivatives, time: f64) -> Derivatives {
+pub(crate) fn constant_jerk_state([value, velocity, acceleration, jerk]: Derivatives, time: f64) -> Derivatives {
     [
         value + time * (velocity + time * (acceleration / 2.0 + time * (jerk / 6.0))),
         velocity + time * (acceleration + time * (jerk / 2.0)),
@@ -82,7 +81,7 @@ impl Axis {
         }
         let next = self.pieces.partition_point(|piece| piece.start <= time);
         match self.pieces.get(next.saturating_sub(1)) {
-            Some(piece) => coast(piece.state, time - piece.start),
+            Some(piece) => constant_jerk_state(piece.state, time - piece.start),
             None => self.end,
         }
     }
@@ -99,11 +98,11 @@ impl Axis {
             let end = self.pieces.get(i + 1).map_or(self.duration, |next| next.start);
             let [_, _, acceleration, jerk] = piece.state;
             note(piece.state);
-            note(coast(piece.state, end - piece.start));
+            note(constant_jerk_state(piece.state, end - piece.start));
             // The velocity is largest where the acceleration passes through zero.
             let turn = -acceleration / jerk;
             if turn > 0.0 && turn < end - piece.start {
-                note(coast(piece.state, turn));
+                note(constant_jerk_state(piece.state, turn));
             }
         }
         peaks
@@ -146,17 +145,17 @@ impl Profile {
 
     /// The axes of both, one after the other.
     #[must_use]
-    pub fn beside(mut self, other: Self) -> Self {
+    pub fn concatenate_axes(mut self, other: Self) -> Self {
         self.axes.extend(other.axes);
         Self::new(self.axes)
     }
 
-    /// When the last axis arrives [s].
+    /// Arrival time of the last axis [s].
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// When each axis arrives [s].
+    /// Arrival time of each axis [s].
     pub fn durations(&self) -> impl Iterator<Item = f64> {
         self.axes.iter().map(|axis| axis.duration)
     }

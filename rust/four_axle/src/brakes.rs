@@ -64,9 +64,9 @@ impl FromStr for Pair {
 /// Both brakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Brakes {
-    /// Of the front pair.
+    /// Brake of the front pair.
     pub front: Brake,
-    /// Of the rear pair.
+    /// Brake of the rear pair.
     pub rear: Brake,
 }
 
@@ -91,7 +91,7 @@ impl Brakes {
         }
     }
 
-    /// Whether both brakes are like this.
+    /// True if both brakes are in this state.
     pub fn both(self, brake: Brake) -> bool {
         self.front == brake && self.rear == brake
     }

@@ -1,4 +1,4 @@
-//! What body and free pivots do over time at constant wheel speeds.
+//! Motion of body and free pivots over time at constant wheel speeds, by Gauss collocation with halved steps.
 
 use nalgebra::{Rotation2, Vector2};
 
@@ -31,9 +31,9 @@ pub struct Track {
     pub poses: Vec<[f64; 3]>,
     /// Axle angles [rad].
     pub angles: Vec<Axles>,
-    /// Of the body, as the step that leads to the sample ends.
+    /// Twists of the body at the end of the step that leads to the sample.
     pub twists: Vec<[f64; 3]>,
-    /// Of all wheels, the following ones included [rad/s].
+    /// Speeds of all wheels, the following ones included [rad/s].
     pub speeds: Vec<Axles>,
     /// Speed at which each contact slides [m/s].
     pub residual: Vec<Axles>,
@@ -93,9 +93,9 @@ pub(super) fn gauss() -> Gauss {
     }
 }
 
-/// What stays the same throughout a step.
+/// Inputs that stay the same throughout a step.
 #[derive(Clone, Copy)]
-struct Held<'a> {
+struct FixedInputs<'a> {
     speeds: &'a Drives,
     lasting: bool,
 }
@@ -138,7 +138,7 @@ impl FourAxle {
         Ok((track, state))
     }
 
-    /// How many samples it takes at most.
+    /// Checks the arguments of a simulation and returns an upper bound of its number of samples.
     fn check_sequence(&self, start: State, sequence: &[Step], dt: f64) -> Result<usize, Error> {
         self.check_angles(&start.angles)?;
         finite("pose", &<[f64; 3]>::from(start.pose))?;
@@ -169,7 +169,7 @@ impl FourAxle {
         }
         // Decided once: the stages of a step need not share a point to the last digit.
         let lasting = self.must_last(&state.angles, state.brakes, speeds);
-        let held = Held { speeds, lasting };
+        let held = FixedInputs { speeds, lasting };
         // From the origin: far from it, rounding would pass for a motion that is not smooth.
         let here = State { pose: Pose::default(), ..state };
         let whole = self.collocate(here, held, dt)?;
@@ -178,14 +178,21 @@ impl FourAxle {
     }
 
     /// Halves a step until the halves agree with the whole.
-    fn refine(&self, state: State, whole: Option<State>, held: Held<'_>, dt: f64, left: usize) -> Result<State, Error> {
+    fn refine(
+        &self,
+        state: State,
+        whole: Option<State>,
+        held: FixedInputs<'_>,
+        dt: f64,
+        left: usize,
+    ) -> Result<State, Error> {
         let half = self.collocate(state, held, dt / 2.0)?;
         let end = match half {
             Some(middle) => self.collocate(middle, held, dt / 2.0)?,
             None => None,
         };
         if let (Some(whole), Some(end)) = (whole, end)
-            && apart(whole, end) <= SETTLED
+            && max_difference(whole, end) <= SETTLED
         {
             self.check_angles(&end.angles)?;
             return Ok(end);
@@ -203,7 +210,7 @@ impl FourAxle {
     ///
     /// The rates depend on the angles alone: those are solved for first, yaw and position follow by summing
     /// up.
-    fn collocate(&self, state: State, held: Held<'_>, dt: f64) -> Result<Option<State>, Error> {
+    fn collocate(&self, state: State, held: FixedInputs<'_>, dt: f64) -> Result<Option<State>, Error> {
         let Gauss { weights, inner, .. } = gauss();
         let rates = |angles: &Axles| self.velocities(angles, state.brakes, held.speeds, held.lasting);
         let mut motions = [rates(&state.angles)?; 3];
@@ -244,7 +251,7 @@ impl FourAxle {
 }
 
 /// Largest difference between two states [rad, m].
-fn apart(one: State, two: State) -> f64 {
+fn max_difference(one: State, two: State) -> f64 {
     let (p, q) = (<[f64; 3]>::from(one.pose), <[f64; 3]>::from(two.pose));
     let pairs = one.angles.iter().zip(&two.angles).chain(p.iter().zip(&q));
     pairs.fold(0.0, |most, (a, b)| most.max((a - b).abs()))

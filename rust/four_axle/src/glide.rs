@@ -1,4 +1,4 @@
-//! How the wheels of a free pair turn it while the robot drives on.
+//! Turns of a free pair by its wheels while the robot drives on.
 //!
 //! With the locked pair in line, the centre of rotation can move along that line. The wheels of the free pair
 //! turn at constant speeds, those of the locked pair follow: constant speeds of its wheels would hold the
@@ -20,8 +20,8 @@ const LEAST_SHARE: f64 = 0.1;
 const DURATION_ACCURACY: f64 = 1e-14;
 const PANELS: usize = 4096;
 
-/// How the free pair gets from one angle to another under way.
-pub(super) struct Glide {
+/// Constant wheel speeds that turn the free pair from one angle to another under way, and the twist at the end.
+pub(super) struct PivotTransition {
     pub speeds: Drives,
     pub duration: f64,
     pub twist: Twist,
@@ -36,7 +36,7 @@ impl FourAxle {
         pair: Pair,
         goal: &Axles,
         rate: f64,
-    ) -> Result<Glide, String> {
+    ) -> Result<PivotTransition, String> {
         let path = Path::new(self, start, twist, pair, goal)?;
         let speed = self.hinge_speed(twist);
         let mut last = String::new();
@@ -45,7 +45,7 @@ impl FourAxle {
             let speeds = path.wheel_speeds(end, speed, rate);
             match path.duration(&speeds, speed, rate) {
                 Ok((duration, twist)) => {
-                    return Ok(Glide { speeds, duration, twist });
+                    return Ok(PivotTransition { speeds, duration, twist });
                 }
                 Err(refusal) => last = refusal,
             }
@@ -137,7 +137,7 @@ impl<'a> Path<'a> {
         rolls_on && self.pair.axles().iter().all(|&i| (reached[i] - end[i]).abs() <= SLIP_TOLERANCE)
     }
 
-    /// Angles and how fast they change along the way: `n . du = (e . u) dangle`.
+    /// Angles, and their derivatives with respect to the share of the path: `n . du = (e . u) dangle`.
     fn slopes(&self, at: f64) -> (Axles, Axles) {
         let angles = self.angles(at);
         let rows = self.car.rows(&angles);
@@ -166,7 +166,7 @@ impl<'a> Path<'a> {
         speeds
     }
 
-    /// How long these wheel speeds take, and the twist in which they end.
+    /// Duration of the turn with these wheel speeds [s], and the twist at its end.
     ///
     /// The rates depend on the place alone, so the time is an integral over the way: no event to search for.
     fn duration(&self, speeds: &Drives, speed: f64, rate: f64) -> Result<(f64, Twist), String> {

@@ -28,7 +28,7 @@ use six_wheel_numerics::jacobi::Jacobi;
 
 pub use brakes::{Brake, Brakes, Pair};
 pub use flow::Track;
-pub use plan::{Pace, Plan, Steer};
+pub use plan::{Pace, Sequence, Steer};
 
 /// Side slip per distance driven up to which axles count as concurrent, unless the caller knows better: what
 /// pivot encoders of 13 bits, 0.8 mrad apart, leave open.
@@ -51,28 +51,28 @@ pub type Drives = [Option<f64>; 4];
 pub struct State {
     /// Headings of the wheels in the body [rad].
     pub angles: Axles,
-    /// Which of them can change.
+    /// The pivots that are locked and those that are free.
     pub brakes: Brakes,
     /// `world_from_body`.
     pub pose: Pose,
 }
 
-/// What the robot does for a time.
+/// One step of a sequence: brakes and constant wheel speeds for a time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// What it is for, in two words.
+    /// Name of the step, in two words.
     pub action: String,
-    /// For how long [s]; 0 for a brake alone.
+    /// Duration [s]; 0 for a brake alone.
     pub duration: f64,
     /// Set at its beginning.
     pub brakes: Brakes,
     /// Wheel speeds, held throughout.
     pub speeds: Drives,
-    /// Where it leads.
+    /// State at its end.
     pub end: State,
 }
 
-/// Whether axles at some angles let the robot move.
+/// Mobility of the robot with all axles at given angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mobility {
     /// Rank of the four side-slip rows; 3 means locked.
@@ -104,14 +104,14 @@ impl Mobility {
     }
 }
 
-/// What body and pivots do at some wheel speeds.
+/// Velocities of body and pivots at given wheel speeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// Of the body.
+    /// Twist of the body.
     pub twist: Twist,
-    /// Of the axles in the body [rad/s]; 0 where locked.
+    /// Rates of the axles in the body [rad/s]; 0 where locked.
     pub pivot_rates: Axles,
-    /// Of all wheels, the following ones included [rad/s].
+    /// Speeds of all wheels, the following ones included [rad/s].
     pub speeds: Axles,
     /// Speed at which each contact slides [m/s].
     pub residual: Axles,
@@ -196,7 +196,7 @@ impl FourAxle {
         &self.rover
     }
 
-    /// Whether a pair is one axle, its wheels always in line.
+    /// True if a pair is one axle, its wheels always in line.
     pub fn is_rigid(&self) -> bool {
         self.hinges[1] == 0.0
     }
@@ -266,7 +266,7 @@ impl FourAxle {
         Vector3::new(twist.vx, twist.vy, twist.omega * self.rover.size).norm()
     }
 
-    /// Whether the robot can move with all axles at these angles.
+    /// Mobility of the robot with all axles at these angles.
     pub fn mobility(&self, angles: &Axles) -> Result<Mobility, Error> {
         self.check_angles(angles)?;
         Ok(self.judge(angles))
@@ -288,7 +288,7 @@ impl FourAxle {
         }
     }
 
-    /// What body and free pivots do at these wheel speeds, by least squares over both rows of every wheel.
+    /// Velocities of body and free pivots at these wheel speeds, by least squares over both rows of every wheel.
     ///
     /// While one pair is locked and its drives follow, the rows may leave the speed open at which hinged
     /// axles go along. Then the motion is the one that lasts, under which the axle lines go on to share a
@@ -327,7 +327,7 @@ impl FourAxle {
         (columns, count)
     }
 
-    /// Whether the drives that follow leave the speed open, and the motion has to be the one that lasts.
+    /// True if the drives that follow leave the speed open, and the motion has to be the one that lasts.
     fn must_last(&self, angles: &Axles, brakes: Brakes, speeds: &Drives) -> bool {
         brakes.front != brakes.rear && speeds.contains(&None) && self.judge(angles).degree() == 1
     }

@@ -1,4 +1,5 @@
-//! From one turn to another: which pair to free when, and how its wheels turn it.
+//! Sequences of steps from one turn to another: the order in which pairs are freed, and the wheel speeds that turn
+//! them.
 //!
 //! Driving on is possible where the axle lines share a point throughout. With one pair locked that point
 //! stays on the lines of the locked axles: on a line if they are in line (a rigid axle always is, hinged
@@ -9,7 +10,7 @@ use std::str::FromStr;
 
 use nalgebra::Vector3;
 
-use super::glide::Glide;
+use super::glide::PivotTransition;
 use super::{Axles, Brake, Brakes, Drives, FourAxle, Pair, State, Step};
 use six_wheel_kinematics::admissible::SLIP_TOLERANCE;
 use six_wheel_kinematics::geometry::Twist;
@@ -18,7 +19,7 @@ use six_wheel_numerics::error::{Error, finite, number, numbers, positive};
 /// Angles nearer to each other than this are one [rad].
 const SAME_ANGLE: f64 = 1e-12;
 
-/// Which axles turn for a curve.
+/// The axles that turn for a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Steer {
     /// Front and rear against each other: the centre of rotation lies abreast of the body's origin.
@@ -45,14 +46,14 @@ impl FromStr for Steer {
     }
 }
 
-/// How fast a plan goes.
+/// Speeds of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// Root mean square speed of the hinges as the plan begins [m/s]; 0 to re-aim standing.
+    /// Root mean square speed of the hinges at the begin [m/s]; 0 to re-aim standing.
     pub speed: f64,
     /// Rate of the faster axle where the pair turns slowest [rad/s].
     pub pivot_rate: f64,
-    /// For how long to go on with both pairs locked after locking one [s].
+    /// Time with both pairs locked after locking one [s].
     pub brake_time: f64,
 }
 
@@ -70,17 +71,17 @@ impl Pace {
 
 /// Steps from one turn to another.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct Sequence {
     /// In order; each was checked at the angles where it begins.
     pub steps: Vec<Step>,
-    /// Whether the robot has to stand in between.
+    /// True if the robot has to stand in between.
     pub stops: bool,
-    /// Why it stops or makes a detour; empty if it does neither.
+    /// Reason of a stop or a detour; empty without either.
     pub reason: String,
 }
 
-/// A plan as it grows.
-struct Draft<'a> {
+/// A sequence that grows by one step at a time.
+struct SequenceBuilder<'a> {
     car: &'a FourAxle,
     state: State,
     twist: Twist,
@@ -89,7 +90,7 @@ struct Draft<'a> {
 
 impl FourAxle {
     /// Re-aims the axles for a curve [1/m]; 0 is straight ahead.
-    pub fn turn_sequence(&self, start: State, curvature: f64, steer: Steer, pace: Pace) -> Result<Plan, Error> {
+    pub fn turn_sequence(&self, start: State, curvature: f64, steer: Steer, pace: Pace) -> Result<Sequence, Error> {
         finite("curvature", &[curvature])?;
         let abreast = match steer {
             Steer::Both => 0.0,
@@ -104,7 +105,7 @@ impl FourAxle {
     }
 
     /// Re-aims the axles at a point [m], standing if need be: (0, 0) to spin in place.
-    pub fn aim_sequence(&self, start: State, icr: [f64; 2], pace: Pace) -> Result<Plan, Error> {
+    pub fn aim_sequence(&self, start: State, icr: [f64; 2], pace: Pace) -> Result<Sequence, Error> {
         let named = |error: Error| Error { argument: "icr".into(), value: numbers(&icr), ..error };
         let goal = self.aim(super::turn_about(icr)?, &start.angles).map_err(named)?;
         self.plan(start, goal, pace)
@@ -122,12 +123,12 @@ impl FourAxle {
             return Err(Error::value("angles", rule, numbers(&start.angles)));
         }
         let twist = times(mobility.least(), speed);
-        let mut draft = Draft { car: self, state: start, twist, steps: Vec::new() };
+        let mut draft = SequenceBuilder { car: self, state: start, twist, steps: Vec::new() };
         draft.go_on("drive", brakes, duration)?;
         draft.steps.pop().ok_or_else(|| Error::value("duration", "make a step", number(duration)))
     }
 
-    fn plan(&self, start: State, goal: Axles, pace: Pace) -> Result<Plan, Error> {
+    fn plan(&self, start: State, goal: Axles, pace: Pace) -> Result<Sequence, Error> {
         pace.check()?;
         self.check_angles(&start.angles)?;
         finite("pose", &<[f64; 3]>::from(start.pose))?;
@@ -148,7 +149,7 @@ impl FourAxle {
                 for first in [Pair::Rear, Pair::Front] {
                     match self.under_way(start, &via, first, pace) {
                         Ok(steps) => {
-                            return Ok(Plan { steps, stops: false, reason });
+                            return Ok(Sequence { steps, stops: false, reason });
                         }
                         Err(refusal) => refusals.push(refusal),
                     }
@@ -159,7 +160,7 @@ impl FourAxle {
                 }
             }
         }
-        Ok(Plan { steps: self.standing(start, goal, pace)?, stops: true, reason })
+        Ok(Sequence { steps: self.standing(start, goal, pace)?, stops: true, reason })
     }
 
     /// Six steps for every leg: free, turn, lock the one pair, then the other. Pairs that stay are left out.
@@ -169,7 +170,7 @@ impl FourAxle {
             return Err("the axle lines do not share one point to begin with".into());
         }
         let mut draft =
-            Draft { car: self, state: start, twist: times(mobility.least(), pace.speed), steps: Vec::new() };
+            SequenceBuilder { car: self, state: start, twist: times(mobility.least(), pace.speed), steps: Vec::new() };
         for leg in legs {
             for pair in [first, first.other()] {
                 if !differ(&draft.state.angles, leg, pair) {
@@ -185,7 +186,7 @@ impl FourAxle {
     /// Stop, turn one axle pair about its hinges while the other pair and its wheels hold the body, then the
     /// other.
     fn standing(&self, start: State, goal: Axles, pace: Pace) -> Result<Vec<Step>, Error> {
-        let mut draft = Draft { car: self, state: start, twist: Twist::ZERO, steps: Vec::new() };
+        let mut draft = SequenceBuilder { car: self, state: start, twist: Twist::ZERO, steps: Vec::new() };
         draft.set("stop", start.brakes)?;
         let turning: Vec<Pair> =
             [Pair::Rear, Pair::Front].into_iter().filter(|pair| differ(&start.angles, &goal, *pair)).collect();
@@ -214,7 +215,7 @@ impl FourAxle {
     }
 }
 
-impl Draft<'_> {
+impl SequenceBuilder<'_> {
     /// Changes brakes, in no time.
     fn set(&mut self, action: &str, brakes: Brakes) -> Result<(), Error> {
         self.go_on(action, brakes, 0.0)
@@ -239,7 +240,7 @@ impl Draft<'_> {
     }
 
     /// Frees a pair, lets its wheels turn it under way, and locks it.
-    fn turn(&mut self, pair: Pair, goal: &Axles, glide: &Glide, pace: Pace) -> Result<(), Error> {
+    fn turn(&mut self, pair: Pair, goal: &Axles, glide: &PivotTransition, pace: Pace) -> Result<(), Error> {
         let free = self.state.brakes.with(pair, Brake::Free);
         self.set(&format!("free {}", pair.name()), free)?;
         self.state = self.car.advance(self.state, &glide.speeds, glide.duration)?;

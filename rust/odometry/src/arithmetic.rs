@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// How numbers are added, multiplied and divided: the same operations in the same order, whatever the numbers are.
+/// Operations on one number or on a register of numbers, so that one body of code serves both.
 pub(crate) trait Arithmetic: Copy {
     type Number: Copy
         + Add<Output = Self::Number>
@@ -22,11 +22,11 @@ pub(crate) trait Arithmetic: Copy {
 
 /// One number at a time; `a b + c` is rounded twice, on every machine.
 #[derive(Clone, Copy)]
-pub(crate) struct Apart;
+pub(crate) struct Unfused;
 
 /// One number at a time; `a b + c` is the instruction of the level.
 #[derive(Clone, Copy)]
-pub(crate) struct Instruction;
+pub(crate) struct Fused;
 
 macro_rules! singly {
     ($kind: ident, |$a: ident, $b: ident, $c: ident| $fused: expr) => {
@@ -61,5 +61,5 @@ macro_rules! singly {
     };
 }
 
-singly!(Apart, |a, b, c| a * b + c);
-singly!(Instruction, |a, b, c| a.mul_add(b, c));
+singly!(Unfused, |a, b, c| a * b + c);
+singly!(Fused, |a, b, c| a.mul_add(b, c));

@@ -1,4 +1,4 @@
-//! What there is to say about one sample.
+//! Flags of one sample, and the refusal of one.
 
 use std::ops::{BitOr, BitOrAssign};
 
@@ -41,13 +41,13 @@ impl Health {
     /// Flags of samples that were left out.
     const LEFT_OUT: Self = Self(16 | 32 | 64 | 128 | 256 | 1024 | 4096);
 
-    /// Whether the sample was left out.
+    /// True if the sample was left out.
     #[inline]
     pub fn is_left_out(self) -> bool {
         self.0 & Self::LEFT_OUT.0 != 0
     }
 
-    /// Whether a flag is raised.
+    /// True if this flag is raised.
     pub fn has(self, flag: Self) -> bool {
         self.0 & flag.0 != 0
     }
@@ -73,7 +73,7 @@ impl BitOrAssign for Health {
     }
 }
 
-/// Why a sample is refused.
+/// Refusal of a sample with its reason.
 pub struct Refusal {
     /// The reason as a flag.
     pub flag: Health,

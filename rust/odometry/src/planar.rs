@@ -1,4 +1,4 @@
-//! Dead reckoning that knows its error: where the wheels say the rover is, and how far that may be off.
+//! Dead reckoning with covariance: the pose by the readings of the wheels, and its error.
 //!
 //! [`Odometry`] is one visible struct of state, stepped by one method. A step is exact: the displacement that fits
 //! the turns of all wheels best, at the steering angles of its middle, is held as one arc ([`Twist::exp`]). Its
@@ -17,9 +17,9 @@ use self::history::History;
 pub use self::suspect::Suspect;
 use crate::health::Health;
 use crate::motion::Motion;
-use crate::registers::Plan;
+use crate::registers::StepConstants;
 use crate::settings::{Readings, Settings};
-use crate::spread::Spread;
+use crate::spread::Covariance3;
 use crate::state::{State, check_covariance, check_pose};
 use crate::step::{Workspace, shared_readings};
 use crate::uncertainty::Uncertainty;
@@ -29,8 +29,8 @@ use six_wheel_numerics::error::{Error, number, numbers};
 
 /// The sample from which the next one counts.
 #[derive(Clone, Debug)]
-pub(crate) struct Reference {
-    /// Whether there is one.
+pub(crate) struct ReferenceSample {
+    /// True if there is one.
     pub(crate) known: bool,
     pub(crate) stamp: f64,
     pub(crate) wheels: Vec<f64>,
@@ -46,13 +46,13 @@ pub(crate) struct Reference {
 pub struct Odometry {
     pub(crate) rover: Rover,
     pub(crate) settings: Settings,
-    pub(crate) reference: Reference,
+    pub(crate) reference: ReferenceSample,
     pub(crate) state: State,
     pub(crate) residual: Vec<f64>,
     pub(crate) health: Health,
     pub(crate) work: Workspace,
-    /// How a usual step is made by registers, where it is.
-    pub(crate) plan: Option<Plan>,
+    /// Constants of the kernel of a usual step; None where there is no kernel.
+    pub(crate) plan: Option<StepConstants>,
     pub(crate) turned: Vec<f64>,
     pub(crate) angles: Vec<f64>,
     pub(crate) history: History,
@@ -69,7 +69,7 @@ impl Odometry {
         let mut uncertainty = Uncertainty::new(shared, settings.lasting());
         uncertainty.bias = settings.gyroscope.map(|known| known.at_start());
         let state = State { walk: Walk::new([0.0; 3]), twist: Twist::ZERO, velocity: None, uncertainty };
-        let reference = Reference {
+        let reference = ReferenceSample {
             known: false,
             stamp: 0.0,
             wheels: vec![0.0; wheels],
@@ -85,7 +85,7 @@ impl Odometry {
             residual: vec![0.0; wheels],
             health: Health::GOOD,
             work: Workspace::new(&rover, &settings),
-            plan: Plan::of(&settings, &rover),
+            plan: StepConstants::of(&settings, &rover),
             turned: vec![0.0; wheels],
             angles: vec![0.0; joints],
             rover,
@@ -99,13 +99,13 @@ impl Odometry {
         &self.rover
     }
 
-    /// How it works.
+    /// The settings.
     #[inline]
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Where the rover is.
+    /// Pose of the rover.
     #[inline]
     pub fn pose(&self) -> Pose {
         self.state.pose()
@@ -134,7 +134,7 @@ impl Odometry {
     #[inline]
     pub fn twist_covariance(&self) -> [[f64; 3]; 3] {
         let [_, upper] = self.upper_halves();
-        Spread::from(upper).matrix().into()
+        Covariance3::from(upper).matrix().into()
     }
 
     /// The upper halves of [`Self::covariance`] and [`Self::twist_covariance`], row by row.
@@ -166,19 +166,19 @@ impl Odometry {
         &self.residual
     }
 
-    /// Say of each wheel over the last step, 0 to 1.
+    /// Weight of each wheel over the last step, 0 to 1.
     #[inline]
     pub fn weights(&self) -> &[f64] {
         &self.work.weights
     }
 
-    /// What there is to say about the last sample.
+    /// Flags of the last sample.
     #[inline]
     pub fn health(&self) -> Health {
         self.health
     }
 
-    /// When the last sample was taken, or until when the last command was held [s]; None before the first one.
+    /// Time of the last sample, or end of the last command [s]; None before the first one.
     #[inline]
     pub fn stamp(&self) -> Option<f64> {
         match self.reference.known {

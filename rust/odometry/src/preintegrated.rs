@@ -1,5 +1,5 @@
-//! What wheels say about the motion between two instants, as one factor of a graph: the motion, its covariance, and
-//! how it answers to whatever an estimator may want to change afterwards.
+//! Motion between two instants by the wheels, as one factor of a graph: the motion, its covariance, and its derivatives
+//! with respect to the quantities that an estimator may change afterwards.
 //!
 //! The motion is `delta = begin_from_end`. Errors and derivatives are in the tangent space of its end,
 //! `delta exp(e)`, with e in axes of the body at the end: x [m], y [m], yaw [rad], or all six in space.
@@ -29,7 +29,7 @@ pub const PLANE: [usize; 3] = [0, 1, 5];
 /// Deviation of a quaternion's length from 1 that is taken for rounding of whoever wrote it.
 const UNIT: f64 = 1e-2;
 
-/// Where on the way the errors of a motion are counted.
+/// Frame in which the errors of a motion are expressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tangent {
     /// `delta exp(e)`: in axes of the body at the end.
@@ -40,14 +40,14 @@ pub enum Tangent {
     Coordinates,
 }
 
-/// How a motion is pre-integrated.
+/// Options of pre-integration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rules {
     /// As for odometry.
     pub settings: Settings,
     /// The gyroscope whose rates come with the samples.
     pub gyroscope: Option<Gyroscope>,
-    /// Whether every sample has an attitude.
+    /// True if every sample has an attitude.
     pub in_space: bool,
     /// Standard deviation of the tilt of an attitude, about x and about y of the body [rad].
     pub attitude_noise: f64,
@@ -79,7 +79,7 @@ pub struct Preintegrated {
     ends: f64,
 }
 
-/// How two poses contradict a motion, and how that answers to them.
+/// Residual of two poses against a motion, and its derivatives.
 #[derive(Clone, Debug)]
 pub struct Residual {
     /// `log(delta⁻¹ pose_i⁻¹ pose_j)`
@@ -122,7 +122,7 @@ impl Preintegrated {
         self.odometry.rover()
     }
 
-    /// How it was told to work.
+    /// The options.
     pub fn rules(&self) -> &Rules {
         &self.rules
     }
@@ -133,13 +133,13 @@ impl Preintegrated {
         self.samples.stamps.len()
     }
 
-    /// Whether there is none.
+    /// True if there is none.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.samples.stamps.is_empty()
     }
 
-    /// When it begins and ends [s]; None without a sample.
+    /// Begin and end [s]; None without a sample.
     #[inline]
     pub fn span(&self) -> Option<[f64; 2]> {
         let stamps = &self.samples.stamps;
@@ -348,7 +348,7 @@ impl Preintegrated {
         Ok(whole)
     }
 
-    /// Whether the motion is that of odometry: in the plane, between two samples.
+    /// True if the motion is that of odometry: in the plane, between two samples.
     fn is_plain(&self) -> bool {
         !self.rules.in_space && self.begins == 0.0 && self.ends == 1.0
     }
@@ -367,7 +367,7 @@ impl Preintegrated {
 }
 
 impl Residual {
-    /// How two poses contradict a motion that is changed by `exp(change)` at its end.
+    /// Residual of two poses against a motion that is changed by `exp(change)` at its end.
     #[inline]
     pub fn of(motion: &Motion3, change: &Vector6<f64>, [first, second]: [&Motion3; 2]) -> Self {
         let seen = first.inverse().compose(second);

@@ -1,13 +1,13 @@
 //! Samples of a log, one or all of them, and the rows that their results go to.
 
-/// What was read at one instant.
+/// Readings at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'a> {
     /// Readings of the steering joints.
     pub steering: &'a [f64],
     /// Readings of the wheels. NaN where a passive wheel has no encoder.
     pub wheels: &'a [f64],
-    /// When [s].
+    /// Time of the readings [s].
     pub stamp: f64,
     /// Absolute yaw from a sensor with a zero of its own [rad].
     pub yaw: Option<f64>,
@@ -22,7 +22,7 @@ pub struct Recording<'a> {
     pub steering: &'a [f64],
     /// Readings of the wheels, row after row.
     pub wheels: &'a [f64],
-    /// When [s].
+    /// Time of the readings [s].
     pub stamps: &'a [f64],
     /// Absolute yaw [rad]; NaN where there was none.
     pub yaws: Option<&'a [f64]>,
@@ -43,7 +43,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Where the rows from `first` on end of which none but the last one tells a yaw, `most` of them at most.
+    /// End of the rows from `first` on of which at most the last one has a yaw, `most` of them at most.
     pub(crate) fn until_yaw(&self, first: usize, most: usize) -> usize {
         let end = self.stamps.len().min(first + most);
         let told = self.yaws.and_then(|yaws| {
@@ -57,7 +57,7 @@ impl<'a> Recording<'a> {
     }
 }
 
-/// Where the results of a log go, one row per sample.
+/// Output of a log, one row per sample.
 #[derive(Debug)]
 pub struct TrackRows<'a> {
     /// Poses.
@@ -68,7 +68,7 @@ pub struct TrackRows<'a> {
     pub covariances: Option<&'a mut [[f64; 9]]>,
     /// Residuals of the wheels [m/s], row after row; None to do without.
     pub residuals: Option<&'a mut [f64]>,
-    /// Say of the wheels, row after row; None to do without.
+    /// Weights of the wheels, row after row; None to do without.
     pub weights: Option<&'a mut [f64]>,
     /// Flags.
     pub health: &'a mut [u32],

@@ -12,51 +12,54 @@ mod plan;
 pub(crate) mod terms;
 mod wheels;
 
-use crate::arithmetic::Instruction;
+use crate::arithmetic::Fused;
 use crate::motion::{ROUNDING, SUSPICIOUS};
-use crate::spread::Spread;
+use crate::spread::Covariance3;
 use crate::state::State;
 use crate::step::{bend, step_jacobian};
-use crate::uncertainty::{StepJacobian, StepNoise, Turned, agreed, gain, left, left_of, met};
-pub(crate) use plan::Plan;
-use plan::Room;
+use crate::uncertainty::{
+    GyroscopeIncrement, StepJacobian, StepNoise, fused_displacement, gain, propagate_error, remaining_covariance,
+    remaining_error,
+};
+pub(crate) use plan::StepConstants;
+use plan::StepScratch;
 use six_wheel_kinematics::one_row::inverse::{Eight, GROUP, padded};
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::sin_cos;
 use six_wheel_numerics::simd::vector::Vector;
-use terms::Terms;
-use wheels::{InLanes, Pick, Register, Squares, disagree, lean, listen};
+use terms::NoiseTerms;
+use wheels::{InLanes, LaneSource, Register, Squares, accumulate_displacement, accumulate_noise, steering_error};
 
-impl Plan {
-    /// One step: whether a wheel slides further than the noise explains. Nothing where the plain core has to do it; no
-    /// more than the angles at the end have changed then.
+impl StepConstants {
+    /// Makes one step; true if a wheel slides further than the noise explains. Returns None where the plain core has to
+    /// make it; only the angles at the end have changed then.
     #[inline]
-    pub fn step<'b>(&mut self, given: &Given<'b>, targets: &mut Targets<'b>) -> Option<bool> {
+    pub fn step<'b>(&mut self, given: &StepInput<'b>, targets: &mut StepOutput<'b>) -> Option<bool> {
         let level = self.level;
         level.run(Step { plan: self, given, targets })?
     }
 }
 
-/// What a step starts from, and what is known of it.
+/// Input of a step: the state at its start and its readings.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Given<'a> {
+pub(crate) struct StepInput<'a> {
     /// Readings of the wheels at its start and end.
     pub wheels: [&'a [f64]; 2],
     /// Readings of the steering joints at its start and end.
     pub steering: [&'a [f64]; 2],
     /// Steering angles at its start [rad].
     pub angles: &'a [f64],
-    pub terms: Terms<f64>,
-    pub turned: Option<Turned<f64>>,
+    pub terms: NoiseTerms<f64>,
+    pub turned: Option<GyroscopeIncrement<f64>>,
     /// Variance that the bias of a gyroscope wanders by [rad²/s²].
     pub wandered: f64,
 }
 
-/// Where the results of a step go.
+/// Output of a step.
 #[derive(Debug)]
-pub(crate) struct Targets<'a> {
+pub(crate) struct StepOutput<'a> {
     /// Steering angles at the end [rad].
     pub angles: &'a mut [f64],
     /// Speed at which each contact slid [m/s].
@@ -67,16 +70,16 @@ pub(crate) struct Targets<'a> {
 }
 
 struct Step<'a, 'b> {
-    plan: &'a mut Plan,
-    given: &'a Given<'b>,
-    targets: &'a mut Targets<'b>,
+    plan: &'a mut StepConstants,
+    given: &'a StepInput<'b>,
+    targets: &'a mut StepOutput<'b>,
 }
 
 impl<S: Vector> Squares<S> {
     #[inline(always)]
-    fn total(self) -> Spread {
+    fn total(self) -> Covariance3 {
         let [xx, xy, xz, yy, yz, zz] = self.0;
-        Spread::from([xx.total(), xy.total(), xz.total(), yy.total(), yz.total(), zz.total()])
+        Covariance3::from([xx.total(), xy.total(), xz.total(), yy.total(), yz.total(), zz.total()])
     }
 }
 
@@ -102,21 +105,21 @@ impl Kernel for Step<'_, '_> {
         let Self { plan, given, targets } = self;
         let heading = targets.state.walk.heading.value();
         let (sin, cos) = sin_cos(simd, Lanes::splat(simd, heading));
-        let terms = given.terms.everywhere(simd);
+        let terms = given.terms.broadcast(simd);
         let mut displacement = displace(simd, plan, given, &terms, targets)?;
         let dt = given.terms.dt;
-        let (mut own, slips) = doubt(simd, plan, &terms, displacement);
+        let (mut own, slips) = step_noise(simd, plan, &terms, displacement);
         let mut shared = None;
         if let Some(turned) = &given.turned {
             let ends = ends(simd, plan, &terms);
-            let (gain, variance) = gain(Instruction, turned, own.and(ends.and(ends)), dt);
+            let (gain, variance) = gain(Fused, turned, own.and(ends.and(ends)), dt);
             if variance.is_nan() || variance <= 0.0 {
                 return None;
             }
-            displacement = agreed(Instruction, gain, displacement, turned.turn);
-            own = left_of(Instruction, gain, own);
+            displacement = fused_displacement(Fused, gain, displacement, turned.turn);
+            own = remaining_covariance(Fused, gain, own);
             let column = gain.map(|part| part * turned.deviation);
-            let ends = left_of(Instruction, gain, ends).and_square(Instruction, column);
+            let ends = remaining_covariance(Fused, gain, ends).and_square(Fused, column);
             shared = Some((gain, ends, column));
         }
         let twist = displacement.map(|part| part / dt);
@@ -124,17 +127,13 @@ impl Kernel for Step<'_, '_> {
         if !is_usual {
             return None;
         }
-        let jacobian = step_jacobian(
-            Instruction,
-            displacement,
-            bend(Instruction, displacement[2] / 2.0),
-            [sin.last(simd), cos.last(simd)],
-        );
+        let jacobian =
+            step_jacobian(Fused, displacement, bend(Fused, displacement[2] / 2.0), [sin.last(simd), cos.last(simd)]);
         if !own.is_below(HUGE) {
             return None;
         }
         report(simd, plan, 1.0 / dt, targets.residual);
-        let Targets { state, noise, .. } = targets;
+        let StepOutput { state, noise, .. } = targets;
         let uncertainty = &mut state.uncertainty;
         let by_gyroscope = shared.map(|(gain, ..)| gain);
         let carried = &mut uncertainty.carried;
@@ -146,19 +145,19 @@ impl Kernel for Step<'_, '_> {
             let mut end = [0.0; 3];
             if let Some((_, fused, column)) = shared {
                 ends = fused;
-                end = jacobian.ended(Instruction, column);
+                end = jacobian.ended(Fused, column);
             }
-            whole = whole.and_square(Instruction, met(Instruction, lever, *column, end));
+            whole = whole.and_square(Fused, propagate_error(Fused, lever, *column, end));
             *column = end;
         }
-        let mut added = own.displaced(Instruction, by).and(whole);
+        let mut added = own.displaced(Fused, by).and(whole);
         if let Some(bias) = &mut uncertainty.bias {
             let by_bias = by_gyroscope.unwrap_or_default().map(|part| part * -dt);
-            let by_bias = jacobian.ended(Instruction, by_bias);
-            added = added.and(bias.lean(Instruction, lever, by_bias, given.wandered));
+            let by_bias = jacobian.ended(Fused, by_bias);
+            added = added.and(bias.propagate(Fused, lever, by_bias, given.wandered));
         }
-        let settled = uncertainty.settled.swung(Instruction, lever).and(added);
-        uncertainty.settle(settled, ends.displaced(Instruction, by));
+        let settled = uncertainty.settled.swung(Fused, lever).and(added);
+        uncertainty.settle(settled, ends.displaced(Fused, by));
         uncertainty.carry_yaw_offset(lever);
         (noise.own, noise.ends) = (own, ends.and(ends));
         state.go(jacobian.shift, displacement[2]);
@@ -171,10 +170,10 @@ impl Kernel for Step<'_, '_> {
 #[inline(always)]
 fn displace<S: Vector>(
     simd: S,
-    plan: &mut Plan,
-    given: &Given<'_>,
-    terms: &Terms<Lanes<S>>,
-    targets: &mut Targets<'_>,
+    plan: &mut StepConstants,
+    given: &StepInput<'_>,
+    terms: &NoiseTerms<Lanes<S>>,
+    targets: &mut StepOutput<'_>,
 ) -> Option<[f64; 3]> {
     let zero = Lanes::splat(simd, 0.0);
     let [before, after] = given.wheels;
@@ -204,7 +203,7 @@ fn displace<S: Vector>(
                 joint = Some([(start + end) * Lanes::splat(simd, 0.5), end - start]);
             }
             let wheel = (group, pick);
-            usual = usual & listen(simd, wheel, counts, joint, terms.most, &mut said, (room, k));
+            usual = usual & accumulate_displacement(simd, wheel, counts, joint, terms.most, &mut said, (room, k));
         }
     }
     if (!usual).any() {
@@ -213,10 +212,15 @@ fn displace<S: Vector>(
     Some(said.map(Lanes::total))
 }
 
-/// What the displacement may be off by in this step alone. Whether a wheel slid further than the
-/// noise explains.
+/// Covariance of the displacement by what errs in this step alone, and true if a wheel slid further than the noise
+/// explains.
 #[inline(always)]
-fn doubt<S: Vector>(simd: S, plan: &mut Plan, terms: &Terms<Lanes<S>>, displacement: [f64; 3]) -> (Spread, bool) {
+fn step_noise<S: Vector>(
+    simd: S,
+    plan: &mut StepConstants,
+    terms: &NoiseTerms<Lanes<S>>,
+    displacement: [f64; 3],
+) -> (Covariance3, bool) {
     let zero = Lanes::splat(simd, 0.0);
     let step = displacement.map(|part| Lanes::splat(simd, part));
     let mut squares = Squares::new(simd);
@@ -224,7 +228,7 @@ fn doubt<S: Vector>(simd: S, plan: &mut Plan, terms: &Terms<Lanes<S>>, displacem
     for (group, room) in plan.groups.iter().zip(&mut plan.rooms) {
         for k in 0..group.registers(S::F64_LANES) {
             let wheel = (group, Register(simd, k));
-            suspects = suspects | disagree(simd, wheel, step, terms, &mut squares, (room, k));
+            suspects = suspects | accumulate_noise(simd, wheel, step, terms, &mut squares, (room, k));
         }
     }
     let is_sure = terms.slip_bound.is_some() || !suspects.any();
@@ -232,13 +236,13 @@ fn doubt<S: Vector>(simd: S, plan: &mut Plan, terms: &Terms<Lanes<S>>, displacem
     (squares.total(), slips)
 }
 
-/// What the joints' readings at one end add to the displacement's covariance.
+/// Covariance of the displacement by the joints' readings at one end.
 #[inline(always)]
-fn ends<S: Vector>(simd: S, plan: &Plan, terms: &Terms<Lanes<S>>) -> Spread {
+fn ends<S: Vector>(simd: S, plan: &StepConstants, terms: &NoiseTerms<Lanes<S>>) -> Covariance3 {
     let mut ends = Squares::new(simd);
     for (group, room) in plan.groups.iter().zip(&plan.rooms) {
         for k in 0..group.steered.div_ceil(S::F64_LANES) {
-            ends.add_square(lean(simd, (group, Register(simd, k)), terms, (room, k)));
+            ends.add_square(steering_error(simd, (group, Register(simd, k)), terms, (room, k)));
         }
     }
     ends.total()
@@ -246,7 +250,7 @@ fn ends<S: Vector>(simd: S, plan: &Plan, terms: &Terms<Lanes<S>>) -> Spread {
 
 /// The residuals of a step that was made, `per` one over its duration [1/s].
 #[inline(always)]
-fn report<S: Vector>(simd: S, plan: &Plan, per: f64, residual: &mut [f64]) {
+fn report<S: Vector>(simd: S, plan: &StepConstants, per: f64, residual: &mut [f64]) {
     let per = Lanes::splat(simd, per);
     for (group, room) in plan.groups.iter().zip(&plan.rooms) {
         for k in 0..group.registers(S::F64_LANES) {
@@ -263,9 +267,9 @@ fn report<S: Vector>(simd: S, plan: &Plan, per: f64, residual: &mut [f64]) {
     }
 }
 
-/// Whether a wheel slid further than the noise explains, and than the rounding of the others' fit.
+/// True if a wheel slid further than the noise and the rounding of the others' fit explain.
 #[inline(never)]
-fn is_slip(rooms: &[Room]) -> bool {
+fn is_slip(rooms: &[StepScratch]) -> bool {
     let furthest = rooms.iter().flat_map(|room| room.rolled).fold(0.0_f64, |most, rolled| most.max(rolled.abs()));
     rooms.iter().any(|room| {
         let wheels = room.slid.iter().zip(&room.variance);
@@ -278,12 +282,12 @@ fn is_slip(rooms: &[Room]) -> bool {
 #[inline(always)]
 fn carry<S: Vector>(
     simd: S,
-    plan: &Plan,
-    terms: &Terms<Lanes<S>>,
+    plan: &StepConstants,
+    terms: &NoiseTerms<Lanes<S>>,
     carried: &mut [[f64; 3]],
     jacobian: &StepJacobian,
     gain: Option<[f64; 3]>,
-) -> [Spread; 2] {
+) -> [Covariance3; 2] {
     let by = InLanes(simd);
     let splat = |number| Lanes::splat(simd, number);
     let ([a, b], [[c, d, e], [f, g, h]]) = (jacobian.shift, jacobian.by_displacement);
@@ -297,13 +301,13 @@ fn carry<S: Vector>(
     for (group, room) in plan.groups.iter().zip(&plan.rooms) {
         for k in 0..group.steered.div_ceil(S::F64_LANES) {
             let Some(columns) = columns.next() else { break };
-            let mut half = lean(simd, (group, Register(simd, k)), terms, (room, k));
+            let mut half = steering_error(simd, (group, Register(simd, k)), terms, (room, k));
             ends.add_square(half);
             if let Some([x, y, z]) = gain {
-                half = left(by, [splat(x), splat(y), splat(z)], half);
+                half = remaining_error(by, [splat(x), splat(y), splat(z)], half);
             }
             let end = jacobian.ended(by, half);
-            settled.add_square(met(by, lever, Lanes::unbraid(simd, columns), end));
+            settled.add_square(propagate_error(by, lever, Lanes::unbraid(simd, columns), end));
             Lanes::braid(end, columns);
         }
     }

@@ -1,4 +1,4 @@
-//! How odometry works: all that does not change while it does.
+//! Settings of odometry, which do not change while it runs.
 
 pub mod dimensions;
 pub mod encoder;
@@ -17,7 +17,7 @@ use six_wheel_numerics::error::{Error, number};
 /// Slip that is flagged where noise is a guess, which is too wide to tell by [m/s].
 const GUESSED_SLIP: f64 = 0.05;
 
-/// What the readings of the wheels are.
+/// Kind of the readings of the wheels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Readings {
     /// Running totals.
@@ -25,30 +25,30 @@ pub enum Readings {
     Angles,
     /// Rates at the stamps: a step takes the mean of its two ends.
     Speeds,
-    /// What came since the sample before.
+    /// Increments since the sample before.
     Increments,
 }
 
-/// How odometry works; all of it may be left out.
+/// Settings of odometry; each has a default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Standard deviations of readings and slip.
     pub noise: Noise,
     /// The gyroscope whose rates come with the samples, its bias a state; None: rates are as the noise says.
     pub gyroscope: Option<Gyroscope>,
-    /// How many times as much as the noise says each wheel slips; empty: all alike.
+    /// Factor of the slip noise of each wheel; empty: all 1.
     pub wheel_noise: Vec<f64>,
-    /// What the dimensions may be off by; none: they are known.
+    /// Errors of the dimensions; none: they are known.
     pub dimensions: Deviations,
-    /// What the readings of the wheels are.
+    /// Kind of the readings of the wheels.
     pub readings: Readings,
     /// One for all wheels or one per wheel; empty: they read radians.
     pub wheel_encoders: Vec<Encoder>,
     /// One for all steering joints or one per joint; empty: they read radians.
     pub steering_encoders: Vec<Encoder>,
-    /// How the wheels are weighed.
+    /// Method that weighs the wheels.
     pub method: Method,
-    /// Whether disagreement of the wheels beyond the noise counts as more noise.
+    /// True if disagreement of the wheels beyond the noise counts as more noise.
     pub inflate: bool,
     /// Slip of a wheel that is flagged [m/s]; None: four standard deviations of what the noise explains, of a noise that is a
     /// guess [`GUESSED_SLIP`].
@@ -61,7 +61,7 @@ pub struct Settings {
     pub max_steering_rate: Option<f64>,
     /// Time constant of the first-order filter of `velocity` [s]; 0: none.
     pub smoothing: f64,
-    /// How late a pose from outside may come [s].
+    /// Largest delay of a pose from outside [s].
     pub lag: f64,
     /// Samples that are kept for that at most.
     pub history: usize,
@@ -90,14 +90,14 @@ impl Default for Settings {
     }
 }
 
-/// How a step is worked out.
+/// Options of the solution of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rules {
     /// Noise of readings and slip.
     pub noise: Noise,
     /// Weighing of the wheels.
     pub method: Method,
-    /// Whether disagreement of the wheels beyond the noise counts as more noise.
+    /// True if disagreement of the wheels beyond the noise counts as more noise.
     pub inflate: bool,
     /// Slip of a wheel that is worth reporting [m/s]; None: by the noise.
     pub slip_threshold: Option<f64>,

@@ -12,7 +12,7 @@ use six_wheel_numerics::jacobi::Jacobi;
 
 /// A symmetric matrix; a covariance as long as only squares are added and images taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Spread<T = f64> {
+pub(crate) struct Covariance3<T = f64> {
     xx: T,
     xy: T,
     xz: T,
@@ -21,7 +21,7 @@ pub(crate) struct Spread<T = f64> {
     zz: T,
 }
 
-impl<T> From<[T; 6]> for Spread<T> {
+impl<T> From<[T; 6]> for Covariance3<T> {
     /// The upper half, row by row.
     #[inline(always)]
     fn from([xx, xy, xz, yy, yz, zz]: [T; 6]) -> Self {
@@ -29,15 +29,15 @@ impl<T> From<[T; 6]> for Spread<T> {
     }
 }
 
-impl<T> From<Spread<T>> for [T; 6] {
+impl<T> From<Covariance3<T>> for [T; 6] {
     #[inline(always)]
-    fn from(spread: Spread<T>) -> Self {
-        let Spread { xx, xy, xz, yy, yz, zz } = spread;
+    fn from(spread: Covariance3<T>) -> Self {
+        let Covariance3 { xx, xy, xz, yy, yz, zz } = spread;
         [xx, xy, xz, yy, yz, zz]
     }
 }
 
-impl Spread {
+impl Covariance3 {
     /// The upper half of a matrix.
     #[inline]
     pub fn of(matrix: &Matrix3<f64>) -> Self {
@@ -63,7 +63,7 @@ impl Spread {
         Vector3::new(self.xz, self.yz, self.zz)
     }
 
-    /// Whether rounding may have left a direction with a negative variance.
+    /// True if rounding may have left a direction with a negative variance.
     #[inline(always)]
     pub fn may_be_negative(&self) -> bool {
         self.minors().into_iter().any(|value| value < 0.0)
@@ -123,7 +123,7 @@ impl Spread {
     }
 }
 
-impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Spread<T> {
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Covariance3<T> {
     /// The sum of two.
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
@@ -139,7 +139,7 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Spread<T> {
 
     /// Adds another one.
     #[inline(always)]
-    pub fn add_spread(&mut self, other: &Self) {
+    pub fn add_assign(&mut self, other: &Self) {
         *self = self.and(*other);
     }
 
@@ -222,12 +222,12 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Spread<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::arithmetic::Apart;
+    use super::super::arithmetic::Unfused;
     use super::*;
 
     #[test]
     fn products_are_those_of_the_whole_matrices() {
-        let mut spread = Spread::default();
+        let mut spread = Covariance3::default();
         spread.add(&Vector3::new(1.0, -2.0, 0.5), 1.0);
         spread.add(&Vector3::new(0.3, 0.7, -1.1), 2.0);
         let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.1, 0.0, 2.0);
@@ -235,10 +235,10 @@ mod tests {
         assert!((spread.image(&a).matrix() - whole).amax() < 1e-14);
         let lever = [0.4, -0.9];
         let swing = Matrix3::new(1.0, 0.0, lever[0], 0.0, 1.0, lever[1], 0.0, 0.0, 1.0);
-        assert!((spread.swung(Apart, lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14);
+        assert!((spread.swung(Unfused, lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14);
         let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.0, 0.0, 1.0);
-        let displaced = spread.displaced(Apart, &[[1.0, 0.2, -0.4], [0.5, -1.0, 0.3]]);
+        let displaced = spread.displaced(Unfused, &[[1.0, 0.2, -0.4], [0.5, -1.0, 0.3]]);
         assert!((displaced.matrix() - spread.image(&a).matrix()).amax() < 1e-14);
-        assert_eq!(Spread::of(&spread.matrix()), spread);
+        assert_eq!(Covariance3::of(&spread.matrix()), spread);
     }
 }

@@ -6,7 +6,7 @@ use super::uncertainty::Uncertainty;
 use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
 use six_wheel_numerics::error::{Error, HUGE, finite, numbers};
 
-/// What changes from sample to sample and is taken back when a late pose comes.
+/// State that changes from sample to sample and is restored when a late pose comes.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
     pub walk: Walk,
@@ -36,7 +36,7 @@ impl State {
         self.walk.turn(turn);
     }
 
-    /// The mean twist over a step, and what its filter makes of it.
+    /// Sets the mean twist over a step, and updates its first-order filter with the time constant `smoothing` [s].
     #[inline(always)]
     pub fn hold(&mut self, twist: Twist, dt: f64, smoothing: f64) {
         self.twist = twist;
@@ -61,7 +61,7 @@ impl State {
     }
 }
 
-/// A pose from outside is one that sums of squares can be made of.
+/// Fails unless every part of a pose is finite and below [`HUGE`] in magnitude, so that sums of squares are finite.
 pub fn check_pose(pose: &[f64]) -> Result<(), Error> {
     finite("pose", pose)?;
     if pose.iter().all(|part| part.abs() < HUGE) {

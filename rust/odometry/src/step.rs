@@ -1,4 +1,4 @@
-//! The displacement over one step, from what the wheels turned, and what it may be off by.
+//! The displacement over one step, from the rotations of the wheels, and its errors.
 
 mod arc;
 
@@ -8,7 +8,7 @@ use super::motion::{Fusion, Motion, ROUNDING, SUSPICIOUS};
 use super::settings::dimensions::Deviations;
 use super::settings::noise::Noise;
 use super::settings::{Readings, Rules, Settings};
-use super::spread::Spread;
+use super::spread::Covariance3;
 use super::uncertainty::{COLUMNS, StepNoise};
 pub use arc::chord;
 pub(crate) use arc::{SMALL_TURN, bend, small_bend, step_jacobian};
@@ -28,15 +28,15 @@ pub(crate) struct Workspace {
     middle: Vec<f64>,
     steered_by: Vec<f64>,
     pub weights: Vec<f64>,
-    /// How far each wheel's contact slid [m].
+    /// Distance each wheel's contact slid [m].
     pub slid: Vec<f64>,
     pub noise: StepNoise,
     deviations: Deviations,
-    /// By which share turns of a gyroscope are off.
+    /// Deviation of the scale of a gyroscope, a share of its turns.
     scale_noise: f64,
-    /// How many times the noise's variance of slip each wheel has.
+    /// Factor of the slip variance of each wheel.
     shares: Vec<f64>,
-    /// Whether a wheel slid further than the noise explains.
+    /// True if a wheel slid further than the noise explains.
     pub slips: bool,
     /// The displacement before a gyroscope had its say, and what that say made of it.
     by_wheels: Vector3<f64>,
@@ -74,8 +74,8 @@ impl Workspace {
             weights: vec![1.0; wheels],
             slid: vec![0.0; wheels],
             noise: StepNoise {
-                own: Spread::default(),
-                ends: Spread::default(),
+                own: Covariance3::default(),
+                ends: Covariance3::default(),
                 old: shared.clone(),
                 new: shared,
                 lasting: vec![Vector3::zeros(); settings.lasting()],
@@ -186,8 +186,8 @@ impl Workspace {
         Ok(())
     }
 
-    /// What the deviations of the dimensions and of a gyroscope's scale make of the displacement of the last step, given
-    /// its motion.
+    /// Finds the change of the displacement of the last step, given its motion, by each deviation of the dimensions and
+    /// of a gyroscope's scale.
     pub fn find_lasting(&mut self, rover: &Rover, motion: Motion<'_>, method: Method) -> Result<(), Error> {
         if self.scale_noise > 0.0
             && let Some(of_scale) = self.noise.lasting.last_mut()
@@ -209,7 +209,7 @@ impl Workspace {
         asked
     }
 
-    /// How a gyroscope shared the last step.
+    /// Gains of wheels and gyroscope in the last step.
     pub fn fusion(&self) -> &Fusion {
         &self.fusion
     }
@@ -241,7 +241,7 @@ impl Workspace {
     }
 }
 
-/// Fills in what the displacement may be off by. Whether a wheel slid further than that explains.
+/// Writes the errors of the displacement. Returns true if a wheel slid further than the noise explains.
 fn errors(
     linearised: &Linearised<'_>,
     inverse: &Matrix3<f64>,
@@ -256,7 +256,7 @@ fn errors(
     let steering_deviation = sharing.sqrt() * noise.steering;
     let steering_variance = steering_deviation * steering_deviation;
     let displacement = Twist::from(linearised.twist);
-    let mut gradients = Spread::default();
+    let mut gradients = Covariance3::default();
     let mut slips = false;
     let (mut seen, mut explained, mut rows) = (0.0, 0.0, 0.0);
     // Of any wheel: the sides of one that reads nothing slide by the rounding of the others' fit.

@@ -18,9 +18,12 @@ use nalgebra::{Matrix3, Vector3};
 
 mod turned;
 
-pub(crate) use self::turned::{Turned, agreed, gain, leant, left, left_of, met};
-use super::arithmetic::{Apart, Arithmetic};
-use super::spread::Spread;
+pub(crate) use self::turned::{
+    GyroscopeIncrement, bias_covariance, fused_displacement, gain, propagate_error, remaining_covariance,
+    remaining_error,
+};
+use super::arithmetic::{Arithmetic, Unfused};
+use super::spread::Covariance3;
 use six_wheel_numerics::jacobi::Jacobi;
 
 /// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is negative.
@@ -29,14 +32,14 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// The columns of joints come in whole registers, on every level that has this kernel.
 pub(crate) const COLUMNS: usize = 4;
 
-/// A covariance with what rounding may have left of it.
+/// Covariance plus [`ROUNDING`] times its trace on the diagonal.
 #[inline(always)]
-pub(crate) fn rounded<F: Arithmetic>(by: F, mut covariance: Spread<F::Number>) -> Spread<F::Number> {
+pub(crate) fn rounded<F: Arithmetic>(by: F, mut covariance: Covariance3<F::Number>) -> Covariance3<F::Number> {
     covariance.add_to_diagonal(by.number(ROUNDING) * covariance.trace());
     covariance
 }
 
-/// How the end of a step answers to its start and to its displacement in body axes.
+/// Derivatives of the end of a step with respect to its start and to its displacement in body axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepJacobian<T = f64> {
     /// Way in world axes [m]: a turn at the start swings it.
@@ -46,7 +49,7 @@ pub(crate) struct StepJacobian<T = f64> {
 }
 
 impl<T: Copy + Neg<Output = T>> StepJacobian<T> {
-    /// By what an error of the yaw at the start swings the end.
+    /// Derivative of the end position with respect to the yaw at the start [m].
     #[inline(always)]
     pub fn lever(&self) -> [T; 2] {
         [-self.shift[1], self.shift[0]]
@@ -54,7 +57,7 @@ impl<T: Copy + Neg<Output = T>> StepJacobian<T> {
 }
 
 impl<T: Copy + Add<Output = T> + Mul<Output = T>> StepJacobian<T> {
-    /// What an error of the displacement is at the end.
+    /// Error of the pose at the end by an error of the displacement.
     #[inline(always)]
     pub fn ended<F: Arithmetic<Number = T>>(&self, by: F, [x, y, z]: [T; 3]) -> [T; 3] {
         let [[a, b, c], [d, e, f]] = self.by_displacement;
@@ -70,7 +73,7 @@ impl StepJacobian {
         Matrix3::new(a, b, c, d, e, f, 0.0, 0.0, 1.0)
     }
 
-    /// What an error of the displacement is at the end.
+    /// Error of the pose at the end by an error of the displacement.
     #[inline(always)]
     fn map(&self, error: &Vector3<f64>) -> Vector3<f64> {
         let [x, y] = self.by_displacement.map(|[a, b, c]| a * error.x + b * error.y + c * error.z);
@@ -78,19 +81,19 @@ impl StepJacobian {
     }
 }
 
-/// What an error of the start is at the end of a step that swings it by this lever.
+/// Error of the pose at the end of a step with this lever by an error of the start.
 #[inline(always)]
 fn carry([x, y]: [f64; 2], error: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(error.x + x * error.z, error.y + y * error.z, error.z)
 }
 
-/// What one displacement in body axes may be off by.
+/// Errors of one displacement in body axes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StepNoise {
     /// Covariance of all that errs in this step alone.
-    pub own: Spread,
+    pub own: Covariance3,
     /// The same of readings that other steps share, as if those at its two ends erred on their own.
-    pub ends: Spread,
+    pub ends: Covariance3,
     /// Per shared reading: its error at the start of the step, times its standard deviation.
     pub old: Vec<Vector3<f64>>,
     /// The same at the end.
@@ -102,14 +105,14 @@ pub(crate) struct StepNoise {
 impl StepNoise {
     /// Covariance of the displacement, as if the readings at both ends erred on their own.
     #[inline]
-    pub fn total(&self) -> Spread {
+    pub fn total(&self) -> Covariance3 {
         self.own.and(self.ends)
     }
 
     /// No noise: a step in which nothing moved.
     #[inline]
     pub fn clear(&mut self) {
-        (self.own, self.ends) = (Spread::default(), Spread::default());
+        (self.own, self.ends) = (Covariance3::default(), Covariance3::default());
         self.old.fill(Vector3::zeros());
         self.new.fill(Vector3::zeros());
         self.lasting.fill(Vector3::zeros());
@@ -117,13 +120,13 @@ impl StepNoise {
 
     /// Adds up the columns.
     pub fn sum_ends(&mut self) {
-        self.ends = Spread::default();
+        self.ends = Covariance3::default();
         for column in self.old.iter().chain(&self.new) {
             self.ends.add(column, 1.0);
         }
     }
 
-    /// Applies what a correction leaves of every error.
+    /// Multiplies every error by `I - K H` of a correction.
     pub fn multiply(&mut self, rest: &Matrix3<f64>) {
         self.own = self.own.image(rest);
         self.ends = self.ends.image(rest);
@@ -156,26 +159,26 @@ pub(crate) struct Bias {
 }
 
 impl Bias {
-    /// Goes along one step that is off by `by_bias` times its error, and wanders by a variance: what that adds to the
-    /// covariance of the pose.
+    /// Propagates the bias through one step whose end is off by `by_bias` times its error, and adds the variance of its
+    /// random walk. Returns the covariance that this adds to the pose.
     #[inline(always)]
-    pub fn lean<F: Arithmetic<Number = f64>>(
+    pub fn propagate<F: Arithmetic<Number = f64>>(
         &mut self,
         by: F,
         lever: [f64; 2],
         by_bias: [f64; 3],
         wandered: f64,
-    ) -> Spread {
+    ) -> Covariance3 {
         let cross = self.cross.into();
-        let added = leant(by, lever, cross, by_bias, self.variance);
+        let added = bias_covariance(by, lever, cross, by_bias, self.variance);
         let end = by_bias.map(|part| part * self.variance);
-        self.cross = met(by, lever, cross, end).into();
+        self.cross = propagate_error(by, lever, cross, end).into();
         self.variance += wandered;
         added
     }
 }
 
-/// What one deviation of the dimensions makes of a pose, and of the zero of a yaw sensor that was read there.
+/// Error of a pose by one deviation of the dimensions, and of the zero of a yaw sensor that was read there.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lasting {
     pub pose: Vector3<f64>,
@@ -185,11 +188,11 @@ pub(crate) struct Lasting {
 /// Error of a pose in world axes: x [m], y [m], yaw [rad].
 #[derive(Clone, Debug)]
 pub(crate) struct Uncertainty {
-    pub settled: Spread,
+    pub settled: Covariance3,
     pub carried: Vec<[f64; 3]>,
     pub lasting: Vec<Lasting>,
     /// Sum over the columns of their products with themselves.
-    open: Spread,
+    open: Covariance3,
     pub yaw_offset: Option<YawOffset>,
     pub bias: Option<Bias>,
 }
@@ -197,10 +200,10 @@ pub(crate) struct Uncertainty {
 impl Uncertainty {
     pub fn new(shared_readings: usize, deviations: usize) -> Self {
         Self {
-            settled: Spread::default(),
+            settled: Covariance3::default(),
             carried: vec![[0.0; 3]; shared_readings],
             lasting: vec![Lasting::default(); deviations],
-            open: Spread::default(),
+            open: Covariance3::default(),
             yaw_offset: None,
             bias: None,
         }
@@ -218,7 +221,7 @@ impl Uncertainty {
 
     /// Starts over from a known covariance.
     pub fn set(&mut self, covariance: Matrix3<f64>) {
-        self.settled = Spread::of(&covariance);
+        self.settled = Covariance3::of(&covariance);
         self.close();
         self.lasting.fill(Lasting::default());
         self.yaw_offset = None;
@@ -229,19 +232,19 @@ impl Uncertainty {
 
     /// No reading before is shared with a step to come.
     pub fn let_go(&mut self) {
-        self.settled.add_spread(&self.open);
+        self.settled.add_assign(&self.open);
         self.close();
         self.yaw_offset = None;
     }
 
     fn close(&mut self) {
         self.carried.fill([0.0; 3]);
-        self.open = Spread::default();
+        self.open = Covariance3::default();
     }
 
     /// Covariance of the pose.
     #[inline]
-    pub fn covariance(&self) -> Spread {
+    pub fn covariance(&self) -> Covariance3 {
         let mut covariance = self.settled.and(self.open);
         for lasting in &self.lasting {
             covariance.add(&lasting.pose, 1.0);
@@ -251,8 +254,8 @@ impl Uncertainty {
 
     /// The same without a negative variance in any direction, rounding or not.
     #[inline]
-    pub fn reported(&self) -> Spread {
-        let covariance = rounded(Apart, self.covariance());
+    pub fn reported(&self) -> Covariance3 {
+        let covariance = rounded(Unfused, self.covariance());
         if covariance.may_be_negative() {
             return covariance.without_negative();
         }
@@ -264,10 +267,10 @@ impl Uncertainty {
         for (lasting, by) in self.lasting.iter_mut().zip(&noise.lasting) {
             lasting.pose = carry(step.lever(), &lasting.pose) + step.map(by);
         }
-        let mut settled = self.settled.swung(Apart, step.lever());
-        settled.add_spread(&noise.own.image(&step.matrix()));
+        let mut settled = self.settled.swung(Unfused, step.lever());
+        settled.add_assign(&noise.own.image(&step.matrix()));
         let ends = noise.old.iter().zip(&noise.new);
-        self.open = Spread::default();
+        self.open = Covariance3::default();
         for (carried, (old, new)) in self.carried.iter_mut().zip(ends) {
             let whole = carry(step.lever(), &Vector3::from(*carried)) + step.map(old);
             settled.add(&whole, 1.0);
@@ -279,28 +282,29 @@ impl Uncertainty {
         self.carry_yaw_offset(step.lever());
     }
 
-    /// What steps came to that went along by registers.
+    /// Sets both parts of the covariance after steps that were made by registers.
     #[inline(always)]
-    pub fn settle(&mut self, settled: Spread, open: Spread) {
+    pub fn settle(&mut self, settled: Covariance3, open: Covariance3) {
         (self.settled, self.open) = (settled, open);
     }
 
-    /// Whether a gyroscope's last reading still counts.
+    /// True if the error of a gyroscope's last reading still counts.
     pub fn leans_on_gyroscope(&self) -> bool {
         self.carried.last() != Some(&[0.0; 3])
     }
 
-    /// The bias of a gyroscope goes along one step, in which it turned the rover by as much as `gain` let it, and wandered
-    /// by a variance. Where the gyroscope said nothing, what it turned before still swings the pose.
+    /// Propagates the bias of a gyroscope through one step with this gain and random walk. A gain of 0 means no
+    /// reading: the correlation with the pose is propagated all the same.
     pub fn lean_on_bias(&mut self, step: &StepJacobian, gain: &Vector3<f64>, dt: f64, walk: f64) {
         if let Some(bias) = &mut self.bias {
             let by_bias = step.map(&(gain * -dt)).into();
-            let added = bias.lean(Apart, step.lever(), by_bias, walk);
-            self.settled.add_spread(&added);
+            let added = bias.propagate(Unfused, step.lever(), by_bias, walk);
+            self.settled.add_assign(&added);
         }
     }
 
-    /// At rest a gyroscope reads its bias: by how much that moves the pose, which has leant on it.
+    /// Corrects the bias by a reading at rest. Returns the correction of the pose, whose error correlates with that of
+    /// the bias.
     pub fn learn_bias(&mut self, rate: f64, variance: f64) -> Vector3<f64> {
         let Some(mut bias) = self.bias else {
             return Vector3::zeros();
@@ -312,7 +316,7 @@ impl Uncertainty {
         let innovation = rate - bias.value;
         let (gain, along) = (bias.variance / spread, bias.cross / spread);
         let less = along * bias.cross.transpose();
-        self.settled = Spread::of(&(self.settled.matrix() - less));
+        self.settled = Covariance3::of(&(self.settled.matrix() - less));
         bias.value += gain * innovation;
         bias.variance *= 1.0 - gain;
         bias.cross *= 1.0 - gain;
@@ -337,7 +341,7 @@ impl Uncertainty {
         }
     }
 
-    /// A reading of the yaw sensor with this variance: by how much its innovation moves the pose.
+    /// Corrects by a reading of the yaw sensor with this variance. Returns the gain of the pose by the innovation.
     pub fn correct_yaw(&mut self, offset: YawOffset, variance: f64) -> Vector3<f64> {
         let (mut cross, mut of_zero) = (offset.cross, offset.variance);
         for lasting in &self.lasting {
@@ -354,14 +358,14 @@ impl Uncertainty {
             lasting.pose -= gain * lasting.yaw_zero;
         }
         let settled = self.settled.matrix() - (mixed + mixed.transpose());
-        self.settled = Spread::of(&settled);
+        self.settled = Covariance3::of(&settled);
         self.settled.add(&gain, variance + offset.variance);
         self.yaw_offset = Some(YawOffset { cross: rest * offset.cross - gain * offset.variance, ..offset });
         gain
     }
 
-    /// A pose from outside with this covariance, infinite where it says nothing: by how much its innovation moves
-    /// the pose.
+    /// Corrects by a pose from outside with this covariance, infinite where the pose is unknown. Returns the gain of
+    /// the pose by the innovation.
     pub fn correct(&mut self, measured: &Matrix3<f64>) -> Matrix3<f64> {
         let mut known = Matrix3::zeros();
         let mut noise = *measured;
@@ -384,11 +388,11 @@ impl Uncertainty {
         };
         let rest = Matrix3::identity() - gain * known;
         self.multiply(&rest);
-        self.settled.add_spread(&Spread::of(&noise).image(&gain));
+        self.settled.add_assign(&Covariance3::of(&noise).image(&gain));
         gain
     }
 
-    /// Applies what a correction leaves of every error.
+    /// Multiplies every error by `I - K H` of a correction.
     fn multiply(&mut self, rest: &Matrix3<f64>) {
         self.settled = self.settled.image(rest);
         self.open = self.open.image(rest);

@@ -30,7 +30,7 @@ pub(crate) struct Joint {
     /// Velocity of the pivot at the start, and its change over the chord [m/s].
     origin: Complex<f64>,
     change: Complex<f64>,
-    /// Whether the direction of that velocity changes.
+    /// True if the direction of that velocity changes.
     turns: bool,
 }
 
@@ -39,12 +39,13 @@ impl Joint {
         self.origin + self.change * s
     }
 
-    /// How far the wheel has turned [rad]: never half a turn, as the velocity moves on a straight line.
+    /// Angle the wheel has turned since the start of the chord [rad]: below half a turn, as the velocity moves on a
+    /// straight line.
     pub fn swept(&self, s: f64) -> f64 {
         if self.turns { (self.velocity(s) * self.origin.conj()).arg() } else { 0.0 }
     }
 
-    /// Where the wheel has turned so far [share of the chord].
+    /// Place at which the wheel has turned by this angle [share of the chord]: the inverse of [`Self::swept`].
     pub fn reaches(&self, swept: f64) -> f64 {
         // The velocity is parallel to the one at the start turned by that angle.
         let product = self.change * self.origin.conj();
@@ -74,12 +75,12 @@ impl Joint {
         [speed, slope, bend]
     }
 
-    /// Where the pivot is slowest [share of the chord].
+    /// Place of the least pivot speed [share of the chord].
     pub fn slowest(&self) -> f64 {
         -(self.origin.conj() * self.change).re / self.change.norm_sqr()
     }
 
-    /// Where the pivot has this speed, before or after it is slowest [share of the chord].
+    /// Place at which the pivot has this speed, before or after its slowest place [share of the chord].
     pub fn at_speed(&self, speed: f64, after: bool) -> f64 {
         let nearest = (self.origin.conj() * self.change).im / self.change.norm();
         let root = (speed * speed - nearest * nearest).max(0.0).sqrt() / self.change.norm();
@@ -95,15 +96,15 @@ pub(crate) struct Chord {
     pub joints: Vec<Joint>,
 }
 
-/// Why a chord cannot be driven, or with which angles it can.
-pub(crate) enum Way {
+/// A chord that can be driven, or the reason why it cannot.
+pub(crate) enum ChordFeasibility {
     /// Angles at the start, which those at hand may have to be brought to first.
     Open(Chord),
-    /// What stands in the way.
+    /// The reason, in words.
     Closed(Cow<'static, str>),
 }
 
-/// Whether a pivot rests, up to rounding.
+/// True if a pivot rests, up to rounding.
 fn rests(twist: Twist, x: f64, y: f64) -> bool {
     let u = twist.at(x, y);
     let summed = twist.vx.abs() + twist.vy.abs() + twist.omega.abs() * (x.abs() + y.abs());
@@ -112,7 +113,7 @@ fn rests(twist: Twist, x: f64, y: f64) -> bool {
 
 impl Chord {
     /// The chord from one twist to another with wheels that stand at these angles; both twists must be possible.
-    pub fn between(rover: &Rover, start: Twist, end: Twist, angles: &[f64]) -> Way {
+    pub fn between(rover: &Rover, start: Twist, end: Twist, angles: &[f64]) -> ChordFeasibility {
         let mut aligned = angles.to_vec();
         let mut speeds = vec![0.0; rover.wheels().len()];
         let inputs = Inputs { previous: Some(angles), ..Inputs::default() };
@@ -143,16 +144,16 @@ impl Chord {
             if turns && least < TOO_CLOSE * change.norm() {
                 let name = &wheel.name;
                 let why = format!("the centre of rotation would pass over the pivot of {name:?}");
-                return Way::Closed(why.into());
+                return ChordFeasibility::Closed(why.into());
             }
             let last = joint.angle + joint.swept(1.0);
             if last < range.lower - ANGLE_TOLERANCE || last > range.upper + ANGLE_TOLERANCE {
                 let why = format!("{:?} would have to steer to {}, outside {range}", wheel.name, radians(last));
-                return Way::Closed(why.into());
+                return ChordFeasibility::Closed(why.into());
             }
             joints.push(joint);
         }
-        Way::Open(Self { start: start.into(), end: end.into(), joints })
+        ChordFeasibility::Open(Self { start: start.into(), end: end.into(), joints })
     }
 
     /// Change of the twist over the chord.
@@ -198,7 +199,7 @@ impl Chord {
     }
 }
 
-/// Whether a wheel is turned by a motor.
+/// True if a motor turns the wheel.
 pub(crate) fn is_driven(rover: &Rover, i: usize) -> bool {
     let wheel = &rover.wheels()[i];
     wheel.driven && wheel.pivot != Pivot::Castor

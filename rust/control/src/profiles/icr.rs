@@ -6,9 +6,9 @@
 use super::Derivatives;
 use super::chord::Chord;
 use super::laws::IcrLimits;
-use super::led::{Wheels, check_trail};
 use super::phase::{Action, Motion, Phase};
-use super::plan::{Plan, Planner};
+use super::plan::{PhaseList, TransitionPlanner};
+use super::sampling::{Wheels, check_trail};
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, Rover};
 use six_wheel_numerics::error::{Error, finite, numbers};
@@ -39,27 +39,27 @@ impl IcrTransition {
         check_trail(rover)?;
         let inputs = Inputs { previous, ..Inputs::default() };
         inputs.check()?;
-        let planner = Planner { rover, limits };
+        let planner = TransitionPlanner { rover, limits };
         planner.check_speed("start_twist", start)?;
         planner.check_speed("end_twist", end)?;
         let mut angles = vec![0.0; rover.steered().len()];
         rover.solve(start, inputs, &mut angles, &mut vec![0.0; rover.wheels().len()]);
-        let plan = Plan { angles, ..Plan::default() };
+        let plan = PhaseList { angles, ..PhaseList::default() };
         let plan = planner.plan(plan, start, end)?;
         Ok(Self { rover: rover.clone(), phases: plan.phases, duration: plan.duration })
     }
 
-    /// How long it takes [s].
+    /// Duration [s].
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// What happens when, and why.
+    /// The phases in the order of time, each with its reason.
     pub fn phases(&self) -> &[Phase] {
         &self.phases
     }
 
-    /// How often the rover has to come to rest on the way.
+    /// Number of phases that bring the rover to rest on the way.
     pub fn stops(&self) -> usize {
         let is_stop = |phase: &&Phase| phase.action == Action::Stop;
         self.phases.iter().filter(is_stop).count()

@@ -1,4 +1,4 @@
-//! How fast a chord may be driven: a law for every joint and every part of the body's motion.
+//! Limits of the speed along a chord: a constraint for every joint and every part of the body's motion.
 
 use nalgebra::{Complex, Vector2, Vector3};
 
@@ -13,19 +13,19 @@ const SIZES: std::ops::RangeInclusive<f64> = TINY..=HUGE;
 /// Limits of a transition; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IcrLimits {
-    /// Of every steering joint [rad/s].
+    /// Largest rate of every steering joint [rad/s].
     pub steering_rate: f64,
-    /// Of every steering joint [rad/s²].
+    /// Largest acceleration of every steering joint [rad/s²].
     pub steering_acceleration: f64,
-    /// Of every steering joint [rad/s³].
+    /// Largest jerk of every steering joint [rad/s³].
     pub steering_jerk: f64,
-    /// Of every driven wheel [rad/s].
+    /// Largest speed of every driven wheel [rad/s].
     pub wheel_speed: f64,
-    /// Of every driven wheel [rad/s²].
+    /// Largest acceleration of every driven wheel [rad/s²].
     pub wheel_acceleration: f64,
-    /// Of the body's velocity, seen from the body: the length of the change of (vx, vy) [m/s²].
+    /// Largest length of the derivative of (vx, vy) in body axes [m/s²].
     pub acceleration: f64,
-    /// Of the yaw rate [rad/s²].
+    /// Largest magnitude of the derivative of the yaw rate [rad/s²].
     pub angular_acceleration: f64,
 }
 
@@ -82,7 +82,7 @@ impl IcrLimits {
 
 /// One limit along a chord: the pace it asks for, in time per share of the chord [s].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Law {
+pub(crate) enum Constraint {
     /// The same all along.
     Even(f64),
     /// A joint turns at most at this rate [rad/s].
@@ -94,7 +94,7 @@ pub(crate) enum Law {
     Rolling(Joint, f64, f64, [f64; 2]),
 }
 
-impl Law {
+impl Constraint {
     /// Least time per share of the chord.
     pub fn pace(&self, s: f64) -> f64 {
         match *self {
@@ -108,7 +108,7 @@ impl Law {
         }
     }
 
-    /// How the pace changes along the chord.
+    /// Derivative of the pace with respect to the share of the chord [s].
     pub fn slope(&self, s: f64) -> f64 {
         match *self {
             Self::Angle(joint, rate) => {
@@ -123,7 +123,7 @@ impl Law {
         }
     }
 
-    /// Time from the start of the chord if this law alone counted, as far as the pace keeps its sign [s].
+    /// Time from the start of the chord under this constraint alone, where the pace keeps its sign [s].
     pub fn time(&self, s: f64) -> f64 {
         match *self {
             Self::Even(pace) => pace * s,
@@ -147,8 +147,8 @@ impl Law {
     }
 }
 
-/// All laws of a chord.
-pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Law> {
+/// All constraints of a chord.
+pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Constraint> {
     let change = chord.change();
     let mut laws = Vec::new();
     let mut even = (Vector2::new(change.x, change.y).norm() / limits.acceleration)
@@ -166,7 +166,7 @@ pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Law>
                 };
                 let turns = joint.swing(0.5)[0] != 0.0;
                 if turns {
-                    laws.push(Law::Angle(joint, limits.steering_rate));
+                    laws.push(Constraint::Angle(joint, limits.steering_rate));
                 }
                 if !is_driven(rover, i) {
                     continue;
@@ -175,7 +175,7 @@ pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Law>
                 let offset = wheel.scrub.abs() * change.z.abs();
                 let rest = if wheel.scrub == 0.0 { rim } else { rim / 2.0 };
                 if turns && rest.is_finite() && offset == 0.0 {
-                    laws.push(Law::Speed(joint, rest));
+                    laws.push(Constraint::Speed(joint, rest));
                 } else {
                     let fastest = joint.speed(0.0)[1].abs().max(joint.speed(1.0)[1].abs());
                     even = even.max((fastest + offset) / rest);
@@ -183,13 +183,13 @@ pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Law>
                 if wheel.scrub != 0.0 && turns && limits.wheel_speed.is_finite() {
                     let ends = [chord.start.z, chord.end.z].map(|omega| wheel.scrub * omega);
                     let rim_speed = limits.wheel_speed * wheel.radius;
-                    laws.push(Law::Rolling(joint, wheel.scrub, rim_speed, ends));
+                    laws.push(Constraint::Rolling(joint, wheel.scrub, rim_speed, ends));
                 }
             }
             Mount::Fixed(_) | Mount::Castor(_) => {}
         }
     }
-    laws.push(Law::Even(even));
+    laws.push(Constraint::Even(even));
     laws
 }
 

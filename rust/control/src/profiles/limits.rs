@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use six_wheel_numerics::error::{Error, number, numbers};
 
-/// Where an axis is and how it moves there.
+/// Value of an axis and its first two derivatives with respect to time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moving {
     /// Its value.
@@ -90,7 +90,7 @@ impl Bounds {
     }
 }
 
-/// How the axes of one profile keep time with each other.
+/// Synchronisation of the axes of one profile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Synchronise {
     /// They arrive together.

@@ -2,10 +2,10 @@
 
 use super::Profile;
 use super::chord::Chord;
-use super::timing::Timing;
+use super::timing::TimeParametrization;
 use six_wheel_kinematics::geometry::Twist;
 
-/// What happens in a phase of a transition.
+/// The kind of motion in a phase of a transition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// Drive along the path of the centre of rotation.
@@ -30,19 +30,19 @@ impl Action {
 /// A part of a transition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phase {
-    /// What happens.
+    /// The kind of motion.
     pub action: Action,
-    /// Why.
+    /// The reason for the phase, in words.
     pub reason: String,
-    /// When it begins [s].
+    /// Begin [s].
     pub start: f64,
-    /// How long it takes [s].
+    /// Duration [s].
     pub duration: f64,
     pub(super) motion: Motion,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Motion {
-    Along(Chord, Timing),
+    Along(Chord, TimeParametrization),
     Turning(Twist, Profile),
 }

@@ -3,12 +3,12 @@
 use nalgebra::Vector3;
 
 use super::Profile;
-use super::chord::{Chord, Way};
+use super::chord::{Chord, ChordFeasibility};
 use super::laws::{IcrLimits, laws};
 use super::limits::{Bounds, Moving, Synchronise};
 use super::optimal::time_optimal;
 use super::phase::{Action, Motion, Phase};
-use super::timing::{Smoothness, Timing};
+use super::timing::{Smoothness, TimeParametrization};
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, Rover};
 use six_wheel_numerics::error::{Error, ErrorKind, number, numbers};
@@ -16,7 +16,7 @@ use six_wheel_numerics::error::{Error, ErrorKind, number, numbers};
 /// Angles that differ by less are the same [rad].
 const SAME_ANGLE: f64 = 1e-12;
 
-/// How far aside a detour's corner lies, as shares of the larger twist.
+/// Offsets of a detour's corner from the middle of the chord, as shares of the larger twist.
 const DETOURS: [f64; 6] = [0.3, -0.3, 0.7, -0.7, 1.4, -1.4];
 
 /// A chord that takes longer than this many times what its wheels need at rest is worth a detour.
@@ -24,26 +24,26 @@ const LONG: f64 = 1.5;
 
 /// Phases in the making.
 #[derive(Clone, Default)]
-pub(super) struct Plan {
+pub(super) struct PhaseList {
     pub phases: Vec<Phase>,
     pub angles: Vec<f64>,
     pub duration: f64,
 }
 
-impl Plan {
+impl PhaseList {
     fn push(&mut self, action: Action, reason: impl Into<String>, duration: f64, motion: Motion) {
         self.phases.push(Phase { action, reason: reason.into(), start: self.duration, duration, motion });
         self.duration += duration;
     }
 }
 
-/// What a plan is made for.
-pub(super) struct Planner<'a> {
+/// Plans the phases of a transition of this rover under these limits.
+pub(super) struct TransitionPlanner<'a> {
     pub rover: &'a Rover,
     pub limits: &'a IcrLimits,
 }
 
-impl Planner<'_> {
+impl TransitionPlanner<'_> {
     /// Fails if a driven wheel would be too fast.
     pub fn check_speed(&self, argument: &'static str, twist: Twist) -> Result<(), Error> {
         let fastest = self.fastest(twist);
@@ -69,10 +69,10 @@ impl Planner<'_> {
     }
 
     /// The way from one twist to another: one chord, two, or a stop.
-    pub fn plan(&self, plan: Plan, start: Twist, end: Twist) -> Result<Plan, Error> {
+    pub fn plan(&self, plan: PhaseList, start: Twist, end: Twist) -> Result<PhaseList, Error> {
         let direct = self.drive(plan.clone(), start, end, "on one chord");
         let least = self.least_turning(&plan.angles, end) / self.limits.steering_rate;
-        let good = |found: &Plan| found.duration - plan.duration <= LONG * least;
+        let good = |found: &PhaseList| found.duration - plan.duration <= LONG * least;
         let why = match direct {
             Ok(found) if good(&found) || !self.rover.banks().is_empty() => return Ok(found),
             Ok(found) => {
@@ -80,16 +80,16 @@ impl Planner<'_> {
                 let faster = around.filter(|around| around.duration < found.duration);
                 return Ok(faster.unwrap_or(found));
             }
-            Err(Failure::Refused(error)) => return Err(error),
-            Err(Failure::Closed(why)) => why,
+            Err(TransitionError::Refused(error)) => return Err(error),
+            Err(TransitionError::Closed(why)) => why,
         };
         if let Some(found) = self.detour(&plan, start, end) {
             return Ok(found);
         }
         let closed = |failure| match failure {
-            Failure::Refused(error) => error,
+            TransitionError::Refused(error) => error,
             // To and from rest no wheel turns: not met.
-            Failure::Closed(why) => infeasible(end, &why),
+            TransitionError::Closed(why) => infeasible(end, &why),
         };
         let mut stopped = self.drive(plan, start, Twist::ZERO, &format!("{why} on the way")).map_err(closed)?;
         if let Some(last) = stopped.phases.last_mut() {
@@ -114,7 +114,7 @@ impl Planner<'_> {
     }
 
     /// Two chords where one will not do, for a rover whose centre of rotation may be anywhere.
-    fn detour(&self, plan: &Plan, start: Twist, end: Twist) -> Option<Plan> {
+    fn detour(&self, plan: &PhaseList, start: Twist, end: Twist) -> Option<PhaseList> {
         if !self.rover.banks().is_empty() {
             return None;
         }
@@ -135,14 +135,14 @@ impl Planner<'_> {
             let excess = (self.fastest(corner) / self.limits.wheel_speed).max(1.0);
             Twist::from(Vector3::from(corner) / excess)
         };
-        let around = |planner: &Planner<'_>, corner: Twist, why: &str| {
+        let around = |planner: &TransitionPlanner<'_>, corner: Twist, why: &str| {
             self.rover.check(corner, None).ok()?;
             let half = planner.drive(plan.clone(), start, corner, why).ok()?;
             planner.drive(half, corner, end, why).ok()
         };
-        // Which corner is best shows without the limits that take long to plan for.
+        // The best corner is found without the limits that take long to plan for.
         let firm = IcrLimits { steering_acceleration: f64::INFINITY, steering_jerk: f64::INFINITY, ..*self.limits };
-        let quick = Planner { rover: self.rover, limits: &firm };
+        let quick = TransitionPlanner { rover: self.rover, limits: &firm };
         let tried = |corner: Twist, why: String| {
             let duration = around(&quick, corner, &why)?.duration;
             Some((duration, corner, why))
@@ -167,18 +167,18 @@ impl Planner<'_> {
     }
 
     /// Appends one chord, and before it what aligns the wheels whose pivots rest at its start.
-    fn drive(&self, mut plan: Plan, start: Twist, end: Twist, why: &str) -> Result<Plan, Failure> {
+    fn drive(&self, mut plan: PhaseList, start: Twist, end: Twist, why: &str) -> Result<PhaseList, TransitionError> {
         if start == end {
             return self.hold(plan, start, end);
         }
         let chord = match Chord::between(self.rover, start, end, &plan.angles) {
-            Way::Open(chord) => chord,
-            Way::Closed(why) => return Err(Failure::Closed(why.into_owned())),
+            ChordFeasibility::Open(chord) => chord,
+            ChordFeasibility::Closed(why) => return Err(TransitionError::Closed(why.into_owned())),
         };
         let aligned: Vec<f64> = chord.joints.iter().map(|joint| joint.angle).collect();
         let turn = |(a, b): (&f64, &f64)| (a - b).abs() > SAME_ANGLE;
         if plan.angles.iter().zip(&aligned).any(turn) {
-            let profile = self.align(&plan.angles, &aligned).map_err(Failure::Refused)?;
+            let profile = self.align(&plan.angles, &aligned).map_err(TransitionError::Refused)?;
             let reason = if start == Twist::ZERO {
                 "the wheels turn at rest to where the motion begins"
             } else {
@@ -188,17 +188,17 @@ impl Planner<'_> {
             plan.push(Action::Align, reason, profile.duration(), motion);
         }
         let smooth = self.smoothness();
-        let timing = Timing::new(&chord, &laws(self.rover, &chord, self.limits), &smooth)
-            .ok_or_else(|| Failure::Refused(infeasible(end, "a limit leaves no room to move")))?;
+        let timing = TimeParametrization::new(&chord, &laws(self.rover, &chord, self.limits), &smooth)
+            .ok_or_else(|| TransitionError::Refused(infeasible(end, "a limit leaves no room to move")))?;
         plan.angles = chord.joints.iter().map(|joint| joint.angle + joint.swept(1.0)).collect();
         plan.push(Action::Drive, why, timing.duration(), Motion::Along(chord, timing));
         Ok(plan)
     }
 
     /// Nothing to do.
-    fn hold(&self, mut plan: Plan, start: Twist, end: Twist) -> Result<Plan, Failure> {
-        if let Way::Open(chord) = Chord::between(self.rover, start, end, &plan.angles) {
-            let timing = Timing::Binding { bounds: Vec::new(), duration: 0.0 };
+    fn hold(&self, mut plan: PhaseList, start: Twist, end: Twist) -> Result<PhaseList, TransitionError> {
+        if let ChordFeasibility::Open(chord) = Chord::between(self.rover, start, end, &plan.angles) {
+            let timing = TimeParametrization::Binding { bounds: Vec::new(), duration: 0.0 };
             plan.push(Action::Drive, "there already", 0.0, Motion::Along(chord, timing));
         }
         Ok(plan)
@@ -235,11 +235,11 @@ impl Planner<'_> {
     }
 }
 
-/// Why a chord is not in the plan.
-enum Failure {
-    /// The wheels cannot follow: another way may do.
+/// Reason why a chord cannot be in the plan.
+enum TransitionError {
+    /// The wheels cannot follow this chord, but may follow another one.
     Closed(String),
-    /// Nothing will.
+    /// No chord is possible.
     Refused(Error),
 }
 

@@ -1,4 +1,4 @@
-//! The library behind [`super::optimal`]: what it is asked, in which units, and whether its answer is believed.
+//! The library behind [`super::optimal`]: its input, the choice of units, and the check of its result.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -6,7 +6,7 @@ use rsruckig::prelude::{DataArrayOrVec, InputParameter, Ruckig, Synchronization,
 use rsruckig::profile::Profile as Found;
 
 use super::limits::{Bounds, Moving, Synchronise};
-use super::{Axis, Piece, Profile, coast};
+use super::{Axis, Piece, Profile, constant_jerk_state};
 use six_wheel_numerics::error::{Error, numbers};
 
 /// Share by which a found profile may pass a limit or miss its end: rounding, and what Ruckig tolerates.
@@ -58,7 +58,7 @@ fn ask(
     [plain, short, natural].iter().find_map(|units| ask_in(units, start, end, bounds, synchronise, duration))
 }
 
-/// Asks the library, and checks what it says.
+/// Calls the library in these units; None if its result does not pass [`is_sound`].
 fn ask_in(
     units: &Units,
     start: &[Moving],
@@ -153,7 +153,7 @@ impl Units {
         Self { time: self.time, lengths: lengths.collect() }
     }
 
-    /// What takes a derivative of this order into the units.
+    /// Factor that converts a derivative of this order to the units.
     fn factor(&self, axis: usize, order: i32) -> f64 {
         self.time.powi(order) / self.lengths[axis]
     }
@@ -187,7 +187,7 @@ fn read(found: &Found, units: &Units, axis: usize, start: &Moving, end: &Moving,
     for (length, state) in before.chain(after) {
         let (length, state) = (length * units.time, back(state));
         pieces.push(Piece { start: duration, state });
-        last = coast(state, length);
+        last = constant_jerk_state(state, length);
         duration += length;
     }
     if pieces.is_empty() {
@@ -201,7 +201,7 @@ fn read(found: &Found, units: &Units, axis: usize, start: &Moving, end: &Moving,
     Axis { pieces, duration, end: [end.value, velocity, acceleration, last[3]] }
 }
 
-/// Whether the pieces join, arrive and stay within the limits.
+/// True if the pieces join, arrive and stay within the limits.
 fn is_sound(axis: &Axis, units: &Units, i: usize, start: &Moving, end: &Moving, bounds: &Bounds) -> bool {
     if !axis.duration.is_finite() || axis.check().is_err() {
         return false;
@@ -215,7 +215,7 @@ fn is_sound(axis: &Axis, units: &Units, i: usize, start: &Moving, end: &Moving, 
             return false;
         }
         let next = axis.pieces.get(k + 1).map_or(axis.duration, |next| next.start);
-        value = coast(piece.state, next - piece.start)[0];
+        value = constant_jerk_state(piece.state, next - piece.start)[0];
     }
     let [velocity, acceleration, jerk] = axis.peaks();
     let fastest = bounds.velocity.max(-bounds.minimum_velocity);

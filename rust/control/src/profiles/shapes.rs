@@ -118,13 +118,13 @@ fn chain(start: f64, end: f64, duration: f64, stretches: &[Stretch]) -> Axis {
     for (state, length) in stretches.iter().map(rest) {
         pieces.push(Piece { start: time, state: [value, state[1], state[2], state[3]] });
         time += length;
-        value += super::coast(state, length)[0];
+        value += super::constant_jerk_state(state, length)[0];
     }
     // The second half backwards from the end.
     let (mut time, mut value) = (duration, end);
     for (i, (state, length)) in stretches.iter().map(rest).enumerate().rev() {
         time -= length;
-        value -= super::coast(state, length)[0];
+        value -= super::constant_jerk_state(state, length)[0];
         if 2 * i > stretches.len() - 1 {
             pieces[i].start = time;
             pieces[i].state[0] = value;
@@ -132,9 +132,9 @@ fn chain(start: f64, end: f64, duration: f64, stretches: &[Stretch]) -> Axis {
     }
     let last = stretches.last().map_or([0.0; 4], |stretch| {
         let (state, length) = rest(stretch);
-        super::coast(state, length)
+        super::constant_jerk_state(state, length)
     });
-    // What is left of a velocity or acceleration that ends in rest is rounding.
+    // The rest of a velocity or acceleration that ends in rest is rounding.
     let ends = |i: usize| {
         let largest = stretches.iter().fold(0.0, |a: f64, (moving, _)| a.max(moving[i - 1].abs()));
         if last[i].abs() <= 1e-14 * largest { 0.0 } else { last[i] }

@@ -1,4 +1,4 @@
-//! When a chord is where: its share as a function of time, as fast as the laws allow.
+//! The share of a chord as a function of time, as fast as its constraints allow.
 //!
 //! Limits of first derivatives alone are met exactly: at every instant one law binds, its joint moves at its limit,
 //! and the place on the chord follows from the joint in closed form. With a limit of the steering acceleration the
@@ -8,7 +8,7 @@
 //! smoothed by a moving average and stretched until the limit holds: feasible, and no more than that.
 
 use super::chord::Chord;
-use super::laws::Law;
+use super::laws::Constraint;
 use super::{Axis, Derivatives, Piece};
 
 /// Cells of a chord between which its laws are looked at.
@@ -18,10 +18,10 @@ const CELLS: usize = 256;
 const CHECKS: usize = 6;
 const FINE_CHECKS: usize = 96;
 
-/// Share of the worst strain from which a piece is among the tightest.
+/// Share of the worst constraint ratio from which a piece is among the tightest.
 const TIGHT: f64 = 1.0 - 1e-3;
 
-/// What a checked course is stretched beyond its worst place, for the places between.
+/// Relative stretch of a checked course beyond its worst place, for the places between the checks.
 const MARGIN: f64 = 1e-7;
 
 /// Halvings after which a change of the binding law is found.
@@ -32,17 +32,17 @@ const WIDTHS: [f64; 6] = [0.4, 0.7, 1.0, 1.4, 2.0, 2.8];
 
 /// A stretch on which one law binds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bound {
+pub(crate) struct ActiveConstraint {
     start: f64,
     from: f64,
     to: f64,
-    law: Law,
+    law: Constraint,
 }
 
 /// Share of the chord over time.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Timing {
-    Binding { bounds: Vec<Bound>, duration: f64 },
+pub(crate) enum TimeParametrization {
+    Binding { bounds: Vec<ActiveConstraint>, duration: f64 },
     Sampled(Axis),
 }
 
@@ -53,11 +53,11 @@ pub(crate) struct Smoothness {
     pub jerk: f64,
 }
 
-impl Timing {
+impl TimeParametrization {
     /// The fastest course of a chord under its laws; `None` if it never arrives.
-    pub fn new(chord: &Chord, laws: &[Law], smooth: &Smoothness) -> Option<Self> {
+    pub fn new(chord: &Chord, laws: &[Constraint], smooth: &Smoothness) -> Option<Self> {
         let turning = chord.joints.iter().any(|joint| joint.swing(0.5)[0] != 0.0);
-        let rolling = laws.iter().any(|law| matches!(law, Law::Rolling(..)));
+        let rolling = laws.iter().any(|law| matches!(law, Constraint::Rolling(..)));
         let firm = smooth.jerk == f64::INFINITY && smooth.accelerations.iter().all(|limit| *limit == f64::INFINITY);
         let timing = if !turning || (firm && !rolling) {
             binding(chord, laws)
@@ -67,7 +67,7 @@ impl Timing {
         timing.duration().is_finite().then_some(timing)
     }
 
-    /// When the chord is done [s].
+    /// Duration of the chord [s].
     pub fn duration(&self) -> f64 {
         match self {
             Self::Binding { duration, .. } => *duration,
@@ -94,7 +94,7 @@ impl Timing {
     }
 }
 
-impl Bound {
+impl ActiveConstraint {
     fn time(&self) -> f64 {
         (self.law.time(self.to) - self.law.time(self.from)).abs()
     }
@@ -111,7 +111,7 @@ impl Bound {
 }
 
 /// The law that asks for most time at a place.
-fn strictest(laws: &[Law], s: f64) -> usize {
+fn strictest(laws: &[Constraint], s: f64) -> usize {
     let mut best = (0, f64::NEG_INFINITY);
     for (i, law) in laws.iter().enumerate() {
         let pace = law.pace(s);
@@ -122,14 +122,14 @@ fn strictest(laws: &[Law], s: f64) -> usize {
     best.0
 }
 
-fn binding(chord: &Chord, laws: &[Law]) -> Timing {
+fn binding(chord: &Chord, laws: &[Constraint]) -> TimeParametrization {
     let mut places = chord.nodes(CELLS);
     // Where a pivot is slowest its speed stops falling and starts to rise, and its wheel turns fastest.
     let slowest = chord.joints.iter().map(|joint| joint.slowest());
     places.extend(slowest.filter(|s| *s > 0.0 && *s < 1.0));
     places.sort_by(f64::total_cmp);
     places.dedup();
-    let mut bounds: Vec<Bound> = Vec::new();
+    let mut bounds: Vec<ActiveConstraint> = Vec::new();
     let mut clock = 0.0;
     for cell in places.windows(2) {
         let (mut from, to) = (cell[0], cell[1]);
@@ -151,7 +151,7 @@ fn binding(chord: &Chord, laws: &[Law]) -> Timing {
                 }
                 until = b;
             }
-            let bound = Bound { start: clock, from, to: until, law: laws[current] };
+            let bound = ActiveConstraint { start: clock, from, to: until, law: laws[current] };
             let time = bound.time();
             if time > 0.0 {
                 clock += time;
@@ -162,13 +162,13 @@ fn binding(chord: &Chord, laws: &[Law]) -> Timing {
             current = if next == current { last } else { next };
         }
     }
-    Timing::Binding { bounds, duration: clock }
+    TimeParametrization::Binding { bounds, duration: clock }
 }
 
 /// Slope and bend of every joint's angle at one place.
 type Bends = Vec<[f64; 2]>;
 
-fn sampled(chord: &Chord, laws: &[Law], smooth: &Smoothness) -> Option<Axis> {
+fn sampled(chord: &Chord, laws: &[Constraint], smooth: &Smoothness) -> Option<Axis> {
     let places = chord.nodes(CELLS);
     let bends = |s: f64| -> Bends {
         let swings = chord.joints.iter().map(|joint| joint.swing(s));
@@ -177,7 +177,7 @@ fn sampled(chord: &Chord, laws: &[Law], smooth: &Smoothness) -> Option<Axis> {
     let ceilings: Vec<f64> =
         places.iter().map(|&s| laws.iter().fold(0.0, |pace: f64, law| pace.max(law.pace(s))).powi(-2)).collect();
     let bends: Vec<Bends> = places.iter().map(|&s| bends(s)).collect();
-    let cell = |k: usize, highest: f64| Cell {
+    let cell = |k: usize, highest: f64| TimeSegment {
         length: places[k + 1] - places[k],
         first: &bends[k],
         last: &bends[k + 1],
@@ -221,7 +221,7 @@ fn sampled(chord: &Chord, laws: &[Law], smooth: &Smoothness) -> Option<Axis> {
 }
 
 /// The way from one place to the next, at constant second derivative.
-struct Cell<'a> {
+struct TimeSegment<'a> {
     length: f64,
     first: &'a Bends,
     last: &'a Bends,
@@ -230,7 +230,7 @@ struct Cell<'a> {
     highest: f64,
 }
 
-impl Cell<'_> {
+impl TimeSegment<'_> {
     /// Least and greatest second derivative from a squared pace; empty if the first is the greater.
     fn room(&self, square: f64) -> (f64, f64) {
         let mut room = (-square / (2.0 * self.length), (self.highest - square) / (2.0 * self.length));
@@ -282,15 +282,15 @@ impl Cell<'_> {
     }
 }
 
-/// By how much the time has to be stretched for every law to hold: at every place that is looked at, and at
-/// more of them where it is tightest.
-fn excess(chord: &Chord, laws: &[Law], smooth: &Smoothness, axis: &Axis) -> f64 {
+/// Factor by which the time has to be stretched for every constraint to hold at the checked places, which are denser in
+/// the tightest pieces.
+fn excess(chord: &Chord, laws: &[Constraint], smooth: &Smoothness, axis: &Axis) -> f64 {
     let starts = axis.pieces.iter().map(|piece| piece.start);
     let ends = || starts.clone().skip(1).chain([axis.duration]);
     let worst_of = |piece: &Piece, end: f64, checks: usize| {
         let step = (end - piece.start) / checks as f64;
-        let states = (0..=checks).map(|check| super::coast(piece.state, step * check as f64));
-        states.fold(0.0, |worst: f64, state| worst.max(strain(chord, laws, smooth, state)))
+        let states = (0..=checks).map(|check| super::constant_jerk_state(piece.state, step * check as f64));
+        states.fold(0.0, |worst: f64, state| worst.max(constraint_ratio(chord, laws, smooth, state)))
     };
     let coarse = axis.pieces.iter().zip(ends()).map(|(piece, end)| worst_of(piece, end, CHECKS));
     let coarse: Vec<f64> = coarse.collect();
@@ -299,8 +299,13 @@ fn excess(chord: &Chord, laws: &[Law], smooth: &Smoothness, axis: &Axis) -> f64 
     tight.fold(worst, |worst, ((piece, end), _)| worst.max(worst_of(piece, end, FINE_CHECKS)))
 }
 
-/// By how much the time would have to be stretched at one place, given with its derivatives.
-fn strain(chord: &Chord, laws: &[Law], smooth: &Smoothness, [s, pace, second, third]: Derivatives) -> f64 {
+/// Factor by which the time has to be stretched for every constraint to hold at one place, given with its derivatives.
+fn constraint_ratio(
+    chord: &Chord,
+    laws: &[Constraint],
+    smooth: &Smoothness,
+    [s, pace, second, third]: Derivatives,
+) -> f64 {
     let s = s.clamp(0.0, 1.0);
     let mut worst = laws.iter().fold(0.0, |most: f64, law| most.max(law.pace(s))) * pace;
     for (joint, &limit) in chord.joints.iter().zip(&smooth.accelerations) {
@@ -354,7 +359,7 @@ fn average(axis: &Axis, width: f64) -> Axis {
         let acceleration = (ahead[1] - behind[1]) / width - jerk * (middle - time);
         let state = [value, (now[0] - before[0]) / width, acceleration, jerk];
         pieces.push(Piece { start: time, state });
-        value = super::coast(state, end - time)[0];
+        value = super::constant_jerk_state(state, end - time)[0];
     }
     Axis { pieces, duration, end: [1.0, 0.0, 0.0, 0.0] }
 }

@@ -1,6 +1,6 @@
 //! One step of the state: its displacement found, checked and followed.
 
-use crate::arithmetic::Apart;
+use crate::arithmetic::Unfused;
 use crate::motion::Motion;
 use crate::settings::Rules;
 use crate::state::State;
@@ -62,8 +62,8 @@ pub(crate) fn follow(
     [smoothing, walk]: [f64; 2],
 ) {
     let (sin, cos) = state.walk.heading.value().sin_cos();
-    let bend = bend(Apart, displacement.omega / 2.0);
-    let jacobian = step_jacobian(Apart, displacement.into(), bend, [sin, cos]);
+    let bend = bend(Unfused, displacement.omega / 2.0);
+    let jacobian = step_jacobian(Unfused, displacement.into(), bend, [sin, cos]);
     state.uncertainty.propagate(&jacobian, &work.noise);
     let (gain, wandered) = (work.fusion().gain, walk * walk * motion.dt);
     state.uncertainty.lean_on_bias(&jacobian, &gain, motion.dt, wandered);

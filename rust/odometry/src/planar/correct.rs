@@ -13,7 +13,7 @@ use six_wheel_numerics::error::{Error, number};
 
 impl State {
     /// Moves the pose towards one from outside.
-    fn meet(&mut self, pose: Pose, covariance: &Matrix3<f64>) {
+    fn correct_with_pose(&mut self, pose: Pose, covariance: &Matrix3<f64>) {
         let gain = self.uncertainty.correct(covariance);
         let here = self.pose();
         let mut apart = nalgebra::Vector3::new(pose.x - here.x, pose.y - here.y, wrap_angle(pose.yaw - here.yaw));
@@ -85,7 +85,7 @@ impl Odometry {
             covariance
         };
         if !kept {
-            self.state.meet(pose, &covariance);
+            self.state.correct_with_pose(pose, &covariance);
             return Ok(());
         }
         let correction = Correction { entry: at, pose, covariance };
@@ -100,7 +100,7 @@ impl Odometry {
         let (first, next) = (correction.entry, self.history.next);
         let place = self.history.place(first);
         self.state.copy_from(&self.history.entries[place].state);
-        self.state.meet(correction.pose, &correction.covariance);
+        self.state.correct_with_pose(correction.pose, &correction.covariance);
         self.history.entries[place].state.copy_from(&self.state);
         for number in first + 1..next {
             let (before, place) = (self.history.place(number - 1), self.history.place(number));
@@ -124,7 +124,7 @@ impl Odometry {
                 meet_yaw(&mut self.state, yaw, rules.noise.yaw);
             }
             for known in self.history.corrections.iter().filter(|known| known.entry == number) {
-                self.state.meet(known.pose, &known.covariance);
+                self.state.correct_with_pose(known.pose, &known.covariance);
             }
             self.history.entries[place].state.copy_from(&self.state);
         }

@@ -11,7 +11,7 @@ use six_wheel_numerics::error::{Error, ErrorKind};
 
 /// A sample with the state after it.
 #[derive(Clone, Debug)]
-pub(crate) struct Entry {
+pub(crate) struct HistoryEntry {
     pub(crate) stamp: f64,
     pub(crate) dt: f64,
     pub(crate) angles: Vec<f64>,
@@ -39,12 +39,12 @@ const FEW: usize = 1024;
 #[derive(Clone, Debug)]
 pub(crate) struct History {
     /// Entry `k` at place `k % entries.len()`, those from `first` to `next`.
-    pub(crate) entries: Vec<Entry>,
+    pub(crate) entries: Vec<HistoryEntry>,
     pub(crate) corrections: Vec<Correction>,
     /// Number of the oldest entry and of the next one.
     pub(crate) first: u64,
     pub(crate) next: u64,
-    /// Where the oldest correction is, once there is no room for more.
+    /// Place of the oldest correction, once there is no room for more.
     pub(crate) oldest_correction: usize,
     /// Samples to keep at most.
     pub(crate) most: usize,
@@ -58,7 +58,7 @@ impl History {
     pub fn new(settings: &Settings, state: &State, wheels: usize, joints: usize) -> Self {
         let most = if settings.lag > 0.0 { settings.history.max(2) } else { 0 };
         let capacity = most.min(FEW);
-        let entry = Entry {
+        let entry = HistoryEntry {
             stamp: 0.0,
             dt: 0.0,
             angles: vec![0.0; joints],
@@ -106,10 +106,10 @@ impl History {
         if !is_full || length >= self.most || self.is_too_old(self.first, stamp) {
             return Ok(());
         }
-        self.grow()
+        self.double_capacity()
     }
 
-    /// Whether more samples may have to be kept than there is room for now.
+    /// True if more samples may have to be kept than there is room for now.
     pub fn may_grow(&self) -> bool {
         self.entries.len() < self.most
     }
@@ -128,7 +128,7 @@ impl History {
         let uncertainty = &entry.state.uncertainty;
         let numbers = entry.angles.len() + entry.turned.len() + 3 * uncertainty.carried.len();
         let lasting = size_of_val(uncertainty.lasting.as_slice());
-        let each = size_of::<Entry>() + numbers * size_of::<f64>() + lasting + 4 * OVERHEAD;
+        let each = size_of::<HistoryEntry>() + numbers * size_of::<f64>() + lasting + 4 * OVERHEAD;
         let probe = Vec::<u8>::new().try_reserve_exact(each.saturating_mul(more));
         probe.map_err(|_| {
             let total = self.entries.len().saturating_add(more).to_string();
@@ -138,7 +138,7 @@ impl History {
 
     /// Twice as much room.
     #[cold]
-    fn grow(&mut self) -> Result<(), Error> {
+    fn double_capacity(&mut self) -> Result<(), Error> {
         let grown = self.most.min(2 * self.entries.len());
         // The entries move to a larger place, and the new ones are made.
         self.check_room(2 * grown)?;
@@ -168,12 +168,12 @@ impl History {
         self.last_dt = dt;
         self.commanded = None;
         if !self.entries.is_empty() {
-            self.keep(sample, dt, angles, turned, gyro_turn, state);
+            self.push_entry(sample, dt, angles, turned, gyro_turn, state);
         }
     }
 
     #[inline(never)]
-    fn keep(
+    fn push_entry(
         &mut self,
         sample: &Sample<'_>,
         dt: f64,

@@ -3,20 +3,21 @@
 use std::ops::Range;
 
 use super::Odometry;
-use crate::arithmetic::Apart;
+use crate::arithmetic::Unfused;
 use crate::health::Health;
 use crate::recording::{Recording, Sample, TrackRows};
-use crate::registers::log::{Block, Follow, Room, Rows};
-use crate::registers::{Given, Targets};
+use crate::registers::log::{BlockScratch, LogBlock, LogIntegrator, Rows};
+use crate::registers::{StepInput, StepOutput};
 use crate::settings::gyroscope;
-use crate::uncertainty::Turned;
+use crate::uncertainty::GyroscopeIncrement;
 
 /// Rows of a log that are worth a register.
 const FEW: usize = 4;
 
 impl Odometry {
-    /// A usual sample by registers. Whether a wheel slips, and what a gyroscope turned; nothing, and nothing has changed,
-    /// where the sample is none, the rover stands, or it may have to be refused.
+    /// Takes in a usual sample by registers. Returns true if a wheel slips, and the turn by the gyroscope [rad].
+    /// Returns None, with nothing changed, where the sample is unusual, the rover stands, or the sample may have to be
+    /// refused.
     #[inline]
     pub(crate) fn step(&mut self, sample: &Sample<'_>) -> Option<(bool, Option<f64>)> {
         let reference = &self.reference;
@@ -37,23 +38,23 @@ impl Odometry {
             if self.stands(rate, bias, dt, self.turned_between(wheels)) {
                 return None;
             }
-            turned = Some(Turned {
+            turned = Some(GyroscopeIncrement {
                 says: 1.0,
                 turn: gyroscope::turn(reference.yaw_rate, rate, bias, dt),
-                deviation: self.settings.turn_deviation(Apart, dt),
+                deviation: self.settings.turn_deviation(Unfused, dt),
                 bias_variance: bias.map_or(0.0, |bias| bias.variance),
             });
         }
         let plan = self.plan.as_mut()?;
-        let given = Given {
+        let given = StepInput {
             wheels,
             steering: [&reference.steering, sample.steering],
             angles: &reference.angles,
-            terms: self.settings.terms(Apart, dt),
+            terms: self.settings.terms(Unfused, dt),
             wandered: self.settings.wandered(dt),
             turned,
         };
-        let mut targets = Targets {
+        let mut targets = StepOutput {
             angles: &mut self.angles,
             residual: &mut self.residual,
             state: &mut self.state,
@@ -66,7 +67,7 @@ impl Odometry {
         Some((slips, turned.map(|turned| turned.turn)))
     }
 
-    /// What every wheel turned between two readings, as far as they are running totals [rad].
+    /// Rotation of every wheel between two readings that are running totals [rad].
     #[inline]
     fn turned_between<'a>(&'a self, [before, after]: [&'a [f64]; 2]) -> impl Iterator<Item = f64> {
         let counts = before.iter().zip(after).enumerate();
@@ -75,19 +76,19 @@ impl Odometry {
 
     /// Memory to take in a log by registers of samples; nothing where that cannot be.
     #[inline]
-    pub(crate) fn room(&self) -> Option<Room> {
+    pub(crate) fn block_scratch(&self) -> Option<BlockScratch> {
         let plan = self.plan.as_ref().filter(|_| self.settings.lag == 0.0)?;
-        Room::new(plan)
+        BlockScratch::new(plan)
     }
 
     /// Takes in rows of a log from `first` on, the row before which has just been taken in, as many as are usual: the
-    /// same numbers as row by row. How many.
-    pub(crate) fn stride(
+    /// same numbers as row by row. Returns their number.
+    pub(crate) fn update_rows(
         &mut self,
         recording: &Recording<'_>,
         first: usize,
-        room: &mut Room,
-        block: &mut Block,
+        room: &mut BlockScratch,
+        block: &mut LogBlock,
         track: &mut TrackRows<'_>,
     ) -> usize {
         let (wheels, joints) = (self.rover.wheels().len(), self.rover.steered().len());
@@ -95,7 +96,7 @@ impl Odometry {
         let uncertainty = &self.state.uncertainty;
         let leans = recording.yaw_rates.is_some() || uncertainty.bias.is_some() || uncertainty.leans_on_gyroscope();
         if leans {
-            end = self.hear(recording, first..end, block);
+            end = self.load_gyroscope_rows(recording, first..end, block);
         }
         let Some(plan) = self.plan.as_ref().filter(|_| end - first >= FEW) else {
             return 0;
@@ -107,7 +108,7 @@ impl Odometry {
             settings: &self.settings,
             leans,
         };
-        let follow = Follow {
+        let integrator = LogIntegrator {
             plan,
             rows,
             angles: &self.reference.angles,
@@ -116,7 +117,7 @@ impl Odometry {
             state: &mut self.state,
             noise: &mut self.work.noise,
         };
-        let count = follow.go();
+        let count = integrator.go();
         let Some(last) = count.checked_sub(1) else {
             return 0;
         };
@@ -137,17 +138,17 @@ impl Odometry {
             }
         }
         let sample = recording.row(wheels, joints, done.end - 1);
-        self.conclude(&sample, Health::SLIP.when(block.slips.0[last] != 0.0), None);
+        self.commit_sample(&sample, Health::SLIP.when(block.slips.0[last] != 0.0), None);
         if sample.yaw.is_some() {
             // It has corrected the pose since.
-            self.tell(done.end - 1, track);
+            self.write_row(done.end - 1, track);
         }
         count
     }
 
-    /// Notes what a gyroscope says in rows of a log, until the first one in which the rover stands, or that may have to be
-    /// refused: where they end.
-    fn hear(&self, recording: &Recording<'_>, rows: Range<usize>, block: &mut Block) -> usize {
+    /// Loads the gyroscope's turns of rows of a log, until the first one in which the rover stands, or that may have to
+    /// be refused. Returns the end of these rows.
+    fn load_gyroscope_rows(&self, recording: &Recording<'_>, rows: Range<usize>, block: &mut LogBlock) -> usize {
         let (wheels, joints) = (self.rover.wheels().len(), self.rover.steered().len());
         let mut bias = self.state.uncertainty.bias;
         for (k, row) in rows.clone().enumerate() {

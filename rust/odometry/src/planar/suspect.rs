@@ -4,7 +4,7 @@ use crate::health::Health;
 use crate::recording::Sample;
 use crate::settings::Readings;
 
-/// What is remembered of rows that were left out, until a row is taken in again.
+/// Record of rows that were left out, kept until a row is taken in again.
 ///
 /// - `flag` is [`Health::BACKWARDS`] or [`Health::JUMP`] if a row was left out for that since the last good one, and
 ///   then `stamp`, `wheels` and `steering` are the readings of the last such row; otherwise it is [`Health::GOOD`] and
@@ -57,7 +57,7 @@ impl Suspect {
         self.owed[wheel]
     }
 
-    /// Whether a row at odds with the good ones may go on from the one that was left out before it for the same reason.
+    /// True if a refused row may go on from the one that was left out before it for the same reason.
     #[inline]
     pub fn precedes(&self, flag: Health, stamp: f64) -> bool {
         (flag == Health::BACKWARDS || flag == Health::JUMP) && self.flag == flag && stamp > self.stamp

@@ -1,4 +1,4 @@
-//! How a sample is taken in: checked, turned into a step, and made the one from which the next one counts.
+//! Update by one sample: it is checked, turned into a step, and made the one from which the next one counts.
 
 use super::Odometry;
 use super::advance::{advance, meet_yaw};
@@ -16,20 +16,20 @@ impl Odometry {
     /// Takes in a sample. On failure nothing has changed.
     #[inline]
     pub fn update(&mut self, sample: Sample<'_>) -> Result<Health, Error> {
-        self.take(sample).map_err(|refusal| refusal.error)
+        self.try_update(sample).map_err(|refusal| refusal.error)
     }
 
     #[inline]
-    pub(crate) fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+    pub(crate) fn try_update(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.history.make_room(sample.stamp).map_err(|error| Refusal::new(Health::GOOD, error))?;
         match self.step(&sample) {
-            Some((slips, gyro_turn)) => Ok(self.conclude(&sample, Health::SLIP.when(slips), gyro_turn)),
-            None => self.take_any(sample),
+            Some((slips, gyro_turn)) => Ok(self.commit_sample(&sample, Health::SLIP.when(slips), gyro_turn)),
+            None => self.update_any(sample),
         }
     }
 
     /// Any sample.
-    fn take_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+    fn update_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.check_numbers(&sample).map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
         if !self.reference.known {
             if let Some(held) = self.history.commanded.filter(|held| sample.stamp < *held) {
@@ -59,7 +59,7 @@ impl Odometry {
         {
             self.rest(rate, dt);
             let flags = Health::WRAPPED.when(wrapped);
-            return Ok(self.conclude(&sample, flags, None));
+            return Ok(self.commit_sample(&sample, flags, None));
         }
         let before = self.reference.yaw_rate;
         let gyro_turn = sample.yaw_rate.map(|rate| gyroscope::turn(before, rate, bias, dt));
@@ -78,12 +78,12 @@ impl Odometry {
             *residual = slid / dt;
         }
         let flags = Health::WRAPPED.when(wrapped) | Health::SLIP.when(self.work.slips);
-        Ok(self.conclude(&sample, flags, gyro_turn))
+        Ok(self.commit_sample(&sample, flags, gyro_turn))
     }
 
     /// Takes a sample whose step has been made as the one from which the next one counts.
     #[inline]
-    pub(crate) fn conclude(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
+    pub(crate) fn commit_sample(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
         let reference = &mut self.reference;
         let dt = sample.stamp - reference.stamp;
         let is_gap = self.settings.max_gap.is_some_and(|gap| dt > gap);
@@ -131,7 +131,8 @@ impl Odometry {
         self.reference.yaw_rate = sample.yaw_rate;
     }
 
-    /// What wheels and joints turned since the reference. Whether a counter started over.
+    /// Writes the rotations of wheels and the angles of joints since the reference [rad]. Returns true if a counter
+    /// started over.
     pub(crate) fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
         let mut wrapped = false;
         let pairs = self.reference.wheels.iter().zip(sample.wheels);
@@ -188,8 +189,8 @@ impl Odometry {
         meet_yaw(&mut self.state, yaw, self.settings.noise.yaw);
     }
 
-    /// Whether wheels and gyroscope agree that the rover stands: no wheel rolls, and what the gyroscope reads may well be
-    /// its bias.
+    /// True if wheels and gyroscope agree that the rover stands: no wheel rolls, and the reading of the gyroscope may
+    /// well be its bias.
     #[inline]
     pub(crate) fn stands(&self, rate: f64, bias: Option<Bias>, dt: f64, turned: impl Iterator<Item = f64>) -> bool {
         let (Some(known), Some(bias)) = (self.settings.gyroscope, bias) else {

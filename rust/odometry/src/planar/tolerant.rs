@@ -6,24 +6,24 @@
 use super::Odometry;
 use crate::health::{Health, Refusal};
 use crate::recording::{Recording, Sample, TrackRows};
-use crate::registers::log::Block;
+use crate::registers::log::LogBlock;
 use six_wheel_numerics::error::{Error, ErrorKind};
 
 /// Rows that are taken in one by one before registers of rows are tried again.
 const SINGLY: usize = 8;
 
 impl Odometry {
-    /// Takes in a sample if it can be; otherwise leaves it out and says why. The state goes on from the last good
-    /// one either way. Fails, with nothing changed, only where there is no memory for what is kept.
+    /// Takes in a sample if it can be; otherwise leaves it out and returns the flag of the reason. The state goes on
+    /// from the last good one either way. Fails, with nothing changed, only where there is no memory for what is kept.
     pub fn absorb(&mut self, sample: Sample<'_>) -> Result<Health, Error> {
-        match self.take(sample) {
+        match self.try_update(sample) {
             Ok(health) => Ok(health),
             Err(refusal) if refusal.error.kind == ErrorKind::Memory => Err(refusal.error),
-            Err(refusal) => Ok(self.doubt(sample, &refusal)),
+            Err(refusal) => Ok(self.skip_or_restart(sample, &refusal)),
         }
     }
 
-    fn doubt(&mut self, sample: Sample<'_>, refusal: &Refusal) -> Health {
+    fn skip_or_restart(&mut self, sample: Sample<'_>, refusal: &Refusal) -> Health {
         let flag = refusal.flag;
         if self.suspect.precedes(flag, sample.stamp)
             && let Some(health) = self.restart(sample, flag)
@@ -52,7 +52,7 @@ impl Odometry {
                 yaw_rate: None,
             });
         }
-        match self.take(sample) {
+        match self.try_update(sample) {
             Ok(health) => {
                 self.health = health | Health::RESTARTED;
                 Some(self.health)
@@ -79,14 +79,14 @@ impl Odometry {
 
     fn take_all(&mut self, recording: Recording<'_>, strict: bool, mut track: TrackRows<'_>) -> Result<(), Error> {
         let rows = recording.stamps.len();
-        let mut room = (rows > SINGLY).then(|| self.room()).flatten();
-        let mut block = Block::new();
+        let mut room = (rows > SINGLY).then(|| self.block_scratch()).flatten();
+        let mut block = LogBlock::new();
         let (mut k, mut singly) = (0, 1);
         while k < rows {
             if singly == 0
                 && let Some(room) = &mut room
             {
-                let taken = self.stride(&recording, k, room, &mut block, &mut track);
+                let taken = self.update_rows(&recording, k, room, &mut block, &mut track);
                 k += taken;
                 singly = if taken == 0 { SINGLY } else { 0 };
                 continue;
@@ -113,7 +113,7 @@ impl Odometry {
             ErrorKind::Memory => error,
             _ => error.at_row(k),
         })?;
-        self.tell(k, track);
+        self.write_row(k, track);
         track.twists[k] = self.twist().into();
         track.health[k] = flags.0;
         let of_wheels = [(&mut track.residuals, &self.residual), (&mut track.weights, &self.work.weights)];
@@ -130,8 +130,8 @@ impl Odometry {
         Ok(flags)
     }
 
-    /// Where the rover is, into a row.
-    pub(crate) fn tell(&self, k: usize, track: &mut TrackRows<'_>) {
+    /// Writes pose and covariance to a row.
+    pub(crate) fn write_row(&self, k: usize, track: &mut TrackRows<'_>) {
         track.poses[k] = self.pose().into();
         if let Some(covariances) = &mut track.covariances {
             covariances[k].copy_from_slice(self.covariance().as_flattened());

@@ -81,7 +81,7 @@ fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
 }
 
-/// How a displacement in the plane of the wheels enters one in space.
+/// The matrix that takes a displacement in the plane to a tangent in space.
 fn embedding() -> Matrix6x3<f64> {
     let mut embedding = Matrix6x3::zeros();
     for (k, row) in PLANE.into_iter().enumerate() {
@@ -91,7 +91,7 @@ fn embedding() -> Matrix6x3<f64> {
 }
 
 impl Preintegrated {
-    /// All there is to know of the motion, from its samples.
+    /// Integrates the samples once more, with covariance and all derivatives.
     pub fn replay(&self) -> Result<Replayed, Error> {
         let mut odometry = self.fresh.clone();
         odometry.plan = None; // every step by the plain core, which has the derivatives
@@ -170,7 +170,7 @@ impl Sums {
         let answer = motion.adjoint() * left_jacobian(&step) * share;
         let by_plane = answer * embedding();
         let noise = &odometry.work.noise;
-        // What errs in this step alone errs in each part of it on its own.
+        // Errors of this step alone are independent in each part of it.
         self.settled += by_plane * noise.own.matrix() * by_plane.transpose() / share.max(f64::MIN_POSITIVE);
         for ((old, new), carried) in noise.old.iter().zip(&noise.new).zip(&mut self.carried) {
             let whole = *carried + by_plane * old;
@@ -189,7 +189,7 @@ impl Sums {
             let by_turn = if from_attitude { gain } else { Vector3::zeros() };
             self.tilt(of, &turned, &relative, &by_turn, &answer);
         }
-        odometry.conclude(&sample, Health::GOOD, gyro_turn);
+        odometry.commit_sample(&sample, Health::GOOD, gyro_turn);
         Ok(step)
     }
 

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Matrix6, Rotation3, UnitQuaternion, Vector3, Vector6};
 
 use six_wheel_numerics::error::{Error, finite, number};
 
-/// How far a rotation matrix may be off for the rounding of whoever wrote it.
+/// Largest deviation of `R R^T` from the identity that is taken for rounding of the input.
 const ORTHOGONAL: f64 = 1e-6;
 
 /// Turn below which the series is used [rad]: what is left out is below 1e-18 there.
@@ -36,7 +36,7 @@ impl Motion3 {
         Self { rotation: UnitQuaternion::from_scaled_axis(Vector3::z() * yaw), translation: Vector3::new(x, y, 0.0) }
     }
 
-    /// Where holding this tangent for one unit of time leads.
+    /// Motion after holding this tangent for one unit of time.
     #[inline]
     pub fn exp(tangent: &Vector6<f64>) -> Self {
         let (way, turn) = split(tangent);
@@ -68,7 +68,7 @@ impl Motion3 {
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
-    /// What a tangent in axes of b is in axes of a: `self exp(t) = exp(adjoint t) self`.
+    /// Matrix that takes a tangent in axes of b to axes of a: `self exp(t) = exp(adjoint t) self`.
     pub fn adjoint(&self) -> Matrix6<f64> {
         let turn = *self.rotation.to_rotation_matrix().matrix();
         let mut adjoint = Matrix6::zeros();
@@ -165,8 +165,8 @@ fn left_jacobian_of_turn(turn: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() + cross * first + cross * cross * second
 }
 
-/// How the end of `exp(tangent)` answers to the tangent, in axes of its start:
-/// `exp(t + d) = exp(left_jacobian(t) d) exp(t)`.
+/// Derivative of `exp(tangent)` with respect to the tangent, in axes of its start: `exp(t + d) = exp(left_jacobian(t)
+/// d) exp(t)`.
 pub fn left_jacobian(tangent: &Vector6<f64>) -> Matrix6<f64> {
     let (way, turn) = split(tangent);
     let [_, a, b, c] = quotients(turn.norm());

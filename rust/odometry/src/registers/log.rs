@@ -4,26 +4,31 @@
 //! are added as a register's lanes are. What depends on the step before goes from row to row in between: angles of joints
 //! and the heading, which are sums, and at the end the pose and its covariance. So a row's bits are those of a sample alone.
 
-mod apart;
 mod block;
-mod led;
-mod room;
+mod columns;
+mod lagged_column;
+mod scratch;
 
-use apart::apart;
-pub(crate) use block::{Block, Rows};
+pub(crate) use block::{LogBlock, Rows};
 use block::{at, load, store};
-use led::{LEAD, Led, all, row};
-pub(crate) use room::Room;
+use columns::split_columns;
+use lagged_column::{LEAD, LaggedColumn, all, row};
+pub(crate) use scratch::BlockScratch;
 
-use super::plan::Plan;
-use super::wheels::{Everywhere, InLanes, Pick, Register, Squares, disagree, lean, listen};
-use crate::arithmetic::Instruction;
+use super::plan::StepConstants;
+use super::wheels::{
+    Broadcast, InLanes, LaneSource, Register, Squares, accumulate_displacement, accumulate_noise, steering_error,
+};
+use crate::arithmetic::Fused;
 use crate::motion::{ROUNDING, SUSPICIOUS};
 use crate::settings::Settings;
-use crate::spread::Spread;
+use crate::spread::Covariance3;
 use crate::state::State;
 use crate::step::{SMALL_TURN, small_bend, step_jacobian};
-use crate::uncertainty::{Bias, StepJacobian, StepNoise, Turned, agreed, gain, leant, left, left_of, met};
+use crate::uncertainty::{
+    Bias, GyroscopeIncrement, StepJacobian, StepNoise, bias_covariance, fused_displacement, gain, propagate_error,
+    remaining_covariance, remaining_error,
+};
 use six_wheel_kinematics::one_row::inverse::GROUP;
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -41,27 +46,27 @@ struct Sums<S: Vector> {
     six: [[Lanes<S>; 6]; PARTS],
 }
 
-/// Goes along rows of a log, from these angles of the joints on, as many as are usual. Nothing but the state and the noise
-/// of the last step has changed for them.
-pub(crate) struct Follow<'a> {
-    pub plan: &'a Plan,
+/// Integrates rows of a log, from these angles of the joints on, as far as they are usual. Only the state and the noise
+/// of the last step change.
+pub(crate) struct LogIntegrator<'a> {
+    pub plan: &'a StepConstants,
     pub rows: Rows<'a>,
     pub angles: &'a [f64],
-    pub room: &'a mut Room,
-    pub block: &'a mut Block,
+    pub room: &'a mut BlockScratch,
+    pub block: &'a mut LogBlock,
     pub state: &'a mut State,
     pub noise: &'a mut StepNoise,
 }
 
-impl Follow<'_> {
-    /// How many rows were usual.
+impl LogIntegrator<'_> {
+    /// Integrates the rows and returns the number of usual ones.
     pub fn go(self) -> usize {
         let level = self.room.level;
         level.run(self).unwrap_or(0)
     }
 }
 
-impl Kernel for Follow<'_> {
+impl Kernel for LogIntegrator<'_> {
     type Output = usize;
 
     #[inline(always)]
@@ -72,7 +77,7 @@ impl Kernel for Follow<'_> {
         let zero = Lanes::splat(simd, 0.0);
         let mut sums = Sums { three: [[zero; 3]; PARTS], six: [[zero; 6]; PARTS] };
         let count = rows.stamps.len() - 1;
-        apart(simd, &rows, angles, count, room, block);
+        split_columns(simd, &rows, angles, count, room, block);
         let mut usual = 0;
         while usual < count && step(simd, plan, &mut sums, &rows, usual / lanes, room, block) {
             usual += lanes;
@@ -82,8 +87,8 @@ impl Kernel for Follow<'_> {
         let Some(last) = usual.checked_sub(1) else {
             return 0;
         };
-        let ends = Spread::from(at(&block.open, last));
-        (noise.own, noise.ends) = (Spread::from(at(&block.own, last)), ends.and(ends));
+        let ends = Covariance3::from(at(&block.open, last));
+        (noise.own, noise.ends) = (Covariance3::from(at(&block.own, last)), ends.and(ends));
         for k in 0..usual.min(BLOCK) {
             block.heading.0[k] = state.walk.heading.value();
             state.walk.turn(block.displacement[2].0[k]);
@@ -103,10 +108,10 @@ impl Kernel for Follow<'_> {
             place(simd, rows.leans, k, room, block);
         }
         if rows.leans {
-            sway(rows.settings, usual, block, &mut state.uncertainty.bias);
+            propagate_bias(rows.settings, usual, block, &mut state.uncertainty.bias);
         }
         for k in 0..registers {
-            join(simd, plan, &mut sums, rows.leans, k, room, block);
+            add_covariance(simd, plan, &mut sums, rows.leans, k, room, block);
         }
         sum(usual, block, state);
         for (ends, carried) in room.ends.iter().zip(&mut state.uncertainty.carried) {
@@ -140,7 +145,7 @@ macro_rules! in_parts {
     };
 }
 
-/// What the parts come to, added as the lanes of a register are.
+/// Sum of the parts, added in the order of a register's lanes.
 #[inline(always)]
 fn total<S: Vector, const N: usize>(mut sums: [[Lanes<S>; N]; PARTS]) -> [Lanes<S>; N] {
     let mut parts = PARTS;
@@ -156,16 +161,16 @@ fn total<S: Vector, const N: usize>(mut sums: [[Lanes<S>; N]; PARTS]) -> [Lanes<
     sums[0]
 }
 
-/// A register of steps in body axes; whether all of them are usual.
+/// Makes a register of steps in body axes; true if all of them are usual.
 #[inline(always)]
 fn step<S: Vector>(
     simd: S,
-    plan: &Plan,
+    plan: &StepConstants,
     sums: &mut Sums<S>,
     rows: &Rows<'_>,
     k: usize,
-    room: &mut Room,
-    block: &mut Block,
+    room: &mut BlockScratch,
+    block: &mut LogBlock,
 ) -> bool {
     let splat = |number| Lanes::splat(simd, number);
     let zero = splat(0.0);
@@ -186,9 +191,9 @@ fn step<S: Vector>(
                 joint = Some([middles[column].load(simd, k), turns[column].load(simd, k)]);
             }
             let counts = room.wheels[group.wheels[place]].load(simd, k);
-            let wheel = (group, Everywhere(simd, place));
+            let wheel = (group, Broadcast(simd, place));
             let to = (&mut room.places[g * GROUP + place], 0);
-            usual = usual & listen(simd, wheel, counts, joint, terms.most, &mut said, to);
+            usual = usual & accumulate_displacement(simd, wheel, counts, joint, terms.most, &mut said, to);
         },
         {
             sums.three[part] = said;
@@ -202,9 +207,9 @@ fn step<S: Vector>(
         plan,
         count,
         |part, g, group, place| {
-            let wheel = (group, Everywhere(simd, place));
+            let wheel = (group, Broadcast(simd, place));
             let to = (&mut room.places[g * GROUP + place], 0);
-            suspects = suspects | disagree(simd, wheel, displacement, &terms, &mut squares, to);
+            suspects = suspects | accumulate_noise(simd, wheel, displacement, &terms, &mut squares, to);
         },
         {
             sums.six[part] = squares.0;
@@ -220,8 +225,8 @@ fn step<S: Vector>(
         plan,
         steered,
         |part, g, group, place| {
-            let wheel = (group, Everywhere(simd, place));
-            let half = lean(simd, wheel, &terms, (&room.places[g * GROUP + place], 0));
+            let wheel = (group, Broadcast(simd, place));
+            let half = steering_error(simd, wheel, &terms, (&room.places[g * GROUP + place], 0));
             squares.add_square(half);
             for (half, column) in half.into_iter().zip(&mut room.ends[g * GROUP + place]) {
                 column.store(k, half);
@@ -234,18 +239,18 @@ fn step<S: Vector>(
     );
     let mut open = total(sums.six);
     if rows.leans {
-        let turned = Turned {
+        let turned = GyroscopeIncrement {
             says: block.says.load(simd, k),
             turn: block.turn.load(simd, k),
             deviation: rows.settings.turn_deviation(by, dt),
             bias_variance: block.bias.load(simd, k),
         };
-        let (wheels, ends) = (Spread::from(own), Spread::from(open));
+        let (wheels, ends) = (Covariance3::from(own), Covariance3::from(open));
         let (gain, variance) = gain(by, &turned, wheels.and(ends.and(ends)), dt);
         usual = usual & zero.below(variance);
-        displacement = agreed(by, gain, displacement, turned.turn);
+        displacement = fused_displacement(by, gain, displacement, turned.turn);
         for ends in &mut room.ends {
-            let half = left(by, gain, all(simd, ends, k, 0));
+            let half = remaining_error(by, gain, all(simd, ends, k, 0));
             for (column, half) in ends.iter_mut().zip(half) {
                 column.store(k, half);
             }
@@ -254,8 +259,8 @@ fn step<S: Vector>(
         for (end, column) in room.by_gyroscope.iter_mut().zip(column) {
             end.store(k, column);
         }
-        own = left_of(by, gain, wheels).into();
-        open = left_of(by, gain, ends).and_square(by, column).into();
+        own = remaining_covariance(by, gain, wheels).into();
+        open = remaining_covariance(by, gain, ends).and_square(by, column).into();
         store(gain, &mut block.by_bias, k);
     }
     let [x, y, yaw] = displacement;
@@ -286,9 +291,9 @@ fn step<S: Vector>(
     true
 }
 
-/// In which steps a wheel slid further than the noise explains, and than the rounding of the others' fit.
+/// True in the steps in which a wheel slid further than the noise and the rounding of the others' fit explain.
 #[inline(always)]
-fn beyond_rounding<S: Vector>(simd: S, room: &Room, suspects: Mask<S>) -> Mask<S> {
+fn beyond_rounding<S: Vector>(simd: S, room: &BlockScratch, suspects: Mask<S>) -> Mask<S> {
     let here = Register(simd, 0);
     let splat = |number| Lanes::splat(simd, number);
     let mut furthest = splat(0.0);
@@ -306,7 +311,7 @@ fn beyond_rounding<S: Vector>(simd: S, room: &Room, suspects: Mask<S>) -> Mask<S
 
 /// A register of steps in world axes.
 #[inline(always)]
-fn place<S: Vector>(simd: S, leans: bool, k: usize, room: &mut Room, block: &mut Block) {
+fn place<S: Vector>(simd: S, leans: bool, k: usize, room: &mut BlockScratch, block: &mut LogBlock) {
     let by = InLanes(simd);
     let displacement = load(simd, &block.displacement, k);
     let (sin, cos) = sin_cos(simd, block.heading.load(simd, k));
@@ -314,7 +319,7 @@ fn place<S: Vector>(simd: S, leans: bool, k: usize, room: &mut Room, block: &mut
     let jacobian: StepJacobian<Lanes<S>> = step_jacobian(by, displacement, bend, [sin, cos]);
     let matrix = jacobian.by_displacement;
     for columns in [&mut block.own, &mut block.open] {
-        let spread = Spread::from(load(simd, columns, k));
+        let spread = Covariance3::from(load(simd, columns, k));
         store(spread.displaced(by, &matrix).into(), columns, k);
     }
     for ends in &mut room.ends {
@@ -335,7 +340,7 @@ fn place<S: Vector>(simd: S, leans: bool, k: usize, room: &mut Room, block: &mut
 
 /// Errors of the displacement that two steps share, at the end of the first.
 #[inline(always)]
-fn end<S: Vector>(by: InLanes<S>, jacobian: &StepJacobian<Lanes<S>>, errors: &mut [Led; 3], k: usize) {
+fn end<S: Vector>(by: InLanes<S>, jacobian: &StepJacobian<Lanes<S>>, errors: &mut [LaggedColumn; 3], k: usize) {
     let ended = jacobian.ended(by, all(by.0, errors, k, 0));
     for (end, column) in ended.into_iter().zip(errors) {
         column.store(k, end);
@@ -344,7 +349,7 @@ fn end<S: Vector>(by: InLanes<S>, jacobian: &StepJacobian<Lanes<S>>, errors: &mu
 
 /// The bias of a gyroscope goes along, row by row: its covariance with the pose at the start of every step.
 #[inline(always)]
-fn sway(settings: &Settings, count: usize, block: &mut Block, bias: &mut Option<Bias>) {
+fn propagate_bias(settings: &Settings, count: usize, block: &mut LogBlock, bias: &mut Option<Bias>) {
     let Some(bias) = bias else { return };
     for k in 0..count {
         let cross: [f64; 3] = bias.cross.into();
@@ -352,13 +357,21 @@ fn sway(settings: &Settings, count: usize, block: &mut Block, bias: &mut Option<
         for (column, cross) in block.cross.iter_mut().zip(cross) {
             column.0[k] = cross;
         }
-        bias.lean(Instruction, lever, by_bias, settings.wandered(block.dt.0[k]));
+        bias.propagate(Fused, lever, by_bias, settings.wandered(block.dt.0[k]));
     }
 }
 
 /// A register of what steps add to what is settled of the pose's covariance.
 #[inline(always)]
-fn join<S: Vector>(simd: S, plan: &Plan, sums: &mut Sums<S>, leans: bool, k: usize, room: &Room, block: &mut Block) {
+fn add_covariance<S: Vector>(
+    simd: S,
+    plan: &StepConstants,
+    sums: &mut Sums<S>,
+    leans: bool,
+    k: usize,
+    room: &BlockScratch,
+    block: &mut LogBlock,
+) {
     let by = InLanes(simd);
     let lever = load(simd, &block.lever, k);
     let mut squares = Squares::new(simd);
@@ -368,37 +381,37 @@ fn join<S: Vector>(simd: S, plan: &Plan, sums: &mut Sums<S>, leans: bool, k: usi
         |part, g, group, place| {
             let ends = &room.ends[g * GROUP + place];
             let (before, end) = (all(simd, ends, k, 1), all(simd, ends, k, 0));
-            squares.add_square(met(by, lever, before, end));
+            squares.add_square(propagate_error(by, lever, before, end));
         },
         {
             sums.six[part] = squares.0;
             squares = Squares::new(simd);
         }
     );
-    let mut whole = Spread::from(total(sums.six));
-    let mut own = Spread::from(load(simd, &block.own, k));
+    let mut whole = Covariance3::from(total(sums.six));
+    let mut own = Covariance3::from(load(simd, &block.own, k));
     if leans {
         let ends = &room.by_gyroscope;
         let (before, end) = (all(simd, ends, k, 1), all(simd, ends, k, 0));
-        whole = whole.and_square(by, met(by, lever, before, end));
+        whole = whole.and_square(by, propagate_error(by, lever, before, end));
     }
     own = own.and(whole);
     if leans {
         let (cross, by_bias) = (load(simd, &block.cross, k), load(simd, &block.by_bias, k));
-        own = own.and(leant(by, lever, cross, by_bias, block.bias.load(simd, k)));
+        own = own.and(bias_covariance(by, lever, cross, by_bias, block.bias.load(simd, k)));
     }
     store(own.into(), &mut block.own, k);
 }
 
-/// What only goes from row to row: the pose, and what is settled of its covariance.
+/// Sums that go from row to row: the pose, and the settled part of its covariance.
 #[inline(always)]
-fn sum(count: usize, block: &mut Block, state: &mut State) {
+fn sum(count: usize, block: &mut LogBlock, state: &mut State) {
     let uncertainty = &mut state.uncertainty;
     let mut settled = uncertainty.settled;
     for k in 0..count.min(BLOCK) {
         let lever = at(&block.lever, k);
-        let added = Spread::from(at(&block.own, k));
-        settled = settled.swung(Instruction, lever).and(added);
+        let added = Covariance3::from(at(&block.own, k));
+        settled = settled.swung(Fused, lever).and(added);
         for (part, column) in <[f64; 6]>::from(settled).into_iter().zip(&mut block.own) {
             column.0[k] = part;
         }
@@ -408,6 +421,6 @@ fn sum(count: usize, block: &mut Block, state: &mut State) {
         uncertainty.carry_yaw_offset(lever);
     }
     if let Some(last) = count.checked_sub(1) {
-        uncertainty.settle(settled, Spread::from(at(&block.open, last)));
+        uncertainty.settle(settled, Covariance3::from(at(&block.open, last)));
     }
 }

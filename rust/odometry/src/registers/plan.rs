@@ -1,4 +1,4 @@
-//! What the kernel of a step of odometry needs to know of a rover and its encoders, and its memory.
+//! Constants of a rover and its encoders for the kernel of a step of odometry, and its memory.
 
 use nalgebra::Vector3;
 
@@ -15,19 +15,19 @@ use six_wheel_numerics::simd::polynomials::LARGEST_ANGLE;
 /// Three numbers per wheel.
 pub(crate) type Triple = [Eight; 3];
 
-/// What the kernel needs to know of a rover and its encoders, and its memory.
+/// Constants of a rover and its encoders for the kernel of a step, and its memory.
 ///
-/// What holds: the wheels stand in the lanes in [`order`], steered ones first, so steered wheel `k` of the rover is
-/// lane `k % GROUP` of group `k / GROUP`. Lanes without a wheel hold zeros: their radius, rows and shares are 0, so they
-/// roll nowhere and add nothing, and their entry of `wheels` is no index of any array. The same numbers make a castor
-/// measure nothing. A plan exists only where the solution of the least squares is a constant of the rover, so `shares`
-/// are constants too. `rooms` are written by every step before they are read and mean nothing between steps.
+/// Invariants: the wheels stand in the lanes in [`order`], steered ones first, so steered wheel `k` of the rover is
+/// lane `k % GROUP` of group `k / GROUP`. Lanes without a wheel hold zeros: their radius, rows and shares are 0, so
+/// they roll nowhere and add nothing, and their entry of `wheels` is no index of any array. The same numbers make a
+/// castor measure nothing. A plan exists only where the solution of the least squares is a constant of the rover, so
+/// `shares` are constants too. `rooms` are written by every step before they are read and mean nothing between steps.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+pub(crate) struct StepConstants {
     pub(crate) level: Level,
     pub(crate) groups: Vec<Group>,
     /// One per group.
-    pub(crate) rooms: Vec<Room>,
+    pub(crate) rooms: Vec<StepScratch>,
 }
 
 /// Eight wheels.
@@ -35,9 +35,9 @@ pub(crate) struct Plan {
 pub(crate) struct Group {
     /// Index of each wheel in the rover; [`usize::MAX`] where there is none.
     pub(crate) wheels: [usize; GROUP],
-    /// How many there are: lanes `0..count`.
+    /// Number of wheels: lanes `0..count`.
     pub(crate) count: usize,
-    /// How many of them are steered: lanes `0..steered`.
+    /// Number of steered wheels: lanes `0..steered`.
     pub(crate) steered: usize,
     /// 1 for a steered wheel, 0 for another.
     pub(crate) steers: Eight,
@@ -60,9 +60,9 @@ pub(crate) struct Group {
     pub(crate) passed_on: Eight,
 }
 
-/// What is kept of eight wheels between the two halves of a step.
+/// Memory of eight wheels between the two halves of a step.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Room {
+pub(crate) struct StepScratch {
     /// [`Group::shares`] with the wheel pointing where it pointed in the middle of the step.
     pub(crate) shares: [Triple; 2],
     /// Way along the wheel's heading, for a steered one along the chord [m].
@@ -83,8 +83,9 @@ impl Group {
     }
 }
 
-impl Plan {
-    /// How steps are made by registers: totals, wheels that weigh and slip alike, dimensions that are known.
+impl StepConstants {
+    /// Constants for settings that the kernel serves: totals, wheels that weigh and slip alike, dimensions that are
+    /// known.
     pub fn of(settings: &Settings, rover: &Rover) -> Option<Self> {
         let castors = || rover.wheels().iter().any(|wheel| wheel.pivot == Pivot::Castor);
         let is_plain = settings.readings == Readings::Angles
@@ -151,6 +152,6 @@ impl Plan {
                 }
             }
         }
-        Some(Self { level, rooms: vec![Room::default(); groups.len()], groups })
+        Some(Self { level, rooms: vec![StepScratch::default(); groups.len()], groups })
     }
 }

@@ -10,9 +10,9 @@ pub(crate) const LARGEST_STEP: [f64; 2] = [1e50, std::f64::consts::FRAC_PI_2];
 /// Share of a bound that is surely below it, however it is rounded.
 pub(crate) const SURELY: f64 = 1.0 - 1e-9;
 
-/// What the settings say of a step.
+/// Variances and bounds of a step that follow from the settings.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Terms<T> {
+pub(crate) struct NoiseTerms<T> {
     /// Duration [s].
     pub dt: T,
     /// Variance of what a wheel rolled, but for slip [m²].
@@ -20,9 +20,10 @@ pub(crate) struct Terms<T> {
     /// Half the deviation of a steering angle [rad], and its variance.
     pub half_deviation: T,
     pub steering_variance: T,
-    /// How far a wheel slides that is reported [m]; None: by the variances.
+    /// Slip of a wheel above which it is reported [m]; None: by the variances.
     pub slip_bound: Option<T>,
-    /// Way of a wheel and turn of a joint beyond which the plain core is asked [m, rad]; at most [`LARGEST_STEP`].
+    /// Distance of a wheel and turn of a joint beyond which the plain core makes the step [m, rad]; at most
+    /// [`LARGEST_STEP`].
     pub most: [T; 2],
     /// Variance along and across a wheel's heading per metre of its pivot [m].
     pub slip_variances: [f64; 2],
@@ -31,9 +32,9 @@ pub(crate) struct Terms<T> {
 }
 
 impl Settings {
-    /// Of a step that takes so long.
+    /// Terms of a step of this duration [s].
     #[inline(always)]
-    pub(crate) fn terms<F: Arithmetic>(&self, by: F, dt: F::Number) -> Terms<F::Number> {
+    pub(crate) fn terms<F: Arithmetic>(&self, by: F, dt: F::Number) -> NoiseTerms<F::Number> {
         let noise = &self.noise;
         let read = by.number(noise.speed) * dt;
         let steering = by.number(noise.steering);
@@ -49,7 +50,7 @@ impl Settings {
             Some(limit) => by.least(by.number(SURELY * limit) * dt, by.number(largest)),
         };
         let [way, turn] = LARGEST_STEP;
-        Terms {
+        NoiseTerms {
             dt,
             reading_variance,
             half_deviation: deviation * by.number(0.5),
@@ -61,7 +62,7 @@ impl Settings {
         }
     }
 
-    /// What the deviation of a gyroscope's reading at either end of a step makes of its turn [rad].
+    /// Deviation of the turn in a step by the deviation of the gyroscope's reading at one end [rad].
     #[inline(always)]
     pub(crate) fn turn_deviation<F: Arithmetic>(&self, by: F, dt: F::Number) -> F::Number {
         let half = by.number(0.5 * self.rate_noise()) * dt;

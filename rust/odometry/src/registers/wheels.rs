@@ -1,7 +1,7 @@
-//! What a wheel says of a step: the lanes of a register are the wheels of one step, or one wheel in successive steps.
+//! Share of the wheels in a step: the lanes of a register are the wheels of one step, or one wheel in successive steps.
 
-use super::plan::{Group, Room, Triple};
-use super::terms::{LARGEST_STEP, SURELY, Terms};
+use super::plan::{Group, StepScratch, Triple};
+use super::terms::{LARGEST_STEP, NoiseTerms, SURELY};
 use crate::arithmetic::Arithmetic;
 use crate::motion::SUSPICIOUS;
 use six_wheel_kinematics::one_row::inverse::Eight;
@@ -42,12 +42,12 @@ impl<S: Vector> Arithmetic for InLanes<S> {
     }
 }
 
-impl Terms<f64> {
+impl NoiseTerms<f64> {
     /// The same for every wheel.
     #[inline(always)]
-    pub(crate) fn everywhere<S: Vector>(&self, simd: S) -> Terms<Lanes<S>> {
+    pub(crate) fn broadcast<S: Vector>(&self, simd: S) -> NoiseTerms<Lanes<S>> {
         let splat = |number| Lanes::splat(simd, number);
-        Terms {
+        NoiseTerms {
             dt: splat(self.dt),
             reading_variance: splat(self.reading_variance),
             half_deviation: splat(self.half_deviation),
@@ -60,8 +60,8 @@ impl Terms<f64> {
     }
 }
 
-/// Which numbers of a group of wheels are in a register: those of register `k`, or everywhere that of one wheel.
-pub(crate) trait Pick<S: Vector>: Copy {
+/// Source of the lanes: the numbers of register `k` of a group, or the number of one wheel in all lanes.
+pub(crate) trait LaneSource<S: Vector>: Copy {
     fn of(self, numbers: &Eight) -> Lanes<S>;
 
     #[inline(always)]
@@ -75,16 +75,16 @@ pub(crate) trait Pick<S: Vector>: Copy {
 pub(crate) struct Register<S: Vector>(pub S, pub usize);
 
 #[derive(Clone, Copy)]
-pub(crate) struct Everywhere<S: Vector>(pub S, pub usize);
+pub(crate) struct Broadcast<S: Vector>(pub S, pub usize);
 
-impl<S: Vector> Pick<S> for Register<S> {
+impl<S: Vector> LaneSource<S> for Register<S> {
     #[inline(always)]
     fn of(self, numbers: &Eight) -> Lanes<S> {
         Lanes::load(self.0, S::as_simd_f64s(numbers).0, self.1)
     }
 }
 
-impl<S: Vector> Pick<S> for Everywhere<S> {
+impl<S: Vector> LaneSource<S> for Broadcast<S> {
     #[inline(always)]
     fn of(self, numbers: &Eight) -> Lanes<S> {
         Lanes::splat(self.0, numbers[self.1])
@@ -139,17 +139,17 @@ impl<S: Vector> Squares<S> {
     }
 }
 
-/// Takes in what wheels counted, and where they are steered, the middle angle and the turn of their joints [rad]: adds what
-/// they say of the displacement. Where that is of a usual size.
+/// Adds the share of these wheels to the least-squares displacement [m, m, rad], by their counts and the middle angle
+/// and turn of their joints [rad]. Returns the lanes whose readings are of a usual size.
 #[inline(always)]
-pub(crate) fn listen<S: Vector, P: Pick<S>>(
+pub(crate) fn accumulate_displacement<S: Vector, P: LaneSource<S>>(
     simd: S,
     (group, pick): (&Group, P),
     counts: Lanes<S>,
     joint: Option<[Lanes<S>; 2]>,
     [most_way, most_turn]: [Lanes<S>; 2],
     said: &mut [Lanes<S>; 3],
-    (room, k): (&mut Room, usize),
+    (room, k): (&mut StepScratch, usize),
 ) -> Mask<S> {
     let splat = |number| Lanes::splat(simd, number);
     let turned = counts * pick.of(&group.per_count[0]);
@@ -181,16 +181,16 @@ pub(crate) fn listen<S: Vector, P: Pick<S>>(
     usual
 }
 
-/// How far wheels disagree with the displacement, and what it may be off by for them. Which of them slid further than the
-/// noise explains, but for rounding.
+/// Adds the share of these wheels to the covariance of the displacement, and keeps their residuals [m] and variances
+/// [m²]. Returns the lanes that slid further than the noise explains, but for rounding.
 #[inline(always)]
-pub(crate) fn disagree<S: Vector, P: Pick<S>>(
+pub(crate) fn accumulate_noise<S: Vector, P: LaneSource<S>>(
     simd: S,
     (group, pick): (&Group, P),
     displacement: [Lanes<S>; 3],
-    terms: &Terms<Lanes<S>>,
+    terms: &NoiseTerms<Lanes<S>>,
     squares: &mut Squares<S>,
-    (room, k): (&mut Room, usize),
+    (room, k): (&mut StepScratch, usize),
 ) -> Mask<S> {
     let splat = |number| Lanes::splat(simd, number);
     let here = Register(simd, k);
@@ -223,13 +223,13 @@ pub(crate) fn disagree<S: Vector, P: Pick<S>>(
     }
 }
 
-/// What half the deviation of a steering angle does to the displacement.
+/// Error of the displacement by half the deviation of a steering angle [m, m, rad].
 #[inline(always)]
-pub(crate) fn lean<S: Vector, P: Pick<S>>(
+pub(crate) fn steering_error<S: Vector, P: LaneSource<S>>(
     simd: S,
     (group, pick): (&Group, P),
-    terms: &Terms<Lanes<S>>,
-    (room, k): (&Room, usize),
+    terms: &NoiseTerms<Lanes<S>>,
+    (room, k): (&StepScratch, usize),
 ) -> [Lanes<S>; 3] {
     let here = Register(simd, k);
     let error = here.of(&room.rolled) * pick.of(&group.steers) * terms.half_deviation;

@@ -1,5 +1,5 @@
-//! What is not known for sure of the dimensions of a rover: errors that stay the same all along, and so do not shrink
-//! beside the way, as those of readings do.
+//! Uncertain dimensions of a rover: their errors stay the same all along, so their share of the distance does not
+//! shrink as that of readings does.
 //!
 //! [`Deviations`] are errors of one standard deviation, independent of one another. The pose errs by a column for each,
 //! which goes along with every step; nothing that is learnt of the pose teaches the dimensions.
@@ -18,12 +18,12 @@ use six_wheel_numerics::error::{Error, HUGE, number};
 /// wheel and its steering angle.
 pub const NUMBERS: usize = DIMENSIONS.len() + 2;
 
-/// Independent errors of one standard deviation: what they move, and by how much.
+/// Independent errors of one standard deviation, each with the quantities that it changes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deviations {
     count: usize,
     wheels: usize,
-    /// What any of them moves, and by how much each of them does.
+    /// Quantities that any of them moves, with the change by each of them.
     moved: Vec<(Column, Vec<f64>)>,
 }
 
@@ -55,7 +55,7 @@ impl Deviations {
         self.count
     }
 
-    /// Whether there is none: all is known.
+    /// True if there is none: all dimensions are known.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.count == 0
@@ -70,7 +70,7 @@ impl Deviations {
         Err(Error::value("dimensions", rule, self.wheels.to_string()))
     }
 
-    /// What each of them makes of the displacement of a step.
+    /// Change of the displacement of a step by each of them.
     pub(crate) fn of_step(&self, linearised: &Linearised<'_>, fusion: &Fusion, dt: f64, into: &mut [Vector3<f64>]) {
         into.fill(Vector3::zeros());
         for (column, by) in &self.moved {

@@ -1,4 +1,4 @@
-//! From what an encoder counts to radians.
+//! Conversion of encoder counts to radians.
 
 use std::f64::consts::TAU;
 

@@ -11,24 +11,24 @@ pub(crate) const STANDING: f64 = 1e-3;
 /// Deviations within which a reading may well be the bias.
 pub(crate) const LIKELY: f64 = 4.0;
 
-/// What a gyroscope turned in a step that began with the reading `before`, if there was one then, and ended with this one
-/// [rad]: their mean without the bias.
+/// Turn by a gyroscope in a step [rad]: the mean of its readings at both ends less the bias, times `dt`; without a
+/// reading `before` the one at the end alone.
 #[inline]
 pub(crate) fn turn(before: Option<f64>, rate: f64, bias: Option<Bias>, dt: f64) -> f64 {
     let known = bias.map_or(0.0, |bias| bias.value);
     (f64::midpoint(before.unwrap_or(rate), rate) - known) * dt
 }
 
-/// What is known of a gyroscope.
+/// Error model of a gyroscope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gyroscope {
     /// Standard deviation of a reading [rad/s].
     pub noise: f64,
-    /// What it reads at rest, as far as is known beforehand [rad/s].
+    /// Expected reading at rest, as known beforehand [rad/s].
     pub bias: f64,
     /// Standard deviation of that [rad/s].
     pub bias_noise: f64,
-    /// By how much the bias wanders, as a standard deviation after one second [rad/s per root s].
+    /// Random walk of the bias, as a standard deviation after one second [rad/s per root s].
     pub bias_walk: f64,
     /// Standard deviation of the factor that its readings are off by, a share of what it turns.
     pub scale_noise: f64,

@@ -1,4 +1,4 @@
-//! How far readings and wheels may err: standard deviations, and how they grow.
+//! Standard deviations of readings and wheels, and their growth.
 
 use six_wheel_numerics::error::{Error, number};
 
@@ -6,18 +6,18 @@ use six_wheel_numerics::error::{Error, number};
 /// independent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// Of every wheel's rim speed, as read over one step [m/s].
+    /// Deviation of every wheel's rim speed, as read over one step [m/s].
     pub speed: f64,
-    /// Of every steering angle [rad].
+    /// Deviation of every steering angle [rad].
     pub steering: f64,
-    /// Of the distance a wheel slips along its heading while its pivot travels one metre; grows with the root of
-    /// the distance, whatever the sampling rate [m per root m].
+    /// Deviation of the distance a wheel slips along its heading while its pivot travels one metre; grows with the root
+    /// of the distance, whatever the sampling rate [m per root m].
     pub slip: f64,
     /// The same across its heading [m per root m]; rollers pass on along the wheel what does not turn them.
     pub side_slip: f64,
-    /// Of an absolute yaw reading [rad]; 0 takes it at its word.
+    /// Deviation of an absolute yaw reading [rad]; 0: exact.
     pub yaw: f64,
-    /// Of a yaw rate reading [rad/s]; 0 takes it at its word.
+    /// Deviation of a yaw rate reading [rad/s]; 0: exact.
     pub yaw_rate: f64,
     /// Time over which an error of speed, steering or yaw rate stays the same [s]. Readings that come more often
     /// share their error, so that the growth per second does not depend on their rate. None: every reading errs on
@@ -34,11 +34,11 @@ impl Default for Noise {
 }
 
 impl Noise {
-    /// Of readings alone: wheels that do not slip, on a rover whose dimensions are known.
+    /// Noise of readings alone: wheels that do not slip, on a rover whose dimensions are known.
     pub const READINGS: Self =
         Self { speed: 0.01, steering: 0.009, slip: 0.0, side_slip: 0.0, yaw: 0.0, yaw_rate: 0.0, period: None };
 
-    /// Whether nobody measured what wheels err by.
+    /// True if the noise of the wheels is the default one, which is a guess.
     pub(crate) fn is_guess(&self) -> bool {
         let wheels = |noise: &Self| [noise.speed, noise.steering, noise.slip, noise.side_slip];
         wheels(self) == wheels(&Self::default())
@@ -69,7 +69,7 @@ impl Noise {
         }
     }
 
-    /// How many independent errors of readings a step holds for one: their variances are multiplied by this.
+    /// Factor of the variances of readings in a step, `period / dt`; 1 without a period.
     #[inline]
     pub fn sharing(&self, dt: f64) -> f64 {
         self.period.map_or(1.0, |period| period / dt)

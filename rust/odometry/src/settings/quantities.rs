@@ -23,7 +23,7 @@ pub enum Column {
 }
 
 impl Column {
-    /// What it makes of the displacement of a step: the derivative, wheels and gyroscope having had their say.
+    /// Derivative of the displacement of a step, after the fusion of wheels and gyroscope.
     pub(crate) fn of_step(self, linearised: &Linearised<'_>, fusion: &Fusion, dt: f64) -> Vector3<f64> {
         let by_wheels = match self {
             Self::Dimension(quantity, wheel) => linearised.derivative(wheel, quantity),

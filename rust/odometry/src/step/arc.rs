@@ -1,6 +1,6 @@
 //! The arc of a step: its chord, how it bends, and how the pose at its end answers.
 
-use crate::arithmetic::{Apart, Arithmetic};
+use crate::arithmetic::{Arithmetic, Unfused};
 use crate::uncertainty::StepJacobian;
 use six_wheel_kinematics::geometry::sinc;
 
@@ -14,7 +14,7 @@ pub fn chord(angle: f64) -> f64 {
     if half.abs() > SMALL_TURN {
         return sinc(half);
     }
-    series(Apart, half * half, &SINE)
+    series(Unfused, half * half, &SINE)
 }
 
 /// `1 - x²/a (1 - x²/b (1 - ...))`, the reciprocals of `a`, `b` and so on given: the series of sin(x) / x, of cos(x), and
@@ -33,10 +33,10 @@ const SINE: [f64; 6] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110
 const COSINE: [f64; 6] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0];
 const SLOPE: [f64; 6] = [1.0 / 10.0, 1.0 / 28.0, 1.0 / 54.0, 1.0 / 88.0, 1.0 / 130.0, 1.0 / 180.0];
 
-/// How an arc bends that turns by twice this: its chord as a share of its length, the slope of that, sine and cosine.
+/// Factors of an arc by half its turn h: `sin h / h` (chord over length), its derivative by h, `sin h` and `cos h`.
 pub(crate) type Bend<T> = [T; 4];
 
-/// Of an arc whose half turn is below [`SMALL_TURN`].
+/// Factors of an arc whose half turn is below [`SMALL_TURN`], by series.
 #[inline(always)]
 pub(crate) fn small_bend<F: Arithmetic>(by: F, half: F::Number) -> Bend<F::Number> {
     let square = half * half;
@@ -44,7 +44,7 @@ pub(crate) fn small_bend<F: Arithmetic>(by: F, half: F::Number) -> Bend<F::Numbe
     [length, half * by.number(-1.0 / 3.0) * series(by, square, &SLOPE), half * length, series(by, square, &COSINE)]
 }
 
-/// Of any arc.
+/// Factors of any arc.
 #[inline(always)]
 pub(crate) fn bend<F: Arithmetic<Number = f64>>(by: F, half: f64) -> Bend<f64> {
     if half.abs() < SMALL_TURN {
@@ -55,7 +55,7 @@ pub(crate) fn bend<F: Arithmetic<Number = f64>>(by: F, half: f64) -> Bend<f64> {
     [length, (cos - length) / half, sin, cos]
 }
 
-/// How the pose at the end of a step answers to heading `(sin, cos)` at its start and displacement.
+/// Derivatives of the pose at the end of a step, from the heading `(sin, cos)` at its start and the displacement.
 #[inline(always)]
 pub(crate) fn step_jacobian<F: Arithmetic>(
     by: F,
@@ -92,7 +92,7 @@ mod tests {
         for omega in [0.0, 1e-9, 0.1, -0.3, 0.499_999, 0.500_001, -2.0, 6.0] {
             let displacement = [0.4, -0.3, omega];
             let heading = [yaw.sin(), yaw.cos()];
-            let step = step_jacobian(Apart, displacement, bend(Apart, omega / 2.0), heading);
+            let step = step_jacobian(Unfused, displacement, bend(Unfused, omega / 2.0), heading);
             let ended = end(yaw, displacement);
             assert!((step.shift[0] - ended[0]).abs() < 1e-15, "{omega}");
             assert!((step.shift[1] - ended[1]).abs() < 1e-15, "{omega}");

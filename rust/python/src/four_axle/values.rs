@@ -108,7 +108,7 @@ pub fn write_step<'py>(py: Python<'py>, step: &core::Step) -> PyResult<Bound<'py
 }
 
 /// A `TurnSequence`.
-pub fn write_plan<'py>(py: Python<'py>, plan: &core::Plan) -> PyResult<Bound<'py, PyAny>> {
+pub fn write_plan<'py>(py: Python<'py>, plan: &core::Sequence) -> PyResult<Bound<'py, PyAny>> {
     let steps = plan.steps.iter().map(|step| write_step(py, step)).collect::<PyResult<Vec<_>>>()?;
     value(py, "TurnSequence")?.call1((PyTuple::new(py, steps)?, plan.stops, &plan.reason))
 }

@@ -1,12 +1,12 @@
-//! What a block of a log needs of any rover, and its rows on their way out.
+//! Memory of a block of a log that is the same for every rover, and the output of its rows.
 
 use std::ops::Range;
 
-use super::room::Room;
+use super::scratch::BlockScratch;
 use crate::recording::TrackRows;
 use crate::registers::wheels::InLanes;
 use crate::settings::Settings;
-use crate::spread::Spread;
+use crate::spread::Covariance3;
 use crate::uncertainty::rounded;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
@@ -20,16 +20,17 @@ pub(crate) struct Rows<'a> {
     pub steering: &'a [f64],
     pub stamps: &'a [f64],
     pub settings: &'a Settings,
-    /// Whether a gyroscope has a say, or had in the row before; what it says is in the block.
+    /// True if a gyroscope is fused in these rows, or was in the row before; its columns are in the block.
     pub leans: bool,
 }
 
-/// What a block needs of any rover.
-pub(crate) struct Block {
+/// Memory of a block that is the same for every rover.
+pub(crate) struct LogBlock {
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
     pub slips: Column,
-    /// What a gyroscope says of every step: [`Turned`](crate::uncertainty::Turned), where it has a say.
+    /// Gyroscope of every step, in the fields of [`GyroscopeIncrement`](crate::uncertainty::GyroscopeIncrement), where
+    /// one is fused.
     pub says: Column,
     pub turn: Column,
     pub bias: Column,
@@ -49,7 +50,7 @@ pub(crate) struct Block {
     pub(crate) covariances: [Column; 9],
 }
 
-impl Block {
+impl LogBlock {
     pub fn new() -> Self {
         Self {
             dt: Column::ZERO,
@@ -97,16 +98,16 @@ pub(crate) fn at<const N: usize>(columns: &[Column; N], row: usize) -> [f64; N] 
     numbers
 }
 
-impl Block {
+impl LogBlock {
     /// The rows that were made, where they belong.
     #[inline]
-    pub fn write(&mut self, room: &Room, rows: Range<usize>, wheels: usize, track: &mut TrackRows<'_>) {
+    pub fn write(&mut self, room: &BlockScratch, rows: Range<usize>, wheels: usize, track: &mut TrackRows<'_>) {
         let write = Write { block: self, room, rows, wheels, track };
         room.level.run(write);
     }
 
     /// Residuals of a step.
-    pub fn last_residual(&self, room: &Room, row: usize, residual: &mut [f64]) {
+    pub fn last_residual(&self, room: &BlockScratch, row: usize, residual: &mut [f64]) {
         for (residual, column) in residual.iter_mut().zip(&room.wheels) {
             *residual = column.0[row];
         }
@@ -114,8 +115,8 @@ impl Block {
 }
 
 struct Write<'a, 'b> {
-    block: &'a mut Block,
-    room: &'a Room,
+    block: &'a mut LogBlock,
+    room: &'a BlockScratch,
     rows: Range<usize>,
     wheels: usize,
     track: &'a mut TrackRows<'b>,
@@ -145,9 +146,9 @@ impl Kernel for Write<'_, '_> {
 
 /// A register of covariances of the pose, without a negative variance in any direction.
 #[inline(always)]
-fn report<S: Vector>(simd: S, k: usize, rows: usize, block: &mut Block) {
+fn report<S: Vector>(simd: S, k: usize, rows: usize, block: &mut LogBlock) {
     let (settled, open) = (load(simd, &block.own, k), load(simd, &block.open, k));
-    let spread = rounded(InLanes(simd), Spread::from(settled).and(open.into()));
+    let spread = rounded(InLanes(simd), Covariance3::from(settled).and(open.into()));
     let zero = Lanes::splat(simd, 0.0);
     let mut negative = zero.below(zero);
     for minor in spread.minors() {
@@ -158,7 +159,7 @@ fn report<S: Vector>(simd: S, k: usize, rows: usize, block: &mut Block) {
     if negative.any() {
         for row in k * S::F64_LANES..rows.min((k + 1) * S::F64_LANES) {
             let [xx, xy, xz, _, yy, yz, _, _, zz] = at(&block.covariances, row);
-            let spread = Spread::from([xx, xy, xz, yy, yz, zz]);
+            let spread = Covariance3::from([xx, xy, xz, yy, yz, zz]);
             if spread.may_be_negative() {
                 let matrix: [[f64; 3]; 3] = spread.without_negative().matrix().into();
                 for (part, column) in matrix.as_flattened().iter().zip(&mut block.covariances) {

@@ -1,14 +1,14 @@
-//! What a block of a log needs as much of as the rover has wheels and joints.
+//! Memory of a block of a log that grows with the number of wheels and joints.
 
-use super::led::{LEAD, Led};
-use crate::registers::plan::{Plan, Room as Place};
+use super::lagged_column::{LEAD, LaggedColumn};
+use crate::registers::plan::{StepConstants, StepScratch as Place};
 use six_wheel_kinematics::one_row::inverse::GROUP;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::weave::{BLOCK, Column};
 
-/// What a block needs as much of as the rover has wheels. Written by every block before it is read, but for the row before
-/// it in `ends`, which comes from the state.
-pub(crate) struct Room {
+/// Memory of a block per wheel and joint. Written by every block before it is read, but for the row before it in
+/// `ends`, which comes from the state.
+pub(crate) struct BlockScratch {
     pub(crate) level: Level,
     /// Row by row: what is taken apart into columns next.
     pub(crate) flat: Vec<f64>,
@@ -23,9 +23,9 @@ pub(crate) struct Room {
     /// Per place of a wheel in the plan.
     pub(crate) places: Vec<Place>,
     /// Per joint: what half the deviation of its angle does to the displacement; then, at the end of every step.
-    pub(crate) ends: Vec<[Led; 3]>,
+    pub(crate) ends: Vec<[LaggedColumn; 3]>,
     /// The same of a gyroscope's reading.
-    pub(crate) by_gyroscope: [Led; 3],
+    pub(crate) by_gyroscope: [LaggedColumn; 3],
 }
 
 /// So many, if there is memory.
@@ -36,8 +36,8 @@ fn some<T: Clone>(one: T, count: usize) -> Option<Vec<T>> {
     Some(all)
 }
 
-impl Room {
-    pub fn new(plan: &Plan) -> Option<Self> {
+impl BlockScratch {
+    pub fn new(plan: &StepConstants) -> Option<Self> {
         let wheels: usize = plan.groups.iter().map(|group| group.count).sum();
         let joints: usize = plan.groups.iter().map(|group| group.steered).sum();
         let mut per_count = some(0.0, joints)?;
@@ -52,8 +52,8 @@ impl Room {
             wheels: some(Column::ZERO, wheels)?,
             joints: some(Column::ZERO, 2 * joints)?,
             places: some(Place::default(), GROUP * plan.groups.len())?,
-            ends: some([Led([0.0; LEAD + BLOCK]); 3], joints)?,
-            by_gyroscope: [Led([0.0; LEAD + BLOCK]); 3],
+            ends: some([LaggedColumn([0.0; LEAD + BLOCK]); 3], joints)?,
+            by_gyroscope: [LaggedColumn([0.0; LEAD + BLOCK]); 3],
         })
     }
 

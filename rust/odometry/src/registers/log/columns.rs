@@ -1,18 +1,18 @@
-//! Rows of a log taken apart: what wheels and joints did in every step.
+//! Splits the rows of a log into columns of steps.
 
-use super::{Block, Room, Rows};
+use super::{BlockScratch, LogBlock, Rows};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::weave::unweave;
 
-/// What wheels and joints did in every step, by columns.
+/// Splits rows into columns of steps: counts of wheels, middle angles and turns of joints [rad], durations [s].
 #[inline(always)]
-pub(crate) fn apart<S: Vector>(
+pub(crate) fn split_columns<S: Vector>(
     simd: S,
     rows: &Rows<'_>,
     angles: &[f64],
     count: usize,
-    room: &mut Room,
-    block: &mut Block,
+    room: &mut BlockScratch,
+    block: &mut LogBlock,
 ) {
     let pairs = rows.stamps.iter().zip(&rows.stamps[1..]);
     for (dt, (before, after)) in block.dt.0.iter_mut().zip(pairs) {
@@ -44,7 +44,7 @@ pub(crate) fn apart<S: Vector>(
     unweave(simd, turns, turned);
 }
 
-/// Middle angles, turns and angles of `N` joints from this one on, one row after the other. How many they are.
+/// Middle angles, turns and angles of `N` joints from this one on, one row after the other. Returns N.
 #[inline(always)]
 fn turn<const N: usize>(
     steering: &[f64],

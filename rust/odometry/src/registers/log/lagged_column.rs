@@ -4,15 +4,15 @@ use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::weave::BLOCK;
 
-/// Room before a column, of which the last place is used: what belongs to the row before the first.
+/// Places before a column, of which the last one holds the row before the first.
 pub(crate) const LEAD: usize = 8;
 
 /// A column with the row before its first.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Led(pub [f64; LEAD + BLOCK]);
+pub(crate) struct LaggedColumn(pub [f64; LEAD + BLOCK]);
 
-impl Led {
+impl LaggedColumn {
     /// Register `k`, of rows that begin `back` rows before.
     #[inline(always)]
     pub fn load<S: Vector>(&self, simd: S, k: usize, back: usize) -> Lanes<S> {
@@ -29,12 +29,12 @@ impl Led {
 }
 
 /// A row of three columns.
-pub(crate) fn row([x, y, z]: &[Led; 3], row: usize) -> [f64; 3] {
+pub(crate) fn row([x, y, z]: &[LaggedColumn; 3], row: usize) -> [f64; 3] {
     [x.0[LEAD + row], y.0[LEAD + row], z.0[LEAD + row]]
 }
 
 /// Registers of three columns, of rows that begin `back` rows before.
 #[inline(always)]
-pub(crate) fn all<S: Vector>(simd: S, [x, y, z]: &[Led; 3], k: usize, back: usize) -> [Lanes<S>; 3] {
+pub(crate) fn all<S: Vector>(simd: S, [x, y, z]: &[LaggedColumn; 3], k: usize, back: usize) -> [Lanes<S>; 3] {
     [x.load(simd, k, back), y.load(simd, k, back), z.load(simd, k, back)]
 }

@@ -13,7 +13,7 @@ use six_wheel_kinematics::steering::ANGLE_TOLERANCE;
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::error::{Error, finite, number};
 
-/// Where a transition writes what the wheels do: one value per steered wheel, speeds per wheel.
+/// Output of a transition: one value per steered wheel, speeds per wheel.
 #[derive(Debug)]
 pub struct Wheels<'a> {
     /// Steering angles [rad].
@@ -129,7 +129,7 @@ impl BodyTransition {
         let limits = [linear, linear, angular];
         let bounds = |axis: usize| {
             let [first, second] = limits[axis];
-            // What does not change needs no limit.
+            // An axis that does not change needs no limit.
             let first = if start[axis] == end[axis] { first.min(1.0) } else { first };
             Bounds::symmetric(first, second, f64::INFINITY)
         };
@@ -138,7 +138,7 @@ impl BodyTransition {
         Self::new(rover, profile, previous)
     }
 
-    /// How long it takes [s].
+    /// Duration [s].
     pub fn duration(&self) -> f64 {
         self.profile.duration()
     }
@@ -172,15 +172,15 @@ fn twist_at(profile: &Profile, time: f64) -> [Vector3<f64>; 3] {
 /// Limits of a transition of modules; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModuleLimits {
-    /// Of every steering joint [rad/s].
+    /// Largest rate of every steering joint [rad/s].
     pub steering_rate: f64,
-    /// Of every steering joint [rad/s²].
+    /// Largest acceleration of every steering joint [rad/s²].
     pub steering_acceleration: f64,
-    /// Of every steering joint [rad/s³].
+    /// Largest jerk of every steering joint [rad/s³].
     pub steering_jerk: f64,
-    /// Of every wheel [rad/s²].
+    /// Largest acceleration of every wheel [rad/s²].
     pub wheel_acceleration: f64,
-    /// Of every wheel [rad/s³].
+    /// Largest jerk of every wheel [rad/s³].
     pub wheel_jerk: f64,
 }
 
@@ -246,12 +246,12 @@ impl ModuleTransition {
         } else {
             let turning = fastest(start.steering, end.steering, &bounds(steering, joints))?;
             let duration = turning.duration().max(f64::MIN_POSITIVE);
-            turning.beside(linear(start.speeds, end.speeds, duration)?)
+            turning.concatenate_axes(linear(start.speeds, end.speeds, duration)?)
         };
         Ok(Self { rover: rover.clone(), profile })
     }
 
-    /// How long it takes [s].
+    /// Duration [s].
     pub fn duration(&self) -> f64 {
         self.profile.duration()
     }
@@ -261,7 +261,7 @@ impl ModuleTransition {
         &self.rover
     }
 
-    /// What the wheels do at a time [s].
+    /// Writes angles, rates and speeds of the wheels at a time [s].
     pub fn at(&self, time: f64, wheels: &mut Wheels<'_>) {
         wheels.follow(&self.profile, time);
         let joints = wheels.steering.len();
