@@ -1,4 +1,4 @@
-//! Whether a rover may stand somewhere: by bounds where they decide, by settling where they do not.
+//! Admissibility of poses: by bounds if they decide, else by settling.
 
 use super::belly::Belly;
 use super::boxes::Within;
@@ -12,7 +12,7 @@ use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_numerics::threads::workers::each;
 
-/// What is allowed: largest sizes of angles [rad], least clearance and largest drop of a wheel [m].
+/// Limits of an admissible pose: largest sizes of angles [rad], least clearance and largest drop of a wheel [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Allowed {
     /// Largest roll.
@@ -64,7 +64,7 @@ impl Allowed {
     }
 }
 
-/// Why a rover may not stand somewhere.
+/// Reason for which a pose is not admissible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Reason {
@@ -95,17 +95,17 @@ pub enum Reason {
 /// The answer for a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
-    /// Why not, or that it may.
+    /// Reason for a refusal, or [`Reason::Ok`].
     pub reason: Reason,
-    /// What is left of that limit of which least is: the share of an angle or a drop, clearances in wheel radii. At
-    /// least so much where bounds decide in favour, at most so much where they decide against; NaN where nothing is
+    /// Smallest margin over all limits: as a share of the limit for angles and the drop, in wheel radii for clearances.
+    /// At least so much where bounds decide in favour, at most so much where they decide against; NaN where nothing is
     /// known.
     pub margin: f64,
     /// Tilt [rad] and clearance [m]: at worst, where bounds decide.
     pub tilt: f64,
     /// As for the tilt.
     pub clearance: f64,
-    /// Whether the rover was settled to know.
+    /// True if the rover was settled for this verdict.
     pub exact: bool,
 }
 
@@ -123,7 +123,7 @@ impl Verdict {
 /// Poses that are bounded, or settled, at a time.
 const BLOCK: usize = 1024;
 
-/// What to judge with.
+/// Rover, map and limits against which poses are checked.
 #[derive(Clone, Debug)]
 pub struct Judge<'a> {
     settler: Settler<'a>,
@@ -156,8 +156,8 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// What is left of each limit where quantities are as large as this: the sizes of roll, pitch, tilt, then the
-    /// clearance, the sizes of rocker and bogie, and the drop.
+    /// Limit with the smallest margin, and that margin, for these sizes of roll, pitch and tilt, clearance, sizes of
+    /// rocker and bogie, and drop.
     fn left(&self, [roll, pitch, tilt, clearance, rocker, bogie, drop]: [f64; 7]) -> (Reason, f64) {
         let allowed = &self.allowed;
         let share = |size: f64, limit: f64| {
@@ -223,7 +223,7 @@ impl<'a> Judge<'a> {
         Verdict { reason: if margin >= 0.0 { Reason::Ok } else { reason }, margin, tilt, clearance, exact: true }
     }
 
-    /// Whether the rover may stand at every pose, which is finite. Fails if there is no memory for the pyramid.
+    /// Checks for every pose, all finite, if the rover may stand there. Fails if there is no memory for the pyramid.
     pub fn judge(&self, poses: &[[f64; 3]], verdicts: &mut [Verdict], workers: Workers) -> Result<(), Error> {
         let ground = Ground { pyramid: self.settler.ground.pyramid()?, error: self.error };
         let share = poses.len().div_ceil(workers.threads.max(1)).max(64);

@@ -17,7 +17,7 @@ use six_wheel_numerics::threads::workers::Workers;
 /// Lanes of the widest level.
 const MOST: usize = 8;
 
-/// How much wider the intervals are made: more than the kernel and a settled pose can round [m, rad].
+/// Widening of the intervals [m, rad]: more than the rounding errors of the kernel and of a settled pose.
 const ROUNDING: f64 = 1e-9;
 
 /// Poses that are tried with one plan before the next: their numbers stay in the first-level cache.
@@ -26,16 +26,16 @@ const BLOCK: usize = 256;
 /// Positions from which on neighbouring doubles are further apart than a wheel is large.
 const FAR: f64 = 1e15;
 
-/// What the ground is known to be.
+/// The ground, with the error of its heights.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
     /// Its extremes.
     pub pyramid: &'a Pyramid,
-    /// How far the true heights may be from those of the map [m].
+    /// Largest difference between the true heights and those of the map [m].
     pub error: f64,
 }
 
-/// What else than the pose itself is asked about.
+/// Ranges of yaw and position about every pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Margins<'a> {
     /// Yaw up to so much to either side, per row or once [rad].
@@ -106,7 +106,7 @@ impl Kernel for Job<'_> {
     }
 }
 
-/// How far a point one metre from the origin goes over an interval of yaw [m].
+/// Largest distance that a point one metre from the origin moves over an interval of yaw [m].
 fn chord(margin: f64) -> f64 {
     if margin == 0.0 { 0.0 } else { 2.0 * (0.5 * margin.min(std::f64::consts::PI)).sin() }
 }
@@ -206,7 +206,8 @@ impl Job<'_> {
 }
 
 impl Job<'_> {
-    /// How far a point one metre from the origin goes over the interval of yaw, and how far all points go [m].
+    /// Largest distance that a point one metre from the origin moves over the interval of yaw, and that of all points
+    /// [m].
     #[inline(always)]
     fn spread<S: Vector>(&self, simd: S, rows: &[usize]) -> [Lanes<S>; 2] {
         let Margins { yaw, position } = self.margins;
@@ -239,7 +240,7 @@ fn within_turns<S: Vector>(simd: S, yaw: Lanes<S>) -> Lanes<S> {
     load(simd, &turned)
 }
 
-/// What is known, by its number.
+/// Statuses in the order of their numbers.
 const KNOWLEDGE: [Knowledge; 6] = [
     Knowledge::Bounded,
     Knowledge::OffMap,
@@ -254,13 +255,14 @@ fn code<S: Simd>(simd: S, knowledge: Knowledge) -> Lanes<S> {
     all(simd, f64::from(knowledge as u8))
 }
 
-/// Where the poses are, in cells of the map.
+/// Poses in cells of the map.
 struct Place<S: Vector> {
     origin: [Lanes<S>; 2],
     /// Cells along the map's rows and columns per metre ahead and per metre to the left.
     ahead: [Lanes<S>; 2],
     left: [Lanes<S>; 2],
-    /// How far a point one metre from the origin goes over the interval of yaw, and all points go, in cells.
+    /// Largest distance that a point one metre from the origin moves over the interval of yaw, and that of all points,
+    /// in cells.
     chord: [Lanes<S>; 2],
     margin: [Lanes<S>; 2],
     /// Number of cells.
@@ -341,7 +343,7 @@ struct Seen<S: Vector> {
     /// Lowest and highest under each wheel, left and right, front to rear, less the mean of all [m].
     wheels: [[Interval<S>; 3]; 2],
     under: Under<S>,
-    /// Whether all of it is on the map, and is known.
+    /// True if all of it is on the map, and if all of it is known.
     on_map: Mask<S>,
     known: Mask<S>,
 }

@@ -6,7 +6,7 @@ use super::side::Side;
 use crate::suspension::{Bogie, Differential, Dimensions};
 use six_wheel_numerics::error::{Error, number};
 
-/// What the bounds of a pose are worth.
+/// Status of the bounds of a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Knowledge {
@@ -34,7 +34,7 @@ pub(super) const COUNT: usize = QUANTITIES.len();
 /// The tilt's number among them.
 pub(super) const TILT: usize = 3;
 
-/// How far something of the body may be seen from where it is seen when the rover stands level.
+/// Largest displacement, seen from above, of a part of the body from its place on a level rover within its box.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Room {
     /// Sizes of its coordinates in the body [m].
@@ -54,7 +54,7 @@ impl Room {
     }
 }
 
-/// What the kernel needs to know of a rover.
+/// Constants of a rover for the kernel.
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub(super) side: Side,
@@ -70,18 +70,18 @@ pub struct Plan {
     /// Smallest lateral distance of a wheel, and what those of each pair have more [m].
     pub(super) lateral: f64,
     pub(super) offsets: [f64; 3],
-    /// Which pairs are the rocker's, the bogie's ahead and the bogie's behind.
+    /// Pairs of wheels, from the front: the rocker's, the bogie's ahead and the bogie's behind.
     pub(super) roles: [usize; 3],
     /// From D to the rocker's wheel and to B; from B to its wheels ahead and behind.
     pub(super) vectors: [[f64; 3]; 4],
-    /// How far the wheels of each pair, and the belly, may move in their boxes.
+    /// Displacements of the wheels of each pair, and of the belly, within their boxes.
     pub(super) rooms: [Room; 4],
     /// See [`boxes::sag`].
     pub(super) sag: [f64; 4],
-    /// How far a bar that couples the rockers may move a wheel from where a gear would have it, at most [m].
+    /// Largest displacement of a wheel by a coupling bar against that by a gear [m].
     pub(super) looseness: f64,
     pub(super) within: Within,
-    /// How far the mean of the rockers' angles, as they are coupled, is from 0 at most [rad].
+    /// Largest size of the mean of the rockers' angles, as they are coupled [rad].
     pub(super) slack: f64,
     pub(super) rocker_limit: [f64; 2],
     pub(super) bogie_limit: [f64; 2],

@@ -42,7 +42,7 @@ const ARM: f64 = 3.0;
 /// Nearest and farthest that a short look goes beyond the last contact [rad].
 const LOOK: [f64; 2] = [0.02, 0.3];
 
-/// What is known of a pose while it settles.
+/// State of the solution for a pose.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Phase {
     /// It is not near: its next look is about the lowest of some points.
@@ -57,7 +57,7 @@ enum Phase {
     Short,
 }
 
-/// What looks there are.
+/// States in which a pose is looked at.
 const LOOKS: [Phase; 4] = [Phase::Far, Phase::Whole, Phase::Short, Phase::Both];
 
 /// Numbers of the poses, column by column.
@@ -72,7 +72,7 @@ mod column {
     pub const WORST: usize = 4;
     /// Share of the step that is taken.
     pub const SHARE: usize = 5;
-    /// How far the next short look goes [rad].
+    /// Range of the next short look to either side of the last contacts [rad].
     pub const LOOK: usize = 6;
     pub const STATE: usize = 7;
     /// Sine and cosine of the contact angle of every wheel.

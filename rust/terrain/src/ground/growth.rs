@@ -48,7 +48,7 @@ const THERE: f64 = 1e-9;
 const BEND: f64 = 0.7;
 const AROUND: f64 = 2e-3;
 
-/// Where the wheels are: their gaps, and how these change with the state and the share.
+/// Gaps of the wheels, and their derivatives by the state and the share.
 struct Look {
     gaps: SVector<f64, SIZE>,
     slopes: SMatrix<f64, SIZE, SIZE>,
@@ -64,7 +64,8 @@ struct Growth<'a, 'b> {
 }
 
 impl<'a> Settler<'a> {
-    /// Where the chain stands with no joint at a stop, by the ground growing under it; or why it was not found.
+    /// Settles the chain with no joint at a stop, by scaling the heights from flat ground to the map; or the status of
+    /// a failure.
     pub(crate) fn grown(&self, pose: PlanPose, steering: &[f64]) -> Result<Attempt<'a>, Status> {
         let Sample::Known { height, .. } = self.ground.sample(pose.x, pose.y, Interpolation::Bilinear) else {
             return Err(Status::NotConverged);

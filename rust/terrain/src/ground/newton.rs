@@ -18,7 +18,7 @@ const STEPS: usize = 40;
 /// Steps that may close no gap before another start is tried.
 const STALLS: usize = 5;
 
-/// What touches and what may move.
+/// The active set: joints held at an angle, and wheels in the air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
     /// Angles of the joints that are held.
@@ -31,7 +31,7 @@ impl Hold {
     /// Nothing held, nothing in the air.
     pub const NONE: Self = Self { joints: [None; MAX_FREE], hanging: 0 };
 
-    /// Whether a wheel touches.
+    /// True if a wheel touches.
     #[inline]
     pub fn touches(&self, wheel: usize) -> bool {
         self.hanging >> wheel & 1 == 0

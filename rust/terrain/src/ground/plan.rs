@@ -12,7 +12,7 @@ use six_wheel_numerics::simd::vector::Vector;
 /// A vector in every lane.
 pub(crate) type Vectors<S> = [Lanes<S>; 3];
 
-/// What turns a part.
+/// The angle that turns a part.
 #[derive(Clone, Copy, Debug)]
 enum Turn {
     /// A free angle, forwards or backwards.
@@ -46,7 +46,7 @@ struct Mover {
     sign: f64,
 }
 
-/// What lanes need to know of a chain.
+/// Constants of a chain for lanes.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     parts: Vec<Part>,
@@ -245,7 +245,7 @@ impl<'a, S: Vector> Placing<'a, S> {
         Self { plan, roll_axis: body.columns[0], pitch_axis: [-sy, cy, zero], axes, origins, wheels }
     }
 
-    /// How the gap of a wheel changes with the state, at a point of its rim over ground with this gradient.
+    /// Derivatives of the gap of a wheel by the state, at a point of its rim over ground with this gradient.
     #[inline(always)]
     pub fn slopes(&self, simd: S, wheel: usize, point: Vectors<S>, gradient: [Lanes<S>; 2]) -> [Lanes<S>; MAX_STATE] {
         let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));

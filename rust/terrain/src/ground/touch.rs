@@ -19,11 +19,11 @@ const BELOW: Direction = Direction { sin: 0.0, cos: 1.0 };
 pub struct Touch {
     /// The wheel.
     pub frame: WheelFrame,
-    /// What the walk along its rim has found.
+    /// Result of the search along its rim.
     pub rim: Rim,
     /// Least vertical distance of the rim over the ground [m]; NaN where there is no known ground.
     pub gap: f64,
-    /// Where that is [m].
+    /// Point of the rim with that distance [m].
     pub point: Vector3<f64>,
     /// Derivatives of the ground's height there by x and y; on a crease the mix of both sides that is square to
     /// the rim.
@@ -190,7 +190,7 @@ impl<'a> Touches<'a> {
         gap_slopes(&self.placed, wheel, touch.point, touch.gradient)
     }
 
-    /// Whether a rim lies over unknown cells, and whether one leaves the map.
+    /// True if a rim lies over unknown cells, and if one leaves the map.
     pub(crate) fn blind(&self) -> [bool; 2] {
         let any = |seen: fn(&Rim) -> bool| self.wheels.iter().any(|touch| seen(&touch.rim));
         [any(|rim| rim.unknown), any(|rim| rim.outside)]

@@ -28,11 +28,11 @@ pub struct TripleBogie {
     pub rear_to_wheel: [f64; 3],
     /// Hub to ground.
     pub wheel_radius: f64,
-    /// Which pairs steer, from the front.
+    /// True for the pairs that steer, from the front.
     pub steered: [bool; 3],
-    /// How far they do.
+    /// Range of the steering angles.
     pub steering: SteeringRange,
-    /// How far the bogies turn.
+    /// Range of the bogies.
     pub bogie_limit: JointRange,
 }
 
