@@ -1,4 +1,4 @@
-//! How a motion answers to what was read: derivatives of `Contacts::forward`, which is linear in its readings.
+//! Derivatives of a motion by the readings: those of `Contacts::forward`, which is linear in its readings.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -31,7 +31,7 @@ pub struct Response {
 struct Rows {
     directions: [Row; 3],
     plan: [Vector3<f64>; 3],
-    /// What each counts.
+    /// Weight of each row.
     shares: [f64; 3],
     /// Each in m/s.
     units: [f64; 3],

@@ -1,4 +1,4 @@
-//! Where rovers stand, row after row, and a row per lane.
+//! Settled poses, row after row, and a row per lane.
 
 use super::columns::Span;
 use crate::Footing;
@@ -23,7 +23,7 @@ const STEEP: f64 = 1e100;
 /// Registers of stands from those that are read to those that are fetched.
 const AHEAD: usize = 2;
 
-/// Where rovers stand.
+/// Settled poses, row after row.
 #[derive(Clone, Copy, Debug)]
 pub enum Footings<'a> {
     /// As they have settled.
@@ -178,14 +178,14 @@ impl Footings<'_> {
     }
 }
 
-/// What some rows say, as it is read.
+/// Input of some rows, as it is read.
 enum Given<'a> {
     /// The poses and the numbers of the stands.
     Settled(&'a [[f64; 3]], [&'a [f64; NUMBERS]; MOST]),
     Told(&'a Eights),
 }
 
-/// Where the ground faces, in the world.
+/// Direction of the ground's normal, in the world.
 enum Upwards<S: Vector> {
     Normal(Vectors<S>),
     /// Derivatives of its height.
@@ -268,7 +268,7 @@ impl<'a> Given<'a> {
     }
 }
 
-/// From where on a free angle is at its lower and its upper stop [rad].
+/// Angles from which on a free angle is at its lower and its upper stop [rad].
 fn stops(joint: &Joint) -> [f64; 2] {
     [joint.range.lower + STOPPED, joint.range.upper - STOPPED]
 }
@@ -281,7 +281,7 @@ pub(crate) struct Standing<S: Vector> {
     pub joints: [Lanes<S>; MAX_FREE],
     /// Angles of the steering joints [rad].
     pub steering: [Lanes<S>; MAX_WHEELS],
-    /// Whether one of them is not 0.
+    /// True if one of them is not 0.
     pub steers: bool,
     /// Of the contact angles.
     pub at: [Turned<S>; MAX_WHEELS],
@@ -293,7 +293,7 @@ pub(crate) struct Standing<S: Vector> {
     /// 1 where a joint is at a stop, and whether any is.
     pub stopped: [Lanes<S>; MAX_FREE],
     pub any_stopped: bool,
-    /// Where nothing touches.
+    /// Lanes in which nothing touches.
     pub nowhere: Mask<S>,
 }
 

@@ -17,7 +17,7 @@ use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::lanes::{LARGEST_TURN, Placing, all, cross, dot, from_turned};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
-/// What was measured, row after row: see [`Readings`].
+/// Measurements, row after row: see [`Readings`].
 #[derive(Clone, Copy, Debug)]
 pub struct ReadingRows<'a> {
     /// Steering angles, where they are not those of the footing [rad].
@@ -34,7 +34,7 @@ pub struct ReadingRows<'a> {
     pub weights: Option<&'a [f64]>,
 }
 
-/// How bodies move, row after row: see [`Moving`](super::super::Moving).
+/// Motions of bodies, row after row: see [`Moving`](super::super::Moving).
 #[derive(Debug)]
 pub struct Movings<'a> {
     /// Of the body [m/s, rad/s].
@@ -220,7 +220,7 @@ impl InLanes<'_, Job<'_>> {
         doubt
     }
 
-    /// What the wheels say of the rates, at the steering angles that are given.
+    /// Writes the contacts' velocities by the rates, at the given steering angles.
     #[inline(always)]
     fn contacts<S: Vector>(
         &self,
@@ -326,7 +326,7 @@ impl InLanes<'_, Job<'_>> {
         known
     }
 
-    /// Whether anything is measured beside the wheels.
+    /// True if joints, body or steering rates are measured as well as the wheels.
     fn measures(&self) -> bool {
         let readings = self.job.readings;
         let beside = [readings.joint_rates, readings.angular_velocity, readings.steering_rates];

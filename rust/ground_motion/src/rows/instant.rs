@@ -13,14 +13,14 @@ use six_wheel_terrain::suspension::{Chain, Differential, MAX_FREE, MAX_WHEELS};
 /// Angles that turn limbs: the free ones, and the right-hand side of the differential.
 const ANGLES: usize = MAX_FREE + 1;
 
-/// What is known beforehand of a chain whose wheels stand on limbs that turn about y, or on limbs of those; lanes without a wheel
-/// repeat the first.
+/// Constants of a suspension in which at most two links, both turning about y, lie between body and wheel (rocker and
+/// bogie). One lane per wheel; lanes without a wheel repeat the first.
 #[derive(Clone, Debug)]
 pub struct Instant {
     wheels: usize,
     /// The free angle that goes through a differential.
     across: (usize, Differential),
-    /// By how much of each angle the limb at the body is turned, and the one that it carries against it.
+    /// Factors of each angle in that of the limb at the body, and in that of the limb it carries against it.
     limbs: [[Column; ANGLES]; 2],
     /// Origin of the first limb ahead and upwards, of the second in the first, and the wheel in the second [m].
     origins: [[Column; 2]; 3],

@@ -17,7 +17,7 @@ use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::lanes::{LARGEST_TURN, Placing, Turned, all, from_turned};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
-/// What the wheels have to do, row after row: see [`Commanded`](super::super::Commanded).
+/// Commands of the wheels, row after row: see [`Commanded`](super::super::Commanded).
 #[derive(Debug)]
 pub struct Commands<'a> {
     /// Angles of the steering joints [rad].
@@ -28,7 +28,7 @@ pub struct Commands<'a> {
     pub twists: &'a mut [[f64; 6]],
     /// Of the free angles [rad/s].
     pub joint_rates: &'a mut [f64],
-    /// What is left of the wanted motions.
+    /// Scales of the wanted motions.
     pub scales: &'a mut [f64],
 }
 
@@ -130,7 +130,7 @@ impl Rows for Job<'_> {
     }
 }
 
-/// Where steering joints point [rad], how far from where they are, and whether they are elsewhere.
+/// Angles of steering joints [rad], their rotations from the present ones, and the lanes in which they differ.
 struct Steered<S: Vector> {
     angles: [Lanes<S>; MAX_WHEELS],
     turned: [Turned<S>; MAX_WHEELS],

@@ -18,7 +18,7 @@ pub(crate) trait Rows: Sized {
     /// Nothing is in it yet.
     fn room<S: Vector>(simd: S) -> Self::Room<S>;
 
-    /// How many they are.
+    /// Number of rows.
     fn count(&self) -> usize;
 
     /// Some of them, in lanes, and the lanes that are for the plain way. Has to be `#[inline(always)]`.

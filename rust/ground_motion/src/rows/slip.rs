@@ -7,7 +7,7 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::Chain;
 
-/// How the wheels slip, row after row: see [`Slip`](super::super::Slip).
+/// Slip of the wheels, row after row: see [`Slip`](super::super::Slip).
 #[derive(Debug)]
 pub struct Slips<'a> {
     /// Of every wheel.

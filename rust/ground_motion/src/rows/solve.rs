@@ -30,7 +30,7 @@ const SHORT: f64 = 1e-10;
 /// Share of a pivot's equation that is taken from another one, from which on it is large.
 const GROWN: f64 = 64.0;
 
-/// How the rates that follow the ground are found where there are as many as wheels and all of those touch: each by the
+/// Elimination order of the rates that follow the ground, for as many rates as wheels that all touch: each rate by the
 /// equation of the wheel in which it has the largest part on level ground.
 #[derive(Clone, Copy, Debug)]
 pub struct Square {
@@ -304,7 +304,8 @@ impl<S: Vector> Normal<S> {
         }
     }
 
-    /// Where this is 1 the last rate is known, nothing is missing of it, and its column is empty.
+    /// Sets the last rate to its known value in lanes where this is 1: nothing is missing of it, and its column is
+    /// empty.
     #[inline(always)]
     pub fn know_last(&mut self, here: Lanes<S>) {
         self.cells[5] = self.cells[5] + here;

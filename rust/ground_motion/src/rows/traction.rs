@@ -124,7 +124,7 @@ impl Rows for Job<'_> {
     }
 }
 
-/// What is wanted of the body, and what it and the free angles do.
+/// Desired velocities of the body, and rates of the body and the free angles.
 struct Wanted<S: Vector> {
     body: [Vectors<S>; 2],
     rates: [Lanes<S>; MAX_FREE],

@@ -5,7 +5,7 @@ use super::sample::{Recording3, Sample3, attitude};
 use six_wheel_numerics::error::Error;
 use six_wheel_odometry::health::{Health, Refusal};
 
-/// Where the results of a log go, one row per sample.
+/// Output of a log, one row per sample.
 #[derive(Debug)]
 pub struct TrackRows3<'a> {
     /// x, y, z, roll, pitch, yaw.
