@@ -1,4 +1,4 @@
-//! Where a cycle's new mean leads, and what to command first.
+//! Results of a cycle: the path of the new mean, and the first command.
 
 use super::mppi::Mppi;
 use crate::motion::facts::{Facts, Stuck};
@@ -26,7 +26,7 @@ impl Mppi {
         self.state.cycle = self.state.cycle.wrapping_add(1);
     }
 
-    /// Where the new mean leads, and what to command first.
+    /// Computes the path of the new mean, and the first command.
     pub(crate) fn conclude(&mut self, workers: Workers) {
         let free = self.facts.free;
         self.engine.nominal(&self.job, &self.mean, &self.settings, workers.level, &mut self.motions, &mut self.places);

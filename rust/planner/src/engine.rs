@@ -21,7 +21,7 @@ use six_wheel_numerics::threads::workers::each;
 /// Parts the new mean is added up in, whoever does it.
 const STRIPES: usize = 4;
 
-/// What one cycle starts from.
+/// Input of one cycle's rollouts.
 #[derive(Debug, Default)]
 pub(crate) struct Job {
     pub begin: Begin,
@@ -29,7 +29,7 @@ pub(crate) struct Job {
     pub mean: Vec<f64>,
     pub sigma: Vec<f64>,
     pub cap: Vec<f64>,
-    /// How much of the noise of a step stays in the next one.
+    /// Correlation of the noise of a step with that of the next one.
     pub memory: f64,
     /// Steps whose wishes cannot be changed any more.
     pub fixed: usize,
@@ -42,11 +42,11 @@ pub(crate) struct Job {
     pub goal: Option<[f64; 2]>,
     pub has_path: bool,
     pub progress: f64,
-    /// Whether the ways are kept for somebody else to judge.
+    /// True if the rollouts' motions are kept for an extra cost.
     pub record: bool,
 }
 
-/// What does not change from cycle to cycle.
+/// Constants of all cycles.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
     pub steps: usize,

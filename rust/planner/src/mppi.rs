@@ -90,7 +90,7 @@ impl Mppi {
         self.state.steering.resize(self.rover.steered().len(), 0.0);
     }
 
-    /// What it remembers.
+    /// State kept from cycle to cycle.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -112,17 +112,17 @@ impl Mppi {
         Ok(())
     }
 
-    /// How it works.
+    /// Options of the planner.
     pub fn options(&self) -> &Options {
         &self.options
     }
 
-    /// What it stays within.
+    /// Limits of the planned motions.
     pub fn limits(&self) -> &Limits {
         &self.facts.limits
     }
 
-    /// What it plans for.
+    /// Rover that is planned for.
     pub fn rover(&self) -> &Rover {
         &self.rover
     }
@@ -132,7 +132,7 @@ impl Mppi {
         self.noise
     }
 
-    /// How many cycles were begun: whoever weighs has to know that they are still those it rolled.
+    /// Number of cycles begun: a caller of [`Self::weigh`] checks by it that the rollouts are still those it started.
     pub fn rolls(&self) -> u64 {
         self.rolls
     }

@@ -1,4 +1,4 @@
-//! What the rollouts of a cycle start from.
+//! Input of the rollouts of a cycle.
 
 use super::cycle::Situation;
 use super::engine::Job;

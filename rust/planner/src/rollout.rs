@@ -12,14 +12,14 @@ use six_wheel_numerics::error::{Error, finite, number};
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_numerics::threads::workers::each;
 
-/// How a rover moves where rollouts begin.
+/// Motion of a rover at the start of rollouts.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Present<'a> {
     /// In body axes [m/s, m/s, rad/s].
     pub twist: [f64; 3],
     /// Its steering angles [rad]; straight ahead, or as near as their ranges let them, if not given.
     pub steering: Option<&'a [f64]>,
-    /// How long it goes on as it does before a wish has an effect [s].
+    /// Time for which it goes on as it does before a control has an effect [s].
     pub delay: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What the steered wheels are set for where a cycle begins.
+//! Setting of the steered wheels at the start of a cycle.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -30,7 +30,7 @@ const LN: [f32; 9] = [
 const SIN: [f32; 5] = [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0];
 const COS: [f32; 6] = [1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0, -1.0 / 3_628_800.0];
 
-/// Where the numbers of one block come from.
+/// Counter of the random numbers of one block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Counter {
     pub seed: u64,
@@ -78,7 +78,7 @@ impl<S: Simd> Words<S> {
         let by = self.0.splat_u32s(by);
         Self(self.0, self.0.wrapping_dyn_shl_u32s(self.1, by))
     }
-    /// Where the bit is set.
+    /// Lanes in which the bit is set.
     #[inline(always)]
     fn has(self, bit: u32) -> Truth<S, f32> {
         let Self(simd, word) = self.and(bit);
