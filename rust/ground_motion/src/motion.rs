@@ -112,12 +112,12 @@ pub struct Commanded {
 }
 
 /// Rates as a function of those in plan: `offset + spread . plan`.
-pub(crate) struct Follow {
+pub(crate) struct SuspensionRates {
     pub spread: [[f64; 3]; COLUMNS],
     pub offset: Row,
 }
 
-impl Follow {
+impl SuspensionRates {
     /// Derivatives of a velocity along `direction` by the motion in plan.
     pub fn plan(&self, direction: &Row) -> [f64; 3] {
         std::array::from_fn(|k| (0..COLUMNS).map(|c| direction[c] * self.spread[c][k]).sum())
@@ -132,11 +132,13 @@ impl Contacts {
 
     /// The suspension follows the ground whatever the motion in plan: rates that are not known (NaN) are those that
     /// keep the wheels on it, in least squares where there are fewer of them than wheels.
-    pub(crate) fn follow(&self, known: &Row, swivels: &[f64; MAX_WHEELS]) -> Follow {
+    pub(crate) fn follow(&self, known: &Row, swivels: &[f64; MAX_WHEELS]) -> SuspensionRates {
         let mut unknown = [0; FOLLOWING.len()];
         let mut count = 0;
-        let mut follow =
-            Follow { spread: [[0.0; 3]; COLUMNS], offset: known.map(|rate| if rate.is_nan() { 0.0 } else { rate }) };
+        let mut follow = SuspensionRates {
+            spread: [[0.0; 3]; COLUMNS],
+            offset: known.map(|rate| if rate.is_nan() { 0.0 } else { rate }),
+        };
         for column in FOLLOWING {
             if known[column].is_nan() {
                 unknown[count] = column;

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::contact::{COLUMNS, Contacts, Row};
-use super::motion::{Follow, Readings, dot, weights};
+use super::motion::{Readings, SuspensionRates, dot, weights};
 use six_wheel_numerics::jacobi::Jacobi;
 use six_wheel_numerics::least_squares::DEPENDENT;
 use six_wheel_terrain::suspension::MAX_WHEELS;
@@ -41,7 +41,7 @@ struct Rows {
 
 /// The fit with everything that it needs again for every derivative.
 struct Fit {
-    follow: Follow,
+    follow: SuspensionRates,
     inverse: Matrix3<f64>,
     rows: [Option<Rows>; MAX_WHEELS],
 }

@@ -67,7 +67,7 @@ impl Odometry3 {
             let centres = (0..wheels).map(|wheel| placed.wheel(wheel).centre.norm());
             centres.fold(0.0, f64::max)
         });
-        let doubt = settings.doubt(reach);
+        let doubt = settings.centre_deviation(reach);
         let mut radii = [0.0; MAX_WHEELS];
         for (radius, wheel) in radii.iter_mut().zip(chain.wheels()) {
             *radius = wheel.radius;

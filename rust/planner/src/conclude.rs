@@ -1,7 +1,7 @@
 //! Results of a cycle: the path of the new mean, and the first command.
 
 use super::mppi::Mppi;
-use crate::motion::facts::{Facts, Stuck};
+use crate::motion::limits::{RoverLimits, Stuck};
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS};
 use six_wheel_numerics::threads::workers::Workers;
@@ -80,7 +80,7 @@ impl Mppi {
 
 /// Motions and places to twists and poses in the world.
 fn ways(
-    facts: &Facts,
+    facts: &RoverLimits,
     motions: &[f64],
     places: &[f64],
     start: [f64; 3],

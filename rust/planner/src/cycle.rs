@@ -1,7 +1,7 @@
 //! Input and output of a cycle, and the state kept from one to the next.
 
 use super::costmap::Costmap;
-use crate::motion::facts::Stuck;
+use crate::motion::limits::Stuck;
 
 /// All that a planner remembers from one cycle to the next.
 #[derive(Clone, Debug, PartialEq)]

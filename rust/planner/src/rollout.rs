@@ -2,7 +2,7 @@
 
 use super::engine::Alone;
 use crate::motion::drive::{Begin, TRACK};
-use crate::motion::facts::Facts;
+use crate::motion::limits::RoverLimits;
 use crate::motion::model::Model;
 use crate::motion::setting;
 use crate::numbers::registers::BLOCK;
@@ -48,7 +48,7 @@ pub fn rollout(
     finite("start", starts.as_flattened())?;
     finite("twist", &present.twist)?;
     finite("steering", present.steering.unwrap_or_default())?;
-    let facts = Facts::new(rover, limits)?;
+    let facts = RoverLimits::new(rover, limits)?;
     let follow = if facts.free == 2 { drive::<2> } else { drive::<3> };
     let share = workers.share_of_logs(poses.len() / (count + 1), count);
     let parts = poses.chunks_mut(share * (count + 1)).enumerate();
@@ -68,7 +68,7 @@ pub fn rollout(
 
 /// Some rollouts, whose poses are all at their starts yet.
 fn drive<const M: usize>(
-    facts: &Facts,
+    facts: &RoverLimits,
     controls: &[[f64; 3]],
     count: usize,
     dt: f64,

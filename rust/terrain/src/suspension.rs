@@ -24,7 +24,7 @@ use six_wheel_numerics::error::{Error, finite, number};
 use six_wheel_numerics::threads::workers::Workers;
 
 pub use chain::{
-    Chain, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, Part, Placed, PlanPose, PointSlopes, State,
+    Chain, ChainLink, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, Placed, PlanPose, PointSlopes, State,
     Turning, WheelFrame,
 };
 pub use dimensions::{Bogie, Differential, Dimensions, JointRange, Steered};

@@ -6,21 +6,21 @@ use crate::contact::COLUMNS;
 use crate::motion::{FOLLOWING, PLAN};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::lanes::{Placing, Plan, Turned, Vectors, all, along, cross, dot, less};
+use six_wheel_terrain::suspension::lanes::{ChainConstants, Placing, Turned, Vectors, all, along, cross, dot, less};
 use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
 /// Derivatives of a velocity by the rates, in lanes.
 pub(crate) type Row<S> = [Lanes<S>; COLUMNS];
 
 /// Room for rows that stand, and what the ground says of them.
-pub(crate) struct Room<S: Vector> {
+pub(crate) struct MotionScratch<S: Vector> {
     pub eights: Eights,
     pub equations: Equations<S>,
     pub contacts: Contacts<S>,
     pub standing: Standing<S>,
 }
 
-impl<S: Vector> Room<S> {
+impl<S: Vector> MotionScratch<S> {
     /// Nothing is in it yet.
     #[inline(always)]
     pub fn new(simd: S) -> Self {
@@ -137,7 +137,7 @@ impl<S: Vector> Known<S> {
 }
 
 /// Rates as a function of those in plan: `offset + spread . plan`.
-pub(crate) struct Follow<S: Vector> {
+pub(crate) struct SuspensionRates<S: Vector> {
     /// Columns that are not zero but for those of the plan itself.
     pub unknown: [usize; UNKNOWNS],
     pub count: usize,
@@ -150,13 +150,13 @@ pub(crate) struct Follow<S: Vector> {
     pub sure: Mask<S>,
 }
 
-impl<S: Vector> Follow<S> {
+impl<S: Vector> SuspensionRates<S> {
     /// Solves for the rates that follow the ground, given the known ones and the contacts. Of right-hand sides there
     /// are the three motions in plan, or what is known (1), or both (4).
     #[inline(always)]
     pub fn new<const RIGHT: usize>(
         simd: S,
-        plan: &Plan,
+        plan: &ChainConstants,
         square: Option<&Square>,
         standing: &Standing<S>,
         known: &[Known<S>; COLUMNS],
@@ -316,7 +316,7 @@ impl<S: Vector> Follow<S> {
     #[inline(always)]
     pub fn told<const RIGHT: usize>(
         &self,
-        plan: &Plan,
+        plan: &ChainConstants,
         wheel: usize,
         direction: &Row<S>,
         beside: Lanes<S>,

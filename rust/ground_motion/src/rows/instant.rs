@@ -7,7 +7,7 @@ use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::direction;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::lanes::{Column, LARGEST_TURN, MOST, Plan, all};
+use six_wheel_terrain::suspension::lanes::{ChainConstants, Column, LARGEST_TURN, MOST, all};
 use six_wheel_terrain::suspension::{Chain, Differential, MAX_FREE, MAX_WHEELS};
 
 /// Angles that turn limbs: the free ones, and the right-hand side of the differential.
@@ -35,7 +35,7 @@ pub struct Instant {
 
 impl Instant {
     /// None for other chains, and where steering joints differ or have several wheels, or some beside their axes.
-    pub fn new(chain: &Chain, plan: &Plan) -> Option<Self> {
+    pub fn new(chain: &Chain, plan: &ChainConstants) -> Option<Self> {
         let range = chain.steering().first().copied().unwrap_or_default();
         let zero = Column::ZERO;
         let mut instant = Self {

@@ -6,7 +6,7 @@ use crate::motion::FOLLOWING;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::MAX_WHEELS;
-use six_wheel_terrain::suspension::lanes::{Plan, all};
+use six_wheel_terrain::suspension::lanes::{ChainConstants, all};
 
 /// Most unknowns: rates that follow the ground.
 pub(crate) const UNKNOWNS: usize = FOLLOWING.len();
@@ -34,7 +34,7 @@ const GROWN: f64 = 64.0;
 /// equation of the wheel in which it has the largest part on level ground.
 #[derive(Clone, Copy, Debug)]
 pub struct Square {
-    /// The wheels, in the order of the rates: see [`Plan::rise`].
+    /// The wheels, in the order of the rates: see [`ChainConstants::rise`].
     pub wheels: [usize; UNKNOWNS],
     /// Bits of the equations after one's own that have a rate, when those before it are gone.
     others: [u32; UNKNOWNS],
@@ -42,7 +42,7 @@ pub struct Square {
 
 impl Square {
     /// None where there are not as many.
-    pub fn new(plan: &Plan) -> Option<Self> {
+    pub fn new(plan: &ChainConstants) -> Option<Self> {
         let mut rows: [_; UNKNOWNS] = std::array::from_fn(|wheel| (wheel, [0.0; UNKNOWNS]));
         if [plan.joints() + 3, plan.wheels()] != [UNKNOWNS; 2] {
             return None;

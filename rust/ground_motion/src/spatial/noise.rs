@@ -3,7 +3,7 @@
 use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::spread::{Columns, GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, whole};
-use super::way::{Tilt, Told, Way};
+use super::way::{Tilt, Way, WheelMotion};
 use crate::MEMORY;
 use six_wheel_odometry::motion::{ROUNDING, SUSPICIOUS};
 use six_wheel_odometry::settings::Readings as Kind;
@@ -20,7 +20,7 @@ struct Closing {
 }
 
 impl Closing {
-    fn of(told: &Told, tilt: &Tilt) -> Self {
+    fn of(told: &WheelMotion, tilt: &Tilt) -> Self {
         let up = tilt.up;
         let by_yaw = match tilt.yaw {
             Some(_) => Vector6::zeros(),
@@ -42,7 +42,7 @@ impl Closing {
 }
 
 /// Fills in what the displacement may be off by. Whether a contact slid further than that explains.
-pub(crate) fn errors(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, into: &mut StepNoise) -> bool {
+pub(crate) fn errors(way: &Way<'_>, told: &WheelMotion, tilt: Option<&Tilt>, into: &mut StepNoise) -> bool {
     let noise = &way.settings.common.noise;
     let (chain, response) = (way.chain, &told.response);
     let count = chain.wheels().len();
@@ -131,7 +131,12 @@ pub(crate) fn errors(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, into: &mut
 
 /// Corrects the displacement by a gyroscope, or by the yaw of an attitude: the turn is the mean of both, weighted by
 /// their noise.
-pub(crate) fn share(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, noise: &mut StepNoise) -> Option<Vector6<f64>> {
+pub(crate) fn share(
+    way: &Way<'_>,
+    told: &WheelMotion,
+    tilt: Option<&Tilt>,
+    noise: &mut StepNoise,
+) -> Option<Vector6<f64>> {
     let known = tilt.and_then(|tilt| tilt.yaw.map(|yaw| tilt.turn(yaw).z));
     let turn = match (way.after.yaw_rate, known) {
         (Some(rate), _) => f64::midpoint(way.before.yaw_rate.unwrap_or(rate), rate) * way.dt,

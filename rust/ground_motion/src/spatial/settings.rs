@@ -34,7 +34,7 @@ impl Settings3 {
     }
 
     /// Standard deviation of the distance that a wheel's centre moves across the ground over one step [m].
-    pub(crate) fn doubt(&self, reach: f64) -> f64 {
+    pub(crate) fn centre_deviation(&self, reach: f64) -> f64 {
         reach * (2.0 * (self.attitude_noise.powi(2) + self.joint_noise.powi(2))).sqrt()
     }
 }

@@ -8,7 +8,7 @@ use nalgebra::Vector6;
 use super::noise::{errors, share};
 use super::site::{Place, Site};
 use super::spread::StepNoise;
-use super::way::{Tilt, Told, Way};
+use super::way::{Tilt, Way, WheelMotion};
 use crate::{COLUMNS, Climb, Contacts, Found, Readings, Row, Unmapped};
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::error::{Error, ErrorKind, numbers};
@@ -48,7 +48,7 @@ pub(crate) fn displace(way: &Way<'_>, site: &Site<'_>) -> Result<Step, Error> {
         return Err(huge());
     }
     let tilt = Tilt::of(way);
-    let told = tell(way, site, tilt.as_ref())?;
+    let told = wheel_motion(way, site, tilt.as_ref())?;
     let mut noise = StepNoise::none();
     let slips = errors(way, &told, tilt.as_ref(), &mut noise);
     let mut tangent = Vector6::from(told.twist);
@@ -195,7 +195,7 @@ pub(crate) fn middle_angles(way: &Way<'_>) -> [f64; MAX_WHEELS] {
 
 /// The motion of the wheels. With measured tilt the yaw is what makes the body turn about its own z axis as the wheels
 /// say; without a map contacts are where the wheels go.
-fn tell(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<Told, Error> {
+fn wheel_motion(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<WheelMotion, Error> {
     let input = Input::of(way);
     let underfoot = input.stand(way.chain, site)?;
     let mut yaw = tilt.and_then(|tilt| tilt.yaw).unwrap_or(0.0);
@@ -231,7 +231,7 @@ fn tell(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<Told, Err
         rates = Some(now);
         round += 1;
         if (missing.abs() <= FOUND && change <= FOUND) || round == ROUNDS {
-            return Ok(Told {
+            return Ok(WheelMotion {
                 twist: moving.twist,
                 turn,
                 yaw,

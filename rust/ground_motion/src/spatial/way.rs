@@ -66,7 +66,7 @@ impl Tilt {
 }
 
 /// Motion by wheels, joints and tilt over a step, before a gyroscope corrects it.
-pub(crate) struct Told {
+pub(crate) struct WheelMotion {
     pub twist: [f64; 6],
     pub turn: Option<Vector3<f64>>,
     pub yaw: f64,

@@ -6,7 +6,7 @@
 //! continuous turn of the joints leads there (to spin on the spot, say), the rover stops, turns its wheels, and goes on.
 
 use super::model::Model;
-use crate::numbers::forms::{Reg, down_to_one, largest, splat, value};
+use crate::numbers::norms::{Reg, down_to_one, largest, splat, value};
 use crate::numbers::real::Real;
 use crate::numbers::registers::BLOCK;
 use six_wheel_numerics::simd::vector::Vector;

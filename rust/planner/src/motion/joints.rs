@@ -2,7 +2,7 @@
 
 use super::drive::{Begin, State};
 use super::model::{Model, Wheel};
-use crate::numbers::forms::{ABREAST, Reg, cross, down_to_one, inner, largest, lowered, share, times, value};
+use crate::numbers::norms::{ABREAST, Reg, cross, down_to_one, inner, largest, lowered, share, times, value};
 use crate::numbers::real::Real;
 use crate::numbers::registers::BLOCK;
 use crate::numbers::registers::Truths;

@@ -1,6 +1,6 @@
 //! A rover for rollouts of one kind of number: its facts as registers take them.
 
-use super::facts::{Facts, Gap, Joint};
+use super::limits::{Gap, Joint, RoverLimits};
 use crate::numbers::real::Real;
 use crate::numbers::squares::{Form, dot};
 
@@ -74,7 +74,7 @@ fn row<R: Real, const M: usize>(from: &[f64]) -> [R; M] {
 }
 
 impl<R: Real, const M: usize> Model<R, M> {
-    pub fn new(facts: &Facts, dt: f64) -> Self {
+    pub fn new(facts: &RoverLimits, dt: f64) -> Self {
         let limits = &facts.limits;
         let forms = |forms: &[Form], factor: f64| forms.iter().map(|one| form(one, factor)).collect();
         let speeding: Vec<[R; 6]> = forms(&facts.speeding, 1.0 / (dt * dt));

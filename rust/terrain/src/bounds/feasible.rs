@@ -3,7 +3,7 @@
 use super::belly::Belly;
 use super::boxes::Within;
 use super::kernel::{Ground, Margins, bounds};
-use super::plan::{COUNT, Knowledge, Plan};
+use super::plan::{BoundsConstants, COUNT, Knowledge};
 use super::stability::{tilt, wheel_drop};
 use crate::ground::{Settler, Stand, Status, settle_part, worth_lanes};
 use crate::suspension::{Dimensions, MAX_WHEELS};
@@ -127,7 +127,7 @@ const BLOCK: usize = 1024;
 #[derive(Clone, Debug)]
 pub struct Judge<'a> {
     settler: Settler<'a>,
-    plan: Plan,
+    plan: BoundsConstants,
     belly: Belly,
     allowed: Allowed,
     radius: f64,
@@ -147,7 +147,7 @@ impl<'a> Judge<'a> {
         allowed.check()?;
         Ok(Self {
             settler,
-            plan: Plan::new(dimensions, belly, allowed.within())?,
+            plan: BoundsConstants::new(dimensions, belly, allowed.within())?,
             belly,
             allowed,
             radius: dimensions.wheel_radius,
@@ -158,7 +158,7 @@ impl<'a> Judge<'a> {
 
     /// Limit with the smallest margin, and that margin, for these sizes of roll, pitch and tilt, clearance, sizes of
     /// rocker and bogie, and drop.
-    fn left(&self, [roll, pitch, tilt, clearance, rocker, bogie, drop]: [f64; 7]) -> (Reason, f64) {
+    fn worst_margin(&self, [roll, pitch, tilt, clearance, rocker, bogie, drop]: [f64; 7]) -> (Reason, f64) {
         let allowed = &self.allowed;
         let share = |size: f64, limit: f64| {
             if limit.is_finite() { 1.0 - size / limit } else { 1.0 }
@@ -183,13 +183,13 @@ impl<'a> Judge<'a> {
         let worst =
             [most(roll), most(pitch), tilt[1], clearance[0], most(rocker), most(left).max(most(right)), drop[1]];
         let verdict = |reason, margin| Verdict { reason, margin, tilt: tilt[1], clearance: clearance[0], exact: false };
-        let (_, margin) = self.left(worst);
+        let (_, margin) = self.worst_margin(worst);
         if margin >= 0.0 {
             return Some(verdict(Reason::Ok, margin));
         }
         let best =
             [least(roll), least(pitch), tilt[0], clearance[1], least(rocker), least(left).max(least(right)), drop[0]];
-        let (reason, margin) = self.left(best);
+        let (reason, margin) = self.worst_margin(best);
         (margin < 0.0).then(|| verdict(reason, margin))
     }
 
@@ -211,7 +211,7 @@ impl<'a> Judge<'a> {
         // The wheels may stand lower, and the ground under the belly be higher.
         let clearance = clearance - 2.0 * self.error;
         let [_, roll, pitch, rocker, left, right] = stand.state;
-        let (reason, margin) = self.left([
+        let (reason, margin) = self.worst_margin([
             roll.abs(),
             pitch.abs(),
             tilt,

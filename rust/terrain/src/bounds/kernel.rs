@@ -3,7 +3,7 @@
 use pulp::{Scalar, Simd};
 
 use super::boxes::Patch;
-use super::plan::{COUNT, Knowledge, Plan, TILT};
+use super::plan::{BoundsConstants, COUNT, Knowledge, TILT};
 use super::stand::Under;
 use crate::interval::{Interval, all};
 use crate::pyramid::{Boxes, Pyramid, nothing};
@@ -54,7 +54,7 @@ impl Margins<'_> {
 /// per pose, and the worth of every row; intervals that are not known are NaN. Poses whose wheels may leave the boxes
 /// of a plan are tried with the next.
 pub fn bounds(
-    plans: &[Plan],
+    plans: &[BoundsConstants],
     ground: Ground<'_>,
     poses: &[[f64; 3]],
     margins: Margins<'_>,
@@ -65,7 +65,7 @@ pub fn bounds(
     let workers = workers.here();
     let share = workers.share(poses.len());
     let mut blocks = blocks.map(|block| block.chunks_mut(share));
-    let jobs = worth.chunks_mut(share).enumerate().map(|(k, worth)| Job {
+    let jobs = worth.chunks_mut(share).enumerate().map(|(k, worth)| BoundsRange {
         plans,
         ground,
         poses: &poses[k * share..][..worth.len()],
@@ -86,8 +86,8 @@ pub fn bounds(
 }
 
 /// Poses that one thread takes.
-struct Job<'a> {
-    plans: &'a [Plan],
+struct BoundsRange<'a> {
+    plans: &'a [BoundsConstants],
     ground: Ground<'a>,
     poses: &'a [[f64; 3]],
     margins: Margins<'a>,
@@ -97,7 +97,7 @@ struct Job<'a> {
     worth: &'a mut [Knowledge],
 }
 
-impl Kernel for Job<'_> {
+impl Kernel for BoundsRange<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -124,7 +124,7 @@ fn store<S: Simd>(lanes: Lanes<S>, column: &mut Column) {
     lanes.store(S::as_mut_simd_f64s(&mut column[..S::F64_LANES]).0, 0);
 }
 
-impl Job<'_> {
+impl BoundsRange<'_> {
     #[inline(always)]
     fn work<S: Vector>(mut self, simd: S) {
         for first in (0..self.poses.len()).step_by(BLOCK) {
@@ -148,7 +148,7 @@ impl Job<'_> {
 
     /// The poses of as many rows as there are lanes, or fewer.
     #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, plan: &Plan, rows: &[usize]) {
+    fn some<S: Vector>(&mut self, simd: S, plan: &BoundsConstants, rows: &[usize]) {
         let apart = rows.len() < S::F64_LANES || rows[rows.len() - 1] - rows[0] >= S::F64_LANES;
         let pose = if apart {
             let mut columns = [[0.0; MOST]; 3];
@@ -205,7 +205,7 @@ impl Job<'_> {
     }
 }
 
-impl Job<'_> {
+impl BoundsRange<'_> {
     /// Largest distance that a point one metre from the origin moves over the interval of yaw, and that of all points
     /// [m].
     #[inline(always)]
@@ -350,7 +350,7 @@ struct Seen<S: Vector> {
 
 impl<S: Vector> Seen<S> {
     #[inline(always)]
-    fn new(simd: S, plan: &Plan, ground: Ground<'_>, place: &Place<S>) -> Self {
+    fn new(simd: S, plan: &BoundsConstants, ground: Ground<'_>, place: &Place<S>) -> Self {
         let yes = all(simd, 0.0).at_most(all(simd, 0.0));
         let (mut on_map, mut known) = (yes, yes);
         let mut wheels = [[[all(simd, 0.0); 2]; 3]; 2];

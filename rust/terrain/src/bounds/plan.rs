@@ -36,7 +36,7 @@ pub(super) const TILT: usize = 3;
 
 /// Largest displacement, seen from above, of a part of the body from its place on a level rover within its box.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Room {
+pub(super) struct VisibilityBox {
     /// Sizes of its coordinates in the body [m].
     pub(super) place: [f64; 3],
     /// Radius of a wheel, 0 for the belly [m].
@@ -45,7 +45,7 @@ pub(super) struct Room {
     pub(super) room: [f64; 2],
 }
 
-impl Room {
+impl VisibilityBox {
     /// Of a box of the body `half` as long and as wide, about `place` when level.
     fn new(patch: Patch, place: [f64; 3], half: [f64; 2], radius: f64) -> Self {
         let room = |axis: usize| patch.half[axis] - half[axis] - (patch.centre[axis] - place[axis]).abs();
@@ -56,7 +56,7 @@ impl Room {
 
 /// Constants of a rover for the kernel.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct BoundsConstants {
     pub(super) side: Side,
     /// Boxes of the left and the right wheels, front to rear, in parts.
     pub(super) wheels: [[[Patch; 3]; 3]; 2],
@@ -75,7 +75,7 @@ pub struct Plan {
     /// From D to the rocker's wheel and to B; from B to its wheels ahead and behind.
     pub(super) vectors: [[f64; 3]; 4],
     /// Displacements of the wheels of each pair, and of the belly, within their boxes.
-    pub(super) rooms: [Room; 4],
+    pub(super) rooms: [VisibilityBox; 4],
     /// See [`boxes::sag`].
     pub(super) sag: [f64; 4],
     /// Largest displacement of a wheel by a coupling bar against that by a gear [m].
@@ -87,7 +87,7 @@ pub struct Plan {
     pub(super) bogie_limit: [f64; 2],
 }
 
-impl Plan {
+impl BoundsConstants {
     /// For a rover with this belly, its wheels in boxes for angles within a range.
     pub fn new(dimensions: &Dimensions, plate: Belly, within: Within) -> Result<Self, Error> {
         let largest = 40_f64.to_radians();
@@ -109,8 +109,8 @@ impl Plan {
         let radius = dimensions.wheel_radius;
         let belly = boxes::plate(x, [-half_width, half_width], z, within);
         let rooms = std::array::from_fn(|k| match k {
-            3 => Room::new(belly, [middle, 0.0, z], [(x[1] - x[0]) / 2.0, half_width], 0.0),
-            _ => Room::new(left[k], dimensions.level_place(k), [radius, 0.0], radius),
+            3 => VisibilityBox::new(belly, [middle, 0.0, z], [(x[1] - x[0]) / 2.0, half_width], 0.0),
+            _ => VisibilityBox::new(left[k], dimensions.level_place(k), [radius, 0.0], radius),
         });
         let slack = slack(dimensions.differential, within.rocker)?;
         let arms: f64 = vectors.iter().map(|[x, _, z]| x.hypot(*z)).sum();

@@ -4,7 +4,7 @@
 
 use pulp::Simd;
 
-use super::plan::{COUNT, Knowledge, Plan, Room};
+use super::plan::{BoundsConstants, COUNT, Knowledge, VisibilityBox};
 use super::side::{Lever, Side};
 use crate::interval::{Interval, Turned, all, asin, both, complement, even, inside, minus, sum, times, widest};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -105,7 +105,7 @@ impl Side {
     }
 }
 
-impl Plan {
+impl BoundsConstants {
     /// Reduced heights of the wheels of a side at inclinations in an interval: the rocker's, and the bogie's ahead
     /// and behind.
     #[inline(always)]
@@ -311,7 +311,7 @@ impl Plan {
     }
 }
 
-impl Room {
+impl VisibilityBox {
     /// True if a part that has moved so far ahead and up in the body is seen inside, at these sines at most.
     #[inline(always)]
     fn holds<S: Simd>(&self, moved: [Lanes<S>; 2], pitch: Lanes<S>, roll: Lanes<S>) -> Mask<S> {

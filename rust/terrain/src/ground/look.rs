@@ -1,6 +1,6 @@
 //! A look at the rims of poses in lanes: gaps, what else is near, and the system of Newton's step.
 
-use super::plan::{Placing, Plan, Rows, Turned, Vectors};
+use super::plan::{ChainConstants, Placing, Rows, Turned, Vectors};
 use crate::ground::rims::circles::{FAR, Point, Rims, cells, floor};
 use crate::ground::rims::search::{Found, Stretch, search};
 use crate::suspension::{MAX_STATE, MAX_WHEELS};
@@ -12,7 +12,7 @@ use six_wheel_numerics::simd::vector::Vector;
 /// Lanes of the widest level.
 pub(crate) const MOST: usize = 8;
 
-/// [`Look::clear`] where the upper halves were left out and may matter.
+/// [`RimScan::clear`] where the upper halves were left out and may matter.
 pub(crate) const UPPER: f64 = -1.0;
 
 /// Height above the gap up to which other minima along the rim are kept [m].
@@ -65,7 +65,7 @@ pub(crate) enum Extent<S: Vector> {
 }
 
 /// Result of a search along the rims.
-pub(crate) struct Look<S: Vector> {
+pub(crate) struct RimScan<S: Vector> {
     pub rows: Rows<S>,
     pub found: [Found<S>; MAX_WHEELS],
     pub worst: Lanes<S>,
@@ -78,13 +78,13 @@ pub(crate) struct Look<S: Vector> {
 impl<S: Vector> Here<S> {
     /// Looks at all rims.
     #[inline(always)]
-    pub fn look(&self, simd: S, plan: &Plan, ground: &Terrain, extent: &Extent<S>) -> Look<S> {
+    pub fn look(&self, simd: S, plan: &ChainConstants, ground: &Terrain, extent: &Extent<S>) -> RimScan<S> {
         let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let spacing = ground.spacing();
         let per_metre = [Lanes::splat(simd, 1.0 / spacing[0]), Lanes::splat(simd, 1.0 / spacing[1])];
         let placing = Placing::new(simd, plan, self.yaw, &self.state, &self.steering);
         let nothing = Found { gap: zero, at: [zero, unit], slope: [zero; 2], others: zero };
-        let mut look = Look {
+        let mut look = RimScan {
             rows: [([zero; MAX_STATE], zero); MAX_WHEELS],
             found: [nothing; MAX_WHEELS],
             worst: zero,

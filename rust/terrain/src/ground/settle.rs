@@ -101,7 +101,7 @@ impl<'a> Settler<'a> {
 
     /// Status of a chain that does not stand near a state.
     fn reason(&self, pose: PlanPose, steering: &[f64], near: &State) -> Status {
-        let part = crate::ground::rims::rim::Part::Whole;
+        let part = crate::ground::rims::rim::RimSegment::Whole;
         self.touches(pose, near, steering, part, None).map_or(Status::NotConverged, |touches| reason_of(&touches))
     }
 

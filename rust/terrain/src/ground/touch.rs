@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::ground::rims::circle::Circle;
 use crate::ground::rims::circles::RIMS;
 use crate::ground::rims::lanes as rims;
-use crate::ground::rims::rim::{Minimum, Part, Rim, upper_half_matters, walk};
+use crate::ground::rims::rim::{Minimum, Rim, RimSegment, upper_half_matters, walk};
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State, WheelFrame};
 use crate::terrain::Terrain;
 use six_wheel_kinematics::wheels::Direction;
@@ -107,7 +107,7 @@ impl<'a> Touches<'a> {
         pose: PlanPose,
         state: &State,
         steering: &[f64],
-        part: Part,
+        part: RimSegment,
         near: Option<&Self>,
         level: Level,
     ) -> Option<()> {
@@ -120,8 +120,8 @@ impl<'a> Touches<'a> {
         let circles: [Circle; RIMS] = std::array::from_fn(|k| circle(ground, &frames[k], radius(k)));
         let least = rims::walk(level, ground, &circles, count);
         for (k, touch) in wheels.iter_mut().enumerate().take(count) {
-            let sure =
-                least[k].filter(|least| part == Part::Lower || !upper_half_matters(ground, &circles[k], least.gap));
+            let sure = least[k]
+                .filter(|least| part == RimSegment::Lower || !upper_half_matters(ground, &circles[k], least.gap));
             let rim = sure.map_or_else(
                 || {
                     let near = near.and_then(|near| near.wheels[k].rim.least);
@@ -156,7 +156,7 @@ impl<'a> Touches<'a> {
             circle.centre[2] = datum + (circle.centre[2] - datum) / share;
             circle.forward[2] /= share;
             circle.up[2] /= share;
-            let rim = walk(ground, &circle, Part::Lower, BELOW);
+            let rim = walk(ground, &circle, RimSegment::Lower, BELOW);
             let mut touch = Touch::of(ground, frame, radius, rim);
             touch.gap *= share;
             touch.gradient = touch.gradient.map(|slope| slope * share);
@@ -176,7 +176,7 @@ impl<'a> Touches<'a> {
             if upper_half_matters(ground, &circle, gap) {
                 looked = true;
                 let near = touch.rim.least.map_or(BELOW, |least| least.at);
-                let rim = walk(ground, &circle, Part::Whole, near);
+                let rim = walk(ground, &circle, RimSegment::Whole, near);
                 *touch = Touch::of(ground, touch.frame, wheel.radius, rim);
             }
         }

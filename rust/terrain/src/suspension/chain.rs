@@ -40,7 +40,7 @@ pub enum Turning {
 
 /// A rigid part of a suspension.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct ChainLink {
     /// Its name.
     pub name: Cow<'static, str>,
     /// The part that carries it; None is the body.
@@ -78,7 +78,7 @@ pub struct Joint {
 /// A suspension. Immutable; a chain that exists is valid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    parts: Vec<Part>,
+    parts: Vec<ChainLink>,
     wheels: Vec<Mount>,
     joints: Vec<Joint>,
     steering: Vec<SteeringRange>,
@@ -110,7 +110,7 @@ impl Chain {
     /// A chain of these parts, parents before children. Fails unless every number makes sense, and there are
     /// as many wheels as they carry.
     pub fn new(
-        parts: Vec<Part>,
+        parts: Vec<ChainLink>,
         wheels: Vec<Mount>,
         joints: Vec<Joint>,
         steering: Vec<SteeringRange>,
@@ -153,7 +153,7 @@ impl Chain {
 
     /// The parts, parents before children.
     #[inline]
-    pub fn parts(&self) -> &[Part] {
+    pub fn parts(&self) -> &[ChainLink] {
         &self.parts
     }
 

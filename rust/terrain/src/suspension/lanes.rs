@@ -8,7 +8,7 @@ mod plan;
 
 use pulp::Simd;
 
-pub use self::plan::Plan;
+pub use self::plan::ChainConstants;
 use self::plan::{MOST_PARTS, Wheel};
 use super::chain::{MAX_FREE, MAX_WHEELS};
 use super::dimensions::Differential;
@@ -152,7 +152,7 @@ impl<S: Simd> Limb<S> {
 
 /// The chain in lanes, in the axes of the body.
 pub struct Placing<'a, S: Simd> {
-    plan: &'a Plan,
+    plan: &'a ChainConstants,
     /// The body, and every part.
     limbs: [Limb<S>; MOST_PARTS + 1],
     slopes: [Lanes<S>; MOST_PARTS],
@@ -188,7 +188,7 @@ fn across<S: Vector>(simd: S, differential: Differential, left: Lanes<S>, turned
 impl<'a, S: Vector> Placing<'a, S> {
     /// Room for a chain, which is nowhere yet.
     #[inline(always)]
-    pub fn new(simd: S, plan: &'a Plan) -> Self {
+    pub fn new(simd: S, plan: &'a ChainConstants) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let body = Limb { plane: 0, turned: (zero, one), origin: [zero; 3] };
         Self {

@@ -81,7 +81,7 @@ impl Rim {
 
 /// Part of the rim to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum RimSegment {
     /// The half with contact angles up to a quarter turn: all that ordinary ground can touch.
     Lower,
     /// The lower half, and the upper one if the ground beside it may be that high, or is not known.
@@ -91,11 +91,11 @@ pub enum Part {
 /// Walks along the rim.
 ///
 /// A point near the contact makes it quick: arcs that are higher everywhere are passed over.
-pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: Part, near: Direction) -> Rim {
+pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: RimSegment, near: Direction) -> Rim {
     let mut rim = Rim::NOTHING;
     rim.bound = gap_at(ground, circle, near);
     half(ground, circle, &mut rim);
-    if part == Part::Whole && upper_half_matters(ground, circle, rim.bound) {
+    if part == RimSegment::Whole && upper_half_matters(ground, circle, rim.bound) {
         let turned = Circle { forward: circle.forward.map(|x| -x), up: circle.up.map(|x| -x), ..*circle };
         let mut upper = Rim::NOTHING;
         upper.bound = rim.bound;

@@ -8,7 +8,7 @@ pub(super) const MOST_PARTS: usize = 2 * MAX_FREE;
 
 /// A part with a free angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct Link {
     /// Place of the parent among the limbs: 0 is the body.
     pub parent: usize,
     pub origin: [f64; 3],
@@ -39,9 +39,9 @@ type Knuckle = ([f64; 3], usize);
 
 /// Constants of a chain for lanes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct ChainConstants {
     /// Links of the chain.
-    pub parts: Vec<Part>,
+    pub parts: Vec<Link>,
     /// Wheels of the chain.
     pub wheels: Vec<Wheel>,
     joints: usize,
@@ -51,7 +51,7 @@ pub struct Plan {
     centred: u32,
 }
 
-impl Plan {
+impl ChainConstants {
     /// None for chains that are not for lanes.
     pub fn new(chain: &Chain) -> Option<Self> {
         let mut plan = Self {
@@ -84,7 +84,7 @@ impl Plan {
             if plane > 1 || carrier.is_some_and(|its| its != plane) {
                 return None;
             }
-            plan.parts.push(Part { parent, origin, plane, joint, across });
+            plan.parts.push(Link { parent, origin, plane, joint, across });
             frames.push((plan.parts.len(), None));
         }
         if plan.parts.len() > MOST_PARTS {

@@ -57,7 +57,7 @@ pub enum Stuck {
 
 /// The rover within its limits, as numbers.
 #[derive(Clone, Debug)]
-pub(crate) struct Facts {
+pub(crate) struct RoverLimits {
     /// Number of components.
     pub free: usize,
     /// Body twist from components, row after row.
@@ -83,7 +83,7 @@ pub(crate) struct Facts {
     pub stuck: Option<Stuck>,
 }
 
-impl Facts {
+impl RoverLimits {
     pub fn new(rover: &Rover, limits: Limits) -> Result<Self, Error> {
         for wheel in rover.wheels() {
             if wheel.steering().is_some() && wheel.trail != 0.0 {
