@@ -1,4 +1,4 @@
-//! What holds at the contacts of a rover that stands.
+//! Contacts of a settled rover: their directions, and their velocities by the rates.
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -8,8 +8,8 @@ use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Plac
 /// Rates: the body's `vx, vy, vz, wx, wy, wz` and those of the free angles.
 pub const COLUMNS: usize = 6 + MAX_FREE;
 
-/// Where `Placed::point_slopes` keeps the derivative by each of these rates: a body at the origin, level and
-/// heading along x, has `x, y, yaw, z, roll, pitch` for its rates.
+/// Index in `Placed::point_slopes` of the derivative by each of these rates: a body at the origin, level and heading
+/// along x, has `x, y, yaw, z, roll, pitch` for its rates.
 const SLOPE: [usize; 6] = [0, 1, 3, 4, 5, 2];
 
 /// The place of a rate's derivative.
@@ -17,7 +17,7 @@ pub(crate) fn slope(column: usize) -> usize {
     SLOPE.get(column).copied().unwrap_or(column)
 }
 
-/// Where a rover stands: one settled pose.
+/// One settled pose: attitude, angles and contacts.
 #[derive(Clone, Copy, Debug)]
 pub struct Footing<'a> {
     /// Roll, pitch and yaw of the body [rad].
@@ -30,9 +30,9 @@ pub struct Footing<'a> {
     pub angles: &'a [f64],
     /// Normal of the ground at every wheel, in world axes.
     pub normals: &'a [[f64; 3]],
-    /// Which wheels touch the ground.
+    /// True for the wheels that touch the ground.
     pub touching: [bool; MAX_WHEELS],
-    /// Which free angles are at a stop.
+    /// True for the free angles at a stop.
     pub stopped: [bool; MAX_FREE],
 }
 
@@ -66,17 +66,17 @@ pub struct Contact {
     pub rolling: Row,
     /// Velocity of the touching point to the left [m/s], by the rates.
     pub side: Row,
-    /// What the rate of its own steering adds along the normal and to the left [m/rad], and to the rate of an encoder:
-    /// nothing unless the wheel's centre lies off the steering axis.
+    /// Velocity per rate of its own steering, along the normal and to the left [m/rad], and change of an encoder's
+    /// rate: nothing unless the wheel's centre lies off the steering axis.
     pub swivel: [f64; 3],
     /// Its steering joint.
     pub steering: Option<usize>,
-    /// Whether it touches.
+    /// True if it touches.
     pub touching: bool,
 }
 
-/// Which side of a rim touches, seen from the plane on which it does: the near one, but where a wheel that leans far lies on
-/// the edge of something steeper than it.
+/// Side of a rim that touches, seen from the plane on which it does: the near one, but the far one for a wheel that
+/// leans far on the edge of something steeper than it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
     Near,
@@ -108,7 +108,7 @@ impl Tread {
         Self { frame, normal, radius, at }
     }
 
-    /// Which side touches.
+    /// The side that touches.
     pub fn side(&self) -> Side {
         if self.spoke().dot(&self.normal) > 0.0 { Side::Far } else { Side::Near }
     }
@@ -133,7 +133,7 @@ pub struct Contacts {
     pub count: usize,
     /// Number of free angles.
     pub joints: usize,
-    /// Which of them are at a stop, and do not turn.
+    /// True for those at a stop, which do not turn.
     pub stopped: [bool; MAX_FREE],
 }
 
@@ -221,8 +221,8 @@ pub(crate) fn carried(placed: &Placed<'_>, wheel: usize, rates: &Row) -> (Vector
     (velocity, turn)
 }
 
-/// How far behind the body's origin the unsteered wheels have their centre, all angles 0 [m]: a rover that turns
-/// about a point abreast of it scrubs least on level ground.
+/// Distance of the centre of the unsteered wheels behind the body's origin, all angles 0 [m]: a rover that turns about
+/// a point abreast of it scrubs least on level ground.
 pub fn rest_offset(chain: &Chain) -> f64 {
     let Some(placed) = in_body(chain, &[], &[]) else {
         return 0.0;

@@ -2,7 +2,7 @@
 
 use super::traction::Lift;
 
-/// What turning is commanded, one number or one per row.
+/// Commanded turning, one number or one per row.
 #[derive(Clone, Copy, Debug)]
 pub enum Turns<'a> {
     /// Yaw rate per speed [1/m].
@@ -11,12 +11,12 @@ pub enum Turns<'a> {
     YawRate(&'a [f64]),
 }
 
-/// What is commanded and measured, row after row; all numbers are finite.
+/// Commanded and measured rates, row after row; all numbers are finite.
 #[derive(Clone, Copy, Debug)]
 pub struct Driving<'a> {
     /// Commanded forward speed of the body, one or one per row [m/s].
     pub speed: &'a [f64],
-    /// How it is to turn.
+    /// Commanded turning.
     pub turning: Turns<'a>,
     /// Rates of the body about its axes [rad/s].
     pub angular_velocity: &'a [[f64; 3]],
@@ -32,7 +32,7 @@ pub struct Driving<'a> {
     pub lift: Lift,
 }
 
-/// What the wheels have to do, row after row: see [`super::Driven`].
+/// Commands of the wheels, row after row: see [`super::Driven`].
 #[derive(Debug)]
 pub struct Drives<'a> {
     /// Of the steering joints [rad].

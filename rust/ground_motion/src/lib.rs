@@ -28,8 +28,8 @@ pub use driving::{Drives, Driving, Turns};
 pub use motion::{Command, Commanded, Moving, Readings, View, Wanted, inverse};
 pub use response::Response;
 pub use rows::{
-    Commands, Footings, Movings, Prepared, ReadingRows, Slips, Told, forward_rows, inverse_rows, slip_rows,
-    traction_rows,
+    Commands, Movings, Prepared, ReadingRows, SettledPoseInput, SettledPoses, Slips, forward_rows, inverse_rows,
+    slip_rows, traction_rows,
 };
 pub use slip::{Slip, SlipTest, slip};
 pub use traction::{Closure, Driven, Lift, Rates, traction};

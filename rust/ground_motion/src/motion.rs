@@ -15,7 +15,7 @@ pub(crate) const PLAN: [usize; 3] = [0, 1, 5];
 /// Rates that the ground decides: `vz, wx, wy` and the free angles.
 pub(crate) const FOLLOWING: [usize; 3 + MAX_FREE] = [2, 3, 4, 6, 7, 8];
 
-/// What was measured beside the wheels.
+/// Measurements of wheels, joints and body.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Readings<'a> {
     /// Speed of every wheel against its link [rad/s]; NaN where it was not measured.
@@ -49,18 +49,18 @@ impl Readings<'_> {
     }
 }
 
-/// How the body moves.
+/// Motion of the body.
 #[derive(Clone, Copy, Debug)]
 pub struct Moving {
     /// Of the body's origin, in its axes [m/s, rad/s].
     pub twist: [f64; 6],
     /// Of the free angles [rad/s].
     pub joint_rates: [f64; MAX_FREE],
-    /// What every touching point does along the normal, along the tangent and to the left [m/s]; NaN in the air.
+    /// Velocity of every touching point along the normal, along the tangent and to the left [m/s]; NaN in the air.
     pub residual: [[f64; 3]; MAX_WHEELS],
 }
 
-/// Which speed and yaw rate a command means.
+/// Frame of a commanded speed and yaw rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum View {
     /// Of the body along its x axis and about its z axis.
@@ -78,12 +78,12 @@ pub struct Wanted {
     pub yaw_rate: f64,
 }
 
-/// How wanted motions become commands.
+/// Settings by which wanted motions become commands.
 #[derive(Clone, Copy, Debug)]
 pub struct Command {
-    /// What speeds and yaw rates mean.
+    /// Frame of speeds and yaw rates.
     pub view: View,
-    /// How far behind the origin a point moves straight ahead [m]: [`rest_offset`].
+    /// Distance behind the origin of the point that moves straight ahead [m]: [`rest_offset`].
     pub offset: f64,
     /// Largest speed of a wheel [rad/s]: all are slowed down together to keep it.
     pub wheel_speed: f64,
@@ -96,7 +96,7 @@ impl Command {
     }
 }
 
-/// What the wheels have to do, and what the rover then does.
+/// Commands of the wheels, and the motion of the rover that follows from them.
 #[derive(Clone, Copy, Debug)]
 pub struct Commanded {
     /// Angles of the steering joints [rad].
@@ -107,18 +107,18 @@ pub struct Commanded {
     pub twist: [f64; 6],
     /// Of the free angles [rad/s].
     pub joint_rates: [f64; MAX_FREE],
-    /// What is left of the wanted motion, 1 unless a wheel would have been too fast.
+    /// Scale of the wanted motion, 1 unless a wheel would have been too fast.
     pub scale: f64,
 }
 
 /// Rates as a function of those in plan: `offset + spread . plan`.
-pub(crate) struct Follow {
+pub(crate) struct SuspensionRates {
     pub spread: [[f64; 3]; COLUMNS],
     pub offset: Row,
 }
 
-impl Follow {
-    /// How what a direction says answers to the motion in plan.
+impl SuspensionRates {
+    /// Derivatives of a velocity along `direction` by the motion in plan.
     pub fn plan(&self, direction: &Row) -> [f64; 3] {
         std::array::from_fn(|k| (0..COLUMNS).map(|c| direction[c] * self.spread[c][k]).sum())
     }
@@ -132,11 +132,13 @@ impl Contacts {
 
     /// The suspension follows the ground whatever the motion in plan: rates that are not known (NaN) are those that
     /// keep the wheels on it, in least squares where there are fewer of them than wheels.
-    pub(crate) fn follow(&self, known: &Row, swivels: &[f64; MAX_WHEELS]) -> Follow {
+    pub(crate) fn follow(&self, known: &Row, swivels: &[f64; MAX_WHEELS]) -> SuspensionRates {
         let mut unknown = [0; FOLLOWING.len()];
         let mut count = 0;
-        let mut follow =
-            Follow { spread: [[0.0; 3]; COLUMNS], offset: known.map(|rate| if rate.is_nan() { 0.0 } else { rate }) };
+        let mut follow = SuspensionRates {
+            spread: [[0.0; 3]; COLUMNS],
+            offset: known.map(|rate| if rate.is_nan() { 0.0 } else { rate }),
+        };
         for column in FOLLOWING {
             if known[column].is_nan() {
                 unknown[count] = column;
@@ -227,7 +229,7 @@ impl Contacts {
         Moving { twist, joint_rates, residual }
     }
 
-    /// What a touching point does at these rates [m/s].
+    /// Velocity of a touching point at these rates, along the normal, along the tangent and to the left [m/s].
     pub(crate) fn slip(
         &self,
         wheel: usize,

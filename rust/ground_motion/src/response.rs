@@ -1,9 +1,9 @@
-//! How a motion answers to what was read: derivatives of `Contacts::forward`, which is linear in its readings.
+//! Derivatives of a motion by the readings: those of `Contacts::forward`, which is linear in its readings.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::contact::{COLUMNS, Contacts, Row};
-use super::motion::{Follow, Readings, dot, weights};
+use super::motion::{Readings, SuspensionRates, dot, weights};
 use six_wheel_numerics::jacobi::Jacobi;
 use six_wheel_numerics::least_squares::DEPENDENT;
 use six_wheel_terrain::suspension::MAX_WHEELS;
@@ -31,7 +31,7 @@ pub struct Response {
 struct Rows {
     directions: [Row; 3],
     plan: [Vector3<f64>; 3],
-    /// What each counts.
+    /// Weight of each row.
     shares: [f64; 3],
     /// Each in m/s.
     units: [f64; 3],
@@ -41,7 +41,7 @@ struct Rows {
 
 /// The fit with everything that it needs again for every derivative.
 struct Fit {
-    follow: Follow,
+    follow: SuspensionRates,
     inverse: Matrix3<f64>,
     rows: [Option<Rows>; MAX_WHEELS],
 }

@@ -7,7 +7,7 @@ use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::error::{Error, number};
 use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
-/// How a wheel slips.
+/// Slip of a wheel.
 #[derive(Clone, Copy, Debug)]
 pub struct Slip {
     /// `1 - v . T / (r q)`: 0 rolling, 1 turning on the spot, negative braking; NaN where the wheel does not turn.
@@ -53,12 +53,12 @@ pub fn slip(chain: &Chain, footing: &Footing<'_>, rates: &Row, speeds: &[f64]) -
 /// Largest length of a motion.
 pub const LARGEST: usize = 6;
 
-/// Whether two estimates of a motion differ by more than their noise.
+/// Test of two estimates of a motion: they differ by more than their noise.
 #[derive(Clone, Copy, Debug)]
 pub struct SlipTest {
     /// Squared distance in the metric of the covariance.
     pub statistic: f64,
-    /// What a rover that does not slip stays below, but for the false alarms.
+    /// Value that the statistic of a rover without slip stays below, but for the false alarms.
     pub threshold: f64,
     /// Probability that one that does not slip is as far off.
     pub probability: f64,
@@ -89,7 +89,7 @@ impl SlipTest {
         Ok(Self { statistic, threshold: quantile(length, false_alarm), probability: survival(length, statistic) })
     }
 
-    /// Whether it slips.
+    /// True if the rover slips.
     pub fn slips(&self) -> bool {
         self.statistic > self.threshold
     }
@@ -143,7 +143,7 @@ fn survival(degrees: usize, value: f64) -> f64 {
     front * fraction
 }
 
-/// What a chi-squared number exceeds with this probability, by bisection.
+/// Value that a chi-squared number exceeds with this probability, by bisection.
 fn quantile(degrees: usize, probability: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while survival(degrees, high) > probability {

@@ -67,7 +67,7 @@ impl Odometry3 {
             let centres = (0..wheels).map(|wheel| placed.wheel(wheel).centre.norm());
             centres.fold(0.0, f64::max)
         });
-        let doubt = settings.doubt(reach);
+        let doubt = settings.centre_deviation(reach);
         let mut radii = [0.0; MAX_WHEELS];
         for (radius, wheel) in radii.iter_mut().zip(chain.wheels()) {
             *radius = wheel.radius;
@@ -90,12 +90,12 @@ impl Odometry3 {
         &self.fixed.chain
     }
 
-    /// How it works.
+    /// Settings of the odometry.
     pub fn settings(&self) -> &Settings3 {
         &self.fixed.settings
     }
 
-    /// Where the rover is.
+    /// Pose of the rover.
     pub fn pose(&self) -> Pose3 {
         self.state.pose()
     }
@@ -127,7 +127,7 @@ impl Odometry3 {
         &self.slip[..self.fixed.chain.wheels().len()]
     }
 
-    /// What there is to say about the last sample.
+    /// Health of the last sample.
     pub fn health(&self) -> Health {
         self.health
     }
@@ -255,7 +255,7 @@ impl Odometry3 {
         finite("joints", joints).map_err(missing)
     }
 
-    /// What wheels and steering joints turned since the reference, and whether a counter started over.
+    /// Rotations of wheels and angles of steering joints since the reference [rad]; true if a counter started over.
     fn difference(&self, sample: &Sample3<'_>, before: &Read, dt: f64) -> ([f64; MAX_WHEELS], [f64; MAX_WHEELS], bool) {
         let settings = &self.fixed.settings.common;
         let (mut turned, mut angles, mut wrapped) = ([0.0; MAX_WHEELS], before.angles, false);

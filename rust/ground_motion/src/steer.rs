@@ -1,4 +1,4 @@
-//! Which way steered wheels point on the ground.
+//! Directions of steered wheels on the ground.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -102,7 +102,7 @@ impl Turned {
     }
 }
 
-/// What a steered wheel does sideways, at any angle.
+/// Sideways velocity of a steered wheel as a function of its angle.
 ///
 /// With the velocity `v` of its centre, the rotation `w` of its carrier, its axle `a` and the normal `n` of the ground the
 /// touching point is at `-r (n - (a . n) a) / q`, `q^2 = 1 - (a . n)^2`, from the centre, and goes sideways with `s`:
@@ -190,7 +190,7 @@ impl Aim {
         ]
     }
 
-    /// Where the touching point goes at angle 0, as if it were touched at the same height all around: along the axle,
+    /// Velocity of the touching point at angle 0, as if it were touched at the same height all around: along the axle,
     /// and a quarter turn on from it [m/s].
     fn ways(&self) -> [f64; 2] {
         let axle = self.axle.along + self.axle.across;
@@ -210,7 +210,7 @@ impl Aim {
 struct Together<'a> {
     aims: &'a [Option<Aim>; MAX_WHEELS],
     joint: usize,
-    /// Whether one of them touches: then those that do count.
+    /// True if one of them touches: then only those that do count.
     touching: bool,
 }
 
@@ -220,7 +220,7 @@ impl Together<'_> {
         self.aims.iter().flatten().filter(counts)
     }
 
-    /// Whether a centre lies off the axis.
+    /// True if a centre lies off the axis.
     fn beside(&self) -> bool {
         self.all().any(|aim| aim.centre.on != Vector3::zeros())
     }
@@ -232,7 +232,7 @@ impl Together<'_> {
         })
     }
 
-    /// Where the touching points go, all together: see [`Aim::ways`].
+    /// Sum of the velocities of the touching points: see [`Aim::ways`].
     fn ways(&self) -> [f64; 2] {
         self.all().fold([0.0; 2], |[aside, back], aim| {
             let [one, other] = aim.ways();

@@ -15,7 +15,7 @@ use super::steer::steer_in_plan;
 use six_wheel_numerics::error::Error;
 use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
-/// What is commanded and measured.
+/// Commanded and measured rates.
 #[derive(Clone, Copy, Debug)]
 pub struct Rates<'a> {
     /// Commanded forward speed of the body [m/s].
@@ -32,7 +32,7 @@ pub struct Rates<'a> {
     pub steering: &'a [f64],
 }
 
-/// Where the vertical speed of the body comes from.
+/// Source of the vertical speed of the body.
 #[derive(Clone, Copy, Debug)]
 pub enum Closure<'a> {
     /// The median over the wheels of the one at which a wheel moves along its link: least in the sum of what they
@@ -71,16 +71,16 @@ impl Default for Lift {
     }
 }
 
-/// What the wheels have to do.
+/// Commands of the wheels.
 #[derive(Clone, Copy, Debug)]
 pub struct Driven {
     /// Angles of the steering joints [rad].
     pub steering: [f64; MAX_WHEELS],
     /// Speed of every wheel against its link [rad/s].
     pub speeds: [f64; MAX_WHEELS],
-    /// Where every wheel touches the ground [rad].
+    /// Contact angle of every wheel with the ground [rad].
     pub contact_angles: [f64; MAX_WHEELS],
-    /// Whether the joints lift or drop it as no ground would.
+    /// True for a wheel that the joints lift or drop as no ground would.
     pub lifted: [bool; MAX_WHEELS],
     /// Vertical speed of the body's origin, in its axes [m/s].
     pub vertical: f64,
@@ -91,9 +91,9 @@ pub struct Driven {
 struct Centre {
     along: f64,
     across: f64,
-    /// What a vertical speed of 1 adds to both.
+    /// Both velocities per vertical speed of the body [1].
     vertical: [f64; 2],
-    /// How the link turns about the axle [rad/s].
+    /// Rate of the link about the axle [rad/s].
     turn: f64,
     radius: f64,
 }

@@ -33,14 +33,14 @@ pub struct Unmapped<'a> {
     together: Row,
 }
 
-/// How wheels went over a step.
+/// Motion of wheels over a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Climb<'a> {
     /// Motion of body and free angles over a step, as far as it is known; None: slopes are as before.
     pub motion: Option<&'a Row>,
-    /// What every wheel turned over it [rad]; NaN where one has no encoder.
+    /// Rotation of every wheel over it [rad]; NaN where one has no encoder.
     pub turned: &'a [f64],
-    /// How steeply every centre has climbed against the plane, as a sine.
+    /// Climb of every centre against the plane, as a sine.
     pub slopes: &'a [f64; MAX_WHEELS],
     /// Standard deviation of the way that a centre is found to go across the plane [m]. Slopes are means over so many
     /// times it that its noise does not make wheels climb: readings at the ends of steps cancel in them.
@@ -127,8 +127,8 @@ impl Contacts {
 }
 
 impl Tread {
-    /// How steeply the centre climbs against the plane, on average over the way that is remembered: its way across over
-    /// the way along the rim, which errs least.
+    /// Climb of the centre against the plane, averaged over the distance that is remembered: its way across over the
+    /// way along the rim, which errs least.
     fn slope(&self, way: Vector3<f64>, rolled: f64, before: f64, doubt: f64) -> f64 {
         let up = -self.spoke() / self.radius;
         let rolled = match rolled.is_nan() {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use six_wheel_ground_motion::spatial::{Attitude, Odometry3, Sample3, Settings3};
 use six_wheel_ground_motion::{
-    Command, Commands, Drives, Driving, Footings, Lift, Movings, Prepared, ReadingRows, Told, Turns, forward_rows,
-    inverse_rows, traction_rows,
+    Command, Commands, Drives, Driving, Lift, Movings, Prepared, ReadingRows, SettledPoseInput, SettledPoses, Turns,
+    forward_rows, inverse_rows, traction_rows,
 };
 use six_wheel_kinematics::admissible::Keep;
 use six_wheel_kinematics::batch;
@@ -142,7 +142,7 @@ fn rows_of_motion_on_the_ground_take_no_memory() -> Result<(), Error> {
     let mut gap = vec![0.0; 6 * ROWS];
     gap[30] = 0.1; // a wheel in the air
     let [level, zeros] = [vec![0.0; ROWS], vec![0.0; 6 * ROWS]];
-    let footings = Footings::Told(Told {
+    let footings = SettledPoses::Input(SettledPoseInput {
         roll: &level,
         pitch: &level,
         transform: &[transform; ROWS],

@@ -1,7 +1,7 @@
-//! Where a cycle's new mean leads, and what to command first.
+//! Results of a cycle: the path of the new mean, and the first command.
 
 use super::mppi::Mppi;
-use crate::motion::facts::{Facts, Stuck};
+use crate::motion::limits::{RoverLimits, Stuck};
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS};
 use six_wheel_numerics::threads::workers::Workers;
@@ -26,7 +26,7 @@ impl Mppi {
         self.state.cycle = self.state.cycle.wrapping_add(1);
     }
 
-    /// Where the new mean leads, and what to command first.
+    /// Computes the path of the new mean, and the first command.
     pub(crate) fn conclude(&mut self, workers: Workers) {
         let free = self.facts.free;
         self.engine.nominal(&self.job, &self.mean, &self.settings, workers.level, &mut self.motions, &mut self.places);
@@ -80,7 +80,7 @@ impl Mppi {
 
 /// Motions and places to twists and poses in the world.
 fn ways(
-    facts: &Facts,
+    facts: &RoverLimits,
     motions: &[f64],
     places: &[f64],
     start: [f64; 3],

@@ -1,4 +1,4 @@
-//! What a rollout's way costs: the map under the rover, the way to the goal, the path.
+//! Costs of a rollout: the map under the rover, the distance to the goal, the path.
 
 use std::ops::Range;
 
@@ -61,7 +61,7 @@ impl Path {
         self.points.is_empty()
     }
 
-    /// How far along the path a place is: the nearest point from `from` to `to` [m].
+    /// Distance along the path of its point nearest to a place, searched from `from` to `to` [m].
     pub fn nearest(&self, place: [f64; 2], from: f64, to: f64) -> f64 {
         let mut best = (f64::INFINITY, from.clamp(0.0, self.length));
         for (k, [x, y, tx, ty]) in self.points.iter().enumerate() {
@@ -80,7 +80,7 @@ impl Path {
     }
 }
 
-/// How much everything counts, a second each, and once at the end.
+/// Weights of the costs, per second, and once at the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     /// Cost of the map under the rover [1/s].
@@ -145,7 +145,7 @@ impl Weights {
     }
 }
 
-/// What the costs of a cycle are made of, counted from where it begins.
+/// Terms of the costs of a cycle, positions counted from its start.
 pub(crate) struct Judge<'a, R> {
     pub map: Option<&'a Costmap>,
     /// Points of the rover where the map is read, in the components' axes [m].

@@ -1,4 +1,4 @@
-//! What it costs to be somewhere: a grid of costs, read between its cells.
+//! Cost of a position: a grid of costs, interpolated between its cells.
 
 use six_wheel_numerics::error::{Error, number, numbers};
 
@@ -66,7 +66,7 @@ impl Costmap {
         self.spacing
     }
 
-    /// Where the first cell is [m].
+    /// Position of the first cell [m].
     pub fn origin(&self) -> [f64; 2] {
         self.origin
     }

@@ -1,22 +1,22 @@
-//! What a cycle is told, what it found, and what is remembered from one to the next.
+//! Input and output of a cycle, and the state kept from one to the next.
 
 use super::costmap::Costmap;
-use crate::motion::facts::Stuck;
+use crate::motion::limits::Stuck;
 
 /// All that a planner remembers from one cycle to the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// What is wished at every step, in body axes [m/s, m/s, rad/s].
+    /// Control of every step, in body axes [m/s, m/s, rad/s].
     pub controls: Vec<[f64; 3]>,
     /// Cycles so far.
     pub cycle: u32,
-    /// Where the steering joints are meant to be [rad].
+    /// Set angles of the steering joints [rad].
     pub steering: Vec<f64>,
-    /// How far along its path the rover is [m].
+    /// Distance of the rover along its path [m].
     pub progress: f64,
 }
 
-/// What a cycle is told.
+/// Input of a cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Situation<'a> {
     /// x, y, yaw [m, m, rad].
@@ -25,22 +25,22 @@ pub struct Situation<'a> {
     pub twist: [f64; 3],
     /// Measured steering angles [rad].
     pub steering: Option<&'a [f64]>,
-    /// What it costs to be somewhere.
+    /// Costs of positions.
     pub costmap: Option<&'a Costmap>,
     /// Corners of the path [m].
     pub path: Option<&'a [[f64; 2]]>,
-    /// Where to go [m]; the end of the path if not given.
+    /// Position of the goal [m]; the end of the path if not given.
     pub goal: Option<[f64; 2]>,
-    /// Whether the ways are kept, for an extra cost.
+    /// True if the rollouts' poses are kept, for an extra cost.
     pub record: bool,
 }
 
-/// What a cycle found.
+/// Output of a cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// The motion to command now [m/s, m/s, rad/s].
     pub twist: [f64; 3],
-    /// Where its joints have to be after this step [rad], and how fast its wheels roll [rad/s].
+    /// Angles of its joints after this step [rad], and speeds of its wheels [rad/s].
     pub steering: Vec<f64>,
     /// See `steering`.
     pub speeds: Vec<f64>,
@@ -50,8 +50,8 @@ pub struct Outcome {
     pub poses: Vec<[f64; 3]>,
     /// Lowest cost of a rollout.
     pub cost: f64,
-    /// How many rollouts count: one over the sum of the squared weights.
+    /// Effective number of rollouts: one over the sum of the squared weights.
     pub effective: f64,
-    /// Why the rover stays, if it has to.
+    /// Reason for which the rover stays, if it has to.
     pub stuck: Option<Stuck>,
 }

@@ -5,7 +5,7 @@
 use super::cost::{Judge, Path, Weights};
 use super::costmap::Costmap;
 use crate::motion::drive::{Begin, TRACK};
-use crate::motion::facts::Facts;
+use crate::motion::limits::RoverLimits;
 use crate::motion::model::Model;
 use crate::numbers::noise;
 use crate::numbers::noise::Counter;
@@ -21,15 +21,15 @@ use six_wheel_numerics::threads::workers::each;
 /// Parts the new mean is added up in, whoever does it.
 const STRIPES: usize = 4;
 
-/// What one cycle starts from.
+/// Input of one cycle's rollouts.
 #[derive(Debug, Default)]
-pub(crate) struct Job {
+pub(crate) struct RolloutInput {
     pub begin: Begin,
     /// Mean, spread and largest of the wishes: `[step][component]`, `[component]`, `[component]`.
     pub mean: Vec<f64>,
     pub sigma: Vec<f64>,
     pub cap: Vec<f64>,
-    /// How much of the noise of a step stays in the next one.
+    /// Correlation of the noise of a step with that of the next one.
     pub memory: f64,
     /// Steps whose wishes cannot be changed any more.
     pub fixed: usize,
@@ -42,11 +42,11 @@ pub(crate) struct Job {
     pub goal: Option<[f64; 2]>,
     pub has_path: bool,
     pub progress: f64,
-    /// Whether the ways are kept for somebody else to judge.
+    /// True if the rollouts' motions are kept for an extra cost.
     pub record: bool,
 }
 
-/// What does not change from cycle to cycle.
+/// Constants of all cycles.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
     pub steps: usize,
@@ -60,7 +60,7 @@ pub(crate) trait Engine: Send + Sync {
     /// Drives all rollouts and adds up their costs.
     fn roll(
         &mut self,
-        job: &Job,
+        job: &RolloutInput,
         map: Option<&Costmap>,
         path: &Path,
         settings: &Settings,
@@ -73,7 +73,7 @@ pub(crate) trait Engine: Send + Sync {
     /// Drives one rollout by these wishes; its motions `[step][component]` and places `[step][x, y]`.
     fn nominal(
         &mut self,
-        job: &Job,
+        job: &RolloutInput,
         wishes: &[f64],
         settings: &Settings,
         level: Level,
@@ -87,7 +87,7 @@ pub(crate) trait Engine: Send + Sync {
 }
 
 /// Room of one thread.
-struct Room<R> {
+struct ThreadScratch<R> {
     noise: Vec<f32>,
     track: Vec<R>,
 }
@@ -96,7 +96,7 @@ pub(crate) struct Machine<R, const M: usize> {
     model: Model<R, M>,
     wishes: Vec<R>,
     costs: Vec<R>,
-    rooms: Vec<Room<R>>,
+    rooms: Vec<ThreadScratch<R>>,
     sums: Vec<R>,
     shares: Vec<R>,
     path: Vec<[R; 4]>,
@@ -105,7 +105,7 @@ pub(crate) struct Machine<R, const M: usize> {
 }
 
 impl<R: Real, const M: usize> Machine<R, M> {
-    pub fn new(facts: &Facts, settings: &Settings, samples: usize) -> Self {
+    pub fn new(facts: &RoverLimits, settings: &Settings, samples: usize) -> Self {
         let blocks = samples.div_ceil(BLOCK);
         let row = settings.steps * M * BLOCK;
         Self {
@@ -126,14 +126,14 @@ impl<R: Real, const M: usize> Machine<R, M> {
 struct Roll<'a, R, const M: usize> {
     model: &'a Model<R, M>,
     judge: &'a Judge<'a, R>,
-    job: &'a Job,
+    job: &'a RolloutInput,
     steps: usize,
     first: usize,
     wishes: &'a mut [R],
     costs: &'a mut [R],
     motions: &'a mut [R],
     tracks: &'a mut [R],
-    room: &'a mut Room<R>,
+    room: &'a mut ThreadScratch<R>,
 }
 
 impl<R: Real, const M: usize> Kernel for Roll<'_, R, M> {
@@ -165,7 +165,13 @@ impl<R: Real, const M: usize> Kernel for Roll<'_, R, M> {
 
 /// Noise to wishes.
 #[inline(always)]
-fn wish<S: Vector, R: Real, const M: usize>(simd: S, job: &Job, noise: &[f32], wishes: &mut [R], first: usize) {
+fn wish<S: Vector, R: Real, const M: usize>(
+    simd: S,
+    job: &RolloutInput,
+    noise: &[f32],
+    wishes: &mut [R],
+    first: usize,
+) {
     let number = |value: f64| Reg::<S, R>::all(simd, value);
     let lanes = R::lanes::<S>();
     let rows = wishes.chunks_exact_mut(BLOCK).zip(noise.chunks_exact(BLOCK)).enumerate();
@@ -251,7 +257,7 @@ impl<R: Real, const M: usize> Kernel for Alone<'_, R, M> {
 impl<R: Real, const M: usize> Engine for Machine<R, M> {
     fn roll(
         &mut self,
-        job: &Job,
+        job: &RolloutInput,
         map: Option<&Costmap>,
         path: &Path,
         settings: &Settings,
@@ -283,7 +289,7 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         let share = blocks.div_ceil(workers.threads.clamp(1, blocks));
         let hands = blocks.div_ceil(share);
         while self.rooms.len() < hands {
-            let room = Room { noise: vec![0.0; row], track: vec![R::default(); steps * TRACK * BLOCK] };
+            let room = ThreadScratch { noise: vec![0.0; row], track: vec![R::default(); steps * TRACK * BLOCK] };
             self.rooms.push(room);
         }
         self.costs.fill(R::default());
@@ -345,7 +351,7 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
 
     fn nominal(
         &mut self,
-        job: &Job,
+        job: &RolloutInput,
         wishes: &[f64],
         settings: &Settings,
         level: Level,

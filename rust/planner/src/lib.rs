@@ -25,7 +25,7 @@ mod smooth;
 pub use cost::Weights;
 pub use costmap::Costmap;
 pub use cycle::{Outcome, Situation, State};
-pub use motion::facts::Stuck;
+pub use motion::limits::Stuck;
 pub use mppi::Mppi;
 pub use options::{Options, Precision};
 pub use rollout::{Present, rollout};

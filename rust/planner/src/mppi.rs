@@ -2,10 +2,10 @@
 
 use super::cost::Path;
 use super::cycle::{Outcome, Situation, State};
-use super::engine::{Engine, Job, Machine, Settings};
+use super::engine::{Engine, Machine, RolloutInput, Settings};
 use super::options::{Options, Precision, not_negative};
 use super::smooth::smooth;
-use crate::motion::facts::Facts;
+use crate::motion::limits::RoverLimits;
 use crate::numbers::registers::BLOCK;
 use six_wheel_control::controller::Limits;
 use six_wheel_kinematics::rover::Rover;
@@ -15,7 +15,7 @@ use six_wheel_numerics::threads::workers::Workers;
 /// A sampling planner of one rover.
 pub struct Mppi {
     pub(crate) rover: Rover,
-    pub(crate) facts: Facts,
+    pub(crate) facts: RoverLimits,
     pub(crate) options: Options,
     pub(crate) settings: Settings,
     pub(crate) noise: [f64; 3],
@@ -23,7 +23,7 @@ pub struct Mppi {
     pub(crate) engine: Box<dyn Engine>,
     pub(crate) path: Path,
     pub(crate) corners: Vec<[f64; 2]>,
-    pub(crate) job: Job,
+    pub(crate) job: RolloutInput,
     pub(crate) situation: ([f64; 3], Vec<f64>),
     /// Cycles that were begun.
     pub(crate) rolls: u64,
@@ -38,7 +38,7 @@ impl Mppi {
     /// A planner at the beginning. Fails if an option makes no sense.
     pub fn new(rover: &Rover, limits: Limits, options: Options) -> Result<Self, Error> {
         options.check()?;
-        let facts = Facts::new(rover, limits)?;
+        let facts = RoverLimits::new(rover, limits)?;
         let half = |limit: f64, usual: f64| {
             if limit.is_finite() { limit / 2.0 } else { usual }
         };
@@ -65,7 +65,7 @@ impl Mppi {
             engine,
             path: Path::default(),
             corners: Vec::new(),
-            job: Job::default(),
+            job: RolloutInput::default(),
             situation: Default::default(),
             rolls: 0,
             costs: Vec::new(),
@@ -90,7 +90,7 @@ impl Mppi {
         self.state.steering.resize(self.rover.steered().len(), 0.0);
     }
 
-    /// What it remembers.
+    /// State kept from cycle to cycle.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -112,17 +112,17 @@ impl Mppi {
         Ok(())
     }
 
-    /// How it works.
+    /// Options of the planner.
     pub fn options(&self) -> &Options {
         &self.options
     }
 
-    /// What it stays within.
+    /// Limits of the planned motions.
     pub fn limits(&self) -> &Limits {
         &self.facts.limits
     }
 
-    /// What it plans for.
+    /// Rover that is planned for.
     pub fn rover(&self) -> &Rover {
         &self.rover
     }
@@ -132,7 +132,7 @@ impl Mppi {
         self.noise
     }
 
-    /// How many cycles were begun: whoever weighs has to know that they are still those it rolled.
+    /// Number of cycles begun: a caller of [`Self::weigh`] checks by it that the rollouts are still those it started.
     pub fn rolls(&self) -> u64 {
         self.rolls
     }

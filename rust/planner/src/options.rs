@@ -1,4 +1,4 @@
-//! How a planner works.
+//! Options of a planner.
 
 use super::cost::Weights;
 use six_wheel_numerics::error::{Error, finite, number};
@@ -16,7 +16,7 @@ pub enum Precision {
     Double,
 }
 
-/// How a planner works.
+/// Options of a planner.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Steps of a rollout, and their duration [s].
@@ -35,11 +35,11 @@ pub struct Options {
     pub temperature: f64,
     /// Of the costs.
     pub weights: Weights,
-    /// Whether the new mean is smoothed, by a quadratic over five steps.
+    /// True if the new mean is smoothed, by a quadratic over five steps.
     pub smoothing: bool,
     /// Dead time: commands this far ahead are on their way already [s].
     pub delay: f64,
-    /// What rollouts are computed in.
+    /// Precision of the rollouts.
     pub precision: Precision,
     /// Points of the body where the map is read [m].
     pub footprint: Vec<[f64; 2]>,

@@ -1,9 +1,9 @@
-//! What the rollouts of a cycle start from.
+//! Input of the rollouts of a cycle.
 
 use super::cycle::Situation;
-use super::engine::Job;
+use super::engine::RolloutInput;
 use super::mppi::Mppi;
-use crate::motion::facts::Facts;
+use crate::motion::limits::RoverLimits;
 use crate::motion::setting;
 
 /// More standard deviations than any noise has: its uniform numbers have 24 bits.
@@ -98,7 +98,7 @@ impl Mppi {
 }
 
 /// A bound of the yaw rate of all rollouts [rad/s].
-fn fastest_turn(facts: &Facts, job: &Job, motion: &[f64; 3]) -> f64 {
+fn fastest_turn(facts: &RoverLimits, job: &RolloutInput, motion: &[f64; 3]) -> f64 {
     let free = facts.free;
     let mut size = 0.0;
     for (k, now) in motion.iter().enumerate().take(free) {

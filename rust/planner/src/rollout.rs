@@ -2,7 +2,7 @@
 
 use super::engine::Alone;
 use crate::motion::drive::{Begin, TRACK};
-use crate::motion::facts::Facts;
+use crate::motion::limits::RoverLimits;
 use crate::motion::model::Model;
 use crate::motion::setting;
 use crate::numbers::registers::BLOCK;
@@ -12,14 +12,14 @@ use six_wheel_numerics::error::{Error, finite, number};
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_numerics::threads::workers::each;
 
-/// How a rover moves where rollouts begin.
+/// Motion of a rover at the start of rollouts.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Present<'a> {
     /// In body axes [m/s, m/s, rad/s].
     pub twist: [f64; 3],
     /// Its steering angles [rad]; straight ahead, or as near as their ranges let them, if not given.
     pub steering: Option<&'a [f64]>,
-    /// How long it goes on as it does before a wish has an effect [s].
+    /// Time for which it goes on as it does before a control has an effect [s].
     pub delay: f64,
 }
 
@@ -48,7 +48,7 @@ pub fn rollout(
     finite("start", starts.as_flattened())?;
     finite("twist", &present.twist)?;
     finite("steering", present.steering.unwrap_or_default())?;
-    let facts = Facts::new(rover, limits)?;
+    let facts = RoverLimits::new(rover, limits)?;
     let follow = if facts.free == 2 { drive::<2> } else { drive::<3> };
     let share = workers.share_of_logs(poses.len() / (count + 1), count);
     let parts = poses.chunks_mut(share * (count + 1)).enumerate();
@@ -68,7 +68,7 @@ pub fn rollout(
 
 /// Some rollouts, whose poses are all at their starts yet.
 fn drive<const M: usize>(
-    facts: &Facts,
+    facts: &RoverLimits,
     controls: &[[f64; 3]],
     count: usize,
     dt: f64,

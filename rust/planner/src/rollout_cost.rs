@@ -1,4 +1,4 @@
-//! What rollouts ask of the wheels: poses and the worst demands on the way, in one pass over the controls.
+//! Demands of rollouts on the wheels: poses and the worst demands on the way, in one pass over the controls.
 
 use std::f64::consts::PI;
 
@@ -24,7 +24,8 @@ use six_wheel_numerics::threads::workers::Workers;
 /// Sizes of controls up to which the kernel's squares and speeds are surely finite.
 const LARGEST_TOTAL: f64 = 1e100;
 
-/// Where rolling forwards and backwards miss a wheel's range by so nearly the same, the plain core decides [rad].
+/// Largest difference of the excess over a wheel's range between rolling forwards and backwards for which the plain
+/// core decides [rad].
 const AMBIGUOUS: f64 = 1e-8;
 
 /// The worst of every rollout: one number per rollout each.
@@ -222,11 +223,11 @@ struct Judge<'p, 'r, S: Vector> {
     plan: &'p InverseConstants<'r>,
     /// Angles of the steered wheels after the step before [rad].
     held: [S::f64s; MAX_WHEELS],
-    /// Whether the way to the next angles counts.
+    /// True if the change to the next angles counts.
     counts: bool,
     /// Square of the speed, angle, rate and scrub.
     worst: [Lanes<S>; 4],
-    /// Where the kernel decides all by itself.
+    /// Lanes in which the kernel decides by itself.
     sure: Mask<S>,
 }
 

@@ -27,5 +27,5 @@ pub use boxes::Within;
 pub use feasible::{Allowed, Judge, Reason, Verdict};
 pub use kernel::{Ground, Margins, bounds};
 pub use margins::{MarginSlopes, margins_by_dimension, margins_by_pose};
-pub use plan::{Knowledge, Plan, QUANTITIES};
+pub use plan::{BoundsConstants, Knowledge, QUANTITIES};
 pub use stability::{joint_margins, loads, tilt, tip_over_angle, wheel_drop};

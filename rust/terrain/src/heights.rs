@@ -21,7 +21,7 @@ impl Heights {
         }
     }
 
-    /// Whether there are none.
+    /// True if there are no heights.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -66,7 +66,7 @@ pub(super) fn even<S: Simd>([low, high]: Interval<S>, [a, b]: Interval<S>, middl
     [around.select(least.min(middle), least), around.select(most.max(middle), most)]
 }
 
-/// Whether an interval is inside another.
+/// True if an interval is inside another.
 #[inline(always)]
 pub(super) fn inside<S: Simd>([low, high]: Interval<S>, [least, most]: [f64; 2]) -> Mask<S> {
     let simd = low.simd();

@@ -18,7 +18,7 @@ const LEVELS: u32 = 6;
 /// Lowest height and minus the highest one: both grow outwards by the same operation.
 type Extremes = [f32; 2];
 
-/// Where a height in the window is not known.
+/// Extremes of a window with a height that is not known.
 const UNKNOWN: Extremes = [f32::NEG_INFINITY; 2];
 
 /// Extremes of the ground in windows of a map.
@@ -37,7 +37,7 @@ pub struct Pyramid {
 pub(crate) struct Boxes<S: Vector> {
     pub first: [Lanes<S>; 2],
     pub last: [Lanes<S>; 2],
-    /// Which lanes matter.
+    /// True in the lanes that count.
     pub on_map: Mask<S>,
 }
 
@@ -211,7 +211,7 @@ impl Pyramid {
     }
 }
 
-/// What [`Pyramid::spans`] starts with: nothing yet.
+/// Initial value of [`Pyramid::spans`]: the extremes of no cell.
 #[inline(always)]
 pub(crate) fn nothing<S: Vector>(simd: S) -> Lanes<S> {
     let bits = u64::from(f32::INFINITY.to_bits());

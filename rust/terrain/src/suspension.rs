@@ -24,7 +24,7 @@ use six_wheel_numerics::error::{Error, finite, number};
 use six_wheel_numerics::threads::workers::Workers;
 
 pub use chain::{
-    Chain, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, Part, Placed, PlanPose, PointSlopes, State,
+    Chain, ChainLink, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, Placed, PlanPose, PointSlopes, State,
     Turning, WheelFrame,
 };
 pub use dimensions::{Bogie, Differential, Dimensions, JointRange, Steered};
@@ -50,7 +50,7 @@ impl PartialEq for RockerBogie {
     }
 }
 
-/// What presets share, with lengths still to be filled in: bogies behind, a gear, no limit that anybody published.
+/// Dimensions common to the presets, with lengths still to be filled in: bogies behind, a gear, no published limits.
 const LIKE_CURIOSITY: Dimensions = Dimensions {
     rocker_pivot: [0.0; 3],
     rocker_to_wheel: [0.0; 3],
@@ -65,7 +65,7 @@ const LIKE_CURIOSITY: Dimensions = Dimensions {
     differential: Differential::Gear,
 };
 
-/// What the wheels have to do, and how far the unsteered ones fall short of rolling.
+/// Angles and speeds of the wheels, and the scrub of the unsteered ones.
 #[derive(Clone, Debug)]
 pub struct SteeringCommand {
     /// Angles of the steered wheels [rad].
@@ -152,7 +152,7 @@ impl RockerBogie {
         })
     }
 
-    /// What it was made of.
+    /// Dimensions that it was made of.
     #[inline]
     pub fn dimensions(&self) -> &Dimensions {
         &self.dimensions
@@ -174,7 +174,7 @@ impl RockerBogie {
         FIRST_PSI + self.dimensions.steered.wheels().len()
     }
 
-    /// Where joint angles [rad] put every frame. Fails unless there is a finite angle for every joint.
+    /// Poses of all frames at these joint angles [rad]. Fails unless there is a finite angle for every joint.
     pub fn posture(&self, joints: &[f64]) -> Result<Posture<'_>, Error> {
         if joints.len() != self.joint_count() {
             let rule = format!("hold {} angles", self.joint_count());

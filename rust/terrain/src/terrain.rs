@@ -20,7 +20,7 @@ use six_wheel_numerics::error::{Error, finite, number, numbers};
 /// Spacings below this are no metres: an arc second of a map in degrees is 2.8e-4 [m].
 const SMALLEST_SPACING: f64 = 1e-3;
 
-/// How heights go on between nodes.
+/// Interpolation of heights between nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
     /// From the four corners of the cell: continuous, with creases along the lines of the grid.
@@ -45,7 +45,7 @@ impl std::str::FromStr for Interpolation {
     }
 }
 
-/// What is known of the ground at a point.
+/// Height and gradient of the ground at a point, if they are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sample {
     /// Height [m] and its derivatives by x and y of the world [1].
@@ -70,7 +70,7 @@ pub struct Cell {
     pub along: f64,
     /// Rise along the rows at that corner, over the whole cell [m].
     pub across: f64,
-    /// What the opposite corner is higher than both rises say [m].
+    /// Height of the opposite corner above the sum of both rises [m].
     pub twist: f64,
 }
 
@@ -94,7 +94,7 @@ impl Cell {
         self.h00 + self.along.max(self.across).max(opposite).max(0.0)
     }
 
-    /// Whether all four corners are known.
+    /// True if all four corners are known.
     #[inline]
     pub fn is_known(&self) -> bool {
         // NaN in any of the corners is NaN in the twist, and heights are finite otherwise.
@@ -226,13 +226,13 @@ impl Terrain {
         self.spacing
     }
 
-    /// Where node (0, 0) lies [m].
+    /// Position of node (0, 0) [m].
     #[inline]
     pub fn origin(&self) -> [f64; 2] {
         self.origin
     }
 
-    /// By how much the rows are turned from the x axis of the world, counter-clockwise [rad].
+    /// Angle of the rows against the x axis of the world, counter-clockwise [rad].
     pub fn orientation(&self) -> f64 {
         self.orientation
     }
@@ -290,20 +290,20 @@ impl Terrain {
         Cell { h00, along: h10 - h00, across: h01 - h00, twist: h11 - h10 - (h01 - h00) }
     }
 
-    /// Whether a point of the world lies on the map, its rim included.
+    /// True if a point of the world lies on the map, its rim included.
     #[inline]
     pub fn contains(&self, x: f64, y: f64) -> bool {
         let [u, v] = self.grid_from_world(x, y);
         self.on_grid(u, v)
     }
 
-    /// Whether a place in columns and rows lies on the map, its rim included. False for NaN.
+    /// True if a place in columns and rows lies on the map, its rim included. False for NaN.
     #[inline]
     pub fn on_grid(&self, u: f64, v: f64) -> bool {
         u >= 0.0 && v >= 0.0 && u <= (self.columns - 1) as f64 && v <= (self.rows - 1) as f64
     }
 
-    /// What is known of the ground at a point of the world [m].
+    /// Height and gradient of the ground at a point of the world [m].
     pub fn sample(&self, x: f64, y: f64, interpolation: Interpolation) -> Sample {
         let [u, v] = self.grid_from_world(x, y);
         if !self.on_grid(u, v) {

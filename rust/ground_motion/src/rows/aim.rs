@@ -1,4 +1,4 @@
-//! Which way steered wheels point, in lanes: what `moving::steer` does for one rover.
+//! Directions of steered wheels, in lanes: the same as `steer` for one rover.
 
 use super::columns::{Way, angle_of, way};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -50,8 +50,8 @@ impl<S: Vector> Local<S> {
         self.offset != [0.0; 2]
     }
 
-    /// What turning like this adds to the velocity of its centre, which lies beside its axis [m/s], and the derivative by
-    /// the angle.
+    /// Velocity that this angle adds to that of its centre, which lies beside its axis [m/s], and the derivative by the
+    /// angle.
     #[inline(always)]
     fn swung(&self, simd: S, (sin, cos): Turned<S>) -> (Vectors<S>, Vectors<S>) {
         let zero = all(simd, 0.0);
@@ -82,7 +82,7 @@ impl<S: Vector> Local<S> {
     }
 }
 
-/// What a wheel counts for its joint, and what it does sideways.
+/// A wheel's weight for its joint, and its sideways velocity.
 #[derive(Clone, Copy)]
 struct Aim<'a, S: Vector> {
     local: &'a Local<S>,
@@ -102,8 +102,8 @@ impl<'a, S: Vector> Aim<'a, S> {
         Self { local, rim, slide: less(velocity, along), counts }
     }
 
-    /// How fast the touching point goes sideways, times the length of the normal across the axle, the derivative by the angle,
-    /// and the second one beside that of a sine, for wheels on their axis [m/s].
+    /// Sideways velocity of the touching point, times the length of the normal across the axle, the derivative by the
+    /// angle, and the second one beside that of a sine, for wheels on their axis [m/s].
     #[inline(always)]
     fn aside(&self, simd: S, turned: Turned<S>) -> Vectors<S> {
         let normal = self.local.normal;
@@ -132,7 +132,7 @@ impl<'a, S: Vector> Aim<'a, S> {
         scaled([aside, by, bend], self.counts)
     }
 
-    /// Where the touching point goes as the wheel points now: ahead and to the left [m/s].
+    /// Velocity of the touching point as the wheel points now: ahead and to the left [m/s].
     #[inline(always)]
     fn ways(&self) -> [Lanes<S>; 2] {
         let [nx, _, nz] = self.local.normal;
@@ -158,16 +158,16 @@ fn length<S: Vector>([x, y, z]: Vectors<S>) -> Lanes<S> {
     x.abs() + y.abs() + z.abs()
 }
 
-/// How far a joint turns, and its angle [rad].
+/// Rotation of a joint, and its angle [rad].
 #[derive(Clone, Copy)]
 pub(crate) struct Aimed<S: Vector> {
     pub turned: Turned<S>,
     pub angle: Lanes<S>,
-    /// Whether half a turn from there wheels do not roll as well.
+    /// True if wheels do not roll as well half a turn from there.
     pub beside: bool,
 }
 
-/// Where the wheels of one joint point.
+/// Direction of the wheels of one joint.
 #[derive(Clone, Copy)]
 struct Joint<S: Vector> {
     turned: Turned<S>,

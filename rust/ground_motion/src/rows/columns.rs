@@ -109,13 +109,13 @@ impl Span {
     }
 }
 
-/// Where a number is finite.
+/// Lanes in which a number is finite.
 #[inline(always)]
 pub(crate) fn finite<S: Simd>(simd: S, number: Lanes<S>) -> Mask<S> {
     number.abs().at_most(all(simd, f64::MAX))
 }
 
-/// Where a mask is true.
+/// A mask as a column: 1 where it is true, else 0.
 #[inline(always)]
 pub(crate) fn truths<S: Simd>(simd: S, mask: Mask<S>) -> Column {
     Column::of(mask.select(all(simd, 1.0), all(simd, 0.0)))

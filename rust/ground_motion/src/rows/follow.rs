@@ -6,21 +6,21 @@ use crate::contact::COLUMNS;
 use crate::motion::{FOLLOWING, PLAN};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::lanes::{Placing, Plan, Turned, Vectors, all, along, cross, dot, less};
+use six_wheel_terrain::suspension::lanes::{ChainConstants, Placing, Turned, Vectors, all, along, cross, dot, less};
 use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
 /// Derivatives of a velocity by the rates, in lanes.
 pub(crate) type Row<S> = [Lanes<S>; COLUMNS];
 
 /// Room for rows that stand, and what the ground says of them.
-pub(crate) struct Room<S: Vector> {
+pub(crate) struct MotionScratch<S: Vector> {
     pub eights: Eights,
     pub equations: Equations<S>,
     pub contacts: Contacts<S>,
     pub standing: Standing<S>,
 }
 
-impl<S: Vector> Room<S> {
+impl<S: Vector> MotionScratch<S> {
     /// Nothing is in it yet.
     #[inline(always)]
     pub fn new(simd: S) -> Self {
@@ -33,7 +33,7 @@ impl<S: Vector> Room<S> {
     }
 }
 
-/// Where a wheel is touched.
+/// Tangent and contact point of a wheel.
 #[derive(Clone, Copy)]
 pub(crate) struct Touch<S: Vector> {
     pub tangent: Vectors<S>,
@@ -62,19 +62,20 @@ impl<S: Vector> Touch<S> {
     }
 }
 
-/// What a wheel says of how its touching point moves along the normal, along the rim and to the left [m/s].
+/// Velocity of a wheel's touching point along the normal, along the rim and to the left [m/s], as a function of the
+/// rates.
 #[derive(Clone, Copy)]
 pub(crate) struct Contact<S: Vector> {
     /// By the rates. Along the rim that is what its centre does, less its turning with its carrier.
     pub rows: [Row<S>; 3],
-    /// What its own steering adds.
+    /// Velocity per rate of its own steering [m/rad].
     pub swivel: [Lanes<S>; 3],
 }
 
 /// Contacts of all wheels.
 pub(crate) type Contacts<S> = [Contact<S>; MAX_WHEELS];
 
-/// How the velocities of a point of a wheel's carrier along some directions answer to the rates.
+/// Derivatives by the rates of the velocities of a point of a wheel's carrier along some directions.
 #[inline(always)]
 pub(crate) fn answers<S: Vector, const N: usize>(
     placing: &Placing<'_, S>,
@@ -99,7 +100,7 @@ pub(crate) fn answers<S: Vector, const N: usize>(
     }
 }
 
-/// What the rate of a wheel's own steering adds along some directions.
+/// Velocity of a point along some directions per rate of the wheel's own steering [m/rad].
 #[inline(always)]
 pub(crate) fn swivel<S: Vector>(
     simd: S,
@@ -115,7 +116,7 @@ pub(crate) fn swivel<S: Vector>(
     [dot(moved, normal), dot(moved, ahead), dot(moved, left)]
 }
 
-/// What some lanes know of a rate.
+/// A rate in lanes, as far as it is known.
 #[derive(Clone, Copy)]
 pub(crate) enum Known<S: Vector> {
     /// In no lane.
@@ -136,7 +137,7 @@ impl<S: Vector> Known<S> {
 }
 
 /// Rates as a function of those in plan: `offset + spread . plan`.
-pub(crate) struct Follow<S: Vector> {
+pub(crate) struct SuspensionRates<S: Vector> {
     /// Columns that are not zero but for those of the plan itself.
     pub unknown: [usize; UNKNOWNS],
     pub count: usize,
@@ -145,17 +146,17 @@ pub(crate) struct Follow<S: Vector> {
     /// 1 where a rate in plan is not known.
     pub free: [Lanes<S>; 3],
     pub offset: Row<S>,
-    /// Where it is sure what the plain way knows.
+    /// Lanes in which the result is the same as that for one row.
     pub sure: Mask<S>,
 }
 
-impl<S: Vector> Follow<S> {
-    /// From what is known of every rate, and what the ground says. Of right-hand sides there are the three motions in plan, or
-    /// what is known (1), or both (4).
+impl<S: Vector> SuspensionRates<S> {
+    /// Solves for the rates that follow the ground, given the known ones and the contacts. Of right-hand sides there
+    /// are the three motions in plan, or what is known (1), or both (4).
     #[inline(always)]
     pub fn new<const RIGHT: usize>(
         simd: S,
-        plan: &Plan,
+        plan: &ChainConstants,
         square: Option<&Square>,
         standing: &Standing<S>,
         known: &[Known<S>; COLUMNS],
@@ -277,7 +278,7 @@ impl<S: Vector> Follow<S> {
         }
     }
 
-    /// Where there are as many rates to follow the ground as wheels on it: they follow it exactly.
+    /// Lanes with at least as many unknown rates as wheels: those rates follow the ground exactly.
     #[inline(always)]
     pub fn exactly(&self, simd: S, known: &[Known<S>; COLUMNS], wheels: usize) -> Mask<S> {
         let (one, mut missing) = (all(simd, 1.0), all(simd, 0.0));
@@ -291,7 +292,7 @@ impl<S: Vector> Follow<S> {
         all(simd, wheels as f64).at_most(missing)
     }
 
-    /// How what a direction says of a wheel answers to the motion in plan.
+    /// Derivatives of a wheel's velocity along `direction` by the motion in plan.
     #[inline(always)]
     fn plan<const RIGHT: usize>(&self, moved: u32, direction: &Row<S>) -> [Lanes<S>; 3] {
         let [x, y, turn] = PLAN;
@@ -315,7 +316,7 @@ impl<S: Vector> Follow<S> {
     #[inline(always)]
     pub fn told<const RIGHT: usize>(
         &self,
-        plan: &Plan,
+        plan: &ChainConstants,
         wheel: usize,
         direction: &Row<S>,
         beside: Lanes<S>,
@@ -345,7 +346,7 @@ impl<S: Vector> Follow<S> {
     }
 }
 
-/// Whether a rate moves a wheel that these free angles move: those of the body do.
+/// True if a rate moves a wheel that these free angles move: those of the body do.
 fn moves(moved: u32, column: usize) -> bool {
     column < 6 || moved >> (column - 6) & 1 == 1
 }

@@ -1,4 +1,4 @@
-//! Where rovers stand, row after row, and a row per lane.
+//! Settled poses, row after row, and a row per lane.
 
 use super::columns::Span;
 use crate::Footing;
@@ -23,9 +23,9 @@ const STEEP: f64 = 1e100;
 /// Registers of stands from those that are read to those that are fetched.
 const AHEAD: usize = 2;
 
-/// Where rovers stand.
+/// Settled poses, row after row.
 #[derive(Clone, Copy, Debug)]
-pub enum Footings<'a> {
+pub enum SettledPoses<'a> {
     /// As they have settled.
     Settled {
         /// The settled poses; a single one is every row.
@@ -36,12 +36,12 @@ pub enum Footings<'a> {
         steering: &'a [f64],
     },
     /// As somebody says; one row is every row.
-    Told(Told<'a>),
+    Input(SettledPoseInput<'a>),
 }
 
 /// The numbers of settled poses, row after row.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<'a> {
+pub struct SettledPoseInput<'a> {
     /// Roll and pitch of the body, one per row each [rad].
     pub roll: &'a [f64],
     /// See `roll`.
@@ -90,12 +90,12 @@ fn row(values: &[f64], width: usize, k: usize) -> &[f64] {
 
 const ZERO: One = [[0.0; MOST]; 2 + MAX_WHEELS];
 
-impl Footings<'_> {
+impl SettledPoses<'_> {
     /// Steering angles, none if all are 0.
     fn steering(&self) -> &[f64] {
         match self {
             Self::Settled { steering, .. } => steering,
-            Self::Told(told) => told.steering,
+            Self::Input(told) => told.steering,
         }
     }
 
@@ -115,7 +115,7 @@ impl Footings<'_> {
                 }
                 (place, *steering)
             }
-            Self::Told(told) => {
+            Self::Input(told) => {
                 let place = if told.roll.len() == 1 { 0 } else { k };
                 let transform = &told.transform[place];
                 let yaw = transform[4].atan2(transform[0]);
@@ -178,14 +178,14 @@ impl Footings<'_> {
     }
 }
 
-/// What some rows say, as it is read.
+/// Input of some rows, as it is read.
 enum Given<'a> {
     /// The poses and the numbers of the stands.
     Settled(&'a [[f64; 3]], [&'a [f64; NUMBERS]; MOST]),
-    Told(&'a Eights),
+    Input(&'a Eights),
 }
 
-/// Where the ground faces, in the world.
+/// Direction of the ground's normal, in the world.
 enum Upwards<S: Vector> {
     Normal(Vectors<S>),
     /// Derivatives of its height.
@@ -204,9 +204,9 @@ fn eights<'a>(numbers: &[&'a [f64; NUMBERS]; MOST], first: usize) -> [&'a [f64; 
 
 impl<'a> Given<'a> {
     #[inline(always)]
-    fn new<S: Vector>(simd: S, chain: &Chain, footings: &Footings<'a>, span: Span, read: &'a mut Eights) -> Self {
+    fn new<S: Vector>(simd: S, chain: &Chain, footings: &SettledPoses<'a>, span: Span, read: &'a mut Eights) -> Self {
         let row = |lane: usize| span.first + lane.min(span.count - 1);
-        if let Footings::Settled { stands, poses, .. } = *footings {
+        if let SettledPoses::Settled { stands, poses, .. } = *footings {
             let mut numbers = [stands[0].numbers(); MOST];
             if stands.len() > 1 {
                 for (lane, numbers) in numbers.iter_mut().enumerate().take(S::F64_LANES) {
@@ -223,7 +223,7 @@ impl<'a> Given<'a> {
         for (lane, one) in read.0.iter_mut().enumerate().take(S::F64_LANES) {
             footings.put(chain, row(lane), one);
         }
-        Self::Told(read)
+        Self::Input(read)
     }
 
     /// Roll, pitch and yaw, and the free angles [rad].
@@ -239,7 +239,7 @@ impl<'a> Given<'a> {
                 };
                 ([roll, pitch, yaw], [a, b, c])
             }
-            Self::Told(eights) => {
+            Self::Input(eights) => {
                 let [roll, pitch, yaw, a, b, c, ..] = eights.columns(simd, 0);
                 ([roll, pitch, yaw], [a, b, c])
             }
@@ -260,7 +260,7 @@ impl<'a> Given<'a> {
                 };
                 (gap, (sin, cos), Upwards::Slopes([x, y]))
             }
-            Self::Told(eights) => {
+            Self::Input(eights) => {
                 let [gap, sin, cos, x, y, z, ..] = eights.columns(simd, 2 + wheel);
                 (gap, (sin, cos), Upwards::Normal([x, y, z]))
             }
@@ -268,7 +268,7 @@ impl<'a> Given<'a> {
     }
 }
 
-/// From where on a free angle is at its lower and its upper stop [rad].
+/// Angles from which on a free angle is at its lower and its upper stop [rad].
 fn stops(joint: &Joint) -> [f64; 2] {
     [joint.range.lower + STOPPED, joint.range.upper - STOPPED]
 }
@@ -281,7 +281,7 @@ pub(crate) struct Standing<S: Vector> {
     pub joints: [Lanes<S>; MAX_FREE],
     /// Angles of the steering joints [rad].
     pub steering: [Lanes<S>; MAX_WHEELS],
-    /// Whether one of them is not 0.
+    /// True if one of them is not 0.
     pub steers: bool,
     /// Of the contact angles.
     pub at: [Turned<S>; MAX_WHEELS],
@@ -293,7 +293,7 @@ pub(crate) struct Standing<S: Vector> {
     /// 1 where a joint is at a stop, and whether any is.
     pub stopped: [Lanes<S>; MAX_FREE],
     pub any_stopped: bool,
-    /// Where nothing touches.
+    /// Lanes in which nothing touches.
     pub nowhere: Mask<S>,
 }
 
@@ -324,7 +324,7 @@ impl<S: Vector> Standing<S> {
         &mut self,
         simd: S,
         chain: &Chain,
-        footings: &Footings<'_>,
+        footings: &SettledPoses<'_>,
         span: Span,
         read: &mut Eights,
         doubt: &mut Mask<S>,

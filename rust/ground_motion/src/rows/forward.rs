@@ -1,8 +1,8 @@
 //! [`Contacts::forward`](super::super::Contacts::forward) for many rows.
 
 use super::columns::Span;
-use super::follow::{Contact, Contacts, Follow, Known, Room, Row, Touch, answers, swivel};
-use super::footings::{Footings, Standing, on_plane};
+use super::follow::{Contact, Contacts, Known, MotionScratch, Row, SuspensionRates, Touch, answers, swivel};
+use super::footings::{SettledPoses, Standing, on_plane};
 use super::prepared::Prepared;
 use super::run::{InLanes, Rows, through};
 use super::solve::Normal;
@@ -17,7 +17,7 @@ use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::lanes::{LARGEST_TURN, Placing, all, cross, dot, from_turned};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
-/// What was measured, row after row: see [`Readings`].
+/// Measurements, row after row: see [`Readings`].
 #[derive(Clone, Copy, Debug)]
 pub struct ReadingRows<'a> {
     /// Steering angles, where they are not those of the footing [rad].
@@ -34,7 +34,7 @@ pub struct ReadingRows<'a> {
     pub weights: Option<&'a [f64]>,
 }
 
-/// How bodies move, row after row: see [`Moving`](super::super::Moving).
+/// Motions of bodies, row after row: see [`Moving`](super::super::Moving).
 #[derive(Debug)]
 pub struct Movings<'a> {
     /// Of the body [m/s, rad/s].
@@ -49,7 +49,7 @@ pub struct Movings<'a> {
 pub fn forward_rows(
     chain: &Chain,
     prepared: &Prepared,
-    footings: &Footings<'_>,
+    footings: &SettledPoses<'_>,
     readings: &ReadingRows<'_>,
     movings: Movings<'_>,
     workers: Workers,
@@ -59,7 +59,7 @@ pub fn forward_rows(
     let (wheels, free) = (chain.wheels().len(), chain.joints().len());
     let mut joint_rates = movings.joint_rates.chunks_mut((share * free).max(1));
     let jobs = movings.twists.chunks_mut(share).zip(movings.residuals.chunks_mut(share * wheels * 3)).enumerate().map(
-        |(k, (twists, residuals))| Job {
+        |(k, (twists, residuals))| ForwardRange {
             chain,
             footings,
             readings,
@@ -72,21 +72,21 @@ pub fn forward_rows(
 }
 
 /// Rows that one thread takes.
-struct Job<'a> {
+struct ForwardRange<'a> {
     chain: &'a Chain,
-    footings: &'a Footings<'a>,
+    footings: &'a SettledPoses<'a>,
     readings: &'a ReadingRows<'a>,
     /// The first of its rows among all.
     first: usize,
     movings: Movings<'a>,
 }
 
-impl Rows for Job<'_> {
-    type Room<S: Vector> = Room<S>;
+impl Rows for ForwardRange<'_> {
+    type Scratch<S: Vector> = MotionScratch<S>;
 
     #[inline(always)]
-    fn room<S: Vector>(simd: S) -> Room<S> {
-        Room::new(simd)
+    fn room<S: Vector>(simd: S) -> MotionScratch<S> {
+        MotionScratch::new(simd)
     }
 
     fn count(&self) -> usize {
@@ -99,7 +99,7 @@ impl Rows for Job<'_> {
         simd: S,
         span: Span,
         placing: &mut Placing<'_, S>,
-        room: &mut Room<S>,
+        room: &mut MotionScratch<S>,
     ) -> Mask<S> {
         match lanes.measures() {
             true => lanes.some::<S, 4>(simd, span, placing, room),
@@ -140,7 +140,7 @@ impl Rows for Job<'_> {
     }
 }
 
-impl InLanes<'_, Job<'_>> {
+impl InLanes<'_, ForwardRange<'_>> {
     /// Some rows, and the lanes that are for the plain way. Of right-hand sides there are 4, but 3 where nothing
     /// is measured beside the wheels.
     #[inline(always)]
@@ -149,21 +149,21 @@ impl InLanes<'_, Job<'_>> {
         simd: S,
         span: Span,
         placing: &mut Placing<'_, S>,
-        room: &mut Room<S>,
+        room: &mut MotionScratch<S>,
     ) -> Mask<S> {
         let (plan, chain) = (self.plan, self.job.chain);
         let given = Span { first: self.job.first + span.first, ..span };
         let (zero, nan) = (all(simd, 0.0), all(simd, f64::NAN));
         let mut doubt = zero.below(zero);
         let footings = self.job.footings;
-        let Room { eights, equations, contacts, standing } = room;
+        let MotionScratch { eights, equations, contacts, standing } = room;
         standing.read(simd, chain, footings, given, eights, &mut doubt);
         let standing = &*standing;
         placing.place(simd, &standing.joints);
         let (placing, wheels) = (&*placing, plan.wheels().min(MAX_WHEELS));
         self.contacts(simd, given, standing, placing, contacts, &mut doubt);
         let known = self.known(simd, given, standing);
-        let follow = Follow::new::<RIGHT>(simd, plan, self.square, standing, &known, contacts, equations);
+        let follow = SuspensionRates::new::<RIGHT>(simd, plan, self.square, standing, &known, contacts, equations);
         let speeds = given.read::<S, MAX_WHEELS>(simd, self.job.readings.speeds, wheels);
         let mut fit = Normal::new(simd);
         let mut says = [[([zero; 3], zero); 2]; MAX_WHEELS];
@@ -220,7 +220,7 @@ impl InLanes<'_, Job<'_>> {
         doubt
     }
 
-    /// What the wheels say of the rates, at the steering angles that are given.
+    /// Writes the contacts' velocities by the rates, at the given steering angles.
     #[inline(always)]
     fn contacts<S: Vector>(
         &self,
@@ -326,7 +326,7 @@ impl InLanes<'_, Job<'_>> {
         known
     }
 
-    /// Whether anything is measured beside the wheels.
+    /// True if joints, body or steering rates are measured as well as the wheels.
     fn measures(&self) -> bool {
         let readings = self.job.readings;
         let beside = [readings.joint_rates, readings.angular_velocity, readings.steering_rates];

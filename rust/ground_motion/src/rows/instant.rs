@@ -7,20 +7,20 @@ use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::direction;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::lanes::{Column, LARGEST_TURN, MOST, Plan, all};
+use six_wheel_terrain::suspension::lanes::{ChainConstants, Column, LARGEST_TURN, MOST, all};
 use six_wheel_terrain::suspension::{Chain, Differential, MAX_FREE, MAX_WHEELS};
 
 /// Angles that turn limbs: the free ones, and the right-hand side of the differential.
 const ANGLES: usize = MAX_FREE + 1;
 
-/// What is known beforehand of a chain whose wheels stand on limbs that turn about y, or on limbs of those; lanes without a wheel
-/// repeat the first.
+/// Constants of a suspension in which at most two links, both turning about y, lie between body and wheel (rocker and
+/// bogie). One lane per wheel; lanes without a wheel repeat the first.
 #[derive(Clone, Debug)]
 pub struct Instant {
     wheels: usize,
     /// The free angle that goes through a differential.
     across: (usize, Differential),
-    /// By how much of each angle the limb at the body is turned, and the one that it carries against it.
+    /// Factors of each angle in that of the limb at the body, and in that of the limb it carries against it.
     limbs: [[Column; ANGLES]; 2],
     /// Origin of the first limb ahead and upwards, of the second in the first, and the wheel in the second [m].
     origins: [[Column; 2]; 3],
@@ -35,7 +35,7 @@ pub struct Instant {
 
 impl Instant {
     /// None for other chains, and where steering joints differ or have several wheels, or some beside their axes.
-    pub fn new(chain: &Chain, plan: &Plan) -> Option<Self> {
+    pub fn new(chain: &Chain, plan: &ChainConstants) -> Option<Self> {
         let range = chain.steering().first().copied().unwrap_or_default();
         let zero = Column::ZERO;
         let mut instant = Self {

@@ -2,8 +2,8 @@
 
 use super::aim::{Local, aimed};
 use super::columns::{Span, finite, within};
-use super::follow::{Contacts, Follow, Known, Room, Row, Touch, answers};
-use super::footings::{Footings, Standing, on_plane};
+use super::follow::{Contacts, Known, MotionScratch, Row, SuspensionRates, Touch, answers};
+use super::footings::{SettledPoses, Standing, on_plane};
 use super::prepared::Prepared;
 use super::run::{InLanes, Rows, through};
 use super::solve::Equations;
@@ -17,7 +17,7 @@ use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::lanes::{LARGEST_TURN, Placing, Turned, all, from_turned};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
-/// What the wheels have to do, row after row: see [`Commanded`](super::super::Commanded).
+/// Commands of the wheels, row after row: see [`Commanded`](super::super::Commanded).
 #[derive(Debug)]
 pub struct Commands<'a> {
     /// Angles of the steering joints [rad].
@@ -28,7 +28,7 @@ pub struct Commands<'a> {
     pub twists: &'a mut [[f64; 6]],
     /// Of the free angles [rad/s].
     pub joint_rates: &'a mut [f64],
-    /// What is left of the wanted motions.
+    /// Scales of the wanted motions.
     pub scales: &'a mut [f64],
 }
 
@@ -38,7 +38,7 @@ pub struct Commands<'a> {
 pub fn inverse_rows(
     chain: &Chain,
     prepared: &Prepared,
-    footings: &Footings<'_>,
+    footings: &SettledPoses<'_>,
     command: &Command,
     wanted: &[[f64; 2]],
     steering: Option<&[f64]>,
@@ -56,7 +56,7 @@ pub fn inverse_rows(
         .zip(commands.speeds.chunks_mut(share * wheels))
         .zip(commands.twists.chunks_mut(share))
         .enumerate()
-        .map(|(k, ((scales, speeds), twists))| Job {
+        .map(|(k, ((scales, speeds), twists))| InverseRange {
             chain,
             footings,
             command,
@@ -75,9 +75,9 @@ pub fn inverse_rows(
 }
 
 /// Rows that one thread takes.
-struct Job<'a> {
+struct InverseRange<'a> {
     chain: &'a Chain,
-    footings: &'a Footings<'a>,
+    footings: &'a SettledPoses<'a>,
     command: &'a Command,
     wanted: &'a [[f64; 2]],
     steering: Option<&'a [f64]>,
@@ -86,12 +86,12 @@ struct Job<'a> {
     commands: Commands<'a>,
 }
 
-impl Rows for Job<'_> {
-    type Room<S: Vector> = Room<S>;
+impl Rows for InverseRange<'_> {
+    type Scratch<S: Vector> = MotionScratch<S>;
 
     #[inline(always)]
-    fn room<S: Vector>(simd: S) -> Room<S> {
-        Room::new(simd)
+    fn room<S: Vector>(simd: S) -> MotionScratch<S> {
+        MotionScratch::new(simd)
     }
 
     fn count(&self) -> usize {
@@ -104,7 +104,7 @@ impl Rows for Job<'_> {
         simd: S,
         span: Span,
         placing: &mut Placing<'_, S>,
-        room: &mut Room<S>,
+        room: &mut MotionScratch<S>,
     ) -> Mask<S> {
         lanes.some(simd, span, placing, room)
     }
@@ -130,23 +130,29 @@ impl Rows for Job<'_> {
     }
 }
 
-/// Where steering joints point [rad], how far from where they are, and whether they are elsewhere.
+/// Angles of steering joints [rad], their rotations from the present ones, and the lanes in which they differ.
 struct Steered<S: Vector> {
     angles: [Lanes<S>; MAX_WHEELS],
     turned: [Turned<S>; MAX_WHEELS],
     moved: Mask<S>,
 }
 
-impl InLanes<'_, Job<'_>> {
+impl InLanes<'_, InverseRange<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, span: Span, placing: &mut Placing<'_, S>, room: &mut Room<S>) -> Mask<S> {
+    fn some<S: Vector>(
+        &mut self,
+        simd: S,
+        span: Span,
+        placing: &mut Placing<'_, S>,
+        room: &mut MotionScratch<S>,
+    ) -> Mask<S> {
         let (plan, chain) = (self.plan, self.job.chain);
         let given = Span { first: self.job.first + span.first, ..span };
         let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
         let mut never = zero.below(zero);
         let footings = self.job.footings;
-        let Room { eights, equations, contacts, standing } = room;
+        let MotionScratch { eights, equations, contacts, standing } = room;
         standing.read(simd, chain, footings, given, eights, &mut never);
         let standing = &*standing;
         placing.place(simd, &standing.joints);
@@ -251,11 +257,13 @@ impl InLanes<'_, Job<'_>> {
                 for (column, rate) in PLAN.into_iter().zip(plan) {
                     known[column] = Known::Everywhere(rate);
                 }
-                let follow = Follow::new::<1>(simd, self.plan, self.square, standing, &known, contacts, equations);
+                let follow =
+                    SuspensionRates::new::<1>(simd, self.plan, self.square, standing, &known, contacts, equations);
                 (follow.offset, follow.sure)
             }
             View::Plan => {
-                let follow = Follow::new::<3>(simd, self.plan, self.square, standing, &known, contacts, equations);
+                let follow =
+                    SuspensionRates::new::<3>(simd, self.plan, self.square, standing, &known, contacts, equations);
                 let (plan, sure) = seen_from_above(simd, standing, &follow, plan, equations);
                 (follow.rates(plan), follow.sure & sure)
             }
@@ -347,7 +355,7 @@ impl InLanes<'_, Job<'_>> {
 fn seen_from_above<S: Vector>(
     simd: S,
     standing: &Standing<S>,
-    follow: &Follow<S>,
+    follow: &SuspensionRates<S>,
     wanted: [Lanes<S>; 3],
     equations: &mut Equations<S>,
 ) -> ([Lanes<S>; 3], Mask<S>) {

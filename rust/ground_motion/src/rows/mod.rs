@@ -17,7 +17,7 @@ mod slip;
 mod solve;
 mod traction;
 
-pub use footings::{Footings, Told};
+pub use footings::{SettledPoseInput, SettledPoses};
 pub use forward::{Movings, ReadingRows, forward_rows};
 pub use inverse::{Commands, inverse_rows};
 pub use prepared::Prepared;

@@ -4,13 +4,13 @@ use super::instant::Instant;
 use super::solve::Square;
 use crate::contact::rest_offset;
 use six_wheel_terrain::suspension::Chain;
-use six_wheel_terrain::suspension::lanes::Plan;
+use six_wheel_terrain::suspension::lanes::ChainConstants;
 
 /// The constants of a chain.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     /// None for chains that are not for lanes.
-    pub(crate) plan: Option<Plan>,
+    pub(crate) plan: Option<ChainConstants>,
     pub(crate) square: Option<Square>,
     pub(crate) instant: Option<Instant>,
     /// [`rest_offset`] [m].
@@ -20,7 +20,7 @@ pub struct Prepared {
 impl Prepared {
     /// Of this chain.
     pub fn new(chain: &Chain) -> Self {
-        let plan = Plan::new(chain);
+        let plan = ChainConstants::new(chain);
         Self {
             square: plan.as_ref().and_then(Square::new),
             instant: plan.as_ref().and_then(|plan| Instant::new(chain, plan)),

@@ -8,17 +8,17 @@ use six_wheel_numerics::simd::lanes::Mask;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::lanes::{Placing, Plan};
+use six_wheel_terrain::suspension::lanes::{ChainConstants, Placing};
 
 /// Rows that one thread takes.
 pub(crate) trait Rows: Sized {
     /// Room beside the chain for some of them, made once for all.
-    type Room<S: Vector>;
+    type Scratch<S: Vector>;
 
     /// Nothing is in it yet.
-    fn room<S: Vector>(simd: S) -> Self::Room<S>;
+    fn room<S: Vector>(simd: S) -> Self::Scratch<S>;
 
-    /// How many they are.
+    /// Number of rows.
     fn count(&self) -> usize;
 
     /// Some of them, in lanes, and the lanes that are for the plain way. Has to be `#[inline(always)]`.
@@ -27,7 +27,7 @@ pub(crate) trait Rows: Sized {
         simd: S,
         span: Span,
         placing: &mut Placing<'_, S>,
-        room: &mut Self::Room<S>,
+        room: &mut Self::Scratch<S>,
     ) -> Mask<S>;
 
     /// One of them, the plain way.
@@ -36,7 +36,7 @@ pub(crate) trait Rows: Sized {
 
 /// Rows, and what is known beforehand of the chain that they are about.
 pub(crate) struct InLanes<'a, R> {
-    pub plan: &'a Plan,
+    pub plan: &'a ChainConstants,
     pub square: Option<&'a Square>,
     pub job: R,
 }

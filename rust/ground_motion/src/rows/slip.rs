@@ -1,13 +1,13 @@
 //! [`slip`] for many rows.
 
-use super::footings::Footings;
+use super::footings::SettledPoses;
 use crate::contact::COLUMNS;
 use crate::slip::slip;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::Chain;
 
-/// How the wheels slip, row after row: see [`Slip`](super::super::Slip).
+/// Slip of the wheels, row after row: see [`Slip`](super::super::Slip).
 #[derive(Debug)]
 pub struct Slips<'a> {
     /// Of every wheel.
@@ -19,7 +19,7 @@ pub struct Slips<'a> {
 /// [`slip`] for every row, at these twists and rates of the free angles. A row does not fail.
 pub fn slip_rows(
     chain: &Chain,
-    footings: &Footings<'_>,
+    footings: &SettledPoses<'_>,
     speeds: &[f64],
     twists: &[[f64; 6]],
     joint_rates: &[f64],

@@ -6,7 +6,7 @@ use crate::motion::FOLLOWING;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::MAX_WHEELS;
-use six_wheel_terrain::suspension::lanes::{Plan, all};
+use six_wheel_terrain::suspension::lanes::{ChainConstants, all};
 
 /// Most unknowns: rates that follow the ground.
 pub(crate) const UNKNOWNS: usize = FOLLOWING.len();
@@ -30,11 +30,11 @@ const SHORT: f64 = 1e-10;
 /// Share of a pivot's equation that is taken from another one, from which on it is large.
 const GROWN: f64 = 64.0;
 
-/// How the rates that follow the ground are found where there are as many as wheels and all of those touch: each by the
+/// Elimination order of the rates that follow the ground, for as many rates as wheels that all touch: each rate by the
 /// equation of the wheel in which it has the largest part on level ground.
 #[derive(Clone, Copy, Debug)]
 pub struct Square {
-    /// The wheels, in the order of the rates: see [`Plan::rise`].
+    /// The wheels, in the order of the rates: see [`ChainConstants::rise`].
     pub wheels: [usize; UNKNOWNS],
     /// Bits of the equations after one's own that have a rate, when those before it are gone.
     others: [u32; UNKNOWNS],
@@ -42,7 +42,7 @@ pub struct Square {
 
 impl Square {
     /// None where there are not as many.
-    pub fn new(plan: &Plan) -> Option<Self> {
+    pub fn new(plan: &ChainConstants) -> Option<Self> {
         let mut rows: [_; UNKNOWNS] = std::array::from_fn(|wheel| (wheel, [0.0; UNKNOWNS]));
         if [plan.joints() + 3, plan.wheels()] != [UNKNOWNS; 2] {
             return None;
@@ -304,7 +304,8 @@ impl<S: Vector> Normal<S> {
         }
     }
 
-    /// Where this is 1 the last rate is known, nothing is missing of it, and its column is empty.
+    /// Sets the last rate to its known value in lanes where this is 1: nothing is missing of it, and its column is
+    /// empty.
     #[inline(always)]
     pub fn know_last(&mut self, here: Lanes<S>) {
         self.cells[5] = self.cells[5] + here;

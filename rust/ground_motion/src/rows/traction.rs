@@ -41,7 +41,7 @@ pub fn traction_rows(
         .zip(drives.contact_angles.chunks_mut(share * wheels))
         .zip(drives.lifted.chunks_mut(share * wheels))
         .enumerate()
-        .map(|(k, (((vertical, speeds), contact_angles), lifted))| Job {
+        .map(|(k, (((vertical, speeds), contact_angles), lifted))| TractionRange {
             chain,
             prepared,
             driving,
@@ -53,7 +53,7 @@ pub fn traction_rows(
 }
 
 /// Rows that one thread takes.
-struct Job<'a> {
+struct TractionRange<'a> {
     chain: &'a Chain,
     prepared: &'a Prepared,
     driving: &'a Driving<'a>,
@@ -72,8 +72,8 @@ fn at(values: &[f64], row: usize) -> f64 {
     }
 }
 
-impl Rows for Job<'_> {
-    type Room<S: Vector> = ();
+impl Rows for TractionRange<'_> {
+    type Scratch<S: Vector> = ();
 
     fn room<S: Vector>(_: S) {}
 
@@ -124,7 +124,7 @@ impl Rows for Job<'_> {
     }
 }
 
-/// What is wanted of the body, and what it and the free angles do.
+/// Desired velocities of the body, and rates of the body and the free angles.
 struct Wanted<S: Vector> {
     body: [Vectors<S>; 2],
     rates: [Lanes<S>; MAX_FREE],
@@ -156,7 +156,7 @@ impl<S: Vector> Centre<S> {
     }
 }
 
-impl InLanes<'_, Job<'_>> {
+impl InLanes<'_, TractionRange<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
     fn some<S: Vector>(&mut self, simd: S, some: Span, placing: &mut Placing<'_, S>) -> Mask<S> {

@@ -1,25 +1,26 @@
-//! What the displacement over one step may be off by, and what a gyroscope changes of both.
+//! Errors of the displacement over one step, and the correction by a gyroscope.
 
 use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::spread::{Columns, GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, whole};
-use super::way::{Tilt, Told, Way};
+use super::way::{Tilt, Way, WheelMotion};
 use crate::MEMORY;
 use six_wheel_odometry::motion::{ROUNDING, SUSPICIOUS};
 use six_wheel_odometry::settings::Readings as Kind;
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
-/// How a displacement answers to something that the yaw, and with it the measured turn, answers to as well.
+/// Elimination of the yaw: derivatives of a displacement by something that the yaw, and with it the measured turn,
+/// depends on as well.
 struct Closing {
     /// Of the displacement by the yaw that it does not measure itself.
     by_yaw: Vector6<f64>,
-    /// What is left of the turn about z per yaw.
+    /// Derivative of the yaw equation by the yaw: the vertical part of the turn less that of the displacement.
     spread: f64,
     up: Vector3<f64>,
 }
 
 impl Closing {
-    fn of(told: &Told, tilt: &Tilt) -> Self {
+    fn of(told: &WheelMotion, tilt: &Tilt) -> Self {
         let up = tilt.up;
         let by_yaw = match tilt.yaw {
             Some(_) => Vector6::zeros(),
@@ -41,7 +42,7 @@ impl Closing {
 }
 
 /// Fills in what the displacement may be off by. Whether a contact slid further than that explains.
-pub(crate) fn errors(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, into: &mut StepNoise) -> bool {
+pub(crate) fn errors(way: &Way<'_>, told: &WheelMotion, tilt: Option<&Tilt>, into: &mut StepNoise) -> bool {
     let noise = &way.settings.common.noise;
     let (chain, response) = (way.chain, &told.response);
     let count = chain.wheels().len();
@@ -128,9 +129,14 @@ pub(crate) fn errors(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, into: &mut
     slips
 }
 
-/// What a gyroscope, or the yaw of an attitude, changes of the displacement: wheels and gyroscope share the turn by their
-/// noise.
-pub(crate) fn share(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, noise: &mut StepNoise) -> Option<Vector6<f64>> {
+/// Corrects the displacement by a gyroscope, or by the yaw of an attitude: the turn is the mean of both, weighted by
+/// their noise.
+pub(crate) fn share(
+    way: &Way<'_>,
+    told: &WheelMotion,
+    tilt: Option<&Tilt>,
+    noise: &mut StepNoise,
+) -> Option<Vector6<f64>> {
     let known = tilt.and_then(|tilt| tilt.yaw.map(|yaw| tilt.turn(yaw).z));
     let turn = match (way.after.yaw_rate, known) {
         (Some(rate), _) => f64::midpoint(way.before.yaw_rate.unwrap_or(rate), rate) * way.dt,

@@ -1,4 +1,4 @@
-//! What is read at one instant of a rover on ground, and its attitude.
+//! Readings of one instant of a rover on ground, and its attitude.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -11,7 +11,7 @@ const UNIT: f64 = 1e-2;
 /// Tilt from which on nothing stands on its wheels [rad].
 pub const OVERTURNED: f64 = 1.4;
 
-/// What an IMU says of the body: `Rz(yaw) Ry(pitch) Rx(roll)`.
+/// Attitude of the body by an IMU: `Rz(yaw) Ry(pitch) Rx(roll)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attitude {
     /// Positive with the right side down [rad].
@@ -73,7 +73,7 @@ pub(crate) fn tilting_axes(yaw: f64, pitch: f64) -> [Vector3<f64>; 2] {
     [ahead, Vector3::new(-sin, cos, 0.0)]
 }
 
-/// What was read at one instant.
+/// Readings of one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample3<'a> {
     /// Readings of the steering joints.

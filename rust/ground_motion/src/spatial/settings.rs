@@ -4,7 +4,7 @@ use six_wheel_numerics::error::{Error, number};
 use six_wheel_odometry::settings::Settings;
 use six_wheel_terrain::suspension::Chain;
 
-/// How odometry in space works.
+/// Settings of odometry in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings3 {
     /// As in the plane; wheels are weighed alike, and nothing is inflated.
@@ -33,8 +33,8 @@ impl Settings3 {
         Ok(())
     }
 
-    /// By how much the way of a wheel's centre across the ground may be off over one step [m].
-    pub(crate) fn doubt(&self, reach: f64) -> f64 {
+    /// Standard deviation of the distance that a wheel's centre moves across the ground over one step [m].
+    pub(crate) fn centre_deviation(&self, reach: f64) -> f64 {
         reach * (2.0 * (self.attitude_noise.powi(2) + self.joint_noise.powi(2))).sqrt()
     }
 }

@@ -1,4 +1,4 @@
-//! Where a step takes place: on a map, or on ground of which nothing is known.
+//! Ground of a step: a map, or unknown ground.
 
 use nalgebra::Vector3;
 
@@ -7,7 +7,7 @@ use six_wheel_terrain::ground::{Settler, Stand, Status};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, PlanPose};
 use six_wheel_terrain::terrain::{Terrain, normal};
 
-/// Where the contacts of a step come from.
+/// Source of the contacts of a step.
 pub(crate) enum Site<'a> {
     /// From the joints.
     Unmapped,
@@ -66,7 +66,7 @@ impl Place {
         Ok(place)
     }
 
-    /// What `moving` asks for.
+    /// The settled pose as input of the motion on the ground.
     pub fn footing(&self) -> Footing<'_> {
         let [_, roll, pitch, ref joints @ ..] = self.stand.state;
         Footing {
@@ -80,7 +80,7 @@ impl Place {
         }
     }
 
-    /// How z, and the turn of the body in axes of the world, answer to x, y and yaw. None where that is not
+    /// Derivatives by x, y and yaw of z, and of the body's rotation in axes of the world. None where that is not
     /// determined.
     pub fn slopes(&self, chain: &Chain) -> Option<[(f64, Vector3<f64>); 3]> {
         let steering = &self.steering[..self.steered];

@@ -24,7 +24,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Columns times their standard deviations.
 pub(crate) type Columns = [Vector6<f64>; SHARED];
 
-/// What one displacement in axes of the body may be off by.
+/// Error of one displacement in axes of the body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepNoise {
     /// Covariance of all that errs in this step alone.
@@ -66,7 +66,7 @@ pub(crate) struct Errors {
     pub carried: Columns,
 }
 
-/// How the end of a step answers to its start and to its displacement.
+/// Derivatives of the end of a step by its start and by its displacement.
 struct Answer {
     way: Vector3<f64>,
     by_displacement: Matrix6<f64>,
@@ -88,7 +88,7 @@ impl Answer {
         Self { way: turn * body, by_displacement }
     }
 
-    /// What an error of the start is at the end.
+    /// Error at the end that an error of the start causes.
     fn carry(&self, error: &Vector6<f64>) -> Vector6<f64> {
         let (way, about) = parts(error);
         whole(&(way + about.cross(&self.way)), &about)

@@ -71,11 +71,11 @@ pub(crate) struct Fixed {
     pub ground: Option<Arc<Terrain>>,
     pub settings: Settings3,
     pub radii: [f64; MAX_WHEELS],
-    /// By how much the way of a wheel's centre across the ground may be off over one step [m].
+    /// Standard deviation of the distance that a wheel's centre moves across the ground over one step [m].
     pub doubt: f64,
 }
 
-/// What changes from sample to sample and is taken back when a late pose comes.
+/// State that changes from sample to sample, and that a late pose rewinds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State {
     pub walk: Walk,
@@ -84,19 +84,19 @@ pub(crate) struct State {
     pub pitch: f64,
     pub twist: [f64; 6],
     pub errors: Errors,
-    /// How steeply every wheel has climbed against the plane of all, as a sine; 0 on a map.
+    /// Climb of every wheel against the plane of all, as a sine; 0 on a map.
     slopes: [f64; MAX_WHEELS],
-    /// Where it stands on the map, if it does.
+    /// Settled pose on the map, if there is one.
     place: Option<Place>,
 }
 
-/// What there is to say about a step.
+/// Result of a step.
 pub(crate) struct Taken {
     pub noise: StepNoise,
-    /// How far every contact slid along its rim and to the left [m].
+    /// Distance that every contact slid along its rim and to the left [m].
     pub slid: [[f64; 2]; MAX_WHEELS],
     pub slips: bool,
-    /// Whether it stands where the map says, if there is one.
+    /// False if there is a map and the rover has not settled on it.
     pub settled: bool,
 }
 
@@ -135,14 +135,14 @@ impl State {
         UnitQuaternion::from_euler_angles(self.roll, self.pitch, self.walk.heading.value())
     }
 
-    /// How the yaw answers to an error of the pose.
+    /// Derivative of the yaw by an error of the pose.
     pub fn yaw_row(&self) -> RowVector6<f64> {
         let (sin, cos) = self.walk.heading.value().sin_cos();
         let slope = self.pitch.tan();
         RowVector6::new(0.0, 0.0, 0.0, slope * cos, slope * sin, 1.0)
     }
 
-    /// What leaves place and yaw of a pose as they are, and nothing of its tilt.
+    /// Projection that keeps place and yaw of a pose, and nothing of its tilt.
     pub fn upright(&self) -> Matrix6<f64> {
         let mut keeps = Matrix6::zeros();
         for k in 0..3 {
@@ -187,7 +187,7 @@ impl Fixed {
         }
     }
 
-    /// Whether joints and attitude say without a map how the wheels stand.
+    /// True if attitude and joints are measured, so that they give the contacts without a map.
     fn is_told(&self, read: &Read) -> bool {
         let joints = &read.joints[..self.chain.joints().len()];
         read.attitude.is_some() && joints.iter().all(|joint| !joint.is_nan())
@@ -301,7 +301,7 @@ impl Fixed {
         Ok(Taken { noise: step.noise, slid: step.slid, slips: step.slips, settled })
     }
 
-    /// Where the rover stands in the middle of a step.
+    /// Settled pose in the middle of a step.
     fn middle(&self, state: &State, way: &Way<'_>, ground: &Terrain) -> Result<Place, Status> {
         let as_before = || Vector6::from(state.twist) * (way.dt * 0.5);
         let ahead = state.place.as_ref().and_then(|place| halfway(way, place));

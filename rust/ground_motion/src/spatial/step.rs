@@ -8,7 +8,7 @@ use nalgebra::Vector6;
 use super::noise::{errors, share};
 use super::site::{Place, Site};
 use super::spread::StepNoise;
-use super::way::{Tilt, Told, Way};
+use super::way::{Tilt, Way, WheelMotion};
 use crate::{COLUMNS, Climb, Contacts, Found, Readings, Row, Unmapped};
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::error::{Error, ErrorKind, numbers};
@@ -21,18 +21,18 @@ const ROUNDS: usize = 12;
 /// Change of way [m] and turn [rad] at which they are found.
 const FOUND: f64 = 1e-14;
 
-/// What came of it.
+/// Result of a step.
 pub(crate) struct Step {
     /// `log(start⁻¹ end)`
     pub tangent: Vector6<f64>,
     /// Change of the yaw, where the tilt at both ends was measured [rad].
     pub yaw: Option<f64>,
     pub noise: StepNoise,
-    /// How far every contact slid along its rim and to the left [m].
+    /// Distance that every contact slid along its rim and to the left [m].
     pub slid: [[f64; 2]; MAX_WHEELS],
-    /// Whether one slid further than the noise explains.
+    /// True if one slid further than the noise explains.
     pub slips: bool,
-    /// How steeply every wheel has climbed against the plane of all.
+    /// Climb of every wheel against the plane of all, as a sine.
     pub slopes: [f64; MAX_WHEELS],
 }
 
@@ -48,7 +48,7 @@ pub(crate) fn displace(way: &Way<'_>, site: &Site<'_>) -> Result<Step, Error> {
         return Err(huge());
     }
     let tilt = Tilt::of(way);
-    let told = tell(way, site, tilt.as_ref())?;
+    let told = wheel_motion(way, site, tilt.as_ref())?;
     let mut noise = StepNoise::none();
     let slips = errors(way, &told, tilt.as_ref(), &mut noise);
     let mut tangent = Vector6::from(told.twist);
@@ -72,7 +72,7 @@ pub(crate) fn displace(way: &Way<'_>, site: &Site<'_>) -> Result<Step, Error> {
     Ok(Step { tangent, yaw: tilt.map(|_| yaw), noise, slid: told.slid, slips, slopes: told.slopes })
 }
 
-/// What a step says to `moving`: everything over the whole of it, angles in its middle.
+/// Input of a step for the motion on the ground: rates over the whole of it, angles in its middle.
 struct Input {
     speeds: [f64; MAX_WHEELS],
     /// Steering angles in the middle.
@@ -135,7 +135,7 @@ impl Input {
         }
     }
 
-    /// What it stands on at a site.
+    /// Constants of the contacts at a site.
     fn stand<'a>(&self, chain: &'a Chain, site: &Site<'_>) -> Result<Underfoot<'a>, Error> {
         let underfoot = match site {
             Site::Unmapped => {
@@ -172,14 +172,14 @@ impl Input {
     }
 }
 
-/// What is known of a site before the motion is.
+/// The part of a site's contacts that is known before the motion.
 #[allow(clippy::large_enum_variant)] // one per step, on the stack
 enum Underfoot<'a> {
     Unmapped(Unmapped<'a>),
     Ground(Found),
 }
 
-/// Where half of a step leads from a settled start, in axes of its body.
+/// Displacement of the first half of a step from a settled start, in axes of its body.
 pub(crate) fn halfway(way: &Way<'_>, start: &Place) -> Option<Vector6<f64>> {
     let input = Input::of(way);
     let underfoot = input.stand(way.chain, &Site::Ground(start)).ok()?;
@@ -195,7 +195,7 @@ pub(crate) fn middle_angles(way: &Way<'_>) -> [f64; MAX_WHEELS] {
 
 /// The motion of the wheels. With measured tilt the yaw is what makes the body turn about its own z axis as the wheels
 /// say; without a map contacts are where the wheels go.
-fn tell(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<Told, Error> {
+fn wheel_motion(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<WheelMotion, Error> {
     let input = Input::of(way);
     let underfoot = input.stand(way.chain, site)?;
     let mut yaw = tilt.and_then(|tilt| tilt.yaw).unwrap_or(0.0);
@@ -231,7 +231,7 @@ fn tell(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<Told, Err
         rates = Some(now);
         round += 1;
         if (missing.abs() <= FOUND && change <= FOUND) || round == ROUNDS {
-            return Ok(Told {
+            return Ok(WheelMotion {
                 twist: moving.twist,
                 turn,
                 yaw,

@@ -5,7 +5,7 @@ use super::sample::{Recording3, Sample3, attitude};
 use six_wheel_numerics::error::Error;
 use six_wheel_odometry::health::{Health, Refusal};
 
-/// Where the results of a log go, one row per sample.
+/// Output of a log, one row per sample.
 #[derive(Debug)]
 pub struct TrackRows3<'a> {
     /// x, y, z, roll, pitch, yaw.
@@ -26,11 +26,11 @@ impl Odometry3 {
     pub fn absorb(&mut self, sample: Sample3<'_>) -> Health {
         match self.take(sample) {
             Ok(health) => health,
-            Err(refusal) => self.doubt(sample, &refusal),
+            Err(refusal) => self.skip_row(sample, &refusal),
         }
     }
 
-    fn doubt(&mut self, sample: Sample3<'_>, refusal: &Refusal) -> Health {
+    fn skip_row(&mut self, sample: Sample3<'_>, refusal: &Refusal) -> Health {
         let flag = refusal.flag;
         if self.suspect.precedes(flag, sample.stamp)
             && let Some(health) = self.restart(sample, flag)

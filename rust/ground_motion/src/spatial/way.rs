@@ -13,13 +13,13 @@ pub(crate) struct Way<'a> {
     pub chain: &'a Chain,
     pub settings: &'a Settings3,
     pub radii: &'a [f64; MAX_WHEELS],
-    /// By how much the way of a wheel's centre across the ground may be off [m].
+    /// Standard deviation of the distance that a wheel's centre moves across the ground [m].
     pub doubt: f64,
-    /// How steeply every wheel has climbed against the plane of all.
+    /// Climb of every wheel against the plane of all, as a sine.
     pub slopes: &'a [f64; MAX_WHEELS],
     pub before: &'a Read,
     pub after: &'a Read,
-    /// What every wheel turned [rad].
+    /// Rotation of every wheel [rad].
     pub turned: &'a [f64; MAX_WHEELS],
     pub dt: f64,
 }
@@ -28,7 +28,7 @@ pub(crate) struct Way<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Tilt {
     pub ends: [UnitQuaternion<f64>; 2],
-    /// What the attitudes say of the yaw [rad].
+    /// Change of the yaw by the attitudes [rad].
     pub yaw: Option<f64>,
     /// The vertical in the body in the middle of the step.
     pub up: Vector3<f64>,
@@ -54,7 +54,7 @@ impl Tilt {
         (first.inverse() * turn * last).scaled_axis()
     }
 
-    /// How the turn answers to roll and to pitch at the start and at the end, the yaw held.
+    /// Derivatives of the turn by roll and pitch at the start and at the end, at a constant change of the yaw.
     pub fn by_ends(&self, turn: &Vector3<f64>, way: &Way<'_>) -> [[Vector3<f64>; 2]; 2] {
         let rolls = [way.before, way.after].map(|read| read.attitude.map_or(0.0, |one| one.roll));
         let axes = rolls.map(|roll| {
@@ -65,8 +65,8 @@ impl Tilt {
     }
 }
 
-/// What wheels, joints and tilt say of a step, before a gyroscope has its say.
-pub(crate) struct Told {
+/// Motion by wheels, joints and tilt over a step, before a gyroscope corrects it.
+pub(crate) struct WheelMotion {
     pub twist: [f64; 6],
     pub turn: Option<Vector3<f64>>,
     pub yaw: f64,

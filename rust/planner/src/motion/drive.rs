@@ -6,7 +6,7 @@
 //! continuous turn of the joints leads there (to spin on the spot, say), the rover stops, turns its wheels, and goes on.
 
 use super::model::Model;
-use crate::numbers::forms::{Reg, down_to_one, largest, splat, value};
+use crate::numbers::norms::{Reg, down_to_one, largest, splat, value};
 use crate::numbers::real::Real;
 use crate::numbers::registers::BLOCK;
 use six_wheel_numerics::simd::vector::Vector;
@@ -17,26 +17,26 @@ pub(crate) const REST: f64 = 1e-6;
 /// Largest half turn of a step the polynomials are for [rad].
 const SMALL: f64 = 0.25;
 
-/// What a block leaves behind for its costs: `[step][quantity][rollout]`.
+/// Quantities in a block's track, from which its costs are computed: `[step][quantity][rollout]`.
 pub(crate) const TRACK: usize = 4; // x, y, cosine and sine
 
-/// Where all rollouts of a cycle begin.
+/// Initial state of all rollouts of a cycle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Begin {
     /// The motion, and what the joints are set for.
     pub motion: [f64; 3],
     pub setting: [f64; 3],
-    /// Whether the joints are set for no motion, and where they are then [rad].
+    /// True if the joints are set for no motion, and their angles then [rad].
     pub loose: bool,
     pub angles: Vec<f64>,
     /// Heading of the components' axes [rad].
     pub heading: f64,
-    /// Whether somebody asks for the headings of the steps.
+    /// True if the headings of the steps are needed.
     pub headings: bool,
-    /// How often a step's turn is halved for the polynomials, and whether few terms do.
+    /// Number of halvings of a step's turn for the polynomials, and true if few terms are enough.
     pub halvings: u32,
     pub few: bool,
-    /// What a yaw rate is to be multiplied by for the smallest of these turns [s].
+    /// Factor from a yaw rate to the smallest of these turns [s].
     pub smallest: f64,
     /// Weights of effort [1/(m²/s²) 1/s] and of sliding, over a step.
     pub effort: f64,

@@ -1,8 +1,8 @@
-//! What ranges and joints make of a motion that is wanted.
+//! Projection of a wanted motion onto the ranges, and onto the motions that the joints can follow.
 
 use super::drive::{Begin, State};
 use super::model::{Model, Wheel};
-use crate::numbers::forms::{ABREAST, Reg, cross, down_to_one, inner, largest, lowered, share, times, value};
+use crate::numbers::norms::{ABREAST, Reg, cross, down_to_one, inner, largest, lowered, share, times, value};
 use crate::numbers::real::Real;
 use crate::numbers::registers::BLOCK;
 use crate::numbers::registers::Truths;
@@ -60,7 +60,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         z
     }
 
-    /// What the joints let it be.
+    /// The motion that the joints can follow in a step, by their largest turn.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)] // the state of a step, in registers
     pub(crate) fn steered<S: Vector>(

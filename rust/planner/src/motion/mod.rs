@@ -2,8 +2,8 @@
 
 #[allow(clippy::needless_range_loop)] // components of several motions side by side
 pub(crate) mod drive;
-pub mod facts;
 #[allow(clippy::needless_range_loop)] // likewise
 pub(crate) mod joints;
+pub mod limits;
 pub(crate) mod model;
 pub(crate) mod setting;

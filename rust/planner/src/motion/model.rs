@@ -1,6 +1,6 @@
 //! A rover for rollouts of one kind of number: its facts as registers take them.
 
-use super::facts::{Facts, Gap, Joint};
+use super::limits::{Gap, Joint, RoverLimits};
 use crate::numbers::real::Real;
 use crate::numbers::squares::{Form, dot};
 
@@ -15,7 +15,7 @@ impl<R: Real, const M: usize> Wheel<R, M> {
     }
 }
 
-/// What is within a range, and how far the motion inside is from its ends.
+/// Range of a joint, and the distance of the motion inside from its ends.
 pub(crate) struct Range<R, const M: usize> {
     pub wheel: Wheel<R, M>,
     pub sin: R,
@@ -48,7 +48,7 @@ pub(crate) struct Model<R, const M: usize> {
     pub(crate) scaling: Vec<[R; 6]>,
     pub(crate) lateral: Option<R>,
     pub(crate) speeding: Vec<[R; 6]>,
-    /// Where slowing down is limited otherwise.
+    /// Limits of slowing down, if they differ from those of speeding up.
     pub(crate) slowing: Option<Vec<[R; 6]>>,
     pub(crate) slips: Vec<[R; 6]>,
     pub(crate) sideways: R,
@@ -74,7 +74,7 @@ fn row<R: Real, const M: usize>(from: &[f64]) -> [R; M] {
 }
 
 impl<R: Real, const M: usize> Model<R, M> {
-    pub fn new(facts: &Facts, dt: f64) -> Self {
+    pub fn new(facts: &RoverLimits, dt: f64) -> Self {
         let limits = &facts.limits;
         let forms = |forms: &[Form], factor: f64| forms.iter().map(|one| form(one, factor)).collect();
         let speeding: Vec<[R; 6]> = forms(&facts.speeding, 1.0 / (dt * dt));
@@ -124,7 +124,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         }
     }
 
-    /// How long the joints take from one setting to another [s].
+    /// Time the joints take from one setting to another [s].
     pub fn time(&self, from: [R; M], start: Option<&[f64]>, to: [R; M]) -> f64 {
         let setting = |joint: &Wheel<R, M>, motion: [R; M]| {
             let part = |row: &[R; M]| row.iter().zip(motion).map(|(a, b)| a.wide() * b.wide()).sum::<f64>();

@@ -1,9 +1,9 @@
-//! What the steered wheels are set for where a cycle begins.
+//! Setting of the steered wheels at the start of a cycle.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::drive::{Begin, REST};
-use super::facts::Facts;
+use super::limits::RoverLimits;
 use crate::numbers::squares::{dot, square};
 
 /// Angles by which joints may miss a motion and still be set for it [rad].
@@ -13,7 +13,7 @@ const NONE: f64 = 1e-12;
 
 /// Motion, setting and loose joints of a cycle: the motion there is; what the angles are set for, if they are for any
 /// motion at all; where they are, if the rover stands and they are not.
-pub(crate) fn begin(facts: &Facts, motion: [f64; 3], steering: &[f64], to: &mut Begin) {
+pub(crate) fn begin(facts: &RoverLimits, motion: [f64; 3], steering: &[f64], to: &mut Begin) {
     (to.motion, to.setting, to.loose) = (motion, motion, false);
     if facts.joints.is_empty() || facts.limits.steering_rate.is_infinite() {
         return;
@@ -31,7 +31,7 @@ pub(crate) fn begin(facts: &Facts, motion: [f64; 3], steering: &[f64], to: &mut 
 }
 
 /// The motion all joints are set for, that next to the present one if there are several.
-fn set_for(facts: &Facts, motion: [f64; 3], steering: &[f64]) -> Option<[f64; 3]> {
+fn set_for(facts: &RoverLimits, motion: [f64; 3], steering: &[f64]) -> Option<[f64; 3]> {
     let free = facts.free;
     // In lengths, so that all components count alike.
     let lengths = Vector3::from_fn(|k, _| facts.lengths.get(k).copied().unwrap_or(1.0));

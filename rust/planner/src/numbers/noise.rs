@@ -30,7 +30,7 @@ const LN: [f32; 9] = [
 const SIN: [f32; 5] = [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0];
 const COS: [f32; 6] = [1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0, -1.0 / 3_628_800.0];
 
-/// Where the numbers of one block come from.
+/// Counter of the random numbers of one block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Counter {
     pub seed: u64,
@@ -69,16 +69,16 @@ impl<S: Simd> Words<S> {
         Reg::of_bits(self.0, self.1)
     }
     #[inline(always)]
-    fn right(self, by: u32) -> Self {
+    fn shift_right(self, by: u32) -> Self {
         let by = self.0.splat_u32s(by);
         Self(self.0, self.0.wrapping_dyn_shr_u32s(self.1, by))
     }
     #[inline(always)]
-    fn left(self, by: u32) -> Self {
+    fn shift_left(self, by: u32) -> Self {
         let by = self.0.splat_u32s(by);
         Self(self.0, self.0.wrapping_dyn_shl_u32s(self.1, by))
     }
-    /// Where the bit is set.
+    /// Lanes in which the bit is set.
     #[inline(always)]
     fn has(self, bit: u32) -> Truth<S, f32> {
         let Self(simd, word) = self.and(bit);
@@ -117,7 +117,7 @@ fn polynomial<S: Simd, const N: usize>(simd: S, coefficients: [f32; N], x: Reg<S
 /// 23 bits as the fraction of a float of [1, 2), less 1: exact.
 #[inline(always)]
 fn fraction<S: Simd>(word: Words<S>) -> Reg<S, f32> {
-    word.right(9).or(0x3F80_0000).real() - Reg::splat(word.0, 1.0)
+    word.shift_right(9).or(0x3F80_0000).real() - Reg::splat(word.0, 1.0)
 }
 
 /// Two normal numbers of two words.
@@ -128,15 +128,15 @@ fn normal<S: Simd>(simd: S, a: Words<S>, b: Words<S>) -> [Reg<S, f32>; 2] {
     // Exponent and fraction, the latter between the roots of 1/2 and 2.
     let bits = Words(simd, uniform.bits());
     let from = bits.minus(0x3F35_04F3);
-    let exponent = from.right(23);
-    let f = Words(simd, simd.sub_u32s(bits.1, exponent.left(23).1)).real() - number(1.0);
+    let exponent = from.shift_right(23);
+    let f = Words(simd, simd.sub_u32s(bits.1, exponent.shift_left(23).1)).real() - number(1.0);
     // Nine bits in two's complement, counted from 256 on: the lowest ones of 2^23 as a float.
     let k = exponent.xor(Words::all(simd, 0x100)).or(0x4B00_0000);
     let k = k.real() - number(8_388_608.0 + 256.0);
     let log = polynomial(simd, LN, f).mul_add(f, k * number(std::f32::consts::LN_2));
     let radius = (log * number(-2.0)).max(number(0.0)).sqrt();
     // An angle within an eighth of a turn of an axis, the axis, and the side of it.
-    let x = (fraction(b.left(2)) - number(0.5)) * number(std::f32::consts::FRAC_PI_2);
+    let x = (fraction(b.shift_left(2)) - number(0.5)) * number(std::f32::consts::FRAC_PI_2);
     let square = x * x;
     let sin = polynomial(simd, SIN, square) * x;
     let cos = polynomial(simd, COS, square);

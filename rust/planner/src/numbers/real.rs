@@ -15,7 +15,7 @@ pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
     /// Smallest square a division may safely be by.
     const TINY: f64;
 
-    /// Whether [`Self::roots`] are rounded once each, whatever they are of.
+    /// True if [`Self::roots`] are rounded once each, for every argument.
     const EXACT_ROOTS: bool;
 
     /// From here on up a number has no fraction: adding it brings a whole number into the lowest bits.
@@ -63,7 +63,7 @@ pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
     -> Self::Register<S>;
 }
 
-/// What a level makes of two registers, or of their truths.
+/// Operations of a level on two registers, or on their masks.
 macro_rules! of_two {
     ($register:ident: $($name:ident $level:ident),*) => {$(
         #[inline(always)]

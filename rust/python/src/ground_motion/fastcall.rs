@@ -2,8 +2,8 @@
 
 use pyo3::prelude::*;
 use six_wheel_ground_motion::{
-    Command, Commands, Drives, Driving, Footings, Lift, Movings, ReadingRows, Turns, View, forward_rows, inverse_rows,
-    traction_rows,
+    Command, Commands, Drives, Driving, Lift, Movings, ReadingRows, SettledPoses, Turns, View, forward_rows,
+    inverse_rows, traction_rows,
 };
 use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
@@ -86,8 +86,8 @@ fn one_pose<'a>(this: Borrowed<'_, '_, Suspension>, stand: Object<'a, '_>) -> Op
     (stand.suspension.as_ptr() == this.as_ptr() && stand.leading.is_empty()).then_some(stand)
 }
 
-fn footings(stand: &Stand) -> Footings<'_> {
-    Footings::Settled { stands: &stand.stands, poses: &stand.poses, steering: &stand.steering }
+fn footings(stand: &Stand) -> SettledPoses<'_> {
+    SettledPoses::Settled { stands: &stand.stands, poses: &stand.poses, steering: &stand.steering }
 }
 
 fast_method!(InverseCall<2>: Suspension, c"inverse", [c"stand", c"command"], 2, inverse);

@@ -1,7 +1,7 @@
 //! Settled poses as arguments.
 
 use pyo3::prelude::*;
-use six_wheel_ground_motion::{Footings, Told};
+use six_wheel_ground_motion::{SettledPoseInput, SettledPoses};
 use six_wheel_terrain::suspension::Chain;
 
 use crate::arguments::other_kind;
@@ -105,13 +105,13 @@ impl<'py> Stands<'py> {
     }
 
     /// As the core takes them.
-    pub fn footings(&self) -> Footings<'_> {
+    pub fn footings(&self) -> SettledPoses<'_> {
         match self {
             Self::Settled(stand) => {
                 let stand = stand.get();
-                Footings::Settled { stands: &stand.stands, poses: &stand.poses, steering: &stand.steering }
+                SettledPoses::Settled { stands: &stand.stands, poses: &stand.poses, steering: &stand.steering }
             }
-            Self::Told(told) => Footings::Told(Told {
+            Self::Told(told) => SettledPoses::Input(SettledPoseInput {
                 roll: told.roll.flat(),
                 pitch: told.pitch.flat(),
                 transform: told.transform.flat().as_chunks().0,

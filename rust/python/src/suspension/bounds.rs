@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 use six_wheel_numerics::error::Error;
-use six_wheel_terrain::bounds::{self as core, Belly, Ground, Knowledge, Margins, Plan, Within};
+use six_wheel_terrain::bounds::{self as core, Belly, BoundsConstants, Ground, Knowledge, Margins, Within};
 
 use super::rocker_bogie::RockerBogie;
 use crate::arguments;
@@ -89,7 +89,7 @@ type Plate = (f64, f64, f64, f64);
 
 /// The options of the bounds beside the poses.
 pub struct Question<'a> {
-    pub plans: Cow<'a, [Plan]>,
+    pub plans: Cow<'a, [BoundsConstants]>,
     pub error: f64,
 }
 
@@ -115,17 +115,17 @@ impl RockerBogie {
         Ok(Question { plans: plans.or_raise(&[])?, error: map_error })
     }
 
-    fn plan(&self, belly: Option<Plate>, within: Within) -> Result<Plan, Error> {
-        Plan::new(self.0.dimensions(), self.belly(belly)?, within)
+    fn plan(&self, belly: Option<Plate>, within: Within) -> Result<BoundsConstants, Error> {
+        BoundsConstants::new(self.0.dimensions(), self.belly(belly)?, within)
     }
 
-    fn plans(&self, belly: Option<Plate>) -> Result<[Plan; 2], Error> {
+    fn plans(&self, belly: Option<Plate>) -> Result<[BoundsConstants; 2], Error> {
         let narrow = self.plan(belly, Within::default())?;
         Ok([narrow, self.plan(belly, Within::wide())?])
     }
 
     /// Those of calls that say nothing else, made once.
-    fn usual_plans(&self) -> Result<&[Plan], Error> {
+    fn usual_plans(&self) -> Result<&[BoundsConstants], Error> {
         if self.1.get().is_none() {
             let plans = self.plans(None)?;
             let _ = self.1.set(plans); // or somebody else has

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_numerics::error::Error;
-use six_wheel_terrain::bounds::Plan;
+use six_wheel_terrain::bounds::BoundsConstants;
 use six_wheel_terrain::suspension::{Bogie, Differential, Dimensions, JointRange, RockerBogie as Core, Steered};
 
 use super::base::Suspension;
@@ -66,7 +66,7 @@ use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
 pub struct RockerBogie(pub Core, pub(super) UsualPlans);
 
 /// Those of its bounds, when they have been asked for.
-type UsualPlans = OnceLock<[Plan; 2]>;
+type UsualPlans = OnceLock<[BoundsConstants; 2]>;
 
 impl RockerBogie {
     fn build(core: Result<Core, Error>) -> PyResult<PyClassInitializer<Self>> {

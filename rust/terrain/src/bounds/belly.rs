@@ -7,7 +7,7 @@ use crate::suspension::Placed;
 use crate::terrain::Terrain;
 use six_wheel_numerics::error::{Error, numbers};
 
-/// Where the ground is nearest to a rectangle.
+/// The place of a rectangle that is nearest to the ground.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Lowest {
     /// Below a point of its inside, at a node.
@@ -21,7 +21,7 @@ pub(super) enum Lowest {
         point: Vector3<f64>,
         /// Along the edge [m].
         way: Vector3<f64>,
-        /// Which lines of the grid it stays on, if the edge crosses one there: 0 those of columns, 1 those of rows.
+        /// The lines of the grid it stays on, if the edge crosses one there: 0 those of columns, 1 those of rows.
         line: Option<usize>,
     },
 }
@@ -50,8 +50,8 @@ impl Belly {
         Err(Error::value("belly", rule, numbers(&all)))
     }
 
-    /// Where no drawing of the body is at hand: between the rear and the front wheels, three quarters of the way
-    /// out to the rockers, a quarter of a wheel's radius below the lower of their axes and those of the bogies.
+    /// A belly for a rover without a drawing of its body: between the rear and the front wheels, three quarters of the
+    /// way out to the rockers, a quarter of a wheel's radius below the lower of their axes and those of the bogies.
     /// (Perseverance: 0.60 m above the ground, the clearance NASA gives.)
     pub fn between_wheels(dimensions: &Dimensions) -> Self {
         let pivot = dimensions.rocker_pivot;

@@ -1,4 +1,4 @@
-//! Where the wheels and the belly can be, seen from above, while the angles stay within a range.
+//! Boxes that hold the wheels and the belly, seen from above, while the angles stay within a range.
 //!
 //! Everything is a sinusoid of one angle at a time, so its extremes are at the ends of the range or where its
 //! derivative is 0: no sampling. In the frame of the heading, with the body turned by `Ry(pitch) Rx(roll)`, a point
@@ -7,7 +7,7 @@
 
 use crate::suspension::Dimensions;
 
-/// How far the rover may be inclined for its wheels to be where they are looked for; sizes of angles [rad].
+/// Largest sizes of angles [rad] up to which the wheels and the belly stay in the boxes that are searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Within {
     /// Largest roll and pitch.
@@ -19,14 +19,15 @@ pub struct Within {
 }
 
 impl Within {
-    /// Where [`Self::default`] is too narrow. Wider boxes bound fewer poses: their intervals leave them more often.
+    /// Wider ranges than [`Self::default`]: 25, 20 and 38 degrees. Wider boxes bound fewer poses: their intervals leave
+    /// them more often.
     pub fn wide() -> Self {
         Self { attitude: 25_f64.to_radians(), rocker: 20_f64.to_radians(), bogie: 38_f64.to_radians() }
     }
 }
 
 impl Default for Within {
-    /// What Curiosity is allowed: 15, 7 and 17 degrees.
+    /// The limits of Curiosity: 15, 7 and 17 degrees.
     ///
     /// (A. Rankin, M. Maimone, J. Biesiadecki, N. Patel, D. Levine, O. Toupet, Driving Curiosity: Mars rover
     /// mobility trends during the first seven years, IEEE Aerospace Conference 2020.)
@@ -101,7 +102,7 @@ fn sinusoids([c0, c1]: [f64; 2], [s0, s1]: [f64; 2], low: f64, high: f64) -> [f6
     all
 }
 
-/// Where a box of the body `[x] [y] [z]`, may be seen from above, at any roll and pitch up to `largest`.
+/// Box, seen from above, that holds a box of the body `[x] [y] [z]` at any roll and pitch up to `largest`.
 fn seen([x, y, z]: [[f64; 2]; 3], largest: f64) -> [[f64; 2]; 2] {
     let tilted = sinusoids(z, y, -largest, largest);
     [sinusoids(x, tilted, -largest, largest), sinusoids(y, [-z[1], -z[0]], -largest, largest)]
@@ -149,8 +150,8 @@ pub(super) fn plate(x: [f64; 2], y: [f64; 2], z: f64, within: Within) -> Patch {
     Patch::between(x, y)
 }
 
-/// How far the height of a vector swung by up to `largest` may leave the interval between any two of its swings:
-/// 0 unless it passes its lowest or highest place on the way.
+/// Largest distance by which the height of a vector swung by up to `largest` leaves the interval between any two of its
+/// swings [m]: 0 unless it passes its lowest or highest place on the way.
 pub(super) fn sag([x, _, z]: [f64; 3], largest: f64) -> f64 {
     let [least, most] = sinusoid(z, -x, -largest, largest);
     let ends = [-largest, largest].map(|t| z * t.cos() - x * t.sin());

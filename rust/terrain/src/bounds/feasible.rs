@@ -1,9 +1,9 @@
-//! Whether a rover may stand somewhere: by bounds where they decide, by settling where they do not.
+//! Admissibility of poses: by bounds if they decide, else by settling.
 
 use super::belly::Belly;
 use super::boxes::Within;
 use super::kernel::{Ground, Margins, bounds};
-use super::plan::{COUNT, Knowledge, Plan};
+use super::plan::{BoundsConstants, COUNT, Knowledge};
 use super::stability::{tilt, wheel_drop};
 use crate::ground::{Settler, Stand, Status, settle_part, worth_lanes};
 use crate::suspension::{Dimensions, MAX_WHEELS};
@@ -12,7 +12,7 @@ use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_numerics::threads::workers::each;
 
-/// What is allowed: largest sizes of angles [rad], least clearance and largest drop of a wheel [m].
+/// Limits of an admissible pose: largest sizes of angles [rad], least clearance and largest drop of a wheel [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Allowed {
     /// Largest roll.
@@ -64,7 +64,7 @@ impl Allowed {
     }
 }
 
-/// Why a rover may not stand somewhere.
+/// Reason for which a pose is not admissible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Reason {
@@ -95,17 +95,17 @@ pub enum Reason {
 /// The answer for a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
-    /// Why not, or that it may.
+    /// Reason for a refusal, or [`Reason::Ok`].
     pub reason: Reason,
-    /// What is left of that limit of which least is: the share of an angle or a drop, clearances in wheel radii. At
-    /// least so much where bounds decide in favour, at most so much where they decide against; NaN where nothing is
+    /// Smallest margin over all limits: as a share of the limit for angles and the drop, in wheel radii for clearances.
+    /// At least so much where bounds decide in favour, at most so much where they decide against; NaN where nothing is
     /// known.
     pub margin: f64,
     /// Tilt [rad] and clearance [m]: at worst, where bounds decide.
     pub tilt: f64,
     /// As for the tilt.
     pub clearance: f64,
-    /// Whether the rover was settled to know.
+    /// True if the rover was settled for this verdict.
     pub exact: bool,
 }
 
@@ -123,11 +123,11 @@ impl Verdict {
 /// Poses that are bounded, or settled, at a time.
 const BLOCK: usize = 1024;
 
-/// What to judge with.
+/// Rover, map and limits against which poses are checked.
 #[derive(Clone, Debug)]
 pub struct Judge<'a> {
     settler: Settler<'a>,
-    plan: Plan,
+    plan: BoundsConstants,
     belly: Belly,
     allowed: Allowed,
     radius: f64,
@@ -147,7 +147,7 @@ impl<'a> Judge<'a> {
         allowed.check()?;
         Ok(Self {
             settler,
-            plan: Plan::new(dimensions, belly, allowed.within())?,
+            plan: BoundsConstants::new(dimensions, belly, allowed.within())?,
             belly,
             allowed,
             radius: dimensions.wheel_radius,
@@ -156,9 +156,9 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// What is left of each limit where quantities are as large as this: the sizes of roll, pitch, tilt, then the
-    /// clearance, the sizes of rocker and bogie, and the drop.
-    fn left(&self, [roll, pitch, tilt, clearance, rocker, bogie, drop]: [f64; 7]) -> (Reason, f64) {
+    /// Limit with the smallest margin, and that margin, for these sizes of roll, pitch and tilt, clearance, sizes of
+    /// rocker and bogie, and drop.
+    fn worst_margin(&self, [roll, pitch, tilt, clearance, rocker, bogie, drop]: [f64; 7]) -> (Reason, f64) {
         let allowed = &self.allowed;
         let share = |size: f64, limit: f64| {
             if limit.is_finite() { 1.0 - size / limit } else { 1.0 }
@@ -183,13 +183,13 @@ impl<'a> Judge<'a> {
         let worst =
             [most(roll), most(pitch), tilt[1], clearance[0], most(rocker), most(left).max(most(right)), drop[1]];
         let verdict = |reason, margin| Verdict { reason, margin, tilt: tilt[1], clearance: clearance[0], exact: false };
-        let (_, margin) = self.left(worst);
+        let (_, margin) = self.worst_margin(worst);
         if margin >= 0.0 {
             return Some(verdict(Reason::Ok, margin));
         }
         let best =
             [least(roll), least(pitch), tilt[0], clearance[1], least(rocker), least(left).max(least(right)), drop[0]];
-        let (reason, margin) = self.left(best);
+        let (reason, margin) = self.worst_margin(best);
         (margin < 0.0).then(|| verdict(reason, margin))
     }
 
@@ -211,7 +211,7 @@ impl<'a> Judge<'a> {
         // The wheels may stand lower, and the ground under the belly be higher.
         let clearance = clearance - 2.0 * self.error;
         let [_, roll, pitch, rocker, left, right] = stand.state;
-        let (reason, margin) = self.left([
+        let (reason, margin) = self.worst_margin([
             roll.abs(),
             pitch.abs(),
             tilt,
@@ -223,7 +223,7 @@ impl<'a> Judge<'a> {
         Verdict { reason: if margin >= 0.0 { Reason::Ok } else { reason }, margin, tilt, clearance, exact: true }
     }
 
-    /// Whether the rover may stand at every pose, which is finite. Fails if there is no memory for the pyramid.
+    /// Checks for every pose, all finite, if the rover may stand there. Fails if there is no memory for the pyramid.
     pub fn judge(&self, poses: &[[f64; 3]], verdicts: &mut [Verdict], workers: Workers) -> Result<(), Error> {
         let ground = Ground { pyramid: self.settler.ground.pyramid()?, error: self.error };
         let share = poses.len().div_ceil(workers.threads.max(1)).max(64);

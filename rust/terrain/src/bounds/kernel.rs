@@ -3,7 +3,7 @@
 use pulp::{Scalar, Simd};
 
 use super::boxes::Patch;
-use super::plan::{COUNT, Knowledge, Plan, TILT};
+use super::plan::{BoundsConstants, COUNT, Knowledge, TILT};
 use super::stand::Under;
 use crate::interval::{Interval, all};
 use crate::pyramid::{Boxes, Pyramid, nothing};
@@ -17,7 +17,7 @@ use six_wheel_numerics::threads::workers::Workers;
 /// Lanes of the widest level.
 const MOST: usize = 8;
 
-/// How much wider the intervals are made: more than the kernel and a settled pose can round [m, rad].
+/// Widening of the intervals [m, rad]: more than the rounding errors of the kernel and of a settled pose.
 const ROUNDING: f64 = 1e-9;
 
 /// Poses that are tried with one plan before the next: their numbers stay in the first-level cache.
@@ -26,16 +26,16 @@ const BLOCK: usize = 256;
 /// Positions from which on neighbouring doubles are further apart than a wheel is large.
 const FAR: f64 = 1e15;
 
-/// What the ground is known to be.
+/// The ground, with the error of its heights.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
     /// Its extremes.
     pub pyramid: &'a Pyramid,
-    /// How far the true heights may be from those of the map [m].
+    /// Largest difference between the true heights and those of the map [m].
     pub error: f64,
 }
 
-/// What else than the pose itself is asked about.
+/// Ranges of yaw and position about every pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Margins<'a> {
     /// Yaw up to so much to either side, per row or once [rad].
@@ -54,7 +54,7 @@ impl Margins<'_> {
 /// per pose, and the worth of every row; intervals that are not known are NaN. Poses whose wheels may leave the boxes
 /// of a plan are tried with the next.
 pub fn bounds(
-    plans: &[Plan],
+    plans: &[BoundsConstants],
     ground: Ground<'_>,
     poses: &[[f64; 3]],
     margins: Margins<'_>,
@@ -65,7 +65,7 @@ pub fn bounds(
     let workers = workers.here();
     let share = workers.share(poses.len());
     let mut blocks = blocks.map(|block| block.chunks_mut(share));
-    let jobs = worth.chunks_mut(share).enumerate().map(|(k, worth)| Job {
+    let jobs = worth.chunks_mut(share).enumerate().map(|(k, worth)| BoundsRange {
         plans,
         ground,
         poses: &poses[k * share..][..worth.len()],
@@ -86,8 +86,8 @@ pub fn bounds(
 }
 
 /// Poses that one thread takes.
-struct Job<'a> {
-    plans: &'a [Plan],
+struct BoundsRange<'a> {
+    plans: &'a [BoundsConstants],
     ground: Ground<'a>,
     poses: &'a [[f64; 3]],
     margins: Margins<'a>,
@@ -97,7 +97,7 @@ struct Job<'a> {
     worth: &'a mut [Knowledge],
 }
 
-impl Kernel for Job<'_> {
+impl Kernel for BoundsRange<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -106,7 +106,7 @@ impl Kernel for Job<'_> {
     }
 }
 
-/// How far a point one metre from the origin goes over an interval of yaw [m].
+/// Largest distance that a point one metre from the origin moves over an interval of yaw [m].
 fn chord(margin: f64) -> f64 {
     if margin == 0.0 { 0.0 } else { 2.0 * (0.5 * margin.min(std::f64::consts::PI)).sin() }
 }
@@ -124,7 +124,7 @@ fn store<S: Simd>(lanes: Lanes<S>, column: &mut Column) {
     lanes.store(S::as_mut_simd_f64s(&mut column[..S::F64_LANES]).0, 0);
 }
 
-impl Job<'_> {
+impl BoundsRange<'_> {
     #[inline(always)]
     fn work<S: Vector>(mut self, simd: S) {
         for first in (0..self.poses.len()).step_by(BLOCK) {
@@ -148,7 +148,7 @@ impl Job<'_> {
 
     /// The poses of as many rows as there are lanes, or fewer.
     #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, plan: &Plan, rows: &[usize]) {
+    fn some<S: Vector>(&mut self, simd: S, plan: &BoundsConstants, rows: &[usize]) {
         let apart = rows.len() < S::F64_LANES || rows[rows.len() - 1] - rows[0] >= S::F64_LANES;
         let pose = if apart {
             let mut columns = [[0.0; MOST]; 3];
@@ -205,8 +205,9 @@ impl Job<'_> {
     }
 }
 
-impl Job<'_> {
-    /// How far a point one metre from the origin goes over the interval of yaw, and how far all points go [m].
+impl BoundsRange<'_> {
+    /// Largest distance that a point one metre from the origin moves over the interval of yaw, and that of all points
+    /// [m].
     #[inline(always)]
     fn spread<S: Vector>(&self, simd: S, rows: &[usize]) -> [Lanes<S>; 2] {
         let Margins { yaw, position } = self.margins;
@@ -239,7 +240,7 @@ fn within_turns<S: Vector>(simd: S, yaw: Lanes<S>) -> Lanes<S> {
     load(simd, &turned)
 }
 
-/// What is known, by its number.
+/// Statuses in the order of their numbers.
 const KNOWLEDGE: [Knowledge; 6] = [
     Knowledge::Bounded,
     Knowledge::OffMap,
@@ -254,13 +255,14 @@ fn code<S: Simd>(simd: S, knowledge: Knowledge) -> Lanes<S> {
     all(simd, f64::from(knowledge as u8))
 }
 
-/// Where the poses are, in cells of the map.
+/// Poses in cells of the map.
 struct Place<S: Vector> {
     origin: [Lanes<S>; 2],
     /// Cells along the map's rows and columns per metre ahead and per metre to the left.
     ahead: [Lanes<S>; 2],
     left: [Lanes<S>; 2],
-    /// How far a point one metre from the origin goes over the interval of yaw, and all points go, in cells.
+    /// Largest distance that a point one metre from the origin moves over the interval of yaw, and that of all points,
+    /// in cells.
     chord: [Lanes<S>; 2],
     margin: [Lanes<S>; 2],
     /// Number of cells.
@@ -341,14 +343,14 @@ struct Seen<S: Vector> {
     /// Lowest and highest under each wheel, left and right, front to rear, less the mean of all [m].
     wheels: [[Interval<S>; 3]; 2],
     under: Under<S>,
-    /// Whether all of it is on the map, and is known.
+    /// True if all of it is on the map, and if all of it is known.
     on_map: Mask<S>,
     known: Mask<S>,
 }
 
 impl<S: Vector> Seen<S> {
     #[inline(always)]
-    fn new(simd: S, plan: &Plan, ground: Ground<'_>, place: &Place<S>) -> Self {
+    fn new(simd: S, plan: &BoundsConstants, ground: Ground<'_>, place: &Place<S>) -> Self {
         let yes = all(simd, 0.0).at_most(all(simd, 0.0));
         let (mut on_map, mut known) = (yes, yes);
         let mut wheels = [[[all(simd, 0.0); 2]; 3]; 2];

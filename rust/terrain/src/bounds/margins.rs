@@ -27,7 +27,7 @@ pub struct MarginSlopes<const N: usize> {
     pub clearance: [f64; N],
 }
 
-/// What the derivatives are by.
+/// The variables of the derivatives.
 #[derive(Clone, Copy)]
 enum By<'a> {
     Pose,
@@ -114,7 +114,7 @@ impl<const N: usize> Answer<'_, N> {
         answers
     }
 
-    /// How a point moves that answers to the state like this, beside what it does by itself.
+    /// Derivatives of a point: `moved`, those at a constant state, plus `slopes` times the derivatives of the state.
     fn with_state(&self, mut moved: [Vector3<f64>; N], slopes: &[Vector3<f64>]) -> [Vector3<f64>; N] {
         for (slope, state) in slopes.iter().zip(&self.state) {
             for (point, by) in moved.iter_mut().zip(state) {
@@ -124,7 +124,7 @@ impl<const N: usize> Answer<'_, N> {
         moved
     }
 
-    /// How a point of the body moves.
+    /// Derivatives of a point fixed to the body [m].
     fn body(&self, point: Vector3<f64>) -> [Vector3<f64>; N] {
         let arm = point - self.placed.origin;
         let mut moved = [Vector3::zeros(); N];
@@ -136,7 +136,7 @@ impl<const N: usize> Answer<'_, N> {
         self.with_state(moved, &self.placed.body_slopes(point))
     }
 
-    /// How a point fixed to the carrier of a wheel moves, and a direction from there.
+    /// Derivatives of a point fixed to the carrier of a wheel, and of a direction from there.
     fn carried(&self, wheel: usize, point: Vector3<f64>, direction: Vector3<f64>) -> [[Vector3<f64>; N]; 2] {
         let here = self.placed.point_slopes(wheel, point);
         let there = self.placed.point_slopes(wheel, point + direction);
@@ -159,7 +159,7 @@ impl<const N: usize> Answer<'_, N> {
         [self.with_state(moved, &here[3..]), self.with_state(turned, &turns[3..])]
     }
 
-    /// How the touching point of a wheel moves.
+    /// Derivatives of the touching point of a wheel.
     fn contact(&self, wheel: usize) -> Option<[Vector3<f64>; N]> {
         let (frame, contact) = (self.placed.wheel(wheel), &self.stand.wheels[wheel]);
         let (radius, at) = (self.chain.wheels()[wheel].radius, contact.at);

@@ -6,7 +6,7 @@ use super::side::Side;
 use crate::suspension::{Bogie, Differential, Dimensions};
 use six_wheel_numerics::error::{Error, number};
 
-/// What the bounds of a pose are worth.
+/// Status of the bounds of a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Knowledge {
@@ -34,9 +34,9 @@ pub(super) const COUNT: usize = QUANTITIES.len();
 /// The tilt's number among them.
 pub(super) const TILT: usize = 3;
 
-/// How far something of the body may be seen from where it is seen when the rover stands level.
+/// Largest displacement, seen from above, of a part of the body from its place on a level rover within its box.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Room {
+pub(super) struct VisibilityBox {
     /// Sizes of its coordinates in the body [m].
     pub(super) place: [f64; 3],
     /// Radius of a wheel, 0 for the belly [m].
@@ -45,7 +45,7 @@ pub(super) struct Room {
     pub(super) room: [f64; 2],
 }
 
-impl Room {
+impl VisibilityBox {
     /// Of a box of the body `half` as long and as wide, about `place` when level.
     fn new(patch: Patch, place: [f64; 3], half: [f64; 2], radius: f64) -> Self {
         let room = |axis: usize| patch.half[axis] - half[axis] - (patch.centre[axis] - place[axis]).abs();
@@ -54,9 +54,9 @@ impl Room {
     }
 }
 
-/// What the kernel needs to know of a rover.
+/// Constants of a rover for the kernel.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct BoundsConstants {
     pub(super) side: Side,
     /// Boxes of the left and the right wheels, front to rear, in parts.
     pub(super) wheels: [[[Patch; 3]; 3]; 2],
@@ -70,24 +70,24 @@ pub struct Plan {
     /// Smallest lateral distance of a wheel, and what those of each pair have more [m].
     pub(super) lateral: f64,
     pub(super) offsets: [f64; 3],
-    /// Which pairs are the rocker's, the bogie's ahead and the bogie's behind.
+    /// Pairs of wheels, from the front: the rocker's, the bogie's ahead and the bogie's behind.
     pub(super) roles: [usize; 3],
     /// From D to the rocker's wheel and to B; from B to its wheels ahead and behind.
     pub(super) vectors: [[f64; 3]; 4],
-    /// How far the wheels of each pair, and the belly, may move in their boxes.
-    pub(super) rooms: [Room; 4],
+    /// Displacements of the wheels of each pair, and of the belly, within their boxes.
+    pub(super) rooms: [VisibilityBox; 4],
     /// See [`boxes::sag`].
     pub(super) sag: [f64; 4],
-    /// How far a bar that couples the rockers may move a wheel from where a gear would have it, at most [m].
+    /// Largest displacement of a wheel by a coupling bar against that by a gear [m].
     pub(super) looseness: f64,
     pub(super) within: Within,
-    /// How far the mean of the rockers' angles, as they are coupled, is from 0 at most [rad].
+    /// Largest size of the mean of the rockers' angles, as they are coupled [rad].
     pub(super) slack: f64,
     pub(super) rocker_limit: [f64; 2],
     pub(super) bogie_limit: [f64; 2],
 }
 
-impl Plan {
+impl BoundsConstants {
     /// For a rover with this belly, its wheels in boxes for angles within a range.
     pub fn new(dimensions: &Dimensions, plate: Belly, within: Within) -> Result<Self, Error> {
         let largest = 40_f64.to_radians();
@@ -109,8 +109,8 @@ impl Plan {
         let radius = dimensions.wheel_radius;
         let belly = boxes::plate(x, [-half_width, half_width], z, within);
         let rooms = std::array::from_fn(|k| match k {
-            3 => Room::new(belly, [middle, 0.0, z], [(x[1] - x[0]) / 2.0, half_width], 0.0),
-            _ => Room::new(left[k], dimensions.level_place(k), [radius, 0.0], radius),
+            3 => VisibilityBox::new(belly, [middle, 0.0, z], [(x[1] - x[0]) / 2.0, half_width], 0.0),
+            _ => VisibilityBox::new(left[k], dimensions.level_place(k), [radius, 0.0], radius),
         });
         let slack = slack(dimensions.differential, within.rocker)?;
         let arms: f64 = vectors.iter().map(|[x, _, z]| x.hypot(*z)).sum();

@@ -57,15 +57,15 @@ impl Lever {
     }
 }
 
-/// What the kernel needs to know of a side.
+/// Constants of a side for the kernel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
     pub bogie: Lever,
     pub rocker: Lever,
-    /// Whether the bogie is in front of the rocker's axis.
+    /// True if the bogie is in front of the rocker's axis.
     pub in_front: bool,
-    /// Whether the bogie's angle against the rocker has its extremes at the corners of the bogie's own: the rocker
-    /// is turned less by the wheels of the bogie than the bogie is.
+    /// True if the bogie's angle against the rocker has its extremes at the corners of the bogie's own: the rocker is
+    /// turned less by the wheels of the bogie than the bogie is.
     pub coupled: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What a settled pose means for the rover: loads of the wheels, how far it is from tipping over.
+//! Loads of the wheels in a settled pose, and its margin against tipping over.
 
 use nalgebra::{Matrix6, Unit, Vector3, Vector6};
 
@@ -61,7 +61,7 @@ pub fn tip_over_angle(chain: &Chain, stand: &Stand, placed: &Placed<'_>, centre:
 pub(super) struct Edge {
     /// See [`tip_over_angle`] [rad].
     pub angle: f64,
-    /// Whose contacts it goes through.
+    /// The wheels whose contacts it goes through.
     pub wheels: [usize; 2],
     /// These contacts [m].
     pub points: [Vector3<f64>; 2],
@@ -127,7 +127,7 @@ pub fn tilt(placed: &Placed<'_>) -> f64 {
     up.x.hypot(up.y).atan2(up.z)
 }
 
-/// How far, in the body, the wheel that has come down most is below its place at angles 0 [m].
+/// Largest distance, in the body, of a wheel below its place at angles 0 [m].
 pub fn wheel_drop(chain: &Chain, placed: &Placed<'_>, level: &[f64; MAX_WHEELS]) -> f64 {
     let up = placed.rotation.column(2);
     let drops =

@@ -4,7 +4,7 @@
 
 use pulp::Simd;
 
-use super::plan::{COUNT, Knowledge, Plan, Room};
+use super::plan::{BoundsConstants, COUNT, Knowledge, VisibilityBox};
 use super::side::{Lever, Side};
 use crate::interval::{Interval, Turned, all, asin, both, complement, even, inside, minus, sum, times, widest};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -38,7 +38,7 @@ struct Raised<S: Simd> {
     rocker: Interval<S>,
     /// Heights of B where the bogie is turned least and most [m].
     turned: Interval<S>,
-    /// Whether all extremes are at corners.
+    /// True if all extremes are at corners.
     sure: Mask<S>,
 }
 
@@ -105,7 +105,7 @@ impl Side {
     }
 }
 
-impl Plan {
+impl BoundsConstants {
     /// Reduced heights of the wheels of a side at inclinations in an interval: the rocker's, and the bogie's ahead
     /// and behind.
     #[inline(always)]
@@ -254,7 +254,7 @@ impl Plan {
         [[left, both!(end in on_left => sin_cos(simd, end))], [right, both!(end in on_right => sin_cos(simd, end))]]
     }
 
-    /// How much a vector of `vectors` ends lower than when it is level.
+    /// Height that the end of a vector of `vectors` loses against the level position [m].
     #[inline(always)]
     fn fall<S: Simd>(&self, k: usize, ends: &Turned<S>) -> Interval<S> {
         let simd = ends[0].0.simd();
@@ -264,7 +264,7 @@ impl Plan {
         [falls[0].min(falls[1]) - sag, falls[0].max(falls[1]) + sag]
     }
 
-    /// How far, in the body, the wheel that has come down most is below its place on level ground.
+    /// Largest distance, in the body, of a wheel below its place on level ground [m].
     #[inline(always)]
     fn drop<S: Simd>(&self, turned: &[[Turned<S>; 2]; 2]) -> Interval<S> {
         let simd = turned[0][0][0].0.simd();
@@ -280,7 +280,7 @@ impl Plan {
         [most[0] - loose, most[1] + loose]
     }
 
-    /// How far the end of a vector of `vectors` swings along and across.
+    /// Largest displacements of the end of a vector of `vectors`, along and across [m].
     #[inline(always)]
     fn swing<S: Simd>(&self, k: usize, ends: &Turned<S>) -> Interval<S> {
         let simd = ends[0].0.simd();
@@ -291,7 +291,7 @@ impl Plan {
         [z * sin + x * less, x * sin + z * less]
     }
 
-    /// Whether every wheel and the belly, seen from above, are in the boxes that were looked at.
+    /// True if every wheel and the belly, seen from above, are in the boxes of ground that were searched.
     ///
     /// Stretched from level to what it is, the ground leads the rover from where all wheels are in their boxes to
     /// where it stands. It cannot leave them on the way while the bounds, which hold inside, say that it is inside.
@@ -311,8 +311,8 @@ impl Plan {
     }
 }
 
-impl Room {
-    /// Whether something that has moved so far ahead and up in the body is seen inside, at these sines at most.
+impl VisibilityBox {
+    /// True if a part that has moved so far ahead and up in the body is seen inside, at these sines at most.
     #[inline(always)]
     fn holds<S: Simd>(&self, moved: [Lanes<S>; 2], pitch: Lanes<S>, roll: Lanes<S>) -> Mask<S> {
         let simd = pitch.simd();
@@ -326,7 +326,7 @@ impl Room {
     }
 }
 
-/// How the body is held.
+/// Height of the rockers' axis and inclination of the body.
 struct Posture<S: Simd> {
     /// Height of the axis of the rockers, in the plane [m].
     axis: Interval<S>,

@@ -5,8 +5,8 @@
 //! so near that the way from there could have closed it. Whatever is not as plain as that (unknown ground, the end
 //! of the map, a joint past its stop, a wall as high as a wheel, no end of rounds) is for [`Settler`] alone.
 
-use super::look::{Extent, Here, Look, MARGIN, MOST, UPPER, spread};
-use super::plan::{Placing, Plan, Rows, solve};
+use super::look::{Extent, Here, MARGIN, MOST, RimScan, UPPER, spread};
+use super::plan::{ChainConstants, Placing, Rows, solve};
 use super::settler::{Settler, Status};
 use super::stand::{Contact, Stand};
 use crate::ground::rims::circles::{FAR, cells, floor};
@@ -42,7 +42,7 @@ const ARM: f64 = 3.0;
 /// Nearest and farthest that a short look goes beyond the last contact [rad].
 const LOOK: [f64; 2] = [0.02, 0.3];
 
-/// What is known of a pose while it settles.
+/// State of the solution for a pose.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Phase {
     /// It is not near: its next look is about the lowest of some points.
@@ -57,7 +57,7 @@ enum Phase {
     Short,
 }
 
-/// What looks there are.
+/// States in which a pose is looked at.
 const LOOKS: [Phase; 4] = [Phase::Far, Phase::Whole, Phase::Short, Phase::Both];
 
 /// Numbers of the poses, column by column.
@@ -72,7 +72,7 @@ mod column {
     pub const WORST: usize = 4;
     /// Share of the step that is taken.
     pub const SHARE: usize = 5;
-    /// How far the next short look goes [rad].
+    /// Range of the next short look to either side of the last contacts [rad].
     pub const LOOK: usize = 6;
     pub const STATE: usize = 7;
     /// Sine and cosine of the contact angle of every wheel.
@@ -102,14 +102,14 @@ pub(crate) fn settle(
     stands: &mut [Stand],
     left: &mut Vec<Left>,
 ) -> Option<()> {
-    let plan = Plan::new(settler.chain, steered)?;
-    let job = Job { settler, plan: &plan, poses, steering, steered, stands, left };
+    let plan = ChainConstants::new(settler.chain, steered)?;
+    let job = SettleRange { settler, plan: &plan, poses, steering, steered, stands, left };
     settler.level.run(job)
 }
 
-struct Job<'a, 'b> {
+struct SettleRange<'a, 'b> {
     settler: &'a Settler<'b>,
-    plan: &'a Plan,
+    plan: &'a ChainConstants,
     poses: &'a [[f64; 3]],
     steering: &'a dyn Fn(usize) -> [f64; MAX_WHEELS],
     steered: bool,
@@ -118,7 +118,7 @@ struct Job<'a, 'b> {
     left: &'a mut Vec<Left>,
 }
 
-impl Kernel for Job<'_, '_> {
+impl Kernel for SettleRange<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -192,7 +192,7 @@ fn scatter<S: Vector>(column: &mut [f64; CHUNK], rows: &[u16], lanes: Lanes<S>) 
     }
 }
 
-impl Job<'_, '_> {
+impl SettleRange<'_, '_> {
     fn begin(&self, chunk: &mut Chunk, first: usize, count: usize) {
         let ground = self.settler.ground;
         let turn = ground.turn();
@@ -398,7 +398,15 @@ impl Job<'_, '_> {
 
     /// Writes lanes that have just settled; those with a joint past its stop, and those that are not sure, are left.
     #[inline(always)]
-    fn settled<S: Vector>(&mut self, _: S, chunk: &Chunk, first: usize, rows: &[u16], here: &Here<S>, look: &Look<S>) {
+    fn settled<S: Vector>(
+        &mut self,
+        _: S,
+        chunk: &Chunk,
+        first: usize,
+        rows: &[u16],
+        here: &Here<S>,
+        look: &RimScan<S>,
+    ) {
         let mut states = [[0.0; MOST]; MAX_STATE];
         for (numbers, lanes) in states.iter_mut().zip(here.state) {
             *numbers = spread(lanes);

@@ -69,7 +69,7 @@ pub fn by_dimension(
     })
 }
 
-/// How the centre of a wheel moves by the vectors of a rocker-bogie, the state as it is.
+/// Derivatives of the centre of a wheel by the vectors of a rocker-bogie, at a constant state.
 pub fn shift_by_dimension(of: &Dimensions, placed: &Placed<'_>, wheel: usize) -> [Vector3<f64>; DIMENSIONS - 1] {
     let (pair, side) = (wheel / 2, wheel % 2);
     let (rocker, bogie) = (side, 2 + side);

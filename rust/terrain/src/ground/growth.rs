@@ -48,8 +48,8 @@ const THERE: f64 = 1e-9;
 const BEND: f64 = 0.7;
 const AROUND: f64 = 2e-3;
 
-/// Where the wheels are: their gaps, and how these change with the state and the share.
-struct Look {
+/// Gaps of the wheels, and their derivatives by the state and the share.
+struct GapJacobian {
     gaps: SVector<f64, SIZE>,
     slopes: SMatrix<f64, SIZE, SIZE>,
 }
@@ -64,7 +64,8 @@ struct Growth<'a, 'b> {
 }
 
 impl<'a> Settler<'a> {
-    /// Where the chain stands with no joint at a stop, by the ground growing under it; or why it was not found.
+    /// Settles the chain with no joint at a stop, by scaling the heights from flat ground to the map; or the status of
+    /// a failure.
     pub(crate) fn grown(&self, pose: PlanPose, steering: &[f64]) -> Result<Attempt<'a>, Status> {
         let Sample::Known { height, .. } = self.ground.sample(pose.x, pose.y, Interpolation::Bilinear) else {
             return Err(Status::NotConverged);
@@ -80,13 +81,13 @@ impl<'a> Growth<'a, '_> {
     }
 
     /// None where the differential does not reach or no ground is known.
-    fn look(&self, point: &Point) -> Option<Look> {
+    fn look(&self, point: &Point) -> Option<GapJacobian> {
         let share = point[MAX_STATE];
         let (ground, chain) = (self.settler.ground, self.settler.chain);
         let state: State = std::array::from_fn(|k| point[k]);
         let over = [share, self.datum];
         let touches = Touches::over_part(ground, chain, self.pose, &state, self.steering, over)?;
-        let mut look = Look { gaps: SVector::zeros(), slopes: SMatrix::identity() };
+        let mut look = GapJacobian { gaps: SVector::zeros(), slopes: SMatrix::identity() };
         for wheel in 0..self.count().min(MAX_WHEELS) {
             let (touch, (_, slopes)) = (&touches.wheels[wheel], touches.slopes(wheel));
             if touch.gap.is_nan() {
@@ -103,7 +104,7 @@ impl<'a> Growth<'a, '_> {
     }
 
     /// Back to the curve, across a direction. None where Newton's method does not lead there.
-    fn back(&self, mut point: Point, across: &Point) -> Option<(Point, Look)> {
+    fn back(&self, mut point: Point, across: &Point) -> Option<(Point, GapJacobian)> {
         let mut worst = f64::INFINITY;
         for _ in 0..TURNS {
             let mut look = self.look(&point)?;
@@ -126,7 +127,7 @@ impl<'a> Growth<'a, '_> {
     /// At a corner, where a wheel gets another contact or goes over a crease, the curve may turn back by more than a right angle,
     /// so that the way it came does not say which way it goes on. The determinant does: its sign is kept where a row of slopes
     /// is exchanged for that of the other contact, whose gap has to get smaller than that of the one before.
-    fn along(look: &Look, turns: f64) -> Option<Point> {
+    fn along(look: &GapJacobian, turns: f64) -> Option<Point> {
         // Orthogonal to the slopes of all gaps.
         let q = look.slopes.transpose().qr().q();
         let mut direction: Point = q.column(MAX_STATE).into_owned();
@@ -189,7 +190,7 @@ impl<'a> Growth<'a, '_> {
     }
 
     /// On nearly flat ground.
-    fn begin(&self, share_alone: &Point) -> Option<(Point, Look)> {
+    fn begin(&self, share_alone: &Point) -> Option<(Point, GapJacobian)> {
         let mut point = Point::zeros();
         point[0] = self.datum;
         point[MAX_STATE] = FIRST;

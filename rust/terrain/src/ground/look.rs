@@ -1,6 +1,6 @@
 //! A look at the rims of poses in lanes: gaps, what else is near, and the system of Newton's step.
 
-use super::plan::{Placing, Plan, Rows, Turned, Vectors};
+use super::plan::{ChainConstants, Placing, Rows, Turned, Vectors};
 use crate::ground::rims::circles::{FAR, Point, Rims, cells, floor};
 use crate::ground::rims::search::{Found, Stretch, search};
 use crate::suspension::{MAX_STATE, MAX_WHEELS};
@@ -12,10 +12,10 @@ use six_wheel_numerics::simd::vector::Vector;
 /// Lanes of the widest level.
 pub(crate) const MOST: usize = 8;
 
-/// [`Look::clear`] where the upper halves were left out and may matter.
+/// [`RimScan::clear`] where the upper halves were left out and may matter.
 pub(crate) const UPPER: f64 = -1.0;
 
-/// How far above the gap anything else along the rim is of interest [m].
+/// Height above the gap up to which other minima along the rim are kept [m].
 pub(crate) const MARGIN: f64 = 1e-4;
 
 /// Between points of [`SAMPLES`] [rad].
@@ -42,7 +42,7 @@ pub(crate) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; MOST] {
     values
 }
 
-/// Where poses are in the axes of the grid [m], in lanes, and what is known of them.
+/// Poses in the axes of the grid [m], in lanes, with their states.
 pub(crate) struct Here<S: Vector> {
     pub origin: [Lanes<S>; 2],
     pub yaw: Turned<S>,
@@ -52,7 +52,7 @@ pub(crate) struct Here<S: Vector> {
     pub contacts: [[Lanes<S>; 2]; MAX_WHEELS],
 }
 
-/// How much of the rims to look at.
+/// Part of the rims to search.
 pub(crate) enum Extent<S: Vector> {
     /// All of the lower halves that may touch.
     Whole,
@@ -64,27 +64,27 @@ pub(crate) enum Extent<S: Vector> {
     Sampled,
 }
 
-/// What a look at the rims has found.
-pub(crate) struct Look<S: Vector> {
+/// Result of a search along the rims.
+pub(crate) struct RimScan<S: Vector> {
     pub rows: Rows<S>,
     pub found: [Found<S>; MAX_WHEELS],
     pub worst: Lanes<S>,
-    /// How much higher anything else along the rims is, up to [`MARGIN`] [m]; below 0 where that is not known.
+    /// Smallest height of other minima along the rims above the gap, up to [`MARGIN`] [m]; below 0 if it is not known.
     pub clear: Lanes<S>,
-    /// Whether every rim has a contact there.
+    /// True if every rim has a contact there.
     pub touches: Mask<S>,
 }
 
 impl<S: Vector> Here<S> {
     /// Looks at all rims.
     #[inline(always)]
-    pub fn look(&self, simd: S, plan: &Plan, ground: &Terrain, extent: &Extent<S>) -> Look<S> {
+    pub fn look(&self, simd: S, plan: &ChainConstants, ground: &Terrain, extent: &Extent<S>) -> RimScan<S> {
         let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let spacing = ground.spacing();
         let per_metre = [Lanes::splat(simd, 1.0 / spacing[0]), Lanes::splat(simd, 1.0 / spacing[1])];
         let placing = Placing::new(simd, plan, self.yaw, &self.state, &self.steering);
         let nothing = Found { gap: zero, at: [zero, unit], slope: [zero; 2], others: zero };
-        let mut look = Look {
+        let mut look = RimScan {
             rows: [([zero; MAX_STATE], zero); MAX_WHEELS],
             found: [nothing; MAX_WHEELS],
             worst: zero,
@@ -182,7 +182,7 @@ fn gap<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, [sin, cos]: [Lanes<
     at[2] - (cell.h00 + cell.along * a + (cell.across + cell.twist * a) * b)
 }
 
-/// What is near the last contact.
+/// Interval of directions about the last contact.
 #[inline(always)]
 fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> Stretch<S> {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));

@@ -2,7 +2,7 @@
 
 use super::settler::Settler;
 use super::touch::Touches;
-use crate::ground::rims::rim::Part;
+use crate::ground::rims::rim::RimSegment;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
 use crate::terrain::{Interpolation, Sample};
 
@@ -18,7 +18,7 @@ const STEPS: usize = 40;
 /// Steps that may close no gap before another start is tried.
 const STALLS: usize = 5;
 
-/// What touches and what may move.
+/// The active set: joints held at an angle, and wheels in the air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
     /// Angles of the joints that are held.
@@ -31,7 +31,7 @@ impl Hold {
     /// Nothing held, nothing in the air.
     pub const NONE: Self = Self { joints: [None; MAX_FREE], hanging: 0 };
 
-    /// Whether a wheel touches.
+    /// True if a wheel touches.
     #[inline]
     pub fn touches(&self, wheel: usize) -> bool {
         self.hanging >> wheel & 1 == 0
@@ -131,7 +131,7 @@ impl<'a> Settler<'a> {
         pose: PlanPose,
         state: &State,
         steering: &[f64],
-        part: Part,
+        part: RimSegment,
         near: Option<&Touches<'a>>,
     ) -> Option<Touches<'a>> {
         let mut touches = Touches::nowhere(self.chain);
@@ -145,7 +145,7 @@ impl<'a> Settler<'a> {
         pose: PlanPose,
         state: &State,
         steering: &[f64],
-        part: Part,
+        part: RimSegment,
         near: Option<&Touches<'a>>,
     ) -> Option<()> {
         let (ground, chain) = (self.ground, self.chain);
@@ -154,7 +154,7 @@ impl<'a> Settler<'a> {
 
     /// Closes the gaps from a start. None where the differential does not reach.
     pub fn close(&self, pose: PlanPose, steering: &[f64], start: State, hold: &Hold) -> Option<Attempt<'a>> {
-        let (mut part, mut stalls) = (Part::Lower, 0);
+        let (mut part, mut stalls) = (RimSegment::Lower, 0);
         let mut state = start;
         for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
             *angle = held.unwrap_or(*angle);
@@ -169,8 +169,8 @@ impl<'a> Settler<'a> {
             let tolerance = self.tolerance(&state);
             if worst <= tolerance {
                 // Only the whole rim says that nothing else touches.
-                if part == Part::Lower && here.look_up(self.ground, self.chain) {
-                    part = Part::Whole;
+                if part == RimSegment::Lower && here.look_up(self.ground, self.chain) {
+                    part = RimSegment::Whole;
                     worst = self.worst(here, hold);
                 }
                 if worst <= tolerance {
@@ -222,7 +222,7 @@ impl<'a> Settler<'a> {
 
     /// A state whose gaps are as small as rounding lets them be, looked at once more all along the rims.
     fn accept(&self, pose: PlanPose, steering: &[f64], state: State, hold: &Hold) -> Option<Attempt<'a>> {
-        let touches = self.touches(pose, &state, steering, Part::Whole, None)?;
+        let touches = self.touches(pose, &state, steering, RimSegment::Whole, None)?;
         let closed = self.worst(&touches, hold) < 1e-10;
         Some(Attempt { state, touches, closed })
     }

@@ -12,7 +12,7 @@ use six_wheel_numerics::simd::vector::Vector;
 /// A vector in every lane.
 pub(crate) type Vectors<S> = [Lanes<S>; 3];
 
-/// What turns a part.
+/// The angle that turns a part.
 #[derive(Clone, Copy, Debug)]
 enum Turn {
     /// A free angle, forwards or backwards.
@@ -23,7 +23,7 @@ enum Turn {
 
 /// A part that turns about the axis with this number of its parent.
 #[derive(Clone, Copy, Debug)]
-struct Part {
+struct Link {
     parent: Option<usize>,
     origin: [f64; 3],
     axis: usize,
@@ -46,10 +46,10 @@ struct Mover {
     sign: f64,
 }
 
-/// What lanes need to know of a chain.
+/// Constants of a chain for lanes.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
-    parts: Vec<Part>,
+pub(crate) struct ChainConstants {
+    parts: Vec<Link>,
     wheels: Vec<Wheel>,
     /// Of every wheel.
     movers: Vec<Vec<Mover>>,
@@ -57,7 +57,7 @@ pub(crate) struct Plan {
     columns: Vec<(usize, u32)>,
 }
 
-impl Plan {
+impl ChainConstants {
     /// None for chains that are not for lanes. Without steering, knuckles are part of what carries them.
     pub fn new(chain: &Chain, steered: bool) -> Option<Self> {
         if chain.wheels().len() != chain.state_count() {
@@ -82,7 +82,7 @@ impl Plan {
             let unit = |axis: &usize| (0..3).all(|k| part.axis[k] == f64::from(k == *axis));
             let axis = (0..3).find(unit)?;
             places.push((Some(plan.parts.len()), [0.0; 3]));
-            plan.parts.push(Part { parent, origin, axis, turn });
+            plan.parts.push(Link { parent, origin, axis, turn });
         }
         for wheel in chain.wheels() {
             let (part, offset) = wheel.part.map_or((None, [0.0; 3]), |k| places[k]);
@@ -173,7 +173,7 @@ pub(crate) struct WheelAt<S: Vector> {
 
 /// The chain in lanes.
 pub(crate) struct Placing<'a, S: Vector> {
-    plan: &'a Plan,
+    plan: &'a ChainConstants,
     roll_axis: Vectors<S>,
     pitch_axis: Vectors<S>,
     /// Axes about which the parts turn.
@@ -189,7 +189,7 @@ impl<'a, S: Vector> Placing<'a, S> {
     #[inline(always)]
     pub fn new(
         simd: S,
-        plan: &'a Plan,
+        plan: &'a ChainConstants,
         yaw: Turned<S>,
         state: &[Lanes<S>; MAX_STATE],
         steering: &[Turned<S>; MAX_WHEELS],
@@ -245,7 +245,7 @@ impl<'a, S: Vector> Placing<'a, S> {
         Self { plan, roll_axis: body.columns[0], pitch_axis: [-sy, cy, zero], axes, origins, wheels }
     }
 
-    /// How the gap of a wheel changes with the state, at a point of its rim over ground with this gradient.
+    /// Derivatives of the gap of a wheel by the state, at a point of its rim over ground with this gradient.
     #[inline(always)]
     pub fn slopes(&self, simd: S, wheel: usize, point: Vectors<S>, gradient: [Lanes<S>; 2]) -> [Lanes<S>; MAX_STATE] {
         let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
@@ -275,7 +275,7 @@ pub(crate) type Rows<S> = [([Lanes<S>; MAX_STATE], Lanes<S>); MAX_WHEELS];
 
 /// Solves by elimination with row exchanges, lane by lane. Where it is singular the numbers are not finite, or huge.
 #[inline(always)]
-pub(crate) fn solve<S: Vector>(simd: S, plan: &Plan, rows: &mut Rows<S>) -> [Lanes<S>; MAX_STATE] {
+pub(crate) fn solve<S: Vector>(simd: S, plan: &ChainConstants, rows: &mut Rows<S>) -> [Lanes<S>; MAX_STATE] {
     let mut left = (1_u32 << plan.wheels.len()) - 1;
     let mut pivots = [0; MAX_STATE];
     for (step, (column, wheels)) in plan.columns.iter().enumerate() {

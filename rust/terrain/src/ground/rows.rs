@@ -81,7 +81,7 @@ pub(crate) fn settle_part<'a>(
     }
 }
 
-/// From how many poses on a batch is settled in lanes.
+/// True if a batch of so many poses is settled in lanes.
 pub(crate) fn worth_lanes(poses: usize) -> bool {
     poses >= WORTH_LANES
 }

@@ -1,4 +1,4 @@
-//! Where a chain settles on the ground, and why not.
+//! Settling of a chain on the ground, and the status of a failure.
 
 use super::newton::{Attempt, Hold};
 use super::settler::{Settled, Settler, Status};
@@ -8,8 +8,8 @@ use crate::suspension::{MAX_FREE, MAX_STATE, PlanPose, State};
 use six_wheel_numerics::error::{Error, finite};
 
 impl<'a> Settler<'a> {
-    /// Where the chain settles at a pose with these steering angles (none of them if all are 0). Fails where a
-    /// number is not finite.
+    /// Settles the chain at a pose with these steering angles (none of them if all are 0). Fails where a number is not
+    /// finite.
     pub fn settle(&self, pose: PlanPose, steering: &[f64]) -> Result<Settled<'a>, Error> {
         finite("poses", &[pose.x, pose.y, pose.yaw])?;
         finite("steering", steering)?;
@@ -99,9 +99,9 @@ impl<'a> Settler<'a> {
         Err(reason)
     }
 
-    /// Why a chain does not stand near a state.
+    /// Status of a chain that does not stand near a state.
     fn reason(&self, pose: PlanPose, steering: &[f64], near: &State) -> Status {
-        let part = crate::ground::rims::rim::Part::Whole;
+        let part = crate::ground::rims::rim::RimSegment::Whole;
         self.touches(pose, near, steering, part, None).map_or(Status::NotConverged, |touches| reason_of(&touches))
     }
 

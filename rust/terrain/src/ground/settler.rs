@@ -7,7 +7,7 @@ use crate::suspension::{Chain, MAX_FREE, State};
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::level::Level;
 
-/// What came of settling a pose.
+/// Outcome of settling a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Status {
@@ -49,7 +49,7 @@ impl Status {
         }
     }
 
-    /// Why nothing stands; nothing where something does.
+    /// Reason for which nothing stands; empty for a pose that stands.
     pub fn reason(self) -> &'static str {
         match self {
             Self::Settled | Self::AtStop => "",
@@ -60,7 +60,7 @@ impl Status {
         }
     }
 
-    /// Whether the state is one that the rover stands in.
+    /// True if the rover stands in the state.
     #[inline]
     pub fn stands(self) -> bool {
         matches!(self, Self::Settled | Self::AtStop)
@@ -72,24 +72,24 @@ impl Status {
 pub struct Settler<'a> {
     /// The ground.
     pub ground: &'a Terrain,
-    /// What stands on it.
+    /// The chain that stands on it.
     pub chain: &'a Chain,
-    /// Where the weight acts, in the body [m]: it decides which wheel hangs where several might.
+    /// Centre of the weight in the body [m]: it decides between several wheels that might hang.
     pub balance: Vector3<f64>,
-    /// With which instructions wheels are looked at together.
+    /// Instruction level for several wheels at once.
     pub level: Level,
 }
 
 /// A pose with what came of it.
 #[derive(Clone, Debug)]
 pub struct Settled<'a> {
-    /// What came of it.
+    /// Outcome of settling.
     pub status: Status,
-    /// Where the chain stands; where it does not, NaN.
+    /// State of the chain; NaN if it does not stand.
     pub state: State,
     /// Its wheels there; None where it does not stand.
     pub touches: Option<Touches<'a>>,
-    /// Which joints are at their stops: -1 the lower, 1 the upper.
+    /// Stops of the joints: -1 at the lower, 1 at the upper, 0 at none.
     pub stops: [i8; MAX_FREE],
     /// Bits of the wheels in the air.
     pub hanging: u32,

@@ -9,13 +9,13 @@ use crate::ground::rims::rim::Minimum;
 use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
 use six_wheel_kinematics::wheels::Direction;
 
-/// What a settled pose is, without the chain.
+/// A settled pose, without the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)] // see `numbers`
 pub struct Stand {
-    /// What came of settling.
+    /// Outcome of settling.
     pub status: Status,
-    /// Which joints are at their stops: -1 the lower, 1 the upper.
+    /// Stops of the joints: -1 at the lower, 1 at the upper, 0 at none.
     pub stops: [i8; MAX_FREE],
     /// Bits of the wheels in the air.
     pub hanging: u8,
@@ -25,7 +25,7 @@ pub struct Stand {
     pub wheels: [Contact; MAX_WHEELS],
 }
 
-/// Where a wheel meets the ground.
+/// Contact of a wheel with the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)] // see `Stand::numbers`
 pub struct Contact {
@@ -111,7 +111,7 @@ impl Stand {
         unsafe { &*stand.byte_add(offset_of!(Self, state)).cast() }
     }
 
-    /// Whether a wheel touches the ground.
+    /// True if a wheel touches the ground.
     #[inline]
     pub fn touches(&self, wheel: usize) -> bool {
         self.hanging >> wheel & 1 == 0
@@ -125,7 +125,7 @@ impl Stand {
         chain.place(pose, &self.state, steering)
     }
 
-    /// Where a wheel touches [m], on its rim.
+    /// Contact point of a wheel, on its rim [m].
     #[inline]
     pub fn point(&self, chain: &Chain, placed: &Placed<'_>, wheel: usize) -> Vector3<f64> {
         rim_point(chain, placed, wheel, self.wheels[wheel].at)

@@ -29,10 +29,10 @@ const ROUNDING: f64 = 1e-9;
 /// A joint this far past its stop is at it [rad].
 pub(crate) const AT_STOP: f64 = 1e-12;
 
-/// Which stop each joint is at: -1 the lower, 1 the upper, 0 none.
+/// Stop of each joint: -1 the lower, 1 the upper, 0 none.
 pub(crate) type Stops = [i8; MAX_FREE];
 
-/// Which wheels are looked at for some to hang.
+/// The wheels tried as hanging.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Hanging {
     /// Those that a joint at its stop would lower.
@@ -50,17 +50,17 @@ pub struct Standing<'a> {
     pub load: f64,
     /// Smallest moment with which a stop holds its joint back, of the weight [m]; a negative one would have to pull.
     pub moment: f64,
-    /// Whether other wheels might hang at these stops, so that loads have to decide.
+    /// True if other wheels might hang at these stops, so that loads have to decide.
     pub open: bool,
 }
 
 impl Standing<'_> {
-    /// Whether no stop has to pull.
+    /// True if no stop has to pull.
     fn holds(&self) -> bool {
         self.moment >= -ROUNDING
     }
 
-    /// Whether no wheel has to be pulled down either.
+    /// True if no stop has to pull and no wheel has to be pulled down.
     fn stands(&self) -> bool {
         self.holds() && self.load >= -ROUNDING
     }
@@ -72,7 +72,7 @@ impl Standing<'_> {
 }
 
 impl<'a> Settler<'a> {
-    /// Which joints are past their stops.
+    /// Stops that the joints are past.
     pub(crate) fn past(&self, state: &State) -> Stops {
         let mut stops = [0; MAX_FREE];
         for (k, joint) in self.chain.joints().iter().enumerate() {
@@ -242,7 +242,7 @@ impl<'a> Settler<'a> {
         [loads().fold(f64::INFINITY, f64::min), held.map(moment).fold(f64::INFINITY, f64::min)]
     }
 
-    /// How far the weight rises with every number of the state.
+    /// Derivatives of the height of the weight by every number of the state.
     fn weight(&self, body: [Vector3<f64>; 3], touches: &Touches<'_>) -> [f64; MAX_STATE] {
         let wheels = self.chain.wheels().len();
         let share = 1.0 - WHEEL_WEIGHT * wheels as f64;

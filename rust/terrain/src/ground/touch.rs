@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::ground::rims::circle::Circle;
 use crate::ground::rims::circles::RIMS;
 use crate::ground::rims::lanes as rims;
-use crate::ground::rims::rim::{Minimum, Part, Rim, upper_half_matters, walk};
+use crate::ground::rims::rim::{Minimum, Rim, RimSegment, upper_half_matters, walk};
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State, WheelFrame};
 use crate::terrain::Terrain;
 use six_wheel_kinematics::wheels::Direction;
@@ -19,11 +19,11 @@ const BELOW: Direction = Direction { sin: 0.0, cos: 1.0 };
 pub struct Touch {
     /// The wheel.
     pub frame: WheelFrame,
-    /// What the walk along its rim has found.
+    /// Result of the search along its rim.
     pub rim: Rim,
     /// Least vertical distance of the rim over the ground [m]; NaN where there is no known ground.
     pub gap: f64,
-    /// Where that is [m].
+    /// Point of the rim with that distance [m].
     pub point: Vector3<f64>,
     /// Derivatives of the ground's height there by x and y; on a crease the mix of both sides that is square to
     /// the rim.
@@ -107,7 +107,7 @@ impl<'a> Touches<'a> {
         pose: PlanPose,
         state: &State,
         steering: &[f64],
-        part: Part,
+        part: RimSegment,
         near: Option<&Self>,
         level: Level,
     ) -> Option<()> {
@@ -120,8 +120,8 @@ impl<'a> Touches<'a> {
         let circles: [Circle; RIMS] = std::array::from_fn(|k| circle(ground, &frames[k], radius(k)));
         let least = rims::walk(level, ground, &circles, count);
         for (k, touch) in wheels.iter_mut().enumerate().take(count) {
-            let sure =
-                least[k].filter(|least| part == Part::Lower || !upper_half_matters(ground, &circles[k], least.gap));
+            let sure = least[k]
+                .filter(|least| part == RimSegment::Lower || !upper_half_matters(ground, &circles[k], least.gap));
             let rim = sure.map_or_else(
                 || {
                     let near = near.and_then(|near| near.wheels[k].rim.least);
@@ -156,7 +156,7 @@ impl<'a> Touches<'a> {
             circle.centre[2] = datum + (circle.centre[2] - datum) / share;
             circle.forward[2] /= share;
             circle.up[2] /= share;
-            let rim = walk(ground, &circle, Part::Lower, BELOW);
+            let rim = walk(ground, &circle, RimSegment::Lower, BELOW);
             let mut touch = Touch::of(ground, frame, radius, rim);
             touch.gap *= share;
             touch.gradient = touch.gradient.map(|slope| slope * share);
@@ -176,7 +176,7 @@ impl<'a> Touches<'a> {
             if upper_half_matters(ground, &circle, gap) {
                 looked = true;
                 let near = touch.rim.least.map_or(BELOW, |least| least.at);
-                let rim = walk(ground, &circle, Part::Whole, near);
+                let rim = walk(ground, &circle, RimSegment::Whole, near);
                 *touch = Touch::of(ground, touch.frame, wheel.radius, rim);
             }
         }
@@ -190,7 +190,7 @@ impl<'a> Touches<'a> {
         gap_slopes(&self.placed, wheel, touch.point, touch.gradient)
     }
 
-    /// Whether a rim lies over unknown cells, and whether one leaves the map.
+    /// True if a rim lies over unknown cells, and if one leaves the map.
     pub(crate) fn blind(&self) -> [bool; 2] {
         let any = |seen: fn(&Rim) -> bool| self.wheels.iter().any(|touch| seen(&touch.rim));
         [any(|rim| rim.unknown), any(|rim| rim.outside)]

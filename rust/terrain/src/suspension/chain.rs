@@ -27,7 +27,7 @@ pub const MAX_PARTS: usize = 10;
 /// Numbers that the ground decides: z, roll, pitch and the free angles.
 pub const MAX_STATE: usize = 3 + MAX_FREE;
 
-/// What turns a part.
+/// The angle that turns a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Turning {
     /// A free angle, as it is.
@@ -40,7 +40,7 @@ pub enum Turning {
 
 /// A rigid part of a suspension.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct ChainLink {
     /// Its name.
     pub name: Cow<'static, str>,
     /// The part that carries it; None is the body.
@@ -49,7 +49,7 @@ pub struct Part {
     pub origin: Vector3<f64>,
     /// Direction of its axis in the parent.
     pub axis: Unit<Vector3<f64>>,
-    /// What turns it.
+    /// The angle that turns it.
     pub turning: Turning,
 }
 
@@ -71,21 +71,21 @@ pub struct Mount {
 pub struct Joint {
     /// Its name.
     pub name: Cow<'static, str>,
-    /// How far it turns.
+    /// Range of its angle.
     pub range: JointRange,
 }
 
 /// A suspension. Immutable; a chain that exists is valid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    parts: Vec<Part>,
+    parts: Vec<ChainLink>,
     wheels: Vec<Mount>,
     joints: Vec<Joint>,
     steering: Vec<SteeringRange>,
     balance: Vector3<f64>,
 }
 
-/// Where the body is in the plan.
+/// Pose of the body in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanPose {
     /// Of the body's origin [m].
@@ -102,15 +102,15 @@ impl From<[f64; 3]> for PlanPose {
     }
 }
 
-/// What the ground decides: z [m], roll, pitch and the free angles [rad], in this order; a chain with fewer angles
-/// leaves the last ones 0.
+/// State that the ground decides: z [m], roll, pitch and the free angles [rad], in this order; a chain with fewer
+/// angles leaves the last ones 0.
 pub type State = [f64; MAX_STATE];
 
 impl Chain {
     /// A chain of these parts, parents before children. Fails unless every number makes sense, and there are
     /// as many wheels as they carry.
     pub fn new(
-        parts: Vec<Part>,
+        parts: Vec<ChainLink>,
         wheels: Vec<Mount>,
         joints: Vec<Joint>,
         steering: Vec<SteeringRange>,
@@ -153,7 +153,7 @@ impl Chain {
 
     /// The parts, parents before children.
     #[inline]
-    pub fn parts(&self) -> &[Part] {
+    pub fn parts(&self) -> &[ChainLink] {
         &self.parts
     }
 
@@ -169,7 +169,7 @@ impl Chain {
         &self.joints
     }
 
-    /// How far each steering joint turns.
+    /// Range of each steering joint.
     #[inline]
     pub fn steering(&self) -> &[SteeringRange] {
         &self.steering
@@ -180,8 +180,8 @@ impl Chain {
         3 + self.joints.len()
     }
 
-    /// Where the weight is taken to act unless told otherwise [m], in the body: the mean of the wheel centres, on
-    /// a rocker-bogie at the height of the rocker axis. Only what joints at their stops leave open depends on it.
+    /// Default centre of the weight in the body [m]: the mean of the wheel centres, on a rocker-bogie at the height of
+    /// the rocker axis. Only what joints at their stops leave open depends on it.
     pub fn balance(&self) -> Vector3<f64> {
         self.balance
     }

@@ -1,9 +1,9 @@
-//! What a rocker-bogie is made of: lengths, which wheels steer, how far joints turn, what couples the rockers.
+//! Dimensions of a rocker-bogie: lengths, steered wheels, ranges of joints, coupling of the rockers.
 
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::error::{Error, finite, number, numbers, positive};
 
-/// Which wheels steer.
+/// The steered wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Steered {
     /// The front pair.
@@ -46,7 +46,7 @@ impl std::str::FromStr for Steered {
     }
 }
 
-/// Where the bogies are: they carry the middle wheels and those of this end, the rockers those of the other.
+/// End of the bogies: they carry the middle wheels and those of this end, the rockers those of the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bogie {
     /// Behind the rocker axis, as on Curiosity: middle and rear wheels.
@@ -64,7 +64,7 @@ impl Bogie {
         }
     }
 
-    /// Whether a pair of wheels, counted from the front, is carried by the bogies.
+    /// True if a pair of wheels, counted from the front, is carried by the bogies.
     pub fn carries(self, pair: usize) -> bool {
         match self {
             Self::Behind => pair > 0,
@@ -73,7 +73,7 @@ impl Bogie {
     }
 }
 
-/// What makes the right rocker turn back when the left one turns forth.
+/// Mechanism that turns the right rocker back when the left one turns forth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Differential {
     /// A gear in the body: exactly as far back.
@@ -159,7 +159,7 @@ impl Default for JointRange {
 }
 
 impl JointRange {
-    /// Whether there are no stops.
+    /// True if there are no stops.
     pub fn is_open(self) -> bool {
         self == Self::default()
     }
@@ -187,19 +187,19 @@ pub struct Dimensions {
     pub rocker_to_bogie: [f64; 3],
     /// Axis of the bogie to its two wheels, the one further to the front first.
     pub bogie_to_wheels: [[f64; 3]; 2],
-    /// Which end the bogies are at.
+    /// End of the rover at which the bogies are.
     pub bogie: Bogie,
     /// Hub to ground.
     pub wheel_radius: f64,
-    /// Which wheels steer.
+    /// The steered wheels.
     pub steered: Steered,
-    /// How far they do.
+    /// Range of the steering angles.
     pub steering: SteeringRange,
-    /// How far the left rocker turns.
+    /// Range of the left rocker.
     pub rocker_limit: JointRange,
-    /// How far each bogie turns against its rocker.
+    /// Range of each bogie against its rocker.
     pub bogie_limit: JointRange,
-    /// What couples the rockers.
+    /// Coupling of the rockers.
     pub differential: Differential,
 }
 

@@ -8,7 +8,7 @@ mod plan;
 
 use pulp::Simd;
 
-pub use self::plan::Plan;
+pub use self::plan::ChainConstants;
 use self::plan::{MOST_PARTS, Wheel};
 use super::chain::{MAX_FREE, MAX_WHEELS};
 use super::dimensions::Differential;
@@ -152,16 +152,16 @@ impl<S: Simd> Limb<S> {
 
 /// The chain in lanes, in the axes of the body.
 pub struct Placing<'a, S: Simd> {
-    plan: &'a Plan,
+    plan: &'a ChainConstants,
     /// The body, and every part.
     limbs: [Limb<S>; MOST_PARTS + 1],
     slopes: [Lanes<S>; MOST_PARTS],
     /// Centres of the wheels, straight ahead until somebody steers them [m].
     pub centres: [Vectors<S>; MAX_WHEELS],
-    /// How the body moves [m/s, rad/s].
+    /// Linear and angular velocity of the body [m/s, rad/s].
     body: [Vectors<S>; 2],
-    /// How fast every limb turns in its plane against the body [rad/s], and less how fast a point at the body's origin would move with
-    /// that, along the plane and upwards [m/s].
+    /// Angular velocity of every limb in its plane against the body [rad/s], and less the velocity that it gives a
+    /// point at the body's origin, along the plane and upwards [m/s].
     flow: [[Lanes<S>; 3]; MOST_PARTS + 1],
 }
 
@@ -188,7 +188,7 @@ fn across<S: Vector>(simd: S, differential: Differential, left: Lanes<S>, turned
 impl<'a, S: Vector> Placing<'a, S> {
     /// Room for a chain, which is nowhere yet.
     #[inline(always)]
-    pub fn new(simd: S, plan: &'a Plan) -> Self {
+    pub fn new(simd: S, plan: &'a ChainConstants) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let body = Limb { plane: 0, turned: (zero, one), origin: [zero; 3] };
         Self {
@@ -256,13 +256,13 @@ impl<'a, S: Vector> Placing<'a, S> {
         sum(limb.origin, limb.out(own))
     }
 
-    /// What carries a wheel.
+    /// The limb that carries a wheel.
     #[inline(always)]
     pub fn limb(&self, wheel: usize) -> &Limb<S> {
         &self.limbs[self.plan.wheels[wheel].limb]
     }
 
-    /// Where a wheel is steered about.
+    /// A point of the steering axis of a wheel.
     #[inline(always)]
     pub fn pivot(&self, simd: S, wheel: usize) -> Vectors<S> {
         self.limb(wheel).point(simd, self.plan.wheels[wheel].pivot)

@@ -119,7 +119,7 @@ impl Dimensions {
     }
 }
 
-/// Where the joints put every frame.
+/// Poses of all frames at some joint angles.
 #[derive(Clone, Debug)]
 pub struct Posture<'a> {
     links: &'a [Link; FRAMES],

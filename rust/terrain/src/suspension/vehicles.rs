@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 
 use super::WHEELS;
-use super::chain::{Chain, Joint, MAX_PARTS, MAX_WHEELS, Mount, Part, Turning};
+use super::chain::{Chain, ChainLink, Joint, MAX_PARTS, MAX_WHEELS, Mount, Turning};
 use super::dimensions::{Dimensions, JointRange};
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::error::{Error, finite, positive};
@@ -28,11 +28,11 @@ pub struct TripleBogie {
     pub rear_to_wheel: [f64; 3],
     /// Hub to ground.
     pub wheel_radius: f64,
-    /// Which pairs steer, from the front.
+    /// True for the pairs that steer, from the front.
     pub steered: [bool; 3],
-    /// How far they do.
+    /// Range of the steering angles.
     pub steering: SteeringRange,
-    /// How far the bogies turn.
+    /// Range of the bogies.
     pub bogie_limit: JointRange,
 }
 
@@ -43,7 +43,7 @@ impl Chain {
         let mut parts = Vec::with_capacity(MAX_PARTS);
         let sides = ["left", "right"];
         for (side, name) in sides.into_iter().enumerate() {
-            parts.push(Part {
+            parts.push(ChainLink {
                 name: format!("{name} rocker").into(),
                 parent: None,
                 origin: on_side(of.rocker_pivot, side),
@@ -55,7 +55,7 @@ impl Chain {
             });
         }
         for (side, name) in sides.into_iter().enumerate() {
-            parts.push(Part {
+            parts.push(ChainLink {
                 name: format!("{name} bogie").into(),
                 parent: Some(side),
                 origin: on_side(of.rocker_to_bogie, side),
@@ -91,7 +91,7 @@ impl Chain {
         {
             finite(argument, &[y])?;
         }
-        let part = |name: &'static str, origin, axis, joint| Part {
+        let part = |name: &'static str, origin, axis, joint| ChainLink {
             name: name.into(),
             parent: None,
             origin,
@@ -134,7 +134,7 @@ impl Chain {
         positive("wheel_radius", wheel_radius)?;
         steering.check()?;
         limit.check("roll_limit")?;
-        let part = |name: &'static str, parent, x, axis, turning| Part {
+        let part = |name: &'static str, parent, x, axis, turning| ChainLink {
             name: name.into(),
             parent,
             origin: Vector3::new(x, 0.0, 0.0),
@@ -175,7 +175,7 @@ impl Chain {
                 continue;
             };
             range.check()?;
-            parts.push(Part {
+            parts.push(ChainLink {
                 name: format!("{name} steering").into(),
                 parent: None,
                 origin: centre,
@@ -201,7 +201,7 @@ fn on_side([x, y, z]: [f64; 3], side: usize) -> Vector3<f64> {
 
 /// A wheel on its carrier, behind a knuckle if it steers.
 fn mount(
-    parts: &mut Vec<Part>,
+    parts: &mut Vec<ChainLink>,
     name: &'static str,
     carrier: usize,
     centre: Vector3<f64>,
@@ -212,7 +212,7 @@ fn mount(
     let Some(joint) = steering else {
         return Mount { name, part: Some(carrier), centre, radius };
     };
-    parts.push(Part {
+    parts.push(ChainLink {
         name: format!("{name} steering").into(),
         parent: Some(carrier),
         origin: centre,

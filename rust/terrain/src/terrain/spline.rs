@@ -1,6 +1,6 @@
 //! Bicubic heights, one axis at a time.
 
-/// What can be continued in a straight line.
+/// Values that can be continued in a straight line.
 pub(super) trait Straight: Copy {
     fn beyond(self, inner: Self) -> Self;
 }

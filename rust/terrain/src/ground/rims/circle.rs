@@ -70,7 +70,7 @@ impl Gap {
     }
 }
 
-/// Where half a circle is cut, in the order of growing sines.
+/// Directions at which half a circle is cut, in the order of growing sines.
 pub(crate) struct Cuts {
     pub cuts: [Direction; MOST_CUTS],
     pub count: usize,

@@ -1,4 +1,4 @@
-//! Where a wheel meets the ground: the least vertical distance of a circle from a grid of heights, exactly.
+//! Contact of a wheel with the ground: the least vertical distance of a circle from a grid of heights, exactly.
 //!
 //! The circle `P(t) = centre + forward sin t - up cos t` is cut where its projection crosses grid lines. Over one
 //! cell the gap is a trigonometric polynomial of second degree ([`Gap`]), whose second derivative is bounded from
@@ -37,16 +37,16 @@ pub struct Minimum {
     pub slope: [f64; 2],
 }
 
-/// What a walk along the rim has found.
+/// Result of a search along the rim.
 #[derive(Clone, Copy, Debug)]
 pub struct Rim {
     /// The least gap over known ground; None where there is none.
     pub least: Option<Minimum>,
     /// The next best minimum, where it is no more than [`TIE`] above the least.
     pub next: Option<Minimum>,
-    /// Whether the projection lies over an unknown cell.
+    /// True if the projection lies over an unknown cell.
     pub unknown: bool,
-    /// Whether it leaves the map.
+    /// True if it leaves the map.
     pub outside: bool,
     /// The least gap so far, or that of another point of the rim [m].
     bound: f64,
@@ -79,9 +79,9 @@ impl Rim {
     }
 }
 
-/// Which part of the rim to look at.
+/// Part of the rim to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum RimSegment {
     /// The half with contact angles up to a quarter turn: all that ordinary ground can touch.
     Lower,
     /// The lower half, and the upper one if the ground beside it may be that high, or is not known.
@@ -91,11 +91,11 @@ pub enum Part {
 /// Walks along the rim.
 ///
 /// A point near the contact makes it quick: arcs that are higher everywhere are passed over.
-pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: Part, near: Direction) -> Rim {
+pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: RimSegment, near: Direction) -> Rim {
     let mut rim = Rim::NOTHING;
     rim.bound = gap_at(ground, circle, near);
     half(ground, circle, &mut rim);
-    if part == Part::Whole && upper_half_matters(ground, circle, rim.bound) {
+    if part == RimSegment::Whole && upper_half_matters(ground, circle, rim.bound) {
         let turned = Circle { forward: circle.forward.map(|x| -x), up: circle.up.map(|x| -x), ..*circle };
         let mut upper = Rim::NOTHING;
         upper.bound = rim.bound;
@@ -131,7 +131,7 @@ fn rise(circle: &Circle, Direction { sin, cos }: Direction) -> f64 {
     circle.centre[2] + circle.forward[2] * sin - circle.up[2] * cos
 }
 
-/// Whether a part of the upper half may be nearer to the ground than this, or over ground that is not known.
+/// True if a part of the upper half may be nearer to the ground than this, or over ground that is not known.
 pub(crate) fn upper_half_matters(ground: &Terrain, circle: &Circle, gap: f64) -> bool {
     let reach = |k: usize| length([circle.forward[k], circle.up[k]]);
     let (rx, ry) = (reach(0), reach(1));

@@ -24,7 +24,7 @@ pub(crate) struct Stretch<S: Vector> {
     pub start: [Lanes<S>; 2],
     /// The same where it ends.
     pub end: [Lanes<S>; 2],
-    /// How far above the least gap others are of interest [m].
+    /// Height above the least gap up to which other minima are kept [m].
     pub margin: Lanes<S>,
 }
 

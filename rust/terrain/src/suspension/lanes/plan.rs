@@ -1,4 +1,4 @@
-//! What lanes need to know of a chain beforehand.
+//! Constants of a chain for lanes.
 
 use crate::suspension::chain::{Chain, MAX_FREE, Turning};
 use crate::suspension::dimensions::Differential;
@@ -8,7 +8,7 @@ pub(super) const MOST_PARTS: usize = 2 * MAX_FREE;
 
 /// A part with a free angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct Link {
     /// Place of the parent among the limbs: 0 is the body.
     pub parent: usize,
     pub origin: [f64; 3],
@@ -23,7 +23,7 @@ pub struct Part {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wheel {
     pub limb: usize,
-    /// Where it is steered about, and its centre from there [m].
+    /// A point of its steering axis, and its centre from there [m].
     pub pivot: [f64; 3],
     pub offset: [f64; 3],
     pub radius: f64,
@@ -34,14 +34,14 @@ pub struct Wheel {
     moved: u32,
 }
 
-/// Where a part that steers is in its parent, and its joint.
+/// Origin of a steered part in its parent [m], and its joint.
 type Knuckle = ([f64; 3], usize);
 
-/// What lanes need to know of a chain.
+/// Constants of a chain for lanes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct ChainConstants {
     /// Links of the chain.
-    pub parts: Vec<Part>,
+    pub parts: Vec<Link>,
     /// Wheels of the chain.
     pub wheels: Vec<Wheel>,
     joints: usize,
@@ -51,7 +51,7 @@ pub struct Plan {
     centred: u32,
 }
 
-impl Plan {
+impl ChainConstants {
     /// None for chains that are not for lanes.
     pub fn new(chain: &Chain) -> Option<Self> {
         let mut plan = Self {
@@ -84,7 +84,7 @@ impl Plan {
             if plane > 1 || carrier.is_some_and(|its| its != plane) {
                 return None;
             }
-            plan.parts.push(Part { parent, origin, plane, joint, across });
+            plan.parts.push(Link { parent, origin, plane, joint, across });
             frames.push((plan.parts.len(), None));
         }
         if plan.parts.len() > MOST_PARTS {
@@ -158,8 +158,8 @@ impl Plan {
         &self.order
     }
 
-    /// How fast a wheel rises over level ground, all angles 0, with the free angles in their order, then with the body's vz, wx
-    /// and wy.
+    /// Vertical velocity of a wheel over level ground, all angles 0, per free angle in their order, then per the body's
+    /// vz, wx and wy.
     #[inline]
     pub fn rise(&self, wheel: usize) -> [f64; MAX_FREE + 3] {
         let Wheel { pivot, offset, .. } = &self.wheels[wheel];
@@ -195,7 +195,7 @@ impl Plan {
         [ahead, left]
     }
 
-    /// Whether the centres of a joint's wheels lie about its axis: then they go on average where the axis does.
+    /// True if the centres of a joint's wheels lie about its axis: then their mean moves as the axis does.
     #[inline]
     pub fn is_centred(&self, joint: usize) -> bool {
         self.centred >> joint & 1 == 1

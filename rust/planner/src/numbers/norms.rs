@@ -95,11 +95,11 @@ pub(crate) fn lowered<S: Vector, R: Real, const M: usize>(
     low
 }
 
-/// By how much a square may be above 1 for what it is the square of to be there: a rover that brakes by whole steps
-/// arrives at rest, whichever way the last digits were rounded.
+/// A limit counts as met if `norm^2 < 1 + 1e-12`: a rover that brakes by whole steps arrives at rest, whichever way the
+/// last digits were rounded.
 const CLOSE: f64 = 1e-12;
 
-/// What brings something down to 1 whose square this is; 1 where it is no more.
+/// Scale `1 / max(1, norm)` of a motion with this squared norm.
 #[inline(always)]
 pub(crate) fn down_to_one<S: Vector, R: Real>(simd: S, square: Reg<S, R>) -> Reg<S, R> {
     let one = Reg::all(simd, 1.0);

@@ -1,4 +1,4 @@
-//! What a planner's rollouts have to know of a rover and its limits, worked out once.
+//! Constants of a rover and its limits for a planner's rollouts, computed once.
 //!
 //! Motions are counted in the components that the fixed wheels leave: along their rolling direction and turning, or all
 //! three where no wheel is fixed.
@@ -46,7 +46,7 @@ pub(crate) struct Gap {
     pub per_length: [f64; 2],
 }
 
-/// Why a rover stays where it is.
+/// Reason for which a rover stays in place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stuck {
     /// No motion lets all its wheels roll.
@@ -57,7 +57,7 @@ pub enum Stuck {
 
 /// The rover within its limits, as numbers.
 #[derive(Clone, Debug)]
-pub(crate) struct Facts {
+pub(crate) struct RoverLimits {
     /// Number of components.
     pub free: usize,
     /// Body twist from components, row after row.
@@ -71,7 +71,7 @@ pub(crate) struct Facts {
     pub metric: Form,
     pub joints: Vec<Joint>,
     pub gaps: Vec<Gap>,
-    /// Where no wheel is fixed: a motion well inside every range.
+    /// A motion well inside every range, if no wheel is fixed.
     pub inside: Option<Vec<f64>>,
     /// Forms that are 1 at a limit of the motion itself, and of its change in a second when it grows and shrinks.
     pub scaling: Vec<Form>,
@@ -83,7 +83,7 @@ pub(crate) struct Facts {
     pub stuck: Option<Stuck>,
 }
 
-impl Facts {
+impl RoverLimits {
     pub fn new(rover: &Rover, limits: Limits) -> Result<Self, Error> {
         for wheel in rover.wheels() {
             if wheel.steering().is_some() && wheel.trail != 0.0 {
@@ -159,7 +159,7 @@ impl Facts {
         self.body.iter().map(|part| dot(part, &row)).collect()
     }
 
-    /// What every wheel needs.
+    /// Adds the joints and limits of every wheel.
     fn wheels(&mut self, rover: &Rover) {
         let limits = self.limits;
         for (wheel, mount) in rover.wheels().iter().zip(&rover.mounts) {
@@ -216,7 +216,7 @@ impl Facts {
         }
     }
 
-    /// By how much a motion is beyond the worst range, as a share of its size; 0 or less if within all.
+    /// Largest excess of a motion over a range, as a share of its size; 0 or less if it is within all.
     fn beyond(&self, motion: &[f64]) -> f64 {
         let size = square(&self.metric, motion).max(0.0).sqrt();
         let over = |joint: &Joint| {
@@ -227,7 +227,7 @@ impl Facts {
         narrow.map(over).fold(f64::NEG_INFINITY, f64::max) / size
     }
 
-    /// Which directions there are.
+    /// Finds the gaps between possible directions, or that none is possible.
     fn directions(&mut self, rover: &Rover) {
         if self.stuck.is_some() {
             return;
