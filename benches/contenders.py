@@ -163,8 +163,8 @@ def _stateful(update, here):
         noisy = itertools.cycle([(TWIST[0], TWIST[1], TWIST[2] * (1.0 + part)) for part in noise])
         fresh = sw.Controller(ROVER, limits, timeout=1e9)
         names = {"command": fresh.command, "step": fresh.step, "noisy": noisy, **stamps}
-        statement = "now = next(stamps); command(next(noisy), now); step(now)"
-        kept = "now = next(stamps); next(noisy)"
+        statement = "(command(next(noisy), (now := next(stamps))), step(now))"
+        kept = "(next(noisy), next(stamps))"
         jobs.append(
             Job("controller, a new command every step", {"core": Timing(statement, names, baseline=kept)})
         )
