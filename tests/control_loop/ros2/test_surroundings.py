@@ -12,6 +12,7 @@ from sensor_msgs.msg import JointState
 
 import six_wheel as sw
 from tests.control_loop.ros2.peers import PATIENCE, Peer
+from tests.limits import only
 
 ONLY_HERE = """<CycloneDDS><Domain Id="any">
 <General><AllowMulticast>false</AllowMulticast>
@@ -160,7 +161,7 @@ def test_the_filter_keeps_the_curvature(start, peer, rover_file):
     # A planner that is held up for a while, as on a busy machine, is not to be taken for one that is gone.
     start("filter", str(rover_file), "--ros-args", "-p", "cmd_vel_timeout:=5.0")
     peer.wanted = (2.0, 0.0, 1.0)  # twice as fast as it may be
-    ctl = sw.Controller(peer.rover, sw.Limits(speed=1.0, wheel_speed=8.0))
+    ctl = sw.Controller(peer.rover, only(speed=1.0, wheel_speed=8.0))
     ctl.command(peer.wanted, 0.0)
     vx, _, omega = ctl.step(0.0).twist
 
