@@ -14,6 +14,9 @@ const PIECES: usize = 32;
 /// Time that a turn may take while the body speeds up [s]: the quicker the turn, the less of the acceleration is left.
 const SHORT_TURN: f64 = 0.1;
 
+/// Share of the speed asked for from which on the turn goes first again: a goal that moves would be followed late for good.
+const NEARLY: f64 = 0.9;
+
 /// Bounds of the speed beside the envelope, while the motion gets ready for another one.
 #[derive(Clone, Copy)]
 pub(super) struct Bridle {
@@ -95,7 +98,8 @@ impl Controller {
         };
         let needed = peak.max(target.abs());
         // A short turn leaves the rest of the acceleration for speeding up.
-        let time = if target.abs() > self.speed.value.abs() { dt.max(SHORT_TURN) } else { dt };
+        let speeds_up = self.speed.value.abs() < NEARLY * target.abs();
+        let time = if speeds_up { dt.max(SHORT_TURN) } else { dt };
         let useful = ((end - here).abs() / time).max(self.turn.rate.abs());
         let mut ahead = Ahead { best: None, whole: None, needed };
         let mut last = 0.0;
