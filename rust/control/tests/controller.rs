@@ -91,7 +91,7 @@ fn twist(random: &mut Random, before: Twist) -> Twist {
     }
 }
 
-/// What a log of three steps shows.
+/// One step of a log.
 #[derive(Clone, Debug)]
 struct Shot {
     dt: f64,
@@ -108,7 +108,7 @@ fn within(value: f64, limit: f64, noise: f64) -> bool {
 struct Checker<'a> {
     rover: &'a Rover,
     limits: Limits,
-    /// What a failure prints.
+    /// Text that a failure prints.
     context: &'a dyn Fn() -> String,
 }
 

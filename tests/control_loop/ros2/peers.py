@@ -171,7 +171,7 @@ class Peer:
         ]
 
     def last_report(self) -> str:
-        """What the node said last, line by line."""
+        """The last lines of the node, one each."""
         statuses = self.diagnostics[-1].status if self.diagnostics else ()
         return "\n".join(f"{status.name}: {status.message}" for status in statuses)
 

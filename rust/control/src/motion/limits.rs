@@ -90,7 +90,7 @@ impl Default for Limits {
 impl Limits {
     /// Limits from values in the order of [`Self::NAMES`]. Fails unless every one is positive; 1e60 and more is no limit.
     ///
-    /// What is left out reads as infinity, but slowing down as speeding up.
+    /// Limits left out read as infinity, but those of slowing down as those of speeding up.
     pub fn new(values: [Option<f64>; COUNT]) -> Result<Self, Error> {
         for (&name, value) in Self::NAMES.iter().zip(values) {
             let Some(value) = value else { continue };

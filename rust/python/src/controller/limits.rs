@@ -13,7 +13,7 @@ use crate::convert::{OrRaise, number};
 use crate::rover::Rover;
 use crate::unit_warnings::warn_units;
 
-/// What a motion may not exceed.
+/// Limits of a motion.
 ///
 /// A limit left out, or None, has the default that `on` fills in, and reads as infinity; ``math.inf``, or 1e60 and
 /// more, is no limit.
