@@ -124,7 +124,7 @@ fn a_batch_takes_no_memory_for_its_rows() -> Result<(), Error> {
                 [inverse, forward]
             });
             assert_eq!(counts[0], counts[1], "{level:?}");
-            if level == Level::Plain {
+            if level == Level::Scalar {
                 assert_eq!(counts[0], [0, 0]);
             }
         }

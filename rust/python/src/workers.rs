@@ -19,7 +19,7 @@ static DEFAULT_THREADS: AtomicUsize = AtomicUsize::new(1);
 pub fn workers(rows: usize, threads: Option<i64>, level: Option<&str>) -> PyResult<Workers> {
     let workers = any_workers(threads, level)?;
     Ok(match level {
-        None if rows < BATCH => Workers { level: Level::Plain, ..workers },
+        None if rows < BATCH => Workers { level: Level::Scalar, ..workers },
         _ => workers,
     })
 }

@@ -69,7 +69,7 @@ impl<R: Rows> Kernel for InLanes<'_, R> {
 /// Works through all of them. Fails at the first one that does.
 pub(crate) fn through(prepared: &Prepared, level: Level, mut job: impl Rows) -> Result<(), Error> {
     match &prepared.plan {
-        Some(plan) if level != Level::Plain => {
+        Some(plan) if level != Level::Scalar => {
             let square = prepared.square.as_ref();
             let done = level.run(InLanes { plan, square, job });
             done.unwrap_or(Ok(()))

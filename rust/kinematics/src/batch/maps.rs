@@ -24,7 +24,7 @@ pub fn map(
         let second = second.get(rows.clone()).unwrap_or_default();
         let (first, steps) = (&first[rows.clone()], steps.of(rows));
         let mapped = Mapped { map, first, second, steps, targets: &mut *targets };
-        if level == Level::Plain || level.run(mapped).is_none() {
+        if level == Level::Scalar || level.run(mapped).is_none() {
             for (k, target) in targets.iter_mut().enumerate() {
                 let second = second.get(k).copied().unwrap_or_default();
                 *target = map.of(first[k], second, steps.get(k));

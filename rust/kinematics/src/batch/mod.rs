@@ -6,7 +6,7 @@
 //!    a number of threads. It cuts the rows into shares, one per thread (`threads/workers.rs` in `six_wheel_numerics`), and those into blocks
 //!    that stay in the caches.
 //! 2. It makes a plan of the rover: what a formula needs to know of it, as plain numbers. No plan, or the level
-//!    [`Level::Plain`]: the plain core does it row by row. That is also the oracle of everything here.
+//!    [`Level::Scalar`]: the plain core does it row by row. That is also the oracle of everything here.
 //! 3. [`Level::run`] enters a function that is compiled once per set of instructions, with a token `S`
 //!    that proves the processor has them. Everything below it is `#[inline(always)]`.
 //! 4. A **formula** ([`crate::formulas`], one file a job) takes 64 rows at a time apart (`weave.rs`): row after row in

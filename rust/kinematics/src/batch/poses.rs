@@ -76,7 +76,7 @@ impl<'a> Journey<'a> {
     /// True if so many logs are worked on side by side. It depends on nothing else, so that no result does.
     #[inline]
     pub fn is_side_by_side(&self, level: Level, logs: usize) -> bool {
-        level != Level::Plain && logs >= GROUP && self.count <= SHORT_LOG
+        level != Level::Scalar && logs >= GROUP && self.count <= SHORT_LOG
     }
 
     /// So many logs are read at a time.
@@ -255,7 +255,7 @@ pub fn integrate<'a>(
     };
     let logs = poses.len() / (count + 1);
     let share = workers.share_of_logs(logs, count);
-    let short = level != Level::Plain && count <= SHORT_LOG;
+    let short = level != Level::Scalar && count <= SHORT_LOG;
     if !fresh {
         let shares = (0..logs).step_by(share);
         workers.each(shares, |first| journey.check(level, first..logs.min(first + share)))?;

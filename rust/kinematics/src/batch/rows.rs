@@ -103,7 +103,7 @@ pub fn inverse<'a>(
     let Workers { level, fresh, .. } = workers.here();
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let (count, beside) = (speeds.len() / wheels, inputs.into());
-    let planned = level != Level::Plain && count >= FEW;
+    let planned = level != Level::Scalar && count >= FEW;
     let commands = Commands {
         rover,
         plan: planned.then(|| command::InverseConstants::new(rover, rover.cone.as_ref()?)).flatten(),
@@ -208,7 +208,7 @@ pub fn forward<'a>(
 ) -> Result<(), Error> {
     let Workers { level, fresh, .. } = workers.here();
     let (count, readings) = (twists.len(), readings.into());
-    let planned = level != Level::Plain && count >= FEW;
+    let planned = level != Level::Scalar && count >= FEW;
     let reports = Reports {
         rover,
         plan: planned.then(|| estimate::ForwardConstants::new(rover)).flatten(),

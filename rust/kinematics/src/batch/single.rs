@@ -34,7 +34,7 @@ fn try_one(rover: &Rover, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64]
 pub(crate) fn check_row(level: Level, rover: &Rover, twist: Twist, inputs: Inputs<'_>) -> Result<(), Error> {
     inputs.check()?;
     match inputs.steering_rates {
-        None if level != Level::Plain && is_sure(rover, twist) => Ok(()),
+        None if level != Level::Scalar && is_sure(rover, twist) => Ok(()),
         rates => rover.check(twist, rates),
     }
 }
@@ -48,7 +48,7 @@ pub(crate) fn solve_row(
     steering: &mut [f64],
     speeds: &mut [f64],
 ) {
-    let solved = level != Level::Plain && try_one(rover, twist, inputs, steering, speeds);
+    let solved = level != Level::Scalar && try_one(rover, twist, inputs, steering, speeds);
     if !solved {
         rover.solve(twist, inputs, steering, speeds);
     }
@@ -67,7 +67,7 @@ pub fn forward_one(rover: &Rover, measured: Measured<'_>, unseen: Unseen) -> Res
 /// A row of a log: at the plain level without the kernel.
 pub(crate) fn read_row(level: Level, rover: &Rover, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
     match level {
-        Level::Plain => rover.forward(measured, unseen),
+        Level::Scalar => rover.forward(measured, unseen),
         _ => forward_one(rover, measured, unseen),
     }
 }

@@ -30,7 +30,7 @@ pub(crate) fn follow(
     past: bool,
     walk: &mut Walk,
 ) {
-    if level == Level::Plain {
+    if level == Level::Scalar {
         return walk.follow(twists, steps, poses);
     }
     level.run(PoseIntegrator { twists, steps, poses, past, walk });

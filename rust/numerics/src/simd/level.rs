@@ -14,8 +14,8 @@ use crate::error::Error;
 /// A set of vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Row by row, as one call: the oracle of the others, and there on every machine.
-    Plain,
+    /// One number at a time, on every machine; with FMA where the processor has it.
+    Scalar,
     /// Two numbers at a time (aarch64).
     Neon,
     /// Four numbers at a time (x86-64 with AVX2 and FMA).
@@ -25,13 +25,13 @@ pub enum Level {
 }
 
 /// Levels that can be requested, best last.
-const LEVELS: [Level; 4] = [Level::Plain, Level::Neon, Level::Avx2, Level::Avx512];
+const LEVELS: [Level; 4] = [Level::Scalar, Level::Neon, Level::Avx2, Level::Avx512];
 
 impl Level {
     /// The name Python knows it by.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Plain => "scalar",
+            Self::Scalar => "scalar",
             Self::Neon => "neon",
             Self::Avx2 => "avx2",
             Self::Avx512 => "avx512",
@@ -41,7 +41,7 @@ impl Level {
     /// True if this machine has it.
     #[inline]
     pub fn is_here(self) -> bool {
-        self == Self::Plain || self.run(Nothing).is_some()
+        self == Self::Scalar || self.run(Nothing).is_some()
     }
 
     /// The levels this machine has, best last.
@@ -53,7 +53,7 @@ impl Level {
     /// Numbers in a register.
     pub fn lanes(self) -> usize {
         match self {
-            Self::Plain => 1,
+            Self::Scalar => 1,
             Self::Neon => 2,
             Self::Avx2 => 4,
             Self::Avx512 => 8,
@@ -64,10 +64,10 @@ impl Level {
     #[inline]
     pub fn best() -> Self {
         let best = LEVELS.into_iter().rev().find(|level| level.is_here());
-        best.unwrap_or(Self::Plain)
+        best.unwrap_or(Self::Scalar)
     }
 
-    /// Runs a kernel with these instructions, if the machine has them. [`Self::Plain`] has no kernels.
+    /// Runs a kernel with these instructions, if the machine has them. [`Self::Scalar`] has no kernels.
     pub fn run<K: Kernel>(self, kernel: K) -> Option<K::Output> {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -82,8 +82,7 @@ impl Level {
 }
 
 impl Level {
-    /// The same for kernels that know no other way: without instructions of its own, [`Self::Plain`] takes one number
-    /// at a time.
+    /// Runs a kernel with these instructions, one number at a time where the machine does not have them.
     pub fn run_any<K: Kernel>(self, kernel: K) -> K::Output {
         #[cfg(target_arch = "x86_64")]
         if self == Self::Avx512
@@ -102,6 +101,12 @@ impl Level {
             && let Some(simd) = Neon::try_new()
         {
             return simd.vectorize(Run { kernel, simd });
+        }
+        // Without the instruction, a multiplication and addition rounded once is a call of a library: the same bits,
+        // many times slower.
+        #[cfg(target_arch = "x86_64")]
+        if let Some(simd) = V3::try_new() {
+            return simd.vectorize(Run { kernel, simd: Scalar });
         }
         kernel.run(Scalar)
     }

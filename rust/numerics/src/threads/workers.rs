@@ -31,7 +31,7 @@ pub struct Workers {
 
 impl Workers {
     /// One thread, row by row.
-    pub const PLAIN: Self = Self { level: Level::Plain, threads: 1, fresh: false };
+    pub const PLAIN: Self = Self { level: Level::Scalar, threads: 1, fresh: false };
 
     /// The same without instructions that the machine does not have.
     #[inline]
@@ -39,7 +39,7 @@ impl Workers {
         if self.level.is_here() {
             return self;
         }
-        Self { level: Level::Plain, ..self }
+        Self { level: Level::Scalar, ..self }
     }
 
     fn hands(self) -> usize {

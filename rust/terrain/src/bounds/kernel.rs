@@ -76,7 +76,7 @@ pub fn bounds(
     });
     // A job does not fail.
     let _ = workers.each(jobs, |job| {
-        if workers.level == Level::Plain {
+        if workers.level == Level::Scalar {
             job.work(Scalar::new());
         } else {
             workers.level.run(job);

@@ -56,7 +56,7 @@ fn every_level_agrees_with_the_plain_core_whatever_is_given() -> Result<(), Erro
             let done = batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers);
             done.map(|()| (steering, speeds))
         };
-        let expected = solve(Level::Plain);
+        let expected = solve(Level::Scalar);
         for level in Level::available() {
             let (found, expected) = match (solve(level), &expected) {
                 (Ok(found), Ok(expected)) => (found, expected),
@@ -121,7 +121,7 @@ fn wheels_with_trail_are_let_pass_where_the_plain_core_lets_them() -> Result<(),
                 let workers = Workers { level, ..Workers::PLAIN };
                 batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers).map(|()| steering)
             };
-            let expected = solve(Level::Plain);
+            let expected = solve(Level::Scalar);
             refused += usize::from(expected.is_err());
             for level in Level::available() {
                 match (solve(level), &expected) {
@@ -161,7 +161,7 @@ fn wheels_that_may_go_either_way_agree_as_in_the_plain_core() -> Result<(), Erro
             let inputs = Inputs::default();
             batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers).map(|()| [steering, speeds])
         };
-        let expected = solve(Level::Plain)?.concat();
+        let expected = solve(Level::Scalar)?.concat();
         for level in Level::available() {
             let found = solve(level)?.concat();
             for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
