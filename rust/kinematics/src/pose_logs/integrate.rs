@@ -3,7 +3,7 @@
 use super::logs::Logs;
 use super::tile::LANES;
 use crate::geometry::{Steps, Sum, Walk};
-use six_wheel_numerics::simd::lanes::{Lanes, Lockstep};
+use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::polynomials::{direction, sinc_of_square};
 use six_wheel_numerics::simd::vector::Vector;
@@ -149,7 +149,7 @@ fn go<S: Vector, const N: usize>(
     let largest = Lanes::splat(simd, LARGEST_HALF_TURN);
     let mut near = zero.at_most(zero);
     let [mut ahead, mut left, mut turns] = [[zero; N]; 3];
-    let [mut headings, mut squares] = [Lockstep([zero; N]); 2];
+    let [mut headings, mut squares] = [Lanes::<S, f64, N>::constant(simd, 0.0); 2];
     let heading = Sums::splat(simd, &walk.heading);
     let mut turned = zero;
     for m in 0..N {
@@ -162,11 +162,11 @@ fn go<S: Vector, const N: usize>(
         let turn = omega * dt;
         let half = turn * half;
         near = near & half.abs().at_most(largest);
-        squares.0[m] = half * half;
+        squares.set_register(m, half * half);
         let upto = prefix_sums(simd, turn);
         turns[m] = turned + upto;
         // Along the chord, which leaves at half the turn.
-        headings.0[m] = heading.beyond(turns[m] - half);
+        headings.set_register(m, heading.beyond(turns[m] - half));
         turned = turned + upto.spread(simd);
     }
     if (!near).any() {
@@ -177,8 +177,8 @@ fn go<S: Vector, const N: usize>(
     let [x, y, yaw] = [&walk.x, &walk.y, &walk.yaw].map(|sum| Sums::splat(simd, sum));
     let [mut east, mut north] = [zero; 2];
     for m in 0..N {
-        let (sin, cos) = (sin.0[m], cos.0[m]);
-        let (ahead, left) = (ahead[m] * length.0[m], left[m] * length.0[m]);
+        let (sin, cos, length) = (sin.register(m), cos.register(m), length.register(m));
+        let (ahead, left) = (ahead[m] * length, left[m] * length);
         let easts = prefix_sums(simd, cos * ahead - sin * left);
         let norths = prefix_sums(simd, sin.mul_add(ahead, cos * left));
         let pose = [x.beyond(east + easts), y.beyond(north + norths), yaw.beyond(turns[m])];

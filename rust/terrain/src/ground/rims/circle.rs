@@ -4,6 +4,7 @@
 
 use crate::terrain::Cell;
 use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::simd::vec3::cross2;
 
 /// Grid lines that half a circle may cross and still be cut on the stack.
 const MOST_CUTS: usize = 96;
@@ -134,8 +135,8 @@ fn normalized(at: Direction) -> Direction {
 }
 
 /// Sine of the angle from one direction to another.
-pub(crate) fn cross(from: Direction, to: Direction) -> f64 {
-    to.sin * from.cos - to.cos * from.sin
+pub(crate) fn sine_between(from: Direction, to: Direction) -> f64 {
+    cross2([from.cos, from.sin], [to.cos, to.sin])
 }
 
 /// A direction between two less than a quarter turn apart, at about this share of the way.

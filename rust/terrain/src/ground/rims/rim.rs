@@ -8,7 +8,7 @@
 //!
 //! Directions are pairs `(sin t, cos t)`; no angle is computed.
 
-use super::circle::{Circle, Cuts, Gap, Jet, angle, between, cross, inside, length, point, turned};
+use super::circle::{Circle, Cuts, Gap, Jet, angle, between, inside, length, point, sine_between, turned};
 use crate::terrain::{Cell, Terrain};
 use six_wheel_kinematics::wheels::Direction;
 
@@ -214,12 +214,12 @@ impl Arc<'_> {
             let step = -slope / curvature;
             let next = turned(at, step);
             // Leaving the bracket, or no curvature to go by: halve it.
-            let inside = cross(low, next) >= 0.0 && cross(next, high) >= 0.0 && step.abs() < 1.0;
+            let inside = sine_between(low, next) >= 0.0 && sine_between(next, high) >= 0.0 && step.abs() < 1.0;
             if slope.abs() <= 1e-15 * self.gap.fourth || step == 0.0 {
                 break;
             }
             at = if inside { next } else { between(low, high, 0.5) };
-            if inside && step.abs() < 1e-9 || cross(low, high) < 1e-15 {
+            if inside && step.abs() < 1e-9 || sine_between(low, high) < 1e-15 {
                 break; // the next step would be 1e-18
             }
         }
