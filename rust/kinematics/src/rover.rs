@@ -7,7 +7,7 @@ use crate::admissible::Keep;
 use crate::admissible::faces::Faces;
 use crate::estimate::gradients::Gradients;
 use crate::estimate::sensitivity::Quantity;
-use crate::formulas::cone::Cone;
+use crate::kernels::cone::Cone;
 use crate::geometry::Twist;
 use crate::one_row::{forward, inverse};
 pub use crate::rover_data::{Bank, Inputs, MAX_WHEELS, Mount, RoverData};

@@ -11,7 +11,7 @@ use six_wheel_kinematics::admissible::Keep;
 use six_wheel_kinematics::batch;
 use six_wheel_kinematics::estimate::Measured;
 use six_wheel_kinematics::estimate::{Method, Unseen};
-use six_wheel_kinematics::formulas::fit::Fits;
+use six_wheel_kinematics::kernels::fit::Fits;
 use six_wheel_kinematics::geometry::Steps;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::presets;

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use six_wheel_kinematics::batch::poses::{Buffers, Journey};
-use six_wheel_kinematics::formulas::cone::dot;
-use six_wheel_kinematics::formulas::inverse::{InverseConstants, WheelKind};
-use six_wheel_kinematics::formulas::steered::Steered;
-use six_wheel_kinematics::formulas::usual::usual;
+use six_wheel_kinematics::kernels::cone::dot;
+use six_wheel_kinematics::kernels::inverse::{InverseConstants, WheelKind};
+use six_wheel_kinematics::kernels::steered::Steered;
+use six_wheel_kinematics::kernels::usual::usual;
 use six_wheel_kinematics::geometry::{Steps, Twist};
 use six_wheel_kinematics::pose_logs::integrate::Place;
 use six_wheel_kinematics::pose_logs::logs::{Logs, Watch, side_by_side};

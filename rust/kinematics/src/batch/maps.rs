@@ -1,6 +1,6 @@
 //! Maps between twists and poses, row by row.
 
-use crate::formulas::maps::{Map, Mapped};
+use crate::kernels::maps::{Map, Mapped};
 use crate::geometry::Steps;
 use six_wheel_numerics::error::{Error, finite};
 use six_wheel_numerics::simd::level::Level;

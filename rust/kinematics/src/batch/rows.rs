@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::blocks::BLOCK_ROWS;
 use super::single;
 use crate::estimate::{Measured, Unseen};
-use crate::formulas::{forward as estimate, inverse as command};
+use crate::kernels::{forward as estimate, inverse as command};
 use crate::geometry::Twist;
 use crate::rover::Rover;
 use crate::rover_data::Inputs;

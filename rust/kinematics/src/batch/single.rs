@@ -2,7 +2,7 @@
 
 use crate::admissible::Keep;
 use crate::estimate::{Measured, Unseen};
-use crate::formulas::admissible::{JudgeOne, ProjectOne};
+use crate::kernels::admissible::{JudgeOne, ProjectOne};
 use crate::geometry::Twist;
 use crate::one_row::inverse::level;
 use crate::rover::Rover;

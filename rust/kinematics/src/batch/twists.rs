@@ -1,8 +1,8 @@
 //! Admissible twists, and the nearest ones to any others.
 
 use crate::admissible::Keep;
-use crate::formulas::admissible::{Admissible, Project};
-use crate::formulas::usual::LARGEST;
+use crate::kernels::admissible::{Admissible, Project};
+use crate::kernels::usual::LARGEST;
 use crate::geometry::Twist;
 use crate::rover::Rover;
 use six_wheel_numerics::error::Error;

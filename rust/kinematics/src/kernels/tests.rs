@@ -1,7 +1,7 @@
 //! Results are the same whether they are stored past the caches or not.
 
 use crate::estimate::Unseen;
-use crate::formulas::{forward, inverse};
+use crate::kernels::{forward, inverse};
 use crate::geometry::{Steps, Walk};
 use crate::pose_logs::integrate;
 use crate::presets::preset;
