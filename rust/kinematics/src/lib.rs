@@ -15,11 +15,13 @@
 //! with the constants of its kernels), [`layouts`] and [`presets`] (named vehicles), [`mobility`] (rank of the
 //! constraints), [`units`] (numbers that cannot be metres and radians), [`batch`] (whole arrays).
 
+pub mod accumulate;
 pub mod admissible;
+mod angles;
 pub mod batch;
 pub mod estimate;
-pub mod kernels;
 pub mod geometry;
+pub mod kernels;
 pub mod layouts;
 pub mod mobility;
 pub mod one_row;

@@ -29,9 +29,8 @@ mod singly;
 mod twists;
 
 pub use crate::kernels::fit::Fits;
-pub use crate::kernels::maps::Map;
 pub use crate::table::{Beside, Durations, Log, Readings, Source, Table};
-pub use maps::{differentiate, map};
+pub use maps::{Map, differentiate, map};
 pub use poses::integrate;
 pub use rows::{forward, inverse};
 pub use single::{admissible_one, forward_one, inverse_one, project_one};
