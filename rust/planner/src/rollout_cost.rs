@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use six_wheel_kinematics::batch::poses::{Buffers, Journey};
-use six_wheel_kinematics::formulas::inverse::{InverseConstants, WheelKind};
-use six_wheel_kinematics::formulas::steered::Steered;
-use six_wheel_kinematics::formulas::usual::usual;
 use six_wheel_kinematics::geometry::{Steps, Twist};
+use six_wheel_kinematics::kernels::inverse::{InverseConstants, WheelKind};
+use six_wheel_kinematics::kernels::steered::Steered;
+use six_wheel_kinematics::kernels::usual::usual;
 use six_wheel_kinematics::pose_logs::integrate::Place;
 use six_wheel_kinematics::pose_logs::logs::{Logs, Watch, side_by_side};
 use six_wheel_kinematics::pose_logs::tile::{LANES, PerStep, STEPS, WIDTH};
@@ -88,7 +88,7 @@ pub fn rollout_cost<'a>(
     let mut journey = Journey::new(controls.into(), count, steps.into(), starts)?;
     let logs = poses.len() / (count + 1);
     let plan = journey
-        .is_side_by_side(level, logs)
+        .is_side_by_side(logs)
         .then(|| InverseConstants::new(rover, rover.cone.as_ref()?))
         .flatten()
         .filter(|plan| plan.parts.iter().all(|(part, _)| is_folded(part)));
@@ -111,7 +111,7 @@ pub fn rollout_cost<'a>(
                 journey.check(level, logs.clone())?;
             }
             if let Some(plan) = &plan {
-                level.run(Judged { plan, rover, logs: journey.logs(logs, buffers), previous, poses, costs });
+                level.run_any(Judged { plan, rover, logs: journey.logs(logs, buffers), previous, poses, costs });
                 continue;
             }
             for (j, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
