@@ -111,7 +111,7 @@ pub fn rollout_cost<'a>(
                 journey.check(level, logs.clone())?;
             }
             if let Some(plan) = &plan {
-                level.run_any(Judged { plan, rover, logs: journey.logs(logs, buffers), previous, poses, costs });
+                level.run_any(RolloutCostKernel { plan, rover, logs: journey.logs(logs, buffers), previous, poses, costs });
                 continue;
             }
             for (j, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
@@ -165,7 +165,7 @@ fn worst(rover: &Rover, controls: &[[f64; 3]], steps: Steps<'_>, previous: Optio
     worst
 }
 
-struct Judged<'a> {
+struct RolloutCostKernel<'a> {
     plan: &'a InverseConstants<'a>,
     rover: &'a Rover,
     logs: Logs<'a>,
@@ -174,7 +174,7 @@ struct Judged<'a> {
     costs: Costs<'a>,
 }
 
-impl Kernel for Judged<'_> {
+impl Kernel for RolloutCostKernel<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -185,23 +185,23 @@ impl Kernel for Judged<'_> {
         let place = Place { logs: self.logs, poses: self.poses, past: false };
         place.run(simd);
         for first in (0..rollouts).step_by(S::F64_LANES) {
-            let mut judge = Judge {
+            let mut demands = WheelDemands {
                 plan: self.plan,
                 held: [simd.splat_f64s(0.0); MAX_WHEELS],
                 counts: self.previous.is_some(),
                 worst: [zero; 4],
                 sure: zero.at_most(zero),
             };
-            for (held, previous) in judge.held.iter_mut().zip(self.previous.unwrap_or_default()) {
+            for (held, previous) in demands.held.iter_mut().zip(self.previous.unwrap_or_default()) {
                 *held = simd.splat_f64s(*previous);
             }
             let lanes = S::F64_LANES.min(rollouts - first);
-            side_by_side(simd, self.logs, first, &mut judge);
+            side_by_side(simd, self.logs, first, &mut demands);
             let mut found = [[0.0; LANES]; 5];
             let one = Lanes::splat(simd, 1.0);
-            let sure = judge.sure.select(one, zero);
-            judge.worst[0] = judge.worst[0].sqrt();
-            for (found, lanes) in found.iter_mut().zip(judge.worst.into_iter().chain([sure])) {
+            let sure = demands.sure.select(one, zero);
+            demands.worst[0] = demands.worst[0].sqrt();
+            for (found, lanes) in found.iter_mut().zip(demands.worst.into_iter().chain([sure])) {
                 lanes.store(S::as_mut_simd_f64s(found).0, 0);
             }
             let [speed, angle, rate, scrub, sure] = found;
@@ -219,7 +219,7 @@ impl Kernel for Judged<'_> {
 }
 
 /// Follows as many rollouts as there are lanes.
-struct Judge<'p, 'r, S: Vector> {
+struct WheelDemands<'p, 'r, S: Vector> {
     plan: &'p InverseConstants<'r>,
     /// Angles of the steered wheels after the step before [rad].
     held: [S::f64s; MAX_WHEELS],
@@ -231,7 +231,7 @@ struct Judge<'p, 'r, S: Vector> {
     sure: Mask<S>,
 }
 
-impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
+impl<S: Vector> Watch<S> for WheelDemands<'_, '_, S> {
     #[inline(always)]
     fn tile(&mut self, simd: S, twists: &[S::f64s; WIDTH], dts: &PerStep<S>) {
         let mut per_dts = *dts;
@@ -281,7 +281,7 @@ fn twist<S: Vector>(simd: S, twists: &[S::f64s; WIDTH], t: usize) -> [Lanes<S>; 
     [Lanes::load(simd, twists, 3 * t), Lanes::load(simd, twists, 3 * t + 1), Lanes::load(simd, twists, 3 * t + 2)]
 }
 
-impl<S: Vector> Judge<'_, '_, S> {
+impl<S: Vector> WheelDemands<'_, '_, S> {
     /// One steered wheel, whose range is a quarter turn to either side at most.
     #[inline(always)]
     fn steer<const SYMMETRIC: bool>(

@@ -1,8 +1,8 @@
-//! Setting of the steered wheels at the start of a cycle.
+//! Setpoint of the steered wheels at the start of a cycle.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::drive::{Begin, REST};
+use super::drive::{REST, RolloutStart};
 use super::limits::RoverLimits;
 use crate::numbers::squares::square;
 use six_wheel_numerics::simd::vec3::inner_product;
@@ -12,32 +12,32 @@ const ALIGNED: f64 = 0.02;
 /// Share of the largest slip below which a motion has none.
 const NONE: f64 = 1e-12;
 
-/// Motion, setting and loose joints of a cycle: the motion there is; what the angles are set for, if they are for any
-/// motion at all; where they are, if the rover stands and they are not.
-pub(crate) fn begin(facts: &RoverLimits, motion: [f64; 3], steering: &[f64], to: &mut Begin) {
-    (to.motion, to.setting, to.loose) = (motion, motion, false);
-    if facts.joints.is_empty() || facts.limits.steering_rate.is_infinite() {
+/// Initial motion and steering setpoint of a cycle: the measured motion; the motion the steering angles are set for, if
+/// there is one; the angles themselves if the rover stands and there is none.
+pub(crate) fn initialize(bounds: &RoverLimits, motion: [f64; 3], steering: &[f64], to: &mut RolloutStart) {
+    (to.motion, to.setpoint, to.steering_is_free) = (motion, motion, false);
+    if bounds.joints.is_empty() || bounds.limits.steering_rate.is_infinite() {
         return;
     }
-    let speed = square(&facts.metric, &motion[..facts.free]).max(0.0).sqrt();
-    if let Some(setting) = set_for(facts, motion, steering) {
-        to.setting = setting;
+    let speed = square(&bounds.metric, &motion[..bounds.free]).max(0.0).sqrt();
+    if let Some(setpoint) = set_for(bounds, motion, steering) {
+        to.setpoint = setpoint;
     } else if speed < REST {
-        to.loose = true;
+        to.steering_is_free = true;
         to.angles.clear();
         to.angles.extend_from_slice(steering);
         // Any will do: it is not looked at.
-        to.setting[0] = 1.0;
+        to.setpoint[0] = 1.0;
     }
 }
 
 /// The motion all joints are set for, that next to the present one if there are several.
-fn set_for(facts: &RoverLimits, motion: [f64; 3], steering: &[f64]) -> Option<[f64; 3]> {
-    let free = facts.free;
+fn set_for(bounds: &RoverLimits, motion: [f64; 3], steering: &[f64]) -> Option<[f64; 3]> {
+    let free = bounds.free;
     // In lengths, so that all components count alike.
-    let lengths = Vector3::from_fn(|k, _| facts.lengths.get(k).copied().unwrap_or(1.0));
+    let lengths = Vector3::from_fn(|k, _| bounds.lengths.get(k).copied().unwrap_or(1.0));
     let mut slips = Matrix3::zeros();
-    for (joint, angle) in facts.joints.iter().zip(steering) {
+    for (joint, angle) in bounds.joints.iter().zip(steering) {
         let (sin, cos) = (angle - joint.middle).sin_cos();
         let slip = |k: usize| cos * joint.across[k] - sin * joint.along[k];
         let row = Vector3::from_fn(|k, _| if k < free { slip(k) / lengths[k] } else { 0.0 });
@@ -62,8 +62,8 @@ fn set_for(facts: &RoverLimits, motion: [f64; 3], steering: &[f64]) -> Option<[f
     }
     let found: [f64; 3] = found.component_div(&lengths).into();
     let moved = &found[..free];
-    let size = square(&facts.metric, moved).max(0.0).sqrt();
-    let fits = facts.joints.iter().zip(steering).all(|(joint, angle)| {
+    let size = square(&bounds.metric, moved).max(0.0).sqrt();
+    let fits = bounds.joints.iter().zip(steering).all(|(joint, angle)| {
         let (along, across) = (inner_product(&joint.along, moved), inner_product(&joint.across, moved));
         // A pivot that rests points anywhere.
         let rests = along.hypot(across) < REST * size;

@@ -7,8 +7,8 @@ use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS};
 use six_wheel_numerics::threads::workers::Workers;
 
 impl Mppi {
-    /// Stays where it is.
-    pub(crate) fn stay(&mut self, stuck: Stuck) {
+    /// Holds its position.
+    pub(crate) fn hold_position(&mut self, stuck: Stuck) {
         let steps = self.options.horizon;
         let outcome = &mut self.outcome;
         outcome.stuck = Some(stuck);
@@ -27,16 +27,25 @@ impl Mppi {
     }
 
     /// Computes the path of the new mean, and the first command.
-    pub(crate) fn conclude(&mut self, workers: Workers) {
-        let free = self.facts.free;
-        self.engine.nominal(&self.job, &self.mean, &self.settings, workers.level, &mut self.motions, &mut self.places);
+    pub(crate) fn update_mean(&mut self, workers: Workers) {
+        let free = self.bounds.free;
+        let to = [&mut self.motions[..], &mut self.places];
+        self.engine.nominal(&self.input.initial, &self.mean, workers.level, to);
         for (control, mean) in self.state.controls.iter_mut().zip(self.mean.chunks_exact(free)) {
-            *control = self.facts.twist(mean);
+            *control = self.bounds.twist(mean);
         }
         let outcome = &mut self.outcome;
         let dt = self.options.dt;
-        ways(&self.facts, &self.motions, &self.places, self.situation.0, dt, &mut outcome.twists, &mut outcome.poses);
-        let first = self.job.fixed;
+        to_world(
+            &self.bounds,
+            &self.motions,
+            &self.places,
+            self.situation.0,
+            dt,
+            &mut outcome.twists,
+            &mut outcome.poses,
+        );
+        let first = self.input.fixed;
         outcome.twist = outcome.twists[first];
         outcome.steering.clone_from(&self.situation.1);
         outcome.speeds.clear();
@@ -51,7 +60,7 @@ impl Mppi {
             self.rover.solve(goes, inputs, &mut angles[..joints], &mut speeds[..outcome.speeds.len()]);
             let stands = outcome.twist.iter().all(|part| *part == 0.0);
             // Where they were a little off, they come back no faster than they may.
-            let most = self.facts.limits.steering_rate * dt;
+            let most = self.bounds.limits.steering_rate * dt;
             for (to, angle) in outcome.steering.iter_mut().zip(angles) {
                 *to += (angle - *to).clamp(-most, most);
             }
@@ -60,27 +69,27 @@ impl Mppi {
             }
         }
         self.state.steering.clone_from(&outcome.steering);
-        self.state.progress = self.job.progress;
+        self.state.progress = self.input.progress;
         self.state.cycle = self.state.cycle.wrapping_add(1);
     }
 
     /// Poses and motions of a rollout that was recorded: `horizon + 1` and `horizon` rows.
     pub fn recorded(&mut self, rollout: usize, poses: &mut Vec<[f64; 3]>, twists: &mut Vec<[f64; 3]>) {
-        self.engine.recorded(rollout, &self.settings, &mut self.motions, &mut self.places);
-        ways(&self.facts, &self.motions, &self.places, self.situation.0, self.options.dt, twists, poses);
+        self.engine.recorded(rollout, [&mut self.motions, &mut self.places]);
+        to_world(&self.bounds, &self.motions, &self.places, self.situation.0, self.options.dt, twists, poses);
     }
 
-    /// The wishes of one rollout of the last cycle, in body axes.
+    /// The controls of one rollout of the last cycle, in body axes.
     pub fn wishes(&mut self, rollout: usize, to: &mut Vec<[f64; 3]>) {
-        self.engine.wishes(rollout, &self.settings, &mut self.motions);
+        self.engine.controls(rollout, &mut self.motions);
         to.clear();
-        to.extend(self.motions.chunks_exact(self.facts.free).map(|wish| self.facts.twist(wish)));
+        to.extend(self.motions.chunks_exact(self.bounds.free).map(|control| self.bounds.twist(control)));
     }
 }
 
 /// Motions and places to twists and poses in the world.
-fn ways(
-    facts: &RoverLimits,
+fn to_world(
+    bounds: &RoverLimits,
     motions: &[f64],
     places: &[f64],
     start: [f64; 3],
@@ -89,7 +98,7 @@ fn ways(
     poses: &mut Vec<[f64; 3]>,
 ) {
     twists.clear();
-    twists.extend(motions.chunks_exact(facts.free).map(|motion| facts.twist(motion)));
+    twists.extend(motions.chunks_exact(bounds.free).map(|motion| bounds.twist(motion)));
     poses.clear();
     poses.push(start);
     let mut yaw = start[2];
