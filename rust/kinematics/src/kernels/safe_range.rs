@@ -1,39 +1,42 @@
-//! The sizes of twists, wheels and readings that the kernels take: their squares neither overflow nor lose digits.
+//! Sizes of twists, wheels and readings whose squares neither overflow nor lose digits.
 
 use pulp::Simd;
 
-use super::steered::absolute;
 use crate::wheels::Wheel;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Sizes of twists whose squares neither overflow nor lose digits. Beyond them, the plain core.
-pub(crate) const SMALLEST: f64 = 1e-100;
-pub(crate) const LARGEST: f64 = 1e100;
+/// Sizes of twists whose squares neither overflow nor lose digits.
+pub(crate) const MIN_SQUARABLE: f64 = 1e-100;
+pub(crate) const MAX_SQUARABLE: f64 = 1e100;
 
 /// Sizes of rovers with which that holds at every pivot.
-pub(crate) const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
+pub(crate) const SAFE_LENGTHS: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 
-/// Lanes whose twist is surely finite, and its squares are too.
+/// Sum of the absolute values of a twist.
 #[inline(always)]
-pub fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
-    let [vx, vy, omega] = absolute(twist);
-    let size = vx + vy + omega;
-    let fits = size.at_most(Lanes::splat(simd, LARGEST));
-    let zero = size.at_most(Lanes::splat(simd, 0.0));
-    fits & (zero | Lanes::splat(simd, SMALLEST).at_most(size))
+fn size<S: Simd>([vx, vy, omega]: [Lanes<S>; 3]) -> Lanes<S> {
+    vx.abs() + vy.abs() + omega.abs()
+}
+
+/// True where a twist is finite, and its squares neither overflow nor lose digits. False for NaN.
+#[inline(always)]
+pub fn is_in_safe_range<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+    let size = size(twist);
+    let is_zero = size.at_most(Lanes::splat(simd, 0.0));
+    size.at_most(Lanes::splat(simd, MAX_SQUARABLE)) & (is_zero | Lanes::splat(simd, MIN_SQUARABLE).at_most(size))
 }
 
 /// True if the squares of a wheel's sizes neither overflow nor lose digits.
-pub(crate) fn is_usual(wheel: &Wheel) -> bool {
-    let usual = |length: f64| length == 0.0 || SIZES.contains(&length);
+pub(crate) fn has_safe_lengths(wheel: &Wheel) -> bool {
+    let is_safe = |length: f64| length == 0.0 || SAFE_LENGTHS.contains(&length);
     let lengths = [wheel.radius, wheel.x.abs(), wheel.y.abs()];
     let offsets = [wheel.scrub.abs(), wheel.trail.abs()];
-    lengths.into_iter().all(usual) && offsets.iter().all(|offset| offset < SIZES.end())
+    lengths.into_iter().all(is_safe) && offsets.iter().all(|offset| offset < SAFE_LENGTHS.end())
 }
 
 /// Two pivots far apart.
-pub(crate) fn pivots_apart(wheels: &[Wheel]) -> [[f64; 2]; 2] {
+pub(crate) fn distant_pivots(wheels: &[Wheel]) -> [[f64; 2]; 2] {
     let first = [wheels[0].x, wheels[0].y];
     let mut other = first;
     let distance = |[x, y]: [f64; 2]| (x - first[0]).abs() + (y - first[1]).abs();
