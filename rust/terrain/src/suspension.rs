@@ -25,9 +25,7 @@ use six_wheel_kinematics::wheels::Wheel;
 use six_wheel_numerics::error::{Error, finite, number};
 use six_wheel_numerics::threads::workers::Workers;
 
-pub use chain::{
-    Chain, ChainLink, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, PlanPose, State, Turning,
-};
+pub use chain::{Chain, ChainLink, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, PlanPose, State, Turning};
 pub use dimensions::{Bogie, Differential, Dimensions, JointRange, Steered};
 pub use placed::{Placed, PointSlopes, WheelFrame};
 use table::FIRST_PSI;

@@ -132,13 +132,7 @@ impl<'a> Settler<'a> {
     }
 
     /// The wheels at a state. None where the differential does not reach.
-    pub fn touches(
-        &self,
-        pose: PlanPose,
-        state: &State,
-        steering: &[f64],
-        part: RimSegment,
-    ) -> Option<Touches<'a>> {
+    pub fn touches(&self, pose: PlanPose, state: &State, steering: &[f64], part: RimSegment) -> Option<Touches<'a>> {
         let mut touches = Touches::nowhere(self.chain);
         self.look(&mut touches, pose, state, steering, part).map(|()| touches)
     }

@@ -276,4 +276,3 @@ impl Chain {
         (0..count).map(|wheel| placed.wheel(wheel).centre).sum::<Vector3<f64>>() / count as f64
     }
 }
-

@@ -6,36 +6,10 @@
 use nalgebra::{Unit, Vector3};
 
 use super::chain::{Chain, ChainLink, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Turning};
-use super::dimensions::Differential;
-use super::lanes::{Column, Turned, Vectors, cross, dot, less, scaled};
+use super::lanes::{Turned, Vectors, across, cross, dot, less, scaled};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::direction;
 use six_wheel_numerics::simd::vector::Vector;
-
-/// Sine and cosine of the angle that a differential gives the other side, and its derivative by the angle of this one; NaN where
-/// it does not reach.
-#[inline(always)]
-pub(super) fn across<S: Vector>(
-    simd: S,
-    differential: Differential,
-    left: Lanes<S>,
-    turned: Turned<S>,
-) -> (Turned<S>, Lanes<S>) {
-    if differential == Differential::Gear {
-        return ((-turned.0, turned.1), Lanes::splat(simd, -1.0));
-    }
-    let mut columns = [Column::of(left); 3];
-    for lane in 0..S::F64_LANES {
-        let reached = differential.right(columns[0].0[lane]);
-        let [angle, slope] = reached.unwrap_or([f64::NAN; 2]);
-        let (sin, cos) = angle.sin_cos();
-        for (column, value) in columns.iter_mut().zip([sin, cos, slope]) {
-            column.0[lane] = value;
-        }
-    }
-    let turned = (columns[0].load(simd), columns[1].load(simd));
-    (turned, columns[2].load(simd))
-}
 
 /// Sines and cosines of the angles of a chain.
 pub(crate) struct ChainAngles<'a, S: Vector> {

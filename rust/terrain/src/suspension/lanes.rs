@@ -11,7 +11,7 @@ use pulp::Simd;
 pub use self::plan::ChainConstants;
 use self::plan::{MOST_PARTS, Wheel};
 use super::chain::{MAX_FREE, MAX_WHEELS};
-use super::kinematics::across;
+use super::dimensions::Differential;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::polynomials::direction;
 pub use six_wheel_numerics::simd::vec3::{
@@ -127,6 +127,31 @@ pub struct Placing<'a, S: Simd> {
     /// Angular velocity of every limb in its plane against the body [rad/s], and less the velocity that it gives a
     /// point at the body's origin, along the plane and upwards [m/s].
     flow: [[Lanes<S>; 3]; MOST_PARTS + 1],
+}
+
+/// Sine and cosine of the angle that a differential gives the other side, and its derivative by the angle of this one; NaN where
+/// it does not reach.
+#[inline(always)]
+pub(super) fn across<S: Vector>(
+    simd: S,
+    differential: Differential,
+    left: Lanes<S>,
+    turned: Turned<S>,
+) -> (Turned<S>, Lanes<S>) {
+    if differential == Differential::Gear {
+        return ((-turned.0, turned.1), Lanes::splat(simd, -1.0));
+    }
+    let mut columns = [Column::of(left); 3];
+    for lane in 0..S::F64_LANES {
+        let reached = differential.right(columns[0].0[lane]);
+        let [angle, slope] = reached.unwrap_or([f64::NAN; 2]);
+        let (sin, cos) = angle.sin_cos();
+        for (column, value) in columns.iter_mut().zip([sin, cos, slope]) {
+            column.0[lane] = value;
+        }
+    }
+    let turned = (columns[0].load(simd), columns[1].load(simd));
+    (turned, columns[2].load(simd))
 }
 
 impl<'a, S: Vector> Placing<'a, S> {

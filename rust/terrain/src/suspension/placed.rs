@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::chain::{Chain, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, PlanPose, State, Turning};
 use super::kinematics::{ChainAngles, LinkPose, LinkPoses};
-use super::lanes::{Turned, Vectors, scaled};
+use super::lanes::{Turned, Vectors};
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
@@ -22,15 +22,14 @@ impl Chain {
     pub fn nowhere(&self) -> Placed<'_> {
         Placed {
             chain: self,
+            pose: PlanPose { x: 0.0, y: 0.0, yaw: 0.0 },
+            state: [0.0; MAX_STATE],
             origin: Vector3::zeros(),
             rotation: Matrix3::identity(),
             roll_axis: Vector3::zeros(),
             pitch_axis: Vector3::zeros(),
-            parts: [PlacedPart {
-                rotation: Matrix3::identity(),
-                origin: Vector3::zeros(),
-                axis: Vector3::zeros(),
-            }; MAX_PARTS],
+            parts: [PlacedPart { rotation: Matrix3::identity(), origin: Vector3::zeros(), axis: Vector3::zeros() };
+                MAX_PARTS],
         }
     }
 }
@@ -48,6 +47,8 @@ struct PlacedPart {
 #[derive(Clone, Debug)]
 pub struct Placed<'a> {
     chain: &'a Chain,
+    pose: PlanPose,
+    state: State,
     /// Of the body [m].
     pub origin: Vector3<f64>,
     /// `world_from_body`.
@@ -78,16 +79,17 @@ pub type PointSlopes = [Vector3<f64>; 3 + MAX_STATE];
 impl Placed<'_> {
     /// See [`Chain::place`].
     pub fn put(&mut self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<()> {
+        (self.pose, self.state) = (pose, *state);
         self.origin = Vector3::new(pose.x, pose.y, state[0]);
         let angles = Angles { yaw: pose.yaw, state, steering };
         Level::Scalar.run_any(Put { placed: self, angles })
     }
 
-    /// Steers, with the joints where they are: what no steering joint carries stays. None where a differential does not reach.
+    /// Steers, with the body where it is and these free angles. None where a differential does not reach.
     pub fn steer(&mut self, joints: &[f64], steering: &[f64]) -> Option<()> {
-        let mut state = [0.0; MAX_STATE];
+        let (pose, mut state) = (self.pose, self.state);
         state[3..].iter_mut().zip(joints).for_each(|(angle, joint)| *angle = *joint);
-        Level::Scalar.run_any(Steer { placed: self, angles: Angles { yaw: 0.0, state: &state, steering } })
+        self.put(pose, &state, steering)
     }
 
     fn carrier(&self, part: Option<usize>) -> (Matrix3<f64>, Vector3<f64>) {
@@ -219,20 +221,6 @@ impl PlacedPart {
         let rotation = Matrix3::from_columns(&[vector(simd, x), vector(simd, y), vector(simd, z)]);
         Self { rotation, origin: origin + vector(simd, pose.origin), axis: vector(simd, axis) }
     }
-
-    /// The same the other way round.
-    #[inline(always)]
-    fn pose<S: Vector>(simd: S, rotation: &Matrix3<f64>, origin: Vector3<f64>) -> LinkPose<S> {
-        let zero = Lanes::splat(simd, 0.0);
-        let mut pose = LinkPose { columns: [[zero; 3]; 3], origin: [zero; 3] };
-        for i in 0..3 {
-            pose.origin[i] = Lanes::splat(simd, origin[i]);
-            for k in 0..3 {
-                pose.columns[k][i] = Lanes::splat(simd, rotation[(i, k)]);
-            }
-        }
-        pose
-    }
 }
 
 /// See [`Placed::put`].
@@ -257,39 +245,5 @@ impl Kernel for Put<'_, '_> {
             placed.parts[k] = PlacedPart::new(simd, &poses.links[k], poses.axes[k], placed.origin);
         }
         poses.reaches.any().then_some(())
-    }
-}
-
-/// See [`Placed::steer`].
-struct Steer<'a, 'b> {
-    placed: &'a mut Placed<'b>,
-    angles: Angles<'a>,
-}
-
-impl Kernel for Steer<'_, '_> {
-    type Output = Option<()>;
-
-    #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> Option<()> {
-        let Self { placed, angles } = self;
-        let steering = angles.steering(simd);
-        let angles = angles.of_chain(simd, &steering);
-        let mut moved = 0_u32;
-        for (k, link) in placed.chain.parts().iter().enumerate() {
-            let steers = matches!(link.turning, Turning::Steering(_));
-            if steers || link.parent.is_some_and(|parent| moved >> parent & 1 == 1) {
-                moved |= 1 << k;
-                let (rotation, origin) = placed.carrier(link.parent);
-                let parent = PlacedPart::pose(simd, &rotation, origin - placed.origin);
-                let (turned, slope) = angles.turned(simd, link);
-                let (mut pose, mut axis) = (parent, parent.origin);
-                parent.carry(simd, link, turned, &mut pose, &mut axis);
-                placed.parts[k] = PlacedPart::new(simd, &pose, scaled(axis, slope), placed.origin);
-                if slope.last(simd).is_nan() {
-                    return None;
-                }
-            }
-        }
-        Some(())
     }
 }

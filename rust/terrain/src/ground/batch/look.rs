@@ -2,7 +2,8 @@
 
 use super::solve::Rows;
 use crate::ground::rims::circles::{FAR, Point, RIMS, RimLanes, cells, floor, spread};
-use crate::ground::rims::search::{AngleInterval, GapMinimum, find_min_gap};
+use crate::ground::rims::interval::{AngleInterval, GapMinimum};
+use crate::ground::rims::walk::find_min_gap;
 use crate::suspension::kinematics::{ChainAngles, LinkPoses, WheelPose};
 use crate::suspension::lanes::{Turned, Vectors, sum};
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS};
@@ -215,7 +216,12 @@ fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) 
 /// All of the rims that may be as near to the ground as the last contact is, and whether that leaves out their upper
 /// halves: a point that is higher above the highest ground around is not.
 #[inline(always)]
-fn whole_rims<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, last: [Lanes<S>; 2]) -> (AngleInterval<S>, Mask<S>) {
+fn whole_rims<S: Vector>(
+    simd: S,
+    ground: &Terrain,
+    rims: &RimLanes<S>,
+    last: [Lanes<S>; 2],
+) -> (AngleInterval<S>, Mask<S>) {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let margin = Lanes::splat(simd, MARGIN);
     let gap = gap(simd, ground, rims, last);

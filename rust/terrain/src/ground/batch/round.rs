@@ -1,11 +1,11 @@
 //! A round of Newton's method for as many poses as there are lanes.
 
 use super::look::{Extent, Here, MARGIN, RimScan, UPPER};
+use super::poses::{DONE, LEFT, LOOK, PoseBatch, ROUNDS, SettleRange, SolveState, column, gather, scatter};
 use super::solve::solve;
-use super::{DONE, LEFT, PoseBatch, ROUNDS, SettleRange, SolveState, column, gather, scatter};
 use crate::ground::rims::circles::{FAR, RIMS, spread};
 use crate::ground::rims::contact::booleans;
-use crate::ground::rims::search::TIE;
+use crate::ground::rims::interval::TIE;
 use crate::ground::settler::Status;
 use crate::ground::stand::{Contact, Stand};
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS};
@@ -28,9 +28,6 @@ const SHORT: f64 = 0.1;
 
 /// Shorter arms than this have the points of a rim [m]: from a turn to a way.
 const ARM: f64 = 3.0;
-
-/// Nearest and farthest that a short look goes beyond the last contact [rad].
-pub(super) const LOOK: [f64; 2] = [0.02, 0.3];
 
 /// Newton's step, as far as it is taken.
 struct NewtonStep<S: Vector> {
