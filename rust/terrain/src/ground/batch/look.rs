@@ -1,16 +1,16 @@
 //! A look at the rims of poses in lanes: gaps, what else is near, and the system of Newton's step.
 
-use super::plan::{ChainConstants, Placing, Rows, Turned, Vectors};
-use crate::ground::rims::circles::{FAR, Point, RimLanes, cells, floor, spread};
-use crate::ground::rims::search::{AngleInterval, GapMinimum, find_min_gap};
-use crate::suspension::{MAX_STATE, MAX_WHEELS};
+use super::solve::Rows;
+use crate::ground::rims::circles::{FAR, Point, RIMS, RimLanes, cells, floor, spread};
+use crate::ground::rims::interval::{AngleInterval, GapMinimum};
+use crate::ground::rims::walk::find_min_gap;
+use crate::suspension::kinematics::{ChainAngles, LinkPoses, WheelPose};
+use crate::suspension::lanes::{Turned, Vectors, sum};
+use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS};
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::direction;
 use six_wheel_numerics::simd::vector::Vector;
-
-/// Lanes of the widest level.
-pub(crate) const MOST: usize = 8;
 
 /// [`RimScan::clear`] where the upper halves were left out and may matter.
 pub(crate) const UPPER: f64 = -1.0;
@@ -39,7 +39,8 @@ pub(crate) struct Here<S: Vector> {
     pub origin: [Lanes<S>; 2],
     pub yaw: Turned<S>,
     pub state: [Lanes<S>; MAX_STATE],
-    pub steering: [Turned<S>; MAX_WHEELS],
+    /// None where all angles are 0.
+    pub steering: Option<[Turned<S>; MAX_WHEELS]>,
     /// Sine and cosine of the last contact angles.
     pub contacts: [[Lanes<S>; 2]; MAX_WHEELS],
 }
@@ -68,79 +69,106 @@ pub(crate) struct RimScan<S: Vector> {
 }
 
 impl<S: Vector> Here<S> {
+    /// The chain at these states.
+    #[inline(always)]
+    pub fn poses<'a>(&self, simd: S, chain: &'a Chain) -> LinkPoses<'a, S> {
+        LinkPoses::new(simd, chain, &ChainAngles::of_state(simd, self.yaw, &self.state, self.steering.as_ref()))
+    }
+
     /// Looks at all rims.
     #[inline(always)]
-    pub fn look(&self, simd: S, plan: &ChainConstants, ground: &Terrain, extent: &Extent<S>) -> RimScan<S> {
-        let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    pub fn look(&self, simd: S, chain: &Chain, ground: &Terrain, extent: &Extent<S>) -> RimScan<S> {
+        let zero = Lanes::splat(simd, 0.0);
         let spacing = ground.spacing();
         let per_metre = [Lanes::splat(simd, 1.0 / spacing[0]), Lanes::splat(simd, 1.0 / spacing[1])];
-        let placing = Placing::new(simd, plan, self.yaw, &self.state, &self.steering);
-        let nothing = GapMinimum::none(simd);
-        let mut look = RimScan {
+        let poses = self.poses(simd, chain);
+        let mut scan = RimScan {
             rows: [([zero; MAX_STATE], zero); MAX_WHEELS],
-            found: [nothing; MAX_WHEELS],
+            found: [GapMinimum::none(simd); MAX_WHEELS],
             worst: zero,
             clear: Lanes::splat(simd, FAR),
-            touches: zero.below(unit),
+            touches: poses.reaches,
         };
         let near = match extent {
             Extent::Whole | Extent::Both => None,
             Extent::Near(reach) => Some(direction(simd, *reach)),
             Extent::Sampled => Some(direction(simd, Lanes::splat(simd, BETWEEN))),
         };
-        for wheel in 0..plan.wheels() {
-            let at = &placing.wheels[wheel];
-            let radius = Lanes::splat(simd, plan.radius(wheel));
-            let scale = [radius * per_metre[0], radius * per_metre[1], radius];
-            let mut rims = RimLanes {
-                centre: [
-                    (self.origin[0] + at.centre[0]) * per_metre[0],
-                    (self.origin[1] + at.centre[1]) * per_metre[1],
-                    self.state[0] + at.centre[2],
-                ],
-                forward: at.forward,
-                up: at.up,
-            };
-            for (k, scale) in scale.into_iter().enumerate() {
-                rims.forward[k] = rims.forward[k] * scale;
-                rims.up[k] = rims.up[k] * scale;
-            }
+        for (wheel, mount) in chain.wheels().iter().enumerate().take(MAX_WHEELS) {
+            let at = poses.wheel(simd, wheel);
+            let radius = Lanes::splat(simd, mount.radius);
+            let rims = self.rims(&at, radius, per_metre);
             let last = match extent {
                 Extent::Sampled => sampled(simd, ground, &rims),
                 _ => self.contacts[wheel],
             };
-            let (mut stretch, mut covers) = match near {
+            let (interval, covers) = match near {
                 None => whole_rims(simd, ground, &rims, last),
-                Some(turned) => (short_look(simd, last, turned), unit.below(zero)),
+                Some(turned) => (short_look(simd, last, turned), zero.below(zero)),
             };
-            let mut found = nothing;
-            let both = matches!(extent, Extent::Both);
-            for half in 0..1 + usize::from(both) {
-                let part = find_min_gap(simd, ground, &rims, &stretch);
-                if half == 0 {
-                    found = part;
-                } else {
-                    found.others = found.others.min(part.gap).min(part.others);
-                    covers = zero.below(unit);
-                }
-                rims.turn_over();
-                stretch = AngleInterval::lower(simd);
-            }
+            let (found, covers) = halves(simd, ground, rims, interval, covers, matches!(extent, Extent::Both));
             let gradient = [found.slope[0] * per_metre[0], found.slope[1] * per_metre[1]];
             let mut spoke: Vectors<S> = [zero; 3];
             for (k, spoke) in spoke.iter_mut().enumerate() {
                 *spoke = (at.forward[k] * found.at[0] - at.up[k] * found.at[1]) * radius;
             }
-            let point = placing.rim(wheel, spoke);
-            look.rows[wheel] = (placing.slopes(simd, wheel, point, gradient), -found.gap);
-            look.worst = look.worst.max(found.gap.abs());
+            let point = sum(at.centre, spoke);
+            scan.rows[wheel] = (poses.gap_slopes(simd, wheel, point, gradient), -found.gap);
+            scan.worst = scan.worst.max(found.gap.abs());
             let clear = covers.select(found.others - found.gap, Lanes::splat(simd, UPPER));
-            look.clear = look.clear.min(clear);
-            look.touches = look.touches & found.gap.abs().below(Lanes::splat(simd, 0.5 * FAR));
-            look.found[wheel] = found;
+            scan.clear = scan.clear.min(clear);
+            scan.touches = scan.touches & found.gap.abs().below(Lanes::splat(simd, 0.5 * FAR));
+            scan.found[wheel] = found;
         }
-        look
+        scan
     }
+
+    /// The circles of a wheel, in columns, rows and metres.
+    #[inline(always)]
+    fn rims(&self, at: &WheelPose<S>, radius: Lanes<S>, per_metre: [Lanes<S>; 2]) -> RimLanes<S> {
+        let scale = [radius * per_metre[0], radius * per_metre[1], radius];
+        let mut rims = RimLanes {
+            centre: [
+                (self.origin[0] + at.centre[0]) * per_metre[0],
+                (self.origin[1] + at.centre[1]) * per_metre[1],
+                self.state[0] + at.centre[2],
+            ],
+            forward: at.forward,
+            up: at.up,
+        };
+        for (k, scale) in scale.into_iter().enumerate() {
+            rims.forward[k] = rims.forward[k] * scale;
+            rims.up[k] = rims.up[k] * scale;
+        }
+        rims
+    }
+}
+
+/// The least gap along an interval; where the upper halves are searched too, they are among the others. Also whether nothing is
+/// left out that matters.
+#[inline(always)]
+fn halves<S: Vector>(
+    simd: S,
+    ground: &Terrain,
+    mut rims: RimLanes<S>,
+    mut interval: AngleInterval<S>,
+    mut covers: Mask<S>,
+    both: bool,
+) -> (GapMinimum<S>, Mask<S>) {
+    let mut found = GapMinimum::none(simd);
+    for half in 0..1 + usize::from(both) {
+        let part = find_min_gap(simd, ground, &rims, &interval);
+        if half == 0 {
+            found = part;
+        } else {
+            found.others = found.others.min(part.gap).min(part.others);
+            covers = Lanes::splat(simd, 0.0).below(Lanes::splat(simd, 1.0));
+        }
+        // Turned over, its upper half is the lower one.
+        rims.turn_over();
+        interval = AngleInterval::lower(simd);
+    }
+    (found, covers)
 }
 
 /// The point with the lowest gap of some of every rim.
@@ -188,7 +216,12 @@ fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) 
 /// All of the rims that may be as near to the ground as the last contact is, and whether that leaves out their upper
 /// halves: a point that is higher above the highest ground around is not.
 #[inline(always)]
-fn whole_rims<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, last: [Lanes<S>; 2]) -> (AngleInterval<S>, Mask<S>) {
+fn whole_rims<S: Vector>(
+    simd: S,
+    ground: &Terrain,
+    rims: &RimLanes<S>,
+    last: [Lanes<S>; 2],
+) -> (AngleInterval<S>, Mask<S>) {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let margin = Lanes::splat(simd, MARGIN);
     let gap = gap(simd, ground, rims, last);
@@ -199,19 +232,19 @@ fn whole_rims<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, last: [L
     let inverse = unit.quotient(size);
     let (cos, sin) = (rims.up[2] * inverse, -(rims.forward[2] * inverse));
     let [rear, front] = tops(simd, ground, rims, &rims.point(sin, cos));
-    let mut stretch = AngleInterval { margin, is_closed: false, ..AngleInterval::lower(simd) };
+    let mut interval = AngleInterval { margin, is_closed: false, ..AngleInterval::lower(simd) };
     // So far from the lowest point its height is what counts: cosine and sine of the angle.
     let near = ((rims.centre[2] - front - gap) * inverse).min(unit);
     let far = (unit - near * near).max(zero).sqrt();
     let end = [sin * near + cos * far, cos * near - sin * far];
     let ends = zero.below(near) & zero.below(end[1]);
-    stretch.end = [ends.select(end[0], unit), ends.select(end[1], zero)];
+    interval.end = [ends.select(end[0], unit), ends.select(end[1], zero)];
     let near = ((rims.centre[2] - rear - gap) * inverse).min(unit);
     let far = (unit - near * near).max(zero).sqrt();
     let start = [sin * near - cos * far, cos * near + sin * far];
     let starts = zero.below(near) & zero.below(start[1]);
-    stretch.start = [starts.select(start[0], -unit), starts.select(start[1], zero)];
-    (stretch, starts & ends)
+    interval.start = [starts.select(start[0], -unit), starts.select(start[1], zero)];
+    (interval, starts & ends)
 }
 
 /// The highest ground beside what of the rims lies behind and before their lowest points; infinity where it is not
@@ -255,7 +288,7 @@ fn top<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) ->
     }
     let inside = spread(on_map.select(Lanes::splat(simd, 1.0), zero));
     let (x0, y0, x1, y1) = (spread(low[0]), spread(low[1]), spread(high[0]), spread(high[1]));
-    let mut top = [f64::INFINITY; MOST];
+    let mut top = [f64::INFINITY; RIMS];
     for lane in 0..S::F64_LANES {
         if inside[lane] > 0.0 {
             let ends = [[x0[lane], y0[lane]], [x1[lane], y1[lane]]];
@@ -284,12 +317,12 @@ mod tests {
         last: f64,
     }
 
-    struct Look<'a>(&'a Terrain, Case);
+    struct WholeRims<'a>(&'a Terrain, Case);
 
-    impl Kernel for Look<'_> {
+    impl Kernel for WholeRims<'_> {
         type Output = ([f64; 2], bool);
 
-        /// The angles at which the stretch begins and ends, and whether it leaves out the upper half.
+        /// The angles at which the interval begins and ends, and whether it leaves out the upper half.
         #[inline(always)]
         fn run<S: Vector>(self, simd: S) -> Self::Output {
             let Case { centre, forward, up, last } = self.1;
@@ -297,9 +330,9 @@ mod tests {
             let rims = RimLanes { centre: all(centre), forward: all(forward), up: all(up) };
             let (sin, cos) = last.sin_cos();
             let last = [Lanes::splat(simd, sin), Lanes::splat(simd, cos)];
-            let (stretch, covers) = whole_rims(simd, self.0, &rims, last);
+            let (interval, covers) = whole_rims(simd, self.0, &rims, last);
             let angle = |[sin, cos]: [Lanes<S>; 2]| spread(sin)[0].atan2(spread(cos)[0]);
-            ([angle(stretch.start), angle(stretch.end)], covers.any())
+            ([angle(interval.start), angle(interval.end)], covers.any())
         }
     }
 
@@ -341,7 +374,7 @@ mod tests {
                 ground.pyramid()?;
             }
             for level in Level::available() {
-                let ([start, end], covers) = level.run_any(Look(&ground, case));
+                let ([start, end], covers) = level.run_any(WholeRims(&ground, case));
                 for k in -628..=628 {
                     let angle = f64::from(k) * 0.005;
                     let inside = start - 1e-9 <= angle && angle <= end + 1e-9;
