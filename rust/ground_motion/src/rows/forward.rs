@@ -1,11 +1,11 @@
 //! [`Contacts::forward`](super::super::Contacts::forward) for many rows.
 
 use super::columns::Span;
-use super::follow::{Contact, Contacts, Known, MotionScratch, Row, SuspensionRates, Touch, answers, swivel};
-use super::footings::{SettledPoses, Standing, on_plane};
+use super::least_squares::Normal;
 use super::prepared::Prepared;
 use super::run::{InLanes, Rows, through};
-use super::solve::Normal;
+use super::settled_poses::{SettledPoses, Standing, on_plane};
+use super::suspension_rates::{Contact, Contacts, Known, MotionScratch, Row, SuspensionRates, Touch, answers, swivel};
 use crate::contact;
 use crate::contact::COLUMNS;
 use crate::motion::{PLAN, Readings, weights};

@@ -1,12 +1,12 @@
 //! [`inverse`] for many rows.
 
-use super::aim::{Local, aimed};
 use super::columns::{Span, finite, within};
-use super::follow::{Contacts, Known, MotionScratch, Row, SuspensionRates, Touch, answers};
-use super::footings::{SettledPoses, Standing, on_plane};
+use super::least_squares::Equations;
 use super::prepared::Prepared;
 use super::run::{InLanes, Rows, through};
-use super::solve::Equations;
+use super::settled_poses::{SettledPoses, Standing, on_plane};
+use super::steering::{Local, aimed};
+use super::suspension_rates::{Contacts, Known, MotionScratch, Row, SuspensionRates, Touch, answers};
 use crate::contact::COLUMNS;
 use crate::motion::{Command, PLAN, View, Wanted, inverse};
 use six_wheel_numerics::error::Error;

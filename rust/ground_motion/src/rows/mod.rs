@@ -4,22 +4,22 @@
 //! [`super::inverse`] and [`super::traction`], which stay what these are compared with. Where a lane is not as plain as most (it steers past
 //! its range, rests, divides by almost nothing) that row goes the plain way.
 
-mod aim;
 mod columns;
-mod follow;
-mod footings;
 mod forward;
-mod instant;
 mod inverse;
+mod least_squares;
 mod prepared;
 mod run;
+mod settled_poses;
 mod slip;
-mod solve;
+mod steering;
+mod suspension_rates;
 mod traction;
+mod two_link_chain;
 
-pub use footings::{SettledPoseInput, SettledPoses};
 pub use forward::{Movings, ReadingRows, forward_rows};
 pub use inverse::{Commands, inverse_rows};
 pub use prepared::Prepared;
+pub use settled_poses::{SettledPoseInput, SettledPoses};
 pub use slip::{Slips, slip_rows};
 pub use traction::traction_rows;

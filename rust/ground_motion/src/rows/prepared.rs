@@ -1,7 +1,7 @@
 //! The constants of a chain for rows of motions.
 
-use super::instant::Instant;
-use super::solve::Square;
+use super::least_squares::Square;
+use super::two_link_chain::Instant;
 use crate::contact::rest_offset;
 use six_wheel_terrain::suspension::Chain;
 use six_wheel_terrain::suspension::lanes::ChainConstants;

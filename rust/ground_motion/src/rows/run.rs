@@ -1,8 +1,8 @@
 //! The way through many rows: as many at a time as there are lanes, and those that are not for lanes by themselves.
 
 use super::columns::{Span, truths};
+use super::least_squares::Square;
 use super::prepared::Prepared;
-use super::solve::Square;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Mask;
 use six_wheel_numerics::simd::level::Kernel;

@@ -1,6 +1,6 @@
 //! [`slip`] for many rows.
 
-use super::footings::SettledPoses;
+use super::settled_poses::SettledPoses;
 use crate::contact::COLUMNS;
 use crate::slip::slip;
 use six_wheel_numerics::error::Error;

@@ -1,9 +1,9 @@
 //! [`traction`] for many rows.
 
 use super::columns::{Span, Way, angle_of, finite, way, within};
-use super::instant::OneRow;
 use super::prepared::Prepared;
 use super::run::{InLanes, Rows, through};
+use super::two_link_chain::OneRow;
 use crate::driving::{Drives, Driving, Turns};
 use crate::traction::{Closure, DAMPING, FOUND, Rates, STEPS, traction};
 use six_wheel_numerics::error::Error;

@@ -1,7 +1,7 @@
 //! Contacts in lanes, and the suspension that follows the ground: see [`Contacts`](super::super::Contacts).
 
-use super::footings::{Eights, Standing};
-use super::solve::{Equation, Equations, Square, UNKNOWNS};
+use super::least_squares::{Equation, Equations, Square, UNKNOWNS};
+use super::settled_poses::{Eights, Standing};
 use crate::contact::COLUMNS;
 use crate::motion::{FOLLOWING, PLAN};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};

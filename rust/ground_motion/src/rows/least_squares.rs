@@ -1,7 +1,7 @@
 //! Small systems of equations in lanes: what `least_squares` does for one, and elimination where there are no more of them
 //! than unknowns.
 
-use super::footings::Standing;
+use super::settled_poses::Standing;
 use crate::motion::FOLLOWING;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
