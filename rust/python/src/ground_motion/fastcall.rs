@@ -166,7 +166,7 @@ fn forward<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, steering, speeds]: 
     };
     let workers = any_workers(None, None).ok()?;
     let prepared = &suspension.motion;
-    forward_rows(chain, prepared, &footings(stand), &readings, movings, workers);
+    forward_rows(chain, prepared, &footings(stand), &readings, movings, workers).ok()?;
     let motion = Bound::new(py, GroundMotion(Columns::Single(one))).ok()?;
     Some(motion.into_any())
 }

@@ -6,7 +6,8 @@ use six_wheel_ground_motion::{Command, Commands, Movings, ReadingRows, View, for
 use super::result_columns::Columns;
 use super::results::{GroundCommand, GroundMotion};
 use super::settled_pose_input::Stands;
-use crate::convert::{Out, Rows, compute, compute_rows, joined, number, refuse, shape_text};
+use crate::arguments;
+use crate::convert::{Out, Rows, compute_rows, joined, number, refuse, shape_text};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
@@ -194,9 +195,9 @@ methods! { Suspension:
         };
         let [twists, rates, residuals] = results.flat();
         let movings = Movings { twists: twists.as_chunks_mut().0, joint_rates: rates, residuals };
-        compute(py, count, || {
-            forward_rows(chain, &self.motion, &footings, &readings, movings, workers);
-        });
+        compute_rows(py, count, &leading, || {
+            forward_rows(chain, &self.motion, &footings, &readings, movings, workers)
+        })?;
         Ok(GroundMotion(Columns::Batch(results.finish_arrays()?)))
     }
 }

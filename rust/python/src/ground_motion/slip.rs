@@ -1,7 +1,7 @@
 //! `Suspension.slip` and `body_slip`.
 
 use pyo3::prelude::*;
-use six_wheel_ground_motion::{SlipTest, Slips, slip_rows};
+use six_wheel_ground_motion::{SlipInput, SlipTest, Slips, slip_rows};
 
 use super::settled_pose_input::Stands;
 use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, refuse};
@@ -69,10 +69,10 @@ methods! { Suspension:
         let footings = stands.footings();
         let [ratios, angles] = results.flat();
         let slips = Slips { ratios, angles };
-        let (speeds, rates) = (speeds.flat(), rates.flat());
         let twists = twists.flat().as_chunks().0;
+        let input = SlipInput { speeds: speeds.flat(), twists, joint_rates: rates.flat() };
         compute_rows(py, stands.count(), &leading, || {
-            slip_rows(chain, &footings, speeds, twists, rates, slips, workers)
+            slip_rows(chain, &self.motion, &footings, &input, slips, workers)
         })?;
         let [ratio, angle] = results.finish_arrays()?;
         Ok(WheelSlip { ratio, angle })

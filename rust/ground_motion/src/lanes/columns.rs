@@ -1,12 +1,11 @@
-//! Between rows, as the caller keeps them, and lanes, as many rows at a time as there are.
+//! Loads and stores between rows of the caller's arrays and lanes, and the angles and lengths of vectors in lanes.
 
 use pulp::Simd;
 
-use six_wheel_kinematics::steering::{ANGLE_TOLERANCE, SteeringRange};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
-use six_wheel_numerics::simd::polynomials::angle;
+use six_wheel_numerics::simd::polynomials::{angle, direction};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::lanes::{Column, MOST, Turned, all};
+use six_wheel_terrain::suspension::lanes::{Column, LARGEST_TURN, MOST, Turned, all};
 
 /// Rows that are worked on together, from `first` on.
 #[derive(Clone, Copy)]
@@ -109,79 +108,111 @@ impl Span {
     }
 }
 
-/// Lanes in which a number is finite.
+/// Truth values of a mask, lane by lane.
 #[inline(always)]
-pub(crate) fn finite<S: Simd>(simd: S, number: Lanes<S>) -> Mask<S> {
-    number.abs().at_most(all(simd, f64::MAX))
+pub(crate) fn truths<S: Simd>(simd: S, mask: Mask<S>) -> [bool; MOST] {
+    Column::of(mask.select(all(simd, 1.0), all(simd, 0.0))).0.map(|truth| truth > 0.0)
 }
 
-/// A mask as a column: 1 where it is true, else 0.
+/// The same mask in every lane.
 #[inline(always)]
-pub(crate) fn truths<S: Simd>(simd: S, mask: Mask<S>) -> Column {
-    Column::of(mask.select(all(simd, 1.0), all(simd, 0.0)))
+pub(crate) fn mask<S: Simd>(simd: S, truth: bool) -> Mask<S> {
+    let zero = all(simd, 0.0);
+    if truth { zero.at_most(zero) } else { zero.below(zero) }
 }
 
-/// Below these squares of speeds the plain way takes over [m^2/s^2].
-const TINY: f64 = 1e-280;
-
-/// A length, and the direction of the vector that has it, forwards or backwards so that it is not left behind; no
-/// direction but `rest` where it is 0.
-#[derive(Clone, Copy)]
-pub(crate) struct Way<S: Simd> {
-    pub length: Lanes<S>,
-    /// The sign bit where it goes backwards.
-    pub sign: Lanes<S>,
-    /// Of the angle up to a quarter turn.
-    pub turned: Turned<S>,
-    pub rests: Mask<S>,
+/// Lanes in which a number is not NaN.
+#[inline(always)]
+pub(crate) fn is_number<S: Simd>(number: Lanes<S>) -> Mask<S> {
+    number.at_most(number)
 }
 
-/// The way of a velocity ahead and aside. Adds to the doubtful lanes those whose squares are lost.
+/// Angles [rad], less whole turns where they are beyond [`LARGEST_TURN`].
 #[inline(always)]
-pub(crate) fn way<S: Vector>([ahead, aside]: [Lanes<S>; 2], rest: Turned<S>, doubt: &mut Mask<S>) -> Way<S> {
-    let (zero, one) = (all(ahead.simd(), 0.0), all(ahead.simd(), 1.0));
-    let square = ahead.mul_add(ahead, aside * aside);
-    let size = ahead.abs() + aside.abs();
-    let rests = size.at_most(zero);
-    *doubt = *doubt | (square.below(all(ahead.simd(), TINY)) & !rests);
-    let inverse = rests.select(one, square).inverse_root();
-    let near = square * inverse;
-    // What the product rounds away is added back.
-    let missing = (-near).mul_add(near, square);
-    let length = missing.mul_add(inverse * all(ahead.simd(), 0.5), near);
-    let sign = ahead.below(zero).select(all(ahead.simd(), -0.0), zero);
-    Way {
-        length,
-        sign,
-        turned: (rests.select(rest.0, aside.flip(sign) * inverse), rests.select(rest.1, ahead.flip(sign) * inverse)),
-        rests,
+pub(crate) fn wrap_far<S: Vector, const N: usize>(simd: S, mut angles: [Lanes<S>; N]) -> [Lanes<S>; N] {
+    let mut largest = all(simd, 0.0);
+    for angle in &angles {
+        largest = angle.abs().max(largest);
     }
+    if all(simd, LARGEST_TURN).below(largest).any() {
+        for angle in &mut angles {
+            let mut column = Column::of(*angle);
+            for value in column.0[..S::F64_LANES].iter_mut().filter(|value| value.abs() > LARGEST_TURN) {
+                let (sin, cos) = value.sin_cos();
+                *value = sin.atan2(cos);
+            }
+            *angle = column.load(simd);
+        }
+    }
+    angles
 }
 
-/// The angle of a direction that is not behind.
+/// Sine and cosine of an angle of any size [rad].
+#[inline(always)]
+pub(crate) fn direction_of<S: Vector>(simd: S, angle: Lanes<S>) -> Turned<S> {
+    let [angle] = wrap_far(simd, [angle]);
+    direction(simd, angle)
+}
+
+/// Least and largest squares of [`roots`].
+const ROOTS: [f64; 2] = [1e-30, 1e36];
+
+/// One over the square root of a number within [`ROOTS`], and the root, to two last places; the same bits at every level.
+#[inline(always)]
+pub(crate) fn roots<S: Vector>(simd: S, number: Lanes<S>) -> [Lanes<S>; 2] {
+    let mut register = [simd.splat_f64s(0.0)];
+    number.store(&mut register, 0);
+    let [inverse, root] = simd.steady_roots(register[0]);
+    [Lanes::load(simd, &[inverse], 0), Lanes::load(simd, &[root], 0)]
+}
+
+/// The inverse length of a vector of about unit length, of which this is the square; finite at 0.
+#[inline(always)]
+pub(crate) fn inverse_length<S: Vector>(simd: S, square: Lanes<S>) -> Lanes<S> {
+    let [inverse, _] = roots(simd, square.max(all(simd, ROOTS[0])));
+    inverse
+}
+
+/// A plane vector in polar form, forwards: half a turn from its direction where it points backwards.
+#[derive(Clone, Copy)]
+pub(crate) struct Polar<S: Simd> {
+    pub length: Lanes<S>,
+    /// The sign bit where it points backwards.
+    pub sign: Lanes<S>,
+    /// Sine and cosine of the angle, which is a quarter turn at most; those of no angle where the vector is 0.
+    pub turned: Turned<S>,
+    /// Lanes in which the vector is 0.
+    pub is_zero: Mask<S>,
+}
+
+/// A vector ahead and to the left in polar form.
+#[inline(always)]
+pub(crate) fn polar<S: Vector>([mut ahead, mut left]: [Lanes<S>; 2]) -> Polar<S> {
+    let simd = ahead.simd();
+    let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
+    let size = ahead.abs() + left.abs();
+    let is_zero = size.at_most(zero);
+    let mut square = ahead.mul_add(ahead, left * left);
+    let mut unit = one;
+    let fits = all(simd, ROOTS[0]).at_most(square) & square.at_most(all(simd, ROOTS[1]));
+    let scaled = !(fits | is_zero);
+    if scaled.any() {
+        unit = scaled.select(size, one);
+        (ahead, left) = (ahead.quotient(unit), left.quotient(unit));
+        square = ahead.mul_add(ahead, left * left);
+    }
+    let [inverse, _] = roots(simd, is_zero.select(one, square));
+    let near = square * inverse;
+    // The rounding of the root is added back.
+    let rest = (-near).mul_add(near, square);
+    let length = rest.mul_add(inverse * all(simd, 0.5), near) * unit;
+    let sign = ahead.below(zero).select(all(simd, -0.0), zero);
+    let turned = (left.flip(sign) * inverse, is_zero.select(one, ahead.flip(sign) * inverse));
+    Polar { length, sign, turned, is_zero }
+}
+
+/// The angle of a direction that does not point backwards [rad].
 #[inline(always)]
 pub(crate) fn angle_of<S: Simd>(simd: S, (sin, cos): Turned<S>) -> Lanes<S> {
     angle(simd, cos.abs(), sin.abs()).flip(sin.sign())
-}
-
-/// A steering angle as it comes, and what a joint makes of it.
-#[derive(Clone, Copy)]
-pub(crate) struct Within<S: Simd> {
-    pub angle: Lanes<S>,
-    /// The sign bit where it is half a turn from what it was.
-    pub turned: Lanes<S>,
-}
-
-/// The angle, or half a turn from it, inside a range; doubtful where it is at its very ends, or outside.
-#[inline(always)]
-pub(crate) fn within<S: Simd>(simd: S, range: SteeringRange, angle: Lanes<S>, doubt: &mut Mask<S>) -> Within<S> {
-    let half = all(simd, std::f64::consts::PI);
-    let (lower, upper) = (all(simd, range.lower), all(simd, range.upper));
-    let (least, most) = (all(simd, range.lower - ANGLE_TOLERANCE), all(simd, range.upper + ANGLE_TOLERANCE));
-    let (back, on) = (angle - half, angle + half);
-    let stays = least.at_most(angle) & angle.at_most(most);
-    let goes_back = least.at_most(back) & back.at_most(most);
-    let found = stays.select(angle, goes_back.select(back, on));
-    *doubt = *doubt | !(lower.at_most(found) & found.at_most(upper));
-    Within { angle: found, turned: stays.select(all(simd, 0.0), all(simd, -0.0)) }
 }
