@@ -103,6 +103,37 @@ getters! { Mppi, self, py:
     seed: u64 = self.options.seed;
     /// Standard deviation of the wishes, shape (3,) [m/s, m/s, rad/s].
     noise: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, &self.core.lock(py)?.noise()));
+    /// All it remembers: ``controls`` (horizon, 3), what is wished at every step [m/s, m/s, rad/s]; ``cycle``, cycles so
+    /// far; ``steering``, where the joints are meant to be [rad]; ``progress``, how far along its path it is [m].
+    state: PyResult<Bound<'py, PyDict>> = {
+        let state = self.core.lock(py)?.state().clone();
+        let dict = PyDict::new(py);
+        dict.set_item("controls", triples(py, &state.controls)?)?;
+        dict.set_item("cycle", state.cycle)?;
+        dict.set_item("steering", PyArray1::from_vec(py, state.steering))?;
+        dict.set_item("progress", state.progress)?;
+        Ok(dict)
+    };
+    /// The wishes of the last cycle's rollouts, ``[vx, vy, omega]``, shape (samples, horizon, 3) [m/s, m/s, rad/s].
+    wishes: PyResult<Array<'py>> = {
+        let steps = self.options.horizon;
+        let mut output = Output::fresh(py, &[self.options.samples, steps, 3])?;
+        let mut core = self.core.lock(py)?;
+        let mut wishes = Vec::new();
+        for (k, rows) in output.triples().chunks_exact_mut(steps).enumerate() {
+            core.wishes(k, &mut wishes);
+            rows.copy_from_slice(&wishes);
+        }
+        output.finish()
+    };
+    /// Weights of the cost terms, by name.
+    weights: PyResult<Bound<'py, PyDict>> = {
+        let dict = PyDict::new(py);
+        for (name, value) in Weights::NAMES.into_iter().zip(self.options.weights.values()) {
+            dict.set_item(name, value)?;
+        }
+        Ok(dict)
+    };
 }
 
 methods! { Mppi:
@@ -242,19 +273,6 @@ impl Mppi {
         Ok(())
     }
 
-    /// All it remembers: ``controls`` (horizon, 3), what is wished at every step [m/s, m/s, rad/s]; ``cycle``, cycles so
-    /// far; ``steering``, where the joints are meant to be [rad]; ``progress``, how far along its path it is [m].
-    #[getter]
-    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let state = self.core.lock(py)?.state().clone();
-        let dict = PyDict::new(py);
-        dict.set_item("controls", triples(py, &state.controls)?)?;
-        dict.set_item("cycle", state.cycle)?;
-        dict.set_item("steering", PyArray1::from_vec(py, state.steering))?;
-        dict.set_item("progress", state.progress)?;
-        Ok(dict)
-    }
-
     /// Go on from what `state` was.
     ///
     /// Parameters
@@ -282,30 +300,6 @@ impl Mppi {
             progress: number("progress", &item("progress")?)?,
         };
         self.core.lock(py)?.set_state(state).or_raise(&[])
-    }
-
-    /// The wishes of the last cycle's rollouts, ``[vx, vy, omega]``, shape (samples, horizon, 3) [m/s, m/s, rad/s].
-    #[getter]
-    fn wishes<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        let steps = self.options.horizon;
-        let mut output = Output::fresh(py, &[self.options.samples, steps, 3])?;
-        let mut core = self.core.lock(py)?;
-        let mut wishes = Vec::new();
-        for (k, rows) in output.triples().chunks_exact_mut(steps).enumerate() {
-            core.wishes(k, &mut wishes);
-            rows.copy_from_slice(&wishes);
-        }
-        output.finish()
-    }
-
-    /// Weights of the cost terms, by name.
-    #[getter]
-    fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
-        for (name, value) in Weights::NAMES.into_iter().zip(self.options.weights.values()) {
-            dict.set_item(name, value)?;
-        }
-        Ok(dict)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

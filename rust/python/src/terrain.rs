@@ -138,6 +138,14 @@ getters! { Terrain, self, py:
     origin: (f64, f64) = self.0.origin().into();
     /// Angle from the x axis of the world to the rows, counter-clockwise [rad].
     orientation: f64 = self.0.orientation();
+    /// The heights [m], shape (rows, columns), as a fresh array.
+    heights: PyResult<Bound<'py, PyAny>> = {
+        let shape = &self.0.shape();
+        Ok(match self.0.heights() {
+            Heights::Single(heights) => memory::array(py, heights, shape)?.into_any(),
+            Heights::Double(heights) => memory::array(py, heights, shape)?.into_any(),
+        })
+    };
 }
 
 equal_by!(Terrain: 0);
@@ -268,16 +276,6 @@ methods! { Terrain:
 
 #[pymethods]
 impl Terrain {
-    /// The heights [m], shape (rows, columns), as a fresh array.
-    #[getter]
-    fn heights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let shape = &self.0.shape();
-        Ok(match self.0.heights() {
-            Heights::Single(heights) => memory::array(py, heights, shape)?.into_any(),
-            Heights::Double(heights) => memory::array(py, heights, shape)?.into_any(),
-        })
-    }
-
     fn __repr__(&self) -> String {
         let ([rows, columns], [dx, dy], [x, y]) = (self.0.shape(), self.0.spacing(), self.0.origin());
         let turned = match self.0.orientation() {

@@ -139,6 +139,18 @@ getters! { Wheel, self, py:
     driven: bool = self.0.driven;
     /// True if the wheel swivels freely behind its pivot.
     castor: bool = self.0.pivot == Pivot::Castor;
+    /// The argument of that name [rad]: largest angle to either side, or smallest and largest; None for a
+    /// fixed wheel.
+    steering_limit: PyResult<Option<Bound<'py, PyAny>>> = {
+        let limit = |range: SteeringRange| {
+            if range.lower == -range.upper {
+                Ok(PyFloat::new(py, range.upper).into_any())
+            } else {
+                Ok((range.lower, range.upper).into_pyobject(py)?.into_any())
+            }
+        };
+        self.0.steering().map(limit).transpose()
+    };
 }
 
 equal_by!(Wheel: 0);
@@ -186,20 +198,6 @@ methods! { Wheel:
 
 #[pymethods]
 impl Wheel {
-    /// The argument of that name [rad]: largest angle to either side, or smallest and largest; None for a
-    /// fixed wheel.
-    #[getter]
-    fn steering_limit<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let limit = |range: SteeringRange| {
-            if range.lower == -range.upper {
-                Ok(PyFloat::new(py, range.upper).into_any())
-            } else {
-                Ok((range.lower, range.upper).into_pyobject(py)?.into_any())
-            }
-        };
-        self.0.steering().map(limit).transpose()
-    }
-
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let wheel = &self.0;
         let mut text = format!("Wheel({}, {:?}, {:?}", PyString::new(py, &wheel.name).repr()?, wheel.x, wheel.y);

@@ -259,6 +259,16 @@ replaceable!(IcrTransition);
 getters! { IcrTransition, self, py:
     /// Number of times the rover comes to rest on the way.
     stops: usize = self.core.stops();
+    /// Phases in the order of time, each with its action and reason: a tuple of `Phase`.
+    phases: PyResult<Bound<'py, PyTuple>> = {
+        let kind = class(py, "Phase")?;
+        let mut phases = Vec::new();
+        for phase in self.core.phases() {
+            let name = phase.action.name();
+            phases.push(kind.call1((name, phase.start, phase.duration, &phase.reason))?);
+        }
+        PyTuple::new(py, phases)
+    };
 }
 
 methods! { IcrTransition:
@@ -329,18 +339,6 @@ methods! { IcrTransition:
 
 #[pymethods]
 impl IcrTransition {
-    /// Phases in the order of time, each with its action and reason: a tuple of `Phase`.
-    #[getter]
-    fn phases<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let kind = class(py, "Phase")?;
-        let mut phases = Vec::new();
-        for phase in self.core.phases() {
-            let name = phase.action.name();
-            phases.push(kind.call1((name, phase.start, phase.duration, &phase.reason))?);
-        }
-        PyTuple::new(py, phases)
-    }
-
     /// Twist and wheels at one time or many: a `TransitionState`.
     ///
     /// Parameters

@@ -146,66 +146,44 @@ getters! { Stand, self, py:
         let stands = self.stands.iter().map(|stand| stand.status.stands());
         scalar_or_array(py, memory::gathered(stands)?, &self.leading)
     };
-}
-
-#[pymethods]
-impl Stand {
     /// Reason for which the rover does not stand at the pose, or an array of reasons, shape (...); empty where it
     /// stands. Where the solution has not converged, the rover may have tipped over.
-    #[getter]
-    fn reason<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    reason: PyResult<Bound<'py, PyAny>> = {
         let mut words = self.stands.iter().map(|stand| stand.status.reason());
         if self.leading.is_empty() {
             return Ok(PyString::new(py, words.next().unwrap_or_default()).into_any());
         }
         let words = words.map(|words| PyString::new(py, words).into_any().unbind());
         scalar_or_array(py, memory::gathered(words)?, &self.leading).map(|array| array.into_bound(py))
-    }
-
+    };
     /// Steering angles that were given, shape (..., steered) [rad].
-    #[getter]
-    fn steering<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+    steering: PyResult<Array<'py>> = {
         let joints = self.suspension.get().chain.steering().len();
         self.array(py, &[joints], |k, _, row| {
             let angles = self.angles(k);
             row[..angles.len()].copy_from_slice(angles);
         })
-    }
-
-    /// Free angles, shape (..., joints) [rad]: rho, beta_1, beta_2 of a rocker-bogie.
-    #[getter(joints)]
-    fn free_angles<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        let joints = self.joint_count();
-        self.array(py, &[joints], |_, stand, row| {
-            row.copy_from_slice(&stand.state[3..3 + joints]);
-        })
-    }
-
+    };
     /// Stop at which each joint is, shape (..., joints): -1 the lower, 1 the upper, 0 none.
-    #[getter]
-    fn stops<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+    stops: PyResult<Array<'py>> = {
         self.array(py, &[self.joint_count()], |_, stand, row| {
             for (target, stop) in row.iter_mut().zip(stand.stops) {
                 *target = f64::from(stop);
             }
         })
-    }
-
+    };
     /// Unit normals of the ground at the contacts, in the world, shape (..., wheels, 3). On a crease the mix of
     /// both sides that is square to the rim.
-    #[getter]
-    fn normals<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+    normals: PyResult<Array<'py>> = {
         self.array(py, &[self.wheels(), 3], |_, stand, row| {
             for (target, contact) in row.chunks_exact_mut(3).zip(&stand.wheels) {
                 let normal = six_wheel_terrain::terrain::normal(contact.gradient);
                 target.copy_from_slice(normal.as_slice());
             }
         })
-    }
-
+    };
     /// ``world_from_body``, shape (..., 4, 4): takes coordinates in the body to the world [m].
-    #[getter]
-    fn transform<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+    transform: PyResult<Array<'py>> = {
         self.array(py, &[4, 4], |k, _, row| {
             row.fill(f64::NAN);
             let Some(placed) = self.placed(k) else { return };
@@ -217,11 +195,9 @@ impl Stand {
             }
             row[12..].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);
         })
-    }
-
+    };
     /// Wheel centres in the world, shape (..., wheels, 3) [m].
-    #[getter]
-    fn wheel_centres<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+    wheel_centres: PyResult<Array<'py>> = {
         self.array(py, &[self.wheels(), 3], |k, _, row| {
             row.fill(f64::NAN);
             let Some(placed) = self.placed(k) else { return };
@@ -229,12 +205,10 @@ impl Stand {
                 target.copy_from_slice(placed.wheel(wheel).centre.as_slice());
             }
         })
-    }
-
+    };
     /// Derivatives of z, roll, pitch and the free angles by x, y and yaw, shape (..., 3 + joints, 3); None unless
     /// `derivatives` were asked for. Joints at stops stay there; NaN where the state is not determined.
-    #[getter]
-    fn by_pose<'py>(&self, py: Python<'py>) -> PyResult<Option<Array<'py>>> {
+    by_pose: PyResult<Option<Array<'py>>> = {
         if !self.derivatives {
             return Ok(None);
         }
@@ -248,13 +222,11 @@ impl Stand {
             }
         });
         array.map(Some)
-    }
-
+    };
     /// Derivatives of the six numbers of a rocker-bogie by its dimensions, shape (..., 6, 16): by x, y and z of
     /// each vector in the order of `RockerBogie.dimensions`, and by the wheel radius; None unless `derivatives`
     /// were asked for, and for other chains.
-    #[getter]
-    fn by_dimension<'py>(&self, py: Python<'py>) -> PyResult<Option<Array<'py>>> {
+    by_dimension: PyResult<Option<Array<'py>>> = {
         let suspension = self.suspension.bind(py);
         let Ok(rover) = suspension.cast::<RockerBogie>() else { return Ok(None) };
         if !self.derivatives {
@@ -270,6 +242,18 @@ impl Stand {
             }
         });
         array.map(Some)
+    };
+}
+
+#[pymethods]
+impl Stand {
+    /// Free angles, shape (..., joints) [rad]: rho, beta_1, beta_2 of a rocker-bogie.
+    #[getter(joints)]
+    fn free_angles<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let joints = self.joint_count();
+        self.array(py, &[joints], |_, stand, row| {
+            row.copy_from_slice(&stand.state[3..3 + joints]);
+        })
     }
 
     fn __len__(&self) -> usize {
