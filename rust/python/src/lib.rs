@@ -5,10 +5,10 @@
 mod arguments;
 #[macro_use]
 mod classes;
-mod controller;
-mod convert;
 #[macro_use]
 mod fastcall;
+mod controller;
+mod convert;
 mod four_axle;
 mod geometry;
 mod ground_motion;

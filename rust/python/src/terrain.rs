@@ -10,7 +10,6 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 use six_wheel_terrain::terrain::{Heights, Interpolation, Sample, Terrain as Core, normal};
 
 use crate::arguments::{ArgumentKind, shown};
-use crate::classes::reduce;
 use crate::convert::{
     OrRaise, Output, OutputOptions, Rows, is_of_another_kind, memory, number, read_array, refuse, scalar_or_array,
     shape_text, singles,
@@ -107,14 +106,9 @@ impl Terrain {
     }
 
     /// The arguments that make this very ground.
-    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let arguments = PyDict::new(py);
-        let ([dx, dy], [x, y]) = (self.0.spacing(), self.0.origin());
-        arguments.set_item("heights", self.heights(py)?)?;
-        arguments.set_item("spacing", (dx, dy))?;
-        arguments.set_item("origin", (x, y))?;
-        arguments.set_item("orientation", self.0.orientation())?;
-        Ok(arguments)
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (spacing, origin) = (self.spacing(py), self.origin(py));
+        Ok(dict!(py, heights = self.heights(py)?, spacing, origin, orientation = self.0.orientation()))
     }
 }
 
@@ -150,6 +144,7 @@ getters! { Terrain, self, py:
 
 equal_by!(Terrain: 0);
 replaceable!(Terrain);
+pickled_by_keywords!(Terrain: keywords);
 
 methods! { Terrain:
     #[new]
@@ -289,10 +284,5 @@ impl Terrain {
         let ([dx, dy], [x, y]) = (self.0.spacing(), self.0.origin());
         let place = [dx, dy, x, y, self.0.orientation()];
         PyTuple::new(py, place)?.hash()
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let py = slf.py();
-        reduce(slf.as_any(), &PyTuple::empty(py), &slf.get().arguments(py)?)
     }
 }

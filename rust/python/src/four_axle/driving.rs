@@ -1,7 +1,7 @@
 //! Brakes, plans and simulation of `six_wheel.FourAxle`.
 
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyTuple;
 use six_wheel_four_axle::{Axles, Brakes, FourAxle as Core, Pair, State};
 use six_wheel_numerics::error::Error;
 
@@ -160,18 +160,20 @@ methods! { FourAxle:
         let given = items("sequence", sequence, MOST_STEPS)?;
         let steps = given.iter().map(read_step).collect::<PyResult<Vec<_>>>()?;
         let (track, end) = py.detach(|| self.core.simulate(start, &steps, dt)).map_err(raised)?;
-        let keywords = PyDict::new(py);
-        keywords.set_item("rover", &self.rover)?;
-        keywords.set_item("steps", PyTuple::new(py, given)?)?;
-        keywords.set_item("times", vector(py, track.times))?;
-        keywords.set_item("poses", array(py, &track.poses)?)?;
-        keywords.set_item("angles", array(py, &track.angles)?)?;
-        keywords.set_item("twists", array(py, &track.twists)?)?;
-        keywords.set_item("speeds", array(py, &track.speeds)?)?;
-        keywords.set_item("residual", array(py, &track.residual)?)?;
-        let ends = track.ends.into_iter().map(|row| row as i64).collect();
-        keywords.set_item("ends", vector::<i64>(py, ends))?;
-        keywords.set_item("final", write_state(py, &end)?)?;
+        let ends: Vec<i64> = track.ends.into_iter().map(|row| row as i64).collect();
+        let keywords = dict!(
+            py,
+            rover = &self.rover,
+            steps = PyTuple::new(py, given)?,
+            times = vector(py, track.times),
+            poses = array(py, &track.poses)?,
+            angles = array(py, &track.angles)?,
+            twists = array(py, &track.twists)?,
+            speeds = array(py, &track.speeds)?,
+            residual = array(py, &track.residual)?,
+            ends = vector(py, ends),
+            final = write_state(py, &end)?
+        );
         value(py, "FourAxleSimulation")?.call((), Some(&keywords))
     }
 }

@@ -2,11 +2,10 @@
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyDict;
 use six_wheel_planner::Costmap as Core;
 
 use crate::arguments::ArgumentKind;
-use crate::classes::reduce;
 use crate::convert::{ArgumentTypeError, OrRaise, number, refuse, shape_text};
 
 /// Costs on a grid, for a planner.
@@ -66,6 +65,15 @@ getters! { Costmap, self, py:
 }
 
 replaceable!(Costmap);
+pickled_by_keywords!(Costmap: keywords);
+
+impl Costmap {
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (spacing, origin, lethal) = (self.spacing(py), self.origin(py), self.lethal(py));
+        let (values, outside, frame) = (self.values(py)?, self.outside(py), &self.frame);
+        Ok(dict!(py, values, spacing, origin, lethal, outside, frame))
+    }
+}
 
 methods! { Costmap:
     #[new]
@@ -113,17 +121,5 @@ impl Costmap {
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
         (self.core.shape(), self.spacing(py), self.origin(py), &self.frame).into_pyobject(py)?.hash()
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let (py, map) = (slf.py(), slf.get());
-        let keywords = PyDict::new(py);
-        keywords.set_item("values", map.values(py)?)?;
-        keywords.set_item("spacing", map.spacing(py))?;
-        keywords.set_item("origin", map.origin(py))?;
-        keywords.set_item("lethal", map.lethal(py))?;
-        keywords.set_item("outside", map.outside(py))?;
-        keywords.set_item("frame", &map.frame)?;
-        reduce(slf.as_any(), &PyTuple::empty(py), &keywords)
     }
 }

@@ -10,7 +10,7 @@ use six_wheel_terrain::suspension::{Bogie, Differential, Dimensions, JointRange,
 
 use super::base::Suspension;
 use super::joint_range::{joint_range, steering};
-use crate::classes::{reduce, repr_of_call};
+use crate::classes::repr_of_call;
 use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
 
 /// A rover on a rocker-bogie suspension: frames and Jacobians in 3D, and the rover seen from above.
@@ -136,6 +136,7 @@ fn given<'a, 'py>(argument: &str, value: Option<&'a Bound<'py, PyAny>>) -> PyRes
 }
 
 equal_by!(RockerBogie: 0);
+pickled_by_keywords!(RockerBogie: dimensions);
 
 getters! { RockerBogie, self, py:
     /// Names of the joints, in the order of the columns of `jacobians`.
@@ -300,10 +301,5 @@ impl RockerBogie {
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
         // Numbers hash in Python so that zeros of either sign hash alike.
         PyTuple::new(py, self.dimensions(py)?.values())?.hash()
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let py = slf.py();
-        reduce(slf.as_any(), &PyTuple::empty(py), &slf.get().dimensions(py)?)
     }
 }
