@@ -16,7 +16,7 @@ use six_wheel_odometry::{Odometry as Core, Readings, Sample, Settings};
 
 pub use fastcall::install;
 
-use crate::convert::{OrRaise, Rows, numbers, one_twist_first, refuse};
+use crate::convert::{OrRaise, Rows, choice, numbers, one_twist_first};
 use crate::rover::Rover;
 use crate::state_lock::Shared;
 use input::{by_wheel, deviations, encoders, row};
@@ -89,15 +89,8 @@ struct Work {
 
 /// The kind of readings, by name.
 fn readings_named(name: &str) -> PyResult<Readings> {
-    match name {
-        "angles" => Ok(Readings::Angles),
-        "speeds" => Ok(Readings::Speeds),
-        "increments" => Ok(Readings::Increments),
-        _ => {
-            let rule = "be 'angles', 'speeds' or 'increments'";
-            Err(refuse("readings", rule, &format!("'{name}'")))
-        }
-    }
+    let all = [("angles", Readings::Angles), ("speeds", Readings::Speeds), ("increments", Readings::Increments)];
+    choice("readings", name, |name| format!("'{name}'"), &all)
 }
 
 impl Odometry {

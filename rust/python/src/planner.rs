@@ -7,7 +7,7 @@ mod rollout;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 use six_wheel_planner::{Mppi as Core, Options, Precision, Situation, State, Weights};
 
 use crate::controller::limits::Limits;
@@ -107,12 +107,8 @@ getters! { Mppi, self, py:
     /// far; ``steering``, where the joints are meant to be [rad]; ``progress``, how far along its path it is [m].
     state: PyResult<Bound<'py, PyDict>> = {
         let state = self.core.lock(py)?.state().clone();
-        let dict = PyDict::new(py);
-        dict.set_item("controls", triples(py, &state.controls)?)?;
-        dict.set_item("cycle", state.cycle)?;
-        dict.set_item("steering", PyArray1::from_vec(py, state.steering))?;
-        dict.set_item("progress", state.progress)?;
-        Ok(dict)
+        let (controls, steering) = (triples(py, &state.controls)?, PyArray1::from_vec(py, state.steering));
+        Ok(dict!(py, controls, cycle = state.cycle, steering, progress = state.progress))
     };
     /// The wishes of the last cycle's rollouts, ``[vx, vy, omega]``, shape (samples, horizon, 3) [m/s, m/s, rad/s].
     wishes: PyResult<Array<'py>> = {
@@ -127,13 +123,7 @@ getters! { Mppi, self, py:
         output.finish()
     };
     /// Weights of the cost terms, by name.
-    weights: PyResult<Bound<'py, PyDict>> = {
-        let dict = PyDict::new(py);
-        for (name, value) in Weights::NAMES.into_iter().zip(self.options.weights.values()) {
-            dict.set_item(name, value)?;
-        }
-        Ok(dict)
-    };
+    weights: PyResult<Bound<'py, PyDict>> = Weights::NAMES.into_iter().zip(self.options.weights.values()).into_py_dict(py);
 }
 
 methods! { Mppi:

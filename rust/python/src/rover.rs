@@ -15,7 +15,7 @@ mod sensitivity;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyMapping, PyTuple};
+use pyo3::types::{IntoPyDict, PyDict, PyList, PyMapping, PyTuple};
 use six_wheel_kinematics::presets::PRESETS;
 use six_wheel_kinematics::rover::Rover as Core;
 use six_wheel_kinematics::steering::SteeringRange;
@@ -132,11 +132,7 @@ impl Rover {
     }
 
     fn joint_dict<'py>(&self, py: Python<'py>, joints: &Joints) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
-        for joint in joints {
-            dict.set_item(&joint.name, &self.core.wheels()[joint.wheel].name)?;
-        }
-        Ok(dict)
+        joints.iter().map(|joint| (&joint.name, &self.core.wheels()[joint.wheel].name)).into_py_dict(py)
     }
 
     /// Names of the joints that count the other way, those of the wheels first.

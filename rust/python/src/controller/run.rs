@@ -9,25 +9,23 @@ use super::Controller;
 use crate::convert::{Output, Rows, Scalars, compute, memory, raise};
 use crate::rover::Rover;
 
-/// What the steps of `Controller.run` command, one row a step.
-#[pyclass(frozen, module = "six_wheel")]
-pub struct ControllerRun {
-    rover: Py<Rover>,
-    /// Steering angles [rad], shape (n, steered wheels), in the order of `Rover.steered_names`.
-    #[pyo3(get)]
-    steering: Py<PyAny>,
-    /// Rates of the steering angles [rad/s], shape (n, steered wheels).
-    #[pyo3(get)]
-    steering_rates: Py<PyAny>,
-    /// Wheel speeds [rad/s], shape (n, wheels), in the order of `Rover.wheel_names`.
-    #[pyo3(get)]
-    speeds: Py<PyAny>,
-    /// The motions they make, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (n, 3).
-    #[pyo3(get)]
-    twist: Py<PyAny>,
-    /// Bits of `Reason`, shape (n,), uint32.
-    #[pyo3(get)]
-    reasons: Py<PyArray1<u32>>,
+result_class! {
+    /// What the steps of `Controller.run` command, one row a step.
+    pub struct ControllerRun {
+        /// Steering angles [rad], shape (n, steered wheels), in the order of `Rover.steered_names`.
+        steering: Py<PyAny>,
+        /// Rates of the steering angles [rad/s], shape (n, steered wheels).
+        steering_rates: Py<PyAny>,
+        /// Wheel speeds [rad/s], shape (n, wheels), in the order of `Rover.wheel_names`.
+        speeds: Py<PyAny>,
+        /// The motions they make, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (n, 3).
+        twist: Py<PyAny>,
+        /// Bits of `Reason`, shape (n,), uint32.
+        reasons: Py<PyArray1<u32>>,
+    }
+    hidden {
+        rover: Py<Rover>,
+    }
 }
 
 impl ControllerRun {

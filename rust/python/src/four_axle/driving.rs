@@ -91,12 +91,12 @@ methods! { FourAxle:
     ///     If an axle would leave its range.
     /// ValueError
     ///     If a value is not finite or a brake is free.
-    fn turn_sequence[&self, py: Python<'py>](state, curvature: f64, *, steer: &str = "both", speed=None,
-        pivot_rate=None, brake_time=None)
+    fn turn_sequence[&self, py: Python<'py>](state, curvature: f64, *, steer: &str = "both",
+        speed: Option<f64> = None, pivot_rate: Option<f64> = None, brake_time: Option<f64> = None)
     as "($self, state, curvature, *, steer='both', speed=0.0, pivot_rate=0.5, brake_time=0.0)"
     -> PyResult<Bound<'py, PyAny>> {
         let steer = steer.parse().map_err(raised)?;
-        let pace = pace(speed, pivot_rate, brake_time)?;
+        let pace = pace(speed, pivot_rate, brake_time);
         let plan = self.core.turn_sequence(read_state(state)?, curvature, steer, pace);
         write_plan(py, &plan.map_err(raised)?)
     }
@@ -120,9 +120,10 @@ methods! { FourAxle:
     /// ------
     /// InfeasibleMotionError, ValueError
     ///     As `turn_sequence` and `concurrent_angles`.
-    fn aim_sequence[&self, py: Python<'py>](state, icr: [f64; 2], *, speed=None, pivot_rate=None, brake_time=None)
+    fn aim_sequence[&self, py: Python<'py>](state, icr: [f64; 2], *, speed: Option<f64> = None,
+        pivot_rate: Option<f64> = None, brake_time: Option<f64> = None)
     as "($self, state, icr, *, speed=0.0, pivot_rate=0.5, brake_time=0.0)" -> PyResult<Bound<'py, PyAny>> {
-        let pace = pace(speed, pivot_rate, brake_time)?;
+        let pace = pace(speed, pivot_rate, brake_time);
         let plan = self.core.aim_sequence(read_state(state)?, icr, pace);
         write_plan(py, &plan.map_err(raised)?)
     }

@@ -6,16 +6,12 @@ use six_wheel_ground_motion::{Command, Commands, Movings, ReadingRows, View, for
 use super::result_columns::Columns;
 use super::results::{GroundCommand, GroundMotion};
 use super::settled_pose_input::Stands;
-use crate::convert::{Out, Rows, compute, compute_rows, joined, number, refuse, shape_text};
+use crate::convert::{Out, Rows, choice, compute, compute_rows, joined, number, refuse, shape_text};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
 fn view(name: &str) -> PyResult<View> {
-    match name {
-        "body" => Ok(View::Body),
-        "plan" => Ok(View::Plan),
-        other => Err(refuse("view", "be 'body' or 'plan'", &format!("{other:?}"))),
-    }
+    choice("view", name, |name| format!("{name:?}"), &[("body", View::Body), ("plan", View::Plan)])
 }
 
 methods! { Suspension:

@@ -16,7 +16,7 @@ use super::input::{encoders, steering_left_out};
 use super::readings_named;
 use super::values::Noise;
 use crate::arguments::ArgumentKind;
-use crate::convert::{OrRaise, Rows, Scalars, compute, number, raise, refuse};
+use crate::convert::{OrRaise, Rows, Scalars, choice, compute, number, raise, refuse};
 use crate::rover::Rover;
 use columns::{SLIPS, dimension};
 
@@ -282,15 +282,8 @@ impl Preintegrated {
     ///     ``delta exp(e)``, in axes of the body at the end; ``exp(e) delta``, at the beginning; or ``delta + e``, the
     ///     coordinates of the end seen from the beginning, as `OdometryState.covariance`.
     fn covariance_in<'py>(&mut self, py: Python<'py>, tangent: &str) -> PyResult<Matrix<'py>> {
-        let chosen = match tangent {
-            "end" => Tangent::End,
-            "begin" => Tangent::Begin,
-            "coordinates" => Tangent::Coordinates,
-            _ => {
-                let rule = "be 'end', 'begin' or 'coordinates'";
-                return Err(refuse("tangent", rule, &format!("'{tangent}'")));
-            }
-        };
+        let all = [("end", Tangent::End), ("begin", Tangent::Begin), ("coordinates", Tangent::Coordinates)];
+        let chosen = choice("tangent", tangent, |name| format!("'{name}'"), &all)?;
         if let Some(covariance) = self.core.covariance().filter(|_| tangent == "coordinates") {
             return Ok(PyArray2::from_vec2(py, &covariance.map(Vec::from))?);
         }

@@ -5,7 +5,7 @@ mod per_wheel;
 mod rollers;
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 use six_wheel_kinematics::layouts::SkidCentres;
 use six_wheel_kinematics::presets;
 use six_wheel_kinematics::rover::{MAX_WHEELS, Rover as Core};
@@ -243,10 +243,6 @@ impl Rover {
     ///     Name to source; iterates over the names.
     #[staticmethod]
     fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let sources = PyDict::new(py);
-        for preset in presets::PRESETS {
-            sources.set_item(preset.name, preset.source)?;
-        }
-        Ok(sources)
+        presets::PRESETS.iter().map(|preset| (preset.name, preset.source)).into_py_dict(py)
     }
 }

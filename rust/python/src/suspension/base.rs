@@ -11,7 +11,7 @@ use six_wheel_terrain::suspension::{Chain, JointRange, TripleBogie};
 use super::joint_range::{joint_range, steering};
 use crate::arguments::ArgumentKind;
 use crate::classes::{reduce, repr_of_call};
-use crate::convert::{OrRaise, Rows, refuse, shape_text};
+use crate::convert::{OrRaise, Rows, choice, refuse, shape_text};
 
 /// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 ///
@@ -47,15 +47,8 @@ fn place([x, y, z]: [f64; 3]) -> (f64, f64, f64) {
 
 /// The pairs that steer.
 fn pairs(steered: &str) -> PyResult<[bool; 3]> {
-    match steered {
-        "front" => Ok([true, false, false]),
-        "corners" => Ok([true, false, true]),
-        "all" => Ok([true; 3]),
-        _ => {
-            let rule = "be 'front', 'corners' or 'all'";
-            Err(refuse("steered", rule, &format!("{steered:?}")))
-        }
-    }
+    let all = [("front", [true, false, false]), ("corners", [true, false, true]), ("all", [true; 3])];
+    choice("steered", steered, |name| format!("{name:?}"), &all)
 }
 
 impl ArgumentKind for Suspension {
