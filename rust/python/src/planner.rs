@@ -137,10 +137,7 @@ methods! { Mppi:
         let count = |argument: &str, value: Option<&Bound<'_, PyAny>>, usual: u64| {
             value.map_or(Ok(usual), |value| whole(argument, value))
         };
-        let noise = Rows::read_beside("noise", noise, 3, &[])?;
-        if let Some(noise) = &noise {
-            noise.check_finite("noise")?;
-        }
+        let noise = Rows::read_finite_beside("noise", noise, 3, &[])?;
         let footprint = match footprint {
             Some(points) => Rows::read_table("footprint", points, 2)?.flat().as_chunks().0.to_vec(),
             None => usual.footprint.clone(),

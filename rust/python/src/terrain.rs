@@ -11,8 +11,8 @@ use six_wheel_terrain::terrain::{Heights, Interpolation, Sample, Terrain as Core
 
 use crate::arguments::{ArgumentKind, shown};
 use crate::convert::{
-    OrRaise, Output, OutputOptions, Rows, is_of_another_kind, memory, number, read_array, refuse, scalar_or_array,
-    shape_text, singles,
+    OrRaise, Output, OutputOptions, Rows, is_of_another_kind, memory, number, read_array, refuse, refuse_shape,
+    scalar_or_array, singles,
 };
 use crate::workers::{any_workers, fill_rows};
 
@@ -56,10 +56,7 @@ fn read_heights(value: &Bound<'_, PyAny>) -> PyResult<(Heights, usize)> {
 fn columns(shape: &[usize]) -> PyResult<usize> {
     match shape {
         [rows, columns] if *rows >= 2 && *columns >= 2 => Ok(*columns),
-        _ => {
-            let rule = "have at least two rows and two columns";
-            Err(refuse("heights", rule, &format!("shape {}", shape_text(shape))))
-        }
+        _ => Err(refuse_shape("heights", "have at least two rows and two columns", shape)),
     }
 }
 

@@ -64,6 +64,11 @@ pub fn choice<T: Copy>(argument: &str, name: &str, got: fn(&str) -> String, all:
     })
 }
 
+/// The same for a value whose shape breaks the rule.
+pub fn refuse_shape(argument: &str, rule: &str, shape: &[usize]) -> PyErr {
+    refuse(argument, rule, &format!("shape {}", shape_text(shape)))
+}
+
 /// A shape as Python writes it.
 pub fn shape_text(shape: &[usize]) -> String {
     let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();

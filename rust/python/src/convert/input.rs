@@ -11,7 +11,7 @@ use six_wheel_numerics::sizes::are_finite;
 
 use super::array::{read_array, three_numbers};
 use super::broadcast::{Broadcast, joined};
-use super::errors::{raise, refuse, shape_text};
+use super::errors::{raise, refuse, refuse_shape, shape_text};
 use super::memory::{self, BorrowedArray};
 use super::numpy_module::numpy;
 use super::strided::Strided;
@@ -106,6 +106,17 @@ impl<'py> Rows<'py> {
         Ok(Some(rows))
     }
 
+    /// The same, of finite numbers.
+    pub fn read_finite_beside(
+        argument: &'static str,
+        value: Option<&Bound<'py, PyAny>>,
+        width: usize,
+        leading: &[usize],
+    ) -> PyResult<Option<Self>> {
+        let rows = Self::read_beside(argument, value, width, leading)?;
+        rows.as_ref().map_or(Ok(()), |rows| rows.check_finite(argument)).map(|()| rows)
+    }
+
     /// Lengths of all axes.
     pub fn shape(&self) -> Vec<usize> {
         joined(&self.leading, self.width)
@@ -138,8 +149,7 @@ impl<'py> Rows<'py> {
 
     /// The error of rows in another shape than those that are wanted.
     pub fn refuse_shape(&self, argument: &str, wanted: &str) -> PyErr {
-        let got = format!("shape {}", shape_text(&self.shape()));
-        refuse(argument, &format!("have shape {wanted}"), &got)
+        refuse_shape(argument, &format!("have shape {wanted}"), &self.shape())
     }
 
     /// All numbers as pairs.
@@ -342,10 +352,7 @@ fn leading(argument: &str, array: &Bound<'_, PyUntypedArray>, width: usize) -> P
     let rule = || format!("have shape (..., {width})");
     match array.shape().split_last() {
         Some((last, leading)) if *last == width => Ok(leading.to_vec()),
-        Some(_) => {
-            let got = format!("shape {}", shape_text(array.shape()));
-            Err(refuse(argument, &rule(), &got))
-        }
+        Some(_) => Err(refuse_shape(argument, &rule(), array.shape())),
         None => Err(refuse(argument, &rule(), "a number")),
     }
 }

@@ -134,15 +134,12 @@ methods! { Suspension:
         let (leading, count) = (turning.leading.clone(), turning.count());
         let angles = Rows::read("joints", joints, free)?;
         let rates = Rows::read("joint_rates", joint_rates, free)?;
-        let present = Rows::read_beside("steering", steering, steered, &leading)?;
-        let measured = Rows::read_beside("wheel_speeds", wheel_speeds, wheels, &leading)?;
+        let present = Rows::read_finite_beside("steering", steering, steered, &leading)?;
+        let measured = Rows::read_finite_beside("wheel_speeds", wheel_speeds, wheels, &leading)?;
         turning.check_finite("angular_velocity")?;
         for (name, rows) in [("joints", &angles), ("joint_rates", &rates)] {
             rows.check_leading(name, &leading)?;
             rows.check_finite(name)?;
-        }
-        for (name, rows) in [("steering", &present), ("wheel_speeds", &measured)] {
-            rows.as_ref().map_or(Ok(()), |rows| rows.check_finite(name))?;
         }
         let speed = read_speeds("speed", speed, &leading)?;
         let (curved, turn) = read_turn(curvature, yaw_rate, &leading)?;

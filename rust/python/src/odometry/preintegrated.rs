@@ -1,6 +1,5 @@
 //! `six_wheel.Preintegrated`.
 
-mod columns;
 mod parts;
 
 use numpy::{PyArray1, PyArray2, ToPyArray};
@@ -8,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_numerics::error::Error;
-use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, Replayed, Residual, Rules, Tangent};
+use six_wheel_odometry::preintegrated::{Column, Replayed, Residual, Rules, Tangent};
 use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 
 use super::gyroscope::Gyroscope;
@@ -18,7 +17,7 @@ use super::values::Noise;
 use crate::arguments::ArgumentKind;
 use crate::convert::{OrRaise, Rows, Scalars, choice, compute, number, raise, refuse};
 use crate::rover::Rover;
-use columns::{SLIPS, dimension};
+use parts::{NAMES, SLIPS};
 
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 /// Columns by their name.
@@ -295,7 +294,7 @@ impl Preintegrated {
     /// `x`, `y`, `heading`, `scrub`, `trail`, `roller_angle`.
     #[getter]
     fn by_dimension<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.tables(py, DIMENSIONS.into_iter().map(dimension))
+        self.tables(py, NAMES.into_iter())
     }
 
     /// Derivatives by constant slip, dict of name to array (3 or 6, wheels): `slip`, the share of the way a wheel rolled

@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use six_wheel_planner::Costmap as Core;
 
 use crate::arguments::ArgumentKind;
-use crate::convert::{ArgumentTypeError, OrRaise, number, refuse, shape_text};
+use crate::convert::{ArgumentTypeError, OrRaise, number, refuse, refuse_shape};
 
 /// Costs on a grid, for a planner.
 ///
@@ -91,7 +91,7 @@ methods! { Costmap:
         let array = array.cast_into::<PyArrayDyn<f32>>()?;
         let shape = array.shape().to_vec();
         let [rows, columns] = shape[..] else {
-            return Err(refuse("values", "have shape (rows, columns)", &format!("shape {}", shape_text(&shape))));
+            return Err(refuse_shape("values", "have shape (rows, columns)", &shape));
         };
         let pair = |argument: &str, value: &Bound<'_, PyAny>| {
             value.extract::<[f64; 2]>().map_err(|_| refuse(argument, "be two numbers", &value.to_string()))
