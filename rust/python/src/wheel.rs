@@ -51,16 +51,23 @@ use crate::unit_warnings::warn_units;
 #[derive(Clone)]
 pub struct Wheel(pub Core);
 
+/// The two numbers of a pair, or the only one.
+pub fn pair_or_one(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Result<[f64; 2], f64>> {
+    let Ok([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>() else {
+        return number(argument, value).map(Err);
+    };
+    Ok(Ok([number(&format!("{argument}[0]"), &first)?, number(&format!("{argument}[1]"), &second)?]))
+}
+
 /// A symmetric limit, a pair of limits, or nothing.
 pub fn steering_range(limit: Option<&Bound<'_, PyAny>>) -> PyResult<Option<SteeringRange>> {
     let Some(limit) = limit else { return Ok(None) };
-    let range = match limit.extract::<[Bound<'_, PyAny>; 2]>() {
+    let range = match pair_or_one("steering_limit", limit)? {
         Ok([lower, upper]) => {
-            let (lower, upper) = (number("steering_limit[0]", &lower)?, number("steering_limit[1]", &upper)?);
             let range = SteeringRange { lower, upper };
             range.check().map(|()| range)
         }
-        Err(_) => SteeringRange::symmetric(number("steering_limit", limit)?),
+        Err(limit) => SteeringRange::symmetric(limit),
     };
     range.map(Some).or_raise(&[])
 }

@@ -3,8 +3,7 @@
 use pyo3::prelude::*;
 use six_wheel_ground_motion::{Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows};
 
-use super::result_columns::Columns;
-use super::results::{GroundCommand, GroundMotion};
+use super::results::{Columns, GroundCommand, GroundMotion};
 use super::settled_pose_input::Stands;
 use crate::convert::{Out, Rows, choice, compute, compute_rows, joined, number, refuse};
 use crate::suspension::Suspension;

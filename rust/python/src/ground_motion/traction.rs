@@ -5,7 +5,7 @@ use pyo3::types::PyFloat;
 use six_wheel_ground_motion::{Drives, Driving, Lift, Turns, traction_rows};
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
-use super::result_columns::{Columns, array};
+use super::results::{Columns, array};
 use crate::convert::{Out, Rows, Scalars, compute_rows, joined, memory, refuse, scalar_or_array};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;

@@ -10,10 +10,9 @@ use six_wheel_numerics::error::Error;
 use six_wheel_odometry::preintegrated::{Column, Replayed, Residual, Rules, Tangent};
 use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 
-use super::gyroscope::Gyroscope;
 use super::input::{encoders, steering_left_out};
 use super::readings_named;
-use super::values::Noise;
+use super::values::{Gyroscope, Noise};
 use crate::arguments::ArgumentKind;
 use crate::convert::{OrRaise, Rows, Scalars, choice, compute, number, raise, refuse};
 use crate::rover::Rover;

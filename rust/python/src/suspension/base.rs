@@ -5,13 +5,15 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_ground_motion::Prepared;
 use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::units;
 use six_wheel_numerics::error::Error;
 use six_wheel_terrain::suspension::{Chain, JointRange, TripleBogie};
 
-use super::joint_range::{joint_range, steering};
 use crate::arguments::ArgumentKind;
 use crate::classes::{reduce, repr_of_call};
 use crate::convert::{OrRaise, Rows, choice, refuse, shape_text};
+use crate::unit_warnings::warn_units;
+use crate::wheel::{pair_or_one, steering_range};
 
 /// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 ///
@@ -38,6 +40,24 @@ impl Suspension {
         let chain = chain.or_raise(&[])?;
         Ok(Self { made: Some((name, arguments.unbind())), ..Self::of(chain) })
     }
+}
+
+/// Stops of a joint: one angle for both sides, a pair, or none.
+pub fn joint_range(argument: &'static str, limit: Option<&Bound<'_, PyAny>>) -> PyResult<JointRange> {
+    let Some(limit) = limit else { return Ok(JointRange::default()) };
+    let range = match pair_or_one(argument, limit)? {
+        Ok([lower, upper]) => JointRange { lower, upper },
+        Err(limit) => JointRange { lower: -limit, upper: limit },
+    };
+    range.check(argument).or_raise(&[])?;
+    Ok(range)
+}
+
+/// Range of a suspension's steered wheels, which is asked about where it is likely in degrees.
+pub fn steering(py: Python<'_>, limit: Option<&Bound<'_, PyAny>>) -> PyResult<SteeringRange> {
+    let range = steering_range(limit)?.unwrap_or_default();
+    warn_units(py, units::steering(range))?;
+    Ok(range)
 }
 
 /// A place as a tuple.

@@ -8,8 +8,7 @@ use six_wheel_numerics::error::Error;
 use six_wheel_terrain::bounds::BoundsConstants;
 use six_wheel_terrain::suspension::{Bogie, Differential, Dimensions, JointRange, RockerBogie as Core, Steered};
 
-use super::base::Suspension;
-use super::joint_range::{joint_range, steering};
+use super::base::{Suspension, joint_range, steering};
 use crate::classes::repr_of_call;
 use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
 
