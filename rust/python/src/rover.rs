@@ -215,8 +215,7 @@ fn listed(questions: Vec<Question>) -> Vec<(&'static str, String, String)> {
 
 impl ArgumentKind for Rover {
     const KIND: &'static str = "a Rover";
-
-    fn remedy(value: &Bound<'_, PyAny>) -> String {
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| {
         if value.is_instance_of::<Suspension>() {
             return "its planar(...), the rover seen from above".into();
         }
@@ -227,7 +226,7 @@ impl ArgumentKind for Rover {
             Ok(_) => "sw.load(...) of a file, or sw.Rover.preset(...) of one of Rover.presets()".into(),
             Err(_) => "one that sw.Rover makes, or sw.load(...) of a file".into(),
         }
-    }
+    };
 }
 
 getters! { Rover, self, py:

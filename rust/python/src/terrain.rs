@@ -111,13 +111,10 @@ impl Terrain {
 
 impl ArgumentKind for Terrain {
     const KIND: &'static str = "a Terrain";
-
-    fn remedy(value: &Bound<'_, PyAny>) -> String {
-        match value.is_instance_of::<PyString>() {
-            true => format!("sw.Terrain.read({})", shown(value)),
-            false => "sw.Terrain(heights, spacing=...)".into(),
-        }
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| match value.is_instance_of::<PyString>() {
+        true => format!("sw.Terrain.read({})", shown(value)),
+        false => "sw.Terrain(heights, spacing=...)".into(),
+    };
 }
 
 getters! { Terrain, self, py:

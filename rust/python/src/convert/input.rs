@@ -106,15 +106,26 @@ impl<'py> Rows<'py> {
         Ok(Some(rows))
     }
 
-    /// The same, of finite numbers.
+    /// Reads finite rows, one per row of another argument.
+    pub fn read_finite_over(
+        argument: &'static str,
+        value: &Bound<'py, PyAny>,
+        width: usize,
+        leading: &[usize],
+    ) -> PyResult<Self> {
+        let rows = Self::read(argument, value, width)?;
+        rows.check_leading(argument, leading)?;
+        rows.check_finite(argument).map(|()| rows)
+    }
+
+    /// An optional argument of finite numbers that has one row per row of another one.
     pub fn read_finite_beside(
         argument: &'static str,
         value: Option<&Bound<'py, PyAny>>,
         width: usize,
         leading: &[usize],
     ) -> PyResult<Option<Self>> {
-        let rows = Self::read_beside(argument, value, width, leading)?;
-        rows.as_ref().map_or(Ok(()), |rows| rows.check_finite(argument)).map(|()| rows)
+        value.map(|value| Self::read_finite_over(argument, value, width, leading)).transpose()
     }
 
     /// Lengths of all axes.
@@ -170,8 +181,7 @@ impl<'py> Rows<'py> {
 
 /// Reads a point: three finite numbers.
 pub fn read_point(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    let point = Rows::read_one(argument, value, 3)?;
-    point.check_finite(argument).map(|()| point.triples()[0])
+    Rows::read_finite_over(argument, value, 3, &[]).map(|point| point.triples()[0])
 }
 
 /// Reads so many numbers.

@@ -42,17 +42,16 @@ pub fn drives(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<Drives> {
     Ok(drives)
 }
 
+const BRAKES: [(&str, Brake); 2] = [("locked", Brake::Locked), ("free", Brake::Free)];
+
 /// A brake by its name.
 pub fn brake(argument: &str, name: &str) -> PyResult<Brake> {
-    choice(argument, name, |name| format!("{name:?}"), &[("locked", Brake::Locked), ("free", Brake::Free)])
+    choice(argument, name, |name| format!("{name:?}"), &BRAKES)
 }
 
 /// The name of a brake.
 fn brake_name(brake: Brake) -> &'static str {
-    match brake {
-        Brake::Locked => "locked",
-        Brake::Free => "free",
-    }
+    if brake == Brake::Locked { "locked" } else { "free" }
 }
 
 /// The attributes `front` and `rear`.

@@ -78,10 +78,7 @@ impl Noise {
 
 impl ArgumentKind for Noise {
     const KIND: &'static str = "a Noise";
-
-    fn remedy(value: &Bound<'_, PyAny>) -> String {
-        constructor_call("Noise", "speed", value)
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| constructor_call("Noise", "speed", value);
 }
 
 getters! { Noise, self, py:
@@ -228,10 +225,7 @@ impl Gyroscope {
 
 impl ArgumentKind for Gyroscope {
     const KIND: &'static str = "a Gyroscope";
-
-    fn remedy(value: &Bound<'_, PyAny>) -> String {
-        constructor_call("Gyroscope", "noise", value)
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| constructor_call("Gyroscope", "noise", value);
 }
 
 getters! { Gyroscope, self, py:

@@ -42,10 +42,7 @@ pub struct Costmap {
 
 impl ArgumentKind for Costmap {
     const KIND: &'static str = "a Costmap";
-
-    fn remedy(_: &Bound<'_, PyAny>) -> String {
-        "sw.Costmap(costs, spacing=...)".into()
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| "sw.Costmap(costs, spacing=...)".into();
 }
 
 getters! { Costmap, self, py:

@@ -5,9 +5,9 @@ use pyo3::types::PyTuple;
 use six_wheel_control::profiles::{self as core, IcrLimits, ModuleLimits, Modules, Shape, Synchronise};
 use six_wheel_numerics::error::Error;
 
-use super::inputs::{Keywords, one_of, pasteable, plain, row, states, twist};
+use super::inputs::{Keywords, one_of, row, states};
 use super::made::{ConstructorCall, class, known_by_its_call, printed_by_its_call};
-use crate::convert::refuse;
+use crate::convert::{OrRaise, refuse};
 use crate::rover::Rover;
 
 /// A transition: its class, what all of them have, and the twist that is commanded at a time, if any is.
@@ -33,7 +33,7 @@ macro_rules! transition {
                 keywords: Keywords<'_>,
             ) -> PyResult<Self> {
                 let (arguments, keywords) = (arguments.unbind(), keywords.0.unbind());
-                Ok(Self { core: core.map_err(plain)?, made: ConstructorCall { maker, arguments, keywords } })
+                Ok(Self { core: core.or_raise(&[])?, made: ConstructorCall { maker, arguments, keywords } })
             }
         }
 
@@ -118,12 +118,11 @@ methods! { BodyTransition:
     /// ValueError
     ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
     #[staticmethod]
-    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist, end_twist, duration=None, *,
-        shape: Option<&str> = None, acceleration=None, angular_acceleration=None, jerk=None, angular_jerk=None,
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3], duration: Option<f64> = None, *,
+        shape: Option<&str> = None, acceleration: Option<f64> = None, angular_acceleration: Option<f64> = None, jerk: Option<f64> = None, angular_jerk: Option<f64> = None,
         synchronise: Option<&str> = None, previous=None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
-        let start = twist("start_twist", start_twist)?;
-        let end = twist("end_twist", end_twist)?;
+        let [start, end] = [start_twist, end_twist].map(|twist| twist.map(|number| number + 0.0));
         let duration = keywords.duration(duration)?;
         let shape: Shape = keywords.word("shape", shape)?;
         let linear = [keywords.limit("acceleration", acceleration)?, keywords.limit("jerk", jerk)?];
@@ -146,7 +145,7 @@ methods! { BodyTransition:
                 core::BodyTransition::within(core, ends, [linear, angular], synchronise, previous)
             }
         };
-        let arguments = (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?;
+        let arguments = (rover, PyTuple::new(py, start)?, PyTuple::new(py, end)?).into_pyobject(py)?;
         Self::made(core, "body_transition", arguments, keywords)
     }
 }
@@ -197,8 +196,8 @@ methods! { ModuleTransition:
     /// ValueError
     ///     If a value is not as said, or an angle lies outside its wheel's range.
     #[staticmethod]
-    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start, end, duration=None, *, shape: Option<&str> = None,
-        steering_rate=None, steering_acceleration=None, steering_jerk=None, wheel_acceleration=None, wheel_jerk=None,
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start, end, duration: Option<f64> = None, *, shape: Option<&str> = None,
+        steering_rate: Option<f64> = None, steering_acceleration: Option<f64> = None, steering_jerk: Option<f64> = None, wheel_acceleration: Option<f64> = None, wheel_jerk: Option<f64> = None,
         synchronise: Option<&str> = None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let from = modules("start", rover.get(), start)?;
@@ -288,12 +287,11 @@ methods! { IcrTransition:
     /// ValueError
     ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
     #[staticmethod]
-    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist, end_twist, *, steering_rate,
-        steering_acceleration=None, steering_jerk=None, wheel_speed=None, wheel_acceleration=None, acceleration=None,
-        angular_acceleration=None, previous=None) -> PyResult<Self> {
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3], *, steering_rate: f64,
+        steering_acceleration: Option<f64> = None, steering_jerk: Option<f64> = None, wheel_speed: Option<f64> = None, wheel_acceleration: Option<f64> = None, acceleration: Option<f64> = None,
+        angular_acceleration: Option<f64> = None, previous=None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
-        let start = twist("start_twist", start_twist)?;
-        let end = twist("end_twist", end_twist)?;
+        let [start, end] = [start_twist, end_twist].map(|twist| twist.map(|number| number + 0.0));
         let limits = IcrLimits {
             steering_rate: keywords.limit("steering_rate", Some(steering_rate))?,
             steering_acceleration: keywords.limit("steering_acceleration", steering_acceleration)?,
@@ -305,7 +303,7 @@ methods! { IcrTransition:
         };
         let previous = keywords.previous(rover.get(), previous)?;
         let core = core::IcrTransition::new(&rover.get().core, start.into(), end.into(), &limits, previous.as_deref());
-        let arguments = (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?;
+        let arguments = (rover, PyTuple::new(py, start)?, PyTuple::new(py, end)?).into_pyobject(py)?;
         Self::made(core, "icr_transition", arguments, keywords)
     }
 }

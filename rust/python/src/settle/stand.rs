@@ -128,10 +128,7 @@ impl Stand {
 
 impl ArgumentKind for Stand {
     const KIND: &'static str = "a SettledPose";
-
-    fn remedy(_: &Bound<'_, PyAny>) -> String {
-        "what settle(...) has returned".into()
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| "what settle(...) has returned".into();
 }
 
 getters! { Stand, self, py:

@@ -73,10 +73,7 @@ fn pairs(steered: &str) -> PyResult<[bool; 3]> {
 
 impl ArgumentKind for Suspension {
     const KIND: &'static str = "a Suspension, such as a RockerBogie";
-
-    fn remedy(_: &Bound<'_, PyAny>) -> String {
-        "one like sw.RockerBogie.perseverance()".into()
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| "one like sw.RockerBogie.perseverance()".into();
 }
 
 getters! { Suspension, self, py:
