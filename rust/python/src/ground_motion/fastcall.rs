@@ -7,8 +7,7 @@ use six_wheel_ground_motion::{
 };
 use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
-use super::result_columns::Columns;
-use super::results::{CommandRow, GroundCommand, GroundMotion, MotionRow};
+use super::results::{Columns, CommandRow, GroundCommand, GroundMotion, MotionRow};
 use super::traction::{Traction, TractionRow};
 use crate::fastcall::{self, Answer, Arguments, Numbers, Object, float, three};
 use crate::settle::Stand;
