@@ -12,8 +12,10 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from lessons import LESSONS
 from matplotlib.figure import Figure
 from PIL import Image, ImageColor
+from sheet import write_sheet
 from viewers import foxglove_figure
 
 from six_wheel import (
@@ -42,6 +44,7 @@ from six_wheel.simulation.drive import ControlledDrive, Loop
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
+SHEET = "cheat_sheet"  # no PNG: a page of words
 DEMO_DPI = 57  # it is large
 STRIP = 12  # [px]
 MEANT = (
@@ -245,11 +248,15 @@ DRAWN: dict[str, Callable[[], Figure | dict[str, Figure]]] = {
     "foxglove": foxglove_figure,
     "planner": planned,
     "demo": demo,
+    **LESSONS,
 }
 
 
 def main(*names: str) -> None:
-    for name in names or DRAWN:
+    for name in names or (*DRAWN, SHEET):
+        if name == SHEET:
+            write_sheet(PICTURES)
+            continue
         found = DRAWN[name]()
         for each, figure in (found if isinstance(found, dict) else {name: found}).items():
             write(each, figure, DEMO_DPI if each == "demo" else DPI)

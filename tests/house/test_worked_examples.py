@@ -1,4 +1,4 @@
-"""docs/five_ways.md typed again: in an empty folder, and with a built wheel in an empty environment."""
+"""The worked examples typed again: in an empty folder, and with a built wheel in an empty environment."""
 
 import doctest
 import os
@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "five_ways.md"
+PAGE = ROOT / "docs" / "tutorials" / "worked_examples.md"
 LOOSE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 BUILT = os.environ.get("WHEEL")  # the path of a built wheel
 
@@ -54,7 +54,7 @@ def _done(one: Typed | None) -> Iterator[Typed]:
 SESSION = list(typed())
 
 
-def test_the_page_has_five_ways():
+def test_the_page_has_five_examples():
     heads = re.findall(r"^## (.*)$", PAGE.read_text(encoding="utf-8"), re.M)
     assert len(heads) == 5
     assert len(SESSION) > 15
@@ -73,7 +73,7 @@ def shell(one: Typed, folder: Path, python: str) -> None:
     assert doctest.OutputChecker().check_output(want, got, LOOSE), f"line {one.line} of {PAGE.name}:\n{got}"
 
 
-def test_the_five_ways_in_an_empty_folder(tmp_path, monkeypatch):
+def test_the_examples_in_an_empty_folder(tmp_path, monkeypatch):
     for needed in ("typer", "yaml", "matplotlib", "scipy", "rich", "pyarrow", "pydantic"):
         pytest.importorskip(needed)
     monkeypatch.chdir(tmp_path)
