@@ -18,7 +18,7 @@ project, version = "six_wheel", sw.__version__
 release, html_title = version, f"six_wheel {version}"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc"]
 templates_path = ["_templates"]
-exclude_patterns = ["_build", "_templates", "pictures"]
+exclude_patterns = ["_build", "_static", "_templates", "pictures"]
 default_role = "py:obj"  # `Rover.inverse` in a docstring becomes a link
 myst_heading_anchors = 4  # the anchors that GitHub has
 autodoc_typehints = "none"
@@ -26,6 +26,7 @@ autodoc_default_options = {"member-order": "bysource"}
 autosummary_imported_members, autosummary_ignore_module_all = True, False
 numpydoc_show_class_members = numpydoc_xref_param_type = False
 html_theme, html_copy_source, html_show_sphinx = "furo", False, False
+html_static_path, html_css_files, html_show_copyright = ["_static"], ["site.css"], False
 html_show_search_summary = False  # summaries are fetched, which a page of a file:// address may not
 
 

@@ -46,6 +46,7 @@ PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
 SHEET = "cheat_sheet"  # no PNG: a page of words
 DEMO_DPI = 57  # it is large
+README_DPI = 140  # 1400 px wide, with letters of 14 pt
 STRIP = 12  # [px]
 MEANT = (
     plot.drawing.CENTRE,
@@ -259,7 +260,7 @@ def main(*names: str) -> None:
             continue
         found = DRAWN[name]()
         for each, figure in (found if isinstance(found, dict) else {name: found}).items():
-            write(each, figure, DEMO_DPI if each == "demo" else DPI)
+            write(each, figure, {"demo": DEMO_DPI, "readme": README_DPI}.get(each, DPI))
 
 
 if __name__ == "__main__":

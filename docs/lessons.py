@@ -201,16 +201,16 @@ def six_wheels() -> Figure:
 def readme() -> Figure:
     """A rover turning about a centre of rotation to its left."""
     rover = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
-    figure = plot.drawing.new_figure(14.0, 5.6)
+    figure = plot.drawing.new_figure(10.0, 4.2)
     axes = figure.subplots()
     axes.set_aspect("equal")
     axes.axis("off")
     icr = turning(axes, rover, TURN, 0.9)
     line(axes, (-3.2, 0.0), (1.6, 0.0), color=SOFT, dashed=True)
-    words(axes, icr - (0, 0.14), "instantaneous centre of rotation (ICR)", CENTRE, 14)
+    words(axes, icr - (0.3, 0.16), "centre of rotation (ICR)", CENTRE, 14)
     words(axes, (0.75, 1.0), "wheel velocities", MOTION, 14, "left")
     words(axes, (-1.35, 0.42), "axles", AXLE, 14)
-    words(axes, (0.75, -0.1), "axle line of the middle wheels", SOFT, 14, "left")
+    words(axes, (0.75, -0.26), "axle of the\nmiddle wheels", SOFT, 14, "left")
     words(axes, (-2.85, 0.85), "rover.inverse((0.5, 0.0, 0.3))", INK, 15, "left")
     frame(axes, -3.0, 2.2, -0.9, 1.18)
     return figure
