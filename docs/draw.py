@@ -11,6 +11,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+import floors
 import numpy as np
 from lessons import LESSONS
 from matplotlib.figure import Figure
@@ -248,6 +249,7 @@ DRAWN: dict[str, Callable[[], Figure | dict[str, Figure]]] = {
     "ground": over_ground,
     "foxglove": foxglove_figure,
     "planner": planned,
+    "architecture": floors.figure,
     "demo": demo,
     **LESSONS,
 }

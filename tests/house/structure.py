@@ -53,8 +53,8 @@ def names(tree: str) -> Iterator[tuple[list[str], str]]:
             for path, name in names(part):
                 yield [step for step in found[1].split("::") if step] + path, name
     elif tree.strip():
-        path, _, name = tree.strip().partition(" as ")
-        steps = [step for step in path.strip().split("::") if step != "self" or path.startswith("self")]
+        written, _, name = tree.strip().partition(" as ")
+        steps = [step for step in written.strip().split("::") if step != "self" or written.startswith("self")]
         yield steps, name.strip() or steps[-1]
 
 

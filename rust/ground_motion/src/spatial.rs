@@ -8,7 +8,6 @@
 //! On flat ground, for a rover that stands level, all of it is [`six_wheel_odometry::Odometry`].
 
 mod correct;
-mod history;
 mod noise;
 mod sample;
 pub mod settings;
@@ -23,13 +22,13 @@ use std::sync::Arc;
 
 use nalgebra::Matrix6;
 
-use history::History;
 use sample::Read;
 pub use sample::{Attitude, OVERTURNED, Recording3, Sample3, attitude};
 pub use settings::Settings3;
 use six_wheel_numerics::error::{Error, finite, number, numbers};
 use six_wheel_odometry::Suspect;
 use six_wheel_odometry::health::{Health, Refusal};
+use six_wheel_odometry::history::History;
 use six_wheel_odometry::recording::Sample;
 use six_wheel_odometry::settings::Readings;
 use six_wheel_odometry::state::check_pose;
@@ -37,7 +36,7 @@ use six_wheel_terrain::suspension::{Chain, MAX_STATE, MAX_WHEELS, PlanPose};
 use six_wheel_terrain::terrain::Terrain;
 use spread::StepNoise;
 pub use state::Pose3;
-use state::{Fixed, State};
+use state::{Fixed, PoseMeasurement3, State, StepReadings3};
 pub use tolerant::TrackRows3;
 
 /// Dead reckoning of one rover on ground: its pose, its motion, and how far they may be off.
@@ -49,10 +48,9 @@ pub struct Odometry3 {
     state: State,
     /// Of the last step.
     noise: StepNoise,
-    last_dt: f64,
     slip: [[f64; 2]; MAX_WHEELS],
     health: Health,
-    history: History,
+    history: History<StepReadings3, State, PoseMeasurement3>,
     suspect: Suspect,
 }
 
@@ -77,7 +75,6 @@ impl Odometry3 {
             reference: None,
             state: State::new(Pose3::default(), Matrix6::zeros()),
             noise: StepNoise::none(),
-            last_dt: 0.0,
             slip: [[0.0; 2]; MAX_WHEELS],
             health: Health::GOOD,
             history,
@@ -113,7 +110,7 @@ impl Odometry3 {
     /// Covariance of the twist over the last step; variances are infinite where no step has been made since the first
     /// sample or a pose from outside.
     pub fn twist_covariance(&self) -> [[f64; 6]; 6] {
-        let rate = 1.0 / (self.last_dt * self.last_dt);
+        let rate = 1.0 / self.history.last_duration().powi(2);
         if rate == f64::INFINITY {
             return Matrix6::from_diagonal_element(f64::INFINITY).into();
         }
@@ -147,7 +144,6 @@ impl Odometry3 {
             self.fixed.begin(&mut state, read)?;
         }
         self.state = state;
-        self.last_dt = 0.0;
         self.history.clear();
         Ok(())
     }
@@ -158,7 +154,6 @@ impl Odometry3 {
         let covariance = state::check_covariance(covariance, false)?;
         self.state = State::new(pose, covariance);
         self.reference = None;
-        self.last_dt = 0.0;
         self.slip = [[0.0; 2]; MAX_WHEELS];
         self.health = Health::GOOD;
         self.history.clear();
@@ -196,9 +191,11 @@ impl Odometry3 {
             | Health::GAP.when(is_gap)
             | Health::UNSETTLED.when(!taken.settled);
         self.reference = Some(after);
-        self.last_dt = dt;
         self.suspect.clear();
-        self.history.push(after, &turned, dt, &self.state);
+        // Without memory for one more sample the oldest makes room.
+        let _ = self.history.make_room(after.stamp);
+        let readings = StepReadings3 { read: after, turned };
+        self.history.push([after.stamp, dt], &self.state, || readings, |kept| *kept = readings);
         Ok(self.health)
     }
 

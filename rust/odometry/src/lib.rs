@@ -2,6 +2,7 @@
 
 pub(crate) mod arithmetic;
 pub mod health;
+pub mod history;
 pub mod motion;
 mod planar;
 pub mod preintegrated;

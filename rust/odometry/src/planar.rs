@@ -6,23 +6,23 @@
 
 mod advance;
 mod correct;
-mod history;
 mod quick;
 mod suspect;
 mod take;
 mod tolerant;
 
 use self::advance::advance;
-use self::history::History;
 pub use self::suspect::Suspect;
 use crate::health::Health;
+use crate::history::{History, Snapshot};
 use crate::motion::Motion;
 use crate::registers::StepConstants;
 use crate::settings::{Readings, Settings};
 use crate::spread::Covariance3;
-use crate::state::{State, check_covariance, check_pose};
+use crate::state::{OVERHEAD, State, check_covariance, check_pose};
 use crate::step::{Workspace, shared_readings};
 use crate::uncertainty::Uncertainty;
+use nalgebra::Matrix3;
 use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
 use six_wheel_kinematics::rover::{Inputs, Rover};
 use six_wheel_numerics::error::{Error, number, numbers};
@@ -41,6 +41,42 @@ pub(crate) struct ReferenceSample {
     pub(crate) yaw_rate: Option<f64>,
 }
 
+/// Readings of a step, kept for late poses.
+#[derive(Clone, Debug)]
+pub(crate) struct StepReadings {
+    /// Steering angles at its end [rad].
+    pub(crate) angles: Vec<f64>,
+    /// Rotation of every wheel [rad].
+    pub(crate) turned: Vec<f64>,
+    pub(crate) yaw: Option<f64>,
+    pub(crate) gyro_turn: Option<f64>,
+}
+
+impl StepReadings {
+    fn new(wheels: usize, joints: usize) -> Self {
+        Self { angles: vec![0.0; joints], turned: vec![0.0; wheels], yaw: None, gyro_turn: None }
+    }
+}
+
+impl Snapshot for StepReadings {
+    fn copy_from(&mut self, other: &Self) {
+        self.angles.copy_from_slice(&other.angles);
+        self.turned.copy_from_slice(&other.turned);
+        (self.yaw, self.gyro_turn) = (other.yaw, other.gyro_turn);
+    }
+
+    fn heap_size(&self) -> usize {
+        size_of_val(self.angles.as_slice()) + size_of_val(self.turned.as_slice()) + 2 * OVERHEAD
+    }
+}
+
+/// A pose from outside and its covariance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PoseMeasurement {
+    pub(crate) pose: Pose,
+    pub(crate) covariance: Matrix3<f64>,
+}
+
 /// Dead reckoning of one rover: its pose, its motion, and how far they may be off.
 #[derive(Clone, Debug)]
 pub struct Odometry {
@@ -55,7 +91,9 @@ pub struct Odometry {
     pub(crate) plan: Option<StepConstants>,
     pub(crate) turned: Vec<f64>,
     pub(crate) angles: Vec<f64>,
-    pub(crate) history: History,
+    pub(crate) history: History<StepReadings, State, PoseMeasurement>,
+    /// Stamp of the last command, if no sample came since.
+    pub(crate) commanded: Option<f64>,
     pub(crate) suspect: Suspect,
 }
 
@@ -78,7 +116,8 @@ impl Odometry {
             yaw_rate: None,
         };
         Ok(Self {
-            history: History::new(&settings, &state, wheels, joints),
+            history: History::new(&settings).filled(&StepReadings::new(wheels, joints), &state),
+            commanded: None,
             suspect: Suspect::new(wheels, joints),
             reference,
             state,
@@ -183,7 +222,7 @@ impl Odometry {
     pub fn stamp(&self) -> Option<f64> {
         match self.reference.known {
             true => Some(self.reference.stamp),
-            false => self.history.commanded,
+            false => self.commanded,
         }
     }
 
@@ -204,10 +243,7 @@ impl Odometry {
         check_pose(&<[f64; 3]>::from(pose))?;
         self.state.walk = Walk::new(pose.into());
         self.state.uncertainty.set(covariance);
-        // The time until which a command was held has been counted.
-        let commanded = self.history.commanded;
         self.history.clear();
-        self.history.commanded = commanded;
         Ok(())
     }
 
@@ -222,6 +258,7 @@ impl Odometry {
         self.work.weights.fill(1.0);
         self.health = Health::GOOD;
         self.history.clear();
+        self.commanded = None;
         self.suspect.clear();
     }
 
@@ -233,7 +270,7 @@ impl Odometry {
             return Err(Error::value("stamp", "be finite", number(stamp)));
         }
         let Some(before) = self.stamp() else {
-            self.history.commanded = Some(stamp);
+            self.commanded = Some(stamp);
             return Ok(Health::FIRST);
         };
         let dt = stamp - before;
@@ -265,7 +302,7 @@ impl Odometry {
         self.reference.yaw_rate = None;
         self.suspect.clear();
         self.history.clear();
-        self.history.commanded = Some(stamp);
+        self.commanded = Some(stamp);
         self.health = Health::GAP.when(self.settings.max_gap.is_some_and(|gap| dt > gap));
         Ok(self.health)
     }

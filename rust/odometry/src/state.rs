@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::history::Snapshot;
 use super::uncertainty::Uncertainty;
 use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
 use six_wheel_numerics::error::{Error, HUGE, finite, numbers};
@@ -15,15 +16,25 @@ pub(crate) struct State {
     pub uncertainty: Uncertainty,
 }
 
-impl State {
+/// Bytes that a piece of memory takes beside what is asked for, at most.
+pub(crate) const OVERHEAD: usize = 32;
+
+impl Snapshot for State {
     #[inline]
-    pub fn copy_from(&mut self, other: &Self) {
+    fn copy_from(&mut self, other: &Self) {
         self.walk = other.walk;
         self.twist = other.twist;
         self.velocity = other.velocity;
         self.uncertainty.copy_from(&other.uncertainty);
     }
 
+    fn heap_size(&self) -> usize {
+        let Uncertainty { carried, lasting, .. } = &self.uncertainty;
+        size_of_val(carried.as_slice()) + size_of_val(lasting.as_slice()) + 2 * OVERHEAD
+    }
+}
+
+impl State {
     #[inline]
     pub fn pose(&self) -> Pose {
         Pose { x: self.walk.x.value(), y: self.walk.y.value(), yaw: self.walk.yaw.value() }

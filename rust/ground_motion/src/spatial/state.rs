@@ -13,6 +13,7 @@ use super::way::Way;
 use six_wheel_kinematics::geometry::{Sum, Walk, wrap_angle};
 use six_wheel_numerics::error::{Error, ErrorKind, HUGE, number, numbers};
 use six_wheel_odometry::health::{Health, Refusal};
+use six_wheel_odometry::history::Snapshot;
 use six_wheel_odometry::preintegrated::space::Motion3;
 use six_wheel_odometry::state::read_variance;
 use six_wheel_terrain::ground::Status;
@@ -88,6 +89,34 @@ pub(crate) struct State {
     slopes: [f64; MAX_WHEELS],
     /// Settled pose on the map, if there is one.
     place: Option<Place>,
+}
+
+/// Readings of a step, kept for late poses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepReadings3 {
+    /// At its end.
+    pub read: Read,
+    /// Rotation of every wheel [rad].
+    pub turned: [f64; MAX_WHEELS],
+}
+
+/// A pose from outside and its covariance, in axes of the world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PoseMeasurement3 {
+    pub pose: Motion3,
+    pub covariance: Matrix6<f64>,
+}
+
+impl Snapshot for StepReadings3 {
+    fn copy_from(&mut self, other: &Self) {
+        *self = *other;
+    }
+}
+
+impl Snapshot for State {
+    fn copy_from(&mut self, other: &Self) {
+        *self = *other;
+    }
 }
 
 /// Result of a step.

@@ -1,7 +1,7 @@
 //! Update by one sample: it is checked, turned into a step, and made the one from which the next one counts.
 
-use super::Odometry;
 use super::advance::{advance, meet_yaw};
+use super::{Odometry, StepReadings};
 use crate::health::{Health, Refusal};
 use crate::motion::Motion;
 use crate::recording::Sample;
@@ -32,7 +32,7 @@ impl Odometry {
     fn update_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.check_numbers(&sample).map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
         if !self.reference.known {
-            if let Some(held) = self.history.commanded.filter(|held| sample.stamp < *held) {
+            if let Some(held) = self.commanded.filter(|held| sample.stamp < *held) {
                 let rule = format!("not be before the end of the last command, {}", number(held));
                 let error = Error::value("stamp", rule, number(sample.stamp));
                 return Err(Refusal::new(Health::BACKWARDS, error));
@@ -97,7 +97,15 @@ impl Odometry {
             self.meet_yaw(yaw);
         }
         self.suspect.clear();
-        self.history.push(sample, dt, &self.reference.angles, &self.turned, gyro_turn, &self.state);
+        self.commanded = None;
+        let (angles, turned) = (&self.reference.angles, &self.turned);
+        let make = || StepReadings { angles: angles.clone(), turned: turned.clone(), yaw: sample.yaw, gyro_turn };
+        let write = |readings: &mut StepReadings| {
+            readings.angles.copy_from_slice(angles);
+            readings.turned.copy_from_slice(turned);
+            (readings.yaw, readings.gyro_turn) = (sample.yaw, gyro_turn);
+        };
+        self.history.push([sample.stamp, dt], &self.state, make, write);
         self.health
     }
 

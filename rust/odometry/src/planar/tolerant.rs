@@ -41,7 +41,7 @@ impl Odometry {
         if flag == Health::BACKWARDS {
             // The clock was set back: the row left out and this one take a step each.
             self.reference.stamp = 2.0 * self.suspect.stamp - sample.stamp;
-            self.history.commanded = None;
+            self.commanded = None;
         } else {
             let suspect = self.suspect.clone();
             self.refer_to(&Sample {

@@ -7,6 +7,7 @@ use crate::motion::SUSPICIOUS;
 use six_wheel_kinematics::one_row::inverse::Eight;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
+use six_wheel_numerics::simd::vec3::dot;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Arithmetic with registers of successive steps.
@@ -97,12 +98,6 @@ pub(crate) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &m
     for (lanes, column) in lanes.into_iter().zip(columns) {
         lanes.store(S::as_mut_simd_f64s(column).0, k);
     }
-}
-
-/// `a . b`.
-#[inline(always)]
-pub(crate) fn dot<S: Vector>([a, b, c]: [Lanes<S>; 3], [x, y, z]: [Lanes<S>; 3]) -> Lanes<S> {
-    c.mul_add(z, b.mul_add(y, a * x))
 }
 
 /// Sum of the outer products of vectors, one in every lane.

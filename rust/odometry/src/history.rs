@@ -1,0 +1,263 @@
+//! The last samples with the states after them, so that a pose from outside may come late: the state goes back to the
+//! sample of its instant, is corrected, and the samples after it are integrated again.
+//!
+//! The same history serves poses in the plane and in space: `R` holds the readings of a step, `S` is the state after it, `P`
+//! a pose from outside with its covariance.
+
+use std::collections::VecDeque;
+
+use crate::settings::Settings;
+use six_wheel_numerics::error::{Error, ErrorKind, number};
+
+/// Part of a history entry, copied without allocation.
+pub trait Snapshot: Clone {
+    /// Takes the value of another one of the same size.
+    fn copy_from(&mut self, other: &Self);
+
+    /// Bytes that it holds on the heap, at most.
+    fn heap_size(&self) -> usize {
+        0
+    }
+}
+
+/// A sample with the step that ends there, and the state after it.
+#[derive(Clone, Debug)]
+pub struct HistoryEntry<R, S> {
+    /// Time of the sample [s].
+    pub stamp: f64,
+    /// Duration of the step [s].
+    pub dt: f64,
+    /// Readings of the step.
+    pub readings: R,
+    /// State after it.
+    pub state: S,
+}
+
+/// A pose from outside, brought to the stamp of an entry.
+#[derive(Clone, Copy, Debug)]
+struct Correction<P> {
+    entry: u64,
+    pose: P,
+}
+
+/// Instant of a pose from outside among the entries.
+#[derive(Debug)]
+pub struct Instant<'a, R, S> {
+    /// Number of the first entry at or after it, or of the last one.
+    pub number: u64,
+    /// The entry.
+    pub entry: &'a HistoryEntry<R, S>,
+}
+
+/// Samples for which there is memory from the start.
+const INITIAL_CAPACITY: usize = 1024;
+
+/// A ring of samples. Its memory for the first [`INITIAL_CAPACITY`] is reserved at the start, and doubled as more have to
+/// be kept.
+#[derive(Clone, Debug)]
+pub struct History<R, S, P> {
+    /// Entry `k` at index `(k - base) % capacity`, those from `first` to `next`.
+    entries: Vec<HistoryEntry<R, S>>,
+    /// In the order in which they came.
+    corrections: VecDeque<Correction<P>>,
+    capacity: usize,
+    base: u64,
+    first: u64,
+    next: u64,
+    /// Samples to keep at most.
+    limit: usize,
+    lag: f64,
+    last_dt: f64,
+}
+
+impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
+    /// Without entries.
+    pub fn new(settings: &Settings) -> Self {
+        let limit = if settings.lag > 0.0 { settings.history.max(2) } else { 0 };
+        let capacity = limit.min(INITIAL_CAPACITY);
+        Self {
+            entries: Vec::with_capacity(capacity),
+            corrections: VecDeque::with_capacity(capacity),
+            capacity,
+            base: 0,
+            first: 0,
+            next: 0,
+            limit,
+            lag: settings.lag,
+            last_dt: 0.0,
+        }
+    }
+
+    /// Makes every entry that there is memory for now, so that no sample allocates what one of them holds on the heap.
+    #[must_use]
+    pub fn filled(mut self, readings: &R, state: &S) -> Self {
+        let entry = HistoryEntry { stamp: 0.0, dt: 0.0, readings: readings.clone(), state: state.clone() };
+        self.entries.resize(self.capacity, entry);
+        self
+    }
+
+    /// Forgets every entry and correction.
+    #[inline]
+    pub fn clear(&mut self) {
+        self.first = self.next;
+        self.corrections.clear();
+        self.last_dt = 0.0;
+    }
+
+    /// Duration of the last step [s]; 0 if there was none.
+    #[inline]
+    pub fn last_duration(&self) -> f64 {
+        self.last_dt
+    }
+
+    fn index(&self, entry: u64) -> usize {
+        ((entry - self.base) % self.capacity as u64) as usize
+    }
+
+    fn entry(&self, number: u64) -> &HistoryEntry<R, S> {
+        &self.entries[self.index(number)]
+    }
+
+    /// Makes room for one more sample, at this stamp, where what is kept has to stay. Fails where there is none.
+    #[inline]
+    pub fn make_room(&mut self, stamp: f64) -> Result<(), Error> {
+        let is_full = self.capacity > 0 && self.next - self.first == self.capacity as u64;
+        if !is_full || self.capacity >= self.limit || self.is_too_old(self.first, stamp) {
+            return Ok(());
+        }
+        self.double_capacity()
+    }
+
+    /// True if more samples may have to be kept than there is room for now.
+    pub fn may_grow(&self) -> bool {
+        self.capacity < self.limit
+    }
+
+    /// Fails unless there is memory for a copy of all of it.
+    pub fn check_copy(&self) -> Result<(), Error> {
+        self.check_room(self.entries.len())
+    }
+
+    /// Fails unless there is memory for so many more entries and what they hold. It is asked for in one piece and
+    /// given back: there are no small requests that may fail.
+    fn check_room(&self, more: usize) -> Result<(), Error> {
+        let Some(entry) = self.entries.first() else {
+            return Ok(());
+        };
+        let each = size_of::<HistoryEntry<R, S>>() + entry.readings.heap_size() + entry.state.heap_size();
+        let probe = Vec::<u8>::new().try_reserve_exact(each.saturating_mul(more));
+        probe.map_err(|_| {
+            let total = self.entries.len().saturating_add(more).to_string();
+            Error::value("history", "fit into memory", total).of_kind(ErrorKind::Memory)
+        })
+    }
+
+    #[cold]
+    fn double_capacity(&mut self) -> Result<(), Error> {
+        let grown = self.limit.min(2 * self.capacity);
+        // The entries move to a larger piece of memory, and the new ones are made.
+        self.check_room(2 * grown)?;
+        // The oldest first, from which the others count on.
+        let oldest = self.index(self.first);
+        self.entries.rotate_left(oldest);
+        (self.base, self.capacity) = (self.first, grown);
+        self.entries.resize(grown, self.entries[0].clone());
+        Ok(())
+    }
+
+    fn is_too_old(&self, entry: u64, stamp: f64) -> bool {
+        self.entry(entry).stamp < stamp - self.lag
+    }
+
+    /// Keeps a sample with the state after it; the oldest one makes room. `write` gets the readings of an entry to
+    /// overwrite, `make` makes new ones.
+    #[inline]
+    pub fn push(&mut self, [stamp, dt]: [f64; 2], state: &S, make: impl FnOnce() -> R, write: impl FnOnce(&mut R)) {
+        self.last_dt = dt;
+        if self.capacity == 0 {
+            return;
+        }
+        let index = self.index(self.next);
+        if index < self.entries.len() {
+            let entry = &mut self.entries[index];
+            (entry.stamp, entry.dt) = (stamp, dt);
+            write(&mut entry.readings);
+            entry.state.copy_from(state);
+        } else {
+            self.entries.push(HistoryEntry { stamp, dt, readings: make(), state: state.clone() });
+        }
+        self.next += 1;
+        self.first = self.first.max(self.next.saturating_sub(self.capacity as u64));
+        while self.first < self.next && self.is_too_old(self.first, stamp) {
+            self.first += 1;
+        }
+        while self.corrections.front().is_some_and(|known| known.entry < self.first) {
+            self.corrections.pop_front();
+        }
+    }
+
+    /// Instant of a pose at this stamp; None where no entry is kept. Fails unless it lies between the oldest entry and
+    /// the largest lag after the `last` sample.
+    pub fn locate(&self, stamp: f64, last: Option<f64>) -> Result<Option<Instant<'_, R, S>>, Error> {
+        let Some(last) = last.filter(|_| stamp.is_finite()) else {
+            let rule = "be finite and follow a first sample";
+            return Err(Error::value("stamp", rule, number(stamp)));
+        };
+        let is_empty = self.first == self.next;
+        let oldest = if is_empty {
+            last - self.last_dt
+        } else {
+            let entry = self.entry(self.first);
+            entry.stamp - entry.dt
+        };
+        let lag = self.lag.max(self.last_dt);
+        if stamp < oldest || stamp - last > lag {
+            let rule = format!("be between {} and {}, as lag and history allow", number(oldest), number(last + lag));
+            return Err(Error::value("stamp", rule, number(stamp)));
+        }
+        if is_empty {
+            return Ok(None);
+        }
+        let mut number = self.next - 1;
+        while number > self.first && self.entry(number - 1).stamp >= stamp {
+            number -= 1;
+        }
+        Ok(Some(Instant { number, entry: self.entry(number) }))
+    }
+
+    /// Goes back to an entry, corrects it by a pose, and integrates the samples after it again, with the poses that came for
+    /// them. `integrate` makes the step from one entry to the next, `correct` is the correction at an entry. The pose is
+    /// remembered; the oldest one makes room.
+    pub fn correct(
+        &mut self,
+        number: u64,
+        pose: P,
+        state: &mut S,
+        mut integrate: impl FnMut(&mut S, &R, &HistoryEntry<R, S>),
+        correct: impl Fn(&mut S, &R, &P),
+    ) {
+        let index = self.index(number);
+        let entry = &mut self.entries[index];
+        state.copy_from(&entry.state);
+        correct(state, &entry.readings, &pose);
+        entry.state.copy_from(state);
+        for later in number + 1..self.next {
+            let (before, index) = (self.index(later - 1), self.index(later));
+            let entry = &self.entries[index];
+            integrate(state, &self.entries[before].readings, entry);
+            for known in self.corrections.iter().filter(|known| known.entry == later) {
+                correct(state, &entry.readings, &known.pose);
+            }
+            self.entries[index].state.copy_from(state);
+        }
+        self.remember(Correction { entry: number, pose });
+    }
+
+    fn remember(&mut self, correction: Correction<P>) {
+        let is_full = self.corrections.len() >= self.limit || self.corrections.try_reserve(1).is_err();
+        if is_full && self.corrections.pop_front().is_none() {
+            return;
+        }
+        self.corrections.push_back(correction);
+    }
+}
