@@ -1,5 +1,6 @@
 """Sphinx: no network, no fonts, no CDN. The pages of the API are what `help()` shows of the module."""
 
+import enum
 import importlib
 import re
 import types
@@ -22,7 +23,7 @@ exclude_patterns = ["_build", "_static", "_templates", "pictures"]
 default_role = "py:obj"  # `Rover.inverse` in a docstring becomes a link
 myst_heading_anchors = 4  # the anchors that GitHub has
 autodoc_typehints = "none"
-autodoc_default_options = {"member-order": "bysource"}
+autodoc_default_options = {"member-order": "bysource", "undoc-members": True}
 autosummary_imported_members, autosummary_ignore_module_all = True, False
 numpydoc_show_class_members = numpydoc_xref_param_type = False
 html_theme, html_copy_source, html_show_sphinx = "furo", False, False
@@ -95,6 +96,15 @@ class CommandHelp(Directive):
         return sections
 
 
+def help_of_flags(
+    app: Any, kind: str, name: str, member: object, options: object, lines: list[str]
+) -> None:
+    """A flag, such as `Reason.STALE`, has its text in `help`."""
+    if isinstance(member, enum.Enum) and (text := getattr(member, "help", "")):
+        lines[:] = [text, ""]
+
+
 def setup(app: Any) -> None:
+    app.connect("autodoc-process-docstring", help_of_flags)
     app.add_directive("command-help", CommandHelp)
     app.connect("autodoc-process-docstring", source_to_references, priority=100)  # before numpydoc
