@@ -335,7 +335,7 @@ def test_poses_beside_the_joints(tmp_path: Path, kind: str, storage: str) -> Non
 
 
 def test_the_page_on_logs_shows_what_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "logs.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "howto" / "logs.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", page, re.S)
     messages = states([joints(START + k * 10**9, ["left", "right"], [k, k]) for k in range(3)])
     poses = [(START + k, pose_of("geometry_msgs/msg/PoseStamped", START + k, k, 0, 0)) for k in range(2)]

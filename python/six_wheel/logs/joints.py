@@ -1,7 +1,8 @@
 """Joint logs: what wheels and steering joints did and where the rover was, for odometry and calibration.
 
-A log is a table (CSV or Parquet, see `docs/logs.md` for its columns) or a ROS 2 bag. It is read in chunks, in
-constant memory. A row that cannot be used is left out and reported with its number; no other row is lost.
+A log is a table (CSV or Parquet, see `docs/howto/logs.md` for its columns) or a ROS 2 bag. It is read in
+chunks, in constant memory. A row that cannot be used is left out and reported with its number; no other row
+is lost.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

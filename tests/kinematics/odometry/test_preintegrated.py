@@ -299,7 +299,7 @@ def test_without_samples_nothing_moved():
 
 def test_the_graph_of_the_page_closes_its_loop_and_finds_the_radii():
     pytest.importorskip("gtsam")
-    page = (Path(__file__).parents[3] / "docs" / "graphs.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "howto" / "graphs.md").read_text(encoding="utf-8")
     shown: dict = {}
     exec(re.search(r"```python\n(.*?)```", page, re.S)[1], shown)
     # The logs are exact: what is left is what the optimiser leaves.

@@ -399,8 +399,11 @@ def test_random_values_are_read_or_refused(tmp_path, kind, good, tree, nested):
 # The documentation
 
 DOCS = Path(__file__).parents[3] / "docs"
-DOCUMENT = (DOCS / "parameter_files.md").read_text(encoding="utf-8")
-KEYS_OF_OTHERS = (DOCS / "controller_keys.md").read_text(encoding="utf-8")
+DOCUMENT = "".join(
+    (DOCS / page).read_text(encoding="utf-8")
+    for page in ("reference/parameter_keys.md", "howto/rover_file.md")
+)
+KEYS_OF_OTHERS = (DOCS / "reference" / "other_keys.md").read_text(encoding="utf-8")
 
 
 def test_the_page_of_the_keys_of_others_is_made_from_the_code():

@@ -68,7 +68,7 @@ methods! { Suspension:
     ///     If a number is not finite or a shape does not fit.
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4),
-    /// 2005, for the kinematics; the contact of circle and grid is solved over every cell (`docs/ground.md`).
+    /// 2005, for the kinematics; the contact of circle and grid is solved over every cell (`docs/explanation/settling.md`).
     fn settle[slf: &Bound<'py, Self>, py: Python<'py>](ground: Bound<'py, Terrain>, poses, steering=None, *,
         derivatives: bool = false, centre_of_mass=None, threads: Option<i64> = None, level: Option<&str> = None)
     -> PyResult<Stand> {

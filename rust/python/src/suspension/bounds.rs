@@ -177,7 +177,7 @@ methods! { RockerBogie:
     ///
     /// Source: K. Otsu, G. Matheron, S. Ghosh, O. Toupet, M. Ono, Fast approximate clearance evaluation for rovers with
     /// articulated suspension systems, Journal of Field Robotics 37(5), 2020, with another closed form
-    /// (`docs/bounds.md`).
+    /// (`docs/explanation/bounds.md`).
     fn bounds[&self, py: Python<'py>](ground: Bound<'py, Terrain>, poses, yaw_margin=None, *, position_margin=None,
         map_error: f64 = 0.0, belly: Option<(f64, f64, f64, f64)> = None, within: Option<(f64, f64, f64)> = None,
         out=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<PoseBounds> {
