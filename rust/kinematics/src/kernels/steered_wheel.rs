@@ -62,6 +62,8 @@ pub struct SteeredConstants {
     pub trail: f64,
     /// True if the heading is not straight ahead.
     pub is_turned: bool,
+    /// True if the range holds at most one solution.
+    pub is_narrow: bool,
 }
 
 impl SteeredConstants {
@@ -81,18 +83,14 @@ impl SteeredConstants {
             scrub: wheel.scrub,
             trail: wheel.trail,
             is_turned: wheel.heading != 0.0,
+            is_narrow: range.upper - range.lower < PI - HALF_TURN_MARGIN,
         })
-    }
-
-    /// True if the range holds at most one solution.
-    pub fn is_narrow(&self) -> bool {
-        self.range.upper - self.range.lower < PI - HALF_TURN_MARGIN
     }
 
     /// Angles beside which the range holds no other solution, whatever the present angle is [rad].
     pub fn single_range(&self) -> [f64; 2] {
         let SteeringRange { lower, upper } = self.range;
-        if self.is_narrow() {
+        if self.is_narrow {
             return [lower - SAFE_OVERSHOOT, upper + SAFE_OVERSHOOT];
         }
         [lower.max(upper - PI + HALF_TURN_MARGIN), upper.min(lower + PI - HALF_TURN_MARGIN)]
@@ -121,7 +119,7 @@ impl SteeredConstants {
             trail: splat(self.trail),
             features: Features {
                 is_turned: self.is_turned,
-                is_narrow: self.is_narrow(),
+                is_narrow: self.is_narrow,
                 has_scrub: self.scrub != 0.0,
                 has_trail: self.trail != 0.0,
             },

@@ -138,7 +138,7 @@ impl WheelGroup {
         (self.scrub[lane], self.trail[lane]) = (wheel.scrub, wheel.trail);
         let features = &mut self.features;
         features.is_turned |= wheel.is_turned;
-        features.is_narrow |= wheel.is_narrow();
+        features.is_narrow |= wheel.is_narrow;
         features.has_scrub |= wheel.scrub != 0.0;
         features.has_trail |= wheel.trail != 0.0;
     }

@@ -187,14 +187,20 @@ impl InputColumns<'_> {
         }
     }
 
+    /// Present angles and rates of a joint.
+    #[inline(always)]
+    fn joint(&self, joint: usize) -> [Option<&Column>; 2] {
+        [self.previous.get(joint), self.rates.get(joint)]
+    }
+
     /// Input of a steered wheel.
     #[inline(always)]
-    fn query<S: Vector>(&self, simd: S, joint: usize, k: usize) -> WheelQuery<S> {
+    fn query<S: Vector>(&self, simd: S, [previous, rate]: [Option<&Column>; 2], k: usize) -> WheelQuery<S> {
         WheelQuery {
             twist: load(simd, &self.twists, k),
             rounding: self.rounding.load(simd, k),
-            previous: self.previous.get(joint).map(|column| column.load(simd, k)),
-            rate: self.rates.get(joint).map(|column| column.load(simd, k)),
+            previous: previous.map(|column| column.load(simd, k)),
+            rate: rate.map(|column| column.load(simd, k)),
         }
     }
 }
@@ -233,11 +239,12 @@ impl SolveBlock<'_, '_> {
                     }
                 }
                 WheelKind::Steered(wheel) => {
-                    let wheel = wheel.broadcast(simd);
+                    let (wheel, given) = (wheel.broadcast(simd), input.joint(joint));
+                    let angles = &mut steering[joint];
                     for k in 0..registers {
-                        let first = wheel.first_solution(simd, &input.query(simd, joint, k));
+                        let first = wheel.first_solution(simd, &input.query(simd, given, k));
                         are_final = are_final & first.is_final;
-                        steering[joint].store(k, first.angle);
+                        angles.store(k, first.angle);
                         speeds.store(k, first.rim_speed * per_radius);
                     }
                     joint += 1;
@@ -260,7 +267,7 @@ impl SolveBlock<'_, '_> {
         for (i, ((kind, per_radius), speeds)) in self.constants.wheels.iter().zip(&mut *self.speeds).enumerate() {
             if let WheelKind::Steered(wheel) = kind {
                 let wheel = wheel.broadcast(simd);
-                let query = self.input.query(simd, joint, k);
+                let query = self.input.query(simd, self.input.joint(joint), k);
                 let first = wheel.first_solution(simd, &query);
                 if (!first.is_final).any() {
                     let motion = wheel.solve(simd, &query, &first, common);
