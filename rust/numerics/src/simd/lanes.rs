@@ -177,8 +177,8 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     pub fn has_bit(self, bit: u32) -> Mask<S, T, N> {
         let mut values = [T::has_bit(self.simd, self.values[0], bit); N];
         if N > 1 {
-            for k in 1..N {
-                values[k] = T::has_bit(self.simd, self.values[k], bit);
+            for (value, of) in values.iter_mut().zip(self.values).skip(1) {
+                *value = T::has_bit(self.simd, of, bit);
             }
         }
         Mask { simd: self.simd, values }
