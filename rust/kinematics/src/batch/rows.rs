@@ -177,7 +177,7 @@ impl<'a> Reports<'a> {
         }
         for (k, twist) in twists.iter_mut().enumerate() {
             let measured = log.row(self.rover, k);
-            *twist = single::read_row(self.level, self.rover, measured, self.unseen)?.into();
+            *twist = single::forward_one(self.rover, measured, self.unseen)?.into();
         }
         Ok(())
     }
@@ -193,7 +193,7 @@ pub fn forward<'a>(
 ) -> Result<(), Error> {
     let Workers { level, fresh, .. } = workers.here();
     let (count, readings) = (twists.len(), readings.into());
-    let planned = level != Level::Scalar && count >= FEW;
+    let planned = count >= FEW;
     let reports = Reports {
         rover,
         plan: planned.then(|| estimate::ForwardConstants::new(rover)).flatten(),

@@ -6,7 +6,6 @@ use crate::geometry::Twist;
 use crate::rover::Rover;
 use crate::rover_data::Inputs;
 use six_wheel_numerics::error::Error;
-use six_wheel_numerics::simd::level::Level;
 
 /// [`Rover::inverse`].
 pub fn inverse_one(
@@ -27,14 +26,6 @@ pub fn forward_one(rover: &Rover, measured: Measured<'_>, unseen: Unseen) -> Res
         return Ok(twist);
     }
     rover.forward(measured, unseen)
-}
-
-/// A row of a log: at the plain level without the kernel.
-pub(crate) fn read_row(level: Level, rover: &Rover, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
-    match level {
-        Level::Scalar => rover.forward(measured, unseen),
-        _ => forward_one(rover, measured, unseen),
-    }
 }
 
 /// [`Rover::admissible`].

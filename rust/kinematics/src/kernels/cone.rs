@@ -87,13 +87,6 @@ pub(crate) struct Admissibility<S: Simd> {
     pub is_valid: Mask<S>,
 }
 
-/// Lanes in which a twist is well inside the tolerance, or well outside it.
-#[derive(Clone, Copy)]
-struct Verdict<S: Simd> {
-    yes: Mask<S>,
-    no: Mask<S>,
-}
-
 impl AdmissibleCone {
     /// The admissible twists of a rover.
     pub fn new(rover: &RoverData) -> Self {
@@ -137,72 +130,73 @@ impl AdmissibleCone {
     /// Decides for each lane if the rover can make the twist.
     #[inline(always)]
     pub(crate) fn judge<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>) -> Admissibility<S> {
-        let zero = Lanes::splat(simd, 0.0);
-        let mut verdict = Verdict { yes: zero.below(zero), no: zero.below(zero) };
-        if self.is_safe {
-            let is_safe = is_in_safe_range(simd, twist);
-            verdict = Verdict { yes: is_safe, no: zero.below(zero) };
-            if !(self.banks.is_empty() && self.limited.is_empty()) {
-                let bounds = self.slip_bounds(simd, twist, rates);
-                for bank in 0..self.banks.len() {
-                    verdict.note(self.bank_slip(simd, bank, twist), bounds);
-                }
-                for wheel in &self.limited {
-                    wheel.note(simd, twist, rates, bounds, &mut verdict);
-                }
-                verdict.no = verdict.no & is_safe;
+        let mut yes = self.safe_lanes(simd, twist);
+        if !(self.banks.is_empty() && self.limited.is_empty()) {
+            let none = self.clear_slips(simd, twist)[0];
+            for bank in 0..self.banks.len() {
+                yes = yes & self.bank_slip(simd, bank, twist).at_most(none);
+            }
+            for wheel in &self.limited {
+                yes = yes & wheel.is_clearly_within(simd, twist, rates, none);
             }
         }
-        self.decided(simd, twist, rates, verdict)
+        if !(!yes).any() {
+            return Admissibility { is_possible: yes, is_valid: yes };
+        }
+        self.decided(simd, twist, rates, yes, None)
     }
 
     /// Decides for each lane if the twist is possible where only the ranges of the given joints may end short of it.
     #[inline(always)]
     pub(crate) fn judge_joints<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], joints: &[usize]) -> Mask<S> {
-        let zero = Lanes::splat(simd, 0.0);
-        let yes = if self.is_safe { is_in_safe_range(simd, twist) } else { zero.below(zero) };
-        let mut verdict = Verdict { yes, no: zero.below(zero) };
-        let rates = Rates::Row(&[]);
-        let bounds = self.slip_bounds(simd, twist, rates);
+        let mut yes = self.safe_lanes(simd, twist);
+        let none = self.clear_slips(simd, twist)[0];
         for wheel in self.limited.iter().filter(|wheel| joints.contains(&wheel.joint)) {
-            wheel.note(simd, twist, rates, bounds, &mut verdict);
+            yes = yes & wheel.is_clearly_within(simd, twist, Rates::Row(&[]), none);
         }
-        verdict.no = verdict.no & yes;
-        self.decided(simd, twist, rates, verdict).is_possible
+        if !(!yes).any() {
+            return yes;
+        }
+        self.decided(simd, twist, Rates::Row(&[]), yes, Some(joints)).is_possible
     }
 
-    /// True where a twist is finite and the unsteered wheels surely do not slide.
+    /// Lanes in which squares neither overflow nor lose digits.
     #[inline(always)]
-    pub(crate) fn banks_roll<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+    fn safe_lanes<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
         let zero = Lanes::splat(simd, 0.0);
-        if !self.is_safe {
-            return zero.below(zero);
-        }
-        let mut roll = is_in_safe_range(simd, twist);
-        if !self.banks.is_empty() {
-            let [none, _] = self.slip_bounds(simd, twist, Rates::Row(&[]));
-            for bank in 0..self.banks.len() {
-                roll = roll & self.bank_slip(simd, bank, twist).at_most(none);
-            }
-        }
-        roll
+        if self.is_safe { is_in_safe_range(simd, twist) } else { zero.below(zero) }
     }
 
-    /// The verdict where it is clear, elsewhere the decision by definition.
+    /// Yes in the lanes where that is clear, no where that is, elsewhere the decision by definition. Of the ranges, those of
+    /// the given joints alone can make a no clear.
     #[inline(always)]
     fn decided<S: Vector>(
         &self,
         simd: S,
         twist: [Lanes<S>; 3],
         rates: Rates<'_>,
-        Verdict { yes, no }: Verdict<S>,
+        yes: Mask<S>,
+        joints: Option<&[usize]>,
     ) -> Admissibility<S> {
+        let zero = Lanes::splat(simd, 0.0);
+        let mut no = zero.below(zero);
+        // With rates contacts may be faster than the bound.
+        if !rates.are_given() {
+            let some = self.clear_slips(simd, twist)[1];
+            for bank in 0..self.banks.len() {
+                no = no | some.below(self.bank_slip(simd, bank, twist));
+            }
+            for wheel in self.limited.iter().filter(|wheel| joints.is_none_or(|joints| joints.contains(&wheel.joint))) {
+                no = no | wheel.is_clearly_outside(simd, twist, some);
+            }
+            no = no & self.safe_lanes(simd, twist) & !yes;
+        }
         let is_clear = yes | no;
         if !(!is_clear).any() {
             return Admissibility { is_possible: yes, is_valid: is_clear };
         }
         let [vx, vy, omega] = twist;
-        let twist = [vx + Lanes::splat(simd, 0.0), vy, omega];
+        let twist = [vx + zero, vy, omega];
         let (fastest, is_valid) = self.fastest(simd, twist, rates);
         let tolerance = fastest * Lanes::splat(simd, SLIP_TOLERANCE);
         let mut is_possible = is_valid;
@@ -215,6 +209,19 @@ impl AdmissibleCone {
         Admissibility { is_possible: yes | (!no & is_possible), is_valid: is_clear | is_valid }
     }
 
+    /// True where a twist is finite and the unsteered wheels surely do not slide.
+    #[inline(always)]
+    pub(crate) fn banks_roll<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+        let mut roll = self.safe_lanes(simd, twist);
+        if !self.banks.is_empty() {
+            let none = self.clear_slips(simd, twist)[0];
+            for bank in 0..self.banks.len() {
+                roll = roll & self.bank_slip(simd, bank, twist).at_most(none);
+            }
+        }
+        roll
+    }
+
     /// Speed at which the unsteered wheels of a bank slide sideways [m/s].
     #[inline(always)]
     pub(crate) fn bank_slip<S: Simd>(&self, simd: S, bank: usize, twist: [Lanes<S>; 3]) -> Lanes<S> {
@@ -223,7 +230,7 @@ impl AdmissibleCone {
 
     /// Slips that are well inside the tolerance, and well outside it [m/s].
     #[inline(always)]
-    fn slip_bounds<S: Vector>(&self, simd: S, [vx, vy, omega]: [Lanes<S>; 3], rates: Rates<'_>) -> [Lanes<S>; 2] {
+    fn clear_slips<S: Vector>(&self, simd: S, [vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
         let splat = |number| Lanes::splat(simd, number);
         let mut least = splat(0.0);
         for [x, y] in self.pivots {
@@ -231,8 +238,6 @@ impl AdmissibleCone {
             least = least.max(ux.abs() + uy.abs());
         }
         let most = vx.abs() + vy.abs() + omega.abs() * splat(self.arm);
-        // With rates contacts may be faster than that.
-        let most = if rates.are_given() { splat(f64::INFINITY) } else { most };
         [least * splat(CLEAR[0] * SLIP_TOLERANCE), most * splat(CLEAR[1] * SLIP_TOLERANCE)]
     }
 
@@ -277,19 +282,21 @@ impl LimitedWheel {
         [angle, slip]
     }
 
-    /// Notes in a verdict that the wheel slides.
+    /// True where the wheel slides by at most `none` [m/s], well inside the tolerance.
     #[inline(always)]
-    fn note<S: Vector>(
-        &self,
-        simd: S,
-        twist: [Lanes<S>; 3],
-        rates: Rates<'_>,
-        bounds: [Lanes<S>; 2],
-        verdict: &mut Verdict<S>,
-    ) {
+    fn is_clearly_within<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>, none: Lanes<S>) -> Mask<S> {
         match &self.wedge {
-            Some(wedge) => verdict.note(wedge.overshoot(simd, twist), bounds),
-            None => verdict.yes = verdict.yes & self.has_solution_in_range(simd, twist, rates),
+            Some(wedge) => wedge.overshoot(simd, twist).at_most(none),
+            None => self.has_solution_in_range(simd, twist, rates),
+        }
+    }
+
+    /// True where the wheel slides by more than `some` [m/s], well outside the tolerance.
+    #[inline(always)]
+    fn is_clearly_outside<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], some: Lanes<S>) -> Mask<S> {
+        match &self.wedge {
+            Some(wedge) => some.below(wedge.overshoot(simd, twist)),
+            None => some.below(some),
         }
     }
 
@@ -309,15 +316,6 @@ impl LimitedWheel {
         let [first, last] = [slip(self.constants.ends[0]), slip(self.constants.ends[1])];
         let is_held = (first * last).below(splat(0.0)) | (first * first).at_most(none) | (last * last).at_most(none);
         is_held & (splat(MIN_ALONG * MIN_ALONG) * square).at_most(along) & !wheel.is_at_rest(twist)
-    }
-}
-
-impl<S: Simd> Verdict<S> {
-    /// That something slides.
-    #[inline(always)]
-    fn note(&mut self, slip: Lanes<S>, [none, some]: [Lanes<S>; 2]) {
-        self.yes = self.yes & slip.at_most(none);
-        self.no = self.no | some.below(slip);
     }
 }
 

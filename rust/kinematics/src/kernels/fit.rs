@@ -91,14 +91,14 @@ impl<'a> FitConstants<'a> {
         Some(Self { rover, method, unseen, forward, robust, weights, rank, sigma_min })
     }
 
-    /// Fits every row; nothing where the level has no kernels.
-    pub fn fit(&self, level: Level, log: Log<'_>, fits: &mut Fits<'_>) -> Option<Result<(), Error>> {
+    /// Fits every row.
+    pub fn fit(&self, level: Level, log: Log<'_>, fits: &mut Fits<'_>) -> Result<(), Error> {
         let (joints, wheels) = (self.rover.steered().len(), self.weights.len());
         with_columns(joints + 4 * wheels, |columns| {
             if self.robust.is_none() {
-                return level.run(Solve::<false> { plan: self, log, fits, columns, late: &mut [] });
+                return level.run_any(Solve::<false> { plan: self, log, fits, columns, late: &mut [] });
             }
-            with_columns(3 * wheels, |late| level.run(Solve::<true> { plan: self, log, fits, columns, late }))
+            with_columns(3 * wheels, |late| level.run_any(Solve::<true> { plan: self, log, fits, columns, late }))
         })
     }
 }

@@ -12,6 +12,7 @@ pub(crate) mod robust;
 pub mod safe_range;
 pub mod se2;
 pub(crate) mod sensitivity;
+pub mod steered_constants;
 pub mod steered_wheel;
 
 #[cfg(test)]

@@ -72,7 +72,7 @@ fn rows_are_the_same_past_the_caches() -> Result<(), Error> {
                     rover.inverse_constants.solve_rows(level, twists.as_chunks().0, inputs, &mut others, speeds, past);
                 });
             }
-            if let Some(plan) = forward::ForwardConstants::new(&rover).filter(|_| level != Level::Scalar) {
+            if let Some(plan) = forward::ForwardConstants::new(&rover) {
                 is_the_same(3 * count, |twists, past| {
                     let twists = twists.as_chunks_mut().0;
                     let solved = plan.solve(level, log, Unseen::Refuse, twists, past);

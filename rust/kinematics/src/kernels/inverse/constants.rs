@@ -1,7 +1,7 @@
 //! The constants of a rover for the inverse kinematics.
 
 use crate::kernels::safe_range::has_safe_lengths;
-use crate::kernels::steered_wheel::{Features, SteeredConstants, SteeredWheel};
+use crate::kernels::steered_constants::{Features, SteeredConstants, SteeredWheel};
 use crate::rover_data::{Mount, RoverData};
 use crate::steering::SteeringRange;
 use crate::wheel_lanes::{Eight, GROUP, level, order};
