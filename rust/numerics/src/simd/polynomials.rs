@@ -53,6 +53,24 @@ pub const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
 /// Largest angle of [`sin_cos`] [rad]: its quarter turns are whole numbers of far less than 52 bits.
 pub const LARGEST_ANGLE: f64 = 1e9;
 
+/// `(-1)^k / (first + 2 k)!`, Taylor's coefficients in powers of `x^2` of functions that have no closed form at 0. `first`
+/// is 0 for `cos x`, 1 for `sin x / x`, 2 for `(1 - cos x) / x^2`, 3 for `(x - sin x) / x^3`, 4 for
+/// `(cos x - 1 + x^2 / 2) / x^4`. The error of `N` terms is below the first that is left out.
+pub const fn taylor<const N: usize>(first: u32) -> [f64; N] {
+    let mut coefficients = [0.0; N];
+    // Factorials up to 22! are exact.
+    let (mut factorial, mut n, mut k) = (1.0, 0, 0);
+    while k < N {
+        while n < first + 2 * k as u32 {
+            n += 1;
+            factorial *= n as f64;
+        }
+        coefficients[k] = if k % 2 == 0 { 1.0 / factorial } else { -1.0 / factorial };
+        k += 1;
+    }
+    coefficients
+}
+
 /// A polynomial by two interleaved Horner chains: half the latency of one.
 #[inline(always)]
 fn polynomial<S: Simd, V: Numbers<S>, const N: usize>(simd: S, coefficients: [f64; N], z: V) -> V {
