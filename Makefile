@@ -31,11 +31,15 @@ OLDEST = numpy==1.26.*
 BOUNDARY = tests/core/boundary tests/core/door tests/core/laws/test_geometry.py tests/core/laws/test_fit.py
 PYTHONS ?= python3.11 python3.12 python3.13 python3.14
 
-.PHONY: demo test test-rust test-python test-ros test-versions fuzz compare soak holding sanitize bench bench-suites \
+.PHONY: demo quick test test-rust test-python test-ros test-versions fuzz compare soak holding sanitize bench bench-suites \
 	instructions profiling lint format wheel clean
 
 demo: $(VENV)/installed ## drive Mars rovers along a recorded path and over rocks; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
+
+# The first time it needs what the package needs, so that it installs it; later builds are its own.
+quick: $(VENV)/tools $(if $(wildcard $(VENV)/installed),,$(VENV)/installed) ## checks and tests of what changed, in a minute; CRATE= and ROOM= choose
+	$(BIN)/python -m tests.quick
 
 test: test-rust test-python test-ros ## every test
 

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+import floors
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image, ImageColor
@@ -244,6 +245,7 @@ DRAWN: dict[str, Callable[[], Figure | dict[str, Figure]]] = {
     "ground": over_ground,
     "foxglove": foxglove_figure,
     "planner": planned,
+    "architecture": floors.figure,
     "demo": demo,
 }
 

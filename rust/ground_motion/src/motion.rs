@@ -7,6 +7,7 @@ use super::rest_offset;
 use super::steer::steer;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::least_squares::{back, shortest, triangular};
+pub(crate) use six_wheel_numerics::simd::vec3::inner_product as dot;
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Columns of the motion in plan: `vx, vy, wz`.
@@ -351,8 +352,4 @@ pub(crate) fn weights(weights: Option<&[f64]>, count: usize, wheel: usize) -> [f
 
 fn split(rates: &Row) -> ([f64; 6], [f64; MAX_FREE]) {
     (std::array::from_fn(|k| rates[k]), std::array::from_fn(|k| rates[6 + k]))
-}
-
-pub(crate) fn dot(row: &Row, rates: &Row) -> f64 {
-    row.iter().zip(rates).map(|(a, b)| a * b).sum()
 }

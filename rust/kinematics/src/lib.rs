@@ -11,15 +11,17 @@
 //!
 //! Modules, from below: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`steering`] (the angle
 //! that a wheel takes), [`rover_data`] (a checked list of wheels), [`admissible`] (limits, projection), [`estimate`]
-//! (forward, fit, derivatives), [`formulas`], [`pose_logs`] and [`one_row`] (the same in registers), [`rover`] (the data
+//! (forward, fit, derivatives), [`kernels`], [`pose_logs`] and [`one_row`] (the same in registers), [`rover`] (the data
 //! with the constants of its kernels), [`layouts`] and [`presets`] (named vehicles), [`mobility`] (rank of the
 //! constraints), [`units`] (numbers that cannot be metres and radians), [`batch`] (whole arrays).
 
+pub mod accumulate;
 pub mod admissible;
+pub mod angles;
 pub mod batch;
 pub mod estimate;
-pub mod formulas;
 pub mod geometry;
+pub mod kernels;
 pub mod layouts;
 pub mod mobility;
 pub mod one_row;

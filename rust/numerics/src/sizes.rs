@@ -13,7 +13,7 @@ const ABREAST: usize = 4;
 /// Sum of the absolute values. NaN if one is NaN.
 #[inline]
 pub fn sum_of_sizes(level: Level, values: &[f64]) -> f64 {
-    level.run(SumOfSizes(values)).unwrap_or(f64::NAN)
+    level.run_any(SumOfSizes(values))
 }
 
 struct SumOfSizes<'a>(&'a [f64]);

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::costmap::Costmap;
 use crate::motion::drive::TRACK;
-use crate::numbers::real::Real;
-use crate::numbers::registers::BLOCK;
-use crate::numbers::registers::Reg;
+use crate::numbers::BLOCK;
+use six_wheel_numerics::simd::float::Float;
+use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Points of the path at most.
@@ -161,12 +161,12 @@ pub(crate) struct Judge<'a, R> {
     pub dt: f64,
 }
 
-impl<R: Real> Judge<'_, R> {
+impl<R: Float> Judge<'_, R> {
     /// Adds to the costs of some rollouts of a block what their way costs.
     #[inline(always)]
     pub fn add<S: Vector>(&self, simd: S, track: &[R], costs: &mut [R], rollouts: Range<usize>) {
         for at in rollouts.step_by(R::lanes::<S>()) {
-            let mut sum = Reg::<S, R>::load(simd, &costs[at..]);
+            let mut sum = Lanes::<S, R>::from_slice(simd, &costs[at..]);
             if let Some(map) = self.map {
                 sum = self.under(simd, map, track, at, sum);
             }
@@ -176,18 +176,18 @@ impl<R: Real> Judge<'_, R> {
             if !self.path.is_empty() {
                 sum = self.along(simd, track, at, sum);
             }
-            sum.store(&mut costs[at..]);
+            sum.copy_to_slice(&mut costs[at..]);
         }
     }
 
     #[inline(always)]
-    fn to_goal<S: Vector>(&self, simd: S, goal: [f64; 2], track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
-        let number = |value: f64| Reg::<S, R>::all(simd, value);
+    fn to_goal<S: Vector>(&self, simd: S, goal: [f64; 2], track: &[R], at: usize, mut sum: Lanes<S, R>) -> Lanes<S, R> {
+        let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let (gx, gy) = (number(goal[0] - self.start[0]), number(goal[1] - self.start[1]));
         let mut distance = number(0.0);
         let weight = number(self.weights.goal * self.dt);
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let (x, y) = (Reg::load(simd, &step[at..]) - gx, Reg::load(simd, &step[BLOCK + at..]) - gy);
+            let (x, y) = (Lanes::from_slice(simd, &step[at..]) - gx, Lanes::from_slice(simd, &step[BLOCK + at..]) - gy);
             [_, distance] = x.mul_add(x, y * y).roots();
             sum = distance.mul_add(weight, sum);
         }
@@ -195,21 +195,21 @@ impl<R: Real> Judge<'_, R> {
     }
 
     #[inline(always)]
-    fn under<S: Vector>(&self, simd: S, map: &Costmap, track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
-        let number = |value: f64| Reg::<S, R>::all(simd, value);
+    fn under<S: Vector>(&self, simd: S, map: &Costmap, track: &[R], at: usize, mut sum: Lanes<S, R>) -> Lanes<S, R> {
+        let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let zero = number(0.0);
         let weight = number(self.weights.map * self.dt);
         let mut hit = zero.below(zero);
         let mut worst_of_all = zero;
         let lethal = number(map.lethal().unwrap_or(f64::INFINITY));
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let [x, y] = [Reg::<S, R>::load(simd, &step[at..]), Reg::load(simd, &step[BLOCK + at..])];
+            let [x, y] = [Lanes::<S, R>::from_slice(simd, &step[at..]), Lanes::from_slice(simd, &step[BLOCK + at..])];
             for (k, point) in self.points.iter().enumerate() {
                 let (mut px, mut py) = (x, y);
                 if *point != [0.0; 2] {
                     let (ux, uy) = (number(point[0]), number(point[1]));
-                    let c = Reg::load(simd, &step[2 * BLOCK + at..]);
-                    let s = Reg::load(simd, &step[3 * BLOCK + at..]);
+                    let c = Lanes::from_slice(simd, &step[2 * BLOCK + at..]);
+                    let s = Lanes::from_slice(simd, &step[3 * BLOCK + at..]);
                     px = c.mul_add(ux, px) - s * uy;
                     py = s.mul_add(ux, py) + c * uy;
                 }
@@ -224,8 +224,8 @@ impl<R: Real> Judge<'_, R> {
 
     /// The map's cost at a place, linear between cells along each axis.
     #[inline(always)]
-    fn between<S: Vector>(&self, simd: S, map: &Costmap, x: Reg<S, R>, y: Reg<S, R>) -> Reg<S, R> {
-        let number = |value: f64| Reg::<S, R>::all(simd, value);
+    fn between<S: Vector>(&self, simd: S, map: &Costmap, x: Lanes<S, R>, y: Lanes<S, R>) -> Lanes<S, R> {
+        let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let zero = number(0.0);
         let [rows, columns] = map.shape();
         let ([dx, dy], [x0, y0]) = (map.spacing(), map.origin());
@@ -238,7 +238,7 @@ impl<R: Real> Judge<'_, R> {
             [inside[0].floor().min(number((columns - 2) as f64)), inside[1].floor().min(number((rows - 2) as f64))];
         let [tx, ty] = [inside[0] - whole[0], inside[1] - whole[1]];
         // SAFETY: `max` and `min` have left nothing but places whose neighbours are on the map, not even a NaN.
-        let [low, high] = unsafe { Reg::corners(simd, map.values(), columns, whole) };
+        let [low, high] = unsafe { Lanes::corners(simd, map.values(), columns, whole) };
         let low = tx.mul_add(low[1] - low[0], low[0]);
         let high = tx.mul_add(high[1] - high[0], high[0]);
         let mut value = ty.mul_add(high - low, low);
@@ -251,8 +251,8 @@ impl<R: Real> Judge<'_, R> {
 
     /// Follows the path beside the rollout: where it is along it is corrected at every step by what it is off.
     #[inline(always)]
-    fn along<S: Vector>(&self, simd: S, track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
-        let number = |value: f64| Reg::<S, R>::all(simd, value);
+    fn along<S: Vector>(&self, simd: S, track: &[R], at: usize, mut sum: Lanes<S, R>) -> Lanes<S, R> {
+        let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let lanes = R::lanes::<S>();
         let (zero, length, spacing) = (number(0.0), number(self.length), number(self.spacing));
         let per_spacing = number(1.0 / self.spacing);
@@ -262,24 +262,27 @@ impl<R: Real> Judge<'_, R> {
         let begin = number(self.progress);
         let mut place = begin;
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let (x, y) = (Reg::<S, R>::load(simd, &step[at..]), Reg::<S, R>::load(simd, &step[BLOCK + at..]));
+            let (x, y) =
+                (Lanes::<S, R>::from_slice(simd, &step[at..]), Lanes::<S, R>::from_slice(simd, &step[BLOCK + at..]));
             let whole = (place * per_spacing).floor().min(last);
             let mut index = [R::default(); BLOCK];
-            whole.counted().store(&mut index);
+            whole.as_index().copy_to_slice(&mut index);
             let mut columns = [[R::default(); BLOCK]; 4];
             for lane in 0..lanes {
-                let point = self.path[index[lane].count()];
+                let point = self.path[index[lane].to_index()];
                 for (column, part) in columns.iter_mut().zip(point) {
                     column[lane] = part;
                 }
             }
-            let [px, py] = [Reg::<S, R>::load(simd, &columns[0]), Reg::load(simd, &columns[1])];
-            let [tx, ty] = [Reg::<S, R>::load(simd, &columns[2]), Reg::load(simd, &columns[3])];
+            let [px, py] = [Lanes::<S, R>::from_slice(simd, &columns[0]), Lanes::from_slice(simd, &columns[1])];
+            let [tx, ty] = [Lanes::<S, R>::from_slice(simd, &columns[2]), Lanes::from_slice(simd, &columns[3])];
             let (dx, dy) = (x - px, y - py);
             let wanted = dx.mul_add(tx, dy * ty) + whole * spacing;
             place = wanted.max(zero).min(length);
-            let (c, s) =
-                (Reg::<S, R>::load(simd, &step[2 * BLOCK + at..]), Reg::<S, R>::load(simd, &step[3 * BLOCK + at..]));
+            let (c, s) = (
+                Lanes::<S, R>::from_slice(simd, &step[2 * BLOCK + at..]),
+                Lanes::<S, R>::from_slice(simd, &step[3 * BLOCK + at..]),
+            );
             let across = c * ty - s * tx;
             sum = (across * across).mul_add(askew, sum);
             let (beyond, aside) = (wanted - place, dx * ty - dy * tx);
@@ -297,9 +300,9 @@ impl<R: Real> Judge<'_, R> {
 
 impl Path {
     /// The points in another kind of number, counted from a place.
-    pub fn write<R: Real>(&self, start: [f64; 2], to: &mut Vec<[R; 4]>) {
+    pub fn write<R: Float>(&self, start: [f64; 2], to: &mut Vec<[R; 4]>) {
         to.clear();
-        to.extend(self.points.iter().map(|[x, y, tx, ty]| [x - start[0], y - start[1], *tx, *ty].map(R::of)));
+        to.extend(self.points.iter().map(|[x, y, tx, ty]| [x - start[0], y - start[1], *tx, *ty].map(R::from_f64)));
     }
 
     pub fn spacing(&self) -> f64 {

@@ -7,12 +7,12 @@ use super::costmap::Costmap;
 use crate::motion::drive::{Begin, TRACK};
 use crate::motion::limits::RoverLimits;
 use crate::motion::model::Model;
+use crate::numbers::BLOCK;
 use crate::numbers::noise;
 use crate::numbers::noise::Counter;
-use crate::numbers::real::Real;
-use crate::numbers::registers::BLOCK;
-use crate::numbers::registers::Reg;
 use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::float::Float;
+use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
@@ -104,7 +104,7 @@ pub(crate) struct Machine<R, const M: usize> {
     tracks: Vec<R>,
 }
 
-impl<R: Real, const M: usize> Machine<R, M> {
+impl<R: Float, const M: usize> Machine<R, M> {
     pub fn new(facts: &RoverLimits, settings: &Settings, samples: usize) -> Self {
         let blocks = samples.div_ceil(BLOCK);
         let row = settings.steps * M * BLOCK;
@@ -136,7 +136,7 @@ struct Roll<'a, R, const M: usize> {
     room: &'a mut ThreadScratch<R>,
 }
 
-impl<R: Real, const M: usize> Kernel for Roll<'_, R, M> {
+impl<R: Float, const M: usize> Kernel for Roll<'_, R, M> {
     type Output = ();
 
     #[inline(always)]
@@ -165,14 +165,14 @@ impl<R: Real, const M: usize> Kernel for Roll<'_, R, M> {
 
 /// Noise to wishes.
 #[inline(always)]
-fn wish<S: Vector, R: Real, const M: usize>(
+fn wish<S: Vector, R: Float, const M: usize>(
     simd: S,
     job: &RolloutInput,
     noise: &[f32],
     wishes: &mut [R],
     first: usize,
 ) {
-    let number = |value: f64| Reg::<S, R>::all(simd, value);
+    let number = |value: f64| Lanes::<S, R>::constant(simd, value);
     let lanes = R::lanes::<S>();
     let rows = wishes.chunks_exact_mut(BLOCK).zip(noise.chunks_exact(BLOCK)).enumerate();
     let (memory, fresh) = (number(job.memory), number((1.0 - job.memory * job.memory).sqrt()));
@@ -181,25 +181,25 @@ fn wish<S: Vector, R: Real, const M: usize>(
     for (row, (wishes, noise)) in rows {
         let (t, k) = (row / M, row % M);
         for (wide, noise) in wide.iter_mut().zip(noise) {
-            *wide = R::single(*noise);
+            *wide = R::from(*noise);
         }
         let mean = number(job.mean[row]);
         let sigma = number(if t < job.fixed { 0.0 } else { job.sigma[k] });
         let (low, high) = (number(-job.cap[k]), number(job.cap[k]));
         for at in (0..BLOCK).step_by(lanes) {
             let fresh = if t == 0 { number(1.0) } else { fresh };
-            let old = Reg::load(simd, &last[k][at..]) * memory;
-            let new = Reg::load(simd, &wide[at..]).mul_add(fresh, old);
-            new.store(&mut last[k][at..]);
-            new.mul_add(sigma, mean).max(low).min(high).store(&mut wishes[at..]);
+            let old = Lanes::from_slice(simd, &last[k][at..]) * memory;
+            let new = Lanes::from_slice(simd, &wide[at..]).mul_add(fresh, old);
+            new.copy_to_slice(&mut last[k][at..]);
+            new.mul_add(sigma, mean).max(low).min(high).copy_to_slice(&mut wishes[at..]);
         }
         if first > 0 {
             continue;
         }
-        wishes[0] = R::of(job.mean[row].clamp(-job.cap[k], job.cap[k]));
+        wishes[0] = R::from_f64(job.mean[row].clamp(-job.cap[k], job.cap[k]));
         if t >= job.fixed {
             for (wish, held) in wishes[1..].iter_mut().zip(job.constant.chunks_exact(M)) {
-                *wish = R::of(held[k]);
+                *wish = R::from_f64(held[k]);
             }
         }
     }
@@ -212,7 +212,7 @@ struct Add<'a, R> {
     sums: &'a mut [R],
 }
 
-impl<R: Real> Kernel for Add<'_, R> {
+impl<R: Float> Kernel for Add<'_, R> {
     type Output = ();
 
     #[inline(always)]
@@ -223,9 +223,9 @@ impl<R: Real> Kernel for Add<'_, R> {
         for (wishes, shares) in blocks {
             for (wishes, sums) in wishes.chunks_exact(BLOCK).zip(self.sums.chunks_exact_mut(BLOCK)) {
                 for at in (0..BLOCK).step_by(lanes) {
-                    let share = Reg::<S, R>::load(simd, &shares[at..]);
-                    let sum = Reg::load(simd, &sums[at..]);
-                    Reg::load(simd, &wishes[at..]).mul_add(share, sum).store(&mut sums[at..]);
+                    let share = Lanes::<S, R>::from_slice(simd, &shares[at..]);
+                    let sum = Lanes::from_slice(simd, &sums[at..]);
+                    Lanes::from_slice(simd, &wishes[at..]).mul_add(share, sum).copy_to_slice(&mut sums[at..]);
                 }
             }
         }
@@ -241,7 +241,7 @@ pub(crate) struct Alone<'a, R, const M: usize> {
     pub motions: &'a mut [R],
 }
 
-impl<R: Real, const M: usize> Kernel for Alone<'_, R, M> {
+impl<R: Float, const M: usize> Kernel for Alone<'_, R, M> {
     type Output = ();
 
     #[inline(always)]
@@ -254,7 +254,7 @@ impl<R: Real, const M: usize> Kernel for Alone<'_, R, M> {
     }
 }
 
-impl<R: Real, const M: usize> Engine for Machine<R, M> {
+impl<R: Float, const M: usize> Engine for Machine<R, M> {
     fn roll(
         &mut self,
         job: &RolloutInput,
@@ -318,13 +318,13 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
 
     fn costs(&self, to: &mut Vec<f64>) {
         to.clear();
-        to.extend(self.costs.iter().map(|cost| cost.wide()));
+        to.extend(self.costs.iter().map(|cost| cost.to_f64()));
     }
 
     fn mean(&mut self, weights: &[f64], settings: &Settings, workers: Workers, to: &mut [f64]) -> Result<(), Error> {
         let row = settings.steps * M * BLOCK;
         for (share, weight) in self.shares.iter_mut().zip(weights) {
-            *share = R::of(*weight);
+            *share = R::from_f64(*weight);
         }
         let blocks = self.costs.len() / BLOCK;
         let part = blocks.div_ceil(STRIPES);
@@ -344,7 +344,7 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         }
         for (k, to) in to.iter_mut().enumerate() {
             let rows = self.sums.chunks_exact(row).map(|sums| &sums[k * BLOCK..(k + 1) * BLOCK]);
-            *to = rows.flatten().map(|part| part.wide()).sum();
+            *to = rows.flatten().map(|part| part.to_f64()).sum();
         }
         Ok(())
     }
@@ -362,7 +362,7 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         // The room of the sums is as large as a block's wishes.
         let (all, rest) = self.sums.split_at_mut(row);
         for (all, wish) in all.chunks_exact_mut(BLOCK).zip(wishes) {
-            all.fill(R::of(*wish));
+            all.fill(R::from_f64(*wish));
         }
         let Some(room) = self.rooms.first_mut() else {
             return;
@@ -376,7 +376,7 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         };
         level.run_any(alone);
         for (to, from) in motions.iter_mut().zip(rest.chunks_exact(BLOCK)) {
-            *to = from[0].wide();
+            *to = from[0].to_f64();
         }
         read(&room.track, 0, places);
     }
@@ -385,7 +385,7 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         let (block, lane) = (rollout / BLOCK, rollout % BLOCK);
         let row = settings.steps * M * BLOCK;
         for (to, from) in motions.iter_mut().zip(self.motions[block * row..].chunks_exact(BLOCK)) {
-            *to = from[lane].wide();
+            *to = from[lane].to_f64();
         }
         read(&self.tracks[block * settings.steps * TRACK * BLOCK..], lane, places);
     }
@@ -394,14 +394,14 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         let (block, lane) = (rollout / BLOCK, rollout % BLOCK);
         let row = settings.steps * M * BLOCK;
         for (to, from) in to.iter_mut().zip(self.wishes[block * row..].chunks_exact(BLOCK)) {
-            *to = from[lane].wide();
+            *to = from[lane].to_f64();
         }
     }
 }
 
 /// Places of one rollout of a track.
-fn read<R: Real>(track: &[R], lane: usize, places: &mut [f64]) {
+fn read<R: Float>(track: &[R], lane: usize, places: &mut [f64]) {
     for (place, step) in places.chunks_exact_mut(2).zip(track.chunks_exact(TRACK * BLOCK)) {
-        (place[0], place[1]) = (step[lane].wide(), step[BLOCK + lane].wide());
+        (place[0], place[1]) = (step[lane].to_f64(), step[BLOCK + lane].to_f64());
     }
 }

@@ -6,7 +6,7 @@ use super::engine::{Engine, Machine, RolloutInput, Settings};
 use super::options::{Options, Precision, not_negative};
 use super::smooth::smooth;
 use crate::motion::limits::RoverLimits;
-use crate::numbers::registers::BLOCK;
+use crate::numbers::BLOCK;
 use six_wheel_control::controller::Limits;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::{Error, finite, number};

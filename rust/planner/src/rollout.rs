@@ -5,7 +5,7 @@ use crate::motion::drive::{Begin, TRACK};
 use crate::motion::limits::RoverLimits;
 use crate::motion::model::Model;
 use crate::motion::setting;
-use crate::numbers::registers::BLOCK;
+use crate::numbers::BLOCK;
 use six_wheel_control::controller::Limits;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::{Error, finite, number};

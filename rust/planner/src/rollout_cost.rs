@@ -3,11 +3,10 @@
 use std::f64::consts::PI;
 
 use six_wheel_kinematics::batch::poses::{Buffers, Journey};
-use six_wheel_kinematics::formulas::cone::dot;
-use six_wheel_kinematics::formulas::inverse::{InverseConstants, WheelKind};
-use six_wheel_kinematics::formulas::steered::Steered;
-use six_wheel_kinematics::formulas::usual::usual;
 use six_wheel_kinematics::geometry::{Steps, Twist};
+use six_wheel_kinematics::kernels::inverse::{InverseConstants, WheelKind};
+use six_wheel_kinematics::kernels::steered::Steered;
+use six_wheel_kinematics::kernels::usual::usual;
 use six_wheel_kinematics::pose_logs::integrate::Place;
 use six_wheel_kinematics::pose_logs::logs::{Logs, Watch, side_by_side};
 use six_wheel_kinematics::pose_logs::tile::{LANES, PerStep, STEPS, WIDTH};
@@ -15,9 +14,10 @@ use six_wheel_kinematics::rover::Rover;
 use six_wheel_kinematics::rover_data::{Inputs, MAX_WHEELS};
 use six_wheel_kinematics::table::{Durations, Table};
 use six_wheel_numerics::error::{Error, finite};
-use six_wheel_numerics::simd::lanes::{Lanes, Lockstep, Mask};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::angle;
+use six_wheel_numerics::simd::vec3::row_times;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
 
@@ -88,7 +88,7 @@ pub fn rollout_cost<'a>(
     let mut journey = Journey::new(controls.into(), count, steps.into(), starts)?;
     let logs = poses.len() / (count + 1);
     let plan = journey
-        .is_side_by_side(level, logs)
+        .is_side_by_side(logs)
         .then(|| InverseConstants::new(rover, rover.cone.as_ref()?))
         .flatten()
         .filter(|plan| plan.parts.iter().all(|(part, _)| is_folded(part)));
@@ -111,7 +111,7 @@ pub fn rollout_cost<'a>(
                 journey.check(level, logs.clone())?;
             }
             if let Some(plan) = &plan {
-                level.run(Judged { plan, rover, logs: journey.logs(logs, buffers), previous, poses, costs });
+                level.run_any(Judged { plan, rover, logs: journey.logs(logs, buffers), previous, poses, costs });
                 continue;
             }
             for (j, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
@@ -241,7 +241,7 @@ impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
         }
         for row in &self.plan.banks {
             for t in 0..STEPS {
-                let slip = dot(simd, row, twist(simd, twists, t)).abs();
+                let slip = row_times(simd, row, twist(simd, twists, t)).abs();
                 self.worst[3] = self.worst[3].max(slip);
             }
         }
@@ -251,7 +251,7 @@ impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
             match part {
                 WheelKind::Fixed(row) => {
                     for t in 0..STEPS {
-                        let speed = dot(simd, row, twist(simd, twists, t)) * per_radius;
+                        let speed = row_times(simd, row, twist(simd, twists, t)) * per_radius;
                         self.worst[0] = self.worst[0].max(speed * speed);
                     }
                 }
@@ -302,17 +302,18 @@ impl<S: Vector> Judge<'_, '_, S> {
         let (back_to_lower, back_to_upper) = (number(low + PI), number(high - PI));
         let mut held = Lanes::load(simd, &self.held, joint);
         let [mut squares, mut angles, mut rates, mut slips] = self.worst;
-        let [mut along, mut across] = [Lockstep([zero; STEPS]); 2];
+        let [mut along, mut across] = [Lanes::<S, f64, STEPS>::constant(simd, 0.0); 2];
         let [mut xs, mut ys] = [[zero; STEPS]; 2];
         for t in 0..STEPS {
             [xs[t], ys[t]] = steered.velocity(simd, twist(simd, twists, t));
-            (along.0[t], across.0[t]) = (xs[t].abs(), ys[t].abs());
+            along.set_register(t, xs[t].abs());
+            across.set_register(t, ys[t].abs());
         }
         let steep = angle(simd, along, across);
         for t in 0..STEPS {
             let (x, y) = (xs[t], ys[t]);
             let rests = steered.rests(simd, twist(simd, twists, t));
-            let wanted = steep.0[t].flip(y.sign()).flip(x.sign());
+            let wanted = steep.register(t).flip(y.sign()).flip(x.sign());
             let mut angle = wanted.max(lower).min(upper);
             let over = (wanted - angle).abs();
             // Going backwards, the wheel would miss the one end or the other.

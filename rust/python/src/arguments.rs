@@ -9,7 +9,7 @@ use pyo3::PyClass;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 
-use crate::convert::{ArgumentTypeError, is_of_another_kind, number, short_repr};
+use crate::convert::{ArgumentTypeError, is_of_another_kind, number, numbers, short_repr};
 
 /// Letters of a value that are shown.
 const LONGEST: usize = 60;
@@ -30,11 +30,18 @@ macro_rules! named {
 }
 
 named! {
-    align align_tolerance allow_underdetermined arm belly castor correlation costmap covariances cover delay
-    derivatives discretise driven errors false_alarm following_error following_time frame front gravity ground gyroscope history in_space inflate level
-    lift_angle lift_speed limits map_error mass max_step method mode name noise other period readings rear residuals
-    roughness rover shape slips smoothing spacing stand steer steered synchronise temperature threads timeout unmeasured view
-    wheels_per_side within
+    acceleration align align_tolerance allow_underdetermined angular_acceleration angular_deceleration angular_jerk
+    arm attitude_noise axle_length belly bias bias_noise bias_walk bogie_pivot bogie_to_front bogie_to_middle castor
+    correlation costmap covariances cover curvature d1 d2 d3 d4 deceleration delay derivatives discretise driven dt
+    duration errors false_alarm following_error following_time frame front gear gravity ground gyroscope half_track
+    half_wheelbase halt_deceleration heading hinges history icr icr_forward icr_left icr_right in_space inflate jerk
+    joint_noise lag lateral_acceleration lethal level lift_angle lift_speed limits map_error mass max_gap max_speed
+    max_steering_rate max_step method mode modulus name noise now offset orientation other outside period pose radius
+    ramp readings rear rear_pivot rear_to_wheel residuals resolution roller_angle roughness rover scale_noise scrub
+    shape side_slip slip slip_threshold slips smoothing spacing speed stamp stand steer steered steering
+    steering_acceleration steering_limit steering_rate synchronise temperature threads timeout tolerance track_width
+    trail unmeasured view wheel_acceleration wheel_radius wheel_speed wheelbase wheels_per_side within x y yaw
+    yaw_rate
 }
 
 /// "`argument` must be `kind`, got `value`", with a remedy where there is one.
@@ -92,6 +99,12 @@ impl<'a, 'py> FromArgument<'a, 'py> for bool {
 impl<'a, 'py> FromArgument<'a, 'py> for String {
     fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         native(argument, "a str", value)
+    }
+}
+
+impl<'a, 'py, const COUNT: usize> FromArgument<'a, 'py> for [f64; COUNT] {
+    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+        numbers(argument, value)
     }
 }
 

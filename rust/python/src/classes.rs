@@ -6,9 +6,104 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+/// Methods of a class, each with its parameters as Python lists them.
+///
+/// `fn name[receiver](parameters) as "(...)" -> Result { ... }`: in brackets stands what is no parameter in Python; after
+/// `as` the signature that Python shows, where defaults are not shown as they are. A parameter is
+///
+/// - `name` or `name=None`: any object, of which nothing is read;
+/// - `name: Type` or `name: Type = default`: a type with [`FromArgument`](crate::arguments::FromArgument), read under its
+///   name by the function of that name in `arguments`;
+/// - `name: native Type` or `name: native Type = default`: a type that pyo3 reads;
+/// - `*`, `/`, `*name` and `**name`, as in Python.
+macro_rules! methods {
+    ($class:ident: $(
+        $(#[$attribute:meta])*
+        $vis:vis fn $name:ident[$($head:tt)*]($($parameters:tt)*) $(as $shown:tt)? -> $result:ty { $($body:tt)* }
+    )*) => {$(
+        with_parameters! {
+            ([$class] [$(#[$attribute])* $vis] $name [$($head)*] [$($shown)?] [$result] [$($body)*])
+            [] [] $($parameters)*
+        }
+    )*};
+}
+
+/// Functions of the module, as [`methods`] lists those of a class.
+macro_rules! functions {
+    ($(
+        $(#[$attribute:meta])*
+        $vis:vis fn $name:ident[$($head:tt)*]($($parameters:tt)*) $(as $shown:tt)? -> $result:ty { $($body:tt)* }
+    )*) => {$(
+        with_parameters! {
+            ([] [$(#[$attribute])* $vis] $name [$($head)*] [$($shown)?] [$result] [$($body)*])
+            [] [] $($parameters)*
+        }
+    )*};
+}
+
+/// Reads a list of parameters from the left: the signature of pyo3 and the parameters of Rust grow by one at every step.
+macro_rules! with_parameters {
+    ($made:tt [$($signature:tt)*] [$($typed:tt)*] * $(, $($rest:tt)*)?) => {
+        with_parameters! { $made [$($signature)* *,] [$($typed)*] $($($rest)*)? }
+    };
+    ($made:tt [$($signature:tt)*] [$($typed:tt)*] / $(, $($rest:tt)*)?) => {
+        with_parameters! { $made [$($signature)* /,] [$($typed)*] $($($rest)*)? }
+    };
+    ($made:tt [$($signature:tt)*] [$($typed:tt)*] * * $name:ident $(, $($rest:tt)*)?) => {
+        with_parameters! {
+            $made
+            [$($signature)* **$name,] [$($typed)* $name: Option<&Bound<'py, pyo3::types::PyDict>>,] $($($rest)*)?
+        }
+    };
+    ($made:tt [$($signature:tt)*] [$($typed:tt)*] * $name:ident $(, $($rest:tt)*)?) => {
+        with_parameters! {
+            $made [$($signature)* *$name,] [$($typed)* $name: &Bound<'py, pyo3::types::PyTuple>,] $($($rest)*)?
+        }
+    };
+    ($made:tt [$($signature:tt)*] [$($typed:tt)*] $name:ident = None $(, $($rest:tt)*)?) => {
+        with_parameters! {
+            $made [$($signature)* $name=None,] [$($typed)* $name: Option<&Bound<'py, PyAny>>,] $($($rest)*)?
+        }
+    };
+    ($made:tt [$($signature:tt)*] [$($typed:tt)*] $name:ident: native $type:ty $(= $default:tt)? $(, $($rest:tt)*)?) => {
+        with_parameters! {
+            $made [$($signature)* $name $(= $default)?,] [$($typed)* $name: $type,] $($($rest)*)?
+        }
+    };
+    ($made:tt [$($signature:tt)*] [$($typed:tt)*] $name:ident: $type:ty $(= $default:tt)? $(, $($rest:tt)*)?) => {
+        with_parameters! {
+            $made [$($signature)* $name $(= $default)?,]
+            [$($typed)* #[pyo3(from_py_with = crate::arguments::$name)] $name: $type,] $($($rest)*)?
+        }
+    };
+    ($made:tt [$($signature:tt)*] [$($typed:tt)*] $name:ident $(, $($rest:tt)*)?) => {
+        with_parameters! { $made [$($signature)* $name,] [$($typed)* $name: &Bound<'py, PyAny>,] $($($rest)*)? }
+    };
+    (
+        ([$class:ident] [$($prefix:tt)*] $name:ident [$($($head:tt)+)?] [$($shown:tt)?] [$result:ty] [$($body:tt)*])
+        [$($signature:tt)*] [$($typed:tt)*]
+    ) => {
+        #[pymethods]
+        impl $class {
+            #[pyo3(signature = ($($signature)*) $(, text_signature = $shown)?)]
+            $($prefix)*
+            fn $name<'py>($($($head)+,)? $($typed)*) -> $result { $($body)* }
+        }
+    };
+    (
+        ([] [$($attribute:tt)*] $name:ident [$($head:tt)*] [$($shown:tt)?] [$result:ty] [$($body:tt)*])
+        [$($signature:tt)*] [$($typed:tt)*]
+    ) => {
+        #[pyfunction]
+        #[pyo3(signature = ($($signature)*) $(, text_signature = $shown)?)]
+        $($attribute)*
+        fn $name<'py>($($head)*, $($typed)*) -> $result { $($body)* }
+    };
+}
+
 /// Read-only attributes of a class: documentation, name, type and expression of each.
 ///
-/// `getters! { Class, this, py: ... }` names the object and the token of the interpreter that the expressions use.
+/// `getters! { Class, self, py: ... }` names the object and the token of the interpreter that the expressions use.
 macro_rules! getters {
     ($class:ident, $this:ident, $py:ident: $($(#[$doc:meta])* $name:ident: $kind:ty = $value:expr;)*) => {
         #[pymethods]
@@ -16,9 +111,8 @@ macro_rules! getters {
             $(
                 $(#[$doc])*
                 #[getter]
-                fn $name<'py>(&self, $py: Python<'py>) -> $kind {
-                    #[allow(unused_variables)] // an expression need not name both
-                    let ($this, $py) = (self, $py);
+                #[allow(unused_variables)] // an expression need not name both
+                fn $name<'py>(&$this, $py: Python<'py>) -> $kind {
                     $value
                 }
             )*
@@ -107,6 +201,59 @@ macro_rules! replaceable {
             }
         }
     };
+}
+
+/// Pickling by the constructor of a class and its method `keywords`: the arguments that make the value again.
+macro_rules! pickled_by_keywords {
+    ($class:ident) => {
+        #[pymethods]
+        impl $class {
+            fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, pyo3::types::PyTuple>> {
+                let py = slf.py();
+                crate::classes::reduce(slf.as_any(), &pyo3::types::PyTuple::empty(py), &slf.get().keywords(py)?)
+            }
+        }
+    };
+}
+
+/// Representation, hash, equality, pickling and `replace` of a class that wraps a value of the core made of numbers. Its
+/// method `numbers` lists them by name, None for one that is left out; another method may list those to pickle.
+macro_rules! value_of_numbers {
+    ($class:ident) => {
+        value_of_numbers! { $class: numbers }
+    };
+    ($class:ident: $given:ident) => {
+        #[pymethods]
+        impl $class {
+            fn __repr__(&self) -> String {
+                crate::classes::repr_of_numbers(stringify!($class), self.numbers())
+            }
+
+            fn __hash__(&self) -> u64 {
+                crate::classes::hash_of_numbers(self.numbers().into_iter().filter_map(|(_, number)| number))
+            }
+        }
+
+        impl $class {
+            fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
+                pyo3::types::IntoPyDict::into_py_dict(self.$given(), py)
+            }
+        }
+
+        equal_by!($class: 0);
+        pickled_by_keywords!($class);
+        replaceable!($class);
+    };
+}
+
+/// `Class(name=value, ...)` of numbers by name.
+pub fn repr_of_numbers<'a>(class: &str, numbers: impl IntoIterator<Item = (&'a str, Option<f64>)>) -> String {
+    let text = |(name, number): (&str, Option<f64>)| match number {
+        None => format!("{name}=None"),
+        Some(number) if number.is_infinite() => format!("{name}=float('inf')"),
+        Some(number) => format!("{name}={number:?}"),
+    };
+    format!("{class}({})", numbers.into_iter().map(text).collect::<Vec<_>>().join(", "))
 }
 
 /// `Class(name=value, ...)` with the representations of these attributes of an object.

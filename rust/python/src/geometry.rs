@@ -8,7 +8,6 @@ use pyo3::types::PyFloat;
 use six_wheel_kinematics::batch;
 use six_wheel_kinematics::geometry::{self as core, Steps};
 
-use crate::arguments;
 use crate::convert::{
     AnyArray, OrRaise, Output, OutputOptions, Rows, Scalars, compute_rows, named, refuse, shape_text, together,
 };
@@ -16,125 +15,101 @@ use crate::workers::any_workers;
 pub use course::Course;
 pub use integration::{integrate, rollout};
 
-/// The twists that, each held over its step, pass through the poses: the inverse of `integrate`.
-///
-/// Parameters
-/// ----------
-/// poses : array_like, shape (n + 1, 3)
-///     Rows ``[x, y, yaw]`` [m, m, rad].
-/// dt : float or array_like, shape (n,)
-///     Duration of the steps [s].
-/// out : ndarray, shape (n, 3), optional
-///     Array for the result.
-/// dtype : dtype, optional
-///     float32 for a result of single precision, default float64.
-/// threads : int, optional
-///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
-///
-/// Returns
-/// -------
-/// ndarray, shape (n, 3)
-///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]; each step turns the short way round.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If there is no pose, a value is not finite or a duration is not positive.
-#[pyfunction]
-#[pyo3(signature = (poses, dt, *, out=None, dtype=None, threads=None))]
-pub fn differentiate<'py>(
-    py: Python<'py>,
-    poses: &Bound<'py, PyAny>,
-    dt: &Bound<'py, PyAny>,
-    out: Option<&Bound<'py, PyAny>>,
-    dtype: Option<&Bound<'py, PyAny>>,
-    #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-) -> PyResult<AnyArray<'py>> {
-    let workers = any_workers(threads, None)?;
-    let poses = Rows::read("poses", poses, 3)?;
-    let &[count] = poses.leading.as_slice() else {
-        let got = format!("leading axes {}", shape_text(&poses.leading));
-        return Err(refuse("poses", "have shape (n + 1, 3)", &got));
-    };
-    let Some(steps) = count.checked_sub(1) else {
-        return Err(refuse("poses", "hold at least one pose", "shape (0, 3)"));
-    };
-    let mut dt = Scalars::read("dt", dt)?;
-    dt.fit("dt", steps)?;
-    let mut twists = Output::asked(py, (out, dtype), &[steps, 3])?;
-    let (rows, steps, target) = (poses.triples(), dt.steps(), twists.triples());
-    compute_rows(py, count, &[count], || batch::differentiate(rows, steps, target, workers))?;
-    twists.finish_any()
+functions! {
+    /// The twists that, each held over its step, pass through the poses: the inverse of `integrate`.
+    ///
+    /// Parameters
+    /// ----------
+    /// poses : array_like, shape (n + 1, 3)
+    ///     Rows ``[x, y, yaw]`` [m, m, rad].
+    /// dt : float or array_like, shape (n,)
+    ///     Duration of the steps [s].
+    /// out : ndarray, shape (n, 3), optional
+    ///     Array for the result.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (n, 3)
+    ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]; each step turns the short way round.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is no pose, a value is not finite or a duration is not positive.
+    pub fn differentiate[py: Python<'py>](poses, dt, *, out=None, dtype=None, threads: Option<i64> = None)
+    -> PyResult<AnyArray<'py>> {
+        let workers = any_workers(threads, None)?;
+        let poses = Rows::read("poses", poses, 3)?;
+        let &[count] = poses.leading.as_slice() else {
+            let got = format!("leading axes {}", shape_text(&poses.leading));
+            return Err(refuse("poses", "have shape (n + 1, 3)", &got));
+        };
+        let Some(steps) = count.checked_sub(1) else {
+            return Err(refuse("poses", "hold at least one pose", "shape (0, 3)"));
+        };
+        let mut dt = Scalars::read("dt", dt)?;
+        dt.fit("dt", steps)?;
+        let mut twists = Output::asked(py, (out, dtype), &[steps, 3])?;
+        let (rows, steps, target) = (poses.triples(), dt.steps(), twists.triples());
+        compute_rows(py, count, &[count], || batch::differentiate(rows, steps, target, workers))?;
+        twists.finish_any()
+    }
 }
 
-/// Pose of the body frame after holding a twist for `dt`: the exponential map of SE(2).
-///
-/// Parameters
-/// ----------
-/// twist : array_like, shape (..., 3)
-///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-/// dt : float or array_like, shape (...), default 1.0
-///     Duration [s].
-/// out : ndarray, shape (..., 3), optional
-///     Array for the result.
-/// dtype : dtype, optional
-///     float32 for a result of single precision, default float64.
-/// threads : int, optional
-///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
-///
-/// Returns
-/// -------
-/// ndarray, shape (..., 3)
-///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
-#[pyfunction]
-#[pyo3(
-    signature = (twist, dt=None, *, out=None, dtype=None, threads=None),
-    text_signature = "(twist, dt=1.0, *, out=None, dtype=None, threads=None)"
-)]
-pub fn exp<'py>(
-    py: Python<'py>,
-    twist: &Bound<'py, PyAny>,
-    dt: Option<&Bound<'py, PyAny>>,
-    out: Option<&Bound<'py, PyAny>>,
-    dtype: Option<&Bound<'py, PyAny>>,
-    #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-) -> PyResult<AnyArray<'py>> {
-    over_time(py, ("twist", twist), dt, (out, dtype), threads, batch::Map::Exp)
+functions! {
+    /// Pose of the body frame after holding a twist for `dt`: the exponential map of SE(2).
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// dt : float or array_like, shape (...), default 1.0
+    ///     Duration [s].
+    /// out : ndarray, shape (..., 3), optional
+    ///     Array for the result.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 3)
+    ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
+    pub fn exp[py: Python<'py>](twist, dt=None, *, out=None, dtype=None, threads: Option<i64> = None)
+    as "(twist, dt=1.0, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
+        over_time(py, ("twist", twist), dt, (out, dtype), threads, batch::Map::Exp)
+    }
 }
 
-/// The twist that reaches a pose along one arc, turning the short way: the logarithm of SE(2).
-///
-/// Parameters
-/// ----------
-/// pose : array_like, shape (..., 3)
-///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
-/// dt : float or array_like, shape (...), default 1.0
-///     In how long [s].
-/// out : ndarray, shape (..., 3), optional
-///     Array for the result.
-/// dtype : dtype, optional
-///     float32 for a result of single precision, default float64.
-/// threads : int, optional
-///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
-///
-/// Returns
-/// -------
-/// ndarray, shape (..., 3)
-///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-#[pyfunction]
-#[pyo3(
-    signature = (pose, dt=None, *, out=None, dtype=None, threads=None),
-    text_signature = "(pose, dt=1.0, *, out=None, dtype=None, threads=None)"
-)]
-pub fn log<'py>(
-    py: Python<'py>,
-    pose: &Bound<'py, PyAny>,
-    dt: Option<&Bound<'py, PyAny>>,
-    out: Option<&Bound<'py, PyAny>>,
-    dtype: Option<&Bound<'py, PyAny>>,
-    #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-) -> PyResult<AnyArray<'py>> {
-    over_time(py, ("pose", pose), dt, (out, dtype), threads, batch::Map::Log)
+functions! {
+    /// The twist that reaches a pose along one arc, turning the short way: the logarithm of SE(2).
+    ///
+    /// Parameters
+    /// ----------
+    /// pose : array_like, shape (..., 3)
+    ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
+    /// dt : float or array_like, shape (...), default 1.0
+    ///     In how long [s].
+    /// out : ndarray, shape (..., 3), optional
+    ///     Array for the result.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    pub fn log[py: Python<'py>](pose, dt=None, *, out=None, dtype=None, threads: Option<i64> = None)
+    as "(pose, dt=1.0, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
+        over_time(py, ("pose", pose), dt, (out, dtype), threads, batch::Map::Log)
+    }
 }
 
 /// Applies a map of three numbers and a duration to every row.
@@ -163,79 +138,68 @@ fn over_time<'py>(
     result.finish_any()
 }
 
-/// One pose after another: `second` is seen from the end of `first`; yaws add up.
-///
-/// Parameters
-/// ----------
-/// first, second : array_like, shape (..., 3)
-///     ``[x, y, yaw]`` [m, m, rad].
-/// out : ndarray, shape (..., 3), optional
-///     Array for the result.
-/// dtype : dtype, optional
-///     float32 for a result of single precision, default float64.
-/// threads : int, optional
-///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
-///
-/// Returns
-/// -------
-/// ndarray, shape (..., 3)
-///     The end of `second` seen from the start of `first`.
-#[pyfunction]
-#[pyo3(signature = (first, second, *, out=None, dtype=None, threads=None))]
-pub fn compose<'py>(
-    py: Python<'py>,
-    first: &Bound<'py, PyAny>,
-    second: &Bound<'py, PyAny>,
-    out: Option<&Bound<'py, PyAny>>,
-    dtype: Option<&Bound<'py, PyAny>>,
-    #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-) -> PyResult<AnyArray<'py>> {
-    let workers = any_workers(threads, None)?;
-    let mut first = Rows::read_finite("first", first, 3)?;
-    let mut second = Rows::read_finite("second", second, 3)?;
-    together([named("first", &mut first), named("second", &mut second)])?;
-    let mut result = Output::asked(py, (out, dtype), &first.shape())?;
-    let (from, then, target) = (first.triples(), second.triples(), result.triples());
-    compute_rows(py, from.len(), &first.leading, || {
-        batch::map(batch::Map::Compose, from, then, Steps::Constant(1.0), target, workers)
-    })?;
-    result.finish_any()
+functions! {
+    /// One pose after another: `second` is seen from the end of `first`; yaws add up.
+    ///
+    /// Parameters
+    /// ----------
+    /// first, second : array_like, shape (..., 3)
+    ///     ``[x, y, yaw]`` [m, m, rad].
+    /// out : ndarray, shape (..., 3), optional
+    ///     Array for the result.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 3)
+    ///     The end of `second` seen from the start of `first`.
+    pub fn compose[py: Python<'py>](first, second, *, out=None, dtype=None, threads: Option<i64> = None)
+    -> PyResult<AnyArray<'py>> {
+        let workers = any_workers(threads, None)?;
+        let mut first = Rows::read_finite("first", first, 3)?;
+        let mut second = Rows::read_finite("second", second, 3)?;
+        together([named("first", &mut first), named("second", &mut second)])?;
+        let mut result = Output::asked(py, (out, dtype), &first.shape())?;
+        let (from, then, target) = (first.triples(), second.triples(), result.triples());
+        compute_rows(py, from.len(), &first.leading, || {
+            batch::map(batch::Map::Compose, from, then, Steps::Constant(1.0), target, workers)
+        })?;
+        result.finish_any()
+    }
 }
 
-/// Angles brought into [-pi, pi] by whole turns; unchanged if they are there already.
-///
-/// Parameters
-/// ----------
-/// angle : float or array_like, shape (...)
-///     Angles [rad].
-/// out : ndarray, shape (...), optional
-///     Array for the result.
-/// dtype : dtype, optional
-///     float32 for a result of single precision, default float64.
-/// threads : int, optional
-///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
-///
-/// Returns
-/// -------
-/// float or ndarray, shape (...)
-///     The same angles, wrapped [rad].
-#[pyfunction]
-#[pyo3(signature = (angle, *, out=None, dtype=None, threads=None))]
-pub fn wrap_angle<'py>(
-    py: Python<'py>,
-    angle: &Bound<'py, PyAny>,
-    out: Option<&Bound<'py, PyAny>>,
-    dtype: Option<&Bound<'py, PyAny>>,
-    #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let workers = any_workers(threads, None)?;
-    let angles = Scalars::read_finite("angle", angle)?;
-    if angles.shape.is_empty() && out.is_none() && dtype.is_none() {
-        let wrapped = core::wrap_angle(angles.flat()[0]);
-        return Ok(wrapped.into_pyobject(py)?.into_any());
+functions! {
+    /// Angles brought into [-pi, pi] by whole turns; unchanged if they are there already.
+    ///
+    /// Parameters
+    /// ----------
+    /// angle : float or array_like, shape (...)
+    ///     Angles [rad].
+    /// out : ndarray, shape (...), optional
+    ///     Array for the result.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    ///
+    /// Returns
+    /// -------
+    /// float or ndarray, shape (...)
+    ///     The same angles, wrapped [rad].
+    pub fn wrap_angle[py: Python<'py>](angle, *, out=None, dtype=None, threads: Option<i64> = None)
+    -> PyResult<Bound<'py, PyAny>> {
+        let workers = any_workers(threads, None)?;
+        let angles = Scalars::read_finite("angle", angle)?;
+        if angles.shape.is_empty() && out.is_none() && dtype.is_none() {
+            let wrapped = core::wrap_angle(angles.flat()[0]);
+            return Ok(wrapped.into_pyobject(py)?.into_any());
+        }
+        let mut result = Output::asked(py, (out, dtype), &angles.shape)?;
+        let (rows, targets) = (angles.flat(), result.flat().as_chunks_mut().0);
+        compute_rows(py, rows.len(), &angles.shape, || batch::fill(targets, workers, |k| [core::wrap_angle(rows[k])]))?;
+        result.finish_number(out)
     }
-    let mut result = Output::asked(py, (out, dtype), &angles.shape)?;
-    let (rows, targets) = (angles.flat(), result.flat().as_chunks_mut().0);
-    compute_rows(py, rows.len(), &angles.shape, || batch::fill(targets, workers, |k| [core::wrap_angle(rows[k])]))?;
-    result.finish_number(out)
 }

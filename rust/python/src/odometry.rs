@@ -10,15 +10,13 @@ pub mod state;
 pub mod values;
 
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_numerics::error::Error;
 use six_wheel_odometry::{Odometry as Core, Readings, Sample, Settings};
 
 pub use fastcall::install;
 
-use crate::arguments;
-use crate::convert::{OrRaise, Rows, number, numbers, one_twist_first, optional_number, refuse};
+use crate::convert::{OrRaise, Rows, numbers, one_twist_first, refuse};
 use crate::rover::Rover;
 use crate::state_lock::Shared;
 use input::{by_wheel, deviations, encoders, row};
@@ -123,41 +121,31 @@ impl Odometry {
     }
 }
 
-getters! { Odometry, this, py:
+getters! { Odometry, self, py:
     /// Estimate after the last sample.
-    state: PyResult<OdometryState> = Ok(this.state_of(&this.work.lock(py)?.core, py));
+    state: PyResult<OdometryState> = Ok(self.state_of(&self.work.lock(py)?.core, py));
     /// The rover.
-    rover: Py<Rover> = this.rover.clone_ref(py);
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Standard deviations of readings and slip.
-    noise: PyResult<Noise> = Ok(this.work.lock(py)?.core.settings().noise.into());
+    noise: PyResult<Noise> = Ok(self.work.lock(py)?.core.settings().noise.into());
+    /// Bias of the gyroscope and its standard deviation, a pair [rad/s]; None without one.
+    gyroscope_bias: PyResult<Option<(f64, f64)>> = {
+        let work = self.work.lock(py)?;
+        let bias = work.core.gyroscope_bias();
+        Ok(bias.map(|[value, deviation]| (value, deviation)))
+    };
 }
 
-#[pymethods]
-impl Odometry {
+methods! { Odometry:
     #[new]
-    #[pyo3(
-        signature = (rover, noise=None, *, readings="angles", wheel_encoders=None, steering_encoders=None, method="least_squares", inflate=false, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=None, lag=None, history=1024, gyroscope=None, wheel_noise=None, dimensions=None),
-        text_signature = "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None, wheel_noise=None, dimensions=None)"
-    )]
-    fn new(
-        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'_, Rover>,
-        #[pyo3(from_py_with = arguments::noise)] noise: Option<Bound<'_, Noise>>,
-        #[pyo3(from_py_with = arguments::readings)] readings: &str,
-        wheel_encoders: Option<&Bound<'_, PyAny>>,
-        steering_encoders: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::method)] method: &str,
-        #[pyo3(from_py_with = arguments::inflate)] inflate: bool,
-        slip_threshold: Option<&Bound<'_, PyAny>>,
-        max_gap: Option<&Bound<'_, PyAny>>,
-        max_speed: Option<&Bound<'_, PyAny>>,
-        max_steering_rate: Option<&Bound<'_, PyAny>>,
-        smoothing: Option<&Bound<'_, PyAny>>,
-        lag: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::history)] history: usize,
-        #[pyo3(from_py_with = arguments::gyroscope)] gyroscope: Option<Bound<'_, gyroscope::Gyroscope>>,
-        wheel_noise: Option<&Bound<'_, PyAny>>,
-        dimensions: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+    fn new[](rover: Bound<'py, Rover>, noise: Option<Bound<'py, Noise>> = None, *, readings: &str = "angles",
+        wheel_encoders=None, steering_encoders=None, method: &str = "least_squares", inflate: bool = false,
+        slip_threshold: Option<f64> = None, max_gap: Option<f64> = None, max_speed: Option<f64> = None,
+        max_steering_rate: Option<f64> = None, smoothing: Option<f64> = None, lag: Option<f64> = None,
+        history: usize = 1024, gyroscope: Option<Bound<'py, gyroscope::Gyroscope>> = None, wheel_noise=None,
+        dimensions=None)
+    as "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None, wheel_noise=None, dimensions=None)"
+    -> PyResult<Self> {
         let core = &rover.get().core;
         let wheels: Vec<&str> = core.wheels().iter().map(|wheel| wheel.name.as_str()).collect();
         let steered: Vec<&str> = core.steered().iter().map(|&i| wheels[i]).collect();
@@ -172,12 +160,12 @@ impl Odometry {
             steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
             method: method.parse::<Method>().or_raise(&[])?,
             inflate,
-            slip_threshold: optional_number("slip_threshold", slip_threshold)?,
-            max_gap: optional_number("max_gap", max_gap)?,
-            max_speed: optional_number("max_speed", max_speed)?,
-            max_steering_rate: optional_number("max_steering_rate", max_steering_rate)?,
-            smoothing: optional_number("smoothing", smoothing)?.unwrap_or(0.0),
-            lag: optional_number("lag", lag)?.unwrap_or(0.0),
+            slip_threshold,
+            max_gap,
+            max_speed,
+            max_steering_rate,
+            smoothing: smoothing.unwrap_or(0.0),
+            lag: lag.unwrap_or(0.0),
             history,
         };
         let core = Core::new(core.clone(), settings).or_raise(&[])?;
@@ -211,24 +199,16 @@ impl Odometry {
     /// ValueError
     ///     If a reading is not finite, the stamp not later than the last one, a limit exceeded or a shape wrong. The
     ///     state is as before.
-    #[pyo3(signature = (steering, wheel_angles, stamp, *, yaw=None, yaw_rate=None))]
-    fn update(
-        &self,
-        py: Python<'_>,
-        steering: &Bound<'_, PyAny>,
-        wheel_angles: &Bound<'_, PyAny>,
-        stamp: &Bound<'_, PyAny>,
-        yaw: Option<&Bound<'_, PyAny>>,
-        yaw_rate: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<OdometryState> {
+    fn update[&self, py: Python<'py>](steering, wheel_angles, stamp: f64, *, yaw: Option<f64> = None,
+        yaw_rate: Option<f64> = None) -> PyResult<OdometryState> {
         let steering = row("steering", steering, self.joints())?;
         let wheels = row("wheel_angles", wheel_angles, self.wheels())?;
         let sample = Sample {
             steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
             wheels: wheels.as_ref().map_or(&[], Rows::flat),
-            stamp: number("stamp", stamp)?,
-            yaw: optional_number("yaw", yaw)?,
-            yaw_rate: optional_number("yaw_rate", yaw_rate)?,
+            stamp,
+            yaw,
+            yaw_rate,
         };
         self.change(py, |core| core.update(sample).map(|_| ()))
     }
@@ -250,16 +230,10 @@ impl Odometry {
     ///     If the rover cannot make the twist.
     /// ValueError
     ///     If a value is not finite or the stamp not later than the last one.
-    #[pyo3(signature = (twist, stamp, *more), text_signature = "($self, twist, stamp)")]
-    fn command(
-        &self,
-        py: Python<'_>,
-        twist: &Bound<'_, PyAny>,
-        stamp: &Bound<'_, PyAny>,
-        more: &Bound<'_, PyTuple>,
-    ) -> PyResult<OdometryState> {
+    fn command[&self, py: Python<'py>](twist, stamp: f64, *more)
+    as "($self, twist, stamp)" -> PyResult<OdometryState> {
         one_twist_first("Odometry.command((vx, vy, omega), stamp)", twist, 2, more)?;
-        let (twist, stamp) = (numbers("twist", twist)?, number("stamp", stamp)?);
+        let twist: [f64; 3] = numbers("twist", twist)?;
         self.change(py, |core| core.command(twist.into(), stamp).map(|_| ()))
     }
 
@@ -279,18 +253,34 @@ impl Odometry {
     /// ------
     /// ValueError
     ///     If a value is not finite, the covariance is none or the stamp too old. The state is as before.
-    fn correct(
-        &self,
-        py: Python<'_>,
-        pose: &Bound<'_, PyAny>,
-        stamp: &Bound<'_, PyAny>,
-        covariance: &Bound<'_, PyAny>,
-    ) -> PyResult<OdometryState> {
-        let (pose, stamp) = (numbers("pose", pose)?, number("stamp", stamp)?);
+    fn correct[&self, py: Python<'py>](pose: [f64; 3], stamp: f64, covariance) -> PyResult<OdometryState> {
         let matrix = input::covariance(Some(covariance))?;
         self.change(py, |core| core.correct(pose.into(), stamp, matrix))
     }
 
+    /// Starts over: the next sample is a first one.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose : array_like, shape (3,)
+    ///     ``[x, y, yaw]`` in the world [m, m, rad], default the origin.
+    /// covariance : array_like, shape (3,) or (3, 3), optional
+    ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
+    fn reset[&self, py: Python<'py>](pose=None, covariance=None)
+    as "($self, pose=(0.0, 0.0, 0.0), covariance=None)" -> PyResult<()> {
+        let pose = pose.map_or(Ok([0.0; 3]), |pose| numbers("pose", pose))?;
+        let matrix = input::covariance(covariance)?;
+        self.change(py, |core| {
+            core.set_pose(pose.into(), matrix)?;
+            core.forget();
+            Ok(())
+        })?;
+        Ok(())
+    }
+}
+
+#[pymethods]
+impl Odometry {
     /// Goes on from this pose; the readings count on from the last sample.
     ///
     /// Parameters
@@ -304,39 +294,6 @@ impl Odometry {
         let (pose, matrix) = (numbers("pose", pose)?, input::covariance(covariance)?);
         self.change(py, |core| core.set_pose(pose.into(), matrix))?;
         Ok(())
-    }
-
-    /// Starts over: the next sample is a first one.
-    ///
-    /// Parameters
-    /// ----------
-    /// pose : array_like, shape (3,)
-    ///     ``[x, y, yaw]`` in the world [m, m, rad], default the origin.
-    /// covariance : array_like, shape (3,) or (3, 3), optional
-    ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
-    #[pyo3(signature = (pose=None, covariance=None), text_signature = "($self, pose=(0.0, 0.0, 0.0), covariance=None)")]
-    fn reset(
-        &self,
-        py: Python<'_>,
-        pose: Option<&Bound<'_, PyAny>>,
-        covariance: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<()> {
-        let pose = pose.map_or(Ok([0.0; 3]), |pose| numbers("pose", pose))?;
-        let matrix = input::covariance(covariance)?;
-        self.change(py, |core| {
-            core.set_pose(pose.into(), matrix)?;
-            core.forget();
-            Ok(())
-        })?;
-        Ok(())
-    }
-
-    /// Bias of the gyroscope and its standard deviation, a pair [rad/s]; None without one.
-    #[getter]
-    fn gyroscope_bias(&self, py: Python<'_>) -> PyResult<Option<(f64, f64)>> {
-        let work = self.work.lock(py)?;
-        let bias = work.core.gyroscope_bias();
-        Ok(bias.map(|[value, deviation]| (value, deviation)))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

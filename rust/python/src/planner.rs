@@ -7,10 +7,9 @@ mod rollout;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyDict;
 use six_wheel_planner::{Mppi as Core, Options, Precision, Situation, State, Weights};
 
-use crate::arguments;
 use crate::controller::limits::Limits;
 use crate::convert::{Array, OrRaise, Output, Rows, compute_rows, number, one_row, out_tuple, refuse};
 use crate::rover::Rover;
@@ -87,48 +86,32 @@ pub struct Mppi {
     options: Options,
 }
 
-getters! { Mppi, this, py:
+getters! { Mppi, self, py:
     /// The costs of the last cycle's rollouts, shape (samples,).
-    costs: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, this.core.lock(py)?.costs()));
+    costs: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, self.core.lock(py)?.costs()));
     /// The rover.
-    rover: Py<Rover> = this.rover.clone_ref(py);
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Limits of the rover's motion.
-    limits: Limits = this.limits.clone();
+    limits: Limits = self.limits.clone();
     /// Steps of a rollout.
-    horizon: usize = this.options.horizon;
+    horizon: usize = self.options.horizon;
     /// Duration of a step [s].
-    dt: f64 = this.options.dt;
+    dt: f64 = self.options.dt;
     /// Rollouts of a cycle.
-    samples: usize = this.options.samples;
+    samples: usize = self.options.samples;
     /// Of the noise.
-    seed: u64 = this.options.seed;
+    seed: u64 = self.options.seed;
     /// Standard deviation of the wishes, shape (3,) [m/s, m/s, rad/s].
-    noise: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, &this.core.lock(py)?.noise()));
+    noise: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, &self.core.lock(py)?.noise()));
 }
 
-#[pymethods]
-impl Mppi {
+methods! { Mppi:
     #[new]
-    #[pyo3(
-        signature = (rover, limits=None, *, horizon=None, dt=None, samples=None, seed=None, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=true, delay=0.0, dtype=None, footprint=None),
-        text_signature = "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
-    )]
-    fn new(
-        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'_, Rover>,
-        #[pyo3(from_py_with = arguments::limits)] limits: Option<Limits>,
-        horizon: Option<&Bound<'_, PyAny>>,
-        dt: Option<&Bound<'_, PyAny>>,
-        samples: Option<&Bound<'_, PyAny>>,
-        seed: Option<&Bound<'_, PyAny>>,
-        noise: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::correlation)] correlation: f64,
-        #[pyo3(from_py_with = arguments::temperature)] temperature: f64,
-        weights: Option<&Bound<'_, PyDict>>,
-        #[pyo3(from_py_with = arguments::smoothing)] smoothing: bool,
-        #[pyo3(from_py_with = arguments::delay)] delay: f64,
-        dtype: Option<&Bound<'_, PyAny>>,
-        footprint: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+    fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, horizon=None, dt: Option<f64> = None,
+        samples=None, seed=None, noise=None, correlation: f64 = 0.5, temperature: f64 = 1.0,
+        weights: native Option<&Bound<'py, PyDict>> = None, smoothing: bool = true, delay: f64 = 0.0, dtype=None, footprint=None)
+    as "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
+    -> PyResult<Self> {
         let usual = Options::default();
         let count = |argument: &str, value: Option<&Bound<'_, PyAny>>, usual: u64| {
             value.map_or(Ok(usual), |value| whole(argument, value))
@@ -146,7 +129,7 @@ impl Mppi {
         }
         let options = Options {
             horizon: size(count("horizon", horizon, usual.horizon as u64)?),
-            dt: dt.map_or(Ok(usual.dt), |dt| number("dt", dt))?,
+            dt: dt.unwrap_or(usual.dt),
             samples: size(count("samples", samples, usual.samples as u64)?),
             seed: count("seed", seed, usual.seed)?,
             noise: noise.map(|rows| rows.triples()[0]),
@@ -203,26 +186,11 @@ impl Mppi {
     /// ValueError
     ///     If a value is not finite, a shape does not fit, there is nowhere to go, the rover is not on the map, or no
     ///     rollout is left possible. The planner stays as it was, and nothing is written.
-    #[pyo3(
-        signature = (state, *more, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, level=None),
-        text_signature = "($self, state, *, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, level=None)"
-    )]
-    fn step<'py>(
-        &self,
-        py: Python<'py>,
-        state: &Bound<'py, PyAny>,
-        more: &Bound<'py, PyTuple>,
-        twist: Option<&Bound<'py, PyAny>>,
-        steering: Option<&Bound<'py, PyAny>>,
-        path: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::costmap)] costmap: Option<Bound<'py, Costmap>>,
-        goal: Option<&Bound<'py, PyAny>>,
-        extra_cost: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::frame)] frame: Option<&str>,
-        out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
-    ) -> PyResult<MppiPlan> {
+    fn step[&self, py: Python<'py>](state, *more, twist=None, steering=None, path=None,
+        costmap: Option<Bound<'py, Costmap>> = None, goal=None, extra_cost=None, frame: Option<&str> = None, out=None,
+        threads: Option<i64> = None, level: Option<&str> = None)
+    as "($self, state, *, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, level=None)"
+    -> PyResult<MppiPlan> {
         if !more.is_empty() {
             return Err(one_row("Mppi.step((x, y, yaw))", "state", 1 + more.len()));
         }
@@ -264,7 +232,10 @@ impl Mppi {
         let [steering, speeds] = outputs;
         MppiPlan::of(py, &outcome, core.state(), [steering.finish()?, speeds.finish()?])
     }
+}
 
+#[pymethods]
+impl Mppi {
     /// Back to where it was when it was made.
     fn reset(&self, py: Python<'_>) -> PyResult<()> {
         self.core.lock(py)?.reset();

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_control::profiles as core;
 
-use crate::convert::{OrRaise, Scalars, memory, number, optional_number, scalar_or_array};
+use crate::convert::{OrRaise, Scalars, memory, scalar_or_array};
 use made::{ConstructorCall, class, known_by_its_call};
 pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
 use values::{Values, axes};
@@ -51,12 +51,12 @@ impl Profile {
     fn shaped(
         py: Python<'_>,
         maker: &'static str,
-        [start, end, duration]: [&Bound<'_, PyAny>; 3],
+        [start, end]: [&Bound<'_, PyAny>; 2],
+        duration: f64,
         ramp: Option<f64>,
         shape: impl FnOnce(&[f64], &[f64], f64) -> Result<core::Profile, six_wheel_numerics::error::Error>,
     ) -> PyResult<Self> {
         let ends = [("start", Values::read("start", start)?), ("end", Values::read("end", end)?)];
-        let duration = number("duration", duration)?;
         let (count, is_vector) = axes(&ends)?;
         let each = |k: usize| (0..count).map(|i| ends[k].1.of_axis(i)).collect::<Vec<_>>();
         let core = shape(&each(0), &each(1), duration);
@@ -76,15 +76,19 @@ impl Profile {
     }
 }
 
-getters! { Profile, this, py:
+getters! { Profile, self, py:
     /// Time until the last axis arrives [s].
-    duration: f64 = this.core.duration();
+    duration: f64 = self.core.duration();
     /// Duration of each axis [s]: a float, or an array of shape (axes,).
-    durations: PyResult<Py<PyAny>> = this.per_axis(py, this.core.durations().collect());
+    durations: PyResult<Py<PyAny>> = self.per_axis(py, self.core.durations().collect());
+    /// Largest magnitudes: a `Peaks` of velocity, acceleration and jerk, each a float or of shape (axes,).
+    peaks: PyResult<Bound<'py, PyAny>> = {
+        let part = |k: usize| self.per_axis(py, self.core.peaks().map(|peaks| peaks[k]).collect());
+        class(py, "Peaks")?.call1((part(0)?, part(1)?, part(2)?))
+    };
 }
 
-#[pymethods]
-impl Profile {
+methods! { Profile:
     /// From start to end at constant velocity.
     ///
     /// Parameters
@@ -99,13 +103,8 @@ impl Profile {
     /// ValueError
     ///     If a value is not finite, a shape does not fit, or the duration is not positive.
     #[staticmethod]
-    fn linear(
-        py: Python<'_>,
-        start: &Bound<'_, PyAny>,
-        end: &Bound<'_, PyAny>,
-        duration: &Bound<'_, PyAny>,
-    ) -> PyResult<Self> {
-        Self::shaped(py, "linear", [start, end, duration], None, core::linear)
+    fn linear[py: Python<'py>](start, end, duration: f64) -> PyResult<Self> {
+        Self::shaped(py, "linear", [start, end], duration, None, core::linear)
     }
 
     /// Constant acceleration, constant velocity, constant deceleration: a trapezoid of the velocity.
@@ -124,16 +123,8 @@ impl Profile {
     /// ValueError
     ///     If a value is not finite, a shape does not fit, or a time is not as said.
     #[staticmethod]
-    #[pyo3(signature = (start, end, duration, *, ramp=None))]
-    fn trapezoid(
-        py: Python<'_>,
-        start: &Bound<'_, PyAny>,
-        end: &Bound<'_, PyAny>,
-        duration: &Bound<'_, PyAny>,
-        ramp: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let ramp = optional_number("ramp", ramp)?;
-        Self::shaped(py, "trapezoid", [start, end, duration], ramp, |start, end, duration| {
+    fn trapezoid[py: Python<'py>](start, end, duration: f64, *, ramp: Option<f64> = None) -> PyResult<Self> {
+        Self::shaped(py, "trapezoid", [start, end], duration, ramp, |start, end, duration| {
             core::trapezoid(start, end, duration, ramp.unwrap_or(duration / 3.0))
         })
     }
@@ -156,27 +147,15 @@ impl Profile {
     /// ValueError
     ///     If a value is not finite, a shape does not fit, or a time is not as said.
     #[staticmethod]
-    #[pyo3(signature = (start, end, duration, *, ramp=None))]
-    fn s_curve(
-        py: Python<'_>,
-        start: &Bound<'_, PyAny>,
-        end: &Bound<'_, PyAny>,
-        duration: &Bound<'_, PyAny>,
-        ramp: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let ramp = optional_number("ramp", ramp)?;
-        Self::shaped(py, "s_curve", [start, end, duration], ramp, |start, end, duration| {
+    fn s_curve[py: Python<'py>](start, end, duration: f64, *, ramp: Option<f64> = None) -> PyResult<Self> {
+        Self::shaped(py, "s_curve", [start, end], duration, ramp, |start, end, duration| {
             core::s_curve(start, end, duration, ramp.unwrap_or(duration / 2.0))
         })
     }
+}
 
-    /// Largest magnitudes: a `Peaks` of velocity, acceleration and jerk, each a float or of shape (axes,).
-    #[getter]
-    fn peaks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let part = |k: usize| self.per_axis(py, self.core.peaks().map(|peaks| peaks[k]).collect());
-        class(py, "Peaks")?.call1((part(0)?, part(1)?, part(2)?))
-    }
-
+#[pymethods]
+impl Profile {
     /// Value and derivatives at one time or many.
     ///
     /// Before 0 it rests at the start and after its end at the end, without derivatives; at both instants

@@ -234,44 +234,48 @@ impl ArgumentKind for Rover {
     }
 }
 
-getters! { Rover, this, py:
+getters! { Rover, self, py:
     /// The wheels, in the order of every array.
-    wheels: Py<PyTuple> = this.wheels.clone_ref(py);
+    wheels: Py<PyTuple> = self.wheels.clone_ref(py);
     /// Names of the wheels, in the order of every array.
     wheel_names: PyResult<Bound<'py, PyTuple>> =
-        PyTuple::new(py, this.core.wheels().iter().map(|wheel| wheel.name.as_str()));
+        PyTuple::new(py, self.core.wheels().iter().map(|wheel| wheel.name.as_str()));
     /// Joint name to wheel name of the wheel drives, in the order of the wheels, as in arrays of speeds.
-    traction_joints: PyResult<Bound<'py, PyDict>> = this.joint_dict(py, &joints::in_order_of_wheels(&this.traction));
+    traction_joints: PyResult<Bound<'py, PyDict>> = self.joint_dict(py, &joints::in_order_of_wheels(&self.traction));
     /// Joint name to wheel name of the steering, in the order of `steered_names`, as in arrays of angles.
-    steering_joints: PyResult<Bound<'py, PyDict>> = this.joint_dict(py, &joints::in_order_of_wheels(&this.steering));
+    steering_joints: PyResult<Bound<'py, PyDict>> = self.joint_dict(py, &joints::in_order_of_wheels(&self.steering));
     /// Names of the joints that count the other way.
-    reversed_joints: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, this.reversed());
+    reversed_joints: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, self.reversed());
     /// Suspension of the six wheels, if the rover's file describes it; None otherwise.
-    suspension: Option<Py<RockerBogie>> = this.suspension.as_ref().map(|arm| arm.clone_ref(py));
+    suspension: Option<Py<RockerBogie>> = self.suspension.as_ref().map(|arm| arm.clone_ref(py));
     /// Smallest radius from which on every turn is possible [m]: 0 if all are, infinite if none is.
     ///
     /// It counts along the axle line of the unsteered wheels, or abreast of the origin if there are none.
-    min_radius: f64 = this.core.min_radius();
+    min_radius: f64 = self.core.min_radius();
     /// Largest radius up to which every turn is possible [m]: 0 if the rover cannot turn on the spot.
     ///
     /// Between it and `min_radius` some turns are impossible.
-    spin_radius: f64 = this.core.spin_radius();
+    spin_radius: f64 = self.core.spin_radius();
+    /// Names of the steered wheels, in the order of steering arrays.
+    steered_names: PyResult<Bound<'py, PyTuple>> = {
+        let names = self.core.steered().iter().map(|&i| self.core.wheels()[i].name.as_str());
+        PyTuple::new(py, names.collect::<Vec<_>>())
+    };
+    /// Names of the steering joints, then of the traction joints, each in the order they were given in: that of
+    /// `commands`, and for a rover from a parameter file that of the file.
+    command_joints: PyResult<Bound<'py, PyTuple>> = {
+        let names = self.steering.iter().chain(&self.traction);
+        let names = names.map(|joint| &joint.name);
+        PyTuple::new(py, names.collect::<Vec<_>>())
+    };
 }
 
-#[pymethods]
-impl Rover {
+methods! { Rover:
     #[new]
-    #[pyo3(signature = (
-        wheels, *, traction_joints=None, steering_joints=None, reversed_joints=None, suspension=None
-    ))]
-    fn new(
-        py: Python<'_>,
-        wheels: &Bound<'_, PyAny>,
-        traction_joints: Option<&Bound<'_, PyMapping>>,
-        steering_joints: Option<&Bound<'_, PyMapping>>,
-        reversed_joints: Option<Vec<String>>,
-        suspension: Option<Py<RockerBogie>>,
-    ) -> PyResult<Self> {
+    fn new[py: Python<'py>](wheels, *, traction_joints: native Option<&Bound<'py, PyMapping>> = None,
+        steering_joints: native Option<&Bound<'py, PyMapping>> = None,
+        reversed_joints: native Option<Vec<String>> = None, suspension: native Option<Py<RockerBogie>> = None)
+    -> PyResult<Self> {
         let wheels = read_wheels(wheels)?;
         let core = Core::new(wheels.into_iter().map(|wheel| wheel.0).collect());
         let core = core.or_raise(&[])?;
@@ -283,46 +287,6 @@ impl Rover {
             suspension,
         };
         Self::build(py, core, fittings)
-    }
-
-    /// Names of the steered wheels, in the order of steering arrays.
-    #[getter]
-    fn steered_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let names = self.core.steered().iter().map(|&i| self.core.wheels()[i].name.as_str());
-        PyTuple::new(py, names.collect::<Vec<_>>())
-    }
-
-    /// Names of the steering joints, then of the traction joints, each in the order they were given in: that of
-    /// `commands`, and for a rover from a parameter file that of the file.
-    #[getter]
-    fn command_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let names = self.steering.iter().chain(&self.traction);
-        let names = names.map(|joint| &joint.name);
-        PyTuple::new(py, names.collect::<Vec<_>>())
-    }
-
-    /// The text of a URDF from which `load` makes this rover again, and which viewers open.
-    ///
-    /// Parameters
-    /// ----------
-    /// name : str
-    ///     Of the robot.
-    ///
-    /// Returns
-    /// -------
-    /// str
-    ///     With a link and a joint for every wheel and its steering, under the names of the joints, and
-    ///     rockers and bogies where there is a suspension. The base frame lies on the ground, a suspension's
-    ///     where it has its own.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a wheel is none that a URDF can hold: with rollers.
-    #[pyo3(signature = (name="rover"))]
-    fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
-        let module = slf.py().import("six_wheel.robot_description.urdf")?;
-        module.call_method1("rover_urdf", (slf, name))?.extract()
     }
 
     /// The same rover with other wheels, or with other arguments of its constructor.
@@ -348,15 +312,37 @@ impl Rover {
     ///     If there is no such argument; the message lists those there are.
     /// ValueError
     ///     If there is no such wheel, or a wheel or the rover may not be like that.
-    #[pyo3(signature = (wheel=None, /, **changes))]
-    fn replace<'py>(
-        slf: &Bound<'py, Self>,
-        wheel: Option<&Bound<'py, PyAny>>,
-        changes: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn replace[slf: &Bound<'py, Self>](wheel=None, /, **changes) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
         let changes = changes.cloned().unwrap_or_else(|| PyDict::new(py));
         py.import("six_wheel.kinematics.rover_edit")?.call_method1("replace_in_rover", (slf, wheel, changes))
+    }
+}
+
+#[pymethods]
+impl Rover {
+    /// The text of a URDF from which `load` makes this rover again, and which viewers open.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Of the robot.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     With a link and a joint for every wheel and its steering, under the names of the joints, and
+    ///     rockers and bogies where there is a suspension. The base frame lies on the ground, a suspension's
+    ///     where it has its own.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a wheel is none that a URDF can hold: with rollers.
+    #[pyo3(signature = (name="rover"))]
+    fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
+        let module = slf.py().import("six_wheel.robot_description.urdf")?;
+        module.call_method1("rover_urdf", (slf, name))?.extract()
     }
 
     /// `replace`, for `copy.replace`.

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 use six_wheel_terrain::terrain::{Heights, Interpolation, Sample, Terrain as Core, normal};
 
-use crate::arguments::{self, ArgumentKind, shown};
+use crate::arguments::{ArgumentKind, shown};
 use crate::classes::reduce;
 use crate::convert::{
     OrRaise, Output, OutputOptions, Rows, is_of_another_kind, memory, number, read_array, refuse, scalar_or_array,
@@ -129,30 +129,23 @@ impl ArgumentKind for Terrain {
     }
 }
 
-getters! { Terrain, this, py:
+getters! { Terrain, self, py:
     /// Number of rows and of columns.
-    shape: (usize, usize) = this.0.shape().into();
+    shape: (usize, usize) = self.0.shape().into();
     /// Between columns and between rows [m].
-    spacing: (f64, f64) = this.0.spacing().into();
+    spacing: (f64, f64) = self.0.spacing().into();
     /// Place of node (0, 0) in the world [m].
-    origin: (f64, f64) = this.0.origin().into();
+    origin: (f64, f64) = self.0.origin().into();
     /// Angle from the x axis of the world to the rows, counter-clockwise [rad].
-    orientation: f64 = this.0.orientation();
+    orientation: f64 = self.0.orientation();
 }
 
 equal_by!(Terrain: 0);
 replaceable!(Terrain);
 
-#[pymethods]
-impl Terrain {
+methods! { Terrain:
     #[new]
-    #[pyo3(signature = (heights, spacing, origin=None, orientation=None))]
-    fn new(
-        heights: &Bound<'_, PyAny>,
-        spacing: &Bound<'_, PyAny>,
-        origin: Option<&Bound<'_, PyAny>>,
-        orientation: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+    fn new[](heights, spacing, origin=None, orientation: Option<f64> = None) -> PyResult<Self> {
         let (heights, columns) = read_heights(heights)?;
         let spacing = pair("spacing", spacing)?;
         let origin = match origin.map(|origin| (origin, origin.extract::<[f64; 2]>())) {
@@ -164,19 +157,8 @@ impl Terrain {
             }
             Some((_, Err(error))) => return Err(error),
         };
-        let orientation = orientation.map_or(Ok(0.0), |value| number("orientation", value))?;
-        let core = Core::new(heights, columns, spacing, origin, orientation);
+        let core = Core::new(heights, columns, spacing, origin, orientation.unwrap_or_default());
         core.map(|core| Self(Arc::new(core))).or_raise(&[])
-    }
-
-    /// The heights [m], shape (rows, columns), as a fresh array.
-    #[getter]
-    fn heights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let shape = &self.0.shape();
-        Ok(match self.0.heights() {
-            Heights::Single(heights) => memory::array(py, heights, shape)?.into_any(),
-            Heights::Double(heights) => memory::array(py, heights, shape)?.into_any(),
-        })
     }
 
     /// Heights at points of the world.
@@ -199,16 +181,8 @@ impl Terrain {
     /// -------
     /// float or ndarray, shape (...)
     ///     Heights [m]; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
-    fn height<'py>(
-        &self,
-        py: Python<'py>,
-        xy: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = arguments::method)] method: &str,
-        out: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn height[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+        threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 1, (out, dtype), threads, |height, _, target| {
             target[0] = height;
         })
@@ -233,16 +207,8 @@ impl Terrain {
     /// -------
     /// ndarray, shape (..., 2)
     ///     Slopes along x and y of the world; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
-    fn gradient<'py>(
-        &self,
-        py: Python<'py>,
-        xy: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = arguments::method)] method: &str,
-        out: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn gradient[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+        threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 2, (out, dtype), threads, |_, gradient, target| {
             target.copy_from_slice(&gradient);
         })
@@ -267,16 +233,8 @@ impl Terrain {
     /// -------
     /// ndarray, shape (..., 3)
     ///     Normals in world axes; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
-    fn normal<'py>(
-        &self,
-        py: Python<'py>,
-        xy: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = arguments::method)] method: &str,
-        out: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn normal[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+        threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 3, (out, dtype), threads, |_, gradient, target| {
             target.copy_from_slice(normal(gradient).as_slice());
         })
@@ -294,13 +252,7 @@ impl Terrain {
     /// Returns
     /// -------
     /// bool or ndarray, shape (...)
-    #[pyo3(signature = (xy, *, threads=None))]
-    fn contains<'py>(
-        &self,
-        py: Python<'py>,
-        xy: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Py<PyAny>> {
+    fn contains[&self, py: Python<'py>](xy, *, threads: Option<i64> = None) -> PyResult<Py<PyAny>> {
         let workers = any_workers(threads, None)?;
         let rows = Rows::read("xy", xy, 2)?;
         let (points, ground) = (rows.pairs(), &*self.0);
@@ -311,6 +263,19 @@ impl Terrain {
             Ok(())
         })?;
         scalar_or_array(py, inside, &rows.leading)
+    }
+}
+
+#[pymethods]
+impl Terrain {
+    /// The heights [m], shape (rows, columns), as a fresh array.
+    #[getter]
+    fn heights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let shape = &self.0.shape();
+        Ok(match self.0.heights() {
+            Heights::Single(heights) => memory::array(py, heights, shape)?.into_any(),
+            Heights::Double(heights) => memory::array(py, heights, shape)?.into_any(),
+        })
     }
 
     fn __repr__(&self) -> String {

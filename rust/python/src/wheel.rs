@@ -8,9 +8,8 @@ use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::units;
 use six_wheel_kinematics::wheels::{Pivot, Wheel as Core};
 
-use crate::arguments;
 use crate::classes::reduce;
-use crate::convert::{OrRaise, number, optional_number, refuse};
+use crate::convert::{OrRaise, number, refuse};
 use crate::unit_warnings::warn_units;
 
 /// One wheel of a rover: where its pivot is, which way it rolls, whether it steers.
@@ -115,60 +114,43 @@ pub fn hash_wheel(wheel: &Core, state: &mut impl Hasher) {
     }
 }
 
-getters! { Wheel, this, py:
+getters! { Wheel, self, py:
     /// Unique within its rover.
-    name: &str = &this.0.name;
+    name: &str = &self.0.name;
     /// Pivot, forward of the body's origin [m].
-    x: f64 = this.0.x;
+    x: f64 = self.0.x;
     /// Pivot, left of the body's origin [m].
-    y: f64 = this.0.y;
+    y: f64 = self.0.y;
     /// Hub to ground [m].
-    radius: f64 = this.0.radius;
+    radius: f64 = self.0.radius;
     /// True if the wheel has a steering joint with a vertical axis at the pivot.
-    steered: bool = this.0.steering().is_some();
+    steered: bool = self.0.steering().is_some();
     /// Direction in which the wheel rolls at steering angle 0 [rad].
-    heading: f64 = this.0.heading;
+    heading: f64 = self.0.heading;
     /// Smallest and largest steering angle [rad]; None for a fixed wheel.
-    steering_range: Option<(f64, f64)> = this.0.steering().map(|range| (range.lower, range.upper));
+    steering_range: Option<(f64, f64)> = self.0.steering().map(|range| (range.lower, range.upper));
     /// Contact to the left of the steering axis [m].
-    scrub: f64 = this.0.scrub;
+    scrub: f64 = self.0.scrub;
     /// Contact behind the steering axis [m].
-    trail: f64 = this.0.trail;
+    trail: f64 = self.0.trail;
     /// Between the axes of its rollers and its own [rad]; None without rollers.
-    roller_angle: Option<f64> = this.0.roller_angle;
+    roller_angle: Option<f64> = self.0.roller_angle;
     /// True if the wheel has a motor.
-    driven: bool = this.0.driven;
+    driven: bool = self.0.driven;
     /// True if the wheel swivels freely behind its pivot.
-    castor: bool = this.0.pivot == Pivot::Castor;
+    castor: bool = self.0.pivot == Pivot::Castor;
 }
 
 equal_by!(Wheel: 0);
 replaceable!(Wheel);
 
-#[pymethods]
-impl Wheel {
+methods! { Wheel:
     #[new]
-    #[pyo3(
-        signature = (name, x, y, *, radius, steered=false, heading=None, steering_limit=None, scrub=None, trail=None, roller_angle=None, driven=None, castor=false),
-        text_signature = "(name, x, y, *, radius, steered=False, heading=0.0, steering_limit=None, scrub=0.0, trail=0.0, roller_angle=None, driven=None, castor=False)"
-    )]
-    fn new(
-        py: Python<'_>,
-        #[pyo3(from_py_with = arguments::name)] name: String,
-        x: &Bound<'_, PyAny>,
-        y: &Bound<'_, PyAny>,
-        radius: &Bound<'_, PyAny>,
-        #[pyo3(from_py_with = arguments::steered)] steered: bool,
-        heading: Option<&Bound<'_, PyAny>>,
-        steering_limit: Option<&Bound<'_, PyAny>>,
-        scrub: Option<&Bound<'_, PyAny>>,
-        trail: Option<&Bound<'_, PyAny>>,
-        roller_angle: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::driven)] driven: Option<bool>,
-        #[pyo3(from_py_with = arguments::castor)] castor: bool,
-    ) -> PyResult<Self> {
-        let optional =
-            |argument, value: Option<&Bound<'_, PyAny>>| value.map_or(Ok(0.0), |value| number(argument, value));
+    fn new[py: Python<'py>](name: String, x: f64, y: f64, *, radius: f64, steered: bool = false, heading: Option<f64> = None,
+        steering_limit=None, scrub: Option<f64> = None, trail: Option<f64> = None, roller_angle: Option<f64> = None,
+        driven: Option<bool> = None, castor: bool = false)
+    as "(name, x, y, *, radius, steered=False, heading=0.0, steering_limit=None, scrub=0.0, trail=0.0, roller_angle=None, driven=None, castor=False)"
+    -> PyResult<Self> {
         let range = steering_range(steering_limit)?;
         if range.is_some() && !steered {
             let text = steering_limit.map_or_else(String::new, ToString::to_string);
@@ -186,21 +168,24 @@ impl Wheel {
         };
         let wheel = Core {
             name,
-            x: number("x", x)?,
-            y: number("y", y)?,
-            radius: number("radius", radius)?,
-            heading: optional("heading", heading)?,
+            x,
+            y,
+            radius,
+            heading: heading.unwrap_or_default(),
             pivot,
-            scrub: optional("scrub", scrub)?,
-            trail: optional("trail", trail)?,
-            roller_angle: optional_number("roller_angle", roller_angle)?,
+            scrub: scrub.unwrap_or_default(),
+            trail: trail.unwrap_or_default(),
+            roller_angle,
             driven: driven.unwrap_or(!castor),
         };
         wheel.check().or_raise(&[])?;
         warn_units(py, units::wheel(&wheel))?;
         Ok(Self(wheel))
     }
+}
 
+#[pymethods]
+impl Wheel {
     /// The argument of that name [rad]: largest angle to either side, or smallest and largest; None for a
     /// fixed wheel.
     #[getter]

@@ -9,7 +9,7 @@
 //!    [`Level::Scalar`]: the plain core does it row by row. That is also the oracle of everything here.
 //! 3. [`Level::run`] enters a function that is compiled once per set of instructions, with a token `S`
 //!    that proves the processor has them. Everything below it is `#[inline(always)]`.
-//! 4. A **formula** ([`crate::formulas`], one file a job) takes 64 rows at a time apart (`weave.rs`): row after row in
+//! 4. A **formula** ([`crate::kernels`], one file a job) takes 64 rows at a time apart (`weave.rs`): row after row in
 //!    memory becomes one column per number, so that a register holds the same number of 4 or 8 successive rows.
 //! 5. It computes with `Lanes`, a register with the operators of a number (`simd/lanes.rs`), and functions of
 //!    `simd/polynomials.rs`. There are no branches on a lane: a `Mask` says which rows the formula decides for sure.
@@ -28,10 +28,9 @@ mod single;
 mod singly;
 mod twists;
 
-pub use crate::formulas::fit::Fits;
-pub use crate::formulas::maps::Map;
+pub use crate::kernels::fit::Fits;
 pub use crate::table::{Beside, Durations, Log, Readings, Source, Table};
-pub use maps::{differentiate, map};
+pub use maps::{Map, differentiate, map};
 pub use poses::integrate;
 pub use rows::{forward, inverse};
 pub use single::{admissible_one, forward_one, inverse_one, project_one};

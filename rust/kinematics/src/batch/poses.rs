@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::blocks::BLOCK_ROWS;
-use crate::geometry::{Bound, Steps, Twist, Walk};
+use crate::accumulate::{Bound, Walk};
+use crate::geometry::{Steps, Twist};
 use crate::pose_logs::integrate::{LARGEST_TOTAL, follow, place};
 use crate::pose_logs::logs::Logs;
 use crate::rover::Rover;
@@ -75,8 +76,8 @@ impl<'a> Journey<'a> {
 
     /// True if so many logs are worked on side by side. It depends on nothing else, so that no result does.
     #[inline]
-    pub fn is_side_by_side(&self, level: Level, logs: usize) -> bool {
-        level != Level::Scalar && logs >= GROUP && self.count <= SHORT_LOG
+    pub fn is_side_by_side(&self, logs: usize) -> bool {
+        logs >= GROUP && self.count <= SHORT_LOG
     }
 
     /// So many logs are read at a time.
@@ -170,11 +171,9 @@ impl<'a> Journey<'a> {
             let (twists, steps) = self.piece(log, first, buffers);
             let from = log * self.count + first;
             for (k, twist) in twists.iter().enumerate() {
-                let step = Steps::Constant(steps.get(k));
-                let twist = std::slice::from_ref(twist);
-                bound.extend(twist, step).map_err(|error| error.below(from + k))?;
+                bound.extend(twist, steps.get(k)).map_err(|error| error.at_row(from + k))?;
                 if let Some(rover) = self.rover {
-                    rover.check_speeds(Twist::from(twist[0]), None).map_err(|error| error.at_row(from + k))?;
+                    rover.check_speeds(Twist::from(*twist), None).map_err(|error| error.at_row(from + k))?;
                 }
             }
         }
@@ -255,7 +254,6 @@ pub fn integrate<'a>(
     };
     let logs = poses.len() / (count + 1);
     let share = workers.share_of_logs(logs, count);
-    let short = level != Level::Scalar && count <= SHORT_LOG;
     if !fresh {
         let shares = (0..logs).step_by(share);
         workers.each(shares, |first| journey.check(level, first..logs.min(first + share)))?;
@@ -264,7 +262,7 @@ pub fn integrate<'a>(
     workers.each(targets, |(k, poses)| {
         let buffers = &mut Buffers::default();
         let first = k * share;
-        if !short {
+        if count > SHORT_LOG {
             for (k, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
                 journey.follow(level, first + k, !fresh, poses, buffers)?;
             }

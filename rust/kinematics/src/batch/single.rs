@@ -2,8 +2,8 @@
 
 use crate::admissible::Keep;
 use crate::estimate::{Measured, Unseen};
-use crate::formulas::admissible::{JudgeOne, ProjectOne};
 use crate::geometry::Twist;
+use crate::kernels::admissible::{JudgeOne, ProjectOne};
 use crate::one_row::inverse::level;
 use crate::rover::Rover;
 use crate::rover_data::Inputs;

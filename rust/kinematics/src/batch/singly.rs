@@ -3,9 +3,9 @@
 use super::rows::FEW;
 use crate::estimate::sensitivity::Quantity;
 use crate::estimate::{Method, Unseen};
-use crate::formulas::fit::{FitConstants, Fits};
-use crate::formulas::forward;
-use crate::formulas::sensitivity::{SensitivityQuery, plain};
+use crate::kernels::fit::{FitConstants, Fits};
+use crate::kernels::forward;
+use crate::kernels::sensitivity::{SensitivityQuery, plain};
 use crate::rover::Rover;
 use crate::table::Log;
 use six_wheel_numerics::error::Error;

@@ -1,9 +1,9 @@
 //! Admissible twists, and the nearest ones to any others.
 
 use crate::admissible::Keep;
-use crate::formulas::admissible::{Admissible, Project};
-use crate::formulas::usual::LARGEST;
 use crate::geometry::Twist;
+use crate::kernels::admissible::{Admissible, Project};
+use crate::kernels::usual::LARGEST;
 use crate::rover::Rover;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::sizes::sum_of_sizes;

@@ -1,8 +1,8 @@
 //! The readings of one instant: the lanes of a register are the wheels.
 
 use crate::estimate::Measured;
-use crate::formulas::readings::{LARGEST_ROVER, LARGEST_SPEED};
 use crate::geometry::Twist;
+use crate::kernels::readings::{LARGEST_ROVER, LARGEST_SPEED};
 use crate::one_row::inverse::{Eight, GROUP, level, order, padded};
 use crate::rover_data::{Mount, RoverData};
 use crate::wheels::Wheel;

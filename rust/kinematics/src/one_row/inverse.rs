@@ -14,9 +14,9 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use pulp::Simd;
 
 use crate::admissible::SLIP_TOLERANCE;
-use crate::formulas::steered::{AT_AN_END, DECIDED, NEAR_AN_END, ONLY, Reach};
-use crate::formulas::usual::{LARGEST, SMALLEST, is_usual, pivots_apart};
 use crate::geometry::Twist;
+use crate::kernels::steered::{AT_AN_END, DECIDED, NEAR_AN_END, ONLY, Reach};
+use crate::kernels::usual::{LARGEST, SMALLEST, is_usual, pivots_apart};
 use crate::rover_data::{Inputs, MAX_WHEELS, Mount, RoverData};
 use crate::steering::SteeringRange;
 use crate::wheels::{REST, Wheel};

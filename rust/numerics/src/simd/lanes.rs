@@ -1,48 +1,99 @@
-//! One register of numbers, with the operators of a number: what the kernels are written in.
+//! The number type of every formula: registers of one level and precision, with the operators of a number.
 //!
 //! Everything is `#[inline(always)]`: the instructions of a level are only available inside the function
-//! that [`super::Level::run`] has compiled for it, so nothing may be left to call.
+//! that [`super::level::Level::run_any`] has compiled for it, so nothing may be left to call. Loops instead of `map` for
+//! the same reason: a closure may be left to call.
 
-mod lockstep;
+mod rows;
+#[cfg(test)]
+mod tests;
 
-use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use pulp::Simd;
 
+use super::float::Float;
 use super::vector::Vector;
-pub use lockstep::{Lockstep, Numbers};
 
-/// As many numbers as the registers of the level hold.
+/// `N` registers of numbers of precision `T`, in lockstep: while one result is on its way, the processor works on the
+/// others.
 #[derive(Clone, Copy)]
-pub struct Lanes<S: Simd> {
+pub struct Lanes<S: Simd, T: Float = f64, const N: usize = 1> {
     simd: S,
-    values: S::f64s,
+    values: [T::Register<S>; N],
 }
 
 /// One truth value per lane.
 #[derive(Clone, Copy)]
-pub struct Mask<S: Simd> {
+pub struct Mask<S: Simd, T: Float = f64, const N: usize = 1> {
     simd: S,
-    values: S::m64s,
+    values: [T::Mask<S>; N],
 }
 
-impl<S: Simd> Lanes<S> {
+/// Methods that do the same to every register.
+macro_rules! every_register {
+    ($($(#[$doc:meta])* $name:ident($($other:ident),*) = $operation:ident;)*) => {$(
+        $(#[$doc])*
+        #[inline(always)]
+        pub fn $name(mut self $(, $other: Self)*) -> Self {
+            for k in 0..N {
+                self.values[k] = T::$operation(self.simd, self.values[k] $(, $other.values[k])*);
+            }
+            self
+        }
+    )*};
+}
+
+/// Comparisons of every register.
+macro_rules! comparison {
+    ($($(#[$doc:meta])* $name:ident = $operation:ident;)*) => {$(
+        $(#[$doc])*
+        #[inline(always)]
+        pub fn $name(self, other: Self) -> Mask<S, T, N> {
+            let mut values = [T::$operation(self.simd, self.values[0], other.values[0]); N];
+            for k in 1..N {
+                values[k] = T::$operation(self.simd, self.values[k], other.values[k]);
+            }
+            Mask { simd: self.simd, values }
+        }
+    )*};
+}
+
+impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     /// The same number in every lane.
     #[inline(always)]
-    pub fn splat(simd: S, value: f64) -> Self {
-        Self { simd, values: simd.splat_f64s(value) }
+    pub fn splat(simd: S, value: T) -> Self {
+        Self { simd, values: [T::splat(simd, value); N] }
     }
 
-    /// A register of a column.
+    /// The same, of a constant.
     #[inline(always)]
-    pub fn load(simd: S, column: &[S::f64s], k: usize) -> Self {
-        Self { simd, values: column[k] }
+    pub fn constant(simd: S, value: f64) -> Self {
+        Self::splat(simd, T::from_f64(value))
     }
 
-    /// Writes register `k` of a column.
+    /// Numbers of all registers.
     #[inline(always)]
-    pub fn store(self, column: &mut [S::f64s], k: usize) {
-        column[k] = self.values;
+    pub fn lanes() -> usize {
+        N * T::lanes::<S>()
+    }
+
+    /// The first numbers of a slice; zeros beyond its last whole register.
+    #[inline(always)]
+    pub fn from_slice(simd: S, numbers: &[T]) -> Self {
+        let mut lanes = Self::splat(simd, T::default());
+        for (value, number) in lanes.values.iter_mut().zip(T::as_registers::<S>(numbers)) {
+            *value = *number;
+        }
+        lanes
+    }
+
+    /// Writes the lanes to the first numbers of a slice, as far as it has whole registers.
+    #[inline(always)]
+    pub fn copy_to_slice(self, numbers: &mut [T]) {
+        for (number, value) in T::as_mut_registers::<S>(numbers).iter_mut().zip(self.values) {
+            *number = value;
+        }
     }
 
     /// The token of the level.
@@ -51,280 +102,181 @@ impl<S: Simd> Lanes<S> {
         self.simd
     }
 
+    /// Register `k` of them.
     #[inline(always)]
-    fn with(self, values: S::f64s) -> Self {
-        Self { values, ..self }
+    pub fn register(self, k: usize) -> Lanes<S, T> {
+        Lanes { simd: self.simd, values: [self.values[k]] }
     }
 
-    /// `self * factor + term`, rounded once.
+    /// The same with this as register `k`.
     #[inline(always)]
-    pub fn mul_add(self, factor: Self, term: Self) -> Self {
-        self.with(self.simd.mul_add_f64s(self.values, factor.values, term.values))
+    pub fn set_register(&mut self, k: usize, lanes: Lanes<S, T>) {
+        self.values[k] = lanes.values[0];
     }
 
-    /// `self / divisor`
-    #[inline(always)]
-    pub fn quotient(self, divisor: Self) -> Self {
-        self.with(self.simd.div_f64s(self.values, divisor.values))
+    every_register! {
+        /// `self * factor + term`, rounded once.
+        mul_add(factor, term) = mul_add;
+        /// `self / divisor`
+        quotient(divisor) = div;
+        /// Square root.
+        sqrt() = sqrt;
+        /// The larger of two numbers, neither of them NaN.
+        max(other) = max;
+        /// The smaller of two numbers, neither of them NaN.
+        min(other) = min;
+        /// Minus the number where `sign` has its sign bit set.
+        flip(sign) = xor;
     }
 
-    /// Square root.
-    #[inline(always)]
-    pub fn sqrt(self) -> Self {
-        self.with(self.simd.sqrt_f64s(self.values))
+    comparison! {
+        /// False where either is NaN.
+        below = less;
+        /// False where either is NaN.
+        at_most = less_equal;
     }
 
     /// Absolute value.
     #[inline(always)]
-    pub fn abs(self) -> Self {
+    pub fn abs(mut self) -> Self {
         // Every bit but the sign. pulp's own may be left to call.
-        let bits = self.simd.splat_f64s(f64::from_bits(!(1 << 63)));
-        self.with(self.simd.and_f64s(self.values, bits))
-    }
-
-    /// The larger of two numbers, neither of them NaN.
-    #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
-        self.with(self.simd.max_f64s(self.values, other.values))
-    }
-
-    /// The smaller of two numbers, neither of them NaN.
-    #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
-        self.with(self.simd.min_f64s(self.values, other.values))
+        let bits = T::splat(self.simd, T::ABS);
+        for value in &mut self.values {
+            *value = T::and(self.simd, *value, bits);
+        }
+        self
     }
 
     /// The sign bit, on a zero.
     #[inline(always)]
-    pub fn sign(self) -> Self {
-        let bit = self.simd.splat_f64s(-0.0);
-        self.with(self.simd.and_f64s(self.values, bit))
+    pub fn sign(mut self) -> Self {
+        let bit = T::splat(self.simd, T::from_f64(-0.0));
+        for value in &mut self.values {
+            *value = T::and(self.simd, *value, bit);
+        }
+        self
     }
 
-    /// Minus the number where `sign` has its sign bit set.
+    /// The whole number in the lowest bits of `self + ROUND`: true if bit `bit` of it is set.
     #[inline(always)]
-    pub fn flip(self, sign: Self) -> Self {
-        self.with(self.simd.xor_f64s(self.values, sign.values))
-    }
-
-    /// False where either is NaN.
-    #[inline(always)]
-    pub fn below(self, other: Self) -> Mask<S> {
-        Mask { simd: self.simd, values: self.simd.less_than_f64s(self.values, other.values) }
-    }
-
-    /// False where either is NaN.
-    #[inline(always)]
-    pub fn at_most(self, other: Self) -> Mask<S> {
-        let values = self.simd.less_than_or_equal_f64s(self.values, other.values);
+    pub fn has_bit(self, bit: u32) -> Mask<S, T, N> {
+        let mut values = [T::has_bit(self.simd, self.values[0], bit); N];
+        for k in 1..N {
+            values[k] = T::has_bit(self.simd, self.values[k], bit);
+        }
         Mask { simd: self.simd, values }
     }
 
-    /// The whole number in the lowest bits of `self + 1.5 * 2^52`: whether bit `bit` of it is set.
+    /// The largest whole number up to a number from 0 to [`Float::INTEGERS`].
     #[inline(always)]
-    pub fn has_bit(self, bit: u64) -> Mask<S> {
-        let simd = self.simd;
-        let bits = simd.and_u64s(simd.transmute_u64s_f64s(self.values), simd.splat_u64s(1 << bit));
-        Mask { simd, values: simd.greater_than_u64s(bits, simd.splat_u64s(0)) }
+    pub fn floor(self) -> Self {
+        let integers = Self::constant(self.simd, T::INTEGERS);
+        let near = (self + integers) - integers;
+        let one = Self::constant(self.simd, 1.0);
+        self.below(near).select(near - one, near)
+    }
+
+    /// A whole number as [`Float::to_index`] takes it.
+    #[inline(always)]
+    pub fn as_index(self) -> Self {
+        self + Self::constant(self.simd, T::INTEGERS)
     }
 }
 
-impl<S: Simd> Lanes<S> {
-    /// The sum over all lanes.
+impl<S: Vector, T: Float, const N: usize> Lanes<S, T, N> {
+    /// One over the square root of a number that is not negative, and the root, each to two last places.
     #[inline(always)]
-    pub fn total(self) -> f64 {
-        self.simd.reduce_sum_f64s(self.values)
+    pub fn roots(self) -> [Self; 2] {
+        let number = |value: f64| Self::constant(self.simd, value);
+        let (mut inverse, mut root) = (self, self);
+        for k in 0..N {
+            [inverse.values[k], root.values[k]] = T::roots(self.simd, self.values[k]);
+        }
+        let odd = self.below(number(1e-30)) | number(1e36).below(self);
+        if !T::EXACT_ROOTS && odd.any() {
+            let exact = self.sqrt();
+            root = odd.select(exact, root);
+            inverse = odd.select(number(1.0) / exact, inverse);
+        }
+        [inverse, root]
     }
 }
 
-impl<S: Vector> Lanes<S> {
-    /// Every lane `1 << LOG` places on, zeros before it.
-    #[inline(always)]
-    pub fn shift<const LOG: u32>(simd: S, lanes: Self) -> Self {
-        lanes.with(simd.shift::<LOG>(lanes.values))
-    }
-
-    /// Rows of three numbers, as many as there are lanes, to their columns; 0 where there are fewer.
-    #[inline(always)]
-    pub fn unbraid(simd: S, rows: &[f64]) -> [Self; 3] {
-        match S::as_simd_f64s(rows).0 {
-            [a, b, c, ..] => simd.unbraid([*a, *b, *c]).map(|values| Self { simd, values }),
-            _ => [Self::splat(simd, 0.0); 3],
-        }
-    }
-
-    /// The reverse of [`Self::unbraid`].
-    #[inline(always)]
-    pub fn braid([x, y, z]: [Self; 3], rows: &mut [f64]) {
-        if let [a, b, c, ..] = S::as_mut_simd_f64s(rows).0 {
-            [*a, *b, *c] = x.simd.braid([x.values, y.values, z.values]);
-        }
-    }
-
-    /// Eight columns of as many rows as there are lanes, a row every `width` numbers; all of the eight numbers from each
-    /// row's first one on have to be there.
-    #[inline(always)]
-    pub fn columns(simd: S, rows: &[f64], width: usize) -> [Self; 8] {
-        let mut eights = [&[0.0; 8]; 8];
-        for (lane, eight) in eights.iter_mut().enumerate().take(S::F64_LANES) {
-            *eight = rows[lane * width..].first_chunk().unwrap_or(&[0.0; 8]);
-        }
-        Self::columns_of(simd, &eights)
-    }
-
-    /// The same of rows wherever they are, as many as there are lanes.
-    #[inline(always)]
-    pub fn columns_of(simd: S, rows: &[&[f64; 8]; 8]) -> [Self; 8] {
-        let mut registers = [simd.splat_f64s(0.0); 8];
-        for (k, register) in registers.iter_mut().enumerate() {
-            let part = &rows[k % S::F64_LANES][k / S::F64_LANES * S::F64_LANES..];
-            *register = S::as_simd_f64s(&part[..S::F64_LANES]).0[0];
-        }
-        let columns = simd.transpose(registers);
-        let mut lanes = [Self::splat(simd, 0.0); 8];
-        for (lanes, values) in lanes.iter_mut().zip(columns) {
-            lanes.values = values;
-        }
-        lanes
-    }
-
-    /// The reverse of [`Self::columns`]: of each row all eight numbers are written, the rows one after the other.
-    #[inline(always)]
-    pub fn rows(simd: S, columns: [Self; 8], rows: &mut [f64], width: usize) {
-        let mut registers = [simd.splat_f64s(0.0); 8];
-        for (register, lanes) in registers.iter_mut().zip(columns) {
-            *register = lanes.values;
-        }
-        let registers = simd.transpose(registers);
-        for row in 0..S::F64_LANES {
-            for part in 0..8 / S::F64_LANES {
-                let first = row * width + part * S::F64_LANES;
-                let target = &mut rows[first..first + S::F64_LANES];
-                S::as_mut_simd_f64s(target).0[0] = registers[part * S::F64_LANES + row];
-            }
-        }
-    }
-
-    /// [`Vector::inverse_root`].
-    #[inline(always)]
-    pub fn inverse_root(self) -> Self {
-        self.with(self.simd.inverse_root(self.values))
-    }
-
-    /// [`Vector::square`] at these places.
-    #[inline(always)]
-    pub fn square(self, table: &[f64], columns: usize) -> [Self; 4] {
-        let [a, b, c, d] = self.simd.square(table, columns, self.values);
-        [self.with(a), self.with(b), self.with(c), self.with(d)]
-    }
-
-    /// [`Vector::pairs`] at these places.
+impl<S: Vector, T: Float> Lanes<S, T> {
+    /// The four cells around places, `[x, y]` of the first of them: the two of its row, and of the next one.
     ///
     /// # Safety
     ///
-    /// As there.
+    /// As [`Vector::corners`].
     #[inline(always)]
-    pub unsafe fn pairs(self, table: &[[f32; 2]]) -> Self {
-        // SAFETY: by the caller.
-        self.with(unsafe { self.simd.pairs(table, self.values) })
-    }
-
-    /// [`Vector::exponent`].
-    #[inline(always)]
-    pub fn exponent(self) -> Self {
-        self.with(self.simd.exponent(self.values))
-    }
-
-    /// The power of two of [`Self::exponent`].
-    #[inline(always)]
-    pub fn power(self) -> Self {
-        let bits = self.simd.splat_f64s(f64::INFINITY);
-        self.with(self.simd.and_f64s(self.values, bits))
-    }
-
-    /// [`Vector::least_pairs`].
-    #[inline(always)]
-    pub fn least_pairs(self, other: Self) -> Self {
-        self.with(self.simd.least_pairs(self.values, other.values))
-    }
-
-    /// [`Vector::unpair`].
-    #[inline(always)]
-    pub fn unpair(self) -> [Self; 2] {
-        let [first, second] = self.simd.unpair(self.values);
-        [self.with(first), self.with(second)]
-    }
-
-    /// `a0 a1 .., b0 b1 ..` to `a0 b0 a1 b1 ..`, into as many numbers.
-    #[inline(always)]
-    pub fn zip([a, b]: [Self; 2], pairs: &mut [f64]) {
-        if let [first, second, ..] = S::as_mut_simd_f64s(pairs).0 {
-            [*first, *second] = a.simd.zip([a.values, b.values]);
-        }
-    }
-
-    /// The last lane in every lane.
-    #[inline(always)]
-    pub fn spread(self, simd: S) -> Self {
-        self.with(simd.spread(self.values))
-    }
-
-    /// The last lane.
-    #[inline(always)]
-    pub fn last(self, simd: S) -> f64 {
-        simd.last(self.values)
+    pub unsafe fn corners(simd: S, values: &[f32], columns: usize, [x, y]: [Self; 2]) -> [[Self; 2]; 2] {
+        // SAFETY: the caller's.
+        let cells = unsafe { T::corners(simd, values, columns, [x.values[0], y.values[0]]) };
+        cells.map(|row| row.map(|value| Self { simd, values: [value] }))
     }
 }
 
-impl<S: Simd> Mask<S> {
+impl<S: Simd, T: Float, const N: usize> Mask<S, T, N> {
     /// `yes` where true, `no` elsewhere.
     #[inline(always)]
-    pub fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
-        yes.with(self.simd.select_f64s(self.values, yes.values, no.values))
+    pub fn select(self, mut yes: Lanes<S, T, N>, no: Lanes<S, T, N>) -> Lanes<S, T, N> {
+        for k in 0..N {
+            yes.values[k] = T::select(self.simd, self.values[k], yes.values[k], no.values[k]);
+        }
+        yes
     }
 
     /// True if any lane is true.
     #[inline(always)]
     pub fn any(self) -> bool {
-        self.simd.first_true_m64s(self.values) < S::F64_LANES
+        let mut all = self.values[0];
+        for k in 1..N {
+            all = T::either(self.simd, all, self.values[k]);
+        }
+        T::any(self.simd, all)
     }
 }
 
 macro_rules! operator {
-    ($trait: ident, $method: ident, $of: ident, $op: ident) => {
-        impl<S: Simd> $trait for $of<S> {
+    ($trait:ident, $method:ident, $of:ident, $operation:ident) => {
+        impl<S: Simd, T: Float, const N: usize> $trait for $of<S, T, N> {
             type Output = Self;
 
             #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                let values = self.simd.$op(self.values, other.values);
-                Self { values, ..self }
+            fn $method(mut self, other: Self) -> Self {
+                for k in 0..N {
+                    self.values[k] = T::$operation(self.simd, self.values[k], other.values[k]);
+                }
+                self
             }
         }
     };
 }
 
-operator!(Add, add, Lanes, add_f64s);
-operator!(Sub, sub, Lanes, sub_f64s);
-operator!(Mul, mul, Lanes, mul_f64s);
-operator!(BitAnd, bitand, Mask, and_m64s);
-operator!(BitOr, bitor, Mask, or_m64s);
+operator!(Add, add, Lanes, add);
+operator!(Sub, sub, Lanes, sub);
+operator!(Mul, mul, Lanes, mul);
+operator!(Div, div, Lanes, div);
+operator!(BitAnd, bitand, Mask, both);
+operator!(BitOr, bitor, Mask, either);
 
-impl<S: Simd> Neg for Lanes<S> {
+impl<S: Simd, T: Float, const N: usize> Neg for Lanes<S, T, N> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        let bit = self.simd.splat_f64s(-0.0);
-        self.with(self.simd.xor_f64s(self.values, bit))
+        self.flip(Self::constant(self.simd, -0.0))
     }
 }
 
-impl<S: Simd> Not for Mask<S> {
+impl<S: Simd, T: Float, const N: usize> Not for Mask<S, T, N> {
     type Output = Self;
 
     #[inline(always)]
-    fn not(self) -> Self {
-        Self { values: self.simd.not_m64s(self.values), ..self }
+    fn not(mut self) -> Self {
+        for value in &mut self.values {
+            *value = T::not(self.simd, *value);
+        }
+        self
     }
 }

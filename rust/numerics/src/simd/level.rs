@@ -5,7 +5,9 @@ use std::str::FromStr;
 #[cfg(target_arch = "aarch64")]
 use pulp::aarch64::Neon;
 #[cfg(target_arch = "x86_64")]
-use pulp::x86::{V3, V4};
+use pulp::x86::V3;
+#[cfg(all(target_arch = "x86_64", feature = "all-levels"))]
+use pulp::x86::V4;
 use pulp::{NullaryFnOnce, Scalar};
 
 use super::vector::Vector;
@@ -70,7 +72,7 @@ impl Level {
     /// Runs a kernel with these instructions, if the machine has them. [`Self::Scalar`] has no kernels.
     pub fn run<K: Kernel>(self, kernel: K) -> Option<K::Output> {
         match self {
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", feature = "all-levels"))]
             Self::Avx512 => V4::try_new().map(|simd| simd.vectorize(Run { kernel, simd })),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => V3::try_new().map(|simd| simd.vectorize(Run { kernel, simd })),
@@ -84,7 +86,7 @@ impl Level {
 impl Level {
     /// Runs a kernel with these instructions, one number at a time where the machine does not have them.
     pub fn run_any<K: Kernel>(self, kernel: K) -> K::Output {
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", feature = "all-levels"))]
         if self == Self::Avx512
             && let Some(simd) = V4::try_new()
         {

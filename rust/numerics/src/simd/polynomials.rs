@@ -3,9 +3,12 @@
 //! The coefficients interpolate at Chebyshev nodes, computed with 50 digits. What the errors add up to is
 //! measured in the tests below, against the functions of the standard library.
 
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4};
+
 use pulp::Simd;
 
-use super::lanes::Numbers;
+use super::float::Float;
+use super::lanes::Lanes;
 
 const TAN_EIGHTH: f64 = 0.414_213_562_373_095_03;
 
@@ -44,13 +47,10 @@ const COS: [f64; 6] = [
     -1.138_245_677_806_130_6e-11,
 ];
 
-/// A quarter turn in three parts, each what the ones before leave over.
-const QUARTER: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
+/// Adding this to a double brings the nearest whole number into its lowest bits.
+pub const ROUND: f64 = f64::ROUND;
 
-/// Adding this brings the nearest whole number into the lowest bits.
-pub const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
-
-/// Largest angle of [`sin_cos`] [rad]: its quarter turns are whole numbers of far less than 52 bits.
+/// Largest angle of [`sin_cos`] in double precision [rad]: its quarter turns are whole numbers of far less than 52 bits.
 pub const LARGEST_ANGLE: f64 = 1e9;
 
 /// `(-1)^k / (first + 2 k)!`, Taylor's coefficients in powers of `x^2` of functions that have no closed form at 0. `first`
@@ -71,54 +71,73 @@ pub const fn taylor<const N: usize>(first: u32) -> [f64; N] {
     coefficients
 }
 
+/// A polynomial by Horner's rule: fewest operations.
+#[inline(always)]
+pub fn horner<S: Simd, T: Float, const N: usize, const K: usize>(
+    simd: S,
+    coefficients: [f64; K],
+    x: Lanes<S, T, N>,
+) -> Lanes<S, T, N> {
+    let mut sum = Lanes::constant(simd, coefficients[K - 1]);
+    for k in (0..K - 1).rev() {
+        sum = sum.mul_add(x, Lanes::constant(simd, coefficients[k]));
+    }
+    sum
+}
+
 /// A polynomial by two interleaved Horner chains: half the latency of one.
 #[inline(always)]
-fn polynomial<S: Simd, V: Numbers<S>, const N: usize>(simd: S, coefficients: [f64; N], z: V) -> V {
+fn polynomial<S: Simd, T: Float, const N: usize, const K: usize>(
+    simd: S,
+    coefficients: [f64; K],
+    z: Lanes<S, T, N>,
+) -> Lanes<S, T, N> {
     let square = z * z;
-    let mut even = V::all(simd, coefficients[(N - 1) & !1]);
-    let mut odd = V::all(simd, coefficients[(N - 2) | 1]);
-    let mut k = (N - 1) & !1;
+    let mut even = Lanes::constant(simd, coefficients[(K - 1) & !1]);
+    let mut odd = Lanes::constant(simd, coefficients[(K - 2) | 1]);
+    let mut k = (K - 1) & !1;
     while k >= 2 {
         k -= 2;
-        even = even.fused(square, V::all(simd, coefficients[k]));
+        even = even.mul_add(square, Lanes::constant(simd, coefficients[k]));
     }
-    let mut k = (N - 2) | 1;
+    let mut k = (K - 2) | 1;
     while k >= 3 {
         k -= 2;
-        odd = odd.fused(square, V::all(simd, coefficients[k]));
+        odd = odd.mul_add(square, Lanes::constant(simd, coefficients[k]));
     }
-    odd.fused(z, even)
+    odd.mul_add(z, even)
 }
 
 /// The angle of a vector in the first quadrant, `x >= 0` and `y >= 0`. NaN for the zero vector.
 #[inline(always)]
-pub fn angle<S: Simd, V: Numbers<S>>(simd: S, x: V, y: V) -> V {
-    let [large, small] = x.sorted(y);
+pub fn angle<S: Simd, T: Float, const N: usize>(simd: S, x: Lanes<S, T, N>, y: Lanes<S, T, N>) -> Lanes<S, T, N> {
+    let number = |value: f64| Lanes::constant(simd, value);
+    let (large, small) = (x.max(y), x.min(y));
     // Counted from 0, an eighth or a quarter turn, whichever is nearest: one division for all three.
-    let eighth = (large * V::all(simd, TAN_EIGHTH)).less(small);
-    let over = V::either(eighth, small - large, small);
-    let under = V::either(eighth, small + large, large);
-    let t = over.over(under);
+    let eighth = (large * number(TAN_EIGHTH)).below(small);
+    let over = eighth.select(small - large, small);
+    let under = eighth.select(small + large, large);
+    let t = over / under;
     let z = t * t;
-    let rest = (t * z).fused(polynomial(simd, ATAN, z), t);
-    let from = V::either(eighth, V::all(simd, std::f64::consts::FRAC_PI_4), V::all(simd, 0.0));
+    let rest = (t * z).mul_add(polynomial(simd, ATAN, z), t);
+    let from = eighth.select(number(FRAC_PI_4), number(0.0));
     let near = from + rest;
-    let from_quarter = V::all(simd, std::f64::consts::FRAC_PI_2) - near;
-    V::either(x.less(y), from_quarter, near)
+    let from_quarter = number(FRAC_PI_2) - near;
+    x.below(y).select(from_quarter, near)
 }
 
-/// Sine and cosine of angles up to [`LARGEST_ANGLE`] to either side.
+/// Sine and cosine of angles up to [`LARGEST_ANGLE`] to either side; up to 1e4 rad in single precision.
 #[inline(always)]
-pub fn sin_cos<S: Simd, V: Numbers<S>>(simd: S, angle: V) -> (V, V) {
-    let round = V::all(simd, ROUND);
-    let shifted = angle.fused(V::all(simd, std::f64::consts::FRAC_2_PI), round);
+pub fn sin_cos<S: Simd, T: Float, const N: usize>(simd: S, angle: Lanes<S, T, N>) -> (Lanes<S, T, N>, Lanes<S, T, N>) {
+    let round = Lanes::constant(simd, T::ROUND);
+    let shifted = angle.mul_add(Lanes::constant(simd, FRAC_2_PI), round);
     let quarters = round - shifted;
     let mut rest = angle;
-    for part in QUARTER {
-        rest = quarters.fused(V::all(simd, part), rest);
+    for part in T::QUARTER_TURN {
+        rest = quarters.mul_add(Lanes::constant(simd, part), rest);
     }
     let z = rest * rest;
-    let sin = (rest * z).fused(polynomial(simd, SIN, z), rest);
+    let sin = (rest * z).mul_add(polynomial(simd, SIN, z), rest);
     let cos = cos_of_rest(simd, z);
     in_quarter(simd, shifted, sin, cos)
 }
@@ -126,42 +145,51 @@ pub fn sin_cos<S: Simd, V: Numbers<S>>(simd: S, angle: V) -> (V, V) {
 /// Sine and cosine of angles up to a hundred turns, absolutely as exact as [`sin_cos`], but not in the last
 /// digits of a sine near zero: what a direction needs.
 #[inline(always)]
-pub fn direction<S: Simd, V: Numbers<S>>(simd: S, angle: V) -> (V, V) {
-    let round = V::all(simd, ROUND);
-    let shifted = angle.fused(V::all(simd, std::f64::consts::FRAC_2_PI), round);
+pub fn direction<S: Simd, T: Float, const N: usize>(
+    simd: S,
+    angle: Lanes<S, T, N>,
+) -> (Lanes<S, T, N>, Lanes<S, T, N>) {
+    let round = Lanes::constant(simd, T::ROUND);
+    let shifted = angle.mul_add(Lanes::constant(simd, FRAC_2_PI), round);
     let quarters = round - shifted;
-    let rest = quarters.fused(V::all(simd, QUARTER[0]), angle);
-    let rest = quarters.fused(V::all(simd, QUARTER[1]), rest);
+    let [first, second, _] = T::QUARTER_TURN;
+    let rest = quarters.mul_add(Lanes::constant(simd, first), angle);
+    let rest = quarters.mul_add(Lanes::constant(simd, second), rest);
     let z = rest * rest;
-    let sin = (rest * z).fused(polynomial(simd, SIN, z), rest);
-    let head = z.fused(V::all(simd, -0.5), V::all(simd, 1.0));
-    let cos = (z * z).fused(polynomial(simd, COS, z), head);
+    let sin = (rest * z).mul_add(polynomial(simd, SIN, z), rest);
+    let head = z.mul_add(Lanes::constant(simd, -0.5), Lanes::constant(simd, 1.0));
+    let cos = (z * z).mul_add(polynomial(simd, COS, z), head);
     in_quarter(simd, shifted, sin, cos)
 }
 
 /// Sine and cosine after so many quarter turns, the whole number in the lowest bits of `shifted`.
 #[inline(always)]
-fn in_quarter<S: Simd, V: Numbers<S>>(simd: S, shifted: V, sin: V, cos: V) -> (V, V) {
-    let (odd, half) = (shifted.bit(0), shifted.bit(1));
-    let (minus, zero) = (V::all(simd, -0.0), V::all(simd, 0.0));
-    let sign = V::either(half, minus, zero);
-    let crossed = V::either(odd, minus, zero);
-    (V::either(odd, cos, sin).flipped(sign), V::either(odd, sin, cos).flipped(sign).flipped(crossed))
+fn in_quarter<S: Simd, T: Float, const N: usize>(
+    simd: S,
+    shifted: Lanes<S, T, N>,
+    sin: Lanes<S, T, N>,
+    cos: Lanes<S, T, N>,
+) -> (Lanes<S, T, N>, Lanes<S, T, N>) {
+    let (odd, half) = (shifted.has_bit(0), shifted.has_bit(1));
+    let (minus, zero) = (Lanes::constant(simd, -0.0), Lanes::constant(simd, 0.0));
+    let sign = half.select(minus, zero);
+    let crossed = odd.select(minus, zero);
+    (odd.select(cos, sin).flip(sign), odd.select(sin, cos).flip(sign).flip(crossed))
 }
 
 /// Cosine of an angle up to pi/4, given its square: what `1 - z / 2` rounds away is added back.
 #[inline(always)]
-fn cos_of_rest<S: Simd, V: Numbers<S>>(simd: S, z: V) -> V {
-    let (one, half) = (V::all(simd, 1.0), V::all(simd, 0.5) * z);
+fn cos_of_rest<S: Simd, T: Float, const N: usize>(simd: S, z: Lanes<S, T, N>) -> Lanes<S, T, N> {
+    let (one, half) = (Lanes::constant(simd, 1.0), Lanes::constant(simd, 0.5) * z);
     let head = one - half;
     let lost = (one - head) - half;
-    head + (z * z).fused(polynomial(simd, COS, z), lost)
+    head + (z * z).mul_add(polynomial(simd, COS, z), lost)
 }
 
 /// `sin(x) / x` for `x` up to pi/4, given the square of `x`.
 #[inline(always)]
-pub fn sinc_of_square<S: Simd, V: Numbers<S>>(simd: S, z: V) -> V {
-    z.fused(polynomial(simd, SIN, z), V::all(simd, 1.0))
+pub fn sinc_of_square<S: Simd, T: Float, const N: usize>(simd: S, z: Lanes<S, T, N>) -> Lanes<S, T, N> {
+    z.mul_add(polynomial(simd, SIN, z), Lanes::constant(simd, 1.0))
 }
 
 #[cfg(test)]
@@ -245,7 +273,7 @@ mod tests {
     fn sines_and_cosines_are_right_to_two_last_places() {
         let pairs: Vec<[f64; 2]> = sweep(-7.0, 7.0, 400_000)
             .chain(sweep(-LARGEST_ANGLE, LARGEST_ANGLE, 100_001))
-            .chain((-400..=400).map(|k| f64::from(k) * QUARTER[0]))
+            .chain((-400..=400).map(|k| f64::from(k) * FRAC_PI_2))
             .chain((-320..9).map(|exponent| 10.0_f64.powi(exponent)))
             .chain([0.0, -0.0, 5e-324, 1e-17])
             .map(|x| [x, 0.0])

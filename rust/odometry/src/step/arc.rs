@@ -2,8 +2,9 @@
 
 use pulp::Simd;
 
+use six_wheel_kinematics::angles::sin_cos_any;
 use six_wheel_numerics::simd::lanes::Lanes;
-use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square, taylor};
+use six_wheel_numerics::simd::polynomials::{horner, sinc_of_square, taylor};
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Half turn below which the factors of an arc are series [rad]: what is left out is below 1e-17.
@@ -49,27 +50,15 @@ impl<S: Vector> Arc<S> {
         if !is_large.any() {
             return small;
         }
-        let [chord, chord_derivative, sin, cos] = each_lane(simd, half, |half| {
-            let (sin, cos) = half.sin_cos();
-            let chord = sin / half;
-            [chord, (cos - chord) / half, sin, cos]
-        });
+        let (sin, cos) = sin_cos_any(simd, half);
+        let chord = sin.quotient(half);
         Self {
             chord: is_large.select(chord, small.chord),
-            chord_derivative: is_large.select(chord_derivative, small.chord_derivative),
+            chord_derivative: is_large.select((cos - chord).quotient(half), small.chord_derivative),
             sin: is_large.select(sin, small.sin),
             cos: is_large.select(cos, small.cos),
         }
     }
-}
-
-#[inline(always)]
-fn horner<S: Simd, const N: usize>(simd: S, coefficients: [f64; N], x: Lanes<S>) -> Lanes<S> {
-    let mut sum = Lanes::splat(simd, coefficients[N - 1]);
-    for k in (0..N - 1).rev() {
-        sum = sum.mul_add(x, Lanes::splat(simd, coefficients[k]));
-    }
-    sum
 }
 
 /// Chord over length of an arc, by half its turn [rad].
@@ -80,38 +69,8 @@ pub(crate) fn chord_ratio<S: Vector>(simd: S, half: Lanes<S>) -> Lanes<S> {
     if !is_large.any() {
         return chord;
     }
-    let [large] = each_lane(simd, half, |half| [half.sin() / half]);
-    is_large.select(large, chord)
-}
-
-/// Sine and cosine of any angle.
-#[inline(always)]
-pub(crate) fn direction<S: Vector>(simd: S, angle: Lanes<S>) -> [Lanes<S>; 2] {
-    let (sin, cos) = sin_cos(simd, angle);
-    let is_large = !angle.abs().at_most(Lanes::splat(simd, LARGEST_ANGLE));
-    if !is_large.any() {
-        return [sin, cos];
-    }
-    let [large_sin, large_cos] = each_lane(simd, angle, |angle| angle.sin_cos().into());
-    [is_large.select(large_sin, sin), is_large.select(large_cos, cos)]
-}
-
-/// Functions of the standard library, lane by lane.
-#[inline(always)]
-fn each_lane<S: Vector, const N: usize>(simd: S, lanes: Lanes<S>, function: impl Fn(f64) -> [f64; N]) -> [Lanes<S>; N] {
-    let mut numbers = [0.0; 8];
-    lanes.store(S::as_mut_simd_f64s(&mut numbers).0, 0);
-    let mut columns = [[0.0; 8]; N];
-    for (lane, number) in numbers.iter().enumerate().take(S::F64_LANES) {
-        for (column, value) in columns.iter_mut().zip(function(*number)) {
-            column[lane] = value;
-        }
-    }
-    let mut results = [lanes; N];
-    for (result, column) in results.iter_mut().zip(&columns) {
-        *result = Lanes::load(simd, S::as_simd_f64s(column).0, 0);
-    }
-    results
+    let (sin, _) = sin_cos_any(simd, half);
+    is_large.select(sin.quotient(half), chord)
 }
 
 /// Derivatives of the end of a step with respect to its start and to its displacement in body axes.
@@ -239,10 +198,8 @@ mod tests {
             for chord in [arc.chord, chord_ratio(Scalar, lane(half))] {
                 assert!((chord.last(Scalar) - sinc(half)).abs() < 2.0 * f64::EPSILON, "{half}");
             }
-            let [sin, cos] = direction(Scalar, lane(half));
+            assert!((arc.sin.last(Scalar) - half.sin()).abs() < 2.0 * f64::EPSILON, "{half}");
             assert!((arc.cos.last(Scalar) - half.cos()).abs() < 2.0 * f64::EPSILON, "{half}");
-            assert!((cos.last(Scalar) - half.cos()).abs() < 2.0 * f64::EPSILON, "{half}");
-            assert!((sin.last(Scalar) - half.sin()).abs() < 2.0 * f64::EPSILON, "{half}");
             let expected = if half.abs() < 1e-3 { -half / 3.0 } else { (half.cos() - sinc(half)) / half };
             assert!((arc.chord_derivative.last(Scalar) - expected).abs() < 1e-11 * (1.0 + half.abs()), "{half}");
         }

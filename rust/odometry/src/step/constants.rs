@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::settings::encoder::Encoder;
 use crate::settings::{Readings, Settings};
 use six_wheel_kinematics::estimate::Method;
-use six_wheel_kinematics::formulas::readings::LARGEST_ROVER;
+use six_wheel_kinematics::kernels::readings::LARGEST_ROVER;
 use six_wheel_kinematics::one_row::inverse::{Eight, GROUP, level, order};
 use six_wheel_kinematics::rover::{Mount, Rover};
 use six_wheel_kinematics::wheels::Pivot;

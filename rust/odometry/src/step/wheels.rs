@@ -8,13 +8,15 @@
 //! cov(d) = Σ A_i A_iᵀ var(s_i) + B_i B_iᵀ var(slip across) + (B_i s_i) (B_i s_i)ᵀ var(steering angle)
 //! ```
 
-use super::arc::{chord_ratio, direction};
+use super::arc::chord_ratio;
 use super::constants::{Group, StepScratch, Triple, WheelRows};
 use super::terms::{LARGEST_ROTATION, NoiseTerms, ROUNDED_DOWN};
 use crate::covariance::Covariance3;
 use crate::motion::SUSPICIOUS;
+use six_wheel_kinematics::angles::sin_cos_any;
 use six_wheel_kinematics::one_row::inverse::Eight;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vec3::dot;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Source of the lanes: the numbers of register `k` of a group, or the number of one wheel in all lanes.
@@ -56,12 +58,6 @@ pub(crate) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &m
     }
 }
 
-/// `a . b`.
-#[inline(always)]
-pub(crate) fn dot<S: Vector>([a, b, c]: [Lanes<S>; 3], [x, y, z]: [Lanes<S>; 3]) -> Lanes<S> {
-    c.mul_add(z, b.mul_add(y, a * x))
-}
-
 /// Adds the share of these wheels to the least-squares displacement [m, m, rad], by their rotations and the middle angle
 /// and increment of their joints [rad]. Returns the lanes in which nothing has to be checked.
 #[inline(always)]
@@ -85,7 +81,7 @@ pub(crate) fn accumulate_displacement<S: Vector, P: LaneSource<S>>(
         is_fine = is_fine & increment.abs().at_most(most_steered);
         // A pivot whose wheel turns by `increment` meanwhile goes along an arc in body axes, of which this is the chord.
         rolled = rolled * chord_ratio(simd, increment * splat(0.5));
-        let [sin, cos] = direction(simd, middle + pick.of(&group.heading));
+        let (sin, cos) = sin_cos_any(simd, middle + pick.of(&group.heading));
         measured = [rolled * cos, rolled * sin];
         let [along, across] = shares;
         for part in 0..3 {

@@ -6,9 +6,10 @@
 //! continuous turn of the joints leads there (to spin on the spot, say), the rover stops, turns its wheels, and goes on.
 
 use super::model::Model;
+use crate::numbers::BLOCK;
 use crate::numbers::norms::{Reg, down_to_one, largest, splat, value};
-use crate::numbers::real::Real;
-use crate::numbers::registers::BLOCK;
+use six_wheel_numerics::simd::float::Float;
+use six_wheel_numerics::simd::polynomials::{horner, taylor};
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Speed of the pivots below which a motion is none [m/s].
@@ -53,15 +54,15 @@ impl Begin {
     }
 }
 
-impl<S: Vector, R: Real, const M: usize> Clone for State<S, R, M> {
+impl<S: Vector, R: Float, const M: usize> Clone for State<S, R, M> {
     #[inline(always)]
     fn clone(&self) -> Self {
         *self
     }
 }
-impl<S: Vector, R: Real, const M: usize> Copy for State<S, R, M> {}
+impl<S: Vector, R: Float, const M: usize> Copy for State<S, R, M> {}
 
-pub(crate) struct State<S: Vector, R: Real, const M: usize> {
+pub(crate) struct State<S: Vector, R: Float, const M: usize> {
     pub motion: [Reg<S, R>; M],
     pub setting: [Reg<S, R>; M],
     /// Time the joints still need [s]; negative where they are set for no motion yet.
@@ -71,7 +72,7 @@ pub(crate) struct State<S: Vector, R: Real, const M: usize> {
     pub cost: Reg<S, R>,
 }
 
-impl<R: Real, const M: usize> Model<R, M> {
+impl<R: Float, const M: usize> Model<R, M> {
     /// Rollouts that are driven at once.
     pub fn abreast<S: Vector>() -> usize {
         Reg::<S, R>::lanes()
@@ -92,7 +93,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         mut record: Option<&mut [R]>,
     ) {
         let steps = wishes.len() / (M * BLOCK);
-        let number = |value: f64| Reg::<S, R>::all(simd, value);
+        let number = |value: f64| Reg::<S, R>::constant(simd, value);
         let (sin, cos) = begin.heading.sin_cos();
         let mut state = State {
             motion: splat(simd, &begin.motion),
@@ -105,28 +106,28 @@ impl<R: Real, const M: usize> Model<R, M> {
         for t in 0..steps {
             let mut wish = [number(0.0); M];
             for (k, wish) in wish.iter_mut().enumerate() {
-                *wish = Reg::load(simd, &wishes[(t * M + k) * BLOCK + at..]);
+                *wish = Reg::from_slice(simd, &wishes[(t * M + k) * BLOCK + at..]);
             }
             self.step(simd, begin, &mut state, wish);
             self.move_on(simd, begin, &mut state);
             let ([x, y], [c, s]) = (state.place, state.heading);
             let kept = if begin.headings { TRACK } else { 2 };
             for (k, value) in [x, y, c, s].into_iter().enumerate().take(kept) {
-                value.store(&mut track[(t * TRACK + k) * BLOCK + at..]);
+                value.copy_to_slice(&mut track[(t * TRACK + k) * BLOCK + at..]);
             }
             if let Some(record) = record.as_deref_mut() {
                 for (k, value) in state.motion.into_iter().enumerate() {
-                    value.store(&mut record[(t * M + k) * BLOCK + at..]);
+                    value.copy_to_slice(&mut record[(t * M + k) * BLOCK + at..]);
                 }
             }
         }
-        state.cost.store(&mut costs[at..]);
+        state.cost.copy_to_slice(&mut costs[at..]);
     }
 
     /// The motion of a step.
     #[inline(always)]
     fn step<S: Vector>(&self, simd: S, begin: &Begin, state: &mut State<S, R, M>, wish: [Reg<S, R>; M]) {
-        let number = |value: f64| Reg::<S, R>::all(simd, value);
+        let number = |value: f64| Reg::<S, R>::constant(simd, value);
         let zero = number(0.0);
         let before = state.motion;
         let mut wanted = wish;
@@ -182,7 +183,7 @@ impl<R: Real, const M: usize> Model<R, M> {
     /// The way of a step, exact for a constant motion.
     #[inline(always)]
     fn move_on<S: Vector>(&self, simd: S, begin: &Begin, state: &mut State<S, R, M>) {
-        let number = |value: f64| Reg::<S, R>::all(simd, value);
+        let number = |value: f64| Reg::<S, R>::constant(simd, value);
         let one = number(1.0);
         let yaw = state.motion[M - 1];
         let half = yaw * number(begin.smallest);
@@ -206,38 +207,18 @@ impl<R: Real, const M: usize> Model<R, M> {
     }
 }
 
-/// A polynomial, by Horner's rule.
-#[inline(always)]
-fn series<S: Vector, R: Real, const N: usize>(simd: S, x: Reg<S, R>, coefficients: [f64; N]) -> Reg<S, R> {
-    let mut sum = Reg::all(simd, coefficients[N - 1]);
-    for k in (0..N - 1).rev() {
-        sum = sum.mul_add(x, Reg::all(simd, coefficients[k]));
-    }
-    sum
-}
-
 /// Sine, cosine and sine over angle of a small angle.
 #[inline(always)]
-fn half_turn<S: Vector, R: Real>(simd: S, half: Reg<S, R>, few: bool) -> (Reg<S, R>, Reg<S, R>, Reg<S, R>) {
+fn half_turn<S: Vector, R: Float>(simd: S, half: Reg<S, R>, few: bool) -> (Reg<S, R>, Reg<S, R>, Reg<S, R>) {
+    const SINC: [f64; 7] = taylor(1);
+    const COS: [f64; 8] = taylor(0);
+    const FEW_SINC: [f64; 4] = taylor(1);
+    const FEW_COS: [f64; 5] = taylor(0);
     let square = half * half;
-    const SINC: [f64; 7] =
-        [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0, 1.0 / 6_227_020_800.0];
-    const COS: [f64; 8] = [
-        1.0,
-        -0.5,
-        1.0 / 24.0,
-        -1.0 / 720.0,
-        1.0 / 40_320.0,
-        -1.0 / 3_628_800.0,
-        1.0 / 479_001_600.0,
-        -1.0 / 87_178_291_200.0,
-    ];
     let (sinc, cos) = if few {
-        let [s0, s1, s2, s3, ..] = SINC;
-        let [c0, c1, c2, c3, c4, ..] = COS;
-        (series(simd, square, [s0, s1, s2, s3]), series(simd, square, [c0, c1, c2, c3, c4]))
+        (horner(simd, FEW_SINC, square), horner(simd, FEW_COS, square))
     } else {
-        (series(simd, square, SINC), series(simd, square, COS))
+        (horner(simd, SINC, square), horner(simd, COS, square))
     };
     (half * sinc, cos, sinc)
 }

@@ -2,23 +2,23 @@
 
 use super::drive::{Begin, State};
 use super::model::{Model, Wheel};
-use crate::numbers::norms::{ABREAST, Reg, cross, down_to_one, inner, largest, lowered, share, times, value};
-use crate::numbers::real::Real;
-use crate::numbers::registers::BLOCK;
-use crate::numbers::registers::Truths;
+use crate::numbers::BLOCK;
+use crate::numbers::norms::{ABREAST, Reg, area, down_to_one, inner, largest, lowered, share, times, value};
+use six_wheel_numerics::simd::float::Float;
+use six_wheel_numerics::simd::lanes::Mask;
 use six_wheel_numerics::simd::vector::Vector;
 
-type Truth<S, R> = Truths<S, R, ABREAST>;
+type Truth<S, R> = Mask<S, R, ABREAST>;
 
-impl<R: Real, const M: usize> Model<R, M> {
+impl<R: Float, const M: usize> Model<R, M> {
     /// The nearest motion within the ranges.
     #[inline(always)]
     pub(crate) fn possible<S: Vector>(&self, simd: S, mut z: [Reg<S, R>; M]) -> [Reg<S, R>; M] {
-        let zero = Reg::<S, R>::all(simd, 0.0);
+        let zero = Reg::<S, R>::constant(simd, 0.0);
         for (ends, shares, per_length) in &self.gaps {
             // Counted from the first end on, and up to the second one.
-            let from = cross(simd, &z, ends[0]);
-            let to = zero - cross(simd, &z, ends[1]);
+            let from = area(simd, &z, ends[0]);
+            let to = zero - area(simd, &z, ends[1]);
             let within = zero.below(from * to);
             let [near, far] = [Reg::splat(simd, per_length[0]), Reg::splat(simd, per_length[1])];
             let first = (from.abs() * near).below(to.abs() * far);
@@ -52,8 +52,8 @@ impl<R: Real, const M: usize> Model<R, M> {
         for k in 0..M {
             moved[k] = agrees[k].mul_add(need, z[k]);
         }
-        let square = value(simd, &self.metric, &moved).max(Reg::all(simd, R::TINY));
-        let share = inner(&low, &moved).max(zero).over(square);
+        let square = value(simd, &self.metric, &moved).max(Reg::constant(simd, R::TINY));
+        let share = inner(&low, &moved).max(zero) / square;
         for k in 0..M {
             z[k] = outside.select(moved[k] * share, z[k]);
         }
@@ -73,7 +73,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         mut motion: [Reg<S, R>; M],
         rests: Truth<S, R>,
     ) -> [Reg<S, R>; M] {
-        let number = |value: f64| Reg::<S, R>::all(simd, value);
+        let number = |value: f64| Reg::<S, R>::constant(simd, value);
         let zero = number(0.0);
         let one = number(1.0);
         let (per_turn, tiny) = (Reg::splat(simd, per_turn), number(R::TINY));
@@ -96,14 +96,14 @@ impl<R: Real, const M: usize> Model<R, M> {
             let worse = (need * square).below(more * part);
             (need, part) = (worse.select(more, need), worse.select(square, part));
         }
-        let kept = need.over(part);
+        let kept = need / part;
         let same = zero.below(least) | most.below(zero) | rests;
         let mut turned = wanted;
         for k in 0..M {
             turned[k] = before[k].flip(side).mul_add(kept, wanted[k]);
         }
         let low = lowered(simd, &self.metric, &turned);
-        let share = inner(&low, &wanted).max(zero).over(inner(&low, &turned).max(tiny));
+        let share = inner(&low, &wanted).max(zero) / inner(&low, &turned).max(tiny);
         let late = zero.below(kept) & !rests;
         for k in 0..M {
             motion[k] = late.select(turned[k] * share, motion[k]);
@@ -132,7 +132,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         mut motion: [Reg<S, R>; M],
         [rests, same, busy, loose]: [Truth<S, R>; 4],
     ) -> [Reg<S, R>; M] {
-        let number = |value: f64| Reg::<S, R>::all(simd, value);
+        let number = |value: f64| Reg::<S, R>::constant(simd, value);
         let (zero, one) = (number(0.0), number(1.0));
         let mut speed = zero;
         for part in state.motion {
@@ -151,22 +151,22 @@ impl<R: Real, const M: usize> Model<R, M> {
             let mut columns = [[[R::default(); BLOCK]; M]; 2];
             let mut which = [R::default(); BLOCK];
             // Those that are set for no motion yet are where the angles say.
-            begins.select(loose.select(number(-1.0), one), zero).store(&mut which);
+            begins.select(loose.select(number(-1.0), one), zero).copy_to_slice(&mut which);
             for k in 0..M {
-                before[k].store(&mut columns[0][k]);
-                wanted[k].store(&mut columns[1][k]);
+                before[k].copy_to_slice(&mut columns[0][k]);
+                wanted[k].copy_to_slice(&mut columns[1][k]);
             }
             for lane in 0..lanes {
-                let kind = which[lane].wide();
+                let kind = which[lane].to_f64();
                 if kind != 0.0 {
                     let at = |j: usize| std::array::from_fn(|k| columns[j][k][lane]);
                     let angles = (kind < 0.0).then_some(&begin.angles[..]);
-                    times[lane] = R::of(self.time(at(0), angles, at(1)));
+                    times[lane] = R::from_f64(self.time(at(0), angles, at(1)));
                 }
             }
         }
         let dt = number(self.dt);
-        let turns = Reg::load(simd, &times);
+        let turns = Reg::from_slice(simd, &times);
         let rest = busy.select(state.busy, turns);
         let waits = busy | begins;
         let next = (rest - dt).max(zero);

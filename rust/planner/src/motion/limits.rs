@@ -7,12 +7,13 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::numbers::squares::{Form, ROUNDING, dot, needed, product, square};
+use crate::numbers::squares::{Form, ROUNDING, needed, product, square};
 use six_wheel_control::controller::Limits;
 use six_wheel_kinematics::rover::{Mount, Rover};
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::wheels::{Direction, Pivot};
 use six_wheel_numerics::error::{Error, short};
+use six_wheel_numerics::simd::vec3::inner_product;
 
 /// Ends of ranges this near to a quarter turn are none [rad].
 const WHOLE: f64 = 1e-9;
@@ -156,7 +157,7 @@ impl RoverLimits {
 
     /// A row of a twist as a row of components.
     fn row(&self, row: [f64; 3]) -> Vec<f64> {
-        self.body.iter().map(|part| dot(part, &row)).collect()
+        self.body.iter().map(|part| inner_product(part, &row)).collect()
     }
 
     /// Adds the joints and limits of every wheel.
@@ -221,7 +222,7 @@ impl RoverLimits {
         let size = square(&self.metric, motion).max(0.0).sqrt();
         let over = |joint: &Joint| {
             let (sin, cos) = joint.half.sin_cos();
-            dot(&joint.across, motion).abs() * cos - dot(&joint.along, motion).abs() * sin
+            inner_product(&joint.across, motion).abs() * cos - inner_product(&joint.along, motion).abs() * sin
         };
         let narrow = self.joints.iter().filter(|joint| joint.half < FRAC_PI_2 - WHOLE);
         narrow.map(over).fold(f64::NEG_INFINITY, f64::max) / size
@@ -254,7 +255,7 @@ impl RoverLimits {
         // Further banks leave one direction at most.
         if let Some(first) = others.iter().find(|row| row.iter().any(|part| part.abs() > ROUNDING)) {
             let only = point(angle(first));
-            let slides = |row: &Vec<f64>| dot(row, &only).abs() > AT_AN_END;
+            let slides = |row: &Vec<f64>| inner_product(row, &only).abs() > AT_AN_END;
             if others.iter().any(slides) || self.beyond(&only) > AT_AN_END {
                 self.stuck = Some(Stuck::Rover);
             } else {

@@ -1,15 +1,16 @@
 //! A rover for rollouts of one kind of number: its facts as registers take them.
 
 use super::limits::{Gap, Joint, RoverLimits};
-use crate::numbers::real::Real;
-use crate::numbers::squares::{Form, dot};
+use crate::numbers::squares::Form;
+use six_wheel_numerics::simd::float::Float;
+use six_wheel_numerics::simd::vec3::inner_product;
 
 pub(crate) struct Wheel<R, const M: usize> {
     pub along: [R; M],
     pub across: [R; M],
 }
 
-impl<R: Real, const M: usize> Wheel<R, M> {
+impl<R: Float, const M: usize> Wheel<R, M> {
     fn of(joint: &Joint) -> Self {
         Self { along: row(&joint.along), across: row(&joint.across) }
     }
@@ -57,32 +58,32 @@ pub(crate) struct Model<R, const M: usize> {
     pub(crate) dt: f64,
 }
 
-fn form<R: Real>(form: &[f64], factor: f64) -> [R; 6] {
+fn form<R: Float>(form: &[f64], factor: f64) -> [R; 6] {
     let mut coefficients = [R::default(); 6];
     for (to, from) in coefficients.iter_mut().zip(form) {
-        *to = R::of(from * factor);
+        *to = R::from_f64(from * factor);
     }
     coefficients
 }
 
-fn row<R: Real, const M: usize>(from: &[f64]) -> [R; M] {
+fn row<R: Float, const M: usize>(from: &[f64]) -> [R; M] {
     let mut row = [R::default(); M];
     for (to, from) in row.iter_mut().zip(from) {
-        *to = R::of(*from);
+        *to = R::from_f64(*from);
     }
     row
 }
 
-impl<R: Real, const M: usize> Model<R, M> {
+impl<R: Float, const M: usize> Model<R, M> {
     pub fn new(facts: &RoverLimits, dt: f64) -> Self {
         let limits = &facts.limits;
         let forms = |forms: &[Form], factor: f64| forms.iter().map(|one| form(one, factor)).collect();
         let speeding: Vec<[R; 6]> = forms(&facts.speeding, 1.0 / (dt * dt));
         let turn = limits.steering_rate * dt;
         let per_turn = (turn.is_finite() && !facts.joints.is_empty())
-            .then(|| R::of(if turn < std::f64::consts::FRAC_PI_2 { 1.0 / turn.tan() } else { 0.0 }));
-        let pair = |ends: [[f64; 2]; 2]| ends.map(|end| end.map(R::of));
-        let gap = |gap: &Gap| (pair(gap.ends), pair(gap.shares), gap.per_length.map(R::of));
+            .then(|| R::from_f64(if turn < std::f64::consts::FRAC_PI_2 { 1.0 / turn.tan() } else { 0.0 }));
+        let pair = |ends: [[f64; 2]; 2]| ends.map(|end| end.map(R::from_f64));
+        let gap = |gap: &Gap| (pair(gap.ends), pair(gap.shares), gap.per_length.map(R::from_f64));
         let toward = facts.inside.as_ref().map(|inside| Toward {
             inside: row(inside),
             ranges: facts
@@ -90,14 +91,14 @@ impl<R: Real, const M: usize> Model<R, M> {
                 .iter()
                 .map(|joint| {
                     let (sin, cos) = joint.half.sin_cos();
-                    let along = dot(&joint.along, inside);
-                    let margin = along.abs() * sin - dot(&joint.across, inside).abs() * cos;
+                    let along = inner_product(&joint.along, inside);
+                    let margin = along.abs() * sin - inner_product(&joint.across, inside).abs() * cos;
                     Range {
                         wheel: Wheel::of(joint),
-                        sin: R::of(sin),
-                        cos: R::of(cos),
-                        sense: R::of(along.signum()),
-                        per_margin: R::of(1.0 / margin),
+                        sin: R::from_f64(sin),
+                        cos: R::from_f64(cos),
+                        sense: R::from_f64(along.signum()),
+                        per_margin: R::from_f64(1.0 / margin),
                     }
                 })
                 .collect(),
@@ -113,11 +114,11 @@ impl<R: Real, const M: usize> Model<R, M> {
             metric: form(&facts.metric, 1.0),
             lengths: row(&facts.lengths),
             scaling: forms(&facts.scaling, 1.0),
-            lateral: limits.lateral_acceleration.is_finite().then(|| R::of(1.0 / limits.lateral_acceleration)),
+            lateral: limits.lateral_acceleration.is_finite().then(|| R::from_f64(1.0 / limits.lateral_acceleration)),
             speeding,
             slowing: (!same).then(|| forms(&facts.slowing, 1.0 / (dt * dt))),
             slips: forms(&facts.slips, 1.0),
-            sideways: R::of(facts.sideways),
+            sideways: R::from_f64(facts.sideways),
             rate: limits.steering_rate,
             acceleration: limits.steering_acceleration,
             dt,
@@ -127,7 +128,7 @@ impl<R: Real, const M: usize> Model<R, M> {
     /// Time the joints take from one setting to another [s].
     pub fn time(&self, from: [R; M], start: Option<&[f64]>, to: [R; M]) -> f64 {
         let setting = |joint: &Wheel<R, M>, motion: [R; M]| {
-            let part = |row: &[R; M]| row.iter().zip(motion).map(|(a, b)| a.wide() * b.wide()).sum::<f64>();
+            let part = |row: &[R; M]| row.iter().zip(motion).map(|(a, b)| a.to_f64() * b.to_f64()).sum::<f64>();
             let (along, across) = (part(&joint.along), part(&joint.across));
             (across / along).atan()
         };

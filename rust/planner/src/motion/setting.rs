@@ -4,7 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::drive::{Begin, REST};
 use super::limits::RoverLimits;
-use crate::numbers::squares::{dot, square};
+use crate::numbers::squares::square;
+use six_wheel_numerics::simd::vec3::inner_product;
 
 /// Angles by which joints may miss a motion and still be set for it [rad].
 const ALIGNED: f64 = 0.02;
@@ -63,7 +64,7 @@ fn set_for(facts: &RoverLimits, motion: [f64; 3], steering: &[f64]) -> Option<[f
     let moved = &found[..free];
     let size = square(&facts.metric, moved).max(0.0).sqrt();
     let fits = facts.joints.iter().zip(steering).all(|(joint, angle)| {
-        let (along, across) = (dot(&joint.along, moved), dot(&joint.across, moved));
+        let (along, across) = (inner_product(&joint.along, moved), inner_product(&joint.across, moved));
         // A pivot that rests points anywhere.
         let rests = along.hypot(across) < REST * size;
         rests || ((across / along).atan() - (angle - joint.middle)).abs() <= ALIGNED

@@ -6,8 +6,9 @@
 
 use pulp::Simd;
 
-use super::registers::BLOCK;
-use super::registers::{Reg, Truth};
+use crate::numbers::BLOCK;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::{horner, taylor};
 
 /// Rounds of the generator: the fewest that pass.
 pub(crate) const ROUNDS: u32 = 7;
@@ -15,7 +16,7 @@ const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 
 /// `ln(1 + f) / f` for `1 + f` between the roots of 1/2 and 2, to 2e-8.
-const LN: [f32; 9] = [
+const LN: [f64; 9] = [
     0.999_999_97,
     -0.499_999_96,
     0.333_341_93,
@@ -27,8 +28,8 @@ const LN: [f32; 9] = [
     0.085_333_13,
 ];
 /// `sin x / x` and `cos x` up to an eighth of a turn, in powers of the square.
-const SIN: [f32; 5] = [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0];
-const COS: [f32; 6] = [1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0, -1.0 / 3_628_800.0];
+const SIN: [f64; 5] = taylor(1);
+const COS: [f64; 6] = taylor(0);
 
 /// Counter of the random numbers of one block.
 #[derive(Clone, Copy, Debug)]
@@ -65,8 +66,8 @@ impl<S: Simd> Words<S> {
         Self(self.0, self.0.sub_u32s(self.1, self.0.splat_u32s(word)))
     }
     #[inline(always)]
-    fn real(self) -> Reg<S, f32> {
-        Reg::of_bits(self.0, self.1)
+    fn real(self) -> Lanes<S, f32> {
+        Lanes::from_bits(self.0, self.1)
     }
     #[inline(always)]
     fn shift_right(self, by: u32) -> Self {
@@ -80,9 +81,9 @@ impl<S: Simd> Words<S> {
     }
     /// Lanes in which the bit is set.
     #[inline(always)]
-    fn has(self, bit: u32) -> Truth<S, f32> {
+    fn has(self, bit: u32) -> Mask<S, f32> {
         let Self(simd, word) = self.and(bit);
-        Truth::of(simd, simd.greater_than_u32s(word, simd.splat_u32s(0)))
+        Mask::from_bits(simd, word)
     }
 }
 
@@ -105,41 +106,32 @@ fn philox<S: Simd>(simd: S, mut x: [Words<S>; 4], seed: u64) -> [Words<S>; 4] {
     x
 }
 
-#[inline(always)]
-fn polynomial<S: Simd, const N: usize>(simd: S, coefficients: [f32; N], x: Reg<S, f32>) -> Reg<S, f32> {
-    let mut sum = Reg::splat(simd, coefficients[N - 1]);
-    for k in (0..N - 1).rev() {
-        sum = sum.mul_add(x, Reg::splat(simd, coefficients[k]));
-    }
-    sum
-}
-
 /// 23 bits as the fraction of a float of [1, 2), less 1: exact.
 #[inline(always)]
-fn fraction<S: Simd>(word: Words<S>) -> Reg<S, f32> {
-    word.shift_right(9).or(0x3F80_0000).real() - Reg::splat(word.0, 1.0)
+fn fraction<S: Simd>(word: Words<S>) -> Lanes<S, f32> {
+    word.shift_right(9).or(0x3F80_0000).real() - Lanes::splat(word.0, 1.0)
 }
 
 /// Two normal numbers of two words.
 #[inline(always)]
-fn normal<S: Simd>(simd: S, a: Words<S>, b: Words<S>) -> [Reg<S, f32>; 2] {
-    let number = |value: f32| Reg::<S, f32>::splat(simd, value);
+fn normal<S: Simd>(simd: S, a: Words<S>, b: Words<S>) -> [Lanes<S, f32>; 2] {
+    let number = |value: f32| Lanes::<S, f32>::splat(simd, value);
     let uniform = fraction(a) + number(0.5 / 8_388_608.0); // of (0, 1)
     // Exponent and fraction, the latter between the roots of 1/2 and 2.
-    let bits = Words(simd, uniform.bits());
+    let bits = Words(simd, uniform.to_bits());
     let from = bits.minus(0x3F35_04F3);
     let exponent = from.shift_right(23);
     let f = Words(simd, simd.sub_u32s(bits.1, exponent.shift_left(23).1)).real() - number(1.0);
     // Nine bits in two's complement, counted from 256 on: the lowest ones of 2^23 as a float.
     let k = exponent.xor(Words::all(simd, 0x100)).or(0x4B00_0000);
     let k = k.real() - number(8_388_608.0 + 256.0);
-    let log = polynomial(simd, LN, f).mul_add(f, k * number(std::f32::consts::LN_2));
+    let log = horner(simd, LN, f).mul_add(f, k * number(std::f32::consts::LN_2));
     let radius = (log * number(-2.0)).max(number(0.0)).sqrt();
     // An angle within an eighth of a turn of an axis, the axis, and the side of it.
     let x = (fraction(b.shift_left(2)) - number(0.5)) * number(std::f32::consts::FRAC_PI_2);
     let square = x * x;
-    let sin = polynomial(simd, SIN, square) * x;
-    let cos = polynomial(simd, COS, square);
+    let sin = horner(simd, SIN, square) * x;
+    let cos = horner(simd, COS, square);
     let radius = radius.flip(b.and(0x8000_0000).real());
     let swap = b.has(1 << 30);
     [radius * swap.select(cos, sin), radius * swap.select(sin, cos)]
@@ -164,7 +156,7 @@ pub(crate) fn fill<S: Simd>(simd: S, counter: Counter, components: usize, steps:
             for (k, value) in pairs.into_iter().flatten().enumerate() {
                 let row = 4 * quad + k;
                 if row < count {
-                    value.store(&mut to[row * BLOCK + at..]);
+                    value.copy_to_slice(&mut to[row * BLOCK + at..]);
                 }
             }
         }

@@ -2,17 +2,18 @@
 //!
 //! Loops instead of closures: those are compiled for themselves first, without the level's instructions.
 
-use super::real::Real;
-use super::registers::Regs;
+use six_wheel_numerics::simd::float::Float;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::vec3::cross2;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Registers that are driven in lockstep: a step is a long chain of results that wait for each other.
 pub(crate) const ABREAST: usize = 2;
 
-pub(crate) type Reg<S, R> = Regs<S, R, ABREAST>;
+pub(crate) type Reg<S, R> = Lanes<S, R, ABREAST>;
 
 #[inline(always)]
-pub(crate) fn times<S: Vector, R: Real, const M: usize>(simd: S, row: &[R; M], z: &[Reg<S, R>; M]) -> Reg<S, R> {
+pub(crate) fn times<S: Vector, R: Float, const M: usize>(simd: S, row: &[R; M], z: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut sum = z[0] * Reg::splat(simd, row[0]);
     for k in 1..M {
         sum = z[k].mul_add(Reg::splat(simd, row[k]), sum);
@@ -22,31 +23,31 @@ pub(crate) fn times<S: Vector, R: Real, const M: usize>(simd: S, row: &[R; M], z
 
 /// The same motion in every lane.
 #[inline(always)]
-pub(crate) fn splat<S: Vector, R: Real, const M: usize>(simd: S, motion: &[f64; 3]) -> [Reg<S, R>; M] {
-    let mut parts = [Reg::all(simd, 0.0); M];
+pub(crate) fn splat<S: Vector, R: Float, const M: usize>(simd: S, motion: &[f64; 3]) -> [Reg<S, R>; M] {
+    let mut parts = [Reg::constant(simd, 0.0); M];
     for (part, value) in parts.iter_mut().zip(motion) {
-        *part = Reg::all(simd, *value);
+        *part = Reg::constant(simd, *value);
     }
     parts
 }
 
 /// Area between an end of a gap and a motion.
 #[inline(always)]
-pub(crate) fn cross<S: Vector, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], end: [R; 2]) -> Reg<S, R> {
-    z[1] * Reg::splat(simd, end[0]) - z[0] * Reg::splat(simd, end[1])
+pub(crate) fn area<S: Vector, R: Float, const M: usize>(simd: S, z: &[Reg<S, R>; M], end: [R; 2]) -> Reg<S, R> {
+    cross2([Reg::splat(simd, end[0]), Reg::splat(simd, end[1])], [z[0], z[1]])
 }
 
 /// Share of an end in the motion nearest to it.
 #[inline(always)]
-pub(crate) fn share<S: Vector, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], row: [R; 2]) -> Reg<S, R> {
+pub(crate) fn share<S: Vector, R: Float, const M: usize>(simd: S, z: &[Reg<S, R>; M], row: [R; 2]) -> Reg<S, R> {
     z[1].mul_add(Reg::splat(simd, row[1]), z[0] * Reg::splat(simd, row[0]))
 }
 
 /// The value of a form.
 #[inline(always)]
-pub(crate) fn value<S: Vector, R: Real, const M: usize>(simd: S, form: &[R; 6], z: &[Reg<S, R>; M]) -> Reg<S, R> {
+pub(crate) fn value<S: Vector, R: Float, const M: usize>(simd: S, form: &[R; 6], z: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut k = 0;
-    let mut sum = Reg::all(simd, 0.0);
+    let mut sum = Reg::constant(simd, 0.0);
     for i in 0..M {
         let mut part = z[i] * Reg::splat(simd, form[k]);
         k += 1;
@@ -61,8 +62,8 @@ pub(crate) fn value<S: Vector, R: Real, const M: usize>(simd: S, form: &[R; 6], 
 
 /// The largest of some forms.
 #[inline(always)]
-pub(crate) fn largest<S: Vector, R: Real, const M: usize>(simd: S, forms: &[[R; 6]], z: &[Reg<S, R>; M]) -> Reg<S, R> {
-    let mut worst = Reg::all(simd, 0.0);
+pub(crate) fn largest<S: Vector, R: Float, const M: usize>(simd: S, forms: &[[R; 6]], z: &[Reg<S, R>; M]) -> Reg<S, R> {
+    let mut worst = Reg::constant(simd, 0.0);
     for form in forms {
         worst = worst.max(value(simd, form, z));
     }
@@ -71,13 +72,13 @@ pub(crate) fn largest<S: Vector, R: Real, const M: usize>(simd: S, forms: &[[R; 
 
 /// The metric's product with a motion: its product with another one is half the mixed form.
 #[inline(always)]
-pub(crate) fn lowered<S: Vector, R: Real, const M: usize>(
+pub(crate) fn lowered<S: Vector, R: Float, const M: usize>(
     simd: S,
     form: &[R; 6],
     z: &[Reg<S, R>; M],
 ) -> [Reg<S, R>; M] {
-    let mut low = [Reg::all(simd, 0.0); M];
-    let half = Reg::all(simd, 0.5);
+    let mut low = [Reg::constant(simd, 0.0); M];
+    let half = Reg::constant(simd, 0.5);
     let mut k = 0;
     for i in 0..M {
         for j in i..M {
@@ -101,14 +102,14 @@ const CLOSE: f64 = 1e-12;
 
 /// Scale `1 / max(1, norm)` of a motion with this squared norm.
 #[inline(always)]
-pub(crate) fn down_to_one<S: Vector, R: Real>(simd: S, square: Reg<S, R>) -> Reg<S, R> {
-    let one = Reg::all(simd, 1.0);
+pub(crate) fn down_to_one<S: Vector, R: Float>(simd: S, square: Reg<S, R>) -> Reg<S, R> {
+    let one = Reg::constant(simd, 1.0);
     let [share, _] = square.max(one).roots();
-    square.below(Reg::all(simd, 1.0 + CLOSE)).select(one, share)
+    square.below(Reg::constant(simd, 1.0 + CLOSE)).select(one, share)
 }
 
 #[inline(always)]
-pub(crate) fn inner<S: Vector, R: Real, const M: usize>(a: &[Reg<S, R>; M], b: &[Reg<S, R>; M]) -> Reg<S, R> {
+pub(crate) fn inner<S: Vector, R: Float, const M: usize>(a: &[Reg<S, R>; M], b: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut sum = a[0] * b[0];
     for k in 1..M {
         sum = a[k].mul_add(b[k], sum);

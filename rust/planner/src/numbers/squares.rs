@@ -82,7 +82,3 @@ pub(crate) fn needed(forms: Vec<Form>, n: usize) -> Vec<Form> {
     }
     kept
 }
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}

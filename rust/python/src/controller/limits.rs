@@ -1,15 +1,12 @@
 //! `six_wheel.Limits`: what a motion may not exceed, as data.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
-
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
 use six_wheel_control::controller::Limits as Core;
 use six_wheel_kinematics::units;
 
-use crate::arguments::{self, ArgumentKind, FromArgument, constructor_call};
-use crate::classes::reduce;
-use crate::convert::{OrRaise, number};
+use crate::arguments::{ArgumentKind, FromArgument, constructor_call};
+use crate::classes::repr_of_numbers;
+use crate::convert::OrRaise;
 use crate::rover::Rover;
 use crate::unit_warnings::warn_units;
 
@@ -55,22 +52,14 @@ use crate::unit_warnings::warn_units;
 pub struct Limits(pub Core);
 
 impl Limits {
-    /// The arguments that make these limits.
-    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let keywords = PyDict::new(py);
-        for (name, value) in self.0.pairs() {
-            keywords.set_item(name, value)?;
-        }
-        Ok(keywords)
+    /// The limits that were given.
+    fn numbers(&self) -> impl Iterator<Item = (&'static str, Option<f64>)> {
+        self.0.pairs().map(|(name, limit)| (name, Some(limit)))
     }
 
     /// The call that makes these limits.
     pub fn text(&self) -> String {
-        let text = |value: f64| {
-            if value.is_infinite() { "float('inf')".into() } else { format!("{value:?}") }
-        };
-        let given: Vec<String> = self.0.pairs().map(|(name, value)| format!("{name}={}", text(value))).collect();
-        format!("Limits({})", given.join(", "))
+        repr_of_numbers("Limits", self.numbers())
     }
 }
 
@@ -88,147 +77,57 @@ impl<'a, 'py> FromArgument<'a, 'py> for Limits {
     }
 }
 
-replaceable!(Limits);
+value_of_numbers!(Limits);
 
-#[pymethods]
-impl Limits {
+getters! { Limits, self, py:
+    /// Speed of the body's origin [m/s].
+    speed: f64 = self.0.speed;
+    /// Yaw rate [rad/s].
+    yaw_rate: f64 = self.0.yaw_rate;
+    /// Change of the velocity while speeding up [m/s^2].
+    acceleration: f64 = self.0.acceleration;
+    /// Change of the velocity while slowing down [m/s^2].
+    deceleration: f64 = self.0.deceleration;
+    /// Change of the acceleration [m/s^3].
+    jerk: f64 = self.0.jerk;
+    /// Change of the yaw rate while speeding up [rad/s^2].
+    angular_acceleration: f64 = self.0.angular_acceleration;
+    /// Change of the yaw rate while slowing down [rad/s^2].
+    angular_deceleration: f64 = self.0.angular_deceleration;
+    /// Change of the angular acceleration [rad/s^3].
+    angular_jerk: f64 = self.0.angular_jerk;
+    /// Speed times yaw rate [m/s^2].
+    lateral_acceleration: f64 = self.0.lateral_acceleration;
+    /// Rotation rate of every wheel [rad/s].
+    wheel_speed: f64 = self.0.wheel_speed;
+    /// Change of the rotation rate of every wheel [rad/s^2].
+    wheel_acceleration: f64 = self.0.wheel_acceleration;
+    /// Steering angle to either side [rad].
+    steering_limit: f64 = self.0.steering_limit;
+    /// Rate of every steering angle [rad/s].
+    steering_rate: f64 = self.0.steering_rate;
+    /// Change of the rate of every steering angle [rad/s^2].
+    steering_acceleration: f64 = self.0.steering_acceleration;
+    /// Change of the speed of a wheel over the ground during a halt [m/s^2].
+    halt_deceleration: f64 = self.0.halt_deceleration;
+}
+
+methods! { Limits:
     #[new]
-    #[pyo3(signature = (*, speed=None, yaw_rate=None, acceleration=None, deceleration=None, jerk=None,
-        angular_acceleration=None, angular_deceleration=None, angular_jerk=None, lateral_acceleration=None,
-        wheel_speed=None, wheel_acceleration=None, steering_limit=None, steering_rate=None,
-        steering_acceleration=None, halt_deceleration=None))]
-    fn new(
-        py: Python<'_>,
-        speed: Option<&Bound<'_, PyAny>>,
-        yaw_rate: Option<&Bound<'_, PyAny>>,
-        acceleration: Option<&Bound<'_, PyAny>>,
-        deceleration: Option<&Bound<'_, PyAny>>,
-        jerk: Option<&Bound<'_, PyAny>>,
-        angular_acceleration: Option<&Bound<'_, PyAny>>,
-        angular_deceleration: Option<&Bound<'_, PyAny>>,
-        angular_jerk: Option<&Bound<'_, PyAny>>,
-        lateral_acceleration: Option<&Bound<'_, PyAny>>,
-        wheel_speed: Option<&Bound<'_, PyAny>>,
-        wheel_acceleration: Option<&Bound<'_, PyAny>>,
-        steering_limit: Option<&Bound<'_, PyAny>>,
-        steering_rate: Option<&Bound<'_, PyAny>>,
-        steering_acceleration: Option<&Bound<'_, PyAny>>,
-        halt_deceleration: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let given = [
-            speed,
-            yaw_rate,
-            acceleration,
-            deceleration,
-            jerk,
-            angular_acceleration,
-            angular_deceleration,
-            angular_jerk,
-            lateral_acceleration,
-            wheel_speed,
-            wheel_acceleration,
-            steering_limit,
-            steering_rate,
-            steering_acceleration,
+    fn new[py: Python<'py>](*, speed: Option<f64> = None, yaw_rate: Option<f64> = None,
+        acceleration: Option<f64> = None, deceleration: Option<f64> = None, jerk: Option<f64> = None,
+        angular_acceleration: Option<f64> = None, angular_deceleration: Option<f64> = None,
+        angular_jerk: Option<f64> = None, lateral_acceleration: Option<f64> = None, wheel_speed: Option<f64> = None,
+        wheel_acceleration: Option<f64> = None, steering_limit: Option<f64> = None, steering_rate: Option<f64> = None,
+        steering_acceleration: Option<f64> = None, halt_deceleration: Option<f64> = None) -> PyResult<Self> {
+        let core = Core::new([
+            speed, yaw_rate, acceleration, deceleration, jerk, angular_acceleration, angular_deceleration, angular_jerk,
+            lateral_acceleration, wheel_speed, wheel_acceleration, steering_limit, steering_rate, steering_acceleration,
             halt_deceleration,
-        ];
-        let mut values = [None; Core::NAMES.len()];
-        for ((value, given), name) in values.iter_mut().zip(given).zip(Core::NAMES) {
-            *value = given.map(|given| number(name, given)).transpose()?;
-        }
-        let core = Core::new(values).or_raise(&[])?;
+        ]);
+        let core = core.or_raise(&[])?;
         warn_units(py, units::settings(Core::NAMES.into_iter().zip(core.values())))?;
         Ok(Self(core))
-    }
-
-    /// Speed of the body's origin [m/s].
-    #[getter]
-    fn speed(&self) -> f64 {
-        self.0.speed
-    }
-
-    /// Yaw rate [rad/s].
-    #[getter]
-    fn yaw_rate(&self) -> f64 {
-        self.0.yaw_rate
-    }
-
-    /// Change of the velocity while speeding up [m/s^2].
-    #[getter]
-    fn acceleration(&self) -> f64 {
-        self.0.acceleration
-    }
-
-    /// Change of the velocity while slowing down [m/s^2].
-    #[getter]
-    fn deceleration(&self) -> f64 {
-        self.0.deceleration
-    }
-
-    /// Change of the acceleration [m/s^3].
-    #[getter]
-    fn jerk(&self) -> f64 {
-        self.0.jerk
-    }
-
-    /// Change of the yaw rate while speeding up [rad/s^2].
-    #[getter]
-    fn angular_acceleration(&self) -> f64 {
-        self.0.angular_acceleration
-    }
-
-    /// Change of the yaw rate while slowing down [rad/s^2].
-    #[getter]
-    fn angular_deceleration(&self) -> f64 {
-        self.0.angular_deceleration
-    }
-
-    /// Change of the angular acceleration [rad/s^3].
-    #[getter]
-    fn angular_jerk(&self) -> f64 {
-        self.0.angular_jerk
-    }
-
-    /// Speed times yaw rate [m/s^2].
-    #[getter]
-    fn lateral_acceleration(&self) -> f64 {
-        self.0.lateral_acceleration
-    }
-
-    /// Rotation rate of every wheel [rad/s].
-    #[getter]
-    fn wheel_speed(&self) -> f64 {
-        self.0.wheel_speed
-    }
-
-    /// Change of the rotation rate of every wheel [rad/s^2].
-    #[getter]
-    fn wheel_acceleration(&self) -> f64 {
-        self.0.wheel_acceleration
-    }
-
-    /// Steering angle to either side [rad].
-    #[getter]
-    fn steering_limit(&self) -> f64 {
-        self.0.steering_limit
-    }
-
-    /// Rate of every steering angle [rad/s].
-    #[getter]
-    fn steering_rate(&self) -> f64 {
-        self.0.steering_rate
-    }
-
-    /// Change of the rate of every steering angle [rad/s^2].
-    #[getter]
-    fn steering_acceleration(&self) -> f64 {
-        self.0.steering_acceleration
-    }
-
-    /// Change of the speed of a wheel over the ground during a halt [m/s^2].
-    #[getter]
-    fn halt_deceleration(&self) -> f64 {
-        self.0.halt_deceleration
     }
 
     /// These limits with the defaults of a rover filled in.
@@ -244,7 +143,7 @@ impl Limits {
     ///     `acceleration` 9.81 m/s^2, `deceleration` as `acceleration`, `angular_acceleration`,
     ///     `angular_deceleration` and `angular_jerk` the linear limit over that distance, `steering_rate` 12 rad/s,
     ///     `halt_deceleration` as `deceleration`, where they were left out. The others have no default and are infinite.
-    fn on(&self, #[pyo3(from_py_with = arguments::rover)] rover: Bound<'_, Rover>) -> Self {
+    fn on[&self](rover: Bound<'py, Rover>) -> Self {
         Self(self.0.on(&rover.get().core))
     }
 
@@ -264,8 +163,7 @@ impl Limits {
     /// ------
     /// ValueError
     ///     If the speed is not finite.
-    fn halting_distance(&self, speed: &Bound<'_, PyAny>) -> PyResult<f64> {
-        let speed = number("speed", speed)?;
+    fn halting_distance[&self](speed: f64) -> PyResult<f64> {
         six_wheel_numerics::error::finite("speed", &[speed]).or_raise(&[])?;
         Ok(self.0.halting_distance(speed))
     }
@@ -286,28 +184,8 @@ impl Limits {
     /// ------
     /// ValueError
     ///     If the speed is not finite.
-    fn stopping_distance(&self, speed: &Bound<'_, PyAny>) -> PyResult<f64> {
-        let speed = number("speed", speed)?;
+    fn stopping_distance[&self](speed: f64) -> PyResult<f64> {
         six_wheel_numerics::error::finite("speed", &[speed]).or_raise(&[])?;
         Ok(self.0.stopping_distance(speed))
-    }
-
-    fn __repr__(&self) -> String {
-        self.text()
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
-    }
-
-    fn __hash__(&self) -> u64 {
-        let mut state = DefaultHasher::new();
-        (self.0.values().map(f64::to_bits), self.0.given).hash(&mut state);
-        state.finish()
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let keywords = slf.get().keywords(slf.py())?;
-        reduce(slf.as_any(), &PyTuple::empty(slf.py()), &keywords)
     }
 }

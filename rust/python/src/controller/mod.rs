@@ -9,14 +9,13 @@ use std::str::FromStr;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 use six_wheel_control::controller::{Align, Controller as Core, Mode, Options};
 use six_wheel_kinematics::geometry::Twist;
 
 use crate::arguments as given;
 use crate::controller::limits::Limits;
 use crate::controller::output::ControllerOutput;
-use crate::convert::{Rows, name, number, one_twist_first, raise};
+use crate::convert::{Rows, name, one_twist_first, raise};
 use crate::rover::Rover;
 use crate::state_lock::Shared;
 
@@ -75,28 +74,38 @@ pub struct Controller {
     wheels: usize,
 }
 
-#[pymethods]
-impl Controller {
+getters! { Controller, self, py:
+    /// True from `halt`, or from the step that finds a stuck joint, until `release`.
+    halted: PyResult<bool> = Ok(self.core.lock(py)?.halted());
+    /// What is driven.
+    rover: Py<Rover> = self.rover.clone_ref(py);
+    /// The limits of its motion. They may be replaced at any time, from the next step on: a motion beyond the new ones comes
+    /// down within them without a stop, and command, clock and halt stay. ValueError, and no change, if the rover cannot
+    /// meet them.
+    limits: PyResult<Limits> = Ok(Limits(*self.core.lock(py)?.limits()));
+    /// The motion commanded by the last step, ``[vx, vy, omega]``, shape (3,).
+    twist: PyResult<Bound<'py, PyArray1<f64>>> = {
+        let twist = self.core.lock(py)?.twist();
+        Ok(PyArray1::from_slice(py, &<[f64; 3]>::from(twist)))
+    };
+    /// The steering angles commanded by the last step [rad], shape (steered wheels,).
+    steering: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, self.core.lock(py)?.steering()));
+    /// Time of the last step [s], or None.
+    now: PyResult<Option<f64>> = Ok(self.core.lock(py)?.now());
+    /// Whether body and joints stand still.
+    stopped: PyResult<bool> = Ok(self.core.lock(py)?.stopped());
+    /// How far the body's origin moves, at most, if a stop begins with the next step [m].
+    stopping_distance: PyResult<f64> = Ok(self.core.lock(py)?.stopping_distance());
+}
+
+methods! { Controller:
     #[new]
-    #[pyo3(
-        signature = (rover, limits=None, *, timeout=Some(0.5), period=None, max_step=0.1, mode="free", align=Some("cosine"), align_tolerance=0.02, following_error=Some(0.2), following_time=Some(0.5), discretise=false, steering=None, twist=None),
-        text_signature = "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, following_error=0.2, following_time=0.5, discretise=False, steering=None, twist=None)"
-    )]
-    fn new(
-        #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>,
-        #[pyo3(from_py_with = given::limits)] limits: Option<Limits>,
-        #[pyo3(from_py_with = given::timeout)] timeout: Option<f64>,
-        #[pyo3(from_py_with = given::period)] period: Option<f64>,
-        #[pyo3(from_py_with = given::max_step)] max_step: f64,
-        #[pyo3(from_py_with = given::mode)] mode: &str,
-        #[pyo3(from_py_with = given::align)] align: Option<&str>,
-        #[pyo3(from_py_with = given::align_tolerance)] align_tolerance: f64,
-        #[pyo3(from_py_with = given::following_error)] following_error: Option<f64>,
-        #[pyo3(from_py_with = given::following_time)] following_time: Option<f64>,
-        #[pyo3(from_py_with = given::discretise)] discretise: bool,
-        steering: Option<&Bound<'_, PyAny>>,
-        twist: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+    fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, timeout: Option<f64> = (Some(0.5)),
+        period: Option<f64> = None, max_step: f64 = 0.1, mode: &str = "free", align: Option<&str> = (Some("cosine")),
+        align_tolerance: f64 = 0.02, following_error: Option<f64> = (Some(0.2)), following_time: Option<f64> = (Some(0.5)),
+        discretise: bool = false, steering=None, twist=None)
+    as "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, following_error=0.2, following_time=0.5, discretise=False, steering=None, twist=None)"
+    -> PyResult<Self> {
         let chosen = || -> Result<Options, six_wheel_numerics::error::Error> {
             Ok(Options {
                 timeout: timeout.unwrap_or(f64::INFINITY),
@@ -154,23 +163,12 @@ impl Controller {
     /// ------
     /// ValueError
     ///     If the stamp is not finite or the shape does not fit.
-    #[pyo3(
-        signature = (twist, stamp, mode=None, *more),
-        text_signature = "($self, twist, stamp, mode=None)"
-    )]
-    fn command(
-        &self,
-        py: Python<'_>,
-        twist: &Bound<'_, PyAny>,
-        stamp: &Bound<'_, PyAny>,
-        mode: Option<&Bound<'_, PyAny>>,
-        more: &Bound<'_, PyTuple>,
-    ) -> PyResult<bool> {
+    fn command[&self, py: Python<'py>](twist, stamp: f64, mode=None, *more)
+    as "($self, twist, stamp, mode=None)" -> PyResult<bool> {
         let call = "Controller.command((vx, vy, omega), stamp)";
         one_twist_first(call, twist, if mode.is_some() { 3 } else { 2 }, more)?;
         let twists = Rows::read("twist", twist, 3)?;
         twists.check_leading("twist", &[])?;
-        let stamp = number("stamp", stamp)?;
         let mode = mode.map(|mode| Mode::from_str(&name(mode))).transpose();
         let twist = Twist::from(twists.triples()[0]);
         let mut core = self.core.lock(py)?;
@@ -198,20 +196,16 @@ impl Controller {
     /// ValueError
     ///     If the time is not later than the last, or an angle is not finite. The controller stays as it was. Angles
     ///     beyond a limit are none: the joints come back inside at their rates.
-    #[pyo3(signature = (now, measured=None))]
-    fn step(
-        &self,
-        py: Python<'_>,
-        now: &Bound<'_, PyAny>,
-        measured: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<ControllerOutput> {
-        let now = number("now", now)?;
+    fn step[&self, py: Python<'py>](now: f64, measured=None) -> PyResult<ControllerOutput> {
         let measured = Rows::read_beside("measured", measured, self.joints, &[])?;
         let mut core = self.core.lock(py)?;
         core.step(now, measured.as_ref().map(Rows::flat)).map_err(|error| raise(error, &[]))?;
         Ok(ControllerOutput::of(&core, self.rover.clone_ref(py)))
     }
+}
 
+#[pymethods]
+impl Controller {
     /// Forget command, clock, halt and fault.
     ///
     /// The body rests. The joints stay where they were last commanded, or start where the next step measures them: a reset
@@ -252,62 +246,11 @@ impl Controller {
         Ok(self.core.lock(py)?.release())
     }
 
-    /// True from `halt`, or from the step that finds a stuck joint, until `release`.
-    #[getter]
-    fn halted(&self, py: Python<'_>) -> PyResult<bool> {
-        Ok(self.core.lock(py)?.halted())
-    }
-
-    /// What is driven.
-    #[getter]
-    fn rover(&self, py: Python<'_>) -> Py<Rover> {
-        self.rover.clone_ref(py)
-    }
-
-    /// The limits of its motion. They may be replaced at any time, from the next step on: a motion beyond the new ones comes
-    /// down within them without a stop, and command, clock and halt stay. ValueError, and no change, if the rover cannot
-    /// meet them.
-    #[getter]
-    fn limits(&self, py: Python<'_>) -> PyResult<Limits> {
-        Ok(Limits(*self.core.lock(py)?.limits()))
-    }
-
     #[setter]
     fn set_limits(&self, py: Python<'_>, limits: &Bound<'_, PyAny>) -> PyResult<()> {
         let limits: Limits = given::limits(limits)?;
         let result = self.core.lock(py)?.set_limits(limits.0);
         result.map_err(|error| raise(error, &[]))
-    }
-
-    /// The motion commanded by the last step, ``[vx, vy, omega]``, shape (3,).
-    #[getter]
-    fn twist<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let twist = self.core.lock(py)?.twist();
-        Ok(PyArray1::from_slice(py, &<[f64; 3]>::from(twist)))
-    }
-
-    /// The steering angles commanded by the last step [rad], shape (steered wheels,).
-    #[getter]
-    fn steering<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_slice(py, self.core.lock(py)?.steering()))
-    }
-
-    /// Time of the last step [s], or None.
-    #[getter]
-    fn now(&self, py: Python<'_>) -> PyResult<Option<f64>> {
-        Ok(self.core.lock(py)?.now())
-    }
-
-    /// Whether body and joints stand still.
-    #[getter]
-    fn stopped(&self, py: Python<'_>) -> PyResult<bool> {
-        Ok(self.core.lock(py)?.stopped())
-    }
-
-    /// How far the body's origin moves, at most, if a stop begins with the next step [m].
-    #[getter]
-    fn stopping_distance(&self, py: Python<'_>) -> PyResult<f64> {
-        Ok(self.core.lock(py)?.stopping_distance())
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

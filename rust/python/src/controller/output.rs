@@ -68,67 +68,39 @@ fn reason(py: Python<'_>, bits: u32) -> PyResult<Bound<'_, PyAny>> {
     Ok(made)
 }
 
-#[pymethods]
-impl ControllerOutput {
+getters! { ControllerOutput, self, py:
     /// Joint commands by joint name, as `Rover.commands`: steering [rad], then wheel speeds [rad/s].
-    #[getter]
-    fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    commands: PyResult<Bound<'py, PyDict>> = {
         let (steering, speeds) = (self.steering(py), self.speeds(py));
         let rover = self.rover.get();
         rover.named_values(py, steering.as_any(), speeds.as_any())
-    }
-
+    };
     /// Steering angles [rad], shape (steered wheels,), in the order of `Rover.steered_names`.
-    #[getter]
-    fn steering<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.numbers[..self.joints])
-    }
-
+    steering: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.numbers[..self.joints]);
     /// Rates of the steering angles [rad/s], shape (steered wheels,), in the order of `Rover.steered_names`.
-    #[getter]
-    fn steering_rates<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.numbers[self.joints..2 * self.joints])
-    }
-
+    steering_rates: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.numbers[self.joints..2 * self.joints]);
     /// Wheel speeds [rad/s], shape (wheels,), in the order of `Rover.wheel_names`.
-    #[getter]
-    fn speeds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.numbers[2 * self.joints..self.errors()])
-    }
-
+    speeds: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.numbers[2 * self.joints..self.errors()]);
     /// Measured steering angles minus the last commands [rad], shape (steered wheels,), or None if the step was given none.
-    #[getter]
-    fn joint_errors<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.measured.then(|| PyArray1::from_slice(py, &self.numbers[self.errors()..]))
-    }
-
+    joint_errors: Option<Bound<'py, PyArray1<f64>>> =
+        self.measured.then(|| PyArray1::from_slice(py, &self.numbers[self.errors()..]));
     /// The steering joint that is stuck, or else the one farthest from its command, by its name in `commands`; None if all
     /// are within the tolerance or none was measured.
-    #[getter]
-    fn worst_joint<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    worst_joint: PyResult<Option<Bound<'py, PyAny>>> = {
         let names = || self.rover.bind(py).getattr("steering_joints")?.cast_into::<PyDict>().map_err(PyErr::from);
         self.worst_joint.map(|joint| names()?.keys().get_item(joint)).transpose()
-    }
-
+    };
     /// Share of the commanded speed that `SPEED`, `YAW_RATE`, `LATERAL_ACCELERATION` and `WHEEL_SPEED` leave; 1 if none of
     /// them binds.
-    #[getter]
-    fn speed_share(&self) -> f64 {
-        self.speed_share
-    }
-
+    speed_share: f64 = self.speed_share;
     /// The motion they make, ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (3,).
-    #[getter]
-    fn twist<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.twist)
-    }
-
+    twist: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.twist);
     /// Why it is not the motion asked for: a `Reason`, empty if it is.
-    #[getter]
-    fn reasons<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        reason(py, self.reasons)
-    }
+    reasons: PyResult<Bound<'py, PyAny>> = reason(py, self.reasons);
+}
 
+#[pymethods]
+impl ControllerOutput {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let part = |values: &[f64]| {
             let texts: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();

@@ -74,8 +74,7 @@ impl ControllerRun {
     }
 }
 
-#[pymethods]
-impl Controller {
+methods! { Controller:
     /// Many steps in one call: a log, a plan, a simulation. The same, bit for bit, as the calls one by one.
     ///
     /// Parameters
@@ -98,26 +97,21 @@ impl Controller {
     /// ValueError
     ///     If a time is not later than the one before it, a stamp is later than all of them, one of them is not
     ///     finite, or the shapes do not fit. The controller stays as it was.
-    fn run<'py>(
-        &self,
-        py: Python<'py>,
-        stamps: &Bound<'py, PyAny>,
-        twists: &Bound<'py, PyAny>,
-        times: &Bound<'py, PyAny>,
-    ) -> PyResult<ControllerRun> {
+    fn run[&self, py: Python<'py>](stamps, twists, times) -> PyResult<ControllerRun> {
         ControllerRun::of(py, self, [stamps, twists, times])
     }
 }
 
-#[pymethods]
-impl ControllerRun {
+getters! { ControllerRun, self, py:
     /// Joint commands by joint name, as `Rover.commands`: arrays (n,) of steering [rad] and wheel speeds [rad/s].
-    #[getter]
-    fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    commands: PyResult<Bound<'py, PyDict>> = {
         let rover = self.rover.get();
         rover.named_values(py, self.steering.bind(py), self.speeds.bind(py))
-    }
+    };
+}
 
+#[pymethods]
+impl ControllerRun {
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
         self.reasons.bind(py).as_any().len()
     }

@@ -7,8 +7,7 @@ use six_wheel_numerics::error::Error;
 
 use super::FourAxle;
 use super::values::{array, pace, raised, read_state, read_step, value, vector, write_plan, write_state, write_step};
-use crate::arguments;
-use crate::convert::{items, number, numbers};
+use crate::convert::items;
 
 /// Steps of a sequence that are looked at.
 const MOST_STEPS: usize = 1 << 20;
@@ -25,6 +24,155 @@ impl FourAxle {
         let pair = pair.parse().map_err(raised)?;
         let brakes = change(&self.core, &state.angles, state.brakes, pair).map_err(raised)?;
         write_state(py, &State { brakes, ..state })
+    }
+}
+
+methods! { FourAxle:
+    /// The step that drives on with both pairs locked.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : FourAxleState
+    ///     Pose and angles at the beginning.
+    /// speed : float
+    ///     Root mean square speed of the hinges [m/s]: straight ahead the speed of the body. Negative
+    ///     backwards.
+    /// duration : float
+    ///     Duration [s].
+    ///
+    /// Returns
+    /// -------
+    /// FourAxleStep
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If the robot cannot move with these angles locked.
+    /// ValueError
+    ///     If the speed is not finite or the duration not positive.
+    fn drive[&self, py: Python<'py>](state, speed: f64, duration: f64) -> PyResult<Bound<'py, PyAny>> {
+        let step = self.core.drive(read_state(state)?, speed, duration);
+        write_step(py, &step.map_err(raised)?)
+    }
+
+    /// Steps that re-aim the axles for a curve, without a stop if the axles allow it.
+    ///
+    /// Free the rear, let its wheels turn it, lock it, then the same in front; or the other way round, or by
+    /// way of straight ahead; a pair that stays is left out. Under way the free pair has constant wheel
+    /// speeds and the drives of the locked pair follow. That needs the axles of the locked pair in line:
+    /// rigid axles always are, hinged ones at angle 0. Where it cannot be, the robot stops: one pair turns
+    /// while the other and its wheels hold the body.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : FourAxleState
+    ///     Pose and angles at the beginning, both pairs locked.
+    /// curvature : float
+    ///     To turn with [1/m], positive to the left; 0 is straight ahead.
+    /// steer : {'both', 'front', 'rear'}
+    ///     Axles that turn: the centre of rotation lies abreast of the origin, of the rear hinges, of the
+    ///     front hinges.
+    /// speed : float, default 0.0
+    ///     Root mean square speed of the hinges to begin with [m/s]; 0 to re-aim standing.
+    /// pivot_rate : float, default 0.5
+    ///     Rate of the faster axle where the pair turns slowest [rad/s].
+    /// brake_time : float, default 0.0
+    ///     For how long to drive on with both pairs locked after locking one under way [s].
+    ///
+    /// Returns
+    /// -------
+    /// TurnSequence
+    ///     ``.steps`` with their expected ends, ``.stops``, and ``.reason``, which says why it stops or takes
+    ///     a detour.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If an axle would leave its range.
+    /// ValueError
+    ///     If a value is not finite or a brake is free.
+    fn turn_sequence[&self, py: Python<'py>](state, curvature: f64, *, steer: &str = "both", speed=None,
+        pivot_rate=None, brake_time=None)
+    as "($self, state, curvature, *, steer='both', speed=0.0, pivot_rate=0.5, brake_time=0.0)"
+    -> PyResult<Bound<'py, PyAny>> {
+        let steer = steer.parse().map_err(raised)?;
+        let pace = pace(speed, pivot_rate, brake_time)?;
+        let plan = self.core.turn_sequence(read_state(state)?, curvature, steer, pace);
+        write_plan(py, &plan.map_err(raised)?)
+    }
+
+    /// Steps that re-aim the axles at a point, without a stop if the axles allow it: (0, 0) to spin in place.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : FourAxleState
+    ///     Pose and angles at the beginning, both pairs locked.
+    /// icr : array_like, shape (2,)
+    ///     The point, as in `concurrent_angles` [m].
+    /// speed, pivot_rate, brake_time : float
+    ///     As in `turn_sequence`.
+    ///
+    /// Returns
+    /// -------
+    /// TurnSequence
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError, ValueError
+    ///     As `turn_sequence` and `concurrent_angles`.
+    fn aim_sequence[&self, py: Python<'py>](state, icr: [f64; 2], *, speed=None, pivot_rate=None, brake_time=None)
+    as "($self, state, icr, *, speed=0.0, pivot_rate=0.5, brake_time=0.0)" -> PyResult<Bound<'py, PyAny>> {
+        let pace = pace(speed, pivot_rate, brake_time)?;
+        let plan = self.core.aim_sequence(read_state(state)?, icr, pace);
+        write_plan(py, &plan.map_err(raised)?)
+    }
+
+    /// Drives a sequence: what body and free pivots do at the wheel speeds of its steps.
+    ///
+    /// Every change of a brake is checked at the angles where it happens. Motion with both pairs locked is
+    /// exact; with a free pair it is integrated until half the step changes nothing beyond 1e-12 rad and m.
+    ///
+    /// Parameters
+    /// ----------
+    /// sequence : iterable of FourAxleStep
+    ///     Steps to do; the ends of planned steps are not looked at.
+    /// dt : float
+    ///     Largest time between samples [s].
+    /// state : FourAxleState, optional
+    ///     Pose and angles at the beginning; by default straight ahead at the origin, both pairs locked.
+    ///
+    /// Returns
+    /// -------
+    /// FourAxleSimulation
+    ///     ``.times``, ``.poses``, ``.angles``, ``.twists``, ``.speeds``, ``.residual``, ``.ends``,
+    ///     ``.final``.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If a brake may not change at the angles it would change at; the step is named.
+    /// UnderdeterminedError
+    ///     If the wheels of a step do not determine the motion.
+    /// ValueError
+    ///     If a value is not finite, `dt` not positive, or an axle leaves its range.
+    fn simulate[&self, py: Python<'py>](sequence, dt: f64, *, state=None) -> PyResult<Bound<'py, PyAny>> {
+        let start = state.map_or(Ok(State::default()), read_state)?;
+        let given = items("sequence", sequence, MOST_STEPS)?;
+        let steps = given.iter().map(read_step).collect::<PyResult<Vec<_>>>()?;
+        let (track, end) = py.detach(|| self.core.simulate(start, &steps, dt)).map_err(raised)?;
+        let keywords = PyDict::new(py);
+        keywords.set_item("rover", &self.rover)?;
+        keywords.set_item("steps", PyTuple::new(py, given)?)?;
+        keywords.set_item("times", vector(py, track.times))?;
+        keywords.set_item("poses", array(py, &track.poses)?)?;
+        keywords.set_item("angles", array(py, &track.angles)?)?;
+        keywords.set_item("twists", array(py, &track.twists)?)?;
+        keywords.set_item("speeds", array(py, &track.speeds)?)?;
+        keywords.set_item("residual", array(py, &track.residual)?)?;
+        let ends = track.ends.into_iter().map(|row| row as i64).collect();
+        keywords.set_item("ends", vector::<i64>(py, ends))?;
+        keywords.set_item("final", write_state(py, &end)?)?;
+        value(py, "FourAxleSimulation")?.call((), Some(&keywords))
     }
 }
 
@@ -74,190 +222,5 @@ impl FourAxle {
     ///     If the other pair is free and the axle lines share a point: nothing would hold the body.
     fn release<'py>(&self, py: Python<'py>, state: &Bound<'py, PyAny>, pair: &str) -> PyResult<Bound<'py, PyAny>> {
         self.with_brakes(py, state, pair, Core::release)
-    }
-
-    /// The step that drives on with both pairs locked.
-    ///
-    /// Parameters
-    /// ----------
-    /// state : FourAxleState
-    ///     Pose and angles at the beginning.
-    /// speed : float
-    ///     Root mean square speed of the hinges [m/s]: straight ahead the speed of the body. Negative
-    ///     backwards.
-    /// duration : float
-    ///     Duration [s].
-    ///
-    /// Returns
-    /// -------
-    /// FourAxleStep
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If the robot cannot move with these angles locked.
-    /// ValueError
-    ///     If the speed is not finite or the duration not positive.
-    fn drive<'py>(
-        &self,
-        py: Python<'py>,
-        state: &Bound<'py, PyAny>,
-        speed: &Bound<'py, PyAny>,
-        duration: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let (speed, duration) = (number("speed", speed)?, number("duration", duration)?);
-        let step = self.core.drive(read_state(state)?, speed, duration);
-        write_step(py, &step.map_err(raised)?)
-    }
-
-    /// Steps that re-aim the axles for a curve, without a stop if the axles allow it.
-    ///
-    /// Free the rear, let its wheels turn it, lock it, then the same in front; or the other way round, or by
-    /// way of straight ahead; a pair that stays is left out. Under way the free pair has constant wheel
-    /// speeds and the drives of the locked pair follow. That needs the axles of the locked pair in line:
-    /// rigid axles always are, hinged ones at angle 0. Where it cannot be, the robot stops: one pair turns
-    /// while the other and its wheels hold the body.
-    ///
-    /// Parameters
-    /// ----------
-    /// state : FourAxleState
-    ///     Pose and angles at the beginning, both pairs locked.
-    /// curvature : float
-    ///     To turn with [1/m], positive to the left; 0 is straight ahead.
-    /// steer : {'both', 'front', 'rear'}
-    ///     Axles that turn: the centre of rotation lies abreast of the origin, of the rear hinges, of the
-    ///     front hinges.
-    /// speed : float, default 0.0
-    ///     Root mean square speed of the hinges to begin with [m/s]; 0 to re-aim standing.
-    /// pivot_rate : float, default 0.5
-    ///     Rate of the faster axle where the pair turns slowest [rad/s].
-    /// brake_time : float, default 0.0
-    ///     For how long to drive on with both pairs locked after locking one under way [s].
-    ///
-    /// Returns
-    /// -------
-    /// TurnSequence
-    ///     ``.steps`` with their expected ends, ``.stops``, and ``.reason``, which says why it stops or takes
-    ///     a detour.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If an axle would leave its range.
-    /// ValueError
-    ///     If a value is not finite or a brake is free.
-    #[pyo3(
-        signature = (state, curvature, *, steer="both", speed=None, pivot_rate=None, brake_time=None),
-        text_signature = "($self, state, curvature, *, steer='both', speed=0.0, pivot_rate=0.5, brake_time=0.0)"
-    )]
-    fn turn_sequence<'py>(
-        &self,
-        py: Python<'py>,
-        state: &Bound<'py, PyAny>,
-        curvature: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = arguments::steer)] steer: &str,
-        speed: Option<&Bound<'py, PyAny>>,
-        pivot_rate: Option<&Bound<'py, PyAny>>,
-        brake_time: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let steer = steer.parse().map_err(raised)?;
-        let pace = pace(speed, pivot_rate, brake_time)?;
-        let curvature = number("curvature", curvature)?;
-        let plan = self.core.turn_sequence(read_state(state)?, curvature, steer, pace);
-        write_plan(py, &plan.map_err(raised)?)
-    }
-
-    /// Steps that re-aim the axles at a point, without a stop if the axles allow it: (0, 0) to spin in place.
-    ///
-    /// Parameters
-    /// ----------
-    /// state : FourAxleState
-    ///     Pose and angles at the beginning, both pairs locked.
-    /// icr : array_like, shape (2,)
-    ///     The point, as in `concurrent_angles` [m].
-    /// speed, pivot_rate, brake_time : float
-    ///     As in `turn_sequence`.
-    ///
-    /// Returns
-    /// -------
-    /// TurnSequence
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError, ValueError
-    ///     As `turn_sequence` and `concurrent_angles`.
-    #[pyo3(
-        signature = (state, icr, *, speed=None, pivot_rate=None, brake_time=None),
-        text_signature = "($self, state, icr, *, speed=0.0, pivot_rate=0.5, brake_time=0.0)"
-    )]
-    fn aim_sequence<'py>(
-        &self,
-        py: Python<'py>,
-        state: &Bound<'py, PyAny>,
-        icr: &Bound<'py, PyAny>,
-        speed: Option<&Bound<'py, PyAny>>,
-        pivot_rate: Option<&Bound<'py, PyAny>>,
-        brake_time: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let icr = numbers("icr", icr)?;
-        let pace = pace(speed, pivot_rate, brake_time)?;
-        let plan = self.core.aim_sequence(read_state(state)?, icr, pace);
-        write_plan(py, &plan.map_err(raised)?)
-    }
-
-    /// Drives a sequence: what body and free pivots do at the wheel speeds of its steps.
-    ///
-    /// Every change of a brake is checked at the angles where it happens. Motion with both pairs locked is
-    /// exact; with a free pair it is integrated until half the step changes nothing beyond 1e-12 rad and m.
-    ///
-    /// Parameters
-    /// ----------
-    /// sequence : iterable of FourAxleStep
-    ///     Steps to do; the ends of planned steps are not looked at.
-    /// dt : float
-    ///     Largest time between samples [s].
-    /// state : FourAxleState, optional
-    ///     Pose and angles at the beginning; by default straight ahead at the origin, both pairs locked.
-    ///
-    /// Returns
-    /// -------
-    /// FourAxleSimulation
-    ///     ``.times``, ``.poses``, ``.angles``, ``.twists``, ``.speeds``, ``.residual``, ``.ends``,
-    ///     ``.final``.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If a brake may not change at the angles it would change at; the step is named.
-    /// UnderdeterminedError
-    ///     If the wheels of a step do not determine the motion.
-    /// ValueError
-    ///     If a value is not finite, `dt` not positive, or an axle leaves its range.
-    #[pyo3(signature = (sequence, dt, *, state=None))]
-    fn simulate<'py>(
-        &self,
-        py: Python<'py>,
-        sequence: &Bound<'py, PyAny>,
-        dt: &Bound<'py, PyAny>,
-        state: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let dt = number("dt", dt)?;
-        let start = state.map_or(Ok(State::default()), read_state)?;
-        let given = items("sequence", sequence, MOST_STEPS)?;
-        let steps = given.iter().map(read_step).collect::<PyResult<Vec<_>>>()?;
-        let (track, end) = py.detach(|| self.core.simulate(start, &steps, dt)).map_err(raised)?;
-        let keywords = PyDict::new(py);
-        keywords.set_item("rover", &self.rover)?;
-        keywords.set_item("steps", PyTuple::new(py, given)?)?;
-        keywords.set_item("times", vector(py, track.times))?;
-        keywords.set_item("poses", array(py, &track.poses)?)?;
-        keywords.set_item("angles", array(py, &track.angles)?)?;
-        keywords.set_item("twists", array(py, &track.twists)?)?;
-        keywords.set_item("speeds", array(py, &track.speeds)?)?;
-        keywords.set_item("residual", array(py, &track.residual)?)?;
-        let ends = track.ends.into_iter().map(|row| row as i64).collect();
-        keywords.set_item("ends", vector::<i64>(py, ends))?;
-        keywords.set_item("final", write_state(py, &end)?)?;
-        value(py, "FourAxleSimulation")?.call((), Some(&keywords))
     }
 }

@@ -10,9 +10,8 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_four_axle::{self as core, Brakes};
 use six_wheel_kinematics::steering::SteeringRange;
 
-use crate::arguments;
 use crate::classes::reduce;
-use crate::convert::{AnyArray, Output, Rows, number, numbers};
+use crate::convert::{AnyArray, Output, Rows};
 use crate::rover::Rover;
 use crate::wheel::{steering_limit, steering_range};
 use crate::workers::{any_workers, fill_rows};
@@ -59,44 +58,38 @@ impl FourAxle {
     }
 }
 
-getters! { FourAxle, this, py:
+getters! { FourAxle, self, py:
     /// The same vehicle as a `Rover` with four steered wheels, for all that needs no brakes.
-    rover: Py<Rover> = this.rover.clone_ref(py);
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Half the distance of the hinges along and across the body [m].
-    hinges: (f64, f64) = this.core.hinges().into();
+    hinges: (f64, f64) = self.core.hinges().into();
     /// Hinge to wheel [m].
-    axle_length: f64 = this.core.axle_length();
+    axle_length: f64 = self.core.axle_length();
     /// Hub to ground [m].
-    wheel_radius: f64 = this.core.wheel_radius();
+    wheel_radius: f64 = self.core.wheel_radius();
     /// Side slip per metre driven up to which axle lines count as meeting in one point.
-    tolerance: f64 = this.core.tolerance();
+    tolerance: f64 = self.core.tolerance();
+    /// Smallest and largest axle angle [rad].
+    steering_range: (f64, f64) = {
+        let range = self.core.steering();
+        (range.lower, range.upper)
+    };
 }
 
 equal_by!(FourAxle: core);
 replaceable!(FourAxle);
 
-#[pymethods]
-impl FourAxle {
+methods! { FourAxle:
     #[new]
-    #[pyo3(
-        signature = (hinges, axle_length, wheel_radius, *, steering_limit=None, tolerance=None),
-        text_signature = "(hinges, axle_length, wheel_radius, *, steering_limit=None, tolerance=0.001)"
-    )]
-    fn new(
-        py: Python<'_>,
-        hinges: &Bound<'_, PyAny>,
-        axle_length: &Bound<'_, PyAny>,
-        wheel_radius: &Bound<'_, PyAny>,
-        steering_limit: Option<&Bound<'_, PyAny>>,
-        tolerance: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let [x, y] = numbers("hinges", hinges)?;
+    fn new[py: Python<'py>](hinges: [f64; 2], axle_length: f64, wheel_radius: f64, *, steering_limit=None,
+        tolerance: Option<f64> = None)
+    as "(hinges, axle_length, wheel_radius, *, steering_limit=None, tolerance=0.001)" -> PyResult<Self> {
         let core = core::FourAxle::new(
-            [x, y],
-            number("axle_length", axle_length)?,
-            number("wheel_radius", wheel_radius)?,
+            hinges,
+            axle_length,
+            wheel_radius,
             steering_range(steering_limit)?.unwrap_or_default(),
-            tolerance.map_or(Ok(core::LOCK_TOLERANCE), |value| number("tolerance", value))?,
+            tolerance.unwrap_or(core::LOCK_TOLERANCE),
         );
         Self::build(py, core.map_err(raised)?)
     }
@@ -125,16 +118,8 @@ impl FourAxle {
     /// ------
     /// InfeasibleMotionError, ValueError
     ///     As `Rover.inverse`.
-    #[pyo3(signature = (twist, *, previous=None, out=None, dtype=None, threads=None))]
-    fn inverse<'py>(
-        &self,
-        py: Python<'py>,
-        twist: &Bound<'py, PyAny>,
-        previous: Option<&Bound<'py, PyAny>>,
-        out: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
+    fn inverse[&self, py: Python<'py>](twist, *, previous=None, out=None, dtype=None, threads: Option<i64> = None)
+    -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
         self.rover.get().inverse(py, twist, &PyTuple::empty(py), previous, None, None, None, out, dtype, threads, None)
     }
 
@@ -164,15 +149,8 @@ impl FourAxle {
     ///     If the wheels do not determine body and free pivots.
     /// ValueError
     ///     If a value is not finite, an angle out of range, or the angles of a rigid axle differ.
-    #[pyo3(signature = (angles, speeds, *, front="locked", rear="locked"))]
-    fn forward<'py>(
-        &self,
-        py: Python<'py>,
-        angles: &Bound<'py, PyAny>,
-        speeds: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = arguments::front)] front: &str,
-        #[pyo3(from_py_with = arguments::rear)] rear: &str,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn forward[&self, py: Python<'py>](angles, speeds, *, front: &str = "locked", rear: &str = "locked")
+    -> PyResult<Bound<'py, PyAny>> {
         let set = Brakes { front: brake("front", front)?, rear: brake("rear", rear)? };
         let motion = self.core.forward(&axles("angles", angles)?, set, &drives("speeds", speeds)?).map_err(raised)?;
         let twist: [f64; 3] = motion.twist.into();
@@ -182,35 +160,6 @@ impl FourAxle {
             vector(py, motion.speeds.to_vec()),
             vector(py, motion.residual.to_vec()),
             motion.rank,
-        ))
-    }
-
-    /// Mobility of the robot with its axles locked at these angles, from the rank of the side-slip rows.
-    ///
-    /// Parameters
-    /// ----------
-    /// angles : array_like, shape (4,)
-    ///     Axle angles [rad].
-    ///
-    /// Returns
-    /// -------
-    /// FourAxleMobility
-    ///     ``.rank``, ``.degree``, ``.singular_values``, ``.motion``, ``.slip``, ``.margin``.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an angle is not finite or out of range, or the angles of a rigid axle differ.
-    fn mobility<'py>(&self, py: Python<'py>, angles: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let mobility = self.core.mobility(&axles("angles", angles)?).map_err(raised)?;
-        let free: Vec<[f64; 3]> = mobility.free().iter().map(|twist| (*twist).into()).collect();
-        value(py, "FourAxleMobility")?.call1((
-            mobility.rank,
-            mobility.degree(),
-            vector(py, mobility.singular_values.to_vec()),
-            array(py, &free)?,
-            mobility.slip,
-            mobility.margin,
         ))
     }
 
@@ -239,15 +188,8 @@ impl FourAxle {
     ///     If an axle would leave its range.
     /// ValueError
     ///     If a coordinate is NaN, or both are infinite.
-    #[pyo3(signature = (icr, *, out=None, dtype=None, threads=None))]
-    fn concurrent_angles<'py>(
-        &self,
-        py: Python<'py>,
-        icr: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<AnyArray<'py>> {
+    fn concurrent_angles[&self, py: Python<'py>](icr, *, out=None, dtype=None, threads: Option<i64> = None)
+    -> PyResult<AnyArray<'py>> {
         let workers = any_workers(threads, None)?;
         let points = Rows::read("icr", icr, 2)?;
         let shape: Vec<usize> = points.leading.iter().copied().chain([4]).collect();
@@ -263,12 +205,37 @@ impl FourAxle {
         })?;
         angles.finish_any()
     }
+}
 
-    /// Smallest and largest axle angle [rad].
-    #[getter]
-    fn steering_range(&self) -> (f64, f64) {
-        let range = self.core.steering();
-        (range.lower, range.upper)
+#[pymethods]
+impl FourAxle {
+    /// Mobility of the robot with its axles locked at these angles, from the rank of the side-slip rows.
+    ///
+    /// Parameters
+    /// ----------
+    /// angles : array_like, shape (4,)
+    ///     Axle angles [rad].
+    ///
+    /// Returns
+    /// -------
+    /// FourAxleMobility
+    ///     ``.rank``, ``.degree``, ``.singular_values``, ``.motion``, ``.slip``, ``.margin``.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or out of range, or the angles of a rigid axle differ.
+    fn mobility<'py>(&self, py: Python<'py>, angles: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let mobility = self.core.mobility(&axles("angles", angles)?).map_err(raised)?;
+        let free: Vec<[f64; 3]> = mobility.free().iter().map(|twist| (*twist).into()).collect();
+        value(py, "FourAxleMobility")?.call1((
+            mobility.rank,
+            mobility.degree(),
+            vector(py, mobility.singular_values.to_vec()),
+            array(py, &free)?,
+            mobility.slip,
+            mobility.margin,
+        ))
     }
 
     fn __repr__(&self) -> String {
@@ -301,7 +268,7 @@ impl FourAxle {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let (py, car) = (slf.py(), slf.get());
         let keywords = PyDict::new(py);
-        keywords.set_item("steering_limit", car.steering_range())?;
+        keywords.set_item("steering_limit", car.steering_range(py))?;
         keywords.set_item("tolerance", car.tolerance(py))?;
         let arguments = (car.hinges(py), car.axle_length(py), car.wheel_radius(py)).into_pyobject(py)?;
         reduce(slf.as_any(), &arguments, &keywords)

@@ -7,163 +7,140 @@ use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_planner::Present;
 
 use super::course::Course;
-use crate::arguments;
 use crate::controller::limits::Limits;
 use crate::convert::{AnyArray, Blocks, Precision, Rows, compute, compute_rows, memory, number, refuse};
 use crate::rover::Rover;
 use crate::workers::{any_workers, workers};
 
-/// Poses along a log of twists, each held over its step.
-///
-/// Exact for a twist that is constant over each step, whatever the length of the step. The sums carry
-/// their rounding errors along, and the yaw keeps its full turns.
-///
-/// Parameters
-/// ----------
-/// twists : array_like, shape (..., n, 3)
-///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Leading axes are separate logs.
-/// dt : float or array_like, shape (n,)
-///     Duration of the steps [s]; 0 where a recording has the same stamp twice: nothing moves.
-/// start : array_like, shape (3,) or (..., 3), default (0, 0, 0)
-///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
-/// out : ndarray, shape (..., n + 1, 3), optional
-///     Array for the poses.
-/// dtype : dtype, optional
-///     float32 for a result of single precision, default float64; it is computed in double precision.
-/// threads : int, optional
-///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
-/// level : str, optional
-///     One of `simd_levels()`, default the best.
-///
-/// Returns
-/// -------
-/// ndarray, shape (..., n + 1, 3)
-///     Rows ``[x, y, yaw]`` [m, m, rad], the first of which is `start`.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a value is not finite or a duration is negative.
-///
-/// Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, ch. 2.
-#[pyfunction]
-#[pyo3(
-    signature = (twists, dt, start=None, *, out=None, dtype=None, threads=None, level=None),
-    text_signature = "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, threads=None, level=None)"
-)]
-pub fn integrate<'py>(
-    py: Python<'py>,
-    twists: &Bound<'py, PyAny>,
-    dt: &Bound<'py, PyAny>,
-    start: Option<&Bound<'py, PyAny>>,
-    out: Option<&Bound<'py, PyAny>>,
-    dtype: Option<&Bound<'py, PyAny>>,
-    #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
-) -> PyResult<AnyArray<'py>> {
-    let twists = Blocks::read("twists", twists, 3)?;
-    let course = Course::read("twists", twists, dt, start)?;
-    poses_along(py, &course, (out, dtype), (threads, level))
+functions! {
+    /// Poses along a log of twists, each held over its step.
+    ///
+    /// Exact for a twist that is constant over each step, whatever the length of the step. The sums carry
+    /// their rounding errors along, and the yaw keeps its full turns.
+    ///
+    /// Parameters
+    /// ----------
+    /// twists : array_like, shape (..., n, 3)
+    ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Leading axes are separate logs.
+    /// dt : float or array_like, shape (n,)
+    ///     Duration of the steps [s]; 0 where a recording has the same stamp twice: nothing moves.
+    /// start : array_like, shape (3,) or (..., 3), default (0, 0, 0)
+    ///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
+    /// out : ndarray, shape (..., n + 1, 3), optional
+    ///     Array for the poses.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64; it is computed in double precision.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
+    /// level : str, optional
+    ///     One of `simd_levels()`, default the best.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., n + 1, 3)
+    ///     Rows ``[x, y, yaw]`` [m, m, rad], the first of which is `start`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite or a duration is negative.
+    ///
+    /// Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, ch. 2.
+    pub fn integrate[py: Python<'py>](twists, dt, start=None, *, out=None, dtype=None, threads: Option<i64> = None,
+        level: Option<&str> = None)
+    as "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, threads=None, level=None)"
+    -> PyResult<AnyArray<'py>> {
+        let twists = Blocks::read("twists", twists, 3)?;
+        let course = Course::read("twists", twists, dt, start)?;
+        poses_along(py, &course, (out, dtype), (threads, level))
+    }
 }
 
-/// Poses of a sampling planner's rollouts: `integrate` for many short logs that start from one pose.
-///
-/// Parameters
-/// ----------
-/// controls : array_like, shape (..., k, t, 3)
-///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
-/// dt : float or array_like, shape (t,)
-///     Duration of the steps [s].
-/// start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
-///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
-/// out : ndarray, shape (..., k, t + 1, 3), optional
-///     Array for the poses.
-/// dtype : dtype, optional
-///     float32 for a result of single precision, default float64; it is computed in double precision.
-/// rover : Rover, optional
-///     Whose motions they are: controls are then wishes, as those of `Mppi`, and what the rover cannot do at once becomes
-///     what it does instead. The steps take one time, `dt`.
-/// limits : Limits, optional
-///     Limits of these motions.
-/// twist : array_like, shape (3,), optional
-///     Twist of the rover at the start, in body axes [m/s, m/s, rad/s]; default at rest.
-/// steering : array_like, shape (steered wheels,), optional
-///     Angles of its steering joints at the start [rad]; default straight ahead.
-/// delay : float, default 0.0
-///     Delay before a control has an effect, in which the motion goes on [s].
-/// threads : int, optional
-///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
-/// level : str, optional
-///     One of `simd_levels()`, default the best.
-///
-/// Returns
-/// -------
-/// ndarray, shape (..., k, t + 1, 3)
-///     Rows ``[x, y, yaw]`` [m, m, rad], the first of every rollout its start.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a value is not finite or a duration is negative.
-#[pyfunction]
-#[pyo3(
-    signature = (controls, dt, start=None, *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, level=None),
-    text_signature = "(controls, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, level=None)"
-)]
-pub fn rollout<'py>(
-    py: Python<'py>,
-    controls: &Bound<'py, PyAny>,
-    dt: &Bound<'py, PyAny>,
-    start: Option<&Bound<'py, PyAny>>,
-    out: Option<&Bound<'py, PyAny>>,
-    dtype: Option<&Bound<'py, PyAny>>,
-    #[pyo3(from_py_with = arguments::rover)] rover: Option<Bound<'py, Rover>>,
-    #[pyo3(from_py_with = arguments::limits)] limits: Option<Limits>,
-    twist: Option<&Bound<'py, PyAny>>,
-    steering: Option<&Bound<'py, PyAny>>,
-    #[pyo3(from_py_with = arguments::delay)] delay: f64,
-    #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
-) -> PyResult<AnyArray<'py>> {
-    let course = Course::read_controls(controls, dt, start)?;
-    let Some(rover) = rover else {
-        let given = [
-            ("limits", limits.is_some()),
-            ("twist", twist.is_some()),
-            ("steering", steering.is_some()),
-            ("delay", delay != 0.0),
-        ];
-        if let Some((name, _)) = given.iter().find(|(_, given)| *given) {
-            return Err(refuse(name, "come with a rover", "none"));
-        }
-        return poses_along(py, &course, (out, dtype), (threads, level));
-    };
-    let dt = number("dt", dt)?;
-    let twist = Rows::read_beside("twist", twist, 3, &[])?;
-    let steering = Rows::read_beside("steering", steering, rover.get().joints(), &[])?;
-    let mut buffer;
-    let flat = match course.twists.table() {
-        Table::Flat(values) => values,
-        Table::Read(source) => {
-            buffer = memory::filled(0.0, 3 * course.twists.count())?;
-            source.read(0, &mut buffer);
-            &buffer
-        }
-    };
-    let mut poses = course.poses(py, "out", out, Precision::read(py, dtype, out)?)?;
-    let workers = any_workers(threads, level)?;
-    let present = Present {
-        twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),
-        steering: steering.as_ref().map(Rows::flat),
-        delay,
-    };
-    let limits = limits.map_or_else(Default::default, |limits| limits.0);
-    let (core, starts, count) = (&rover.get().core, course.starts(), course.count);
-    let (controls, target) = (flat.as_chunks().0, poses.triples());
-    compute_rows(py, controls.len(), &[], || {
-        six_wheel_planner::rollout(core, limits, controls, count, dt, starts, present, target, workers)
-    })?;
-    poses.finish_any()
+functions! {
+    /// Poses of a sampling planner's rollouts: `integrate` for many short logs that start from one pose.
+    ///
+    /// Parameters
+    /// ----------
+    /// controls : array_like, shape (..., k, t, 3)
+    ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
+    /// dt : float or array_like, shape (t,)
+    ///     Duration of the steps [s].
+    /// start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
+    ///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
+    /// out : ndarray, shape (..., k, t + 1, 3), optional
+    ///     Array for the poses.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64; it is computed in double precision.
+    /// rover : Rover, optional
+    ///     Whose motions they are: controls are then wishes, as those of `Mppi`, and what the rover cannot do at once becomes
+    ///     what it does instead. The steps take one time, `dt`.
+    /// limits : Limits, optional
+    ///     Limits of these motions.
+    /// twist : array_like, shape (3,), optional
+    ///     Twist of the rover at the start, in body axes [m/s, m/s, rad/s]; default at rest.
+    /// steering : array_like, shape (steered wheels,), optional
+    ///     Angles of its steering joints at the start [rad]; default straight ahead.
+    /// delay : float, default 0.0
+    ///     Delay before a control has an effect, in which the motion goes on [s].
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
+    /// level : str, optional
+    ///     One of `simd_levels()`, default the best.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., k, t + 1, 3)
+    ///     Rows ``[x, y, yaw]`` [m, m, rad], the first of every rollout its start.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite or a duration is negative.
+    pub fn rollout[py: Python<'py>](controls, dt, start=None, *, out=None, dtype=None,
+        rover: Option<Bound<'py, Rover>> = None, limits: Option<Limits> = None, twist=None, steering=None,
+        delay: f64 = 0.0, threads: Option<i64> = None, level: Option<&str> = None)
+    as "(controls, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, level=None)"
+    -> PyResult<AnyArray<'py>> {
+        let course = Course::read_controls(controls, dt, start)?;
+        let Some(rover) = rover else {
+            let given = [
+                ("limits", limits.is_some()),
+                ("twist", twist.is_some()),
+                ("steering", steering.is_some()),
+                ("delay", delay != 0.0),
+            ];
+            if let Some((name, _)) = given.iter().find(|(_, given)| *given) {
+                return Err(refuse(name, "come with a rover", "none"));
+            }
+            return poses_along(py, &course, (out, dtype), (threads, level));
+        };
+        let dt = number("dt", dt)?;
+        let twist = Rows::read_beside("twist", twist, 3, &[])?;
+        let steering = Rows::read_beside("steering", steering, rover.get().joints(), &[])?;
+        let mut buffer;
+        let flat = match course.twists.table() {
+            Table::Flat(values) => values,
+            Table::Read(source) => {
+                buffer = memory::filled(0.0, 3 * course.twists.count())?;
+                source.read(0, &mut buffer);
+                &buffer
+            }
+        };
+        let mut poses = course.poses(py, "out", out, Precision::read(py, dtype, out)?)?;
+        let workers = any_workers(threads, level)?;
+        let present = Present {
+            twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),
+            steering: steering.as_ref().map(Rows::flat),
+            delay,
+        };
+        let limits = limits.map_or_else(Default::default, |limits| limits.0);
+        let (core, starts, count) = (&rover.get().core, course.starts(), course.count);
+        let (controls, target) = (flat.as_chunks().0, poses.triples());
+        compute_rows(py, controls.len(), &[], || {
+            six_wheel_planner::rollout(core, limits, controls, count, dt, starts, present, target, workers)
+        })?;
+        poses.finish_any()
+    }
 }
 
 /// Integrates and writes.

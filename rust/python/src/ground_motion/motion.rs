@@ -6,7 +6,6 @@ use six_wheel_ground_motion::{Command, Commands, Movings, ReadingRows, View, for
 use super::result_columns::Columns;
 use super::results::{GroundCommand, GroundMotion};
 use super::settled_pose_input::Stands;
-use crate::arguments;
 use crate::convert::{Out, Rows, compute, compute_rows, joined, number, refuse, shape_text};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
@@ -19,8 +18,7 @@ fn view(name: &str) -> PyResult<View> {
     }
 }
 
-#[pymethods]
-impl Suspension {
+methods! { Suspension:
     /// Wheels for a wanted motion on the ground a rover stands on.
     ///
     /// Every wheel stays on the ground and rolls; steered wheels point where their touching points go, what
@@ -65,19 +63,8 @@ impl Suspension {
     ///     If a number is not finite or a shape does not fit.
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005.
-    #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None, out=None, threads=None, level=None))]
-    fn inverse<'py>(
-        &self,
-        py: Python<'py>,
-        stand: &Bound<'py, PyAny>,
-        command: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = arguments::view)] view: &str,
-        steering: Option<&Bound<'py, PyAny>>,
-        max_wheel_speed: Option<&Bound<'py, PyAny>>,
-        out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
-    ) -> PyResult<GroundCommand> {
+    fn inverse[&self, py: Python<'py>](stand, command, *, view: &str = "body", steering=None, max_wheel_speed=None,
+        out=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<GroundCommand> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
         let commands = Rows::read_finite("command", command, 2)?;
@@ -163,21 +150,9 @@ impl Suspension {
     ///     If a number is not finite, a weight negative or a shape does not fit.
     ///
     /// Source: N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.
-    #[pyo3(signature = (stand, steering, speeds, joint_rates=None, angular_velocity=None, *, steering_rates=None, weights=None, out=None, threads=None, level=None))]
-    fn forward<'py>(
-        &self,
-        py: Python<'py>,
-        stand: &Bound<'py, PyAny>,
-        steering: Option<&Bound<'py, PyAny>>,
-        speeds: &Bound<'py, PyAny>,
-        joint_rates: Option<&Bound<'py, PyAny>>,
-        angular_velocity: Option<&Bound<'py, PyAny>>,
-        steering_rates: Option<&Bound<'py, PyAny>>,
-        weights: Option<&Bound<'py, PyAny>>,
-        out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
-    ) -> PyResult<GroundMotion> {
+    fn forward[&self, py: Python<'py>](stand, steering: native Option<&Bound<'py, PyAny>>, speeds, joint_rates=None,
+        angular_velocity=None, *, steering_rates=None, weights=None, out=None, threads: Option<i64> = None,
+        level: Option<&str> = None) -> PyResult<GroundMotion> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
         let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());

@@ -26,17 +26,17 @@ pub struct CommandRow {
     pub scale: f64,
 }
 
-getters! { GroundCommand, this, py:
+getters! { GroundCommand, self, py:
     /// Steering angles, shape (..., steered wheels) [rad].
-    steering: PyResult<Py<PyAny>> = this.0.get(py, 0, |one| array(py, &one.steering[..one.steered]));
+    steering: PyResult<Py<PyAny>> = self.0.get(py, 0, |one| array(py, &one.steering[..one.steered]));
     /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
-    speeds: PyResult<Py<PyAny>> = this.0.get(py, 1, |one| array(py, &one.speeds[..one.wheels]));
+    speeds: PyResult<Py<PyAny>> = self.0.get(py, 1, |one| array(py, &one.speeds[..one.wheels]));
     /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
-    twist: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| array(py, one.twist.as_flattened()));
+    twist: PyResult<Py<PyAny>> = self.0.get(py, 2, |one| array(py, one.twist.as_flattened()));
     /// Rates of the free angles, shape (..., joints) [rad/s].
-    joint_rates: PyResult<Py<PyAny>> = this.0.get(py, 3, |one| array(py, &one.joint_rates[..one.joints]));
+    joint_rates: PyResult<Py<PyAny>> = self.0.get(py, 3, |one| array(py, &one.joint_rates[..one.joints]));
     /// Factor on the wanted motion, shape (...): 1 unless a wheel would have been too fast.
-    scale: PyResult<Py<PyAny>> = this.0.get(py, 4, |one| Ok(PyFloat::new(py, one.scale).into_any().unbind()));
+    scale: PyResult<Py<PyAny>> = self.0.get(py, 4, |one| Ok(PyFloat::new(py, one.scale).into_any().unbind()));
 }
 
 repr_of_attributes! { GroundCommand: steering speeds }
@@ -80,14 +80,14 @@ impl MotionRow {
     }
 }
 
-getters! { GroundMotion, this, py:
+getters! { GroundMotion, self, py:
     /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
-    twist: PyResult<Py<PyAny>> = this.0.get(py, 0, |one| array(py, one.twist.as_flattened()));
+    twist: PyResult<Py<PyAny>> = self.0.get(py, 0, |one| array(py, one.twist.as_flattened()));
     /// Rates of the free angles, shape (..., joints) [rad/s].
-    joint_rates: PyResult<Py<PyAny>> = this.0.get(py, 1, |one| array(py, &one.joint_rates[..one.joints]));
+    joint_rates: PyResult<Py<PyAny>> = self.0.get(py, 1, |one| array(py, &one.joint_rates[..one.joints]));
     /// Velocity of every touching point along the normal of the ground, along the rim and to the left,
     /// shape (..., wheels, 3) [m/s]; NaN in the air.
-    residual: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| one.residuals(py));
+    residual: PyResult<Py<PyAny>> = self.0.get(py, 2, |one| one.residuals(py));
 }
 
 repr_of_attributes! { GroundMotion: twist joint_rates }

@@ -4,7 +4,6 @@ use pyo3::prelude::*;
 use six_wheel_ground_motion::{SlipTest, Slips, slip_rows};
 
 use super::settled_pose_input::Stands;
-use crate::arguments;
 use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, refuse};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
@@ -21,8 +20,7 @@ result_class! {
     repr { ratio angle }
 }
 
-#[pymethods]
-impl Suspension {
+methods! { Suspension:
     /// Slip ratio and slip angle of every wheel at a known motion.
     ///
     /// Parameters
@@ -50,17 +48,8 @@ impl Suspension {
     /// ------
     /// ValueError
     ///     If a number is not finite or a shape does not fit.
-    #[pyo3(signature = (stand, speeds, twist, joint_rates, *, out=None, threads=None))]
-    fn slip<'py>(
-        &self,
-        py: Python<'py>,
-        stand: &Bound<'py, PyAny>,
-        speeds: &Bound<'py, PyAny>,
-        twist: &Bound<'py, PyAny>,
-        joint_rates: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<WheelSlip> {
+    fn slip[&self, py: Python<'py>](stand, speeds, twist, joint_rates, *, out=None, threads: Option<i64> = None)
+    -> PyResult<WheelSlip> {
         let workers = any_workers(threads, None)?;
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
@@ -153,62 +142,56 @@ impl BodySlip {
     }
 }
 
-/// Tests if a motion that was navigated differs from the one the wheels tell by more than noise.
-///
-/// Parameters
-/// ----------
-/// navigated, kinematic : array_like, shape (n,)
-///     The same motion, one to six components of it, from elsewhere and from the wheels: twists or increments.
-/// covariance : array_like, shape (n, n)
-///     Of their difference without slip: the sum of both covariances.
-/// false_alarm : float, default 0.01
-///     Probability with which a rover that does not slip is said to slip.
-///
-/// Returns
-/// -------
-/// BodySlip
-///     `slip`, `statistic`, `threshold`, `probability`, `slipping`, and `compensate`.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a number is not finite, the covariance not positive definite, or a shape does not fit.
-///
-/// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
-/// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
-#[pyfunction]
-#[pyo3(signature = (navigated, kinematic, covariance, *, false_alarm=0.01))]
-pub fn body_slip(
-    py: Python<'_>,
-    navigated: &Bound<'_, PyAny>,
-    kinematic: &Bound<'_, PyAny>,
-    covariance: &Bound<'_, PyAny>,
-    #[pyo3(from_py_with = arguments::false_alarm)] false_alarm: f64,
-) -> PyResult<BodySlip> {
-    let length = navigated.len().unwrap_or(0);
-    if !(1..=6).contains(&length) {
-        let got = navigated.repr()?.to_string();
-        return Err(refuse("navigated", "hold one to six numbers", &got));
+functions! {
+    /// Tests if a motion that was navigated differs from the one the wheels tell by more than noise.
+    ///
+    /// Parameters
+    /// ----------
+    /// navigated, kinematic : array_like, shape (n,)
+    ///     The same motion, one to six components of it, from elsewhere and from the wheels: twists or increments.
+    /// covariance : array_like, shape (n, n)
+    ///     Of their difference without slip: the sum of both covariances.
+    /// false_alarm : float, default 0.01
+    ///     Probability with which a rover that does not slip is said to slip.
+    ///
+    /// Returns
+    /// -------
+    /// BodySlip
+    ///     `slip`, `statistic`, `threshold`, `probability`, `slipping`, and `compensate`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, the covariance not positive definite, or a shape does not fit.
+    ///
+    /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
+    /// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
+    pub fn body_slip[py: Python<'py>](navigated, kinematic, covariance, *, false_alarm: f64 = 0.01) -> PyResult<BodySlip> {
+        let length = navigated.len().unwrap_or(0);
+        if !(1..=6).contains(&length) {
+            let got = navigated.repr()?.to_string();
+            return Err(refuse("navigated", "hold one to six numbers", &got));
+        }
+        let read = |name: &'static str, value, leading: &[usize]| {
+            let rows = Rows::read(name, value, length)?;
+            rows.check_leading(name, leading)?;
+            rows.check_finite(name)?;
+            PyResult::Ok(rows)
+        };
+        let navigated = read("navigated", navigated, &[])?;
+        let kinematic = read("kinematic", kinematic, &[])?;
+        let covariance = read("covariance", covariance, &[length])?;
+        let mut slip = Output::fresh(py, &[length])?;
+        for (k, slip) in slip.flat().iter_mut().enumerate() {
+            *slip = navigated.flat()[k] - kinematic.flat()[k];
+        }
+        let test = SlipTest::new(slip.flat(), covariance.flat(), false_alarm).or_raise(&[])?;
+        Ok(BodySlip {
+            slip: slip.finish_object()?,
+            statistic: test.statistic,
+            threshold: test.threshold,
+            probability: test.probability,
+            slipping: test.slips(),
+        })
     }
-    let read = |name: &'static str, value, leading: &[usize]| {
-        let rows = Rows::read(name, value, length)?;
-        rows.check_leading(name, leading)?;
-        rows.check_finite(name)?;
-        PyResult::Ok(rows)
-    };
-    let navigated = read("navigated", navigated, &[])?;
-    let kinematic = read("kinematic", kinematic, &[])?;
-    let covariance = read("covariance", covariance, &[length])?;
-    let mut slip = Output::fresh(py, &[length])?;
-    for (k, slip) in slip.flat().iter_mut().enumerate() {
-        *slip = navigated.flat()[k] - kinematic.flat()[k];
-    }
-    let test = SlipTest::new(slip.flat(), covariance.flat(), false_alarm).or_raise(&[])?;
-    Ok(BodySlip {
-        slip: slip.finish_object()?,
-        statistic: test.statistic,
-        threshold: test.threshold,
-        probability: test.probability,
-        slipping: test.slips(),
-    })
 }

@@ -6,7 +6,6 @@ use six_wheel_ground_motion::{Drives, Driving, Lift, Turns, traction_rows};
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
 use super::result_columns::{Columns, array};
-use crate::arguments;
 use crate::convert::{Out, Rows, Scalars, compute_rows, joined, memory, refuse, scalar_or_array};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
@@ -26,17 +25,17 @@ pub struct TractionRow {
     pub vertical: f64,
 }
 
-getters! { Traction, this, py:
+getters! { Traction, self, py:
     /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
-    speeds: PyResult<Py<PyAny>> = this.0.get(py, 0, |one| array(py, &one.speeds[..one.wheels]));
+    speeds: PyResult<Py<PyAny>> = self.0.get(py, 0, |one| array(py, &one.speeds[..one.wheels]));
     /// Steering angles, shape (..., steered wheels) [rad].
-    steering: PyResult<Py<PyAny>> = this.0.get(py, 1, |one| array(py, &one.steering[..one.steered]));
+    steering: PyResult<Py<PyAny>> = self.0.get(py, 1, |one| array(py, &one.steering[..one.steered]));
     /// Angle at which every wheel touches the ground, positive towards the front, shape (..., wheels) [rad].
-    contact_angles: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| array(py, &one.contact_angles[..one.wheels]));
+    contact_angles: PyResult<Py<PyAny>> = self.0.get(py, 2, |one| array(py, &one.contact_angles[..one.wheels]));
     /// True if the joints lift or drop the wheel as no ground would, shape (..., wheels) of bool.
-    lifted: PyResult<Py<PyAny>> = this.0.get(py, 3, |one| array(py, &one.lifted[..one.wheels]));
+    lifted: PyResult<Py<PyAny>> = self.0.get(py, 3, |one| array(py, &one.lifted[..one.wheels]));
     /// Vertical speed of the body's origin in its axes, shape (...) [m/s].
-    vertical_speed: PyResult<Py<PyAny>> = this.0.get(py, 4, |one| Ok(PyFloat::new(py, one.vertical).into_any().unbind()));
+    vertical_speed: PyResult<Py<PyAny>> = self.0.get(py, 4, |one| Ok(PyFloat::new(py, one.vertical).into_any().unbind()));
 }
 
 repr_of_attributes! { Traction: speeds steering }
@@ -74,8 +73,7 @@ fn read_lift(angle: f64, speed: f64) -> PyResult<Lift> {
     Ok(Lift { angle: angle.min(std::f64::consts::FRAC_PI_2), speed })
 }
 
-#[pymethods]
-impl Suspension {
+methods! { Suspension:
     /// Wheel speeds over rough ground without a map of it, as a rover's traction control needs them.
     ///
     /// The rates of body and joints say how every wheel's centre moves. A wheel on the ground moves along its rim's
@@ -127,25 +125,9 @@ impl Suspension {
     ///     If a number is not finite or a shape does not fit.
     ///
     /// Source: O. Toupet et al., Terrain-adaptive wheel speed control on the Curiosity Mars rover, JFR 37(5), 2020.
-    #[pyo3(signature = (speed, curvature, angular_velocity, joints, joint_rates, *, yaw_rate=None, steering=None,
-                        wheel_speeds=None, lift_angle=1.0, lift_speed=0.01, out=None, threads=None, level=None))]
-    fn traction<'py>(
-        &self,
-        py: Python<'py>,
-        speed: &Bound<'py, PyAny>,
-        curvature: Option<&Bound<'py, PyAny>>,
-        angular_velocity: &Bound<'py, PyAny>,
-        joints: &Bound<'py, PyAny>,
-        joint_rates: &Bound<'py, PyAny>,
-        yaw_rate: Option<&Bound<'py, PyAny>>,
-        steering: Option<&Bound<'py, PyAny>>,
-        wheel_speeds: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::lift_angle)] lift_angle: f64,
-        #[pyo3(from_py_with = arguments::lift_speed)] lift_speed: f64,
-        out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
-    ) -> PyResult<Traction> {
+    fn traction[&self, py: Python<'py>](speed, curvature: native Option<&Bound<'py, PyAny>>, angular_velocity, joints,
+        joint_rates, *, yaw_rate=None, steering=None, wheel_speeds=None, lift_angle: f64 = 1.0, lift_speed: f64 = 0.01,
+        out=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<Traction> {
         let chain = &self.chain;
         let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
         let turning = Rows::read("angular_velocity", angular_velocity, 3)?;

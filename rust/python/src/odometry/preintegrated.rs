@@ -15,8 +15,8 @@ use super::gyroscope::Gyroscope;
 use super::input::{encoders, steering_left_out};
 use super::readings_named;
 use super::values::Noise;
-use crate::arguments::{self, ArgumentKind};
-use crate::convert::{OrRaise, Rows, Scalars, compute, number, optional_number, raise, refuse};
+use crate::arguments::ArgumentKind;
+use crate::convert::{OrRaise, Rows, Scalars, compute, number, raise, refuse};
 use crate::rover::Rover;
 use columns::{SLIPS, dimension};
 
@@ -71,41 +71,31 @@ impl ArgumentKind for Preintegrated {
     const KIND: &'static str = "a Preintegrated";
 }
 
-getters! { Preintegrated, this, py:
+getters! { Preintegrated, self, py:
     /// Name of the tangent space of `covariance`, `residual` and all derivatives.
     tangent: &'static str = "end";
     /// When the motion begins [s]; None before a sample.
-    begin: Option<f64> = this.core.span().map(|[begin, _]| begin);
+    begin: Option<f64> = self.core.span().map(|[begin, _]| begin);
     /// When it ends [s]; None before a sample.
-    end: Option<f64> = this.core.span().map(|[_, end]| end);
+    end: Option<f64> = self.core.span().map(|[_, end]| end);
     /// From begin to end [s].
-    duration: f64 = this.core.span().map_or(0.0, |[begin, end]| end - begin);
+    duration: f64 = self.core.span().map_or(0.0, |[begin, end]| end - begin);
     /// The rover.
-    rover: Py<Rover> = this.rover.clone_ref(py);
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Standard deviations of readings and slip.
-    noise: Noise = this.core.rules().settings.noise.into();
+    noise: Noise = self.core.rules().settings.noise.into();
     /// Error model of the gyroscope; None without one.
-    gyroscope: Option<Gyroscope> = this.core.rules().gyroscope.map(Gyroscope);
+    gyroscope: Option<Gyroscope> = self.core.rules().gyroscope.map(Gyroscope);
 }
 
-#[pymethods]
-impl Preintegrated {
+methods! { Preintegrated:
     #[new]
-    #[pyo3(
-        signature = (rover, noise=None, *, gyroscope=None, readings="angles", wheel_encoders=None, steering_encoders=None, method="least_squares", in_space=false, attitude_noise=None),
-        text_signature = "(rover, noise=None, *, gyroscope=None, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
-    )]
-    fn new(
-        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'_, Rover>,
-        #[pyo3(from_py_with = arguments::noise)] noise: Option<Bound<'_, Noise>>,
-        #[pyo3(from_py_with = arguments::gyroscope)] gyroscope: Option<Bound<'_, Gyroscope>>,
-        #[pyo3(from_py_with = arguments::readings)] readings: &str,
-        wheel_encoders: Option<&Bound<'_, PyAny>>,
-        steering_encoders: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::method)] method: &str,
-        #[pyo3(from_py_with = arguments::in_space)] in_space: bool,
-        attitude_noise: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+    fn new[](rover: Bound<'py, Rover>, noise: Option<Bound<'py, Noise>> = None, *,
+        gyroscope: Option<Bound<'py, Gyroscope>> = None, readings: &str = "angles", wheel_encoders=None,
+        steering_encoders=None, method: &str = "least_squares", in_space: bool = false,
+        attitude_noise: Option<f64> = None)
+    as "(rover, noise=None, *, gyroscope=None, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
+    -> PyResult<Self> {
         let core = &rover.get().core;
         let names = |wheels: &mut dyn Iterator<Item = usize>| -> Vec<&str> {
             wheels.map(|i| core.wheels()[i].name.as_str()).collect()
@@ -123,7 +113,7 @@ impl Preintegrated {
             },
             gyroscope: gyroscope.map(|known| known.get().0),
             in_space,
-            attitude_noise: optional_number("attitude_noise", attitude_noise)?.unwrap_or(0.01),
+            attitude_noise: attitude_noise.unwrap_or(0.01),
         };
         Ok(Self { core: Core::new(core.clone(), rules).or_raise(&[])?, rover: rover.clone().unbind(), replayed: None })
     }
@@ -149,16 +139,8 @@ impl Preintegrated {
     ///     If the wheels do not determine the motion.
     /// ValueError
     ///     If a value is not finite, a stamp not later than the last one or a shape wrong; nothing was taken in.
-    #[pyo3(signature = (steering, wheel_angles=None, stamp=None, *, yaw_rate=None, attitude=None))]
-    fn add<'py>(
-        &mut self,
-        py: Python<'py>,
-        steering: &Bound<'py, PyAny>,
-        wheel_angles: Option<&Bound<'py, PyAny>>,
-        stamp: Option<&Bound<'py, PyAny>>,
-        yaw_rate: Option<&Bound<'py, PyAny>>,
-        attitude: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<()> {
+    fn add[&mut self, py: Python<'py>](steering, wheel_angles=None, stamp=None, *, yaw_rate=None, attitude=None)
+    -> PyResult<()> {
         let (Some(wheel_angles), Some(stamp)) = (wheel_angles, stamp) else {
             if wheel_angles.is_some() || stamp.is_some() || !steering.hasattr("wheel_angles")? {
                 let rule = "come together with wheel_angles and stamp, or be a log";
@@ -204,6 +186,77 @@ impl Preintegrated {
         })
     }
 
+    /// Difference between the motion of two poses and this one: ``log(delta⁻¹ pose_i⁻¹ pose_j)``.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose_i, pose_j : array_like, shape (3,) or (4, 4)
+    ///     Poses of the body at the beginning and at the end of the motion.
+    ///
+    /// Returns
+    /// -------
+    /// error : ndarray, shape (3,) or (6,)
+    ///     Zero where they agree; weigh it by the inverse of `covariance`.
+    /// by_i, by_j : ndarray, shape (3, 3) or (6, 6)
+    ///     Its derivatives by both poses, as they move by ``pose exp(e)``.
+    fn residual[&mut self, py: Python<'py>](pose_i, pose_j)
+    -> PyResult<(Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>)> {
+        let (error, by_i, by_j, _) = self.factor(py, pose_i, pose_j, &PyDict::new(py))?;
+        Ok((error, by_i, by_j))
+    }
+
+    /// `residual` of the motion after changes, with its derivatives by these as well: for an optimiser that looks for
+    /// dimensions, slip or a bias along with poses.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose_i, pose_j : array_like, shape (3,) or (4, 4)
+    ///     As in `residual`.
+    /// changes : dict of str to array_like
+    ///     As in `corrected`, from what the motion was integrated with.
+    ///
+    /// Returns
+    /// -------
+    /// error, by_i, by_j : ndarray
+    ///     As in `residual`.
+    /// by_changes : dict of str to ndarray
+    ///     Derivatives by every change, arrays (3 or 6, wheels).
+    fn factor[&mut self, py: Python<'py>](pose_i, pose_j, changes: native &Bound<'py, PyDict>)
+    -> PyResult<Factor<'py>> {
+        let poses = [self.pose_of("pose_i", pose_i)?, self.pose_of("pose_j", pose_j)?];
+        let (change, wanted) = self.change(py, changes)?;
+        let rows = self.rows();
+        let replayed = self.replayed(py)?;
+        let residual = Residual::of(&replayed.motion, &change.into(), [&poses[0], &poses[1]]);
+        let error: Vec<f64> = rows.iter().map(|&row| residual.error[row]).collect();
+        let by_changes = PyDict::new(py);
+        for (name, columns) in wanted {
+            let by: Vec<_> = columns.iter().map(|&column| residual.by_motion * replayed.by(column)).collect();
+            let table: Vec<Vec<f64>> = rows.iter().map(|&row| by.iter().map(|one| one[row]).collect()).collect();
+            by_changes.set_item(name, PyArray2::from_vec2(py, &table)?)?;
+        }
+        let by_first = self.square(py, |i, k| residual.by_first[(i, k)])?;
+        let by_second = self.square(py, |i, k| residual.by_second[(i, k)])?;
+        Ok((error.to_pyarray(py), by_first, by_second, by_changes))
+    }
+
+    /// This motion and the one that begins where it ends, as one. The reading between both errs in both: the
+    /// covariance is that of all samples in one place.
+    ///
+    /// Parameters
+    /// ----------
+    /// other : Preintegrated
+    ///     Of the same rover, its first sample the last one here.
+    fn merge[&self, py: Python<'py>](other: Bound<'py, Self>) -> PyResult<Self> {
+        let other = other.try_borrow()?;
+        let (ours, theirs) = (&self.core, &other.core);
+        let merged = compute(py, theirs.len(), || ours.merge(theirs));
+        Ok(self.with(merged.or_raise(&[])?, py))
+    }
+}
+
+#[pymethods]
+impl Preintegrated {
     /// The motion ``begin_from_end``: ``[x, y, yaw]``, the yaw with its full turns, or in space a matrix (4, 4).
     #[getter]
     fn delta<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -282,69 +335,6 @@ impl Preintegrated {
         Ok(self.written(py, &motion, yaw))
     }
 
-    /// Difference between the motion of two poses and this one: ``log(delta⁻¹ pose_i⁻¹ pose_j)``.
-    ///
-    /// Parameters
-    /// ----------
-    /// pose_i, pose_j : array_like, shape (3,) or (4, 4)
-    ///     Poses of the body at the beginning and at the end of the motion.
-    ///
-    /// Returns
-    /// -------
-    /// error : ndarray, shape (3,) or (6,)
-    ///     Zero where they agree; weigh it by the inverse of `covariance`.
-    /// by_i, by_j : ndarray, shape (3, 3) or (6, 6)
-    ///     Its derivatives by both poses, as they move by ``pose exp(e)``.
-    fn residual<'py>(
-        &mut self,
-        py: Python<'py>,
-        pose_i: &Bound<'py, PyAny>,
-        pose_j: &Bound<'py, PyAny>,
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>)> {
-        let (error, by_i, by_j, _) = self.factor(py, pose_i, pose_j, &PyDict::new(py))?;
-        Ok((error, by_i, by_j))
-    }
-
-    /// `residual` of the motion after changes, with its derivatives by these as well: for an optimiser that looks for
-    /// dimensions, slip or a bias along with poses.
-    ///
-    /// Parameters
-    /// ----------
-    /// pose_i, pose_j : array_like, shape (3,) or (4, 4)
-    ///     As in `residual`.
-    /// changes : dict of str to array_like
-    ///     As in `corrected`, from what the motion was integrated with.
-    ///
-    /// Returns
-    /// -------
-    /// error, by_i, by_j : ndarray
-    ///     As in `residual`.
-    /// by_changes : dict of str to ndarray
-    ///     Derivatives by every change, arrays (3 or 6, wheels).
-    fn factor<'py>(
-        &mut self,
-        py: Python<'py>,
-        pose_i: &Bound<'py, PyAny>,
-        pose_j: &Bound<'py, PyAny>,
-        changes: &Bound<'py, PyDict>,
-    ) -> PyResult<Factor<'py>> {
-        let poses = [self.pose_of("pose_i", pose_i)?, self.pose_of("pose_j", pose_j)?];
-        let (change, wanted) = self.change(py, changes)?;
-        let rows = self.rows();
-        let replayed = self.replayed(py)?;
-        let residual = Residual::of(&replayed.motion, &change.into(), [&poses[0], &poses[1]]);
-        let error: Vec<f64> = rows.iter().map(|&row| residual.error[row]).collect();
-        let by_changes = PyDict::new(py);
-        for (name, columns) in wanted {
-            let by: Vec<_> = columns.iter().map(|&column| residual.by_motion * replayed.by(column)).collect();
-            let table: Vec<Vec<f64>> = rows.iter().map(|&row| by.iter().map(|one| one[row]).collect()).collect();
-            by_changes.set_item(name, PyArray2::from_vec2(py, &table)?)?;
-        }
-        let by_first = self.square(py, |i, k| residual.by_first[(i, k)])?;
-        let by_second = self.square(py, |i, k| residual.by_second[(i, k)])?;
-        Ok((error.to_pyarray(py), by_first, by_second, by_changes))
-    }
-
     /// The motions before and after an instant, which `merge` joins again.
     ///
     /// Parameters
@@ -356,20 +346,6 @@ impl Preintegrated {
         let parts = compute(py, self.core.len(), || self.core.split(stamp));
         let [first, second] = parts.or_raise(&[])?;
         Ok((self.with(first, py), self.with(second, py)))
-    }
-
-    /// This motion and the one that begins where it ends, as one. The reading between both errs in both: the
-    /// covariance is that of all samples in one place.
-    ///
-    /// Parameters
-    /// ----------
-    /// other : Preintegrated
-    ///     Of the same rover, its first sample the last one here.
-    fn merge(&self, py: Python<'_>, #[pyo3(from_py_with = arguments::other)] other: Bound<'_, Self>) -> PyResult<Self> {
-        let other = other.try_borrow()?;
-        let (ours, theirs) = (&self.core, &other.core);
-        let merged = compute(py, theirs.len(), || ours.merge(theirs));
-        Ok(self.with(merged.or_raise(&[])?, py))
     }
 
     fn __len__(&self) -> usize {

@@ -8,11 +8,9 @@ use six_wheel_odometry::{Recording, TrackRows};
 
 use super::Odometry;
 use super::input::{Columns, build_track};
-use crate::arguments;
 use crate::convert::{Array, Output, Scalars, compute_rows, memory};
 
-#[pymethods]
-impl Odometry {
+methods! { Odometry:
     /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
     ///
     /// Parameters
@@ -40,19 +38,8 @@ impl Odometry {
     /// ------
     /// ValueError
     ///     If a shape does not fit; with ``errors="raise"`` as `update`, the row named.
-    #[pyo3(signature = (steering, wheel_angles, stamps, *, yaw=None, yaw_rate=None, errors="flag", covariances=true, residuals=true))]
-    fn run<'py>(
-        &self,
-        py: Python<'py>,
-        steering: &Bound<'py, PyAny>,
-        wheel_angles: &Bound<'py, PyAny>,
-        stamps: &Bound<'py, PyAny>,
-        yaw: Option<&Bound<'py, PyAny>>,
-        yaw_rate: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::errors)] errors: &str,
-        #[pyo3(from_py_with = arguments::covariances)] covariances: bool,
-        #[pyo3(from_py_with = arguments::residuals)] residuals: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn run[&self, py: Python<'py>](steering, wheel_angles, stamps, *, yaw=None, yaw_rate=None, errors: &str = "flag",
+        covariances: bool = true, residuals: bool = true) -> PyResult<Bound<'py, PyAny>> {
         let count = self.wheels();
         let widths = [count, self.joints()];
         let log = Columns::read(wheel_angles, steering, stamps, errors, widths)?;

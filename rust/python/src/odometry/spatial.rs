@@ -13,8 +13,7 @@ use six_wheel_odometry::Settings;
 use super::input::{Columns, build_track, encoders, row};
 use super::readings_named;
 use super::values::Noise;
-use crate::arguments;
-use crate::convert::{OrRaise, Output, Rows, Scalars, compute_rows, memory, number, optional_number, ready};
+use crate::convert::{OrRaise, Output, Rows, Scalars, compute_rows, memory, ready};
 use crate::state_lock::Shared;
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
@@ -92,40 +91,26 @@ impl Odometry3 {
     }
 }
 
-getters! { Odometry3, this, py:
+getters! { Odometry3, self, py:
     /// Estimate after the last sample.
-    state: PyResult<Odometry3State> = Ok(this.state_of(&*this.work.lock(py)?, py));
+    state: PyResult<Odometry3State> = Ok(self.state_of(&*self.work.lock(py)?, py));
     /// The suspension.
-    arm: Py<Suspension> = this.arm.clone_ref(py);
+    arm: Py<Suspension> = self.arm.clone_ref(py);
     /// The ground; None if it is not known.
-    ground: Option<Py<Terrain>> = this.ground.as_ref().map(|ground| ground.clone_ref(py));
+    ground: Option<Py<Terrain>> = self.ground.as_ref().map(|ground| ground.clone_ref(py));
     /// Standard deviations of readings and slip.
-    noise: PyResult<Noise> = Ok(this.work.lock(py)?.settings().common.noise.into());
+    noise: PyResult<Noise> = Ok(self.work.lock(py)?.settings().common.noise.into());
 }
 
-#[pymethods]
-impl Odometry3 {
+methods! { Odometry3:
     #[new]
-    #[pyo3(
-        signature = (arm, noise=None, *, ground=None, attitude_noise=None, joint_noise=None, readings="angles", wheel_encoders=None, steering_encoders=None, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, lag=None, history=1024),
-        text_signature = "(arm, noise=None, *, ground=None, attitude_noise=0.002, joint_noise=0.001, readings='angles', wheel_encoders=None, steering_encoders=None, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, lag=0.0, history=1024)"
-    )]
-    fn new(
-        #[pyo3(from_py_with = arguments::arm)] arm: Bound<'_, Suspension>,
-        #[pyo3(from_py_with = arguments::noise)] noise: Option<Bound<'_, Noise>>,
-        #[pyo3(from_py_with = arguments::ground)] ground: Option<Bound<'_, Terrain>>,
-        attitude_noise: Option<&Bound<'_, PyAny>>,
-        joint_noise: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::readings)] readings: &str,
-        wheel_encoders: Option<&Bound<'_, PyAny>>,
-        steering_encoders: Option<&Bound<'_, PyAny>>,
-        slip_threshold: Option<&Bound<'_, PyAny>>,
-        max_gap: Option<&Bound<'_, PyAny>>,
-        max_speed: Option<&Bound<'_, PyAny>>,
-        max_steering_rate: Option<&Bound<'_, PyAny>>,
-        lag: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::history)] history: usize,
-    ) -> PyResult<Self> {
+    fn new[](arm: Bound<'py, Suspension>, noise: Option<Bound<'py, Noise>> = None, *,
+        ground: Option<Bound<'py, Terrain>> = None, attitude_noise: Option<f64> = None, joint_noise: Option<f64> = None,
+        readings: &str = "angles", wheel_encoders=None, steering_encoders=None, slip_threshold: Option<f64> = None,
+        max_gap: Option<f64> = None, max_speed: Option<f64> = None, max_steering_rate: Option<f64> = None,
+        lag: Option<f64> = None, history: usize = 1024)
+    as "(arm, noise=None, *, ground=None, attitude_noise=0.002, joint_noise=0.001, readings='angles', wheel_encoders=None, steering_encoders=None, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, lag=0.0, history=1024)"
+    -> PyResult<Self> {
         ready(arm.py())?;
         let chain = &arm.get().chain;
         let wheels: Vec<&str> = chain.wheels().iter().map(|wheel| &*wheel.name).collect();
@@ -135,19 +120,19 @@ impl Odometry3 {
             readings: readings_named(readings)?,
             wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
             steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
-            slip_threshold: optional_number("slip_threshold", slip_threshold)?,
-            max_gap: optional_number("max_gap", max_gap)?,
-            max_speed: optional_number("max_speed", max_speed)?,
-            max_steering_rate: optional_number("max_steering_rate", max_steering_rate)?,
-            lag: optional_number("lag", lag)?.unwrap_or(0.0),
+            slip_threshold,
+            max_gap,
+            max_speed,
+            max_steering_rate,
+            lag: lag.unwrap_or(0.0),
             history,
             ..Settings::default()
         };
         let usual = Settings3::default();
         let settings = Settings3 {
             common,
-            attitude_noise: optional_number("attitude_noise", attitude_noise)?.unwrap_or(usual.attitude_noise),
-            joint_noise: optional_number("joint_noise", joint_noise)?.unwrap_or(usual.joint_noise),
+            attitude_noise: attitude_noise.unwrap_or(usual.attitude_noise),
+            joint_noise: joint_noise.unwrap_or(usual.joint_noise),
         };
         let map = ground.as_ref().map(|ground| ground.get().0.clone());
         let core = Core::new(chain.clone(), map, settings).or_raise(&[])?;
@@ -186,17 +171,8 @@ impl Odometry3 {
     /// ValueError
     ///     If a reading is missing or not finite, the attitude upside down, the stamp not later than the last one, the
     ///     rover off the ground, a limit exceeded or a shape wrong. The state is as before.
-    #[pyo3(signature = (steering, wheel_angles, stamp, *, joints=None, attitude=None, yaw_rate=None))]
-    fn update(
-        &self,
-        py: Python<'_>,
-        steering: &Bound<'_, PyAny>,
-        wheel_angles: &Bound<'_, PyAny>,
-        stamp: &Bound<'_, PyAny>,
-        joints: Option<&Bound<'_, PyAny>>,
-        attitude: Option<&Bound<'_, PyAny>>,
-        yaw_rate: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Odometry3State> {
+    fn update[&self, py: Python<'py>](steering, wheel_angles, stamp: f64, *, joints=None, attitude=None,
+        yaw_rate: Option<f64> = None) -> PyResult<Odometry3State> {
         let [wheels, steered, free] = self.widths();
         let steering = row("steering", steering, steered)?;
         let wheels = row("wheel_angles", wheel_angles, wheels)?;
@@ -205,10 +181,10 @@ impl Odometry3 {
         let sample = Sample3 {
             steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
             wheels: wheels.as_ref().map_or(&[], Rows::flat),
-            stamp: number("stamp", stamp)?,
+            stamp,
             joints: joints.as_ref().map(Rows::flat),
             attitude,
-            yaw_rate: optional_number("yaw_rate", yaw_rate)?,
+            yaw_rate,
         };
         self.change(py, |core| core.update(sample).map(|_| ()))
     }
@@ -243,20 +219,8 @@ impl Odometry3 {
     /// ------
     /// ValueError
     ///     If a shape does not fit; with ``errors="raise"`` as `update`, the row named.
-    #[pyo3(signature = (steering, wheel_angles, stamps, *, joints=None, attitude=None, yaw_rate=None, errors="flag", covariances=true, slips=true))]
-    fn run<'py>(
-        &self,
-        py: Python<'py>,
-        steering: &Bound<'py, PyAny>,
-        wheel_angles: &Bound<'py, PyAny>,
-        stamps: &Bound<'py, PyAny>,
-        joints: Option<&Bound<'py, PyAny>>,
-        attitude: Option<&Bound<'py, PyAny>>,
-        yaw_rate: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::errors)] errors: &str,
-        #[pyo3(from_py_with = arguments::covariances)] covariances: bool,
-        #[pyo3(from_py_with = arguments::slips)] slips: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn run[&self, py: Python<'py>](steering, wheel_angles, stamps, *, joints=None, attitude=None, yaw_rate=None,
+        errors: &str = "flag", covariances: bool = true, slips: bool = true) -> PyResult<Bound<'py, PyAny>> {
         let [count, steered, free] = self.widths();
         let log = Columns::read(wheel_angles, steering, stamps, errors, [count, steered])?;
         let leading = log.wheels.leading.as_slice();
@@ -320,18 +284,31 @@ impl Odometry3 {
     /// ------
     /// ValueError
     ///     If a value is not finite, the covariance is none or the stamp too old. The state is as before.
-    fn correct(
-        &self,
-        py: Python<'_>,
-        pose: &Bound<'_, PyAny>,
-        stamp: &Bound<'_, PyAny>,
-        covariance: &Bound<'_, PyAny>,
-    ) -> PyResult<Odometry3State> {
-        let (pose, stamp) = (self::pose("pose", pose)?, number("stamp", stamp)?);
+    fn correct[&self, py: Python<'py>](pose, stamp: f64, covariance) -> PyResult<Odometry3State> {
+        let pose = self::pose("pose", pose)?;
         let matrix = self::covariance(Some(covariance), f64::INFINITY)?;
         self.change(py, |core| core.correct(pose, stamp, matrix))
     }
 
+    /// Starts over: the next sample is a first one.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose : array_like, shape (6,), (4, 4) or (3,)
+    ///     As for `set_pose`, default the origin.
+    /// covariance : array_like, shape (6,), (6, 6), (3,) or (3, 3), optional
+    ///     As for `set_pose`.
+    fn reset[&self, py: Python<'py>](pose=None, covariance=None)
+    as "($self, pose=(0.0, 0.0, 0.0), covariance=None)" -> PyResult<()> {
+        let pose = pose.map_or(Ok(Default::default()), |pose| self::pose("pose", pose))?;
+        let matrix = self::covariance(covariance, 0.0)?;
+        self.change(py, |core| core.start_over(pose, matrix))?;
+        Ok(())
+    }
+}
+
+#[pymethods]
+impl Odometry3 {
     /// Goes on from this pose; the readings count on from the last sample.
     ///
     /// Parameters
@@ -344,27 +321,6 @@ impl Odometry3 {
     fn set_pose(&self, py: Python<'_>, pose: &Bound<'_, PyAny>, covariance: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let (pose, matrix) = (self::pose("pose", pose)?, self::covariance(covariance, 0.0)?);
         self.change(py, |core| core.set_pose(pose, matrix))?;
-        Ok(())
-    }
-
-    /// Starts over: the next sample is a first one.
-    ///
-    /// Parameters
-    /// ----------
-    /// pose : array_like, shape (6,), (4, 4) or (3,)
-    ///     As for `set_pose`, default the origin.
-    /// covariance : array_like, shape (6,), (6, 6), (3,) or (3, 3), optional
-    ///     As for `set_pose`.
-    #[pyo3(signature = (pose=None, covariance=None), text_signature = "($self, pose=(0.0, 0.0, 0.0), covariance=None)")]
-    fn reset(
-        &self,
-        py: Python<'_>,
-        pose: Option<&Bound<'_, PyAny>>,
-        covariance: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<()> {
-        let pose = pose.map_or(Ok(Default::default()), |pose| self::pose("pose", pose))?;
-        let matrix = self::covariance(covariance, 0.0)?;
-        self.change(py, |core| core.start_over(pose, matrix))?;
         Ok(())
     }
 

@@ -8,7 +8,6 @@ use pyo3::types::PyString;
 use six_wheel_kinematics::estimate::{Method, worst_wheel};
 use six_wheel_odometry::Odometry;
 
-use crate::arguments;
 use crate::fastcall::Renewed;
 use crate::rover::Rover;
 
@@ -180,58 +179,48 @@ fn square<'py>(py: Python<'py>, matrix: &[[f64; 3]; 3]) -> PyResult<Bound<'py, P
     PyArray1::from_slice(py, matrix.as_flattened()).reshape([3, 3])
 }
 
-getters! { OdometryState, this, py:
+getters! { OdometryState, self, py:
     /// When the sample was taken [s]; None before the first one.
-    stamp: Option<f64> = this.stamp;
+    stamp: Option<f64> = self.stamp;
     /// ``[x, y, yaw]`` in the world, the yaw with its full turns, shape (3,) [m, m, rad].
-    pose: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &this.pose);
+    pose: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.pose);
     /// The yaw, with its full turns [rad].
-    yaw: f64 = this.pose[2];
+    yaw: f64 = self.pose[2];
     /// Mean ``[vx, vy, omega]`` over the last step in body axes, shape (3,) [m/s, m/s, rad/s].
-    twist: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &this.twist);
+    twist: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.twist);
     /// The twist through a first-order filter of time constant `smoothing`, shape (3,) [m/s, m/s, rad/s].
-    velocity: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &this.velocity);
+    velocity: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.velocity);
     /// Covariance of the pose in world axes, shape (3, 3) [m², m rad, rad²].
-    covariance: PyResult<Bound<'py, PyArray2<f64>>> = square(py, &whole(this.covariance));
+    covariance: PyResult<Bound<'py, PyArray2<f64>>> = square(py, &whole(self.covariance));
     /// Covariance of the twist in body axes, shape (3, 3); infinite variances where nothing is known of the twist: before
     /// the first step, and after a command or a pose from outside.
-    twist_covariance: PyResult<Bound<'py, PyArray2<f64>>> = square(py, &whole(this.twist_covariance));
+    twist_covariance: PyResult<Bound<'py, PyArray2<f64>>> = square(py, &whole(self.twist_covariance));
     /// Speed at which each wheel's contact slid over the last step, shape (wheels,) [m/s].
-    residual: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &this.residual);
+    residual: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.residual);
     /// Flags of the sample, an `OdometryHealth`.
-    health: PyResult<Bound<'py, PyAny>> = py.import("six_wheel.kinematics.odometry")?.getattr("OdometryHealth")?.call1((this.health,));
-}
-
-#[pymethods]
-impl OdometryState {
+    health: PyResult<Bound<'py, PyAny>> = py.import("six_wheel.kinematics.odometry")?.getattr("OdometryHealth")?.call1((self.health,));
     /// Say of each wheel over the last step, shape (wheels,), 0 to 1.
-    #[getter]
-    fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    weights: Bound<'py, PyArray1<f64>> = {
         match &self.weights {
             Some(weights) => PyArray1::from_slice(py, weights),
             None => PyArray1::from_vec(py, vec![1.0; self.residual.len()]),
         }
-    }
-
+    };
     /// Name of the wheel that disagrees most; None if none does.
-    #[getter]
-    fn worst_wheel<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyString>> {
+    worst_wheel: Option<Bound<'py, PyString>> = {
         let worst = worst_wheel(&self.residual)?;
         Some(PyString::new(py, &self.rover.get().core.wheels()[worst].name))
-    }
+    };
+}
 
+methods! { OdometryState:
     /// `covariance` in the order of ROS messages: x, y, z, roll, pitch, yaw, shape (6, 6).
     ///
     /// Parameters
     /// ----------
     /// unmeasured : float, default 1e6
     ///     Variance of z [m²], roll and pitch [rad²], of which wheels on a plane say nothing.
-    #[pyo3(signature = (unmeasured=1e6))]
-    fn covariance_6x6<'py>(
-        &self,
-        py: Python<'py>,
-        #[pyo3(from_py_with = arguments::unmeasured)] unmeasured: f64,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn covariance_6x6[&self, py: Python<'py>](unmeasured: f64 = 1e6) -> PyResult<Bound<'py, PyArray2<f64>>> {
         spatial(py, &whole(self.covariance), unmeasured)
     }
 
@@ -241,16 +230,14 @@ impl OdometryState {
     /// ----------
     /// unmeasured : float, default 1e6
     ///     Variance of the rates along z [m²/s²], about x and about y [rad²/s²], and of all that nothing is known of.
-    #[pyo3(signature = (unmeasured=1e6))]
-    fn twist_covariance_6x6<'py>(
-        &self,
-        py: Python<'py>,
-        #[pyo3(from_py_with = arguments::unmeasured)] unmeasured: f64,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn twist_covariance_6x6[&self, py: Python<'py>](unmeasured: f64 = 1e6) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let known = self.twist_covariance.map(|value| if value.is_finite() { value } else { unmeasured });
         spatial(py, &whole(known), unmeasured)
     }
+}
 
+#[pymethods]
+impl OdometryState {
     fn __repr__(&self) -> String {
         let [xx, _, _, yy, _, zz] = self.covariance;
         let deviations = [xx, yy, zz].map(f64::sqrt);

@@ -1,13 +1,11 @@
 //! `six_wheel.Noise` and `six_wheel.Encoder`.
 
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
 use six_wheel_kinematics::units;
 use six_wheel_odometry::{Encoder as CoreEncoder, Noise as CoreNoise};
 
 use crate::arguments::{ArgumentKind, constructor_call};
-use crate::classes::{hash_of_numbers, reduce};
-use crate::convert::{OrRaise, number, optional_number};
+use crate::convert::OrRaise;
 use crate::unit_warnings::warn_units;
 
 /// Standard deviations of the errors of readings and wheels.
@@ -57,16 +55,24 @@ impl From<CoreNoise> for Noise {
 }
 
 impl Noise {
-    fn numbers(&self) -> [(&'static str, f64); 6] {
-        let noise = &self.0;
-        [
-            ("speed", noise.speed),
-            ("steering", noise.steering),
-            ("slip", noise.slip),
-            ("side_slip", noise.side_slip),
-            ("yaw", noise.yaw),
-            ("yaw_rate", noise.yaw_rate),
-        ]
+    fn all(&self) -> [(&'static str, f64); 6] {
+        let CoreNoise { speed, steering, slip, side_slip, yaw, yaw_rate, .. } = self.0;
+        let names = ["speed", "steering", "slip", "side_slip", "yaw", "yaw_rate"];
+        std::array::from_fn(|k| (names[k], [speed, steering, slip, side_slip, yaw, yaw_rate][k]))
+    }
+
+    /// Those that are not 0, and the first two.
+    fn numbers(&self) -> Vec<(&'static str, Option<f64>)> {
+        let shown = self.all().into_iter().enumerate().filter(|(k, (_, number))| *k < 2 || *number != 0.0);
+        let numbers = shown.map(|(_, (name, number))| (name, Some(number)));
+        numbers.chain(self.0.period.map(|period| ("period", Some(period)))).collect()
+    }
+
+    /// Those that were given.
+    fn given(&self) -> Vec<(&'static str, Option<f64>)> {
+        let given = self.all().into_iter().zip(self.1.into_iter().chain([true; 2]));
+        let numbers = given.filter_map(|((name, number), given)| given.then_some((name, Some(number))));
+        numbers.chain([("period", self.0.period)]).collect()
     }
 }
 
@@ -78,90 +84,47 @@ impl ArgumentKind for Noise {
     }
 }
 
-getters! { Noise, this, py:
+getters! { Noise, self, py:
     /// Of every wheel's rim speed over one step [m/s].
-    speed: f64 = this.0.speed;
+    speed: f64 = self.0.speed;
     /// Of every steering angle [rad].
-    steering: f64 = this.0.steering;
+    steering: f64 = self.0.steering;
     /// Of the distance a wheel slips along its heading over one metre [m].
-    slip: f64 = this.0.slip;
+    slip: f64 = self.0.slip;
     /// The same across its heading [m].
-    side_slip: f64 = this.0.side_slip;
+    side_slip: f64 = self.0.side_slip;
     /// Of an absolute yaw reading [rad].
-    yaw: f64 = this.0.yaw;
+    yaw: f64 = self.0.yaw;
     /// Of a gyroscope's reading [rad/s].
-    yaw_rate: f64 = this.0.yaw_rate;
+    yaw_rate: f64 = self.0.yaw_rate;
     /// Time over which an error of a reading stays the same [s].
-    period: Option<f64> = this.0.period;
+    period: Option<f64> = self.0.period;
 }
 
-equal_by!(Noise: 0);
-replaceable!(Noise);
+value_of_numbers!(Noise: given);
 
-#[pymethods]
-impl Noise {
+methods! { Noise:
     #[new]
-    #[pyo3(
-        signature = (speed=None, steering=None, *, slip=None, side_slip=None, yaw=None, yaw_rate=None, period=None),
-        text_signature = "(speed=None, steering=None, *, slip=None, side_slip=None, yaw=0.0, yaw_rate=0.0, period=None)"
-    )]
-    fn new(
-        py: Python<'_>,
-        speed: Option<&Bound<'_, PyAny>>,
-        steering: Option<&Bound<'_, PyAny>>,
-        slip: Option<&Bound<'_, PyAny>>,
-        side_slip: Option<&Bound<'_, PyAny>>,
-        yaw: Option<&Bound<'_, PyAny>>,
-        yaw_rate: Option<&Bound<'_, PyAny>>,
-        period: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+    fn new[py: Python<'py>](speed: Option<f64> = None, steering: Option<f64> = None, *, slip: Option<f64> = None,
+        side_slip: Option<f64> = None, yaw: Option<f64> = None, yaw_rate: Option<f64> = None,
+        period: Option<f64> = None)
+    as "(speed=None, steering=None, *, slip=None, side_slip=None, yaw=0.0, yaw_rate=0.0, period=None)"
+    -> PyResult<Self> {
         let measured = [speed, steering, slip, side_slip].map(|value| value.is_some());
-        let is_guess = measured == [false; 4];
-        let mut noise = if is_guess { CoreNoise::default() } else { CoreNoise::READINGS };
-        let given = [
-            ("speed", speed, &mut noise.speed),
-            ("steering", steering, &mut noise.steering),
-            ("slip", slip, &mut noise.slip),
-            ("side_slip", side_slip, &mut noise.side_slip),
-            ("yaw", yaw, &mut noise.yaw),
-            ("yaw_rate", yaw_rate, &mut noise.yaw_rate),
-        ];
-        for (argument, value, target) in given {
-            if let Some(value) = value {
-                *target = number(argument, value)?;
-            }
-        }
-        noise.period = optional_number("period", period)?;
+        let usual = if measured == [false; 4] { CoreNoise::default() } else { CoreNoise::READINGS };
+        let noise = CoreNoise {
+            speed: speed.unwrap_or(usual.speed),
+            steering: steering.unwrap_or(usual.steering),
+            slip: slip.unwrap_or(usual.slip),
+            side_slip: side_slip.unwrap_or(usual.side_slip),
+            yaw: yaw.unwrap_or(usual.yaw),
+            yaw_rate: yaw_rate.unwrap_or(usual.yaw_rate),
+            period,
+        };
         noise.check().or_raise(&[])?;
         let noise = Self(noise, measured);
-        warn_units(py, units::settings(noise.numbers()))?;
+        warn_units(py, units::settings(noise.all()))?;
         Ok(noise)
-    }
-
-    fn __repr__(&self) -> String {
-        let [speed, steering, rest @ ..] = self.numbers();
-        let mut text = format!("Noise(speed={:?}, steering={:?}", speed.1, steering.1);
-        for (argument, value) in rest.iter().filter(|(_, value)| *value != 0.0) {
-            text += &format!(", {argument}={value:?}");
-        }
-        if let Some(period) = self.0.period {
-            text += &format!(", period={period:?}");
-        }
-        text + ")"
-    }
-
-    fn __hash__(&self) -> u64 {
-        hash_of_numbers(self.numbers().map(|(_, number)| number).into_iter().chain([self.0.period.unwrap_or(-1.0)]))
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let (keywords, noise) = (PyDict::new(slf.py()), slf.get());
-        let given = noise.1.into_iter().chain([true; 2]);
-        for ((argument, value), _) in noise.numbers().into_iter().zip(given).filter(|(_, given)| *given) {
-            keywords.set_item(argument, value)?;
-        }
-        keywords.set_item("period", noise.0.period)?;
-        reduce(slf.as_any(), &PyTuple::empty(slf.py()), &keywords)
     }
 }
 
@@ -187,67 +150,40 @@ impl Noise {
 #[derive(Clone, Copy)]
 pub struct Encoder(pub CoreEncoder);
 
-getters! { Encoder, this, py:
+getters! { Encoder, self, py:
     /// Counts per turn of the shaft it sits on; None if it reads radians.
-    resolution: Option<f64> = this.0.resolution;
+    resolution: Option<f64> = self.0.resolution;
     /// Turns of that shaft per turn of the joint.
-    gear: f64 = this.0.gear;
+    gear: f64 = self.0.gear;
     /// Counts after which the counter starts over; None if it never does.
-    modulus: Option<f64> = this.0.modulus;
+    modulus: Option<f64> = self.0.modulus;
     /// Angle of the joint where the counter is zero [rad].
-    offset: f64 = this.0.offset;
+    offset: f64 = self.0.offset;
     /// Angle of the joint per count [rad].
-    angle_per_count: f64 = this.0.angle_per_count();
+    angle_per_count: f64 = self.0.angle_per_count();
 }
 
-equal_by!(Encoder: 0);
-replaceable!(Encoder);
-
-#[pymethods]
 impl Encoder {
+    fn numbers(&self) -> [(&'static str, Option<f64>); 4] {
+        let CoreEncoder { resolution, gear, modulus, offset } = self.0;
+        [("resolution", resolution), ("gear", Some(gear)), ("modulus", modulus), ("offset", Some(offset))]
+    }
+}
+
+value_of_numbers!(Encoder);
+
+methods! { Encoder:
     #[new]
-    #[pyo3(
-        signature = (resolution=None, *, gear=None, modulus=None, offset=None),
-        text_signature = "(resolution=None, *, gear=1.0, modulus=None, offset=0.0)"
-    )]
-    fn new(
-        resolution: Option<&Bound<'_, PyAny>>,
-        gear: Option<&Bound<'_, PyAny>>,
-        modulus: Option<&Bound<'_, PyAny>>,
-        offset: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+    fn new[](resolution: Option<f64> = None, *, gear: Option<f64> = None, modulus: Option<f64> = None,
+        offset: Option<f64> = None)
+    as "(resolution=None, *, gear=1.0, modulus=None, offset=0.0)" -> PyResult<Self> {
         let encoder = CoreEncoder {
-            resolution: optional_number("resolution", resolution)?,
-            gear: optional_number("gear", gear)?.unwrap_or(1.0),
-            modulus: optional_number("modulus", modulus)?,
-            offset: optional_number("offset", offset)?.unwrap_or(0.0),
+            resolution,
+            gear: gear.unwrap_or(1.0),
+            modulus,
+            offset: offset.unwrap_or(0.0),
         };
         encoder.check().or_raise(&[])?;
         Ok(Self(encoder))
-    }
-
-    fn __repr__(&self) -> String {
-        let optional = |value: Option<f64>| value.map_or("None".into(), |value| format!("{value:?}"));
-        let CoreEncoder { resolution, gear, modulus, offset } = self.0;
-        format!(
-            "Encoder(resolution={}, gear={gear:?}, modulus={}, offset={offset:?})",
-            optional(resolution),
-            optional(modulus)
-        )
-    }
-
-    fn __hash__(&self) -> u64 {
-        let CoreEncoder { resolution, gear, modulus, offset } = self.0;
-        hash_of_numbers([resolution.unwrap_or(0.0), gear, modulus.unwrap_or(0.0), offset])
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let (py, encoder) = (slf.py(), slf.get().0);
-        let keywords = PyDict::new(py);
-        keywords.set_item("gear", encoder.gear)?;
-        keywords.set_item("modulus", encoder.modulus)?;
-        keywords.set_item("offset", encoder.offset)?;
-        let arguments = (encoder.resolution,).into_pyobject(py)?;
-        reduce(slf.as_any(), &arguments, &keywords)
     }
 }

@@ -5,9 +5,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_planner::Costmap as Core;
 
-use crate::arguments::{self, ArgumentKind};
+use crate::arguments::ArgumentKind;
 use crate::classes::reduce;
-use crate::convert::{ArgumentTypeError, OrRaise, number, optional_number, refuse, shape_text};
+use crate::convert::{ArgumentTypeError, OrRaise, number, refuse, shape_text};
 
 /// Costs on a grid, for a planner.
 ///
@@ -49,35 +49,29 @@ impl ArgumentKind for Costmap {
     }
 }
 
-getters! { Costmap, this, py:
+getters! { Costmap, self, py:
     /// Distance between cells, along x and along y [m].
-    spacing: (f64, f64) = this.core.spacing().into();
+    spacing: (f64, f64) = self.core.spacing().into();
     /// Place of cell ``[0, 0]`` [m].
-    origin: (f64, f64) = this.core.origin().into();
+    origin: (f64, f64) = self.core.origin().into();
     /// Cost from which on a place is forbidden, or None.
-    lethal: Option<f64> = this.core.lethal();
+    lethal: Option<f64> = self.core.lethal();
     /// Cost of every place beyond the map, or None.
-    outside: Option<f64> = this.core.outside();
+    outside: Option<f64> = self.core.outside();
+    /// Costs, shape (rows, columns), float32; a copy.
+    values: PyResult<Bound<'py, PyAny>> = {
+        let array = numpy::PyArray1::from_slice(py, self.core.values());
+        array.call_method1("reshape", (self.core.shape(),))
+    };
 }
 
 replaceable!(Costmap);
 
-#[pymethods]
-impl Costmap {
+methods! { Costmap:
     #[new]
-    #[pyo3(
-        signature = (values, spacing, origin=None, *, lethal=None, outside=None, frame=None),
-        text_signature = "(values, spacing, origin=(0.0, 0.0), *, lethal=None, outside=None, frame=None)"
-    )]
-    fn new(
-        py: Python<'_>,
-        values: &Bound<'_, PyAny>,
-        spacing: &Bound<'_, PyAny>,
-        origin: Option<&Bound<'_, PyAny>>,
-        lethal: Option<&Bound<'_, PyAny>>,
-        outside: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::frame)] frame: Option<String>,
-    ) -> PyResult<Self> {
+    fn new[py: Python<'py>](values, spacing, origin=None, *, lethal: Option<f64> = None, outside: Option<f64> = None,
+        frame: Option<String> = None)
+    as "(values, spacing, origin=(0.0, 0.0), *, lethal=None, outside=None, frame=None)" -> PyResult<Self> {
         let numpy = py.import("numpy")?;
         let array = numpy.call_method1("asarray", (values,))?;
         let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
@@ -99,18 +93,13 @@ impl Costmap {
             Err(_) => pair("spacing", spacing)?,
         };
         let origin = origin.map_or(Ok([0.0; 2]), |origin| pair("origin", origin))?;
-        let (lethal, outside) = (optional_number("lethal", lethal)?, optional_number("outside", outside)?);
         let core = Core::new(array.to_vec()?, [rows, columns], spacing, origin, lethal, outside);
         Ok(Self { core: core.or_raise(&[])?, frame })
     }
+}
 
-    /// Costs, shape (rows, columns), float32; a copy.
-    #[getter]
-    fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let array = numpy::PyArray1::from_slice(py, self.core.values());
-        array.call_method1("reshape", (self.core.shape(),))
-    }
-
+#[pymethods]
+impl Costmap {
     fn __repr__(&self) -> String {
         let [rows, columns] = self.core.shape();
         let ([dx, dy], [x, y]) = (self.core.spacing(), self.core.origin());

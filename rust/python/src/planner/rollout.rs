@@ -6,7 +6,6 @@ use pyo3::types::PyTuple;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_planner::{Costs, rollout_cost};
 
-use crate::arguments;
 use crate::convert::{Output, Precision, Rows, compute, out_tuple, refuse};
 use crate::geometry::Course;
 use crate::rover::Rover;
@@ -15,8 +14,7 @@ use crate::workers::workers;
 /// Fields of the result after its poses.
 const COSTS: [&str; 4] = ["wheel_speed", "steering_angle", "steering_rate", "scrub"];
 
-#[pymethods]
-impl Rover {
+methods! { Rover:
     /// Rollouts for a sampling planner: poses, and the worst that each rollout asks of the wheels.
     ///
     /// One pass over the controls, which need not be possible for this rover: where a wheel cannot steer to where
@@ -57,22 +55,10 @@ impl Rover {
     ///     If a value is not finite, a duration is not positive or a shape does not fit; nothing is written.
     ///
     /// Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018.
-    #[pyo3(
-        signature = (controls, dt, start=None, *, previous=None, out=None, dtype=None, threads=None, level=None),
-        text_signature = "($self, controls, dt, start=(0.0, 0.0, 0.0), *, previous=None, out=None, dtype=None, threads=None, level=None)"
-    )]
-    fn rollout_cost<'py>(
-        &self,
-        py: Python<'py>,
-        controls: &Bound<'py, PyAny>,
-        dt: &Bound<'py, PyAny>,
-        start: Option<&Bound<'py, PyAny>>,
-        previous: Option<&Bound<'py, PyAny>>,
-        out: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn rollout_cost[&self, py: Python<'py>](controls, dt, start=None, *, previous=None, out=None, dtype=None,
+        threads: Option<i64> = None, level: Option<&str> = None)
+    as "($self, controls, dt, start=(0.0, 0.0, 0.0), *, previous=None, out=None, dtype=None, threads=None, level=None)"
+    -> PyResult<Bound<'py, PyAny>> {
         let course = Course::read_controls(controls, dt, start)?;
         let previous = Rows::read_beside("previous", previous, self.joints(), &[])?;
         let (outs, precision) =

@@ -6,8 +6,7 @@ use six_wheel_control::profiles::{self as core, Bounds, Moving, Synchronise};
 
 use super::Profile;
 use super::values::{Values, axes};
-use crate::arguments;
-use crate::convert::{OrRaise, optional_number, refuse};
+use crate::convert::{OrRaise, refuse};
 
 /// Arguments by name, and as keywords where they differ from their defaults.
 struct Given<'py> {
@@ -74,8 +73,7 @@ impl Given<'_> {
     }
 }
 
-#[pymethods]
-impl Profile {
+methods! { Profile:
     /// The fastest course within limits of velocity, acceleration and jerk, from any motion to any other.
     ///
     /// Every argument but the last two is one number or one per axis.
@@ -106,25 +104,9 @@ impl Profile {
     /// Source: L. Berscheid, T. Kröger, Jerk-limited Real-time Trajectory Generation with Arbitrary Target
     /// States, RSS 2021; computed by the crate rsruckig.
     #[staticmethod]
-    #[pyo3(signature = (start, end, *, velocity, acceleration=None, jerk=None, start_velocity=None,
+    fn time_optimal[py: Python<'py>](start, end, *, velocity, acceleration=None, jerk=None, start_velocity=None,
         start_acceleration=None, end_velocity=None, end_acceleration=None, minimum_velocity=None,
-        minimum_acceleration=None, duration=None, synchronise="time"))]
-    fn time_optimal(
-        py: Python<'_>,
-        start: &Bound<'_, PyAny>,
-        end: &Bound<'_, PyAny>,
-        velocity: &Bound<'_, PyAny>,
-        acceleration: Option<&Bound<'_, PyAny>>,
-        jerk: Option<&Bound<'_, PyAny>>,
-        start_velocity: Option<&Bound<'_, PyAny>>,
-        start_acceleration: Option<&Bound<'_, PyAny>>,
-        end_velocity: Option<&Bound<'_, PyAny>>,
-        end_acceleration: Option<&Bound<'_, PyAny>>,
-        minimum_velocity: Option<&Bound<'_, PyAny>>,
-        minimum_acceleration: Option<&Bound<'_, PyAny>>,
-        duration: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::synchronise)] synchronise: &str,
-    ) -> PyResult<Self> {
+        minimum_acceleration=None, duration: Option<f64> = None, synchronise: &str = "time") -> PyResult<Self> {
         let mut given = Given { keywords: PyDict::new(py), all: Vec::new() };
         given.add("start", Values::read("start", start)?);
         given.add("end", Values::read("end", end)?);
@@ -137,7 +119,6 @@ impl Profile {
         given.read("end_acceleration", end_acceleration, 0.0)?;
         given.read_mirrored("minimum_velocity", minimum_velocity)?;
         given.read_mirrored("minimum_acceleration", minimum_acceleration)?;
-        let duration = optional_number("duration", duration)?;
         if let Some(duration) = duration {
             given.keywords.set_item("duration", duration)?;
         }

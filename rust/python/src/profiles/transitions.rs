@@ -6,7 +6,6 @@ use six_wheel_control::profiles::{self as core, IcrLimits, ModuleLimits, Modules
 
 use super::inputs::{Keywords, one_of, pasteable, plain, row, states, twist};
 use super::made::{ConstructorCall, class, known_by_its_call};
-use crate::arguments;
 use crate::convert::refuse;
 use crate::rover::Rover;
 
@@ -40,8 +39,7 @@ value_methods!(BodyTransition);
 known_by_its_call!(BodyTransition);
 replaceable!(BodyTransition);
 
-#[pymethods]
-impl BodyTransition {
+methods! { BodyTransition:
     /// From one twist to another by a profile of the body's motion, in a given time or within its limits.
     ///
     /// The wheels follow through the wheel equation, so they agree with each other at every instant; how
@@ -73,22 +71,9 @@ impl BodyTransition {
     /// ValueError
     ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
     #[staticmethod]
-    #[pyo3(signature = (rover, start_twist, end_twist, duration=None, *, shape=None, acceleration=None,
-        angular_acceleration=None, jerk=None, angular_jerk=None, synchronise=None, previous=None))]
-    fn between<'py>(
-        py: Python<'py>,
-        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
-        start_twist: &Bound<'py, PyAny>,
-        end_twist: &Bound<'py, PyAny>,
-        duration: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::shape)] shape: Option<&str>,
-        acceleration: Option<&Bound<'py, PyAny>>,
-        angular_acceleration: Option<&Bound<'py, PyAny>>,
-        jerk: Option<&Bound<'py, PyAny>>,
-        angular_jerk: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::synchronise)] synchronise: Option<&str>,
-        previous: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Self> {
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist, end_twist, duration=None, *,
+        shape: Option<&str> = None, acceleration=None, angular_acceleration=None, jerk=None, angular_jerk=None,
+        synchronise: Option<&str> = None, previous=None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let start = twist("start_twist", start_twist)?;
         let end = twist("end_twist", end_twist)?;
@@ -123,7 +108,10 @@ impl BodyTransition {
             },
         })
     }
+}
 
+#[pymethods]
+impl BodyTransition {
     /// Twist and wheels at one time or many: a `TransitionState`.
     ///
     /// Parameters
@@ -168,8 +156,7 @@ fn modules(argument: &str, rover: &Rover, value: &Bound<'_, PyAny>) -> PyResult<
     }
 }
 
-#[pymethods]
-impl ModuleTransition {
+methods! { ModuleTransition:
     /// From one state of the modules to another, each by its own profile: for alignment at rest.
     ///
     /// While the rover moves, wheels that do not know of each other scrub: `at` says how much.
@@ -197,23 +184,9 @@ impl ModuleTransition {
     /// ValueError
     ///     If a value is not as said, or an angle lies outside its wheel's range.
     #[staticmethod]
-    #[pyo3(signature = (rover, start, end, duration=None, *, shape=None, steering_rate=None,
-        steering_acceleration=None, steering_jerk=None, wheel_acceleration=None, wheel_jerk=None,
-        synchronise=None))]
-    fn between<'py>(
-        py: Python<'py>,
-        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
-        start: &Bound<'py, PyAny>,
-        end: &Bound<'py, PyAny>,
-        duration: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::shape)] shape: Option<&str>,
-        steering_rate: Option<&Bound<'py, PyAny>>,
-        steering_acceleration: Option<&Bound<'py, PyAny>>,
-        steering_jerk: Option<&Bound<'py, PyAny>>,
-        wheel_acceleration: Option<&Bound<'py, PyAny>>,
-        wheel_jerk: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::synchronise)] synchronise: Option<&str>,
-    ) -> PyResult<Self> {
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start, end, duration=None, *, shape: Option<&str> = None,
+        steering_rate=None, steering_acceleration=None, steering_jerk=None, wheel_acceleration=None, wheel_jerk=None,
+        synchronise: Option<&str> = None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let from = modules("start", rover.get(), start)?;
         let to = modules("end", rover.get(), end)?;
@@ -250,7 +223,10 @@ impl ModuleTransition {
             made: ConstructorCall { maker: "module_transition", arguments, keywords: keywords.0.unbind() },
         })
     }
+}
 
+#[pymethods]
+impl ModuleTransition {
     /// Wheels at one time or many, and the twist that fits them best: a `TransitionState`.
     ///
     /// Parameters
@@ -280,13 +256,12 @@ value_methods!(IcrTransition);
 known_by_its_call!(IcrTransition);
 replaceable!(IcrTransition);
 
-getters! { IcrTransition, this, py:
+getters! { IcrTransition, self, py:
     /// Number of times the rover comes to rest on the way.
-    stops: usize = this.core.stops();
+    stops: usize = self.core.stops();
 }
 
-#[pymethods]
-impl IcrTransition {
+methods! { IcrTransition:
     /// From one twist to another with one centre of rotation (ICR) at every instant: no wheel scrubs.
     ///
     /// The twist goes straight from start to end in the space of (vx, vy, omega), where the ICR moves on a
@@ -324,23 +299,9 @@ impl IcrTransition {
     /// ValueError
     ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
     #[staticmethod]
-    #[pyo3(signature = (rover, start_twist, end_twist, *, steering_rate, steering_acceleration=None,
-        steering_jerk=None, wheel_speed=None, wheel_acceleration=None, acceleration=None,
-        angular_acceleration=None, previous=None))]
-    fn between<'py>(
-        py: Python<'py>,
-        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
-        start_twist: &Bound<'py, PyAny>,
-        end_twist: &Bound<'py, PyAny>,
-        steering_rate: &Bound<'py, PyAny>,
-        steering_acceleration: Option<&Bound<'py, PyAny>>,
-        steering_jerk: Option<&Bound<'py, PyAny>>,
-        wheel_speed: Option<&Bound<'py, PyAny>>,
-        wheel_acceleration: Option<&Bound<'py, PyAny>>,
-        acceleration: Option<&Bound<'py, PyAny>>,
-        angular_acceleration: Option<&Bound<'py, PyAny>>,
-        previous: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Self> {
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist, end_twist, *, steering_rate,
+        steering_acceleration=None, steering_jerk=None, wheel_speed=None, wheel_acceleration=None, acceleration=None,
+        angular_acceleration=None, previous=None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let start = twist("start_twist", start_twist)?;
         let end = twist("end_twist", end_twist)?;
@@ -364,7 +325,10 @@ impl IcrTransition {
             },
         })
     }
+}
 
+#[pymethods]
+impl IcrTransition {
     /// Phases in the order of time, each with its action and reason: a tuple of `Phase`.
     #[getter]
     fn phases<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {

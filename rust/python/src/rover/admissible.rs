@@ -1,19 +1,16 @@
 //! `Rover.admissible`, `Rover.project` and `Rover.icr`.
 
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 use six_wheel_kinematics::admissible::Keep;
 use six_wheel_kinematics::batch;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_numerics::threads::workers::Workers;
 
 use super::Rover;
-use crate::arguments;
 use crate::convert::{AnyArray, OrRaise, Output, Rows, compute_rows, joined, memory, name, one_twist, scalar_or_array};
 use crate::workers::any_workers;
 
-#[pymethods]
-impl Rover {
+methods! { Rover:
     /// True if the rover can make the twist: no side slip, every wheel inside its steering range.
     ///
     /// Parameters
@@ -32,17 +29,8 @@ impl Rover {
     /// ------
     /// ValueError
     ///     If a value is not finite.
-    #[pyo3(
-        signature = (twist, *more, threads=None),
-        text_signature = "($self, twist, *, threads=None)"
-    )]
-    fn admissible<'py>(
-        &self,
-        py: Python<'py>,
-        twist: &Bound<'py, PyAny>,
-        more: &Bound<'py, PyTuple>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Py<PyAny>> {
+    fn admissible[&self, py: Python<'py>](twist, *more, threads: Option<i64> = None)
+    as "($self, twist, *, threads=None)" -> PyResult<Py<PyAny>> {
         one_twist("Rover.admissible((vx, vy, omega))", 1, more)?;
         let workers = any_workers(threads, None)?;
         let twists = Rows::read("twist", twist, 3)?;
@@ -81,20 +69,8 @@ impl Rover {
     ///     If no admissible twist keeps what was asked for.
     /// ValueError
     ///     If a value is not finite.
-    #[pyo3(
-        signature = (twist, keep=None, *more, out=None, dtype=None, threads=None),
-        text_signature = "($self, twist, keep='curvature', *, out=None, dtype=None, threads=None)"
-    )]
-    fn project<'py>(
-        &self,
-        py: Python<'py>,
-        twist: &Bound<'py, PyAny>,
-        keep: Option<&Bound<'py, PyAny>>,
-        more: &Bound<'py, PyTuple>,
-        out: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<AnyArray<'py>> {
+    fn project[&self, py: Python<'py>](twist, keep=None, *more, out=None, dtype=None, threads: Option<i64> = None)
+    as "($self, twist, keep='curvature', *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
         one_twist("Rover.project((vx, vy, omega))", 2, more)?;
         let keep = keep.map_or(Ok(Keep::Curvature), |keep| name(keep).parse::<Keep>());
         let keep = keep.or_raise(&[])?;
@@ -129,19 +105,8 @@ impl Rover {
     /// ------
     /// ValueError
     ///     If a value is not finite.
-    #[pyo3(
-        signature = (twist, *more, out=None, dtype=None, threads=None),
-        text_signature = "($self, twist, *, out=None, dtype=None, threads=None)"
-    )]
-    fn icr<'py>(
-        &self,
-        py: Python<'py>,
-        twist: &Bound<'py, PyAny>,
-        more: &Bound<'py, PyTuple>,
-        out: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<AnyArray<'py>> {
+    fn icr[&self, py: Python<'py>](twist, *more, out=None, dtype=None, threads: Option<i64> = None)
+    as "($self, twist, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
         one_twist("Rover.icr((vx, vy, omega))", 1, more)?;
         let workers = any_workers(threads, None)?;
         let twists = Rows::read_finite("twist", twist, 3)?;

@@ -6,7 +6,6 @@ use pyo3::types::{PyDict, PyEllipsis, PyFloat, PyMapping, PyTuple};
 
 use super::Rover;
 use super::joints::Joint;
-use crate::arguments;
 use crate::convert::{one_twist, refuse};
 
 impl Rover {
@@ -33,8 +32,7 @@ impl Rover {
     }
 }
 
-#[pymethods]
-impl Rover {
+methods! { Rover:
     /// Joint commands by joint name: what a motor driver takes.
     ///
     /// Parameters
@@ -58,19 +56,8 @@ impl Rover {
     /// ------
     /// InfeasibleMotionError, ValueError
     ///     As `inverse`.
-    #[pyo3(
-        signature = (twist, *more, previous=None, dtype=None, threads=None),
-        text_signature = "($self, twist, *, previous=None, dtype=None, threads=None)"
-    )]
-    fn commands<'py>(
-        &self,
-        py: Python<'py>,
-        twist: &Bound<'py, PyAny>,
-        more: &Bound<'py, PyTuple>,
-        previous: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    fn commands[&self, py: Python<'py>](twist, *more, previous=None, dtype=None, threads: Option<i64> = None)
+    as "($self, twist, *, previous=None, dtype=None, threads=None)" -> PyResult<Bound<'py, PyDict>> {
         one_twist("Rover.commands((vx, vy, omega))", 1, more)?;
         let (steering, speeds) =
             self.inverse(py, twist, more, previous, None, None, None, None, dtype, threads, None)?;
@@ -95,11 +82,8 @@ impl Rover {
     /// ------
     /// ValueError
     ///     If a joint is missing; the message names it.
-    fn readings<'py>(
-        &self,
-        py: Python<'py>,
-        joints: &Bound<'py, PyMapping>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    fn readings[&self, py: Python<'py>](joints: native &Bound<'py, PyMapping>)
+    -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let numpy = py.import(intern!(py, "numpy"))?;
         let missing = |name: &str| {
             let listed: Vec<String> =

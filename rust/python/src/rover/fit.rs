@@ -7,7 +7,6 @@ use six_wheel_kinematics::estimate::{Method, worst_wheel};
 
 use super::Rover;
 use super::kinematics::unseen;
-use crate::arguments;
 use crate::convert::{OrRaise, Results, compute_rows, joined, memory, scalar_or_array};
 use crate::workers::any_workers;
 
@@ -64,8 +63,7 @@ impl Rover {
     }
 }
 
-#[pymethods]
-impl Rover {
+methods! { Rover:
     /// The twist with residual and weight of every wheel: the slip, and the cheapest fault detector.
     ///
     /// Parameters
@@ -95,17 +93,8 @@ impl Rover {
     ///     If the wheels that count do not determine the twist.
     /// ValueError
     ///     If a value is not finite, a shape does not fit or the method is unknown.
-    #[pyo3(signature = (steering, speeds, *, method="least_squares", steering_rates=None, allow_underdetermined=false, threads=None))]
-    fn fit<'py>(
-        slf: &Bound<'py, Self>,
-        py: Python<'py>,
-        steering: &Bound<'py, PyAny>,
-        speeds: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = arguments::method)] method: &str,
-        steering_rates: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::allow_underdetermined)] allow_underdetermined: bool,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<TwistFit> {
+    fn fit[slf: &Bound<'py, Self>, py: Python<'py>](steering, speeds, *, method: &str = "least_squares",
+        steering_rates=None, allow_underdetermined: bool = false, threads: Option<i64> = None) -> PyResult<TwistFit> {
         let workers = any_workers(threads, None)?;
         let this = slf.get();
         let method = method.parse::<Method>().or_raise(&[])?;

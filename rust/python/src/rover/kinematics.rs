@@ -1,7 +1,6 @@
 //! `Rover.inverse` and `Rover.forward`.
 
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 use six_wheel_kinematics::estimate::Unseen;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::table::{Beside, Log, Source, Table};
@@ -9,7 +8,6 @@ use six_wheel_kinematics::{batch, units};
 use six_wheel_numerics::threads::workers::Workers;
 
 use super::Rover;
-use crate::arguments;
 use crate::convert::{
     AnyArray, Blocks, Output, Precision, Rows, compute_rows, given, joined, named, one_twist, out_tuple, refuse,
     together,
@@ -122,8 +120,7 @@ impl Rover {
     }
 }
 
-#[pymethods]
-impl Rover {
+methods! { Rover:
     /// Steering angles and wheel speeds with which the body moves with a twist.
     ///
     /// Exact at every turning radius: straight, on the spot, with the centre of rotation between the wheels
@@ -169,24 +166,10 @@ impl Rover {
     ///     If a value is not finite or a shape does not fit.
     ///
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
-    #[pyo3(
-        signature = (twist, *more, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, level=None),
-        text_signature = "($self, twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, level=None)"
-    )]
-    pub fn inverse<'py>(
-        &self,
-        py: Python<'py>,
-        twist: &Bound<'py, PyAny>,
-        more: &Bound<'py, PyTuple>,
-        previous: Option<&Bound<'py, PyAny>>,
-        steering_rates: Option<&Bound<'py, PyAny>>,
-        centre: Option<&Bound<'py, PyAny>>,
-        previous_speeds: Option<&Bound<'py, PyAny>>,
-        out: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
-    ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
+    pub fn inverse[&self, py: Python<'py>](twist, *more, previous=None, steering_rates=None, centre=None,
+        previous_speeds=None, out=None, dtype=None, threads: Option<i64> = None, level: Option<&str> = None)
+    as "($self, twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, level=None)"
+    -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
         one_twist("Rover.inverse((vx, vy, omega))", 1, more)?;
         let precision = Precision::read(py, dtype, out)?;
         let mut twists = Blocks::read("twist", twist, 3)?;
@@ -265,19 +248,8 @@ impl Rover {
     ///     If the wheels do not determine the twist.
     /// ValueError
     ///     If a value is not finite or a shape does not fit.
-    #[pyo3(signature = (steering, speeds, *, steering_rates=None, allow_underdetermined=false, out=None, dtype=None, threads=None, level=None))]
-    fn forward<'py>(
-        &self,
-        py: Python<'py>,
-        steering: &Bound<'py, PyAny>,
-        speeds: &Bound<'py, PyAny>,
-        steering_rates: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::allow_underdetermined)] allow_underdetermined: bool,
-        out: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
-    ) -> PyResult<AnyArray<'py>> {
+    fn forward[&self, py: Python<'py>](steering, speeds, *, steering_rates=None, allow_underdetermined: bool = false,
+        out=None, dtype=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<AnyArray<'py>> {
         let readings = self.read_log(steering, speeds, steering_rates)?;
         let leading = readings.leading.as_slice();
         let mut twists = Output::asked(py, (out, dtype), &joined(leading, 3))?;

@@ -12,8 +12,7 @@ use six_wheel_kinematics::rover::{MAX_WHEELS, Rover as Core};
 use six_wheel_kinematics::steering::SteeringRange;
 
 use super::Rover;
-use crate::arguments;
-use crate::convert::{Rows, memory, number, optional_number, refuse, short_repr};
+use crate::convert::{Rows, memory, number, refuse, short_repr};
 use crate::wheel::steering_range;
 use per_wheel::PerWheel;
 
@@ -36,7 +35,7 @@ fn refuse_beside(
     argument: &str,
     value: Option<&Bound<'_, PyAny>>,
     names: &str,
-    others: [Option<&Bound<'_, PyAny>>; 2],
+    others: [Option<f64>; 2],
 ) -> PyResult<()> {
     match value {
         Some(value) if others.iter().any(Option::is_some) => {
@@ -46,8 +45,7 @@ fn refuse_beside(
     }
 }
 
-#[pymethods]
-impl Rover {
+methods! { Rover:
     /// The six-wheel rover with four steered corners and unsteered middle wheels.
     ///
     /// Wheels: front_left, front_right, middle_left, middle_right, rear_left, rear_right; origin between the
@@ -79,26 +77,11 @@ impl Rover {
     ///
     /// Source: the corner-steering geometry of NASA's Mars rovers as used by the JPL Open Source Rover.
     #[staticmethod]
-    #[pyo3(
-        signature = (d1, d2, d3, d4, wheel_radius, steering_limit=None, *, scrub=None, trail=None, names=None),
-        text_signature = "(d1, d2, d3, d4, wheel_radius, steering_limit=None, *, scrub=0.0, trail=0.0, names=None)"
-    )]
-    fn six_wheel(
-        py: Python<'_>,
-        d1: &Bound<'_, PyAny>,
-        d2: &Bound<'_, PyAny>,
-        d3: &Bound<'_, PyAny>,
-        d4: &Bound<'_, PyAny>,
-        wheel_radius: &Bound<'_, PyAny>,
-        steering_limit: Option<&Bound<'_, PyAny>>,
-        scrub: Option<&Bound<'_, PyAny>>,
-        trail: Option<&Bound<'_, PyAny>>,
-        names: Option<Vec<String>>,
-    ) -> PyResult<Self> {
-        let dimensions = [number("d1", d1)?, number("d2", d2)?, number("d3", d3)?, number("d4", d4)?];
-        let radius = number("wheel_radius", wheel_radius)?;
+    fn six_wheel[py: Python<'py>](d1: f64, d2: f64, d3: f64, d4: f64, wheel_radius: f64, steering_limit=None, *,
+        scrub=None, trail=None, names: native Option<Vec<String>> = None)
+    as "(d1, d2, d3, d4, wheel_radius, steering_limit=None, *, scrub=0.0, trail=0.0, names=None)" -> PyResult<Self> {
         let given = PerWheel { steering_limit, scrub, trail, names };
-        Self::named(py, Ok(given.fit(Core::six_wheel(dimensions, radius, SteeringRange::default()))?))
+        given.fit(py, Core::six_wheel([d1, d2, d3, d4], wheel_radius, SteeringRange::default()))
     }
 
     /// A vehicle whose wheels are all steered.
@@ -126,23 +109,12 @@ impl Rover {
     ///
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
     #[staticmethod]
-    #[pyo3(
-        signature = (positions, wheel_radius, *, steering_limit=None, names=None, scrub=None, trail=None),
-        text_signature = "(positions, wheel_radius, *, steering_limit=None, names=None, scrub=0.0, trail=0.0)"
-    )]
-    fn swerve(
-        py: Python<'_>,
-        positions: &Bound<'_, PyAny>,
-        wheel_radius: &Bound<'_, PyAny>,
-        steering_limit: Option<&Bound<'_, PyAny>>,
-        names: Option<Vec<String>>,
-        scrub: Option<&Bound<'_, PyAny>>,
-        trail: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+    fn swerve[py: Python<'py>](positions, wheel_radius: f64, *, steering_limit=None,
+        names: native Option<Vec<String>> = None, scrub=None, trail=None)
+    as "(positions, wheel_radius, *, steering_limit=None, names=None, scrub=0.0, trail=0.0)" -> PyResult<Self> {
         let positions = self::positions(positions)?;
-        let radius = number("wheel_radius", wheel_radius)?;
         let given = PerWheel { steering_limit, scrub, trail, names: None };
-        Self::named(py, Ok(given.fit(Core::swerve(&positions, names, radius, SteeringRange::ENDLESS))?))
+        given.fit(py, Core::swerve(&positions, names, wheel_radius, SteeringRange::ENDLESS))
     }
 
     /// Differential drive: fixed wheels on two sides. With several wheels per side, skid steering.
@@ -180,33 +152,19 @@ impl Rover {
     ///
     /// Source: J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
     #[staticmethod]
-    #[pyo3(
-        signature = (track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=None, scrub=None, trail=None, names=None),
-        text_signature = "(track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
-    )]
-    fn differential(
-        py: Python<'_>,
-        track_width: &Bound<'_, PyAny>,
-        wheel_radius: &Bound<'_, PyAny>,
-        #[pyo3(from_py_with = arguments::wheels_per_side)] wheels_per_side: i64,
-        wheelbase: Option<&Bound<'_, PyAny>>,
-        icr_left: Option<&Bound<'_, PyAny>>,
-        icr_right: Option<&Bound<'_, PyAny>>,
-        icr_forward: Option<&Bound<'_, PyAny>>,
-        scrub: Option<&Bound<'_, PyAny>>,
-        trail: Option<&Bound<'_, PyAny>>,
-        names: Option<Vec<String>>,
-    ) -> PyResult<Self> {
+    fn differential[py: Python<'py>](track_width: f64, wheel_radius, *, wheels_per_side: i64 = 1,
+        wheelbase: Option<f64> = None, icr_left: Option<f64> = None, icr_right: Option<f64> = None,
+        icr_forward: Option<f64> = None, scrub=None, trail=None, names: native Option<Vec<String>> = None)
+    as "(track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
+    -> PyResult<Self> {
         let given = PerWheel { scrub, trail, names, ..PerWheel::default() };
         refuse_beside("scrub", scrub, "icr_left and icr_right", [icr_left, icr_right])?;
         refuse_beside("trail", trail, "icr_forward", [icr_forward, None])?;
         let skid = SkidCentres {
-            left: optional_number("icr_left", icr_left)?,
-            right: optional_number("icr_right", icr_right)?,
-            forward: optional_number("icr_forward", icr_forward)?.unwrap_or_default(),
+            left: icr_left,
+            right: icr_right,
+            forward: icr_forward.unwrap_or_default(),
         };
-        let track = number("track_width", track_width)?;
-        let wheelbase = optional_number("wheelbase", wheelbase)?;
         let radii = radii(wheel_radius)?;
         let Ok(per_side) = usize::try_from(wheels_per_side) else {
             let got = wheels_per_side.to_string();
@@ -218,7 +176,7 @@ impl Rover {
             return Err(refuse("wheelbase", rule, "None"));
         }
         let base = wheelbase.unwrap_or_default();
-        Self::named(py, Ok(given.fit(Core::differential(track, radii, per_side, base, skid))?))
+        given.fit(py, Core::differential(track_width, radii, per_side, base, skid))
     }
 
     /// Tracked drive: a left and a right track, each a wheel with the radius of its sprocket.
@@ -248,34 +206,12 @@ impl Rover {
     ///
     /// Source: J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
     #[staticmethod]
-    #[pyo3(
-        signature = (track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=None, scrub=None, trail=None, names=None),
-        text_signature = "(track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
-    )]
-    fn tracked(
-        py: Python<'_>,
-        track_width: &Bound<'_, PyAny>,
-        wheel_radius: &Bound<'_, PyAny>,
-        icr_left: Option<&Bound<'_, PyAny>>,
-        icr_right: Option<&Bound<'_, PyAny>>,
-        icr_forward: Option<&Bound<'_, PyAny>>,
-        scrub: Option<&Bound<'_, PyAny>>,
-        trail: Option<&Bound<'_, PyAny>>,
-        names: Option<Vec<String>>,
-    ) -> PyResult<Self> {
-        Self::differential(
-            py,
-            track_width,
-            wheel_radius,
-            1,
-            None,
-            icr_left,
-            icr_right,
-            icr_forward,
-            scrub,
-            trail,
-            names,
-        )
+    fn tracked[py: Python<'py>](track_width: f64, wheel_radius, *, icr_left: Option<f64> = None,
+        icr_right: Option<f64> = None, icr_forward: Option<f64> = None, scrub=None, trail=None,
+        names: native Option<Vec<String>> = None)
+    as "(track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
+    -> PyResult<Self> {
+        Self::differential(py, track_width, wheel_radius, 1, None, icr_left, icr_right, icr_forward, scrub, trail, names)
     }
 
     /// A published rover by name; `Rover.presets` lists them.
@@ -292,15 +228,13 @@ impl Rover {
     /// ValueError
     ///     If there is no such preset.
     #[staticmethod]
-    #[pyo3(signature = (name, *, steering_limit=None))]
-    fn preset(
-        py: Python<'_>,
-        #[pyo3(from_py_with = arguments::name)] name: &str,
-        steering_limit: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+    fn preset[py: Python<'py>](name: &str, *, steering_limit=None) -> PyResult<Self> {
         Self::named(py, presets::preset(name, steering_range(steering_limit)?))
     }
+}
 
+#[pymethods]
+impl Rover {
     /// Names of the published rovers, each with the source of its dimensions.
     ///
     /// Returns

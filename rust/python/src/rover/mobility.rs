@@ -13,32 +13,30 @@ use crate::convert::{OrRaise, Rows};
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Mobility(pub Core);
 
-getters! { Mobility, this, py:
+getters! { Mobility, self, py:
     /// Dimension of the motions that no wheel resists; 0 if the rover is locked.
-    degree_of_mobility: usize = this.0.degree_of_mobility;
+    degree_of_mobility: usize = self.0.degree_of_mobility;
     /// Number of steering directions that can be chosen independently.
-    degree_of_steerability: usize = this.0.degree_of_steerability;
+    degree_of_steerability: usize = self.0.degree_of_steerability;
     /// Degree of mobility and degree of steerability together.
-    degree_of_manoeuvrability: usize = this.0.degree_of_manoeuvrability();
+    degree_of_manoeuvrability: usize = self.0.degree_of_manoeuvrability();
     /// Rank of the no-side-slip rows.
-    rank: usize = this.0.rank;
+    rank: usize = self.0.rank;
     /// The smallest singular value that is not zero: how far a locked rover is from moving, or a mobile
     /// one from losing a constraint; 0 without constraints.
-    margin: f64 = this.0.margin();
+    margin: f64 = self.0.margin();
     /// Singular values of the no-side-slip rows, largest first, shape (3,).
-    singular_values: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &this.0.singular_values);
+    singular_values: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.0.singular_values);
+    /// The free motions, unit twists ``[vx, vy, omega]``, shape (degree_of_mobility, 3).
+    motion: PyResult<Bound<'py, PyArray2<f64>>> = {
+        let rows: Vec<f64> = self.0.motions.iter().flat_map(|twist| <[f64; 3]>::from(*twist)).collect();
+        use numpy::PyArrayMethods;
+        PyArray1::from_vec(py, rows).reshape([self.0.motions.len(), 3])
+    };
 }
 
 #[pymethods]
 impl Mobility {
-    /// The free motions, unit twists ``[vx, vy, omega]``, shape (degree_of_mobility, 3).
-    #[getter]
-    fn motion<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows: Vec<f64> = self.0.motions.iter().flat_map(|twist| <[f64; 3]>::from(*twist)).collect();
-        use numpy::PyArrayMethods;
-        PyArray1::from_vec(py, rows).reshape([self.0.motions.len(), 3])
-    }
-
     fn __repr__(&self) -> String {
         format!(
             "Mobility(degree_of_mobility={}, degree_of_steerability={}, rank={}, margin={:?})",

@@ -6,7 +6,6 @@ use six_wheel_kinematics::batch;
 use six_wheel_kinematics::estimate::sensitivity::Quantity;
 
 use super::Rover;
-use crate::arguments;
 use crate::convert::{Output, compute_rows, items, joined, refuse};
 use crate::workers::any_workers;
 
@@ -46,33 +45,33 @@ impl Sensitivity {
     }
 }
 
-getters! { Sensitivity, this, py:
+getters! { Sensitivity, self, py:
     /// ``[vx, vy, omega]`` in body axes, shape (..., 3) [m/s, m/s, rad/s].
-    twist: Option<Py<PyAny>> = this.twist.as_ref().map(|twist| twist.clone_ref(py));
+    twist: Option<Py<PyAny>> = self.twist.as_ref().map(|twist| twist.clone_ref(py));
     /// By the reading of each wheel's speed [rad/s], shape (..., 3, wheels).
-    speeds: Option<Py<PyAny>> = this.get(py, "speeds");
+    speeds: Option<Py<PyAny>> = self.get(py, "speeds");
     /// By the reading of each steering angle [rad], shape (..., 3, steered wheels).
-    steering: Option<Py<PyAny>> = this.get(py, "steering");
+    steering: Option<Py<PyAny>> = self.get(py, "steering");
     /// By the rate of each steering angle [rad/s], shape (..., 3, steered wheels).
-    steering_rates: Option<Py<PyAny>> = this.get(py, "steering_rates");
+    steering_rates: Option<Py<PyAny>> = self.get(py, "steering_rates");
     /// By the speed at which each contact slips forwards [m/s], shape (..., 3, wheels).
-    slip: Option<Py<PyAny>> = this.get(py, "slip");
+    slip: Option<Py<PyAny>> = self.get(py, "slip");
     /// By the speed at which each contact slips to its left [m/s], shape (..., 3, wheels).
-    side_slip: Option<Py<PyAny>> = this.get(py, "side_slip");
+    side_slip: Option<Py<PyAny>> = self.get(py, "side_slip");
     /// By each pivot's place forward of the origin [m], shape (..., 3, wheels).
-    x: Option<Py<PyAny>> = this.get(py, "x");
+    x: Option<Py<PyAny>> = self.get(py, "x");
     /// By each pivot's place left of the origin [m], shape (..., 3, wheels).
-    y: Option<Py<PyAny>> = this.get(py, "y");
+    y: Option<Py<PyAny>> = self.get(py, "y");
     /// By each wheel's direction at steering angle 0 [rad], shape (..., 3, wheels): the offset of a steering angle.
-    heading: Option<Py<PyAny>> = this.get(py, "heading");
+    heading: Option<Py<PyAny>> = self.get(py, "heading");
     /// By each radius [m], shape (..., 3, wheels).
-    radius: Option<Py<PyAny>> = this.get(py, "radius");
+    radius: Option<Py<PyAny>> = self.get(py, "radius");
     /// By each contact's place left of its steering axis [m], shape (..., 3, wheels).
-    scrub: Option<Py<PyAny>> = this.get(py, "scrub");
+    scrub: Option<Py<PyAny>> = self.get(py, "scrub");
     /// By each contact's place behind its steering axis [m], shape (..., 3, wheels).
-    trail: Option<Py<PyAny>> = this.get(py, "trail");
+    trail: Option<Py<PyAny>> = self.get(py, "trail");
     /// By each roller angle [rad], shape (..., 3, wheels); 0 for a wheel without rollers.
-    roller_angle: Option<Py<PyAny>> = this.get(py, "roller_angle");
+    roller_angle: Option<Py<PyAny>> = self.get(py, "roller_angle");
 }
 
 #[pymethods]
@@ -102,8 +101,7 @@ fn wanted(quantities: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<(&'static str, 
     names.iter().map(known).collect()
 }
 
-#[pymethods]
-impl Rover {
+methods! { Rover:
     /// Derivatives of the twist of `forward` by its readings and by the dimensions of the rover.
     ///
     /// Analytic derivatives of the least-squares solution. Unsteered wheels with parallel axles share the mean of
@@ -133,16 +131,8 @@ impl Rover {
     ///     If the wheels do not determine the twist.
     /// ValueError
     ///     If a value is not finite, a shape does not fit or a quantity is unknown.
-    #[pyo3(signature = (steering, speeds, *, steering_rates=None, quantities=None, threads=None))]
-    fn sensitivity<'py>(
-        &self,
-        py: Python<'py>,
-        steering: &Bound<'py, PyAny>,
-        speeds: &Bound<'py, PyAny>,
-        steering_rates: Option<&Bound<'py, PyAny>>,
-        quantities: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Sensitivity> {
+    fn sensitivity[&self, py: Python<'py>](steering, speeds, *, steering_rates=None, quantities=None,
+        threads: Option<i64> = None) -> PyResult<Sensitivity> {
         let workers = any_workers(threads, None)?;
         let wanted = wanted(quantities)?;
         let readings = self.read_log(steering, speeds, steering_rates)?.flat()?;

@@ -8,7 +8,6 @@ mod stand;
 use pyo3::prelude::*;
 use six_wheel_terrain::ground::{self, Settler, Status};
 
-use crate::arguments;
 use crate::convert::{Rows, compute, memory, raise, read_point};
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
@@ -29,8 +28,7 @@ pub fn read_steering(value: Option<&Bound<'_, PyAny>>, joints: usize, leading: &
     memory::gathered(rows.flat().iter().copied())
 }
 
-#[pymethods]
-impl Suspension {
+methods! { Suspension:
     /// Settles the rover on ground: heights, attitude and joint angles that put every wheel on it, exactly.
     ///
     /// A wheel is a circle; its gap is the least vertical distance of the circle over the bilinear surface.
@@ -71,18 +69,9 @@ impl Suspension {
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4),
     /// 2005, for the kinematics; the contact of circle and grid is solved over every cell (`docs/ground.md`).
-    #[pyo3(signature = (ground, poses, steering=None, *, derivatives=false, centre_of_mass=None, threads=None, level=None))]
-    fn settle(
-        slf: &Bound<'_, Self>,
-        py: Python<'_>,
-        #[pyo3(from_py_with = arguments::ground)] ground: Bound<'_, Terrain>,
-        poses: &Bound<'_, PyAny>,
-        steering: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::derivatives)] derivatives: bool,
-        centre_of_mass: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
-    ) -> PyResult<Stand> {
+    fn settle[slf: &Bound<'py, Self>, py: Python<'py>](ground: Bound<'py, Terrain>, poses, steering=None, *,
+        derivatives: bool = false, centre_of_mass=None, threads: Option<i64> = None, level: Option<&str> = None)
+    -> PyResult<Stand> {
         let chain = &slf.get().chain;
         let poses = Rows::read("poses", poses, 3)?;
         let steering = read_steering(steering, chain.steering().len(), &poses.leading)?;

@@ -9,7 +9,6 @@ use six_wheel_terrain::ground::Settler;
 
 use super::margins::{MarginJacobian, slopes};
 use super::stand::Stand;
-use crate::arguments;
 use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, number, read_point, refuse, scalar_or_array};
 use crate::suspension::{RockerBogie, Suspension};
 use crate::terrain::Terrain;
@@ -57,15 +56,13 @@ result_class! {
     repr { ok reason margin tilt clearance exact }
 }
 
-#[pymethods]
-impl Feasibility {
+getters! { Feasibility, self, py:
     /// Reason for a pose that is not feasible, shape (...): `six_wheel.FeasibilityReason`, ``ok`` where it may.
-    #[getter]
-    fn reason(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+    reason: PyResult<Py<PyAny>> = {
         let module = py.import("six_wheel.kinematics.statuses")?;
         let reasons = module.call_method1("feasible_reasons", (&self.reason_codes,))?;
         Ok(reasons.unbind())
-    }
+    };
 }
 
 /// Reads the limits of an object that has them as attributes, or the default ones.
@@ -94,8 +91,7 @@ fn allowed(py: Python<'_>, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Allowe
     Ok(allowed)
 }
 
-#[pymethods]
-impl RockerBogie {
+methods! { RockerBogie:
     /// Tests if the rover may stand at poses: by `bounds` where they decide, by `settle` where they do not.
     ///
     /// Parameters
@@ -126,18 +122,9 @@ impl RockerBogie {
     /// ------
     /// ValueError
     ///     If a number is not finite, a limit not positive or a shape does not fit.
-    #[pyo3(signature = (ground, poses, limits=None, *, map_error=0.0, belly=None, out=None, threads=None))]
-    fn feasible<'py>(
-        slf: &Bound<'py, Self>,
-        py: Python<'py>,
-        #[pyo3(from_py_with = arguments::ground)] ground: Bound<'py, Terrain>,
-        poses: &Bound<'py, PyAny>,
-        limits: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::map_error)] map_error: f64,
-        #[pyo3(from_py_with = arguments::belly)] belly: Option<(f64, f64, f64, f64)>,
-        out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Feasibility> {
+    fn feasible[slf: &Bound<'py, Self>, py: Python<'py>](ground: Bound<'py, Terrain>, poses, limits=None, *,
+        map_error: f64 = 0.0, belly: Option<(f64, f64, f64, f64)> = None, out=None, threads: Option<i64> = None)
+    -> PyResult<Feasibility> {
         let this = slf.get();
         let error = this.question(map_error, belly, None)?.error;
         let allowed = allowed(py, limits)?;
@@ -210,8 +197,7 @@ fn derivatives(
     Ok([Some(by_pose), suspension.cast::<RockerBogie>().ok().map(by_dimension).transpose()?])
 }
 
-#[pymethods]
-impl Suspension {
+methods! { Suspension:
     /// Loads of the wheels at settled poses, and the margins to tipping over, to the ground and to the joints' stops.
     ///
     /// Loads push straight up where wheels touch, wheels held by their links; all mass is in the body. They keep
@@ -249,18 +235,9 @@ impl Suspension {
     ///
     /// Source: E. Papadopoulos, D. Rey, A new measure of tipover stability margin for mobile manipulators,
     /// ICRA 1996.
-    #[pyo3(signature = (stand, *, mass, centre_of_mass=None, gravity=9.80665, belly=None, out=None, threads=None))]
-    fn stability<'py>(
-        slf: &Bound<'py, Self>,
-        py: Python<'py>,
-        #[pyo3(from_py_with = arguments::stand)] stand: Bound<'py, Stand>,
-        #[pyo3(from_py_with = arguments::mass)] mass: f64,
-        centre_of_mass: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::gravity)] gravity: f64,
-        #[pyo3(from_py_with = arguments::belly)] belly: Option<(f64, f64, f64, f64)>,
-        out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Stability> {
+    fn stability[slf: &Bound<'py, Self>, py: Python<'py>](stand: Bound<'py, Stand>, *, mass: f64, centre_of_mass=None,
+        gravity: f64 = 9.80665, belly: Option<(f64, f64, f64, f64)> = None, out=None, threads: Option<i64> = None)
+    -> PyResult<Stability> {
         let workers = any_workers(threads, None)?;
         check_positive("mass", mass)?;
         check_positive("gravity", gravity)?;

@@ -112,41 +112,44 @@ impl ArgumentKind for Stand {
     }
 }
 
-getters! { Stand, this, py:
+getters! { Stand, self, py:
     /// The ground it stands on.
-    ground: crate::terrain::Terrain = crate::terrain::Terrain(this.ground.clone());
+    ground: crate::terrain::Terrain = crate::terrain::Terrain(self.ground.clone());
     /// The suspension that stands.
-    suspension: Py<Suspension> = this.suspension.clone_ref(py);
+    suspension: Py<Suspension> = self.suspension.clone_ref(py);
     /// Rows ``[x, y, yaw]`` that were asked for, shape (..., 3) [m, m, rad].
-    poses: PyResult<Array<'py>> = this.array(py, &[3], |k, _, row| row.copy_from_slice(&this.poses[k]));
+    poses: PyResult<Array<'py>> = self.array(py, &[3], |k, _, row| row.copy_from_slice(&self.poses[k]));
     /// Height of the body's origin, shape (...) [m].
-    z: PyResult<Py<PyAny>> = this.scalars(py, |stand| stand.state[0]);
+    z: PyResult<Py<PyAny>> = self.scalars(py, |stand| stand.state[0]);
     /// Roll, positive with the right side down, shape (...) [rad].
-    roll: PyResult<Py<PyAny>> = this.scalars(py, |stand| stand.state[1]);
+    roll: PyResult<Py<PyAny>> = self.scalars(py, |stand| stand.state[1]);
     /// Pitch, positive with the nose down, shape (...) [rad].
-    pitch: PyResult<Py<PyAny>> = this.scalars(py, |stand| stand.state[2]);
+    pitch: PyResult<Py<PyAny>> = self.scalars(py, |stand| stand.state[2]);
     /// Least vertical distance of every rim over the ground, shape (..., wheels) [m]: 0 but for wheels that hang.
-    gap: PyResult<Array<'py>> = this.per_wheel(py, |contact| contact.gap);
+    gap: PyResult<Array<'py>> = self.per_wheel(py, |contact| contact.gap);
     /// Contact angles, shape (..., wheels) [rad]: 0 straight below the wheel, positive to its front.
-    contact_angles: PyResult<Array<'py>> = this.per_wheel(py, Contact::angle);
+    contact_angles: PyResult<Array<'py>> = self.per_wheel(py, Contact::angle);
     /// Contact angles of the next best contact, shape (..., wheels) [rad]; NaN unless its gap is the same to 1e-7 m.
-    next_contact_angles: PyResult<Array<'py>> = this.per_wheel(py, |contact| contact.next);
+    next_contact_angles: PyResult<Array<'py>> = self.per_wheel(py, |contact| contact.next);
     /// Points of the rims where the gaps are least, in the world, shape (..., wheels, 3) [m].
-    contacts: PyResult<Array<'py>> = this.points(py, |contact| contact.at);
+    contacts: PyResult<Array<'py>> = self.points(py, |contact| contact.at);
     /// The next best contacts, shape (..., wheels, 3) [m]; NaN unless their gaps are the same to 1e-7 m.
-    next_contacts: PyResult<Array<'py>> = this.points(py, |contact| Direction::from(contact.next));
+    next_contacts: PyResult<Array<'py>> = self.points(py, |contact| Direction::from(contact.next));
+    /// `SettleStatus` of the pose, or an array of them: settled, at_stop, off_map, unknown_cells, not_converged.
+    status: PyResult<Bound<'py, PyAny>> = {
+        let codes = self.stands.iter().map(|stand| stand.status.told() as i64);
+        let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
+        py.import("six_wheel.kinematics.statuses")?.call_method1("settle_statuses", (codes,))
+    };
+    /// True if the rover stands: settled, or at a stop.
+    stands: PyResult<Py<PyAny>> = {
+        let stands = self.stands.iter().map(|stand| stand.status.stands());
+        scalar_or_array(py, memory::gathered(stands)?, &self.leading)
+    };
 }
 
 #[pymethods]
 impl Stand {
-    /// `SettleStatus` of the pose, or an array of them: settled, at_stop, off_map, unknown_cells, not_converged.
-    #[getter]
-    fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let codes = self.stands.iter().map(|stand| stand.status.told() as i64);
-        let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
-        py.import("six_wheel.kinematics.statuses")?.call_method1("settle_statuses", (codes,))
-    }
-
     /// Reason for which the rover does not stand at the pose, or an array of reasons, shape (...); empty where it
     /// stands. Where the solution has not converged, the rover may have tipped over.
     #[getter]
@@ -157,13 +160,6 @@ impl Stand {
         }
         let words = words.map(|words| PyString::new(py, words).into_any().unbind());
         scalar_or_array(py, memory::gathered(words)?, &self.leading).map(|array| array.into_bound(py))
-    }
-
-    /// True if the rover stands: settled, or at a stop.
-    #[getter]
-    fn stands(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let stands = self.stands.iter().map(|stand| stand.status.stands());
-        scalar_or_array(py, memory::gathered(stands)?, &self.leading)
     }
 
     /// Steering angles that were given, shape (..., steered) [rad].

@@ -9,9 +9,9 @@ use six_wheel_numerics::error::Error;
 use six_wheel_terrain::suspension::{Chain, TripleBogie};
 
 use super::joint_range::{joint_range, steering};
-use crate::arguments::{self, ArgumentKind};
+use crate::arguments::ArgumentKind;
 use crate::classes::{reduce, repr_of_call};
-use crate::convert::{OrRaise, Rows, number, numbers, refuse, shape_text};
+use crate::convert::{OrRaise, Rows, number, refuse, shape_text};
 
 /// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 ///
@@ -61,18 +61,17 @@ impl ArgumentKind for Suspension {
     }
 }
 
-getters! { Suspension, this, py:
+getters! { Suspension, self, py:
     /// Names of the wheels, in the order of every array.
-    wheel_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, this.chain.wheels().iter().map(|wheel| &*wheel.name));
+    wheel_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, self.chain.wheels().iter().map(|wheel| &*wheel.name));
     /// Names of the free angles, in the order of `joints` of a settled pose.
-    free_joints: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, this.chain.joints().iter().map(|joint| &*joint.name));
+    free_joints: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, self.chain.joints().iter().map(|joint| &*joint.name));
 }
 
 equal_by!(Suspension: chain);
 replaceable!(Suspension);
 
-#[pymethods]
-impl Suspension {
+methods! { Suspension:
     /// Six wheels on three bogies, as on ExoMars.
     ///
     /// Left and right bogie each carry a front and a middle wheel and turn about +y, positive with the front
@@ -104,26 +103,16 @@ impl Suspension {
     /// ValueError
     ///     If a number is not finite, or the radius or a limit makes no sense.
     #[staticmethod]
-    #[pyo3(signature = (*, bogie_pivot, bogie_to_front, bogie_to_middle, rear_pivot, rear_to_wheel, wheel_radius, steered="corners", steering_limit=None, bogie_limit=None))]
-    fn triple_bogie<'py>(
-        py: Python<'py>,
-        bogie_pivot: &Bound<'py, PyAny>,
-        bogie_to_front: &Bound<'py, PyAny>,
-        bogie_to_middle: &Bound<'py, PyAny>,
-        rear_pivot: &Bound<'py, PyAny>,
-        rear_to_wheel: &Bound<'py, PyAny>,
-        wheel_radius: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = arguments::steered)] steered: &str,
-        steering_limit: Option<&Bound<'py, PyAny>>,
-        bogie_limit: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Self> {
+    fn triple_bogie[py: Python<'py>](*, bogie_pivot: [f64; 3], bogie_to_front: [f64; 3], bogie_to_middle: [f64; 3],
+        rear_pivot: [f64; 3], rear_to_wheel: [f64; 3], wheel_radius: f64, steered: &str = "corners",
+        steering_limit=None, bogie_limit=None) -> PyResult<Self> {
         let of = TripleBogie {
-            bogie_pivot: numbers("bogie_pivot", bogie_pivot)?,
-            bogie_to_front: numbers("bogie_to_front", bogie_to_front)?,
-            bogie_to_middle: numbers("bogie_to_middle", bogie_to_middle)?,
-            rear_pivot: numbers("rear_pivot", rear_pivot)?,
-            rear_to_wheel: numbers("rear_to_wheel", rear_to_wheel)?,
-            wheel_radius: number("wheel_radius", wheel_radius)?,
+            bogie_pivot,
+            bogie_to_front,
+            bogie_to_middle,
+            rear_pivot,
+            rear_to_wheel,
+            wheel_radius,
             steered: pairs(steered)?,
             steering: steering(py, steering_limit)?,
             bogie_limit: joint_range("bogie_limit", bogie_limit)?,
@@ -173,16 +162,8 @@ impl Suspension {
     /// ValueError
     ///     If a length is not positive or a limit makes no sense.
     #[staticmethod]
-    #[pyo3(signature = (*, wheelbase, track_width, drop, wheel_radius, steering_limit=None, roll_limit=None))]
-    fn pivoting_axles<'py>(
-        py: Python<'py>,
-        wheelbase: &Bound<'py, PyAny>,
-        track_width: &Bound<'py, PyAny>,
-        drop: &Bound<'py, PyAny>,
-        wheel_radius: &Bound<'py, PyAny>,
-        steering_limit: Option<&Bound<'py, PyAny>>,
-        roll_limit: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Self> {
+    fn pivoting_axles[py: Python<'py>](*, wheelbase, track_width, drop, wheel_radius, steering_limit=None,
+        roll_limit=None) -> PyResult<Self> {
         let arguments = PyDict::new(py);
         let read = |argument: &'static str, value| {
             let number = number(argument, value)?;
@@ -199,30 +180,6 @@ impl Suspension {
         );
         arguments.set_item("steering_limit", steering_limit)?;
         arguments.set_item("roll_limit", roll_limit)?;
-        Self::made(chain, "pivoting_axles", arguments)
-    }
-
-    /// Zoe: four wheels on two passively steered axles, of which the rear one rolls.
-    ///
-    /// No limits are published.
-    ///
-    /// Source: nealseegmiller/wmrde, src/demo/zoemodel.cpp (84e1e9f), with its front axle fixed in roll.
-    #[staticmethod]
-    fn zoe(py: Python<'_>) -> PyResult<Self> {
-        let arguments = PyDict::new(py);
-        let numbers = [("wheelbase", 1.91), ("track_width", 1.64), ("drop", 0.119), ("wheel_radius", 0.325)];
-        for (argument, value) in numbers {
-            arguments.set_item(argument, value)?;
-        }
-        let [wheelbase, track_width, drop, wheel_radius] = numbers.map(|(_, value)| value);
-        let chain = Chain::pivoting_axles(
-            wheelbase,
-            track_width,
-            drop,
-            wheel_radius,
-            SteeringRange::default(),
-            Default::default(),
-        );
         Self::made(chain, "pivoting_axles", arguments)
     }
 
@@ -250,17 +207,9 @@ impl Suspension {
     /// ValueError
     ///     If there are too few or too many wheels, or a number makes no sense.
     #[staticmethod]
-    #[pyo3(signature = (centres, wheel_radius, *, names=None, steered=Vec::new(), steering_limit=None))]
-    fn rigid<'py>(
-        py: Python<'py>,
-        centres: &Bound<'py, PyAny>,
-        wheel_radius: &Bound<'py, PyAny>,
-        names: Option<Vec<String>>,
-        steered: Vec<usize>,
-        steering_limit: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Self> {
+    fn rigid[py: Python<'py>](centres, wheel_radius: f64, *, names: native Option<Vec<String>> = None,
+        steered: native Vec<usize> = (Vec::new()), steering_limit=None) -> PyResult<Self> {
         let rows = Rows::read_table("centres", centres, 3)?;
-        let radius = number("wheel_radius", wheel_radius)?;
         let range = steering(py, steering_limit)?;
         let count = rows.count();
         let numbered = || (1..=count).map(|wheel| format!("wheel_{wheel}")).collect();
@@ -282,11 +231,38 @@ impl Suspension {
         let arguments = PyDict::new(py);
         let places: Vec<(f64, f64, f64)> = rows.triples().iter().map(|&[x, y, z]| (x, y, z)).collect();
         arguments.set_item("centres", places)?;
-        arguments.set_item("wheel_radius", radius)?;
+        arguments.set_item("wheel_radius", wheel_radius)?;
         arguments.set_item("names", &names)?;
         arguments.set_item("steered", &steered)?;
         arguments.set_item("steering_limit", steering_limit)?;
-        Self::made(Chain::rigid(&wheels, radius), "rigid", arguments)
+        Self::made(Chain::rigid(&wheels, wheel_radius), "rigid", arguments)
+    }
+}
+
+#[pymethods]
+impl Suspension {
+    /// Zoe: four wheels on two passively steered axles, of which the rear one rolls.
+    ///
+    /// No limits are published.
+    ///
+    /// Source: nealseegmiller/wmrde, src/demo/zoemodel.cpp (84e1e9f), with its front axle fixed in roll.
+    #[staticmethod]
+    fn zoe(py: Python<'_>) -> PyResult<Self> {
+        let arguments = PyDict::new(py);
+        let numbers = [("wheelbase", 1.91), ("track_width", 1.64), ("drop", 0.119), ("wheel_radius", 0.325)];
+        for (argument, value) in numbers {
+            arguments.set_item(argument, value)?;
+        }
+        let [wheelbase, track_width, drop, wheel_radius] = numbers.map(|(_, value)| value);
+        let chain = Chain::pivoting_axles(
+            wheelbase,
+            track_width,
+            drop,
+            wheel_radius,
+            SteeringRange::default(),
+            Default::default(),
+        );
+        Self::made(chain, "pivoting_axles", arguments)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

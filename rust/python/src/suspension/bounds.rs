@@ -8,7 +8,6 @@ use six_wheel_numerics::error::Error;
 use six_wheel_terrain::bounds::{self as core, Belly, BoundsConstants, Ground, Knowledge, Margins, Within};
 
 use super::rocker_bogie::RockerBogie;
-use crate::arguments;
 use crate::convert::{
     OrRaise, Out, Rows, Scalars, compute_rows, joined, memory, named, refuse, scalar_or_array, together,
 };
@@ -44,16 +43,14 @@ result_class! {
     repr { z roll pitch tilt clearance rocker bogies wheel_drop status }
 }
 
-#[pymethods]
-impl PoseBounds {
+getters! { PoseBounds, self, py:
     /// Validity of the intervals, shape (...): `six_wheel.BoundsStatus`.
-    #[getter]
-    fn status(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+    status: PyResult<Py<PyAny>> = {
         let codes = self.worth.iter().map(|worth| *worth as u8);
         let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
         let module = py.import("six_wheel.kinematics.statuses")?;
         module.call_method1("bound_statuses", (codes,)).map(Bound::unbind)
-    }
+    };
 }
 
 /// Reads sizes, one or one per pose, default 0.
@@ -142,8 +139,7 @@ impl RockerBogie {
     }
 }
 
-#[pymethods]
-impl RockerBogie {
+methods! { RockerBogie:
     /// Conservative intervals of how the rover stands, without settling it.
     ///
     /// Per wheel the lowest and highest ground in a box that covers it, and closed-form kinematics of the extremes:
@@ -191,21 +187,9 @@ impl RockerBogie {
     /// Source: K. Otsu, G. Matheron, S. Ghosh, O. Toupet, M. Ono, Fast approximate clearance evaluation for rovers with
     /// articulated suspension systems, Journal of Field Robotics 37(5), 2020, with another closed form
     /// (`docs/bounds.md`).
-    #[pyo3(signature = (ground, poses, yaw_margin=None, *, position_margin=None, map_error=0.0, belly=None, within=None, out=None, threads=None, level=None))]
-    fn bounds<'py>(
-        &self,
-        py: Python<'py>,
-        #[pyo3(from_py_with = arguments::ground)] ground: Bound<'py, Terrain>,
-        poses: &Bound<'py, PyAny>,
-        yaw_margin: Option<&Bound<'py, PyAny>>,
-        position_margin: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::map_error)] map_error: f64,
-        #[pyo3(from_py_with = arguments::belly)] belly: Option<(f64, f64, f64, f64)>,
-        #[pyo3(from_py_with = arguments::within)] within: Option<(f64, f64, f64)>,
-        out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = arguments::level)] level: Option<&str>,
-    ) -> PyResult<PoseBounds> {
+    fn bounds[&self, py: Python<'py>](ground: Bound<'py, Terrain>, poses, yaw_margin=None, *, position_margin=None,
+        map_error: f64 = 0.0, belly: Option<(f64, f64, f64, f64)> = None, within: Option<(f64, f64, f64)> = None,
+        out=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<PoseBounds> {
         let question = self.question(map_error, belly, within)?;
         let mut poses = Rows::read_finite("poses", poses, 3)?;
         let mut yaw = sizes(py, "yaw_margin", yaw_margin)?;

@@ -7,7 +7,6 @@ use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::{self as core, FRAMES, RockerBogie as Core, WHEELS};
 
 use super::rocker_bogie::RockerBogie;
-use crate::arguments;
 use crate::convert::{
     Named, Output, Rows, Scalars, compute, given, memory, named, raise, refuse, shape_text, together,
 };
@@ -101,8 +100,7 @@ impl RockerBogie {
     }
 }
 
-#[pymethods]
-impl RockerBogie {
+methods! { RockerBogie:
     /// Homogeneous transforms of all frames of the chain.
     ///
     /// D is the differential, B1 and B2 the bogies, S1 to S6 the mounts of the wheels and A1 to A6 their
@@ -132,15 +130,8 @@ impl RockerBogie {
     ///
     /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
     /// ICRA 1999.
-    #[pyo3(signature = (rho, beta, psi=None, *, threads=None))]
-    fn frames<'py>(
-        &self,
-        py: Python<'py>,
-        rho: &Bound<'py, PyAny>,
-        beta: &Bound<'py, PyAny>,
-        psi: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    fn frames[&self, py: Python<'py>](rho, beta, psi=None, *, threads: Option<i64> = None)
+    -> PyResult<Bound<'py, PyDict>> {
         let workers = any_workers(threads, None)?;
         let names = self.0.links().map(|link| link.frame);
         self.by_name(py, (rho, beta, psi), &names, [4, 4], core::frames, workers)
@@ -169,15 +160,8 @@ impl RockerBogie {
     /// ------
     /// ValueError
     ///     If an angle is not finite or a shape does not fit.
-    #[pyo3(signature = (rho, beta, psi=None, *, threads=None))]
-    fn jacobians<'py>(
-        &self,
-        py: Python<'py>,
-        rho: &Bound<'py, PyAny>,
-        beta: &Bound<'py, PyAny>,
-        psi: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    fn jacobians[&self, py: Python<'py>](rho, beta, psi=None, *, threads: Option<i64> = None)
+    -> PyResult<Bound<'py, PyDict>> {
         let workers = any_workers(threads, None)?;
         let names = self.0.links().map(|link| link.frame);
         let wheels = &names[FRAMES - WHEELS.len()..];

@@ -10,7 +10,6 @@ use six_wheel_terrain::suspension::{Bogie, Differential, Dimensions, JointRange,
 
 use super::base::Suspension;
 use super::joint_range::{joint_range, steering};
-use crate::arguments;
 use crate::classes::{reduce, repr_of_call};
 use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
 
@@ -138,30 +137,20 @@ fn given<'a, 'py>(argument: &str, value: Option<&'a Bound<'py, PyAny>>) -> PyRes
 
 equal_by!(RockerBogie: 0);
 
-#[pymethods]
-impl RockerBogie {
+getters! { RockerBogie, self, py:
+    /// Names of the joints, in the order of the columns of `jacobians`.
+    joint_names: PyResult<Bound<'py, PyTuple>> = {
+        let names = (0..self.0.joint_count()).map(|joint| self.joint_name(joint));
+        PyTuple::new(py, names.collect::<Vec<_>>())
+    };
+}
+
+methods! { RockerBogie:
     #[new]
-    #[pyo3(signature = (
-        rocker_pivot, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None, bogie_to_rear=None,
-        wheel_radius=None, steered="corners", steering_limit=None, *, rocker_to_rear=None, bogie_to_front=None,
-        rocker_limit=None, bogie_limit=None, differential_bar=None
-    ))]
-    fn new(
-        py: Python<'_>,
-        rocker_pivot: &Bound<'_, PyAny>,
-        rocker_to_front: Option<&Bound<'_, PyAny>>,
-        rocker_to_bogie: Option<&Bound<'_, PyAny>>,
-        bogie_to_middle: Option<&Bound<'_, PyAny>>,
-        bogie_to_rear: Option<&Bound<'_, PyAny>>,
-        wheel_radius: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::steered)] steered: &str,
-        steering_limit: Option<&Bound<'_, PyAny>>,
-        rocker_to_rear: Option<&Bound<'_, PyAny>>,
-        bogie_to_front: Option<&Bound<'_, PyAny>>,
-        rocker_limit: Option<&Bound<'_, PyAny>>,
-        bogie_limit: Option<&Bound<'_, PyAny>>,
-        differential_bar: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<PyClassInitializer<Self>> {
+    fn new[py: Python<'py>](rocker_pivot, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None,
+        bogie_to_rear=None, wheel_radius=None, steered: &str = "corners", steering_limit=None, *, rocker_to_rear=None,
+        bogie_to_front=None, rocker_limit=None, bogie_limit=None, differential_bar=None)
+    -> PyResult<PyClassInitializer<Self>> {
         let steered = steered.parse::<Steered>();
         let bogie = match (rocker_to_rear, bogie_to_front) {
             (None, None) => Bogie::Behind,
@@ -204,7 +193,10 @@ impl RockerBogie {
             },
         }))
     }
+}
 
+#[pymethods]
+impl RockerBogie {
     /// Rocky 7: two steered front wheels, limited to 60 degrees.
     ///
     /// Frame R as in the papers, between the bogie joints to 3.5 um, 0.085 m above the ground.
@@ -264,13 +256,6 @@ impl RockerBogie {
             alpha: row.alpha.sin.atan2(row.alpha.cos),
         });
         PyTuple::new(py, links)
-    }
-
-    /// Names of the joints, in the order of the columns of `jacobians`.
-    #[getter]
-    fn joint_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let names = (0..self.0.joint_count()).map(|joint| self.joint_name(joint));
-        PyTuple::new(py, names.collect::<Vec<_>>())
     }
 
     /// The arguments that make this very suspension, by name.

@@ -6,7 +6,6 @@ use six_wheel_terrain::suspension::WHEELS;
 
 use super::chain::Joints;
 use super::rocker_bogie::RockerBogie;
-use crate::arguments;
 use crate::convert::{
     Output, Results, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together,
 };
@@ -27,8 +26,7 @@ result_class! {
     repr { steering wheel_speeds turning_radius scrub }
 }
 
-#[pymethods]
-impl RockerBogie {
+methods! { RockerBogie:
     /// Distance behind the origin of the centre of rotation with the least scrub [m]: x_R of the papers.
     ///
     /// That is a turn about a point of the line ``x = -icr_offset``. The line moves with the suspension.
@@ -55,16 +53,8 @@ impl RockerBogie {
     /// ------
     /// ValueError
     ///     If an angle is not finite or a shape does not fit.
-    #[pyo3(signature = (rho, beta, *, out=None, dtype=None, threads=None))]
-    fn icr_offset<'py>(
-        &self,
-        py: Python<'py>,
-        rho: &Bound<'py, PyAny>,
-        beta: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn icr_offset[&self, py: Python<'py>](rho, beta, *, out=None, dtype=None, threads: Option<i64> = None)
+    -> PyResult<Bound<'py, PyAny>> {
         let workers = any_workers(threads, None)?;
         let mut joints = Joints::read(rho, beta)?;
         together(joints.both())?;
@@ -122,18 +112,8 @@ impl RockerBogie {
     ///
     /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
     /// ICRA 1999.
-    #[pyo3(signature = (speed, yaw_rate, rho, beta, *, previous=None, previous_speeds=None, threads=None))]
-    fn steer<'py>(
-        &self,
-        py: Python<'py>,
-        speed: &Bound<'py, PyAny>,
-        yaw_rate: &Bound<'py, PyAny>,
-        rho: &Bound<'py, PyAny>,
-        beta: &Bound<'py, PyAny>,
-        previous: Option<&Bound<'py, PyAny>>,
-        previous_speeds: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
-    ) -> PyResult<SteeringCommand> {
+    fn steer[&self, py: Python<'py>](speed, yaw_rate, rho, beta, *, previous=None, previous_speeds=None,
+        threads: Option<i64> = None) -> PyResult<SteeringCommand> {
         let workers = any_workers(threads, None)?;
         let steered = self.steered().len();
         let mut joints = Joints::read(rho, beta)?;

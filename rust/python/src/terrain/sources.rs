@@ -4,10 +4,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::Terrain;
-use crate::arguments;
 
-#[pymethods]
-impl Terrain {
+methods! { Terrain:
     /// The map of a file.
     ///
     /// GeoTIFF, PDS and whatever else GDAL reads (extra ``[terrain]``), ESRI ASCII grids, lists of extents and heights
@@ -39,13 +37,7 @@ impl Terrain {
     /// TerrainFileError
     ///     If it is no map, its coordinates are degrees, or the window is off it.
     #[staticmethod]
-    #[pyo3(signature = (path, *, window=None, topic=None, layer=None))]
-    fn read<'py>(
-        path: &Bound<'py, PyAny>,
-        window: Option<&Bound<'py, PyAny>>,
-        topic: Option<&Bound<'py, PyAny>>,
-        layer: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn read[](path, *, window=None, topic=None, layer=None) -> PyResult<Bound<'py, PyAny>> {
         let options = PyDict::new(path.py());
         for (name, value) in [("window", window), ("topic", topic), ("layer", layer)] {
             options.set_item(name, value)?;
@@ -84,15 +76,8 @@ impl Terrain {
     /// Source: M. Golombek, D. Rapp, Size-frequency distributions of rocks on Mars and Earth analog sites, Journal of
     /// Geophysical Research 102, 1997.
     #[staticmethod]
-    #[pyo3(signature = (size=None, spacing=0.05, cover=0.1, seed=None, *, roughness=0.1))]
-    fn yard<'py>(
-        py: Python<'py>,
-        size: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::spacing)] spacing: f64,
-        #[pyo3(from_py_with = arguments::cover)] cover: f64,
-        seed: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = arguments::roughness)] roughness: f64,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn yard[py: Python<'py>](size=None, spacing: f64 = 0.05, cover: f64 = 0.1, seed=None, *, roughness: f64 = 0.1)
+    -> PyResult<Bound<'py, PyAny>> {
         let options = PyDict::new(py);
         options.set_item("spacing", spacing)?;
         options.set_item("cover", cover)?;

@@ -1,6 +1,6 @@
 //! The bounds of many poses, as many at a time as a register holds; the same to the bit at every level.
 
-use pulp::{Scalar, Simd};
+use pulp::Simd;
 
 use super::boxes::Patch;
 use super::plan::{BoundsConstants, COUNT, Knowledge, TILT};
@@ -9,7 +9,6 @@ use crate::interval::{Interval, all};
 use crate::pyramid::{Boxes, Pyramid, nothing};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
-use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, ROUND, sin_cos};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
@@ -76,11 +75,7 @@ pub fn bounds(
     });
     // A job does not fail.
     let _ = workers.each(jobs, |job| {
-        if workers.level == Level::Scalar {
-            job.work(Scalar::new());
-        } else {
-            workers.level.run(job);
-        }
+        workers.level.run_any(job);
         Ok(())
     });
 }
@@ -101,8 +96,24 @@ impl Kernel for BoundsRange<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<S: Vector>(self, simd: S) {
-        self.work(simd);
+    fn run<S: Vector>(mut self, simd: S) {
+        for first in (0..self.poses.len()).step_by(BLOCK) {
+            let mut rows: [usize; BLOCK] = std::array::from_fn(|k| first + k);
+            let mut count = BLOCK.min(self.poses.len() - first);
+            for plan in self.plans {
+                for some in rows[..count].chunks(S::F64_LANES) {
+                    self.some(simd, plan, some);
+                }
+                let mut left = 0;
+                for k in 0..count {
+                    if self.worth[rows[k]] == Knowledge::Beyond {
+                        rows[left] = rows[k];
+                        left += 1;
+                    }
+                }
+                count = left;
+            }
+        }
     }
 }
 
@@ -125,27 +136,6 @@ fn store<S: Simd>(lanes: Lanes<S>, column: &mut Column) {
 }
 
 impl BoundsRange<'_> {
-    #[inline(always)]
-    fn work<S: Vector>(mut self, simd: S) {
-        for first in (0..self.poses.len()).step_by(BLOCK) {
-            let mut rows: [usize; BLOCK] = std::array::from_fn(|k| first + k);
-            let mut count = BLOCK.min(self.poses.len() - first);
-            for plan in self.plans {
-                for some in rows[..count].chunks(S::F64_LANES) {
-                    self.some(simd, plan, some);
-                }
-                let mut left = 0;
-                for k in 0..count {
-                    if self.worth[rows[k]] == Knowledge::Beyond {
-                        rows[left] = rows[k];
-                        left += 1;
-                    }
-                }
-                count = left;
-            }
-        }
-    }
-
     /// The poses of as many rows as there are lanes, or fewer.
     #[inline(always)]
     fn some<S: Vector>(&mut self, simd: S, plan: &BoundsConstants, rows: &[usize]) {

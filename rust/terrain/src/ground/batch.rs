@@ -5,11 +5,11 @@
 //! so near that the way from there could have closed it. Whatever is not as plain as that (unknown ground, the end
 //! of the map, a joint past its stop, a wall as high as a wheel, no end of rounds) is for [`Settler`] alone.
 
-use super::look::{Extent, Here, MARGIN, MOST, RimScan, UPPER, spread};
+use super::look::{Extent, Here, MARGIN, MOST, RimScan, UPPER};
 use super::plan::{ChainConstants, Placing, Rows, solve};
 use super::settler::{Settler, Status};
 use super::stand::{Contact, Stand};
-use crate::ground::rims::circles::{FAR, cells, floor};
+use crate::ground::rims::circles::{FAR, cells, floor, spread};
 use crate::ground::rims::search::TIE;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, State};
 use six_wheel_kinematics::wheels::Direction;

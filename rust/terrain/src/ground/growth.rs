@@ -86,7 +86,7 @@ impl<'a> Growth<'a, '_> {
         let (ground, chain) = (self.settler.ground, self.settler.chain);
         let state: State = std::array::from_fn(|k| point[k]);
         let over = [share, self.datum];
-        let touches = Touches::over_part(ground, chain, self.pose, &state, self.steering, over)?;
+        let touches = Touches::over_part(ground, chain, self.pose, &state, self.steering, over, self.settler.level)?;
         let mut look = GapJacobian { gaps: SVector::zeros(), slopes: SMatrix::identity() };
         for wheel in 0..self.count().min(MAX_WHEELS) {
             let (touch, (_, slopes)) = (&touches.wheels[wheel], touches.slopes(wheel));

@@ -1,8 +1,8 @@
 //! A look at the rims of poses in lanes: gaps, what else is near, and the system of Newton's step.
 
 use super::plan::{ChainConstants, Placing, Rows, Turned, Vectors};
-use crate::ground::rims::circles::{FAR, Point, Rims, cells, floor};
-use crate::ground::rims::search::{Found, Stretch, search};
+use crate::ground::rims::circles::{FAR, Point, RimLanes, cells, floor, spread};
+use crate::ground::rims::search::{AngleInterval, GapMinimum, find_min_gap};
 use crate::suspension::{MAX_STATE, MAX_WHEELS};
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -34,14 +34,6 @@ const SAMPLES: [[f64; 2]; 11] = {
     samples
 };
 
-/// The numbers of the lanes.
-#[inline(always)]
-pub(crate) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; MOST] {
-    let mut values = [0.0; MOST];
-    lanes.store(S::as_mut_simd_f64s(&mut values).0, 0);
-    values
-}
-
 /// Poses in the axes of the grid [m], in lanes, with their states.
 pub(crate) struct Here<S: Vector> {
     pub origin: [Lanes<S>; 2],
@@ -67,7 +59,7 @@ pub(crate) enum Extent<S: Vector> {
 /// Result of a search along the rims.
 pub(crate) struct RimScan<S: Vector> {
     pub rows: Rows<S>,
-    pub found: [Found<S>; MAX_WHEELS],
+    pub found: [GapMinimum<S>; MAX_WHEELS],
     pub worst: Lanes<S>,
     /// Smallest height of other minima along the rims above the gap, up to [`MARGIN`] [m]; below 0 if it is not known.
     pub clear: Lanes<S>,
@@ -83,7 +75,7 @@ impl<S: Vector> Here<S> {
         let spacing = ground.spacing();
         let per_metre = [Lanes::splat(simd, 1.0 / spacing[0]), Lanes::splat(simd, 1.0 / spacing[1])];
         let placing = Placing::new(simd, plan, self.yaw, &self.state, &self.steering);
-        let nothing = Found { gap: zero, at: [zero, unit], slope: [zero; 2], others: zero };
+        let nothing = GapMinimum::none(simd);
         let mut look = RimScan {
             rows: [([zero; MAX_STATE], zero); MAX_WHEELS],
             found: [nothing; MAX_WHEELS],
@@ -100,7 +92,7 @@ impl<S: Vector> Here<S> {
             let at = &placing.wheels[wheel];
             let radius = Lanes::splat(simd, plan.radius(wheel));
             let scale = [radius * per_metre[0], radius * per_metre[1], radius];
-            let mut rims = Rims {
+            let mut rims = RimLanes {
                 centre: [
                     (self.origin[0] + at.centre[0]) * per_metre[0],
                     (self.origin[1] + at.centre[1]) * per_metre[1],
@@ -124,19 +116,15 @@ impl<S: Vector> Here<S> {
             let mut found = nothing;
             let both = matches!(extent, Extent::Both);
             for half in 0..1 + usize::from(both) {
-                let part = search(simd, ground, &rims, &stretch);
+                let part = find_min_gap(simd, ground, &rims, &stretch);
                 if half == 0 {
                     found = part;
                 } else {
                     found.others = found.others.min(part.gap).min(part.others);
                     covers = zero.below(unit);
                 }
-                // Turned over, its upper half is the lower one.
-                for k in 0..3 {
-                    rims.forward[k] = -rims.forward[k];
-                    rims.up[k] = -rims.up[k];
-                }
-                stretch = Stretch::lower(simd);
+                rims.turn_over();
+                stretch = AngleInterval::lower(simd);
             }
             let gradient = [found.slope[0] * per_metre[0], found.slope[1] * per_metre[1]];
             let mut spoke: Vectors<S> = [zero; 3];
@@ -157,7 +145,7 @@ impl<S: Vector> Here<S> {
 
 /// The point with the lowest gap of some of every rim.
 #[inline(always)]
-fn sampled<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>) -> [Lanes<S>; 2] {
+fn sampled<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>) -> [Lanes<S>; 2] {
     let (mut best, mut at) = (Lanes::splat(simd, FAR), [Lanes::splat(simd, 0.0); 2]);
     for point in &SAMPLES {
         let [sin, cos] = [Lanes::splat(simd, point[0]), Lanes::splat(simd, point[1])];
@@ -171,7 +159,7 @@ fn sampled<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>) -> [Lanes<S>; 2
 
 /// The gap at a point of every rim.
 #[inline(always)]
-fn gap<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, [sin, cos]: [Lanes<S>; 2]) -> Lanes<S> {
+fn gap<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, [sin, cos]: [Lanes<S>; 2]) -> Lanes<S> {
     let mut at = rims.centre;
     for (k, at) in at.iter_mut().enumerate() {
         *at = *at + (rims.forward[k] * sin - rims.up[k] * cos);
@@ -184,21 +172,28 @@ fn gap<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, [sin, cos]: [Lanes<
 
 /// Interval of directions about the last contact.
 #[inline(always)]
-fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> Stretch<S> {
+fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> AngleInterval<S> {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let (low, high) = ([s * cos - c * sin, c * cos + s * sin], [s * cos + c * sin, c * cos - s * sin]);
     let (starts, ends) = (zero.below(low[1]), zero.below(high[1]));
-    Stretch {
+    AngleInterval {
         start: [starts.select(low[0], -unit), starts.select(low[1], zero)],
         end: [ends.select(high[0], unit), ends.select(high[1], zero)],
         margin: Lanes::splat(simd, MARGIN),
+        is_closed: false,
+        is_exact: false,
     }
 }
 
 /// All of the rims that may be as near to the ground as the last contact is, and whether that leaves out their upper
 /// halves: a point that is higher above the highest ground around is not.
 #[inline(always)]
-fn whole_rims<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, last: [Lanes<S>; 2]) -> (Stretch<S>, Mask<S>) {
+fn whole_rims<S: Vector>(
+    simd: S,
+    ground: &Terrain,
+    rims: &RimLanes<S>,
+    last: [Lanes<S>; 2],
+) -> (AngleInterval<S>, Mask<S>) {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let margin = Lanes::splat(simd, MARGIN);
     let gap = gap(simd, ground, rims, last);
@@ -209,7 +204,7 @@ fn whole_rims<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, last: [Lanes
     let inverse = unit.quotient(size);
     let (cos, sin) = (rims.up[2] * inverse, -(rims.forward[2] * inverse));
     let [rear, front] = tops(simd, ground, rims, &rims.point(sin, cos));
-    let mut stretch = Stretch { start: [-unit, zero], end: [unit, zero], margin };
+    let mut stretch = AngleInterval { margin, is_closed: false, ..AngleInterval::lower(simd) };
     // So far from the lowest point its height is what counts: cosine and sine of the angle.
     let near = ((rims.centre[2] - front - gap) * inverse).min(unit);
     let far = (unit - near * near).max(zero).sqrt();
@@ -227,7 +222,7 @@ fn whole_rims<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, last: [Lanes
 /// The highest ground beside what of the rims lies behind and before their lowest points; infinity where it is not
 /// known.
 #[inline(always)]
-fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, lowest: &Point<S>) -> [Lanes<S>; 2] {
+fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, lowest: &Point<S>) -> [Lanes<S>; 2] {
     let zero = Lanes::splat(simd, 0.0);
     let [mut rear, mut front] = [[[zero; 2]; 2]; 2];
     for k in 0..2 {
@@ -304,7 +299,7 @@ mod tests {
         fn run<S: Vector>(self, simd: S) -> Self::Output {
             let Case { centre, forward, up, last } = self.1;
             let all = |numbers: [f64; 3]| numbers.map(|number| Lanes::splat(simd, number));
-            let rims = Rims { centre: all(centre), forward: all(forward), up: all(up) };
+            let rims = RimLanes { centre: all(centre), forward: all(forward), up: all(up) };
             let (sin, cos) = last.sin_cos();
             let last = [Lanes::splat(simd, sin), Lanes::splat(simd, cos)];
             let (stretch, covers) = whole_rims(simd, self.0, &rims, last);

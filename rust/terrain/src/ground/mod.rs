@@ -19,7 +19,7 @@ mod stops;
 mod touch;
 
 pub use derivatives::{DIMENSIONS, by_dimension, by_pose, shift_by_dimension};
-pub use rims::rim::{Minimum, Rim};
+pub use rims::contact::{Minimum, RimContact};
 pub use rows::settle;
 pub(crate) use rows::{settle_part, worth_lanes};
 pub use settler::{Settled, Settler, Status};

@@ -2,7 +2,7 @@
 
 use super::settler::Settler;
 use super::touch::Touches;
-use crate::ground::rims::rim::RimSegment;
+use crate::ground::rims::contact::RimSegment;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
 use crate::terrain::{Interpolation, Sample};
 
@@ -126,16 +126,9 @@ impl<'a> Settler<'a> {
     }
 
     /// The wheels at a state. None where the differential does not reach.
-    pub fn touches(
-        &self,
-        pose: PlanPose,
-        state: &State,
-        steering: &[f64],
-        part: RimSegment,
-        near: Option<&Touches<'a>>,
-    ) -> Option<Touches<'a>> {
+    pub fn touches(&self, pose: PlanPose, state: &State, steering: &[f64], part: RimSegment) -> Option<Touches<'a>> {
         let mut touches = Touches::nowhere(self.chain);
-        self.look(&mut touches, pose, state, steering, part, near).map(|()| touches)
+        self.look(&mut touches, pose, state, steering, part).map(|()| touches)
     }
 
     /// The same, written over what is there.
@@ -146,10 +139,9 @@ impl<'a> Settler<'a> {
         state: &State,
         steering: &[f64],
         part: RimSegment,
-        near: Option<&Touches<'a>>,
     ) -> Option<()> {
         let (ground, chain) = (self.ground, self.chain);
-        touches.put(ground, chain, pose, state, steering, part, near, self.level)
+        touches.put(ground, chain, pose, state, steering, part, self.level)
     }
 
     /// Closes the gaps from a start. None where the differential does not reach.
@@ -163,13 +155,13 @@ impl<'a> Settler<'a> {
         let room = || Touches::nowhere(self.chain);
         let [first, second, third] = &mut [room(), room(), room()];
         let (mut here, mut there, mut best) = (first, second, third);
-        self.look(here, pose, &state, steering, part, None)?;
+        self.look(here, pose, &state, steering, part)?;
         let mut worst = self.worst(here, hold);
         for _ in 0..STEPS {
             let tolerance = self.tolerance(&state);
             if worst <= tolerance {
                 // Only the whole rim says that nothing else touches.
-                if part == RimSegment::Lower && here.look_up(self.ground, self.chain) {
+                if part == RimSegment::Lower && here.look_up(self.ground, self.chain, self.level) {
                     part = RimSegment::Whole;
                     worst = self.worst(here, hold);
                 }
@@ -189,7 +181,7 @@ impl<'a> Settler<'a> {
                     trial[k] += share * step[k];
                 }
                 if trial[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE) {
-                    self.look(there, pose, &trial, steering, part, Some(here))?;
+                    self.look(there, pose, &trial, steering, part)?;
                     let size = self.worst(there, hold);
                     if found.is_none_or(|(_, least)| size < least) {
                         found = Some((trial, size));
@@ -222,7 +214,7 @@ impl<'a> Settler<'a> {
 
     /// A state whose gaps are as small as rounding lets them be, looked at once more all along the rims.
     fn accept(&self, pose: PlanPose, steering: &[f64], state: State, hold: &Hold) -> Option<Attempt<'a>> {
-        let touches = self.touches(pose, &state, steering, RimSegment::Whole, None)?;
+        let touches = self.touches(pose, &state, steering, RimSegment::Whole)?;
         let closed = self.worst(&touches, hold) < 1e-10;
         Some(Attempt { state, touches, closed })
     }

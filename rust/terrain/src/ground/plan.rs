@@ -7,10 +7,9 @@
 use crate::suspension::{Chain, Differential, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Turning};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::direction;
+pub(crate) use six_wheel_numerics::simd::vec3::{Vec3 as Vectors, dot};
+use six_wheel_numerics::simd::vec3::{add as sum, cross, sub as less};
 use six_wheel_numerics::simd::vector::Vector;
-
-/// A vector in every lane.
-pub(crate) type Vectors<S> = [Lanes<S>; 3];
 
 /// The angle that turns a part.
 #[derive(Clone, Copy, Debug)]
@@ -120,26 +119,6 @@ impl ChainConstants {
     pub fn radius(&self, wheel: usize) -> f64 {
         self.wheels[wheel].radius
     }
-}
-
-#[inline(always)]
-pub(crate) fn dot<S: Vector>(a: Vectors<S>, b: Vectors<S>) -> Lanes<S> {
-    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
-}
-
-#[inline(always)]
-fn cross<S: Vector>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-#[inline(always)]
-fn sum<S: Vector>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-#[inline(always)]
-fn less<S: Vector>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// Columns of a rotation, and a point that it carries [m], from the origin of the body.

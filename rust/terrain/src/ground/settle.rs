@@ -101,8 +101,8 @@ impl<'a> Settler<'a> {
 
     /// Status of a chain that does not stand near a state.
     fn reason(&self, pose: PlanPose, steering: &[f64], near: &State) -> Status {
-        let part = crate::ground::rims::rim::RimSegment::Whole;
-        self.touches(pose, near, steering, part, None).map_or(Status::NotConverged, |touches| reason_of(&touches))
+        let part = crate::ground::rims::contact::RimSegment::Whole;
+        self.touches(pose, near, steering, part).map_or(Status::NotConverged, |touches| reason_of(&touches))
     }
 
     fn settled(&self, attempt: Attempt<'a>, stops: Stops, hanging: u32) -> Settled<'a> {

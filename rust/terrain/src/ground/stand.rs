@@ -5,7 +5,6 @@ use std::mem::offset_of;
 use nalgebra::Vector3;
 
 use super::settler::{Settled, Status};
-use crate::ground::rims::rim::Minimum;
 use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
 use six_wheel_kinematics::wheels::Direction;
 
@@ -88,7 +87,7 @@ impl Stand {
             let Some(least) = touch.rim.least else {
                 continue;
             };
-            let angle = |next: Minimum| next.at.sin.atan2(next.at.cos);
+            let angle = |next: Direction| next.sin.atan2(next.cos);
             *contact = Contact {
                 gap: touch.gap,
                 at: least.at,

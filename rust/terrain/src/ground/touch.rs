@@ -2,17 +2,11 @@
 
 use nalgebra::Vector3;
 
-use crate::ground::rims::circle::Circle;
-use crate::ground::rims::circles::RIMS;
-use crate::ground::rims::lanes as rims;
-use crate::ground::rims::rim::{Minimum, Rim, RimSegment, upper_half_matters, walk};
+use crate::ground::rims::circles::{RIMS, WheelCircle};
+use crate::ground::rims::contact::{Minimum, RimContact, RimSegment, find_contacts, upper_half_matters};
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State, WheelFrame};
 use crate::terrain::Terrain;
-use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::simd::level::Level;
-
-/// Straight below a wheel.
-const BELOW: Direction = Direction { sin: 0.0, cos: 1.0 };
 
 /// A wheel over the ground.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +14,7 @@ pub struct Touch {
     /// The wheel.
     pub frame: WheelFrame,
     /// Result of the search along its rim.
-    pub rim: Rim,
+    pub rim: RimContact,
     /// Least vertical distance of the rim over the ground [m]; NaN where there is no known ground.
     pub gap: f64,
     /// Point of the rim with that distance [m].
@@ -54,18 +48,18 @@ pub fn gap_slopes(
 }
 
 /// The rim of a wheel over the grid.
-fn circle(ground: &Terrain, frame: &WheelFrame, radius: f64) -> Circle {
+fn circle(ground: &Terrain, frame: &WheelFrame, radius: f64) -> WheelCircle {
     let [x, y] = ground.grid_from_world(frame.centre.x, frame.centre.y);
     let [dx, dy] = ground.spacing();
     let in_grid = |direction: Vector3<f64>| {
         let [u, v] = ground.grid_axes([direction.x * radius, direction.y * radius]);
         [u / dx, v / dy, direction.z * radius]
     };
-    Circle { centre: [x, y, frame.centre.z], forward: in_grid(frame.forward), up: in_grid(frame.up) }
+    WheelCircle { centre: [x, y, frame.centre.z], forward: in_grid(frame.forward), up: in_grid(frame.up) }
 }
 
 impl Touch {
-    fn of(ground: &Terrain, frame: WheelFrame, radius: f64, rim: Rim) -> Self {
+    fn of(ground: &Terrain, frame: WheelFrame, radius: f64, rim: RimContact) -> Self {
         let mut touch = Self { frame, rim, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
         if let Some(least) = rim.least {
             touch.gap = least.gap;
@@ -93,12 +87,13 @@ impl<'a> Touches<'a> {
     pub fn nowhere(chain: &'a Chain) -> Self {
         let frame =
             WheelFrame { centre: Vector3::zeros(), forward: Vector3::x(), axle: Vector3::y(), up: Vector3::z() };
-        let touch = Touch { frame, rim: Rim::NOTHING, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
+        let touch =
+            Touch { frame, rim: RimContact::NOTHING, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
         Self { placed: chain.nowhere(), wheels: [touch; MAX_WHEELS] }
     }
 
-    /// Puts the chain at a pose, a state and steering angles over the ground. Contacts are looked for from those of a state
-    /// nearby, if there is one. None, and nothing that makes sense, where a differential does not reach.
+    /// Puts the chain at a pose, a state and steering angles over the ground. None, and nothing that makes sense, where a
+    /// differential does not reach.
     #[allow(clippy::too_many_arguments)] // one caller, which names them
     pub fn put(
         &mut self,
@@ -108,32 +103,10 @@ impl<'a> Touches<'a> {
         state: &State,
         steering: &[f64],
         part: RimSegment,
-        near: Option<&Self>,
         level: Level,
     ) -> Option<()> {
-        let Self { placed, wheels } = self;
-        placed.put(pose, state, steering)?;
-        let count = chain.wheels().len();
-        // Lanes without a wheel repeat the first.
-        let frames: [WheelFrame; RIMS] = std::array::from_fn(|k| placed.wheel(if k < count { k } else { 0 }));
-        let radius = |k: usize| chain.wheels()[if k < count { k } else { 0 }].radius;
-        let circles: [Circle; RIMS] = std::array::from_fn(|k| circle(ground, &frames[k], radius(k)));
-        let least = rims::walk(level, ground, &circles, count);
-        for (k, touch) in wheels.iter_mut().enumerate().take(count) {
-            let sure = least[k]
-                .filter(|least| part == RimSegment::Lower || !upper_half_matters(ground, &circles[k], least.gap));
-            let rim = sure.map_or_else(
-                || {
-                    let near = near.and_then(|near| near.wheels[k].rim.least);
-                    let near = near.map_or(BELOW, |least| least.at);
-                    walk(ground, &circles[k], part, near)
-                },
-                Rim::of,
-            );
-            *touch = Touch::of(ground, frames[k], radius(k), rim);
-        }
-        let first = wheels[0];
-        wheels[count..].fill(first);
+        self.placed.put(pose, state, steering)?;
+        self.find(ground, chain, [1.0, 0.0], part, level);
         Some(())
     }
 
@@ -145,42 +118,52 @@ impl<'a> Touches<'a> {
         pose: PlanPose,
         state: &State,
         steering: &[f64],
-        [share, datum]: [f64; 2],
+        over: [f64; 2],
+        level: Level,
     ) -> Option<Self> {
-        let placed = chain.place(pose, state, steering)?;
-        let count = chain.wheels().len();
-        let touch = |k: usize| {
-            let (frame, radius) = (placed.wheel(k), chain.wheels()[k].radius);
-            let mut circle = circle(ground, &frame, radius);
-            // As much higher as the ground is lower.
-            circle.centre[2] = datum + (circle.centre[2] - datum) / share;
-            circle.forward[2] /= share;
-            circle.up[2] /= share;
-            let rim = walk(ground, &circle, RimSegment::Lower, BELOW);
-            let mut touch = Touch::of(ground, frame, radius, rim);
-            touch.gap *= share;
-            touch.gradient = touch.gradient.map(|slope| slope * share);
-            touch
-        };
-        let wheels = std::array::from_fn(|k| touch(if k < count { k } else { 0 }));
-        Some(Self { placed, wheels })
+        let mut touches = Self::nowhere(chain);
+        touches.placed.put(pose, state, steering)?;
+        touches.find(ground, chain, over, RimSegment::Lower, level);
+        Some(touches)
     }
 
-    /// Walks along the upper halves of the rims too where the ground may be that high, or is not known; whether
-    /// there is such a rim.
-    pub(crate) fn look_up(&mut self, ground: &Terrain, chain: &Chain) -> bool {
-        let mut looked = false;
-        for (touch, wheel) in self.wheels.iter_mut().zip(chain.wheels()) {
-            let circle = circle(ground, &touch.frame, wheel.radius);
-            let gap = touch.rim.least.map_or(f64::INFINITY, |least| least.gap);
-            if upper_half_matters(ground, &circle, gap) {
-                looked = true;
-                let near = touch.rim.least.map_or(BELOW, |least| least.at);
-                let rim = walk(ground, &circle, RimSegment::Whole, near);
-                *touch = Touch::of(ground, touch.frame, wheel.radius, rim);
+    /// Finds the contacts of all wheels where they are, over heights of a share above a datum.
+    fn find(&mut self, ground: &Terrain, chain: &Chain, [share, datum]: [f64; 2], part: RimSegment, level: Level) {
+        let count = chain.wheels().len();
+        // Lanes without a wheel repeat the first.
+        let wheel = |k: usize| if k < count { k } else { 0 };
+        let frames: [WheelFrame; RIMS] = std::array::from_fn(|k| self.placed.wheel(wheel(k)));
+        let circles: [WheelCircle; RIMS] = std::array::from_fn(|k| {
+            let mut circle = circle(ground, &frames[k], chain.wheels()[wheel(k)].radius);
+            if share != 1.0 {
+                // As much higher as the ground is lower.
+                circle.centre[2] = datum + (circle.centre[2] - datum) / share;
+                circle.forward[2] /= share;
+                circle.up[2] /= share;
             }
+            circle
+        });
+        let rims = find_contacts(level, ground, &circles, count, part);
+        for (k, touch) in self.wheels.iter_mut().enumerate().take(count) {
+            *touch = Touch::of(ground, frames[k], chain.wheels()[k].radius, rims[k]);
+            touch.gap *= share;
+            touch.gradient = touch.gradient.map(|slope| slope * share);
         }
-        looked
+        let first = self.wheels[0];
+        self.wheels[count..].fill(first);
+    }
+
+    /// Searches the upper halves of the rims too where the ground may be that high, or is not known; whether there is such a
+    /// rim.
+    pub(crate) fn look_up(&mut self, ground: &Terrain, chain: &Chain, level: Level) -> bool {
+        let matters = self.wheels.iter().zip(chain.wheels()).any(|(touch, wheel)| {
+            let gap = touch.rim.least.map_or(f64::INFINITY, |least| least.gap);
+            upper_half_matters(ground, &circle(ground, &touch.frame, wheel.radius), gap)
+        });
+        if matters {
+            self.find(ground, chain, [1.0, 0.0], RimSegment::Whole, level);
+        }
+        matters
     }
 
     /// [`gap_slopes`] of a wheel.
@@ -192,7 +175,7 @@ impl<'a> Touches<'a> {
 
     /// True if a rim lies over unknown cells, and if one leaves the map.
     pub(crate) fn blind(&self) -> [bool; 2] {
-        let any = |seen: fn(&Rim) -> bool| self.wheels.iter().any(|touch| seen(&touch.rim));
+        let any = |seen: fn(&RimContact) -> bool| self.wheels.iter().any(|touch| seen(&touch.rim));
         [any(|rim| rim.unknown), any(|rim| rim.outside)]
     }
 }

@@ -14,10 +14,10 @@ use super::chain::{MAX_FREE, MAX_WHEELS};
 use super::dimensions::Differential;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::polynomials::direction;
+pub use six_wheel_numerics::simd::vec3::{
+    Vec3 as Vectors, add as sum, add_scaled as along, cross, dot, scale as scaled, sub as less,
+};
 use six_wheel_numerics::simd::vector::Vector;
-
-/// A vector in every lane.
-pub type Vectors<S> = [Lanes<S>; 3];
 
 /// Sine and cosine.
 pub type Turned<S> = (Lanes<S>, Lanes<S>);
@@ -61,42 +61,6 @@ pub fn all<S: Simd>(simd: S, value: f64) -> Lanes<S> {
 #[inline(always)]
 fn triple<S: Simd>(simd: S, [x, y, z]: [f64; 3]) -> Vectors<S> {
     [all(simd, x), all(simd, y), all(simd, z)]
-}
-
-/// Scalar product.
-#[inline(always)]
-pub fn dot<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Lanes<S> {
-    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
-}
-
-/// Vector product.
-#[inline(always)]
-pub fn cross<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
-    [a[1].mul_add(b[2], -(a[2] * b[1])), a[2].mul_add(b[0], -(a[0] * b[2])), a[0].mul_add(b[1], -(a[1] * b[0]))]
-}
-
-/// `a - b`
-#[inline(always)]
-pub fn less<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// `a + length * b`.
-#[inline(always)]
-pub fn along<S: Simd>(a: Vectors<S>, length: Lanes<S>, b: Vectors<S>) -> Vectors<S> {
-    [b[0].mul_add(length, a[0]), b[1].mul_add(length, a[1]), b[2].mul_add(length, a[2])]
-}
-
-/// `a` times a number.
-#[inline(always)]
-pub fn scaled<S: Simd>(a: Vectors<S>, by: Lanes<S>) -> Vectors<S> {
-    [a[0] * by, a[1] * by, a[2] * by]
-}
-
-/// `a + b`
-#[inline(always)]
-pub fn sum<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// A vector in axes that are turned like this about the upward one.

@@ -60,49 +60,45 @@ fn matrix<'py>(py: Python<'py>, numbers: &[f64], width: usize) -> PyResult<Matri
     PyArray1::from_slice(py, numbers).reshape([numbers.len() / width, width])
 }
 
-getters! { Odometry3State, this, py:
+getters! { Odometry3State, self, py:
     /// When the sample was taken [s]; None before the first one.
-    stamp: Option<f64> = this.stamp;
+    stamp: Option<f64> = self.stamp;
     /// ``[x, y, z, roll, pitch, yaw]`` in the world, ``Rz(yaw) Ry(pitch) Rx(roll)``, the yaw with its full turns, shape
     /// (6,) [m, rad].
-    pose: Vector<'py> = PyArray1::from_slice(py, &this.pose.numbers());
+    pose: Vector<'py> = PyArray1::from_slice(py, &self.pose.numbers());
     /// Of the body's origin, shape (3,) [m].
-    position: Vector<'py> = PyArray1::from_slice(py, &this.pose.numbers()[..3]);
+    position: Vector<'py> = PyArray1::from_slice(py, &self.pose.numbers()[..3]);
     /// ``[roll, pitch, yaw]``, shape (3,) [rad].
-    attitude: Vector<'py> = PyArray1::from_slice(py, &this.pose.numbers()[3..]);
+    attitude: Vector<'py> = PyArray1::from_slice(py, &self.pose.numbers()[3..]);
     /// ``world_from_body``, shape (4, 4).
-    transform: PyResult<Matrix<'py>> = matrix(py, this.pose.motion().matrix().as_flattened(), 4);
+    transform: PyResult<Matrix<'py>> = matrix(py, self.pose.motion().matrix().as_flattened(), 4);
     /// Mean ``vx, vy, vz, wx, wy, wz`` over the last step in axes of the body, shape (6,) [m/s, rad/s].
-    twist: Vector<'py> = PyArray1::from_slice(py, &this.twist);
+    twist: Vector<'py> = PyArray1::from_slice(py, &self.twist);
     /// Covariance of x, y, z [m] and about the axes of the world [rad], as in ROS messages, shape (6, 6).
-    covariance: PyResult<Matrix<'py>> = matrix(py, this.covariance.as_flattened(), 6);
+    covariance: PyResult<Matrix<'py>> = matrix(py, self.covariance.as_flattened(), 6);
     /// Covariance of the twist, shape (6, 6); infinite variances where nothing is known of the twist: before the first
     /// step, and after a pose was set.
-    twist_covariance: PyResult<Matrix<'py>> = matrix(py, this.twist_covariance.as_flattened(), 6);
+    twist_covariance: PyResult<Matrix<'py>> = matrix(py, self.twist_covariance.as_flattened(), 6);
     /// Speed at which each wheel's contact slid over the last step, shape (wheels,) [m/s]; NaN in the air.
-    residual: Vector<'py> = PyArray1::from_vec(py, this.residuals());
+    residual: Vector<'py> = PyArray1::from_vec(py, self.residuals());
     /// The same along the rim, forwards, and to the left, shape (wheels, 2) [m/s].
-    slip: PyResult<Matrix<'py>> = matrix(py, this.slip[..this.wheels].as_flattened(), 2);
+    slip: PyResult<Matrix<'py>> = matrix(py, self.slip[..self.wheels].as_flattened(), 2);
     /// Flags of the sample, an `OdometryHealth`.
-    health: PyResult<Bound<'py, PyAny>> = py.import("six_wheel.kinematics.odometry")?.getattr("OdometryHealth")?.call1((this.health,));
+    health: PyResult<Bound<'py, PyAny>> = py.import("six_wheel.kinematics.odometry")?.getattr("OdometryHealth")?.call1((self.health,));
+    /// ``world_from_body`` as a quaternion x, y, z, w, shape (4,).
+    orientation: Vector<'py> = {
+        let turn = self.pose.motion().rotation;
+        PyArray1::from_slice(py, &[turn.i, turn.j, turn.k, turn.w])
+    };
+    /// Name of the wheel that disagrees most; None if none does.
+    worst_wheel: Option<Bound<'py, PyString>> = {
+        let worst = worst_wheel(&self.residuals())?;
+        Some(PyString::new(py, &self.arm.get().chain.wheels()[worst].name))
+    };
 }
 
 #[pymethods]
 impl Odometry3State {
-    /// ``world_from_body`` as a quaternion x, y, z, w, shape (4,).
-    #[getter]
-    fn orientation<'py>(&self, py: Python<'py>) -> Vector<'py> {
-        let turn = self.pose.motion().rotation;
-        PyArray1::from_slice(py, &[turn.i, turn.j, turn.k, turn.w])
-    }
-
-    /// Name of the wheel that disagrees most; None if none does.
-    #[getter]
-    fn worst_wheel<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyString>> {
-        let worst = worst_wheel(&self.residuals())?;
-        Some(PyString::new(py, &self.arm.get().chain.wheels()[worst].name))
-    }
-
     fn __repr__(&self) -> String {
         let deviation = |k: usize| Short(self.covariance[k][k].sqrt());
         let names = ["x", "y", "z", "roll", "pitch", "yaw"];

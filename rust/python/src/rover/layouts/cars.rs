@@ -7,8 +7,7 @@ use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::error::Error;
 
 use super::per_wheel::PerWheel;
-use crate::arguments;
-use crate::convert::{OrRaise, number};
+use crate::convert::OrRaise;
 use crate::rover::Rover;
 
 fn drive(name: &str) -> PyResult<Drive> {
@@ -19,20 +18,16 @@ impl Rover {
     /// A layout with a wheelbase, a track width and a wheel radius.
     fn car(
         py: Python<'_>,
-        [wheelbase, track_width, wheel_radius]: [&Bound<'_, PyAny>; 3],
+        [base, track, radius]: [f64; 3],
         driven: &str,
         given: &PerWheel<'_, '_>,
         layout: impl FnOnce(f64, f64, f64, SteeringRange, Drive) -> Result<Core, Error>,
     ) -> PyResult<Self> {
-        let base = number("wheelbase", wheelbase)?;
-        let track = number("track_width", track_width)?;
-        let radius = number("wheel_radius", wheel_radius)?;
-        Self::named(py, Ok(given.fit(layout(base, track, radius, SteeringRange::default(), drive(driven)?))?))
+        given.fit(py, layout(base, track, radius, SteeringRange::default(), drive(driven)?))
     }
 }
 
-#[pymethods]
-impl Rover {
+methods! { Rover:
     /// A car with Ackermann steering: steered front wheels, fixed rear wheels, origin between the rear ones.
     ///
     /// Each front wheel has an angle of its own; their axles meet in the centre of rotation.
@@ -61,21 +56,10 @@ impl Rover {
     /// ValueError
     ///     If a length or the limit is not finite and positive.
     #[staticmethod]
-    #[pyo3(
-        signature = (wheelbase, track_width, wheel_radius, *, steering_limit=None, driven="rear", scrub=None, trail=None, names=None),
-        text_signature = "(wheelbase, track_width, wheel_radius, *, steering_limit=None, driven='rear', scrub=0.0, trail=0.0, names=None)"
-    )]
-    fn ackermann(
-        py: Python<'_>,
-        wheelbase: &Bound<'_, PyAny>,
-        track_width: &Bound<'_, PyAny>,
-        wheel_radius: &Bound<'_, PyAny>,
-        steering_limit: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::driven)] driven: &str,
-        scrub: Option<&Bound<'_, PyAny>>,
-        trail: Option<&Bound<'_, PyAny>>,
-        names: Option<Vec<String>>,
-    ) -> PyResult<Self> {
+    fn ackermann[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None, driven: &str = "rear",
+        scrub=None, trail=None, names: native Option<Vec<String>> = None)
+    as "(wheelbase, track_width, wheel_radius, *, steering_limit=None, driven='rear', scrub=0.0, trail=0.0, names=None)"
+    -> PyResult<Self> {
         let lengths = [wheelbase, track_width, wheel_radius];
         let given = PerWheel { steering_limit, scrub, trail, names };
         Self::car(py, lengths, driven, &given, Core::ackermann)
@@ -107,21 +91,10 @@ impl Rover {
     /// ValueError
     ///     If a length or the limit is not finite and positive.
     #[staticmethod]
-    #[pyo3(
-        signature = (wheelbase, track_width, wheel_radius, *, steering_limit=None, driven="front", scrub=None, trail=None, names=None),
-        text_signature = "(wheelbase, track_width, wheel_radius, *, steering_limit=None, driven='front', scrub=0.0, trail=0.0, names=None)"
-    )]
-    fn tricycle(
-        py: Python<'_>,
-        wheelbase: &Bound<'_, PyAny>,
-        track_width: &Bound<'_, PyAny>,
-        wheel_radius: &Bound<'_, PyAny>,
-        steering_limit: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::driven)] driven: &str,
-        scrub: Option<&Bound<'_, PyAny>>,
-        trail: Option<&Bound<'_, PyAny>>,
-        names: Option<Vec<String>>,
-    ) -> PyResult<Self> {
+    fn tricycle[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None, driven: &str = "front",
+        scrub=None, trail=None, names: native Option<Vec<String>> = None)
+    as "(wheelbase, track_width, wheel_radius, *, steering_limit=None, driven='front', scrub=0.0, trail=0.0, names=None)"
+    -> PyResult<Self> {
         let lengths = [wheelbase, track_width, wheel_radius];
         let given = PerWheel { steering_limit, scrub, trail, names };
         Self::car(py, lengths, driven, &given, Core::tricycle)
@@ -151,23 +124,11 @@ impl Rover {
     /// ValueError
     ///     If a length or the limit is not finite and positive.
     #[staticmethod]
-    #[pyo3(
-        signature = (wheelbase, wheel_radius, *, steering_limit=None, driven="rear", scrub=None, trail=None, names=None),
-        text_signature = "(wheelbase, wheel_radius, *, steering_limit=None, driven='rear', scrub=0.0, trail=0.0, names=None)"
-    )]
-    fn bicycle(
-        py: Python<'_>,
-        wheelbase: &Bound<'_, PyAny>,
-        wheel_radius: &Bound<'_, PyAny>,
-        steering_limit: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = arguments::driven)] driven: &str,
-        scrub: Option<&Bound<'_, PyAny>>,
-        trail: Option<&Bound<'_, PyAny>>,
-        names: Option<Vec<String>>,
-    ) -> PyResult<Self> {
-        let base = number("wheelbase", wheelbase)?;
-        let radius = number("wheel_radius", wheel_radius)?;
+    fn bicycle[py: Python<'py>](wheelbase: f64, wheel_radius: f64, *, steering_limit=None, driven: &str = "rear",
+        scrub=None, trail=None, names: native Option<Vec<String>> = None)
+    as "(wheelbase, wheel_radius, *, steering_limit=None, driven='rear', scrub=0.0, trail=0.0, names=None)"
+    -> PyResult<Self> {
         let given = PerWheel { steering_limit, scrub, trail, names };
-        Self::named(py, Ok(given.fit(Core::bicycle(base, radius, SteeringRange::default(), drive(driven)?))?))
+        given.fit(py, Core::bicycle(wheelbase, wheel_radius, SteeringRange::default(), drive(driven)?))
     }
 }

@@ -7,6 +7,7 @@ use six_wheel_kinematics::wheels::{Pivot, Wheel};
 use six_wheel_numerics::error::Error;
 
 use crate::convert::{OrRaise, items, number, refuse};
+use crate::rover::Rover;
 use crate::wheel::steering_range;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -22,7 +23,7 @@ pub struct PerWheel<'a, 'py> {
 
 impl PerWheel<'_, '_> {
     /// A layout's rover with all that was given for its wheels; what was not stays as the layout has it.
-    pub fn fit(&self, layout: Result<Core, Error>) -> PyResult<Core> {
+    pub fn fit(&self, py: Python<'_>, layout: Result<Core, Error>) -> PyResult<Rover> {
         let layout = layout.or_raise(&[])?;
         let mut wheels = layout.wheels().to_vec();
         if let Some(names) = &self.names {
@@ -50,7 +51,7 @@ impl PerWheel<'_, '_> {
             }
             Ok(())
         })?;
-        Core::new(wheels).or_raise(&[])
+        Rover::named(py, Core::new(wheels))
     }
 }
 

@@ -1,7 +1,7 @@
-//! Circles in lanes, and the cells below them.
+//! Circles over a grid, one alone or one in every lane, and the cells below them.
 
 use crate::terrain::{Heights, Terrain};
-use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::ROUND;
 use six_wheel_numerics::simd::vector::Vector;
 
@@ -89,9 +89,20 @@ fn singles<S: Vector>(simd: S, ground: &Terrain, place: Lanes<S>) -> [Lanes<S>; 
     ]
 }
 
-/// The circles of the lanes.
+/// A circle over a grid: horizontal coordinates in columns and rows, heights in metres. Its points are
+/// `centre + forward sin t - up cos t`, with t the contact angle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WheelCircle {
+    pub centre: [f64; 3],
+    /// Radius times the direction in which the wheel rolls.
+    pub forward: [f64; 3],
+    /// Radius times the direction of its steering axis, upwards.
+    pub up: [f64; 3],
+}
+
+/// A circle in every lane.
 #[derive(Clone, Copy)]
-pub(crate) struct Rims<S: Vector> {
+pub(crate) struct RimLanes<S: Vector> {
     pub centre: [Lanes<S>; 3],
     pub forward: [Lanes<S>; 3],
     pub up: [Lanes<S>; 3],
@@ -110,7 +121,7 @@ pub(crate) struct Point<S: Vector> {
 
 /// Gap, its first three derivatives along the rim, and the slope of the ground.
 #[derive(Clone, Copy)]
-pub(crate) struct Jet<S: Vector> {
+pub(crate) struct GapDerivatives<S: Vector> {
     pub gap: Lanes<S>,
     pub rise: Lanes<S>,
     pub curvature: Lanes<S>,
@@ -118,7 +129,52 @@ pub(crate) struct Jet<S: Vector> {
     pub slope: [Lanes<S>; 2],
 }
 
-impl<S: Vector> Rims<S> {
+impl<S: Vector> Point<S> {
+    /// `yes` where true, `no` elsewhere.
+    #[inline(always)]
+    pub(crate) fn pick(mask: Mask<S>, yes: &Self, no: &Self) -> Self {
+        let [mut spoke, mut tangent] = [no.spoke, no.tangent];
+        for k in 0..3 {
+            spoke[k] = mask.select(yes.spoke[k], no.spoke[k]);
+            tangent[k] = mask.select(yes.tangent[k], no.tangent[k]);
+        }
+        Self { sin: mask.select(yes.sin, no.sin), cos: mask.select(yes.cos, no.cos), spoke, tangent }
+    }
+}
+
+impl<S: Vector> RimLanes<S> {
+    /// The circles from this one on, as many as there are lanes; the last of all again where there are fewer.
+    #[inline(always)]
+    pub(crate) fn load(simd: S, circles: &[WheelCircle; RIMS], first: usize) -> Self {
+        let mut columns = [[0.0; RIMS]; 9];
+        for lane in 0..S::F64_LANES {
+            let circle = &circles[(first + lane).min(RIMS - 1)];
+            for k in 0..3 {
+                columns[k][lane] = circle.centre[k];
+                columns[3 + k][lane] = circle.forward[k];
+                columns[6 + k][lane] = circle.up[k];
+            }
+        }
+        let zero = Lanes::splat(simd, 0.0);
+        let mut rims = Self { centre: [zero; 3], forward: [zero; 3], up: [zero; 3] };
+        for k in 0..3 {
+            rims.centre[k] = Lanes::load(simd, S::as_simd_f64s(&columns[k]).0, 0);
+            rims.forward[k] = Lanes::load(simd, S::as_simd_f64s(&columns[3 + k]).0, 0);
+            rims.up[k] = Lanes::load(simd, S::as_simd_f64s(&columns[6 + k]).0, 0);
+        }
+        rims
+    }
+
+    /// Turns the circles over: the upper halves become the lower ones.
+    #[inline(always)]
+    pub(crate) fn turn_over(&mut self) {
+        for k in 0..3 {
+            self.forward[k] = -self.forward[k];
+            self.up[k] = -self.up[k];
+        }
+    }
+
+    /// Point of every rim at this sine and cosine of its contact angle.
     #[inline(always)]
     pub(crate) fn point(&self, sin: Lanes<S>, cos: Lanes<S>) -> Point<S> {
         let [mut spoke, mut tangent] = [self.centre; 2];
@@ -131,7 +187,7 @@ impl<S: Vector> Rims<S> {
 
     /// The gap over a cell whose lowest corner is so far from the centre.
     #[inline(always)]
-    pub(crate) fn jet(&self, cell: &Cells<S>, from: [Lanes<S>; 2], at: &Point<S>) -> Jet<S> {
+    pub(crate) fn derivatives(&self, cell: &Cells<S>, from: [Lanes<S>; 2], at: &Point<S>) -> GapDerivatives<S> {
         let (a, b) = (from[0] + at.spoke[0], from[1] + at.spoke[1]);
         let across = cell.twist.mul_add(a, cell.across);
         let along = cell.twist.mul_add(b, cell.along);
@@ -141,7 +197,7 @@ impl<S: Vector> Rims<S> {
         let turning = cell.twist * x * y;
         let curvature = (along * at.spoke[0] + across * at.spoke[1] - at.spoke[2]) - (turning + turning);
         let bending = cell.twist * (at.spoke[0] * y + at.spoke[1] * x);
-        Jet {
+        GapDerivatives {
             third: (bending + bending + bending) - rise,
             gap: (self.centre[2] + at.spoke[2]) - height,
             rise,

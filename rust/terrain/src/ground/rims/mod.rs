@@ -1,7 +1,6 @@
-//! The rims of wheels over the ground: the least gap of one, and of eight at once.
+//! The rims of wheels over the ground: the least gap of as many as there are lanes.
 
-pub(crate) mod circle;
+pub(crate) mod candidate;
 pub(crate) mod circles;
-pub(crate) mod lanes;
-pub(crate) mod rim;
+pub(crate) mod contact;
 pub(crate) mod search;

@@ -2,10 +2,10 @@
 
 use pulp::Simd;
 
-use crate::formulas::choice::SteeringQuery;
-use crate::formulas::cone::Cone;
-use crate::formulas::steered::{EITHER, ONLY, Reach, Steered};
 use crate::geometry::Twist;
+use crate::kernels::choice::SteeringQuery;
+use crate::kernels::cone::Cone;
+use crate::kernels::steered::{EITHER, ONLY, Reach, Steered};
 use crate::rover_data::{Inputs, Mount, RoverData};
 use crate::wheels::Wheel;
 use six_wheel_numerics::error::Error;

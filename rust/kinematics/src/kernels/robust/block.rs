@@ -1,7 +1,7 @@
 //! Rows of robust fits on their way, and the constants of the rover that their rounds need.
 
-use crate::formulas::readings;
-use crate::formulas::readings::{FitColumns, Rows, products};
+use crate::kernels::readings;
+use crate::kernels::readings::{FitColumns, Rows, products};
 use crate::rover_data::RoverData;
 use six_wheel_numerics::weave::{BLOCK, Column};
 

@@ -14,6 +14,7 @@ use crate::admissible::{Keep, SLIP_TOLERANCE};
 use crate::rover_data::{Mount, RoverData};
 use crate::wheels::Direction;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+pub use six_wheel_numerics::simd::vec3::row_times as dot;
 
 /// Shares of the tolerance up to which a wheel surely does not slide, and from which on it surely does.
 const SURE: [f64; 2] = [0.5, 2.0];
@@ -277,11 +278,4 @@ fn point<S: Simd>(simd: S, face: &Face, wanted: [Lanes<S>; 3]) -> [Lanes<S>; 3] 
         }
     }
     point
-}
-
-/// A row times a twist, by the same operations as the plain core.
-#[inline(always)]
-pub fn dot<S: Simd>(simd: S, row: &[f64; 3], [vx, vy, omega]: [Lanes<S>; 3]) -> Lanes<S> {
-    let [a, b, c] = [row[0], row[1], row[2]];
-    vx * Lanes::splat(simd, a) + vy * Lanes::splat(simd, b) + omega * Lanes::splat(simd, c)
 }

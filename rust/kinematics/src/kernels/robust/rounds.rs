@@ -2,7 +2,7 @@
 
 use super::block::{Block, LANES, MOST, RobustConstants};
 use crate::estimate::{MEDIANS, SETTLED};
-use crate::formulas::readings::solve;
+use crate::kernels::readings::solve;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::weave::{BLOCK, Column};

@@ -1,8 +1,9 @@
 //! Results are the same whether they are stored past the caches or not.
 
+use crate::accumulate::Walk;
 use crate::estimate::Unseen;
-use crate::formulas::{forward, inverse};
-use crate::geometry::{Steps, Walk};
+use crate::geometry::Steps;
+use crate::kernels::{forward, inverse};
 use crate::pose_logs::integrate;
 use crate::presets::preset;
 use crate::rover::Inputs;

@@ -3,11 +3,11 @@
 use pulp::Simd;
 
 use super::plan::{InverseConstants, WheelKind, block};
-use crate::formulas::choice::SteeringQuery;
-use crate::formulas::cone::dot;
-use crate::formulas::steered::{CLOSE, EITHER, NEARER, ONLY, Steer, Steered, absolute, load};
-use crate::formulas::usual::usual;
 use crate::geometry::Twist;
+use crate::kernels::choice::SteeringQuery;
+use crate::kernels::cone::dot;
+use crate::kernels::steered::{CLOSE, EITHER, NEARER, ONLY, Steer, Steered, absolute, load};
+use crate::kernels::usual::usual;
 use crate::rover_data::Inputs;
 use crate::wheels::REST;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};

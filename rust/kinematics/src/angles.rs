@@ -1,0 +1,104 @@
+//! Angles of any size: brought into half a turn to either side, and their sines and cosines in every lane.
+
+use std::f64::consts::{PI, TAU};
+
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos};
+use six_wheel_numerics::simd::vector::Vector;
+
+/// Lanes of the widest register.
+const MAX_LANES: usize = 8;
+
+/// Whole turns in two parts: so many times the first, of up to [`MANY`], have no rounding.
+const TURN: [f64; 2] = {
+    let high = f64::from_bits(TAU.to_bits() >> 21 << 21);
+    [high, TAU - high]
+};
+
+/// Angles from which on turns are taken out bit by bit [rad].
+const MANY: f64 = 1e6;
+
+/// The angle brought into [-pi, pi] by whole turns; unchanged if it is there already.
+pub fn wrap_angle(angle: f64) -> f64 {
+    // Exact: what is left has no more digits than a turn.
+    let rest = if angle.abs() < MANY {
+        let turns = f64::from((angle / TAU) as i32);
+        (angle - turns * TURN[0]) - turns * TURN[1]
+    } else {
+        angle % TAU
+    };
+    if rest > PI {
+        rest - TAU
+    } else if rest < -PI {
+        rest + TAU
+    } else {
+        rest
+    }
+}
+
+/// Applies a function to the lanes with numbers beyond `largest`, and to NaN.
+#[inline(always)]
+fn map_beyond<S: Vector>(simd: S, lanes: Lanes<S>, largest: f64, function: impl Fn(f64) -> f64) -> Lanes<S> {
+    if !(!lanes.abs().at_most(Lanes::splat(simd, largest))).any() {
+        return lanes;
+    }
+    let mut numbers = [0.0; MAX_LANES];
+    lanes.store(S::as_mut_simd_f64s(&mut numbers).0, 0);
+    for number in &mut numbers {
+        if number.abs() > largest {
+            *number = function(*number);
+        }
+    }
+    Lanes::load(simd, S::as_simd_f64s(&numbers).0, 0)
+}
+
+/// [`wrap_angle`] in every lane.
+#[inline(always)]
+pub(crate) fn wrap_lanes<S: Vector>(simd: S, angle: Lanes<S>) -> Lanes<S> {
+    map_beyond(simd, angle, PI, wrap_angle)
+}
+
+/// An angle of the same direction, in [-pi, pi]: turns of 2 pi, not of its nearest number, are taken out.
+fn same_direction(angle: f64) -> f64 {
+    let (sin, cos) = angle.sin_cos();
+    sin.atan2(cos)
+}
+
+/// An angle of the same direction in every lane, unchanged up to pi.
+#[inline(always)]
+pub(crate) fn reduce_lanes<S: Vector>(simd: S, angle: Lanes<S>) -> Lanes<S> {
+    map_beyond(simd, angle, PI, same_direction)
+}
+
+/// Sine and cosine of angles of any size.
+#[inline(always)]
+pub fn sin_cos_any<S: Vector>(simd: S, angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+    sin_cos(simd, map_beyond(simd, angle, LARGEST_ANGLE, same_direction))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_wrap_into_half_a_turn_to_either_side() {
+        assert_eq!(wrap_angle(PI), PI);
+        assert_eq!(wrap_angle(-PI), -PI);
+        assert_eq!(wrap_angle(0.5), 0.5);
+        assert!((wrap_angle(7.0) - (7.0 - TAU)).abs() < 1e-15);
+        assert!((wrap_angle(-1e6) + 1e6 - TAU * (1e6 / TAU).round()).abs() < 1e-9);
+        // To the bit what the remainder is, at whole and half turns and their neighbours too.
+        let bitwise = |angle: f64| match angle % TAU {
+            rest if rest > PI => rest - TAU,
+            rest if rest < -PI => rest + TAU,
+            rest => rest,
+        };
+        for k in (0..400_000).step_by(7) {
+            for angle in [0.1 * f64::from(k), f64::from(k) * PI] {
+                for angle in [angle.next_down(), angle, angle.next_up(), -angle] {
+                    assert_eq!(wrap_angle(angle), bitwise(angle), "{angle}");
+                }
+            }
+        }
+    }
+}
