@@ -72,7 +72,7 @@ pub(crate) fn reduce_lanes<S: Vector>(simd: S, angle: Lanes<S>) -> Lanes<S> {
 
 /// Sine and cosine of angles of any size.
 #[inline(always)]
-pub(crate) fn sin_cos_any<S: Vector>(simd: S, angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+pub fn sin_cos_any<S: Vector>(simd: S, angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     sin_cos(simd, map_beyond(simd, angle, LARGEST_ANGLE, same_direction))
 }
 

@@ -17,7 +17,7 @@
 
 pub mod accumulate;
 pub mod admissible;
-mod angles;
+pub mod angles;
 pub mod batch;
 pub mod estimate;
 pub mod geometry;

@@ -1,17 +1,16 @@
 //! Dead reckoning that knows its error, in the plane, and factors of it for graphs.
 
-pub(crate) mod arithmetic;
+pub(crate) mod covariance;
 pub mod health;
 pub mod history;
+pub(crate) mod log;
 pub mod motion;
 mod planar;
 pub mod preintegrated;
 pub mod recording;
-pub(crate) mod registers;
 pub mod settings;
-pub(crate) mod spread;
 pub mod state;
-pub mod step;
+pub(crate) mod step;
 pub(crate) mod uncertainty;
 
 pub use health::Health;

@@ -4,28 +4,26 @@
 //! the turns of all wheels best, at the steering angles of its middle, is held as one arc ([`Twist::exp`]). Its
 //! covariance comes from the analytic derivatives of that fit (`estimate::sensitivity`).
 
-mod advance;
 mod correct;
-mod quick;
+mod direct;
+mod rows;
 mod suspect;
 mod take;
 mod tolerant;
 
-use self::advance::advance;
 pub use self::suspect::Suspect;
+use crate::covariance::Covariance3;
 use crate::health::Health;
 use crate::history::{History, Snapshot};
 use crate::motion::Motion;
-use crate::registers::StepConstants;
 use crate::settings::{Readings, Settings};
-use crate::spread::Covariance3;
 use crate::state::{OVERHEAD, State, check_covariance, check_pose};
 use crate::step::{Workspace, shared_readings};
 use crate::uncertainty::Uncertainty;
 use nalgebra::Matrix3;
 use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
 use six_wheel_kinematics::rover::{Inputs, Rover};
-use six_wheel_numerics::error::{Error, number, numbers};
+use six_wheel_numerics::error::{Error, HUGE, number, numbers};
 
 /// The sample from which the next one counts.
 #[derive(Clone, Debug)]
@@ -87,8 +85,6 @@ pub struct Odometry {
     pub(crate) residual: Vec<f64>,
     pub(crate) health: Health,
     pub(crate) work: Workspace,
-    /// Constants of the kernel of a usual step; None where there is no kernel.
-    pub(crate) plan: Option<StepConstants>,
     pub(crate) turned: Vec<f64>,
     pub(crate) angles: Vec<f64>,
     pub(crate) history: History<StepReadings, State, PoseMeasurement>,
@@ -104,7 +100,7 @@ impl Odometry {
         let from_rates = settings.readings == Readings::Speeds;
         let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
         let shared = shared_readings(&rover, from_rates);
-        let mut uncertainty = Uncertainty::new(shared, settings.lasting());
+        let mut uncertainty = Uncertainty::new(shared, settings.constant_errors());
         uncertainty.bias = settings.gyroscope.map(|known| known.at_start());
         let state = State { walk: Walk::new([0.0; 3]), twist: Twist::ZERO, velocity: None, uncertainty };
         let reference = ReferenceSample {
@@ -124,7 +120,6 @@ impl Odometry {
             residual: vec![0.0; wheels],
             health: Health::GOOD,
             work: Workspace::new(&rover, &settings),
-            plan: StepConstants::of(&settings, &rover),
             turned: vec![0.0; wheels],
             angles: vec![0.0; joints],
             rover,
@@ -188,7 +183,7 @@ impl Odometry {
         } else {
             let mut total = self.work.noise.total();
             for lasting in &self.work.noise.lasting {
-                total.add(lasting, 1.0);
+                total.add(&(*lasting).into(), 1.0);
             }
             let total = match total.may_be_negative() {
                 true => total.without_negative(),
@@ -208,7 +203,7 @@ impl Odometry {
     /// Weight of each wheel over the last step, 0 to 1.
     #[inline]
     pub fn weights(&self) -> &[f64] {
-        &self.work.weights
+        &self.work.fit.weights
     }
 
     /// Flags of the last sample.
@@ -255,7 +250,7 @@ impl Odometry {
         self.state.velocity = None;
         self.state.uncertainty.let_go();
         self.residual.fill(0.0);
-        self.work.weights.fill(1.0);
+        self.work.fit.weights.fill(1.0);
         self.health = Health::GOOD;
         self.history.clear();
         self.commanded = None;
@@ -293,8 +288,7 @@ impl Odometry {
             gyro_turn: None,
             bias_variance: 0.0,
         };
-        let rules = self.settings.rules();
-        advance(&self.rover, &rules, motion, &mut self.work, &mut self.state, self.settings.habits())?;
+        self.work.advance(&self.rover, &self.settings, motion, HUGE, Some(&mut self.state), &mut [])?;
         self.state.uncertainty.let_go();
         self.residual.fill(0.0);
         self.reference.known = false;

@@ -90,19 +90,6 @@ impl Default for Settings {
     }
 }
 
-/// Options of the solution of a step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rules {
-    /// Noise of readings and slip.
-    pub noise: Noise,
-    /// Weighing of the wheels.
-    pub method: Method,
-    /// True if disagreement of the wheels beyond the noise counts as more noise.
-    pub inflate: bool,
-    /// Slip of a wheel that is worth reporting [m/s]; None: by the noise.
-    pub slip_threshold: Option<f64>,
-}
-
 impl Settings {
     pub(crate) fn check(&self, rover: &Rover) -> Result<(), Error> {
         self.check_for(rover.wheels().len(), rover.steered().len())?;
@@ -162,16 +149,10 @@ impl Settings {
 }
 
 impl Settings {
-    /// Smoothing of the twist [s], and by how much the bias of the gyroscope wanders [rad/s per root s].
-    pub(crate) fn habits(&self) -> [f64; 2] {
-        let walk = self.gyroscope.map_or(0.0, |known| known.bias_walk);
-        [self.smoothing, walk]
-    }
-
-    /// Variance that the bias of the gyroscope wanders by in so long [rad²/s²].
+    /// Variance that the random walk of the gyroscope's bias adds in so long [rad²/s²].
     #[inline]
-    pub(crate) fn wandered(&self, dt: f64) -> f64 {
-        let [_, walk] = self.habits();
+    pub(crate) fn bias_variance_increment(&self, dt: f64) -> f64 {
+        let walk = self.gyroscope.map_or(0.0, |known| known.bias_walk);
         walk * walk * dt
     }
 
@@ -187,17 +168,8 @@ impl Settings {
     }
 
     /// Number of errors that stay the same all along: those of the dimensions, then the gyroscope's scale.
-    pub(crate) fn lasting(&self) -> usize {
+    pub(crate) fn constant_errors(&self) -> usize {
         self.dimensions.len() + usize::from(self.scale_noise() > 0.0)
-    }
-
-    pub(crate) fn rules(&self) -> Rules {
-        Rules {
-            noise: Noise { yaw_rate: self.rate_noise(), ..self.noise },
-            method: self.method,
-            inflate: self.inflate,
-            slip_threshold: self.flagged_slip(),
-        }
     }
 
     /// Slip of a wheel that is flagged [m/s], where one number says it.

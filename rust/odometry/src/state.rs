@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::history::Snapshot;
 use super::uncertainty::Uncertainty;
-use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
+use six_wheel_kinematics::geometry::{Pose, Twist, Walk, wrap_angle};
 use six_wheel_numerics::error::{Error, HUGE, finite, numbers};
 
 /// State that changes from sample to sample and is restored when a late pose comes.
@@ -40,16 +40,16 @@ impl State {
         Pose { x: self.walk.x.value(), y: self.walk.y.value(), yaw: self.walk.yaw.value() }
     }
 
-    /// Goes along the chord of a step, in world axes.
+    /// Adds the displacement of a step in world axes.
     #[inline(always)]
-    pub fn go(&mut self, shift: [f64; 2], turn: f64) {
+    pub fn add_displacement(&mut self, shift: [f64; 2], turn: f64) {
         self.walk.shift(shift[0], shift[1]);
         self.walk.turn(turn);
     }
 
     /// Sets the mean twist over a step, and updates its first-order filter with the time constant `smoothing` [s].
     #[inline(always)]
-    pub fn hold(&mut self, twist: Twist, dt: f64, smoothing: f64) {
+    pub fn hold_twist(&mut self, twist: Twist, dt: f64, smoothing: f64) {
         self.twist = twist;
         self.velocity = Some(match self.velocity.filter(|_| smoothing > 0.0) {
             None => twist,
@@ -62,6 +62,18 @@ impl State {
                 }
             }
         });
+    }
+
+    /// Corrects by an absolute yaw with this deviation; the first one tells where the sensor's zero is.
+    pub fn correct_yaw(&mut self, yaw: f64, deviation: f64) {
+        let (predicted, variance) = (self.walk.yaw.value(), deviation * deviation);
+        match self.uncertainty.yaw_offset {
+            None => self.uncertainty.set_yaw_offset(yaw - predicted, variance),
+            Some(offset) => {
+                let gain = self.uncertainty.correct_yaw(offset, variance);
+                self.shift(&(gain * wrap_angle(yaw - predicted - offset.value)));
+            }
+        }
     }
 
     /// Moves the pose by a correction.

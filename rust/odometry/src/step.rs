@@ -1,332 +1,326 @@
-//! The displacement over one step, from the rotations of the wheels, and its errors.
+//! One step of odometry: displacement, slip, covariance, fusion with a gyroscope, and the state at its end.
+//!
+//! Every wheel has two rows in the equations of a step ([`wheels`]). Where the solution of the least squares is a constant of
+//! the rover, so are the shares of the wheels in the displacement, but for the steering angles; elsewhere they are fitted
+//! ([`fit`]). From there on every step is the same:
+//!
+//! ```text
+//! d, cov(d) by the wheels, fused with the yaw increment of a gyroscope         (fusion.rs)
+//! x' = x ⊕ d,   e' = F e + L e_d                                               (arc.rs)
+//! ```
+//!
+//! One sample has the wheels in the lanes of a register (here), a log successive steps ([`crate::log`]). Both evaluate the
+//! same functions, and add up the wheels in the same order, so they come to the same bits on every level.
 
-mod arc;
+pub(crate) mod arc;
+mod constants;
+mod fit;
+pub(crate) mod fusion;
+pub(crate) mod sums;
+pub(crate) mod terms;
+pub(crate) mod wheels;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
+use pulp::Scalar;
 
-use super::motion::{Fusion, Motion, ROUNDING, SUSPICIOUS};
-use super::settings::dimensions::Deviations;
-use super::settings::noise::Noise;
-use super::settings::{Readings, Rules, Settings};
-use super::spread::Covariance3;
-use super::uncertainty::{COLUMNS, StepNoise};
-pub use arc::chord;
-pub(crate) use arc::{SMALL_TURN, bend, small_bend, step_jacobian};
-use six_wheel_kinematics::estimate::sensitivity::{Linearised, Quantity};
-use six_wheel_kinematics::estimate::{Measured, Method, Reading, Unseen};
-use six_wheel_kinematics::geometry::Twist;
+use self::arc::{Arc, StepJacobian, propagate_error};
+pub(crate) use self::constants::{StepConstants, StepScratch};
+pub(crate) use self::fit::{WheelFit, shared_readings};
+use self::fusion::{GyroscopeIncrement, KalmanGain, remaining_covariance, remaining_error};
+use self::sums::{
+    excess_covariance, propagate_columns, shared_covariance, sum_displacement, sum_noise, write_residuals,
+};
+use self::terms::{NoiseTerms, gyroscope_deviation};
+use crate::covariance::{Covariance3, lane, numbers};
+use crate::motion::Motion;
+use crate::settings::{Readings, Settings};
+use crate::state::State;
+use crate::uncertainty::{StepNoise, Uncertainty};
 use six_wheel_kinematics::rover::Rover;
-use six_wheel_kinematics::rover_data::RoverData;
-use six_wheel_numerics::error::{Error, HUGE, numbers};
+use six_wheel_numerics::error::{Error, HUGE, numbers as text};
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::polynomials::sin_cos;
+use six_wheel_numerics::simd::vector::Vector;
 
-/// Memory of a step, so that none is asked for while driving.
+/// Memory of a step, so that none is asked for while driving, and the results that are no part of the state.
 #[derive(Clone, Debug)]
 pub(crate) struct Workspace {
-    readings: Vec<Reading>,
-    /// Inverse of the normal equations, where it is the same for all readings.
-    inverse: Option<Matrix3<f64>>,
-    middle: Vec<f64>,
-    steered_by: Vec<f64>,
-    pub weights: Vec<f64>,
-    /// Distance each wheel's contact slid [m].
-    pub slid: Vec<f64>,
+    pub constants: StepConstants,
+    pub fit: WheelFit,
     pub noise: StepNoise,
-    deviations: Deviations,
-    /// Deviation of the scale of a gyroscope, a share of its turns.
-    scale_noise: f64,
-    /// Factor of the slip variance of each wheel.
-    shares: Vec<f64>,
-    /// True if a wheel slid further than the noise explains.
-    pub slips: bool,
-    /// The displacement before a gyroscope had its say, and what that say made of it.
-    by_wheels: Vector3<f64>,
-    fusion: Fusion,
-    /// Turns of wheels and joints along the chords of their arcs, for derivatives.
-    chorded: Vec<f64>,
-    chorded_by: Vec<f64>,
+    /// Displacement of the last step [m, m, rad].
+    pub displacement: [f64; 3],
+    /// Gain of a gyroscope in the last step.
+    pub gain: [f64; 3],
 }
 
-/// Number of readings whose errors two steps may share: steering angles, wheel rates and the gyroscope.
-pub(crate) fn shared_readings(rover: &Rover, from_rates: bool) -> usize {
-    let wheels = if from_rates { rover.wheels().len() } else { 0 };
-    joint_columns(rover) + wheels + 1
+/// Rotations of the wheels in a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum WheelInput<'a> {
+    /// Running totals of wheels and joints at both ends, and the angles of the joints at the start [rad].
+    Totals { wheels: [&'a [f64]; 2], steering: [&'a [f64]; 2], angles: &'a [f64] },
+    /// Rotations of the wheels, and the angles of the joints at both ends [rad].
+    Rotations { turned: &'a [f64], steering: [&'a [f64]; 2] },
+    /// Those that [`WheelFit::solve`] has solved.
+    Fitted,
 }
 
-/// Columns of the steering joints: those beyond the last joint are always zero.
-fn joint_columns(rover: &RoverData) -> usize {
-    rover.steered().len().next_multiple_of(COLUMNS)
+/// Input of a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepInput<'a> {
+    pub settings: &'a Settings,
+    pub wheels: WheelInput<'a>,
+    /// Duration [s].
+    pub dt: f64,
+    /// True if rotations are means of rates at both ends, which other steps share.
+    pub from_rates: bool,
+    /// Yaw increment of a gyroscope, less that by its bias [rad].
+    pub gyro_turn: Option<f64>,
+    /// Variance of that bias [rad²/s²].
+    pub bias_variance: f64,
+    /// Bound of the displacement and its variances.
+    pub bound: f64,
+}
+
+/// Output of a step. Nothing but the angles changes where it fails.
+#[derive(Debug)]
+pub(crate) struct StepOutput<'a> {
+    /// Steering angles at the end, of [`WheelInput::Totals`] [rad].
+    pub angles: &'a mut [f64],
+    /// Speed at which each contact slid [m/s]; may be empty.
+    pub residual: &'a mut [f64],
+    /// None: it stays.
+    pub state: Option<&'a mut State>,
 }
 
 impl Workspace {
     pub fn new(rover: &Rover, settings: &Settings) -> Self {
-        let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
-        let from_rates = settings.readings == Readings::Speeds;
-        let shared = vec![Vector3::zeros(); shared_readings(rover, from_rates)];
-        let mut shares = vec![1.0; wheels];
-        for (share, times) in shares.iter_mut().zip(&settings.wheel_noise) {
-            *share = times * times;
-        }
+        let shared = shared_readings(rover, settings.readings == Readings::Speeds);
         Self {
-            readings: vec![Reading::NONE; wheels],
-            inverse: rover.solution.map(|solution| rover.unshifted_inverse(&solution)),
-            middle: vec![0.0; joints],
-            steered_by: vec![0.0; joints],
-            weights: vec![1.0; wheels],
-            slid: vec![0.0; wheels],
+            constants: StepConstants::new(settings, rover),
+            fit: WheelFit::new(rover, settings, shared),
             noise: StepNoise {
                 own: Covariance3::default(),
                 ends: Covariance3::default(),
-                old: shared.clone(),
-                new: shared,
-                lasting: vec![Vector3::zeros(); settings.lasting()],
+                lasting: vec![[0.0; 3]; settings.constant_errors()],
             },
-            deviations: settings.dimensions.clone(),
-            scale_noise: settings.scale_noise(),
-            shares,
-            slips: false,
-            by_wheels: Vector3::zeros(),
-            fusion: Fusion::none(),
-            chorded: vec![0.0; wheels],
-            chorded_by: vec![0.0; joints],
+            displacement: [0.0; 3],
+            gain: [0.0; 3],
         }
     }
 
-    /// The displacement in body axes over one step: its exponential takes the start to the end.
-    ///
-    /// Angles are taken in the middle of the step. A pivot whose wheel turns by `d` meanwhile goes along an arc
-    /// in body axes, whose chord is `sin(d/2) / (d/2)` of the way the wheel rolled.
-    pub fn displacement(&mut self, rover: &Rover, motion: Motion<'_>, rules: &Rules) -> Result<Twist, Error> {
-        let [before, after] = motion.steering;
-        for (joint, (before, after)) in before.iter().zip(after).enumerate() {
-            self.middle[joint] = f64::midpoint(*before, *after);
-            self.steered_by[joint] = after - before;
-        }
-        let measured =
-            Measured { steering: &self.middle, speeds: motion.turned, steering_rates: Some(&self.steered_by) };
-        let mut read = motion.turned.iter().chain(&self.steered_by);
-        if !read.all(|value| value.abs() < HUGE || value.is_nan()) {
-            let rule = "be small enough for a finite pose and covariance";
-            return Err(Error::value("wheel_angles", rule, numbers(motion.turned)));
-        }
-        rover.read(measured, &mut self.readings);
-        for (steered_by, &wheel) in self.steered_by.iter().zip(rover.steered()) {
-            let chord = chord(*steered_by);
-            self.readings[wheel].rolled *= chord;
-            self.readings[wheel].slipped *= chord;
-        }
-        let by_wheels = rover.estimate(&self.readings, measured, rules.method, Unseen::Refuse, &mut self.weights)?;
-        let is_plain = rules.method == Method::LeastSquares;
-        let solution = if is_plain {
-            rover.solution_for(&self.readings, measured, Unseen::Refuse)?
-        } else {
-            let normal = rover.normal(&self.readings, |i| self.weights[i]);
-            rover.solution(normal, Unseen::Refuse)?
-        };
-        let inverse = match self.inverse.filter(|_| is_plain && measured.is_complete()) {
-            Some(inverse) => inverse,
-            None => rover.unshifted_inverse(&solution),
-        };
-        let displacement = Vector3::from(by_wheels);
-        for (reading, slid) in self.readings.iter().zip(&mut self.slid) {
-            let along = reading.rolling.dot(&displacement) - reading.rolled;
-            let across = reading.side_slip.dot(&displacement) - reading.slipped;
-            *slid = (along * along + across * across).sqrt();
-        }
-        let linearised = Linearised {
-            rover,
-            readings: &self.readings,
-            measured,
-            solution,
-            twist: displacement,
-            weights: (!is_plain).then_some(self.weights.as_slice()),
-        };
-        self.slips = errors(&linearised, &inverse, motion, rules, [&self.slid, &self.shares], &mut self.noise);
-        self.by_wheels = displacement;
-        self.fusion = Fusion::none();
-        Ok(match motion.gyro_turn {
-            Some(turn) => self.fuse(displacement, turn, motion.dt, &rules.noise, motion.bias_variance).into(),
-            None => by_wheels,
-        })
+    /// Makes a step; true if a wheel slides further than the noise explains. None where a reading has to be checked first,
+    /// or squares of the result may not be finite.
+    #[inline]
+    pub fn step<'b>(&mut self, input: &StepInput<'b>, output: StepOutput<'b>) -> Option<bool> {
+        let level = self.constants.level;
+        level.run_any(Step { work: self, input, output })
     }
 
-    /// Asks for derivatives of the displacement of the last step by the wheels alone, given its motion, and how a
-    /// gyroscope shared it. Weights are held.
-    pub fn derivatives(
+    /// Makes a step by rotations that were checked, whatever their equations are. On failure the state has not changed.
+    pub fn advance(
         &mut self,
         rover: &Rover,
+        settings: &Settings,
         motion: Motion<'_>,
-        method: Method,
-        ask: impl FnOnce(&Linearised<'_>, &Fusion),
-    ) -> Result<(), Error> {
-        self.chorded.copy_from_slice(motion.turned);
-        let joints = self.steered_by.iter().zip(rover.steered());
-        for ((steered_by, &wheel), chorded_by) in joints.zip(&mut self.chorded_by) {
-            let chord = chord(*steered_by);
-            self.chorded[wheel] *= chord;
-            *chorded_by = steered_by * chord;
+        bound: f64,
+        state: Option<&mut State>,
+        residual: &mut [f64],
+    ) -> Result<bool, Error> {
+        let [before, after] = motion.steering;
+        let too_large = || {
+            let rule = "be small enough for a finite pose and covariance";
+            Error::value("wheel_angles", rule, text(motion.turned))
+        };
+        let increments = before.iter().zip(after).map(|(before, after)| after - before);
+        if !motion.turned.iter().copied().chain(increments).all(|value| value.abs() < HUGE || value.is_nan()) {
+            return Err(too_large());
         }
-        let measured =
-            Measured { steering: &self.middle, speeds: &self.chorded, steering_rates: Some(&self.chorded_by) };
-        let is_plain = method == Method::LeastSquares;
-        let solution = if is_plain {
-            rover.solution_for(&self.readings, measured, Unseen::Refuse)?
+        let is_complete = motion.turned.iter().all(|turned| !turned.is_nan());
+        let wheels = if self.constants.is_constant && is_complete {
+            WheelInput::Rotations { turned: motion.turned, steering: motion.steering }
         } else {
-            let normal = rover.normal(&self.readings, |i| self.weights[i]);
-            rover.solution(normal, Unseen::Refuse)?
+            self.fit.solve(rover, settings, motion, &mut self.constants)?;
+            WheelInput::Fitted
         };
-        let linearised = Linearised {
-            rover,
-            readings: &self.readings,
-            measured,
-            solution,
-            twist: self.by_wheels,
-            weights: (!is_plain).then_some(self.weights.as_slice()),
-        };
-        ask(&linearised, &self.fusion);
-        Ok(())
+        let Motion { dt, from_rates, gyro_turn, bias_variance, .. } = motion;
+        let input = StepInput { settings, wheels, dt, from_rates, gyro_turn, bias_variance, bound };
+        self.step(&input, StepOutput { angles: &mut [], residual, state }).ok_or_else(too_large)
     }
+}
 
-    /// Finds the change of the displacement of the last step, given its motion, by each deviation of the dimensions and
-    /// of a gyroscope's scale.
-    pub fn find_lasting(&mut self, rover: &Rover, motion: Motion<'_>, method: Method) -> Result<(), Error> {
-        if self.scale_noise > 0.0
-            && let Some(of_scale) = self.noise.lasting.last_mut()
+struct Step<'a, 'b> {
+    work: &'a mut Workspace,
+    input: &'a StepInput<'b>,
+    output: StepOutput<'b>,
+}
+
+/// Displacement in body axes and its covariance, by the wheels, or fused with a gyroscope.
+#[derive(Clone, Copy)]
+struct BodyStep {
+    displacement: [Lanes<Scalar>; 3],
+    /// By all that errs in this step alone.
+    own: Covariance3<Lanes<Scalar>>,
+    /// By readings at its start and at its end, but for the gyroscope's.
+    shared: [Covariance3<Lanes<Scalar>>; 2],
+    gyroscope: Option<GyroscopeError>,
+}
+
+/// Fusion with a gyroscope, and the error by the deviation of its reading at one end.
+#[derive(Clone, Copy)]
+struct GyroscopeError {
+    gain: KalmanGain<Scalar>,
+    column: [Lanes<Scalar>; 3],
+}
+
+impl Kernel for Step<'_, '_> {
+    type Output = Option<bool>;
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) -> Option<bool> {
+        let Self { work, input, output } = self;
+        let (settings, dt) = (input.settings, input.dt);
+        let terms = NoiseTerms::new(settings, Lanes::splat(simd, dt), input.from_rates);
+        let is_fitted = matches!(input.wheels, WheelInput::Fitted);
+        let displacement = match is_fitted {
+            true => work.fit.displacement.into(),
+            false => sum_displacement(simd, &mut work.constants, &input.wheels, &terms, output.angles)?,
+        };
+        let (mut own, slips) = sum_noise(simd, &mut work.constants, is_fitted, &terms, displacement);
+        if settings.inflate {
+            own = own.and(excess_covariance(&work.constants, is_fitted, &work.fit.weights));
+        }
+        let shared = shared_covariance(simd, work, is_fitted, &terms);
+        let mut step = BodyStep {
+            displacement: lane(displacement),
+            own: own.lane(),
+            shared: shared.map(Covariance3::lane),
+            gyroscope: None,
+        };
+        if let Some(turn) = input.gyro_turn {
+            step = step.fuse(settings, dt, turn, input.bias_variance);
+        }
+        let displacement = numbers(step.displacement);
+        let mut ends = step.shared[0].and(step.shared[1]);
+        if let Some(GyroscopeError { column, .. }) = step.gyroscope {
+            ends = ends.and_square(column).and_square(column);
+        }
+        let (own, ends) = (step.own.total(), ends.total());
+        let is_finite = displacement.iter().all(|part| part.abs() < input.bound && (part / dt).is_finite())
+            && own.and(ends).is_below(input.bound);
+        if !is_finite {
+            return None;
+        }
+        write_residuals(simd, &work.constants, dt, output.residual);
+        (work.noise.own, work.noise.ends) = (own, ends);
+        work.displacement = displacement;
+        work.gain = step.gyroscope.map_or([0.0; 3], |gyroscope| numbers(gyroscope.gain));
+        if let Some(state) = output.state {
+            propagate(simd, work, input, &terms, &step, state);
+        }
+        Some(slips)
+    }
+}
+
+impl BodyStep {
+    /// Fuses the yaw increment of a gyroscope [rad].
+    #[inline(always)]
+    fn fuse(self, settings: &Settings, dt: f64, turn: f64, bias_variance: f64) -> Self {
+        let Self { displacement, own, shared: [old, new], .. } = self;
+        let dt = Lanes::splat(Scalar, dt);
+        let gyroscope = GyroscopeIncrement {
+            is_read: Lanes::splat(Scalar, 1.0),
+            turn: Lanes::splat(Scalar, turn),
+            deviation: gyroscope_deviation(settings, dt),
+            bias_variance: Lanes::splat(Scalar, bias_variance),
+        };
+        let gain = gyroscope.kalman_gain(own.and(old.and(new)), dt);
+        Self {
+            displacement: gyroscope.posterior_displacement(gain, displacement),
+            own: remaining_covariance(gain, own),
+            shared: [remaining_covariance(gain, old), remaining_covariance(gain, new)],
+            gyroscope: Some(GyroscopeError { gain, column: gyroscope.error(gain) }),
+        }
+    }
+}
+
+/// Propagates the state through a step.
+#[inline(always)]
+fn propagate<S: Vector>(
+    simd: S,
+    work: &mut Workspace,
+    input: &StepInput<'_>,
+    terms: &NoiseTerms<S>,
+    step: &BodyStep,
+    state: &mut State,
+) {
+    let (settings, dt) = (input.settings, input.dt);
+    let half = step.displacement[2] * Lanes::splat(Scalar, 0.5);
+    let (sin, cos) = sin_cos(Scalar, Lanes::splat(Scalar, state.walk.heading.value()));
+    let jacobian = StepJacobian::new(step.displacement, Arc::new(Scalar, half), [sin, cos]);
+    let (by, lever) = (&jacobian.by_displacement, jacobian.yaw_lever());
+    let uncertainty = &mut state.uncertainty;
+    let gain = step.gyroscope.map(|gyroscope| gyroscope.gain);
+    let is_fitted = matches!(input.wheels, WheelInput::Fitted);
+    let mut whole = propagate_columns(simd, work, is_fitted, terms, &mut uncertainty.carried, &jacobian, gain).lane();
+    let mut open = step.shared[1];
+    if let Some(column) = uncertainty.carried.last_mut()
+        && (step.gyroscope.is_some() || *column != [0.0; 3])
+    {
+        let mut end = lane([0.0; 3]);
+        if let Some(GyroscopeError { column, .. }) = step.gyroscope {
+            open = open.and_square(column);
+            end = jacobian.displacement_error(column);
+        }
+        whole = whole.and_square(propagate_error(lever, lane(*column), end));
+        *column = numbers(end);
+    }
+    let mut added = step.own.displacement_image(by).and(whole);
+    if let Some(bias) = &mut uncertainty.bias {
+        let [x, y, z] = gain.unwrap_or(lane([0.0; 3]));
+        let minus_dt = Lanes::splat(Scalar, -dt);
+        let by_bias = jacobian.displacement_error([x * minus_dt, y * minus_dt, z * minus_dt]);
+        added = added.and(bias.propagate(lever, by_bias, settings.bias_variance_increment(dt)));
+    }
+    let settled = uncertainty.settled.lane().propagate(lever).and(added);
+    uncertainty.settle(settled.total(), open.displacement_image(by).total());
+    uncertainty.propagate_yaw_offset(lever);
+    if !uncertainty.lasting.is_empty() {
+        propagate_constant_errors(work, input, gain, &jacobian, uncertainty);
+    }
+    let displacement = numbers(step.displacement);
+    state.add_displacement(numbers(jacobian.shift), displacement[2]);
+    state.hold_twist(displacement.map(|part| part / dt).into(), dt, settings.smoothing);
+}
+
+/// Propagates the errors of dimensions and of a gyroscope's scale, which stay the same all along.
+#[inline(always)]
+fn propagate_constant_errors(
+    work: &mut Workspace,
+    input: &StepInput<'_>,
+    gain: Option<KalmanGain<Scalar>>,
+    jacobian: &StepJacobian<Scalar>,
+    uncertainty: &mut Uncertainty,
+) {
+    let errors = &mut work.noise.lasting;
+    errors.copy_from_slice(&work.fit.constant_errors);
+    if let Some(gain) = gain {
+        for error in errors.iter_mut() {
+            *error = numbers(remaining_error(gain, lane(*error)));
+        }
+        let scale_noise = input.settings.scale_noise();
+        if scale_noise > 0.0
+            && let Some(by_scale) = errors.last_mut()
         {
-            let turned = motion.gyro_turn.unwrap_or(0.0);
-            *of_scale = self.fusion.gain * (turned * self.scale_noise);
+            let turn = input.gyro_turn.unwrap_or(0.0) * scale_noise;
+            *by_scale = Vector3::from(numbers(gain)).scale(turn).into();
         }
-        if self.deviations.is_empty() {
-            return Ok(());
-        }
-        let deviations = std::mem::take(&mut self.deviations);
-        let mut found = std::mem::take(&mut self.noise.lasting);
-        let of_dimensions = deviations.len();
-        let asked = self.derivatives(rover, motion, method, |linearised, fusion| {
-            deviations.of_step(linearised, fusion, motion.dt, &mut found[..of_dimensions]);
-        });
-        self.noise.lasting = found;
-        self.deviations = deviations;
-        asked
     }
-
-    /// Gains of wheels and gyroscope in the last step.
-    pub fn fusion(&self) -> &Fusion {
-        &self.fusion
-    }
-
-    /// The displacement that wheels and a gyroscope agree on, each by its noise.
-    fn fuse(
-        &mut self,
-        displacement: Vector3<f64>,
-        turn: f64,
-        dt: f64,
-        noise: &Noise,
-        bias_variance: f64,
-    ) -> Vector3<f64> {
-        // The reading at each end counts for half the step.
-        let deviation = noise.yaw_rate * noise.sharing(dt).sqrt() * dt / 2.0;
-        let total = self.noise.total();
-        let by_bias = bias_variance * dt * dt;
-        let spread = total.zz() + 2.0 * deviation * deviation + by_bias;
-        let gain = if spread > 0.0 { total.with_z() / spread } else { Vector3::z() };
-        let rest = Matrix3::identity() - gain * Vector3::z().transpose();
-        self.fusion = Fusion { gain, rest };
-        self.noise.multiply(&rest);
-        let ends = [&mut self.noise.old, &mut self.noise.new];
-        for column in ends.into_iter().filter_map(|columns| columns.last_mut()) {
-            *column = gain * deviation;
-            self.noise.ends.add(column, 1.0);
-        }
-        displacement + gain * (turn - displacement.z)
+    for (lasting, error) in uncertainty.lasting.iter_mut().zip(errors) {
+        lasting.pose = numbers(jacobian.propagate(lane(lasting.pose.into()), lane(*error))).into();
     }
 }
 
-/// Writes the errors of the displacement. Returns true if a wheel slid further than the noise explains.
-fn errors(
-    linearised: &Linearised<'_>,
-    inverse: &Matrix3<f64>,
-    motion: Motion<'_>,
-    rules: &Rules,
-    [slid, shares]: [&[f64]; 2],
-    into: &mut StepNoise,
-) -> bool {
-    let (rover, noise, dt) = (linearised.rover, &rules.noise, motion.dt);
-    let sharing = noise.sharing(dt);
-    let reading_variance = sharing * (noise.speed * dt).powi(2);
-    let steering_deviation = sharing.sqrt() * noise.steering;
-    let steering_variance = steering_deviation * steering_deviation;
-    let displacement = Twist::from(linearised.twist);
-    let mut gradients = Covariance3::default();
-    let mut slips = false;
-    let (mut seen, mut explained, mut rows) = (0.0, 0.0, 0.0);
-    // Of any wheel: the sides of one that reads nothing slide by the rounding of the others' fit.
-    let furthest = linearised.readings.iter().fold(0.0_f64, |most, reading| most.max(reading.rolled.abs()));
-    let shares_wheels = |i: usize| {
-        let joints = joint_columns(rover);
-        motion.from_rates.then_some(joints + i)
-    };
-    for (i, (wheel, reading)) in rover.wheels().iter().zip(linearised.readings).enumerate() {
-        let distance =
-            if noise.slip == 0.0 && noise.side_slip == 0.0 { 0.0 } else { displacement.at(wheel.x, wheel.y).norm() };
-        let weight = linearised.weights.map_or(1.0, |weights| weights[i]);
-        let distance = shares[i] * distance;
-        let across = noise.side_slip * noise.side_slip * distance;
-        let passed_on = wheel.passed_on().map_or(0.0, |share| share * share);
-        let along = noise.slip * noise.slip * distance + passed_on * across;
-        let (rolling, side_slip) = (reading.rolling * weight, reading.side_slip * weight);
-        let own = match shares_wheels(i) {
-            Some(column) => {
-                let half = inverse * rolling * (reading_variance.sqrt() / 2.0);
-                (into.old[column], into.new[column]) = (half, half);
-                along
-            }
-            None => along + reading_variance,
-        };
-        gradients.add(&rolling, own);
-        gradients.add(&side_slip, across);
-        let steering =
-            if wheel.steering().is_some() { steering_variance * reading.rolled * reading.rolled } else { 0.0 };
-        let (has_rolling, has_side_slip) = (
-            reading.rolling.x != 0.0 || reading.rolling.y != 0.0,
-            reading.side_slip.x != 0.0 || reading.side_slip.y != 0.0,
-        );
-        let variance = if has_rolling { along + reading_variance } else { 0.0 }
-            + if has_side_slip { across + steering } else { 0.0 };
-        seen += weight * slid[i] * slid[i];
-        explained += weight * variance;
-        rows += f64::from(u8::from(has_rolling)) + f64::from(u8::from(has_side_slip));
-        let bound = match rules.slip_threshold {
-            Some(threshold) => threshold * dt,
-            None => SUSPICIOUS * variance.sqrt() + ROUNDING * furthest,
-        };
-        slips |= slid[i] > bound;
-    }
-    if rules.inflate && rows > 3.0 {
-        let excess = (seen / (rows - 3.0) - explained / rows).max(0.0);
-        for (i, reading) in linearised.readings.iter().enumerate() {
-            let weight = linearised.weights.map_or(1.0, |weights| weights[i]);
-            let (rolling, side_slip) = (reading.rolling * weight, reading.side_slip * weight);
-            gradients.add(&rolling, excess);
-            gradients.add(&side_slip, excess);
-        }
-    }
-    into.own = gradients.image(inverse);
-    for (joint, &wheel) in rover.steered().iter().enumerate() {
-        let by_angle = linearised.gradient(wheel, Quantity::Steering);
-        let half = inverse * by_angle * (steering_deviation / 2.0);
-        (into.old[joint], into.new[joint]) = (half, half);
-        if !rover.wheels()[wheel].is_centred() {
-            let by_change = linearised.gradient(wheel, Quantity::SteeringRate);
-            let change = inverse * by_change * steering_deviation;
-            into.old[joint] -= change;
-            into.new[joint] += change;
-        }
-    }
-    for columns in [&mut into.old, &mut into.new] {
-        if let Some(gyro) = columns.last_mut() {
-            *gyro = Vector3::zeros();
-        }
-    }
-    into.sum_ends();
-    slips
-}
+#[cfg(test)]
+mod tests;

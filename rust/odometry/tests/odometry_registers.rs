@@ -1,4 +1,4 @@
-//! Steps of odometry by registers: the plain core's numbers, and the same bits alone and in a log.
+//! Steps of odometry: constant shares against a fit of every step, and the same bits alone and in a log.
 
 use nalgebra::Matrix3;
 use proptest::prelude::*;
@@ -6,7 +6,8 @@ use six_wheel_kinematics::geometry::Pose;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::error::Error;
-use six_wheel_odometry::{Encoder, Gyroscope, Noise, Odometry, Recording, Sample, Settings, TrackRows};
+use six_wheel_odometry::dimensions::NUMBERS;
+use six_wheel_odometry::{Deviations, Encoder, Gyroscope, Noise, Odometry, Recording, Sample, Settings, TrackRows};
 
 fn sample<'a>(steering: &'a [f64], wheels: &'a [f64], stamp: f64) -> Sample<'a> {
     Sample { steering, wheels, stamp, yaw: None, yaw_rate: None }
@@ -40,7 +41,7 @@ fn drives(most: usize) -> impl Strategy<Value = Vec<(Vec<f64>, f64, Option<f64>)
     })
 }
 
-/// Vehicles whose steps go through registers: steered wheels in none, part, one or several of them.
+/// Vehicles with constant shares: steered wheels in none, part, one or several registers.
 fn vehicles() -> Result<Vec<Rover>, Error> {
     let around = |count: u32| -> Vec<[f64; 2]> {
         let turn = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(count);
@@ -63,9 +64,9 @@ fn close(found: &[f64], expected: &[f64], rounding: f64) -> bool {
 }
 
 proptest! {
-    /// A counter that starts over is not for registers: with one that never gets there the readings are the same.
+    /// Errors of the dimensions call for a fit of every step: with errors of 0 the numbers are the same.
     #[test]
-    fn registers_and_the_plain_core_agree(
+    fn constant_shares_and_a_fit_agree(
         which in 0..5_usize,
         slip in prop::sample::select(vec![0.0, 0.02]),
         side_slip in prop::sample::select(vec![0.0, 0.01]),
@@ -85,12 +86,15 @@ proptest! {
             lag: 1.0,
             ..Settings::default()
         };
+        let known = Deviations::new(&vec![0.0; count * NUMBERS], count)?;
+        let fitted = Settings { dimensions: known, ..settings.clone() };
+        // A counter that never starts over asks for another way to the rotations of the wheels.
         let endless = Encoder { modulus: Some(1e12), ..Encoder::default() };
-        let plain = Settings { wheel_encoders: vec![endless], ..settings.clone() };
-        let mut registers = Odometry::new(rover.clone(), settings)?;
-        // Says how large the variances are that a gyroscope takes away: what is left of them is exact to their rounding.
-        let mut wheels_alone = Odometry::new(rover.clone(), Settings { gyroscope: None, ..plain.clone() })?;
-        let mut plain = Odometry::new(rover, plain)?;
+        let mut rotations = Odometry::new(rover.clone(), Settings { wheel_encoders: vec![endless], ..settings.clone() })?;
+        let mut constant = Odometry::new(rover.clone(), settings)?;
+        // Its variances are as large as those that a gyroscope takes away, of which what is left has the rounding.
+        let mut wheels_alone = Odometry::new(rover.clone(), Settings { gyroscope: None, ..fitted.clone() })?;
+        let mut fitted = Odometry::new(rover, fitted)?;
         let (mut steering, mut wheels, mut stamp) = (vec![0.0; joints], vec![0.0; count], 0.0);
         for (k, (changes, dt, yaw_rate)) in rows.iter().enumerate() {
             for (reading, change) in steering.iter_mut().chain(&mut wheels).zip(changes) {
@@ -100,22 +104,26 @@ proptest! {
             let yaw = yaw.filter(|_| k % 5 == 3);
             let yaw_rate = yaw_rate.filter(|_| has_rates);
             let sample = Sample { yaw, yaw_rate, ..sample(&steering, &wheels, stamp) };
-            let health = plain.update(sample)?;
-            prop_assert_eq!(registers.update(sample)?, health);
+            let health = fitted.update(sample)?;
+            prop_assert_eq!(constant.update(sample)?, health);
+            prop_assert_eq!(rotations.update(sample)?, health);
+            prop_assert_eq!(rotations.pose(), constant.pose());
+            prop_assert_eq!(rotations.covariance(), constant.covariance());
+            prop_assert_eq!(rotations.residual(), constant.residual());
             wheels_alone.update(Sample { yaw_rate: None, ..sample })?;
             // Sums of up to 22 terms a step, over up to 30 steps.
-            let pose = <[f64; 3]>::from(registers.pose());
-            let expected = <[f64; 3]>::from(plain.pose());
+            let pose = <[f64; 3]>::from(constant.pose());
+            let expected = <[f64; 3]>::from(fitted.pose());
             prop_assert!(close(&pose, &expected, 1e-13), "{:?} {:?}", pose, expected);
-            let twist = <[f64; 3]>::from(registers.twist());
-            let expected = <[f64; 3]>::from(plain.twist());
+            let twist = <[f64; 3]>::from(constant.twist());
+            let expected = <[f64; 3]>::from(fitted.twist());
             prop_assert!(close(&twist, &expected, 1e-13), "{:?} {:?}", twist, expected);
             let largest = wheels.iter().fold(0.0_f64, |most, turn| most.max(turn.abs())) / dt;
-            for (slid, expected) in registers.residual().iter().zip(plain.residual()) {
+            for (slid, expected) in constant.residual().iter().zip(fitted.residual()) {
                 prop_assert!((slid - expected).abs() <= 1e-14 * (1.0 + largest));
             }
             for of in [Odometry::covariance, Odometry::twist_covariance] {
-                let [found, expected, alone] = [&registers, &plain, &wheels_alone].map(of);
+                let [found, expected, alone] = [&constant, &fitted, &wheels_alone].map(of);
                 let largest = [expected, alone].as_flattened().as_flattened().iter().fold(0.0, |most: f64, part| most.max(part.abs()));
                 let pairs = found.as_flattened().iter().zip(expected.as_flattened());
                 for (found, expected) in pairs {
@@ -126,9 +134,9 @@ proptest! {
         }
         let unit = Matrix3::identity().into();
         let back = stamp - rows[rows.len() - 1].1 / 2.0;
-        if registers.correct(Pose::default(), back, unit).is_ok() {
-            plain.correct(Pose::default(), back, unit)?;
-            let (found, expected) = (registers.covariance(), plain.covariance());
+        if constant.correct(Pose::default(), back, unit).is_ok() {
+            fitted.correct(Pose::default(), back, unit)?;
+            let (found, expected) = (constant.covariance(), fitted.covariance());
             prop_assert!(close(found.as_flattened(), expected.as_flattened(), 1e-13));
         }
     }

@@ -10,9 +10,9 @@ use super::site::{Place, Site};
 use super::spread::StepNoise;
 use super::way::{Tilt, Way, WheelMotion};
 use crate::{COLUMNS, Climb, Contacts, Found, Readings, Row, Unmapped};
+use six_wheel_kinematics::geometry::sinc;
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::error::{Error, ErrorKind, numbers};
-use six_wheel_odometry::step::chord;
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Rounds in which turn, contacts and way are found together.
@@ -104,7 +104,7 @@ impl Input {
         let mut chords = [1.0; MAX_WHEELS];
         for (joint, share) in chords.iter_mut().enumerate().take(input.steered) {
             let (first, last) = (way.before.angles[joint], way.after.angles[joint]);
-            *share = chord(last - first);
+            *share = sinc((last - first) / 2.0);
             input.swivels[joint] = (last - first) * *share;
             input.angles[joint] = f64::midpoint(first, last);
         }

@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::advance::{follow, meet_yaw};
 use super::{Odometry, PoseMeasurement, StepReadings};
 use crate::history::{HistoryEntry, Instant};
 use crate::motion::Motion;
@@ -69,7 +68,6 @@ impl Odometry {
             self.state.correct_with_pose(&seen);
             return Ok(());
         };
-        let rules = self.settings.rules();
         let (rover, settings, work) = (&self.rover, &self.settings, &mut self.work);
         let integrate = |state: &mut State, before: &StepReadings, entry: &HistoryEntry<StepReadings, State>| {
             let readings = &entry.readings;
@@ -81,15 +79,11 @@ impl Odometry {
                 gyro_turn: readings.gyro_turn,
                 bias_variance: state.uncertainty.bias.map_or(0.0, |bias| bias.variance),
             };
-            // It was found the first time and does not depend on the pose: what was taken in is taken in again,
-            // however large its noise is said to be by another way of summing it.
-            let found = work.displacement(rover, motion, &rules);
-            let lasting = work.find_lasting(rover, motion, rules.method);
-            if let (Ok(found), Ok(())) = (found, lasting) {
-                follow(found, motion, work, state, settings.habits());
-            }
+            // It was made before and does not depend on the pose: it does not fail, whatever its noise is now that the
+            // bias of a gyroscope is better known.
+            let _ = work.advance(rover, settings, motion, f64::INFINITY, Some(state), &mut []);
             if let Some(yaw) = readings.yaw {
-                meet_yaw(state, yaw, rules.noise.yaw);
+                state.correct_yaw(yaw, settings.noise.yaw);
             }
         };
         let correct = |state: &mut State, _: &StepReadings, seen: &PoseMeasurement| state.correct_with_pose(seen);

@@ -1,6 +1,5 @@
 //! Update by one sample: it is checked, turned into a step, and made the one from which the next one counts.
 
-use super::advance::{advance, meet_yaw};
 use super::{Odometry, StepReadings};
 use crate::health::{Health, Refusal};
 use crate::motion::Motion;
@@ -10,7 +9,7 @@ use crate::settings::gyroscope;
 use crate::settings::gyroscope::{LIKELY, STANDING};
 use crate::uncertainty::Bias;
 use six_wheel_kinematics::geometry::Twist;
-use six_wheel_numerics::error::{Error, number, numbers};
+use six_wheel_numerics::error::{Error, HUGE, number, numbers};
 
 impl Odometry {
     /// Takes in a sample. On failure nothing has changed.
@@ -22,7 +21,7 @@ impl Odometry {
     #[inline]
     pub(crate) fn try_update(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.history.make_room(sample.stamp).map_err(|error| Refusal::new(Health::GOOD, error))?;
-        match self.step(&sample) {
+        match self.direct_step(&sample) {
             Some((slips, gyro_turn)) => Ok(self.commit_sample(&sample, Health::SLIP.when(slips), gyro_turn)),
             None => self.update_any(sample),
         }
@@ -40,7 +39,7 @@ impl Odometry {
             self.refer_to(&sample);
             self.health = Health::FIRST;
             if let Some(yaw) = sample.yaw {
-                self.meet_yaw(yaw);
+                self.state.correct_yaw(yaw, self.settings.noise.yaw);
             }
             return Ok(Health::FIRST);
         }
@@ -71,13 +70,11 @@ impl Odometry {
             gyro_turn,
             bias_variance: bias.map_or(0.0, |bias| bias.variance),
         };
-        let rules = self.settings.rules();
-        advance(&self.rover, &rules, motion, &mut self.work, &mut self.state, self.settings.habits())
+        let Self { rover, settings, state, work, residual, .. } = self;
+        let slips = work
+            .advance(rover, settings, motion, HUGE, Some(state), residual)
             .map_err(|error| Refusal::new(Health::UNDETERMINED, error))?;
-        for (residual, slid) in self.residual.iter_mut().zip(&self.work.slid) {
-            *residual = slid / dt;
-        }
-        let flags = Health::WRAPPED.when(wrapped) | Health::SLIP.when(self.work.slips);
+        let flags = Health::WRAPPED.when(wrapped) | Health::SLIP.when(slips);
         Ok(self.commit_sample(&sample, flags, gyro_turn))
     }
 
@@ -94,7 +91,7 @@ impl Odometry {
         reference.steering.copy_from_slice(sample.steering);
         std::mem::swap(&mut reference.angles, &mut self.angles);
         if let Some(yaw) = sample.yaw {
-            self.meet_yaw(yaw);
+            self.state.correct_yaw(yaw, self.settings.noise.yaw);
         }
         self.suspect.clear();
         self.commanded = None;
@@ -193,10 +190,6 @@ impl Odometry {
         Ok(())
     }
 
-    fn meet_yaw(&mut self, yaw: f64) {
-        meet_yaw(&mut self.state, yaw, self.settings.noise.yaw);
-    }
-
     /// True if wheels and gyroscope agree that the rover stands: no wheel rolls, and the reading of the gyroscope may
     /// well be its bias.
     #[inline]
@@ -218,13 +211,13 @@ impl Odometry {
     fn rest(&mut self, rate: f64, dt: f64) {
         let noise = self.settings.gyroscope.map_or(0.0, |known| known.noise);
         if let Some(bias) = &mut self.state.uncertainty.bias {
-            bias.variance += self.settings.wandered(dt);
+            bias.variance += self.settings.bias_variance_increment(dt);
         }
         let shift = self.state.uncertainty.learn_bias(rate, noise * noise);
         self.state.shift(&shift);
-        self.state.hold(Twist::ZERO, dt, self.settings.smoothing);
+        self.state.hold_twist(Twist::ZERO, dt, self.settings.smoothing);
         self.residual.fill(0.0);
-        self.work.weights.fill(1.0);
+        self.work.fit.weights.fill(1.0);
         self.work.noise.clear();
     }
 }

@@ -5,8 +5,8 @@
 
 use super::Odometry;
 use crate::health::{Health, Refusal};
+use crate::log::LogBlock;
 use crate::recording::{Recording, Sample, TrackRows};
-use crate::registers::log::LogBlock;
 use six_wheel_numerics::error::{Error, ErrorKind};
 
 /// Rows that are taken in one by one before registers of rows are tried again.
@@ -116,7 +116,7 @@ impl Odometry {
         self.write_row(k, track);
         track.twists[k] = self.twist().into();
         track.health[k] = flags.0;
-        let of_wheels = [(&mut track.residuals, &self.residual), (&mut track.weights, &self.work.weights)];
+        let of_wheels = [(&mut track.residuals, &self.residual), (&mut track.weights, &self.work.fit.weights)];
         for (rows, values) in of_wheels {
             if let Some(rows) = rows {
                 let row = &mut rows[k * wheels..(k + 1) * wheels];

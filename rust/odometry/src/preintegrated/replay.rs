@@ -6,15 +6,19 @@
 
 use nalgebra::{Matrix3, Matrix6, Matrix6x3, Quaternion, UnitQuaternion, Vector3, Vector6};
 
+use pulp::Scalar;
+
 use super::space::{Motion3, left_jacobian, right_jacobian};
 use super::{PLANE, Preintegrated, Tangent};
 use crate::health::Health;
-use crate::motion::Motion;
+use crate::motion::Motion as StepMotion;
 use crate::planar::Odometry;
 use crate::settings::Readings;
 use crate::settings::quantities::{Column, DIMENSIONS};
+use crate::step::terms::gyroscope_deviation;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::Lanes;
 
 /// A motion with its covariance and derivatives, in axes of its end.
 #[derive(Clone, Debug)]
@@ -91,11 +95,20 @@ fn embedding() -> Matrix6x3<f64> {
 }
 
 impl Preintegrated {
+    /// Rotation of the body over the step that ends with sample `k`, by the attitudes; none in the plane.
+    fn relative_rotation(&self, k: usize) -> UnitQuaternion<f64> {
+        if !self.rules.in_space {
+            return UnitQuaternion::identity();
+        }
+        let [before, after] = [k - 1, k].map(|row| rotation(self.samples.attitudes[row]));
+        before.inverse() * after
+    }
+
     /// Integrates the samples once more, with covariance and all derivatives.
     pub fn replay(&self) -> Result<Replayed, Error> {
         let mut odometry = self.fresh.clone();
-        odometry.plan = None; // every step by the plain core, which has the derivatives
-        let shared = odometry.work.noise.old.len();
+        odometry.work.constants.is_constant = false; // every step is fitted, and has derivatives
+        let shared = odometry.work.fit.old.len();
         let tilts = if self.rules.in_space { 2 } else { 0 };
         let mut sums = Sums {
             settled: Matrix6::zeros(),
@@ -139,58 +152,65 @@ impl Sums {
         let sample = of.sample(k);
         let dt = sample.stamp - odometry.reference.stamp;
         odometry.difference(&sample, dt);
-        let relative = match of.rules.in_space {
-            true => {
-                let [before, after] = [k - 1, k].map(|row| rotation(of.samples.attitudes[row]));
-                before.inverse() * after
-            }
-            false => UnitQuaternion::identity(),
-        };
+        let relative = of.relative_rotation(k);
         let turned = relative.scaled_axis();
         let by_rates =
             sample.yaw_rate.map(|rate| f64::midpoint(odometry.reference.yaw_rate.unwrap_or(rate), rate) * dt);
         let from_attitude = of.rules.in_space && by_rates.is_none();
         let gyro_turn = if from_attitude { Some(turned.z) } else { by_rates };
-        let given = Motion {
-            steering: [&odometry.reference.angles, &odometry.angles],
-            turned: &odometry.turned,
-            from_rates: odometry.settings.readings == Readings::Speeds,
+        let Odometry { rover, settings, reference, angles, turned: rotations, work, .. } = &mut *odometry;
+        let measured = StepMotion {
+            steering: [&reference.angles, angles],
+            turned: rotations,
+            from_rates: settings.readings == Readings::Speeds,
             dt,
             gyro_turn,
             bias_variance: 0.0,
         };
-        let rules = odometry.settings.rules();
-        let displacement = odometry.work.displacement(&odometry.rover, given, &rules)?;
+        work.advance(rover, settings, measured, f64::INFINITY, None, &mut [])?;
         let mut step = Vector6::zeros();
-        for (row, part) in PLANE.into_iter().zip(<[f64; 3]>::from(displacement)) {
+        for (row, part) in PLANE.into_iter().zip(work.displacement) {
             step[row] = part;
         }
         (step[3], step[4]) = (turned.x, turned.y);
         step *= share;
         let answer = motion.adjoint() * left_jacobian(&step) * share;
-        let by_plane = answer * embedding();
-        let noise = &odometry.work.noise;
-        // Errors of this step alone are independent in each part of it.
-        self.settled += by_plane * noise.own.matrix() * by_plane.transpose() / share.max(f64::MIN_POSITIVE);
-        for ((old, new), carried) in noise.old.iter().zip(&noise.new).zip(&mut self.carried) {
-            let whole = *carried + by_plane * old;
-            self.settled += whole * whole.transpose();
-            *carried = by_plane * new;
-        }
-        let mut gain = Vector3::zeros();
-        let (columns, rover) = (&mut self.columns, &odometry.rover);
-        odometry.work.derivatives(rover, given, rules.method, |linearised, fusion| {
-            gain = fusion.gain;
-            for (column, sum) in columns {
-                *sum += by_plane * column.of_step(linearised, fusion, dt);
-            }
-        })?;
+        self.add_plane_errors(odometry, dt, share, &(answer * embedding()));
         if of.rules.in_space {
-            let by_turn = if from_attitude { gain } else { Vector3::zeros() };
+            let by_turn = if from_attitude { odometry.work.gain.into() } else { Vector3::zeros() };
             self.tilt(of, &turned, &relative, &by_turn, &answer);
         }
         odometry.commit_sample(&sample, Health::GOOD, gyro_turn);
         Ok(step)
+    }
+
+    /// Errors and derivatives of the displacement in the plane, of which the end answers to errors by `by_plane`.
+    fn add_plane_errors(&mut self, odometry: &Odometry, dt: f64, share: f64, by_plane: &Matrix6x3<f64>) {
+        let Odometry { rover, settings, work, .. } = odometry;
+        let gain = Vector3::from(work.gain);
+        // (I - K H), by which a gyroscope leaves errors of the wheels.
+        let by_wheels = by_plane * (Matrix3::identity() - gain * Vector3::z().transpose());
+        // Errors of this step alone are independent in each part of it.
+        self.settled += by_plane * work.noise.own.matrix() * by_plane.transpose() / share.max(f64::MIN_POSITIVE);
+        let mut add = |carried: &mut Vector6<f64>, old: Vector6<f64>, new: Vector6<f64>| {
+            let whole = *carried + old;
+            self.settled += whole * whole.transpose();
+            *carried = new;
+        };
+        let gyroscope = work.fit.old.len() - 1;
+        let columns = work.fit.old[..gyroscope].iter().zip(&work.fit.new);
+        for ((old, new), carried) in columns.zip(&mut self.carried) {
+            add(carried, by_wheels * Vector3::from(*old), by_wheels * Vector3::from(*new));
+        }
+        let reading = by_plane * gain * gyroscope_deviation(settings, Lanes::splat(Scalar, dt)).total();
+        add(&mut self.carried[gyroscope], reading, reading);
+        let linearised = work.fit.linearised(rover, settings.method);
+        for (column, sum) in &mut self.columns {
+            *sum += match column {
+                Column::Bias => by_plane * gain * -dt,
+                _ => by_wheels * column.displacement_derivative(&linearised),
+            };
+        }
     }
 
     /// Errors of the tilt of the attitudes at both ends of a step.

@@ -8,12 +8,25 @@
 use nalgebra::{Matrix3, Matrix6, Rotation3, UnitQuaternion, Vector3, Vector6};
 
 use six_wheel_numerics::error::{Error, finite, number};
+use six_wheel_numerics::simd::polynomials::taylor;
 
 /// Largest deviation of `R R^T` from the identity that is taken for rounding of the input.
 const ORTHOGONAL: f64 = 1e-6;
 
 /// Turn below which the series is used [rad]: what is left out is below 1e-18 there.
 const SERIES: f64 = 0.3;
+
+/// The functions of [`quotients`] in powers of `t²`. The last one is the difference of the series of `t cos t` and
+/// `3 sin t` from their fifth powers on.
+const QUOTIENTS: [[f64; 7]; 4] = {
+    let (mut last, fifth) = (taylor::<7>(4), taylor::<7>(5));
+    let mut k = 0;
+    while k < 7 {
+        last[k] = (last[k] - 3.0 * fifth[k]) / 2.0;
+        k += 1;
+    }
+    [taylor(2), taylor(3), taylor(4), last]
+};
 
 /// `a_from_b`: rotation and translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,26 +141,7 @@ fn set(matrix: &mut Matrix6<f64>, row: usize, column: usize, block: &Matrix3<f64
 fn quotients(turn: f64) -> [f64; 4] {
     let square = turn * turn;
     if turn < SERIES {
-        // Each coefficient of a series is the one before by the product of the next two whole numbers.
-        let series = |first: f64, from: f64| {
-            let (mut term, mut sum) = (first, first);
-            for k in 0..6 {
-                let n = from + 2.0 * f64::from(k);
-                term *= -square / ((n + 1.0) * (n + 2.0));
-                sum += term;
-            }
-            sum
-        };
-        // The last one is the difference of the series of t cos t and 3 sin t from their fifth powers on.
-        let (mut power, mut last) = (1.0, 0.0);
-        let mut factorial = 24.0;
-        for k in 0..6 {
-            let n = 4.0 + 2.0 * f64::from(k);
-            last += power * (1.0 - 3.0 / (n + 1.0)) / factorial / 2.0;
-            power *= -square;
-            factorial *= (n + 1.0) * (n + 2.0);
-        }
-        return [series(0.5, 2.0), series(1.0 / 6.0, 3.0), series(1.0 / 24.0, 4.0), last];
+        return QUOTIENTS.map(|series| series.iter().rev().fold(0.0, |sum, term| sum * square + term));
     }
     let (sin, cos) = turn.sin_cos();
     let half = (turn / 2.0).sin() / (turn / 2.0);

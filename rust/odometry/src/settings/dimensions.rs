@@ -10,7 +10,6 @@
 use nalgebra::Vector3;
 
 use super::quantities::{Column, DIMENSIONS};
-use crate::motion::Fusion;
 use six_wheel_kinematics::estimate::sensitivity::Linearised;
 use six_wheel_numerics::error::{Error, HUGE, number};
 
@@ -70,13 +69,13 @@ impl Deviations {
         Err(Error::value("dimensions", rule, self.wheels.to_string()))
     }
 
-    /// Change of the displacement of a step by each of them.
-    pub(crate) fn of_step(&self, linearised: &Linearised<'_>, fusion: &Fusion, dt: f64, into: &mut [Vector3<f64>]) {
-        into.fill(Vector3::zeros());
+    /// Error of the displacement of a step by each of them.
+    pub(crate) fn displacement_errors(&self, linearised: &Linearised<'_>, errors: &mut [[f64; 3]]) {
+        errors.fill([0.0; 3]);
         for (column, by) in &self.moved {
-            let of_one = column.of_step(linearised, fusion, dt);
-            for (sum, by) in into.iter_mut().zip(by) {
-                *sum += of_one * *by;
+            let derivative = column.displacement_derivative(linearised);
+            for (error, by) in errors.iter_mut().zip(by) {
+                *error = (Vector3::from(*error) + derivative * *by).into();
             }
         }
     }

@@ -2,7 +2,6 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::Fusion;
 use six_wheel_kinematics::estimate::sensitivity::{Linearised, Quantity};
 
 /// Something the motion answers to.
@@ -23,9 +22,9 @@ pub enum Column {
 }
 
 impl Column {
-    /// Derivative of the displacement of a step, after the fusion of wheels and gyroscope.
-    pub(crate) fn of_step(self, linearised: &Linearised<'_>, fusion: &Fusion, dt: f64) -> Vector3<f64> {
-        let by_wheels = match self {
+    /// Derivative of the displacement of a step by the wheels.
+    pub(crate) fn displacement_derivative(self, linearised: &Linearised<'_>) -> Vector3<f64> {
+        match self {
             Self::Dimension(quantity, wheel) => linearised.derivative(wheel, quantity),
             Self::Slip(wheel) => linearised.derivative(wheel, Quantity::Slip) * linearised.readings[wheel].rolled,
             Self::SideSlip(wheel) => {
@@ -47,9 +46,8 @@ impl Column {
                 linearised.derivative(wheel, Quantity::Steering) * angle
                     + linearised.derivative(wheel, Quantity::SteeringRate) * rate
             }
-            Self::Bias => return fusion.gain * -dt,
-        };
-        fusion.rest * by_wheels
+            Self::Bias => Vector3::zeros(),
+        }
     }
 }
 

@@ -1,86 +1,166 @@
-//! The arc of a step: its chord, how it bends, and how the pose at its end answers.
+//! The arc of a step: its chord, its derivatives, and those of the pose at its end.
 
-use crate::arithmetic::{Arithmetic, Unfused};
-use crate::uncertainty::StepJacobian;
-use six_wheel_kinematics::geometry::sinc;
+use pulp::Simd;
 
-/// Half turn of a steered wheel during a step below which its series is exact to rounding [rad].
-pub(crate) const SMALL_TURN: f64 = 0.25;
+use six_wheel_kinematics::angles::sin_cos_any;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::polynomials::{horner, sinc_of_square, taylor};
+use six_wheel_numerics::simd::vector::Vector;
 
-/// Chord of an arc that turns by `angle`, as a share of its length.
-#[inline]
-pub fn chord(angle: f64) -> f64 {
-    let half = angle / 2.0;
-    if half.abs() > SMALL_TURN {
-        return sinc(half);
+/// Half turn below which the factors of an arc are series [rad]: what is left out is below 1e-17.
+const SMALL_TURN: f64 = 0.25;
+
+/// `cos h` in powers of h².
+const COSINE: [f64; 7] = taylor(0);
+
+/// Derivative of `sin h / h`, divided by h, in powers of h²: `(cos h - sin h / h) / h²`.
+const CHORD_DERIVATIVE: [f64; 7] = {
+    let (mut difference, cosine) = (taylor::<7>(3), taylor::<7>(2));
+    let mut k = 0;
+    while k < 7 {
+        difference[k] -= cosine[k];
+        k += 1;
     }
-    series(Unfused, half * half, &SINE)
+    difference
+};
+
+/// Factors of an arc by half its turn h.
+#[derive(Clone, Copy)]
+pub(crate) struct Arc<S: Simd> {
+    /// Chord over length, `sin h / h`.
+    chord: Lanes<S>,
+    /// Derivative of that by h.
+    chord_derivative: Lanes<S>,
+    sin: Lanes<S>,
+    cos: Lanes<S>,
 }
 
-/// `1 - x²/a (1 - x²/b (1 - ...))`, the reciprocals of `a`, `b` and so on given: the series of sin(x) / x, of cos(x), and
-/// of the derivative of the first one as a share of -x / 3. What is left out is below 1e-17 at [`SMALL_TURN`].
-#[inline(always)]
-fn series<F: Arithmetic>(by: F, square: F::Number, terms: &[f64; 6]) -> F::Number {
-    let (one, minus) = (by.number(1.0), -square);
-    let mut sum = one;
-    for term in terms.iter().rev() {
-        sum = by.fused(minus * by.number(*term), sum, one);
+impl<S: Vector> Arc<S> {
+    #[inline(always)]
+    pub fn new(simd: S, half: Lanes<S>) -> Self {
+        let square = half * half;
+        let chord = sinc_of_square(simd, square);
+        let small = Self {
+            chord,
+            chord_derivative: half * horner(simd, CHORD_DERIVATIVE, square),
+            sin: half * chord,
+            cos: horner(simd, COSINE, square),
+        };
+        let is_large = !half.abs().below(Lanes::splat(simd, SMALL_TURN));
+        if !is_large.any() {
+            return small;
+        }
+        let (sin, cos) = sin_cos_any(simd, half);
+        let chord = sin.quotient(half);
+        Self {
+            chord: is_large.select(chord, small.chord),
+            chord_derivative: is_large.select((cos - chord).quotient(half), small.chord_derivative),
+            sin: is_large.select(sin, small.sin),
+            cos: is_large.select(cos, small.cos),
+        }
     }
-    sum
 }
 
-const SINE: [f64; 6] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0, 1.0 / 156.0];
-const COSINE: [f64; 6] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0];
-const SLOPE: [f64; 6] = [1.0 / 10.0, 1.0 / 28.0, 1.0 / 54.0, 1.0 / 88.0, 1.0 / 130.0, 1.0 / 180.0];
-
-/// Factors of an arc by half its turn h: `sin h / h` (chord over length), its derivative by h, `sin h` and `cos h`.
-pub(crate) type Bend<T> = [T; 4];
-
-/// Factors of an arc whose half turn is below [`SMALL_TURN`], by series.
+/// Chord over length of an arc, by half its turn [rad].
 #[inline(always)]
-pub(crate) fn small_bend<F: Arithmetic>(by: F, half: F::Number) -> Bend<F::Number> {
-    let square = half * half;
-    let length = series(by, square, &SINE);
-    [length, half * by.number(-1.0 / 3.0) * series(by, square, &SLOPE), half * length, series(by, square, &COSINE)]
+pub(crate) fn chord_ratio<S: Vector>(simd: S, half: Lanes<S>) -> Lanes<S> {
+    let chord = sinc_of_square(simd, half * half);
+    let is_large = !half.abs().at_most(Lanes::splat(simd, std::f64::consts::FRAC_PI_4));
+    if !is_large.any() {
+        return chord;
+    }
+    let (sin, _) = sin_cos_any(simd, half);
+    is_large.select(sin.quotient(half), chord)
 }
 
-/// Factors of any arc.
-#[inline(always)]
-pub(crate) fn bend<F: Arithmetic<Number = f64>>(by: F, half: f64) -> Bend<f64> {
-    if half.abs() < SMALL_TURN {
-        return small_bend(by, half);
-    }
-    let (sin, cos) = half.sin_cos();
-    let length = sin / half;
-    [length, (cos - length) / half, sin, cos]
+/// Derivatives of the end of a step with respect to its start and to its displacement in body axes.
+#[derive(Clone, Copy)]
+pub(crate) struct StepJacobian<S: Simd> {
+    /// Displacement in world axes [m].
+    pub shift: [Lanes<S>; 2],
+    /// By the displacement in body axes; an error of it leaves the yaw as it is, so the third row is 0, 0, 1.
+    pub by_displacement: [[Lanes<S>; 3]; 2],
 }
 
-/// Derivatives of the pose at the end of a step, from the heading `(sin, cos)` at its start and the displacement.
-#[inline(always)]
-pub(crate) fn step_jacobian<F: Arithmetic>(
-    by: F,
-    [vx, vy, _]: [F::Number; 3],
-    [length, slope, sin, cos]: Bend<F::Number>,
-    heading: [F::Number; 2],
-) -> StepJacobian<F::Number> {
-    // The chord leaves at half the turn, in world axes.
-    let [heading_sin, heading_cos] = heading;
-    let (s, c) = (heading_sin * cos + heading_cos * sin, heading_cos * cos - heading_sin * sin);
-    let (ahead, left) = (c * vx - s * vy, s * vx + c * vy);
-    let half = by.number(0.5);
-    StepJacobian {
-        shift: [length * ahead, length * left],
-        by_displacement: [
-            [length * c, -(length * s), (slope * ahead - length * left) * half],
-            [length * s, length * c, (slope * left + length * ahead) * half],
-        ],
+impl<S: Simd> StepJacobian<S> {
+    /// From the sine and cosine of the heading at the start and the displacement `[x, y, yaw]` in body axes.
+    #[inline(always)]
+    pub fn new([x, y, _]: [Lanes<S>; 3], arc: Arc<S>, [heading_sin, heading_cos]: [Lanes<S>; 2]) -> Self {
+        // The chord leaves at half the turn, in world axes.
+        let Arc { chord, chord_derivative, sin, cos } = arc;
+        let (s, c) = (heading_sin * cos + heading_cos * sin, heading_cos * cos - heading_sin * sin);
+        let (ahead, left) = (c * x - s * y, s * x + c * y);
+        let half = Lanes::splat(x.simd(), 0.5);
+        Self {
+            shift: [chord * ahead, chord * left],
+            by_displacement: [
+                [chord * c, -(chord * s), (chord_derivative * ahead - chord * left) * half],
+                [chord * s, chord * c, (chord_derivative * left + chord * ahead) * half],
+            ],
+        }
     }
+
+    /// Derivative of the end position with respect to the yaw at the start [m].
+    #[inline(always)]
+    pub fn yaw_lever(&self) -> [Lanes<S>; 2] {
+        [-self.shift[1], self.shift[0]]
+    }
+
+    /// Error of the pose at the end by an error of the displacement.
+    #[inline(always)]
+    pub fn displacement_error(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let [[a, b, c], [d, e, f]] = self.by_displacement;
+        [c.mul_add(z, b.mul_add(y, a * x)), f.mul_add(z, e.mul_add(y, d * x)), z]
+    }
+
+    /// Error of the pose at the end by an error of the pose at the start and one of the displacement: `F e + L d`.
+    #[inline(always)]
+    pub fn propagate(&self, start: [Lanes<S>; 3], displacement: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        propagate_error(self.yaw_lever(), start, self.displacement_error(displacement))
+    }
+}
+
+impl<S: Vector> StepJacobian<S> {
+    /// The same in every lane of another level, from the last lane.
+    #[inline(always)]
+    pub fn broadcast<T: Simd>(&self, simd: S, to: T) -> StepJacobian<T> {
+        let [[a, b, c], [d, e, f]] = self.by_displacement;
+        let splat = |lanes: Lanes<S>| Lanes::splat(to, lanes.last(simd));
+        StepJacobian {
+            shift: [splat(self.shift[0]), splat(self.shift[1])],
+            by_displacement: [[splat(a), splat(b), splat(c)], [splat(d), splat(e), splat(f)]],
+        }
+    }
+
+    /// The whole matrix by the displacement, of the last lane.
+    #[cfg(test)]
+    pub fn matrix(&self, simd: S) -> nalgebra::Matrix3<f64> {
+        let [[a, b, c], [d, e, f]] = self.by_displacement.map(|row| row.map(|lanes| lanes.last(simd)));
+        nalgebra::Matrix3::new(a, b, c, d, e, f, 0.0, 0.0, 1.0)
+    }
+}
+
+/// Propagates a pose error through one step: `e' = F e + end`, `F = [[1, 0, lever_x], [0, 1, lever_y], [0, 0, 1]]`,
+/// with `lever = d(end position) / d(yaw)` [m].
+#[inline(always)]
+pub(crate) fn propagate_error<S: Simd>(
+    [lever_x, lever_y]: [Lanes<S>; 2],
+    [x, y, z]: [Lanes<S>; 3],
+    end: [Lanes<S>; 3],
+) -> [Lanes<S>; 3] {
+    [lever_x.mul_add(z, x + end[0]), lever_y.mul_add(z, y + end[1]), z + end[2]]
 }
 
 #[cfg(test)]
 mod tests {
+    use pulp::Scalar;
+
     use super::*;
-    use six_wheel_kinematics::geometry::{Pose, Twist};
+    use six_wheel_kinematics::geometry::{Pose, Twist, sinc};
+
+    fn lane(number: f64) -> Lanes<Scalar> {
+        Lanes::splat(Scalar, number)
+    }
 
     #[test]
     fn a_step_answers_as_its_differences_do() {
@@ -91,11 +171,11 @@ mod tests {
         };
         for omega in [0.0, 1e-9, 0.1, -0.3, 0.499_999, 0.500_001, -2.0, 6.0] {
             let displacement = [0.4, -0.3, omega];
-            let heading = [yaw.sin(), yaw.cos()];
-            let step = step_jacobian(Unfused, displacement, bend(Unfused, omega / 2.0), heading);
+            let heading = [lane(yaw.sin()), lane(yaw.cos())];
+            let step = StepJacobian::new(displacement.map(lane), Arc::new(Scalar, lane(omega / 2.0)), heading);
             let ended = end(yaw, displacement);
-            assert!((step.shift[0] - ended[0]).abs() < 1e-15, "{omega}");
-            assert!((step.shift[1] - ended[1]).abs() < 1e-15, "{omega}");
+            assert!((step.shift[0].last(Scalar) - ended[0]).abs() < 1e-15, "{omega}");
+            assert!((step.shift[1].last(Scalar) - ended[1]).abs() < 1e-15, "{omega}");
             for k in 0..3 {
                 let (mut more, mut less) = (displacement, displacement);
                 more[k] += 1e-6;
@@ -103,7 +183,7 @@ mod tests {
                 let (more, less) = (end(yaw, more), end(yaw, less));
                 for row in 0..3 {
                     let difference = (more[row] - less[row]) / 2e-6;
-                    let derivative = step.matrix()[(row, k)];
+                    let derivative = step.matrix(Scalar)[(row, k)];
                     assert!((difference - derivative).abs() < 1e-9, "{omega} {row} {k}");
                 }
             }
@@ -111,9 +191,17 @@ mod tests {
     }
 
     #[test]
-    fn the_chord_is_the_same_on_both_sides_of_its_bound() {
-        for angle in [0.0, 1e-300, 1e-8, 0.1, 0.499_999_999, 0.500_000_001, 3.0, -0.2] {
-            assert!((chord(angle) - sinc(angle / 2.0)).abs() < 2.0 * f64::EPSILON, "{angle}");
+    fn factors_are_the_same_on_both_sides_of_their_bounds() {
+        let near = [0.249_999_999, 0.25, 0.250_000_001, std::f64::consts::FRAC_PI_4, 0.785_398_2, 1e9, 1.1e9];
+        for half in [0.0, 1e-300, 1e-8, 0.1, 3.0, -0.2].into_iter().chain(near) {
+            let arc = Arc::new(Scalar, lane(half));
+            for chord in [arc.chord, chord_ratio(Scalar, lane(half))] {
+                assert!((chord.last(Scalar) - sinc(half)).abs() < 2.0 * f64::EPSILON, "{half}");
+            }
+            assert!((arc.sin.last(Scalar) - half.sin()).abs() < 2.0 * f64::EPSILON, "{half}");
+            assert!((arc.cos.last(Scalar) - half.cos()).abs() < 2.0 * f64::EPSILON, "{half}");
+            let expected = if half.abs() < 1e-3 { -half / 3.0 } else { (half.cos() - sinc(half)) / half };
+            assert!((arc.chord_derivative.last(Scalar) - expected).abs() < 1e-11 * (1.0 + half.abs()), "{half}");
         }
     }
 }

@@ -6,9 +6,10 @@
 use std::ops::{Add, Mul, Sub};
 
 use nalgebra::{Matrix3, Vector3};
+use pulp::{Scalar, Simd};
 
-use super::arithmetic::Arithmetic;
 use six_wheel_numerics::jacobi::Jacobi;
+use six_wheel_numerics::simd::lanes::Lanes;
 
 /// A symmetric matrix; a covariance as long as only squares are added and images taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,8 +32,8 @@ impl<T> From<[T; 6]> for Covariance3<T> {
 
 impl<T> From<Covariance3<T>> for [T; 6] {
     #[inline(always)]
-    fn from(spread: Covariance3<T>) -> Self {
-        let Covariance3 { xx, xy, xz, yy, yz, zz } = spread;
+    fn from(covariance: Covariance3<T>) -> Self {
+        let Covariance3 { xx, xy, xz, yy, yz, zz } = covariance;
         [xx, xy, xz, yy, yz, zz]
     }
 }
@@ -174,11 +175,41 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Covariance3<
     pub fn diagonal(&self) -> [T; 3] {
         [self.xx, self.yy, self.zz]
     }
+}
 
-    /// `a S aᵀ` of a matrix whose third row is 0, 0, 1.
+impl Covariance3 {
+    /// The same in one lane.
     #[inline(always)]
-    pub fn displaced<F: Arithmetic<Number = T>>(&self, by: F, a: &[[T; 3]; 2]) -> Self {
-        let dot = |p, q, r, k: usize| by.fused(r, a[k][2], by.fused(q, a[k][1], p * a[k][0]));
+    pub fn lane(self) -> Covariance3<Lanes<Scalar>> {
+        Covariance3::from(lane(self.into()))
+    }
+}
+
+/// Numbers of one step, each in a register of one lane.
+#[inline(always)]
+pub(crate) fn lane<const N: usize>(numbers: [f64; N]) -> [Lanes<Scalar>; N] {
+    let mut lanes = [Lanes::splat(Scalar, 0.0); N];
+    for (lane, number) in lanes.iter_mut().zip(numbers) {
+        *lane = Lanes::splat(Scalar, number);
+    }
+    lanes
+}
+
+/// The numbers of registers of one lane.
+#[inline(always)]
+pub(crate) fn numbers<const N: usize>(lanes: [Lanes<Scalar>; N]) -> [f64; N] {
+    let mut numbers = [0.0; N];
+    for (number, lane) in numbers.iter_mut().zip(lanes) {
+        *number = lane.total();
+    }
+    numbers
+}
+
+impl<S: Simd> Covariance3<Lanes<S>> {
+    /// `L S Lᵀ` of a matrix whose third row is 0, 0, 1: the covariance at the end of a step by that of its displacement.
+    #[inline(always)]
+    pub fn displacement_image(&self, a: &[[Lanes<S>; 3]; 2]) -> Self {
+        let dot = |p: Lanes<S>, q: Lanes<S>, r: Lanes<S>, k: usize| r.mul_add(a[k][2], q.mul_add(a[k][1], p * a[k][0]));
         let (xz, yz) = (dot(self.xz, self.yz, self.zz, 0), dot(self.xz, self.yz, self.zz, 1));
         let first = (dot(self.xx, self.xy, self.xz, 0), dot(self.xy, self.yy, self.yz, 0));
         let second = (dot(self.xx, self.xy, self.xz, 1), dot(self.xy, self.yy, self.yz, 1));
@@ -192,28 +223,52 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Covariance3<
         }
     }
 
+    /// No error.
+    #[inline(always)]
+    pub fn zero(simd: S) -> Self {
+        Self::from([Lanes::splat(simd, 0.0); 6])
+    }
+
     /// With the product of a vector with itself.
     #[inline(always)]
-    pub fn and_square<F: Arithmetic<Number = T>>(self, by: F, [x, y, z]: [T; 3]) -> Self {
+    pub fn and_square(self, vector: [Lanes<S>; 3]) -> Self {
+        self.and_product(vector, vector)
+    }
+
+    /// With `factor v vᵀ`.
+    #[inline(always)]
+    pub fn and_scaled_square(self, [x, y, z]: [Lanes<S>; 3], factor: Lanes<S>) -> Self {
+        self.and_product([x * factor, y * factor, z * factor], [x, y, z])
+    }
+
+    #[inline(always)]
+    fn and_product(self, [a, b, c]: [Lanes<S>; 3], [x, y, z]: [Lanes<S>; 3]) -> Self {
         Self {
-            xx: by.fused(x, x, self.xx),
-            xy: by.fused(x, y, self.xy),
-            xz: by.fused(x, z, self.xz),
-            yy: by.fused(y, y, self.yy),
-            yz: by.fused(y, z, self.yz),
-            zz: by.fused(z, z, self.zz),
+            xx: a.mul_add(x, self.xx),
+            xy: a.mul_add(y, self.xy),
+            xz: a.mul_add(z, self.xz),
+            yy: b.mul_add(y, self.yy),
+            yz: b.mul_add(z, self.yz),
+            zz: c.mul_add(z, self.zz),
         }
     }
 
-    /// As the third component swings the other two by this lever.
+    /// Sum over the lanes.
     #[inline(always)]
-    pub fn swung<F: Arithmetic<Number = T>>(&self, by: F, [x, y]: [T; 2]) -> Self {
-        let (xz, yz) = (by.fused(x, self.zz, self.xz), by.fused(y, self.zz, self.yz));
+    pub fn total(self) -> Covariance3 {
+        let Self { xx, xy, xz, yy, yz, zz } = self;
+        Covariance3::from([xx.total(), xy.total(), xz.total(), yy.total(), yz.total(), zz.total()])
+    }
+
+    /// `F S Fᵀ`, `F = [[1, 0, x], [0, 1, y], [0, 0, 1]]`: the covariance at the end of a step by that at its start.
+    #[inline(always)]
+    pub fn propagate(&self, [x, y]: [Lanes<S>; 2]) -> Self {
+        let (xz, yz) = (x.mul_add(self.zz, self.xz), y.mul_add(self.zz, self.yz));
         Self {
-            xx: by.fused(x, self.xz + xz, self.xx),
-            xy: by.fused(x, yz, by.fused(y, self.xz, self.xy)),
+            xx: x.mul_add(self.xz + xz, self.xx),
+            xy: x.mul_add(yz, y.mul_add(self.xz, self.xy)),
             xz,
-            yy: by.fused(y, self.yz + yz, self.yy),
+            yy: y.mul_add(self.yz + yz, self.yy),
             yz,
             zz: self.zz,
         }
@@ -222,23 +277,25 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Covariance3<
 
 #[cfg(test)]
 mod tests {
-    use super::super::arithmetic::Unfused;
     use super::*;
 
     #[test]
     fn products_are_those_of_the_whole_matrices() {
-        let mut spread = Covariance3::default();
-        spread.add(&Vector3::new(1.0, -2.0, 0.5), 1.0);
-        spread.add(&Vector3::new(0.3, 0.7, -1.1), 2.0);
+        let mut covariance = Covariance3::default();
+        covariance.add(&Vector3::new(1.0, -2.0, 0.5), 1.0);
+        covariance.add(&Vector3::new(0.3, 0.7, -1.1), 2.0);
         let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.1, 0.0, 2.0);
-        let whole = a * spread.matrix() * a.transpose();
-        assert!((spread.image(&a).matrix() - whole).amax() < 1e-14);
+        let whole = a * covariance.matrix() * a.transpose();
+        assert!((covariance.image(&a).matrix() - whole).amax() < 1e-14);
         let lever = [0.4, -0.9];
         let swing = Matrix3::new(1.0, 0.0, lever[0], 0.0, 1.0, lever[1], 0.0, 0.0, 1.0);
-        assert!((spread.swung(Unfused, lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14);
+        assert!(
+            (covariance.lane().propagate(lane(lever)).total().matrix() - covariance.image(&swing).matrix()).amax()
+                < 1e-14
+        );
         let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.0, 0.0, 1.0);
-        let displaced = spread.displaced(Unfused, &[[1.0, 0.2, -0.4], [0.5, -1.0, 0.3]]);
-        assert!((displaced.matrix() - spread.image(&a).matrix()).amax() < 1e-14);
-        assert_eq!(Covariance3::of(&spread.matrix()), spread);
+        let moved = covariance.lane().displacement_image(&[lane([1.0, 0.2, -0.4]), lane([0.5, -1.0, 0.3])]).total();
+        assert!((moved.matrix() - covariance.image(&a).matrix()).amax() < 1e-14);
+        assert_eq!(Covariance3::of(&covariance.matrix()), covariance);
     }
 }

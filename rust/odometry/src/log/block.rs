@@ -3,11 +3,10 @@
 use std::ops::Range;
 
 use super::scratch::BlockScratch;
+use crate::covariance::Covariance3;
 use crate::recording::TrackRows;
-use crate::registers::wheels::InLanes;
 use crate::settings::Settings;
-use crate::spread::Covariance3;
-use crate::uncertainty::rounded;
+use crate::uncertainty::{ROUNDING, rounded};
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
@@ -21,7 +20,7 @@ pub(crate) struct Rows<'a> {
     pub stamps: &'a [f64],
     pub settings: &'a Settings,
     /// True if a gyroscope is fused in these rows, or was in the row before; its columns are in the block.
-    pub leans: bool,
+    pub has_gyroscope: bool,
 }
 
 /// Memory of a block that is the same for every rover.
@@ -29,9 +28,9 @@ pub(crate) struct LogBlock {
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
     pub slips: Column,
-    /// Gyroscope of every step, in the fields of [`GyroscopeIncrement`](crate::uncertainty::GyroscopeIncrement), where
+    /// Gyroscope of every step, in the fields of [`GyroscopeIncrement`](crate::step::fusion::GyroscopeIncrement), where
     /// one is fused.
-    pub says: Column,
+    pub is_read: Column,
     pub turn: Column,
     pub bias: Column,
     /// Its gain; then what its bias makes of the end of a step, and its covariance with the pose at the start.
@@ -44,7 +43,7 @@ pub(crate) struct LogBlock {
     /// The same of the joints' readings at one end, and what is open of the pose.
     pub(crate) open: [Column; 6],
     pub(crate) heading: Column,
-    /// Way of every step in world axes; then the pose.
+    /// Displacement of every step in world axes; then the pose.
     pub(crate) poses: [Column; 3],
     pub(crate) lever: [Column; 2],
     pub(crate) covariances: [Column; 9],
@@ -55,7 +54,7 @@ impl LogBlock {
         Self {
             dt: Column::ZERO,
             slips: Column::ZERO,
-            says: Column::ZERO,
+            is_read: Column::ZERO,
             turn: Column::ZERO,
             bias: Column::ZERO,
             by_bias: [Column::ZERO; 3],
@@ -99,16 +98,16 @@ pub(crate) fn at<const N: usize>(columns: &[Column; N], row: usize) -> [f64; N] 
 }
 
 impl LogBlock {
-    /// The rows that were made, where they belong.
+    /// Writes the rows that were made to the track.
     #[inline]
-    pub fn write(&mut self, room: &BlockScratch, rows: Range<usize>, wheels: usize, track: &mut TrackRows<'_>) {
-        let write = Write { block: self, room, rows, wheels, track };
-        room.level.run(write);
+    pub fn write(&mut self, scratch: &BlockScratch, rows: Range<usize>, wheels: usize, track: &mut TrackRows<'_>) {
+        let write = Write { block: self, scratch, rows, wheels, track };
+        scratch.level.run_any(write);
     }
 
     /// Residuals of a step.
-    pub fn last_residual(&self, room: &BlockScratch, row: usize, residual: &mut [f64]) {
-        for (residual, column) in residual.iter_mut().zip(&room.wheels) {
+    pub fn last_residual(&self, scratch: &BlockScratch, row: usize, residual: &mut [f64]) {
+        for (residual, column) in residual.iter_mut().zip(&scratch.wheels) {
             *residual = column.0[row];
         }
     }
@@ -116,7 +115,7 @@ impl LogBlock {
 
 struct Write<'a, 'b> {
     block: &'a mut LogBlock,
-    room: &'a BlockScratch,
+    scratch: &'a BlockScratch,
     rows: Range<usize>,
     wheels: usize,
     track: &'a mut TrackRows<'b>,
@@ -127,17 +126,17 @@ impl Kernel for Write<'_, '_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) {
-        let Self { block, room, rows, wheels, track } = self;
+        let Self { block, scratch, rows, wheels, track } = self;
         let poses = track.poses[rows.clone()].as_flattened_mut();
         weave(simd, &block.poses, poses);
         weave(simd, &block.twists, track.twists[rows.clone()].as_flattened_mut());
         if let Some(residuals) = &mut track.residuals {
             let residuals = &mut residuals[rows.start * wheels..rows.end * wheels];
-            weave(simd, &room.wheels, residuals);
+            weave(simd, &scratch.wheels, residuals);
         }
         if let Some(covariances) = &mut track.covariances {
             for k in 0..rows.len().div_ceil(S::F64_LANES) {
-                report(simd, k, rows.len(), block);
+                report_covariance(simd, k, rows.len(), block);
             }
             weave(simd, &block.covariances, covariances[rows].as_flattened_mut());
         }
@@ -146,22 +145,23 @@ impl Kernel for Write<'_, '_> {
 
 /// A register of covariances of the pose, without a negative variance in any direction.
 #[inline(always)]
-fn report<S: Vector>(simd: S, k: usize, rows: usize, block: &mut LogBlock) {
+fn report_covariance<S: Vector>(simd: S, k: usize, rows: usize, block: &mut LogBlock) {
     let (settled, open) = (load(simd, &block.own, k), load(simd, &block.open, k));
-    let spread = rounded(InLanes(simd), Covariance3::from(settled).and(open.into()));
+    let rounding = Lanes::splat(simd, ROUNDING);
+    let covariance = rounded(Covariance3::from(settled).and(open.into()), rounding);
     let zero = Lanes::splat(simd, 0.0);
     let mut negative = zero.below(zero);
-    for minor in spread.minors() {
+    for minor in covariance.minors() {
         negative = negative | minor.below(zero);
     }
-    let [xx, xy, xz, yy, yz, zz] = spread.into();
+    let [xx, xy, xz, yy, yz, zz] = covariance.into();
     store([xx, xy, xz, xy, yy, yz, xz, yz, zz], &mut block.covariances, k);
     if negative.any() {
         for row in k * S::F64_LANES..rows.min((k + 1) * S::F64_LANES) {
             let [xx, xy, xz, _, yy, yz, _, _, zz] = at(&block.covariances, row);
-            let spread = Covariance3::from([xx, xy, xz, yy, yz, zz]);
-            if spread.may_be_negative() {
-                let matrix: [[f64; 3]; 3] = spread.without_negative().matrix().into();
+            let covariance = Covariance3::from([xx, xy, xz, yy, yz, zz]);
+            if covariance.may_be_negative() {
+                let matrix: [[f64; 3]; 3] = covariance.without_negative().matrix().into();
                 for (part, column) in matrix.as_flattened().iter().zip(&mut block.covariances) {
                     column.0[row] = *part;
                 }

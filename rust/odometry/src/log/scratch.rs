@@ -1,7 +1,7 @@
 //! Memory of a block of a log that grows with the number of wheels and joints.
 
 use super::lagged_column::{LEAD, LaggedColumn};
-use crate::registers::plan::{StepConstants, StepScratch as Place};
+use crate::step::{StepConstants, StepScratch};
 use six_wheel_kinematics::wheel_lanes::GROUP;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::weave::{BLOCK, Column};
@@ -10,26 +10,26 @@ use six_wheel_numerics::weave::{BLOCK, Column};
 /// `ends`, which comes from the state.
 pub(crate) struct BlockScratch {
     pub(crate) level: Level,
-    /// Row by row: what is taken apart into columns next.
+    /// Rows that are split into columns next.
     pub(crate) flat: Vec<f64>,
     /// Angle of every joint per count of its encoder [rad].
     pub(crate) per_count: Vec<f64>,
     /// Angles of the joints, row by row [rad].
     pub(crate) angles: Vec<f64>,
-    /// Per wheel of the rover: what it counted; then how fast its contact slid [m/s].
+    /// Per wheel of the rover: its counts; then the speed at which its contact slid [m/s].
     pub(crate) wheels: Vec<Column>,
-    /// Middle angles of the joints, then their turns [rad].
+    /// Middle angles of the joints, then their increments [rad].
     pub(crate) joints: Vec<Column>,
-    /// Per place of a wheel in the plan.
-    pub(crate) places: Vec<Place>,
-    /// Per joint: what half the deviation of its angle does to the displacement; then, at the end of every step.
+    /// Per place of a wheel in the constants.
+    pub(crate) places: Vec<StepScratch>,
+    /// Per joint: error of the displacement by half the deviation of its angle; then of the pose at the end of every step.
     pub(crate) ends: Vec<[LaggedColumn; 3]>,
     /// The same of a gyroscope's reading.
     pub(crate) by_gyroscope: [LaggedColumn; 3],
 }
 
 /// So many, if there is memory.
-fn some<T: Clone>(one: T, count: usize) -> Option<Vec<T>> {
+fn allocate<T: Clone>(one: T, count: usize) -> Option<Vec<T>> {
     let mut all = Vec::new();
     all.try_reserve_exact(count).ok()?;
     all.resize(count, one);
@@ -37,22 +37,22 @@ fn some<T: Clone>(one: T, count: usize) -> Option<Vec<T>> {
 }
 
 impl BlockScratch {
-    pub fn new(plan: &StepConstants) -> Option<Self> {
-        let wheels: usize = plan.groups.iter().map(|group| group.count).sum();
-        let joints: usize = plan.groups.iter().map(|group| group.steered).sum();
-        let mut per_count = some(0.0, joints)?;
+    pub fn new(constants: &StepConstants) -> Option<Self> {
+        let wheels: usize = constants.groups.iter().map(|group| group.count).sum();
+        let joints: usize = constants.groups.iter().map(|group| group.steered).sum();
+        let mut per_count = allocate(0.0, joints)?;
         for (joint, per_count) in per_count.iter_mut().enumerate() {
-            *per_count = plan.groups[joint / GROUP].per_count[1][joint % GROUP];
+            *per_count = constants.groups[joint / GROUP].per_count[1][joint % GROUP];
         }
         Some(Self {
             level: Level::best(),
             per_count,
-            flat: some(0.0, BLOCK * wheels.max(2 * joints))?,
-            angles: some(0.0, BLOCK * joints)?,
-            wheels: some(Column::ZERO, wheels)?,
-            joints: some(Column::ZERO, 2 * joints)?,
-            places: some(Place::default(), GROUP * plan.groups.len())?,
-            ends: some([LaggedColumn([0.0; LEAD + BLOCK]); 3], joints)?,
+            flat: allocate(0.0, BLOCK * wheels.max(2 * joints))?,
+            angles: allocate(0.0, BLOCK * joints)?,
+            wheels: allocate(Column::ZERO, wheels)?,
+            joints: allocate(Column::ZERO, 2 * joints)?,
+            places: allocate(StepScratch::default(), GROUP * constants.groups.len())?,
+            ends: allocate([LaggedColumn([0.0; LEAD + BLOCK]); 3], joints)?,
             by_gyroscope: [LaggedColumn([0.0; LEAD + BLOCK]); 3],
         })
     }

@@ -1,0 +1,63 @@
+//! A sample of running totals from which a step is made without looking at every reading.
+
+use super::Odometry;
+use crate::recording::Sample;
+use crate::settings::gyroscope;
+use crate::step::{StepInput, StepOutput, WheelInput};
+use six_wheel_numerics::error::HUGE;
+
+impl Odometry {
+    /// Takes in a sample. Returns true if a wheel slips, and the yaw increment by the gyroscope [rad]. Returns None, with
+    /// nothing changed, where something has to be checked first: the rover stands, the equations are no constants of the
+    /// rover, or the sample may have to be refused.
+    #[inline]
+    pub(crate) fn direct_step(&mut self, sample: &Sample<'_>) -> Option<(bool, Option<f64>)> {
+        let (reference, constants) = (&self.reference, &self.work.constants);
+        let dt = sample.stamp - reference.stamp;
+        let is_direct = constants.is_constant
+            && constants.is_direct
+            && reference.known
+            && dt > 0.0
+            && dt.is_finite()
+            && sample.yaw_rate.is_none_or(f64::is_finite)
+            && sample.yaw.is_none_or(f64::is_finite);
+        if !is_direct {
+            return None;
+        }
+        let wheels = [reference.wheels.as_slice(), sample.wheels];
+        let bias = self.state.uncertainty.bias;
+        if let Some(rate) = sample.yaw_rate
+            && self.stands(rate, bias, dt, self.turned_between(wheels))
+        {
+            return None;
+        }
+        let gyro_turn = sample.yaw_rate.map(|rate| gyroscope::turn(reference.yaw_rate, rate, bias, dt));
+        let input = StepInput {
+            settings: &self.settings,
+            wheels: WheelInput::Totals {
+                wheels,
+                steering: [&reference.steering, sample.steering],
+                angles: &reference.angles,
+            },
+            dt,
+            from_rates: false,
+            gyro_turn,
+            bias_variance: bias.map_or(0.0, |bias| bias.variance),
+            bound: HUGE,
+        };
+        let output =
+            StepOutput { angles: &mut self.angles, residual: &mut self.residual, state: Some(&mut self.state) };
+        let slips = self.work.step(&input, output)?;
+        if self.settings.lag > 0.0 {
+            self.difference(sample, dt); // which a late pose asks for
+        }
+        Some((slips, gyro_turn))
+    }
+
+    /// Rotation of every wheel between two readings that are running totals [rad].
+    #[inline]
+    pub(crate) fn turned_between<'a>(&'a self, [before, after]: [&'a [f64]; 2]) -> impl Iterator<Item = f64> {
+        let counts = before.iter().zip(after).enumerate();
+        counts.map(|(i, (before, after))| (after - before) * self.settings.wheel_encoder(i).angle_per_count())
+    }
+}

@@ -1,0 +1,119 @@
+//! Rows of a log in whose steps nothing has to be checked, by registers of samples.
+
+use std::ops::Range;
+
+use super::Odometry;
+use crate::health::Health;
+use crate::log::{BlockScratch, LogBlock, LogIntegrator, Rows};
+use crate::recording::{Recording, TrackRows};
+use crate::settings::gyroscope;
+
+/// Rows of a log that are worth a register.
+const FEW: usize = 4;
+
+impl Odometry {
+    /// Memory to take in a log by registers of samples; nothing where that cannot be.
+    #[inline]
+    pub(crate) fn block_scratch(&self) -> Option<BlockScratch> {
+        let constants = &self.work.constants;
+        let can_have_blocks = constants.is_constant && constants.is_direct && !self.settings.inflate;
+        (can_have_blocks && self.settings.lag == 0.0).then(|| BlockScratch::new(constants)).flatten()
+    }
+
+    /// Takes in rows of a log from `first` on, the row before which has just been taken in, until the first in which
+    /// something has to be checked: the same numbers as row by row. Returns their number.
+    pub(crate) fn update_rows(
+        &mut self,
+        recording: &Recording<'_>,
+        first: usize,
+        scratch: &mut BlockScratch,
+        block: &mut LogBlock,
+        track: &mut TrackRows<'_>,
+    ) -> usize {
+        let (wheels, joints) = (self.rover.wheels().len(), self.rover.steered().len());
+        let mut end = recording.until_yaw(first, scratch.rows());
+        let uncertainty = &self.state.uncertainty;
+        let has_gyroscope =
+            recording.yaw_rates.is_some() || uncertainty.bias.is_some() || uncertainty.leans_on_gyroscope();
+        if has_gyroscope {
+            end = self.load_gyroscope_rows(recording, first..end, block);
+        }
+        if end - first < FEW {
+            return 0;
+        }
+        let rows = Rows {
+            wheels: &recording.wheels[(first - 1) * wheels..end * wheels],
+            steering: &recording.steering[(first - 1) * joints..end * joints],
+            stamps: &recording.stamps[first - 1..end],
+            settings: &self.settings,
+            has_gyroscope,
+        };
+        let integrator = LogIntegrator {
+            constants: &self.work.constants,
+            rows,
+            angles: &self.reference.angles,
+            scratch,
+            block,
+            state: &mut self.state,
+            noise: &mut self.work.noise,
+        };
+        let count = integrator.integrate();
+        let Some(last) = count.checked_sub(1) else {
+            return 0;
+        };
+        let done = first..first + count;
+        block.write(scratch, done.clone(), wheels, track);
+        block.last_residual(scratch, last, &mut self.residual);
+        self.angles.copy_from_slice(scratch.angles(last));
+        self.reference.stamp = recording.stamps[done.end - 2];
+        self.write_flags(done.clone(), block, track);
+        let sample = recording.row(wheels, joints, done.end - 1);
+        self.commit_sample(&sample, Health::SLIP.when(block.slips.0[last] != 0.0), None);
+        if sample.yaw.is_some() {
+            // It has corrected the pose since.
+            self.write_row(done.end - 1, track);
+        }
+        count
+    }
+
+    /// Writes flags and weights of rows that were made.
+    fn write_flags(&self, done: Range<usize>, block: &LogBlock, track: &mut TrackRows<'_>) {
+        let (gap, wheels) = (self.settings.max_gap, self.rover.wheels().len());
+        for (k, health) in track.health[done.clone()].iter_mut().enumerate() {
+            let is_gap = gap.is_some_and(|gap| block.dt.0[k] > gap);
+            let slips = block.slips.0[k] != 0.0;
+            *health = (Health::SLIP.when(slips) | Health::GAP.when(is_gap)).0;
+        }
+        if let Some(weights) = &mut track.weights {
+            for row in weights[done.start * wheels..done.end * wheels].chunks_exact_mut(wheels) {
+                row.copy_from_slice(&self.work.fit.weights);
+            }
+        }
+    }
+
+    /// Loads the gyroscope's turns of rows of a log, until the first one in which the rover stands, or that may have to
+    /// be refused. Returns the end of these rows.
+    fn load_gyroscope_rows(&self, recording: &Recording<'_>, rows: Range<usize>, block: &mut LogBlock) -> usize {
+        let (wheels, joints) = (self.rover.wheels().len(), self.rover.steered().len());
+        let mut bias = self.state.uncertainty.bias;
+        for (k, row) in rows.clone().enumerate() {
+            let [before, sample] = [row - 1, row].map(|row| recording.row(wheels, joints, row));
+            let dt = sample.stamp - before.stamp;
+            let rate = sample.yaw_rate;
+            let has_to_be_checked = rate.is_some_and(|rate| {
+                let turned = self.turned_between([before.wheels, sample.wheels]);
+                rate.is_infinite() || self.stands(rate, bias, dt, turned)
+            });
+            if has_to_be_checked {
+                return row;
+            }
+            block.is_read.0[k] = f64::from(u8::from(rate.is_some()));
+            block.turn.0[k] = rate.map_or(0.0, |rate| gyroscope::turn(before.yaw_rate, rate, bias, dt));
+            block.bias.0[k] = bias.map_or(0.0, |bias| bias.variance);
+            if let Some(bias) = &mut bias {
+                bias.variance += self.settings.bias_variance_increment(dt);
+            }
+        }
+        rows.end
+    }
+}

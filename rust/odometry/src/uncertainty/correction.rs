@@ -1,0 +1,109 @@
+//! Corrections of a pose's error by what is known from outside: a yaw, a pose, a gyroscope at rest.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::{Uncertainty, YawOffset};
+use crate::covariance::Covariance3;
+use six_wheel_numerics::jacobi::Jacobi;
+
+impl Uncertainty {
+    /// Corrects the bias by a reading at rest. Returns the correction of the pose, whose error correlates with that of
+    /// the bias.
+    pub fn learn_bias(&mut self, rate: f64, variance: f64) -> Vector3<f64> {
+        let Some(mut bias) = self.bias else {
+            return Vector3::zeros();
+        };
+        let spread = bias.variance + variance;
+        if spread == 0.0 {
+            return Vector3::zeros();
+        }
+        let innovation = rate - bias.value;
+        let (gain, along) = (bias.variance / spread, bias.cross / spread);
+        let less = along * bias.cross.transpose();
+        self.settled = Covariance3::of(&(self.settled.matrix() - less));
+        bias.value += gain * innovation;
+        bias.variance *= 1.0 - gain;
+        bias.cross *= 1.0 - gain;
+        self.bias = Some(bias);
+        along * innovation
+    }
+
+    /// The zero of a yaw sensor, from its first reading at this pose.
+    pub fn set_yaw_offset(&mut self, value: f64, variance: f64) {
+        let cross = -self.settled.with_z();
+        let variance = variance + self.settled.zz();
+        self.yaw_offset = Some(YawOffset { value, variance, cross });
+        for lasting in &mut self.lasting {
+            lasting.yaw_zero = -lasting.pose.z;
+        }
+    }
+
+    /// Corrects by a reading of the yaw sensor with this variance. Returns the gain of the pose by the innovation.
+    pub fn correct_yaw(&mut self, offset: YawOffset, variance: f64) -> Vector3<f64> {
+        let (mut cross, mut of_zero) = (offset.cross, offset.variance);
+        for lasting in &self.lasting {
+            cross += lasting.pose * lasting.yaw_zero;
+            of_zero += lasting.yaw_zero * lasting.yaw_zero;
+        }
+        let along = self.covariance().with_z() + cross;
+        let spread = along.z + cross.z + of_zero + variance;
+        let gain = if spread > 0.0 { along / spread } else { Vector3::z() };
+        let rest = Matrix3::identity() - gain * Vector3::z().transpose();
+        let mixed = rest * offset.cross * gain.transpose();
+        self.multiply(&rest);
+        for lasting in &mut self.lasting {
+            lasting.pose -= gain * lasting.yaw_zero;
+        }
+        let settled = self.settled.matrix() - (mixed + mixed.transpose());
+        self.settled = Covariance3::of(&settled);
+        self.settled.add(&gain, variance + offset.variance);
+        self.yaw_offset = Some(YawOffset { cross: rest * offset.cross - gain * offset.variance, ..offset });
+        gain
+    }
+
+    /// Corrects by a pose from outside with this covariance, infinite where the pose is unknown. Returns the gain of
+    /// the pose by the innovation.
+    pub fn correct(&mut self, measured: &Matrix3<f64>) -> Matrix3<f64> {
+        let mut known = Matrix3::zeros();
+        let mut noise = *measured;
+        for i in 0..3 {
+            if measured[(i, i)].is_finite() {
+                known[(i, i)] = 1.0;
+            } else {
+                noise.row_mut(i).fill(0.0);
+                noise.column_mut(i).fill(0.0);
+            }
+        }
+        let covariance = self.covariance().matrix();
+        let unknown = Matrix3::identity() - known;
+        let spread = known * (covariance + noise) * known + unknown;
+        let gain = if noise == Matrix3::zeros() {
+            // Taken at its word: the pose is what is measured, and the rest follows as far as it is tied to it.
+            spread.cholesky().map_or(known, |spread| covariance * known * spread.inverse())
+        } else {
+            covariance * known * Jacobi::new(&spread).inverse(f64::EPSILON * spread.amax())
+        };
+        let rest = Matrix3::identity() - gain * known;
+        self.multiply(&rest);
+        self.settled.add_assign(&Covariance3::of(&noise).image(&gain));
+        gain
+    }
+
+    /// Multiplies every error by `I - K H` of a correction.
+    fn multiply(&mut self, rest: &Matrix3<f64>) {
+        self.settled = self.settled.image(rest);
+        self.open = self.open.image(rest);
+        for column in &mut self.carried {
+            *column = (rest * Vector3::from(*column)).into();
+        }
+        for lasting in &mut self.lasting {
+            lasting.pose = rest * lasting.pose;
+        }
+        if let Some(offset) = &mut self.yaw_offset {
+            offset.cross = rest * offset.cross;
+        }
+        if let Some(bias) = &mut self.bias {
+            bias.cross = rest * bias.cross;
+        }
+    }
+}
