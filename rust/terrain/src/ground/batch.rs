@@ -57,7 +57,7 @@ impl Kernel for SettleRange<'_, '_> {
                 std::array::from_fn(|_| std::array::from_fn(|_| Vec::with_capacity(count)));
             next[0].extend(0..count as u16);
             for rows in next[0].chunks(S::F64_LANES) {
-                self.guess(simd, &mut batch, rows);
+                self.initial_state(simd, &mut batch, rows);
             }
             while next.iter().any(|rows| !rows.is_empty()) {
                 std::mem::swap(&mut next, &mut now);
@@ -88,7 +88,7 @@ impl Kernel for SettleRange<'_, '_> {
 impl SettleRange<'_, '_> {
     /// A state to start from: every wheel's centre one radius above the ground below it.
     #[inline(always)]
-    fn guess<S: Vector>(&self, simd: S, batch: &mut PoseBatch, rows: &[u16]) {
+    fn initial_state<S: Vector>(&self, simd: S, batch: &mut PoseBatch, rows: &[u16]) {
         let (chain, ground) = (self.settler.chain, self.settler.ground);
         let zero = Lanes::splat(simd, 0.0);
         let mut here = self.here(simd, batch, rows);

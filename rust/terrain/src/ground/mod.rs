@@ -24,4 +24,4 @@ pub(crate) use rows::{settle_part, worth_lanes};
 pub use settler::{Settled, Settler, Status};
 pub use stand::{CONTACT, NUMBERS};
 pub use stand::{Contact, Stand, rim_point};
-pub use touch::{Touch, Touches, gap_slopes};
+pub use touch::{WheelContact, WheelContacts, gap_slopes};

@@ -85,6 +85,8 @@ pub struct Chain {
     balance: Vector3<f64>,
     /// Of every wheel: the links with free angles that carry it, innermost first, and their joints.
     movers: Vec<Vec<(usize, usize)>>,
+    /// Of every link: the axis of its parent that is its own, if one is.
+    main_axes: Vec<Option<usize>>,
     /// Bits of the links that steer and carry nothing but wheels.
     knuckles: u32,
     /// Of every wheel, straight ahead: the link that carries it, knuckles left out, and its centre there [m].
@@ -153,8 +155,8 @@ impl Chain {
             joint.range.check("joint_limit")?;
         }
         let balance = Vector3::zeros();
-        let (movers, straight, knuckles) = (Vec::new(), Vec::new(), 0);
-        let mut chain = Self { parts, wheels, joints, steering, balance, movers, knuckles, straight };
+        let (movers, main_axes, straight, knuckles) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        let mut chain = Self { parts, wheels, joints, steering, balance, movers, main_axes, knuckles, straight };
         chain.prepare();
         Ok(chain)
     }
@@ -169,6 +171,8 @@ impl Chain {
             Turning::Free(joint) | Turning::Across(joint, _) => Some((part, joint)),
             Turning::Steering(_) => None,
         };
+        let is_axis = |part: &ChainLink, k: usize| (0..3).all(|i| part.axis[i] == f64::from(i == k));
+        self.main_axes = self.parts.iter().map(|part| (0..3).find(|&k| is_axis(part, k))).collect();
         let count = self.wheels.len();
         self.movers = (0..count).map(|wheel| self.carriers(wheel).filter_map(free).collect()).collect();
         self.straight = self.wheels.iter().map(|wheel| self.without_knuckle(wheel)).collect();
@@ -247,6 +251,12 @@ impl Chain {
     #[inline]
     pub(crate) fn movers(&self, wheel: usize) -> &[(usize, usize)] {
         &self.movers[wheel]
+    }
+
+    /// The axis of its parent about which a link turns, if it is one of them.
+    #[inline]
+    pub(crate) fn main_axis(&self, part: usize) -> Option<usize> {
+        self.main_axes[part]
     }
 
     /// True for a link that steers and carries nothing but wheels.

@@ -3,8 +3,6 @@
 //! Input: sines and cosines of all angles. Output: poses of the links and wheels, from the origin of the body, and the
 //! derivatives of a wheel's gap by the state. One body for one pose ([`super::Placed`]) and for a pose in every lane.
 
-use nalgebra::{Unit, Vector3};
-
 use super::chain::{Chain, ChainLink, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Turning};
 use super::lanes::{Turned, Vectors, across, cross, dot, less, scaled};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -84,11 +82,18 @@ impl<S: Vector> LinkPose<S> {
         self.rotated(simd, local, self.origin)
     }
 
-    /// Writes the pose of a link on this one, turned like this, and the direction of its axis.
+    /// Writes the pose of a link on this one, turned like this, and the direction of its axis: of this axis, if it is one.
     #[inline(always)]
-    pub fn carry(&self, simd: S, link: &ChainLink, (sin, cos): Turned<S>, pose: &mut Self, axis: &mut Vectors<S>) {
+    pub fn carry(
+        &self,
+        simd: S,
+        (link, main_axis): (&ChainLink, Option<usize>),
+        (sin, cos): Turned<S>,
+        pose: &mut Self,
+        axis: &mut Vectors<S>,
+    ) {
         pose.origin = self.point(simd, link.origin.into());
-        if let Some(k) = main_axis(&link.axis) {
+        if let Some(k) = main_axis {
             let (first, second) = ((k + 1) % 3, (k + 2) % 3);
             let (a, b) = (self.columns[first], self.columns[second]);
             *axis = self.columns[k];
@@ -116,12 +121,6 @@ impl<S: Vector> LinkPose<S> {
             }
         }
     }
-}
-
-/// The axis of the parent that this is.
-#[inline]
-fn main_axis(axis: &Unit<Vector3<f64>>) -> Option<usize> {
-    (0..3).find(|axis_index| (0..3).all(|k| axis[k] == f64::from(k == *axis_index)))
 }
 
 /// A wheel: its centre from the origin of the body [m], forward and upward axis.
@@ -179,7 +178,7 @@ impl<'a, S: Vector> LinkPoses<'a, S> {
             let parent = link.parent.map_or(&body, |parent| &before[parent]);
             let (turned, slope) = angles.turned(simd, link);
             let mut axis = [zero; 3];
-            parent.carry(simd, link, turned, &mut rest[0], &mut axis);
+            parent.carry(simd, (link, chain.main_axis(k)), turned, &mut rest[0], &mut axis);
             if let Turning::Across(..) = link.turning {
                 axis = scaled(axis, slope);
                 poses.reaches = poses.reaches & slope.at_most(slope);

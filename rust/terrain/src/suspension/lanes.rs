@@ -49,7 +49,7 @@ impl Column {
     }
 }
 
-/// Angles [rad] beyond which a lane is left to the plain way: a joint that has turned a hundred times.
+/// Angles [rad] beyond which a lane is left to one pose at a time: a joint that has turned a hundred times.
 pub const LARGEST_TURN: f64 = 600.0;
 
 /// The same number in every lane.

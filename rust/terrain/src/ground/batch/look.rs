@@ -296,7 +296,7 @@ fn top<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) ->
             top[lane] = ground.highest(first, last);
         }
     }
-    Lanes::load(simd, S::as_simd_f64s(&top).0, 0)
+    Lanes::from_slice(simd, &top)
 }
 
 #[cfg(test)]

@@ -65,7 +65,7 @@ pub(super) struct PoseBatch {
     pub states: [SolveState; CHUNK],
 }
 
-/// Number of rounds of a pose whose gaps are closed: nothing else touches, or that is not sure.
+/// Number of rounds of a pose whose gaps are closed: nothing else touches, or something else may.
 pub(super) const DONE: u8 = u8::MAX;
 pub(super) const LEFT: u8 = DONE - 1;
 
@@ -91,7 +91,7 @@ pub(super) fn gather<S: Vector>(simd: S, column: &[f64; CHUNK], rows: &[u16]) ->
     for lane in 0..S::F64_LANES {
         values[lane] = column[rows[lane.min(rows.len() - 1)] as usize % CHUNK];
     }
-    Lanes::load(simd, S::as_simd_f64s(&values).0, 0)
+    Lanes::from_slice(simd, &values)
 }
 
 /// Writes a number of so many rows.

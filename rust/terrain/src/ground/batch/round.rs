@@ -3,6 +3,7 @@
 use super::look::{Extent, Here, MARGIN, RimScan, UPPER};
 use super::poses::{DONE, LEFT, LOOK, PoseBatch, ROUNDS, SettleRange, SolveState, column, gather, scatter};
 use super::solve::solve;
+use crate::ground::newton::CLOSED_GAP;
 use crate::ground::rims::circles::{FAR, RIMS, spread};
 use crate::ground::rims::contact::booleans;
 use crate::ground::rims::interval::TIE;
@@ -67,7 +68,7 @@ impl SettleRange<'_, '_> {
         if settles {
             self.write_settled(batch, first, rows, &here, &scan);
         }
-        let goes_on = Lanes::splat(simd, 0.0).below(Lanes::load(simd, S::as_simd_f64s(&goes_on).0, 0));
+        let goes_on = Lanes::splat(simd, 0.0).below(Lanes::from_slice(simd, &goes_on));
         for (k, number) in step.state.into_iter().enumerate() {
             let number = goes_on.select(number, here.state[k]);
             scatter(&mut batch.columns[column::STATE + k], rows, number);
@@ -111,12 +112,12 @@ impl SettleRange<'_, '_> {
         for k in 1..MAX_STATE {
             state[k] = scale.mul_add(whole[k], state[k]).min(limit).max(-limit);
         }
-        let tolerance = here.state[0].abs().mul_add(Lanes::splat(simd, 2e-15), Lanes::splat(simd, 2e-12));
+        let [absolute, relative] = [Lanes::splat(simd, CLOSED_GAP[0]), Lanes::splat(simd, CLOSED_GAP[1])];
         NewtonStep {
             state,
             share,
             turn: turn * scale,
-            is_closed: scan.worst.at_most(tolerance),
+            is_closed: scan.worst.at_most(here.state[0].abs().mul_add(relative, absolute)),
             // Also false where a number is not.
             is_finite: zero.at_most(way) & way.below(Lanes::splat(simd, FAR)),
             is_short: way.below(Lanes::splat(simd, SHORT * MARGIN)),
@@ -182,7 +183,7 @@ impl SettleRange<'_, '_> {
         (goes_on, settles)
     }
 
-    /// Writes lanes that have just settled; those with a joint past its stop, and those that are not sure, are left.
+    /// Writes lanes that have just settled; those with a joint past its stop, and those that something else may hold, are left.
     #[inline(always)]
     fn write_settled<S: Vector>(
         &mut self,

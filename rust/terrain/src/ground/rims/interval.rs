@@ -88,13 +88,22 @@ impl<S: Vector> GapMinimum<S> {
         }
     }
 
-    /// Takes in a minimum.
+    /// Takes in a minimum; of an open interval, where the next best one is does not matter.
     #[inline(always)]
-    pub(super) fn offer(&mut self, mask: Mask<S>, gap: Lanes<S>, at: [Lanes<S>; 2], slope: [Lanes<S>; 2]) {
+    pub(super) fn offer(
+        &mut self,
+        is_closed: bool,
+        mask: Mask<S>,
+        gap: Lanes<S>,
+        at: [Lanes<S>; 2],
+        slope: [Lanes<S>; 2],
+    ) {
         let is_least = mask & gap.below(self.gap);
         let is_next = mask & gap.below(self.next_gap);
         self.next_gap = is_least.select(self.gap, is_next.select(gap, self.next_gap));
-        self.next_at = both!(k, is_least.select(self.at[k], is_next.select(at[k], self.next_at[k])));
+        if is_closed {
+            self.next_at = both!(k, is_least.select(self.at[k], is_next.select(at[k], self.next_at[k])));
+        }
         self.gap = is_least.select(gap, self.gap);
         self.at = both!(k, is_least.select(at[k], self.at[k]));
         self.slope = both!(k, is_least.select(slope[k], self.slope[k]));

@@ -41,7 +41,7 @@ pub(crate) fn find_min_gap<S: Vector>(
     let (mut ceiling, mut open) = (far, Lanes::splat(simd, 0.0).below(far));
     for halves in [false, true] {
         let walked = search.walk(ceiling, halves);
-        found = GapMinimum::pick(open, &walked, &found);
+        found = if halves { GapMinimum::pick(open, &walked, &found) } else { walked };
         let lowest = (found.gap + Lanes::splat(simd, TIE)).min(far);
         open = open & found.unresolved.below(far) & found.unresolved.at_most(lowest);
         if !interval.is_exact || !open.any() {
@@ -99,7 +99,7 @@ impl<S: Vector> Search<'_, S> {
         if self.interval.is_closed {
             // The gap falls towards the end, or the half circle ends at once.
             let falls = last.gap.below(far) & last.rise.at_most(zero);
-            walk.found.offer(falls, last.gap, self.interval.end, last.slope);
+            walk.found.offer(self.interval.is_closed, falls, last.gap, self.interval.end, last.slope);
         } else {
             walk.found.others = first.min(last.gap);
         }
@@ -207,7 +207,7 @@ impl<S: Vector> Search<'_, S> {
             return;
         }
         let (at, minimum) = candidate.minimum(self.simd, self.ground, self.rims);
-        walk.found.offer(wanted, minimum.gap, [at.sin, at.cos], minimum.slope);
+        walk.found.offer(self.interval.is_closed, wanted, minimum.gap, [at.sin, at.cos], minimum.slope);
         walk.ceiling = walk.ceiling.min(walk.found.gap);
     }
 
@@ -222,7 +222,7 @@ impl<S: Vector> Search<'_, S> {
         // The mix of both slopes that is square to the rim; 0 at the edge of known ground.
         let share = bends.select(arc.left.rise.quotient(bends.select(turned, unit)), self.all(0.5));
         let mix = both!(k, share * slope[k] + (unit - share) * arc.left.slope[k]);
-        walk.found.offer(falls, arc.left.gap, [walk.start.sin, walk.start.cos], mix);
+        walk.found.offer(self.interval.is_closed, falls, arc.left.gap, [walk.start.sin, walk.start.cos], mix);
         walk.ceiling = walk.ceiling.min(walk.found.gap);
     }
 
@@ -238,7 +238,13 @@ impl<S: Vector> Search<'_, S> {
         walk.found.outside = walk.found.outside | (mask & !on_map);
         if self.interval.is_closed {
             let falls = mask & before.gap.below(self.all(FAR)) & before.rise.at_most(zero);
-            walk.found.offer(falls, before.gap, [walk.start.sin, walk.start.cos], before.slope);
+            walk.found.offer(
+                self.interval.is_closed,
+                falls,
+                before.gap,
+                [walk.start.sin, walk.start.cos],
+                before.slope,
+            );
             walk.ceiling = walk.ceiling.min(walk.found.gap);
         }
         let edge = self.edge();
