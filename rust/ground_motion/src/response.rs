@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::contact::{COLUMNS, Contact, Contacts, Row};
-use super::motion::{Readings, SuspensionJacobian, weights};
+use super::motion::{Readings, SuspensionJacobian};
+use crate::rates::fit::weights;
 use six_wheel_numerics::jacobi::Jacobi;
 use six_wheel_numerics::least_squares::DEPENDENT;
 use six_wheel_terrain::suspension::MAX_WHEELS;
