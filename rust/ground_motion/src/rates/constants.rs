@@ -64,7 +64,7 @@ pub(crate) struct MotionConstants {
     order: [usize; MAX_FREE],
     /// Bits of the free angles that may move each wheel.
     moved: [u32; MAX_WHEELS],
-    /// Where there are as many rates as wheels.
+    /// None unless there are as many rates as wheels.
     pub pivot_order: Option<PivotOrder>,
 }
 

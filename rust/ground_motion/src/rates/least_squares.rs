@@ -323,11 +323,11 @@ impl<S: Vector> PlanarTriangle<S> {
     pub fn solve(&self, simd: S, lanes: Mask<S>, motion: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let wanted = truths(simd, lanes);
         let (mut solution, mut cells) = ([Column::ZERO; 3], [[Column::ZERO; 4]; 3]);
-        for k in 0..3 {
-            solution[k] = Column::of(motion[k]);
-            for i in 0..4 {
-                cells[k][i] = Column::of(self.0[k][i]);
-            }
+        for (column, part) in solution.iter_mut().zip(motion) {
+            *column = Column::of(part);
+        }
+        for (column, cell) in cells.as_flattened_mut().iter_mut().zip(self.0.as_flattened()) {
+            *column = Column::of(*cell);
         }
         for lane in (0..S::F64_LANES).filter(|lane| wanted[*lane]) {
             let found = shortest(cells.map(|row| row.map(|cell| cell.0[lane])));
