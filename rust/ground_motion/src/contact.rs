@@ -81,7 +81,7 @@ pub(crate) struct ContactPlane {
 }
 
 impl ContactPlane {
-    /// Where a wheel touches a plane with its lower side.
+    /// The contact of the lower side of a wheel on a plane.
     pub fn new(frame: WheelFrame, normal: Vector3<f64>, radius: f64) -> Self {
         let (ahead, up) = (frame.forward.dot(&normal), frame.up.dot(&normal));
         let length = ahead.hypot(up);

@@ -1,10 +1,9 @@
 //! Motion of one settled pose, and the settings of motions.
 
-use super::contact::{COLUMNS, Contacts, Row};
-use super::rest_offset;
+use super::contact::{COLUMNS, Contacts, Row, rest_offset};
 use crate::lanes::columns::{mask, truths};
 use crate::lanes::pose_lanes::Touching;
-use crate::rates::constants::MotionConstants;
+use crate::rates::constants::{MotionConstants, PLAN};
 use crate::rates::contact_rows::{Contact as LaneContact, Contacts as LaneContacts};
 use crate::rates::fit::{FitInput, fit};
 use crate::rates::least_squares::DenseLeastSquares;
@@ -13,12 +12,6 @@ use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::lanes::all;
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
-
-/// Columns of the motion in plan: `vx, vy, wz`.
-pub(crate) const PLAN: [usize; 3] = [0, 1, 5];
-
-/// Rates that the ground decides: `vz, wx, wy` and the free angles.
-pub(crate) const FOLLOWING: [usize; 3 + MAX_FREE] = [2, 3, 4, 6, 7, 8];
 
 /// Measurements of wheels, joints and body.
 #[derive(Clone, Copy, Debug, Default)]
@@ -224,13 +217,5 @@ impl Kernel for OneSuspension<'_> {
             }
         }
         jacobian
-    }
-}
-
-pub(crate) fn weights(weights: Option<&[f64]>, count: usize, wheel: usize) -> [f64; 2] {
-    match weights {
-        None => [1.0; 2],
-        Some(each) if each.len() == count => [each[wheel]; 2],
-        Some(both) => [both[2 * wheel], both[2 * wheel + 1]],
     }
 }

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::contact::{COLUMNS, Contact, Contacts, Row};
-use super::motion::{Readings, SuspensionJacobian, weights};
+use super::motion::{Readings, SuspensionJacobian};
+use crate::rates::fit::weights;
 use six_wheel_numerics::jacobi::Jacobi;
 use six_wheel_numerics::least_squares::DEPENDENT;
 use six_wheel_terrain::suspension::MAX_WHEELS;
@@ -124,10 +125,6 @@ impl SuspensionJacobian {
     }
 }
 
-fn dot(row: &Row, rates: &Row) -> f64 {
-    row.iter().zip(rates).map(|(a, b)| a * b).sum()
-}
-
 impl Fit {
     /// The twist for rates beside those in plan, and what the rows then ask for in plan.
     fn moved(&self, beside: &Row, asked: Vector3<f64>) -> Answer {
@@ -142,7 +139,8 @@ impl Fit {
             let swivels = swivelled.is_some() && rows.steering == swivelled;
             for i in 0..3 {
                 let swivel = if swivels { rows.swivel[i] } else { 0.0 };
-                let moved = dot(&rows.directions[i], beside) + swivel;
+                let parts = rows.directions[i].iter().zip(beside).map(|(part, rate)| part * rate);
+                let moved = parts.sum::<f64>() + swivel;
                 asked -= rows.plan[i] * (rows.shares[i] * moved);
             }
         }

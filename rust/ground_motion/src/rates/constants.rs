@@ -1,8 +1,56 @@
 //! Constants of a chain for the rates that follow the ground.
 
-use super::least_squares::{PivotOrder, UNKNOWNS};
 use six_wheel_terrain::suspension::lanes::ChainConstants;
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+
+/// Columns of the planar motion: `vx, vy, wz`.
+pub(crate) const PLAN: [usize; 3] = [0, 1, 5];
+
+/// Rates that the ground decides: `vz, wx, wy` and the free angles.
+pub(crate) const FOLLOWING: [usize; 3 + MAX_FREE] = [2, 3, 4, 6, 7, 8];
+
+/// Most unknowns: rates that follow the ground.
+pub(crate) const UNKNOWNS: usize = FOLLOWING.len();
+
+/// Elimination order of the rates that follow the ground, for as many rates as wheels that all touch: each rate by the
+/// equation of the wheel in which it has the largest part on level ground.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PivotOrder {
+    /// The wheels, in the order of the rates.
+    pub wheels: [usize; UNKNOWNS],
+    /// Bits of the equations after one's own that have a rate, when those before it are gone.
+    pub others: [u32; UNKNOWNS],
+}
+
+impl PivotOrder {
+    /// Of the vertical velocities of all wheels on level ground per rate, and bits of the rates that move each. None where
+    /// two rates do the same there.
+    pub fn new(rise: [[f64; UNKNOWNS]; UNKNOWNS], bits: [u32; UNKNOWNS]) -> Option<Self> {
+        let mut rows: [_; UNKNOWNS] = std::array::from_fn(|wheel| (wheel, rise[wheel]));
+        let mut others = [0; UNKNOWNS];
+        for j in 0..UNKNOWNS {
+            let size = |k: &usize| rows[*k].1[j].abs();
+            let pivot = (j..UNKNOWNS).max_by(|a, b| size(a).total_cmp(&size(b)))?;
+            rows.swap(j, pivot);
+            let (_, from) = rows[j];
+            for (_, row) in &mut rows[j + 1..] {
+                let share = row[j] / from[j];
+                (j..UNKNOWNS).for_each(|k| row[k] -= share * from[k]);
+            }
+        }
+        let wheels = rows.map(|(wheel, _)| wheel);
+        let mut bits = wheels.map(|wheel| bits[wheel]);
+        for j in 0..UNKNOWNS {
+            for k in j + 1..UNKNOWNS {
+                if bits[k] >> j & 1 == 1 {
+                    others[j] |= 1 << k;
+                    bits[k] |= bits[j];
+                }
+            }
+        }
+        Some(Self { wheels, others })
+    }
+}
 
 /// Constants of a chain for the rates that follow the ground.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +64,7 @@ pub(crate) struct MotionConstants {
     order: [usize; MAX_FREE],
     /// Bits of the free angles that may move each wheel.
     moved: [u32; MAX_WHEELS],
-    /// Where there are as many rates as wheels.
+    /// None unless there are as many rates as wheels.
     pub pivot_order: Option<PivotOrder>,
 }
 

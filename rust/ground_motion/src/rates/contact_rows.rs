@@ -15,7 +15,7 @@ pub(crate) type Row<S> = [Lanes<S>; COLUMNS];
 pub(crate) struct Contact<S: Vector> {
     /// By the rates. Along the rim that is `v_c . T - r w . axle`: the rim of a wheel that does not turn against its link.
     pub rows: [Row<S>; 3],
-    /// What the rate of its own steering adds [m/s].
+    /// The same that the rate of its own steering adds [m/s].
     pub swivel: [Lanes<S>; 3],
 }
 

@@ -4,13 +4,12 @@
 //! `r q`, and to the left. With the rates of the suspension as functions of the planar ones
 //! ([`SuspensionRates`]) they are `columns . plan + left`.
 
-use super::constants::MotionConstants;
+use super::constants::{MotionConstants, PLAN};
 use super::contact_rows::{Contact, Contacts, Row};
 use super::least_squares::{DenseLeastSquares, NormalEquations, PlanarTriangle};
 use super::suspension_rates::{KnownRate, KnownRates, SuspensionRates};
 use crate::lanes::columns::is_number;
 use crate::lanes::pose_lanes::Touching;
-use crate::motion::{PLAN, weights};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::MAX_WHEELS;
@@ -171,5 +170,14 @@ impl<S: Vector> PlanarProblem<'_, S> {
             plan = triangle.solve(simd, others, plan);
         }
         (plan, determined & is_number(plan[0] + plan[1] + plan[2]))
+    }
+}
+
+/// Weights of a wheel's rolling and of its side slip, of one weight or two for each of `count` wheels.
+pub(crate) fn weights(weights: Option<&[f64]>, count: usize, wheel: usize) -> [f64; 2] {
+    match weights {
+        None => [1.0; 2],
+        Some(each) if each.len() == count => [each[wheel]; 2],
+        Some(both) => [both[2 * wheel], both[2 * wheel + 1]],
     }
 }

@@ -3,18 +3,14 @@
 //!
 //! (G. Golub, C. Van Loan, Matrix Computations, 4th ed., 5.1, 5.3.)
 
-use super::constants::MotionConstants;
+use super::constants::{MotionConstants, PivotOrder, UNKNOWNS};
 use crate::lanes::columns::truths;
 use crate::lanes::pose_lanes::Touching;
-use crate::motion::FOLLOWING;
 use six_wheel_numerics::least_squares::{DEPENDENT, shortest};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::MAX_WHEELS;
 use six_wheel_terrain::suspension::lanes::{Column, all};
-
-/// Most unknowns: rates that follow the ground.
-pub(crate) const UNKNOWNS: usize = FOLLOWING.len();
 
 /// Most right-hand sides: one planar motion each, and the known rates.
 const RIGHTS: usize = 4;
@@ -34,46 +30,6 @@ const COLUMN_TOLERANCE: f64 = 1e-10;
 
 /// Most of a pivot's equation that elimination subtracts from another one.
 const PIVOT_GROWTH_LIMIT: f64 = 64.0;
-
-/// Elimination order of the rates that follow the ground, for as many rates as wheels that all touch: each rate by the
-/// equation of the wheel in which it has the largest part on level ground.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PivotOrder {
-    /// The wheels, in the order of the rates.
-    pub wheels: [usize; UNKNOWNS],
-    /// Bits of the equations after one's own that have a rate, when those before it are gone.
-    others: [u32; UNKNOWNS],
-}
-
-impl PivotOrder {
-    /// Of the vertical velocities of all wheels on level ground per rate, and bits of the rates that move each. None where
-    /// two rates do the same there.
-    pub fn new(rise: [[f64; UNKNOWNS]; UNKNOWNS], bits: [u32; UNKNOWNS]) -> Option<Self> {
-        let mut rows: [_; UNKNOWNS] = std::array::from_fn(|wheel| (wheel, rise[wheel]));
-        let mut others = [0; UNKNOWNS];
-        for j in 0..UNKNOWNS {
-            let size = |k: &usize| rows[*k].1[j].abs();
-            let pivot = (j..UNKNOWNS).max_by(|a, b| size(a).total_cmp(&size(b)))?;
-            rows.swap(j, pivot);
-            let (_, from) = rows[j];
-            for (_, row) in &mut rows[j + 1..] {
-                let share = row[j] / from[j];
-                (j..UNKNOWNS).for_each(|k| row[k] -= share * from[k]);
-            }
-        }
-        let wheels = rows.map(|(wheel, _)| wheel);
-        let mut bits = wheels.map(|wheel| bits[wheel]);
-        for j in 0..UNKNOWNS {
-            for k in j + 1..UNKNOWNS {
-                if bits[k] >> j & 1 == 1 {
-                    others[j] |= 1 << k;
-                    bits[k] |= bits[j];
-                }
-            }
-        }
-        Some(Self { wheels, others })
-    }
-}
 
 /// Solutions for all right-hand sides, one row per unknown, and the lanes in which the equations determine them.
 pub(crate) type Solution<S, const RIGHT: usize> = ([[Lanes<S>; RIGHT]; UNKNOWNS], Mask<S>);
@@ -367,11 +323,11 @@ impl<S: Vector> PlanarTriangle<S> {
     pub fn solve(&self, simd: S, lanes: Mask<S>, motion: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let wanted = truths(simd, lanes);
         let (mut solution, mut cells) = ([Column::ZERO; 3], [[Column::ZERO; 4]; 3]);
-        for k in 0..3 {
-            solution[k] = Column::of(motion[k]);
-            for i in 0..4 {
-                cells[k][i] = Column::of(self.0[k][i]);
-            }
+        for (column, part) in solution.iter_mut().zip(motion) {
+            *column = Column::of(part);
+        }
+        for (column, cell) in cells.as_flattened_mut().iter_mut().zip(self.0.as_flattened()) {
+            *column = Column::of(*cell);
         }
         for lane in (0..S::F64_LANES).filter(|lane| wanted[*lane]) {
             let found = shortest(cells.map(|row| row.map(|cell| cell.0[lane])));

@@ -1,7 +1,7 @@
 //! Twist and joint rates from the wheels, for many rows: the planar motion by weighted least squares over the contacts.
 
 use super::prepared::Prepared;
-use super::run::{InLanes, MotionScratch, Rows, run_rows};
+use super::run::{InLanes, MotionScratch, Rows, run_rows, take};
 use crate::contact::COLUMNS;
 use crate::lanes::columns::{Span, direction_of, is_number, mask};
 use crate::lanes::pose_lanes::PoseLanes;
@@ -11,10 +11,10 @@ use crate::rates::contact_rows::{Contacts, RimPoint, angle_on_plane, rim_side, s
 use crate::rates::fit::{FitInput, FittedMotion, fit};
 use crate::rates::suspension_rates::{KnownRate, KnownRates};
 use six_wheel_numerics::error::Error;
-use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_terrain::suspension::lanes::{Placing, all, cross, from_turned};
+use six_wheel_terrain::suspension::lanes::{Placing, Turned, all, cross, from_turned};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Measurements, row after row: see [`Readings`].
@@ -54,58 +54,47 @@ pub fn forward_rows(
     movings: Movings<'_>,
     workers: Workers,
 ) -> Result<(), Error> {
-    let workers = workers.here();
-    let share = workers.share(movings.twists.len());
     let (wheels, free) = (chain.wheels().len(), chain.joints().len());
-    let mut joint_rates = movings.joint_rates.chunks_mut((share * free).max(1));
-    let jobs = movings.twists.chunks_mut(share).zip(movings.residuals.chunks_mut(share * wheels * 3)).enumerate().map(
-        |(k, (twists, residuals))| ForwardRange {
-            chain,
-            poses,
-            readings,
-            first: k * share,
-            movings: Movings { twists, joint_rates: joint_rates.next().unwrap_or_default(), residuals },
+    let Movings { mut twists, mut joint_rates, mut residuals } = movings;
+    run_rows(chain, prepared, workers, twists.len(), |rows| ForwardRange {
+        poses,
+        readings,
+        movings: Movings {
+            twists: take(&mut twists, rows),
+            joint_rates: take(&mut joint_rates, rows * free),
+            residuals: take(&mut residuals, rows * wheels * 3),
         },
-    );
-    workers.each(jobs, |job| run_rows(prepared, workers.level, job))
+    })
 }
 
 /// Rows that one thread takes.
 struct ForwardRange<'a> {
-    chain: &'a Chain,
     poses: &'a SettledPoses<'a>,
     readings: &'a ReadingRows<'a>,
-    /// The first of its rows among all.
-    first: usize,
     movings: Movings<'a>,
 }
 
 impl Rows for ForwardRange<'_> {
-    type Scratch<S: Vector> = MotionScratch<S>;
-
     #[inline(always)]
-    fn scratch<S: Vector>(simd: S) -> MotionScratch<S> {
-        MotionScratch::new(simd)
-    }
-
-    fn count(&self) -> usize {
-        self.movings.twists.len()
-    }
-
-    #[inline(always)]
-    fn solve_lanes<S: Vector>(
-        lanes: &mut InLanes<'_, Self>,
-        simd: S,
-        span: Span,
-        placing: &mut Placing<'_, S>,
-        scratch: &mut MotionScratch<S>,
-    ) -> Result<(), Error> {
-        match lanes.measures() {
-            true => lanes.solve_rows::<S, 4>(simd, span, placing, scratch),
-            false => lanes.solve_rows::<S, 3>(simd, span, placing, scratch),
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error> {
+        let mut scratch = MotionScratch::new(simd);
+        let measures = lanes.measures();
+        for spans in lanes.spans(simd) {
+            match measures {
+                true => lanes.solve_rows::<S, 4>(simd, spans, placing, &mut scratch),
+                false => lanes.solve_rows::<S, 3>(simd, spans, placing, &mut scratch),
+            }
         }
         Ok(())
     }
+}
+
+/// Directions of the steering joints.
+struct SteeringDirections<S: Vector> {
+    to: [Option<Turned<S>>; MAX_WHEELS],
+    from: [Option<Turned<S>>; MAX_WHEELS],
+    moved: Mask<S>,
+    any_moved: bool,
 }
 
 impl InLanes<'_, ForwardRange<'_>> {
@@ -114,13 +103,12 @@ impl InLanes<'_, ForwardRange<'_>> {
     fn solve_rows<S: Vector, const RIGHT: usize>(
         &mut self,
         simd: S,
-        span: Span,
+        [span, given]: [Span; 2],
         placing: &mut Placing<'_, S>,
         scratch: &mut MotionScratch<S>,
     ) {
-        let given = Span { first: self.range.first + span.first, ..span };
         let MotionScratch { gather, equations, contacts, poses } = scratch;
-        poses.read(simd, self.range.chain, self.range.poses, given, gather);
+        poses.read(simd, self.chain, self.range.poses, given, gather);
         let poses = &*poses;
         placing.place(simd, &poses.joints);
         self.write_contacts(simd, given, poses, placing, contacts);
@@ -136,6 +124,33 @@ impl InLanes<'_, ForwardRange<'_>> {
         self.write(simd, span, &found);
     }
 
+    /// Directions of the steering joints as they are given and where they have settled, None for those straight ahead, and
+    /// the lanes in which one differs.
+    #[inline(always)]
+    fn steering<S: Vector>(&self, simd: S, given: Span, poses: &PoseLanes<S>) -> SteeringDirections<S> {
+        let steered = self.chain.steering().len().min(MAX_WHEELS);
+        let (mut angles, mut steers) = (poses.steering, poses.steers);
+        let mut moved = mask(simd, false);
+        if let Some(steering) = self.range.readings.steering {
+            angles = given.read::<S, MAX_WHEELS>(simd, steering, steered);
+            steers = true;
+            for (angle, settled) in angles.iter().zip(poses.steering).take(steered) {
+                moved = moved | !(*angle - settled).abs().at_most(all(simd, 0.0));
+            }
+        }
+        let any_moved = moved.any();
+        let (mut to, mut from) = ([None; MAX_WHEELS], [None; MAX_WHEELS]);
+        for k in 0..steered {
+            if steers {
+                to[k] = Some(direction_of(simd, angles[k]));
+            }
+            if poses.steers && any_moved {
+                from[k] = Some(direction_of(simd, poses.steering[k]));
+            }
+        }
+        SteeringDirections { to, from, moved, any_moved }
+    }
+
     /// Writes the contacts' velocities by the rates, at the given steering angles.
     #[inline(always)]
     fn write_contacts<S: Vector>(
@@ -146,30 +161,10 @@ impl InLanes<'_, ForwardRange<'_>> {
         placing: &Placing<'_, S>,
         contacts: &mut Contacts<S>,
     ) {
-        let (zero, readings) = (all(simd, 0.0), self.range.readings);
-        let steered = self.range.chain.steering().len().min(MAX_WHEELS);
-        let (mut angles, mut steers) = (poses.steering, poses.steers);
-        let mut moved = mask(simd, false);
-        if let Some(steering) = readings.steering {
-            angles = given.read::<S, MAX_WHEELS>(simd, steering, steered);
-            steers = true;
-            for (angle, settled) in angles.iter().zip(poses.steering).take(steered) {
-                moved = moved | !(*angle - settled).abs().at_most(zero);
-            }
-        }
-        let any_moved = moved.any();
-        let rates = readings.steering_rates;
-        let rates = rates.map(|rates| given.read::<S, MAX_WHEELS>(simd, rates, steered));
-        let (mut to, mut from) = ([None; MAX_WHEELS], [None; MAX_WHEELS]);
-        for k in 0..steered {
-            if steers {
-                to[k] = Some(direction_of(simd, angles[k]));
-            }
-            if poses.steers && any_moved {
-                from[k] = Some(direction_of(simd, poses.steering[k]));
-            }
-        }
-        let straight = (zero, all(simd, 1.0));
+        let SteeringDirections { to, from, moved, any_moved } = self.steering(simd, given, poses);
+        let rates = self.range.readings.steering_rates;
+        let rates = rates.map(|rates| given.read::<S, MAX_WHEELS>(simd, rates, self.chain.steering().len()));
+        let straight = (all(simd, 0.0), all(simd, 1.0));
         for (wheel, contact) in contacts.iter_mut().enumerate().take(self.motion.wheels.min(MAX_WHEELS)) {
             let joint = self.plan.steering(wheel).map(|joint| joint % MAX_WHEELS);
             let (mut settled, mut turned) = (None, None);

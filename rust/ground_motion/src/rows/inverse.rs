@@ -1,12 +1,13 @@
 //! Wheels for desired motions, for many rows.
 
 use super::prepared::Prepared;
-use super::run::{InLanes, MotionScratch, Rows, run_rows};
+use super::run::{InLanes, MotionScratch, Rows, run_rows, take};
 use crate::contact::COLUMNS;
 use crate::lanes::columns::{Span, direction_of, is_number, mask};
 use crate::lanes::pose_lanes::PoseLanes;
 use crate::lanes::settled_poses::SettledPoses;
-use crate::motion::{Command, PLAN, View};
+use crate::motion::{Command, View};
+use crate::rates::constants::PLAN;
 use crate::rates::contact_rows::{Contacts, RimPoint, Row, angle_on_plane, rim_side, velocity_rows};
 use crate::rates::least_squares::DenseLeastSquares;
 use crate::rates::suspension_rates::{KnownRate, SuspensionRates};
@@ -52,68 +53,40 @@ pub fn inverse_rows(
     commands: Commands<'_>,
     workers: Workers,
 ) -> Result<(), Error> {
-    let workers = workers.here();
-    let share = workers.share(commands.scales.len());
     let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-    let mut angles = commands.steering.chunks_mut((share * steered).max(1));
-    let mut rates = commands.joint_rates.chunks_mut((share * free).max(1));
-    let jobs = commands
-        .scales
-        .chunks_mut(share)
-        .zip(commands.speeds.chunks_mut(share * wheels))
-        .zip(commands.twists.chunks_mut(share))
-        .enumerate()
-        .map(|(k, ((scales, speeds), twists))| InverseRange {
-            chain,
-            poses,
-            command,
-            desired,
-            steering,
-            first: k * share,
-            commands: Commands {
-                steering: angles.next().unwrap_or_default(),
-                speeds,
-                twists,
-                joint_rates: rates.next().unwrap_or_default(),
-                scales,
-            },
-        });
-    workers.each(jobs, |job| run_rows(prepared, workers.level, job))
+    let Commands { steering: mut angles, mut speeds, mut twists, mut joint_rates, mut scales } = commands;
+    run_rows(chain, prepared, workers, scales.len(), |rows| InverseRange {
+        poses,
+        command,
+        desired,
+        steering,
+        commands: Commands {
+            steering: take(&mut angles, rows * steered),
+            speeds: take(&mut speeds, rows * wheels),
+            twists: take(&mut twists, rows),
+            joint_rates: take(&mut joint_rates, rows * free),
+            scales: take(&mut scales, rows),
+        },
+    })
 }
 
 /// Rows that one thread takes.
 struct InverseRange<'a> {
-    chain: &'a Chain,
     poses: &'a SettledPoses<'a>,
     command: &'a Command,
     desired: &'a [[f64; 2]],
     steering: Option<&'a [f64]>,
-    /// The first of its rows among all.
-    first: usize,
     commands: Commands<'a>,
 }
 
 impl Rows for InverseRange<'_> {
-    type Scratch<S: Vector> = MotionScratch<S>;
-
     #[inline(always)]
-    fn scratch<S: Vector>(simd: S) -> MotionScratch<S> {
-        MotionScratch::new(simd)
-    }
-
-    fn count(&self) -> usize {
-        self.commands.scales.len()
-    }
-
-    #[inline(always)]
-    fn solve_lanes<S: Vector>(
-        lanes: &mut InLanes<'_, Self>,
-        simd: S,
-        span: Span,
-        placing: &mut Placing<'_, S>,
-        scratch: &mut MotionScratch<S>,
-    ) -> Result<(), Error> {
-        lanes.solve_rows(simd, span, placing, scratch)
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error> {
+        let mut scratch = MotionScratch::new(simd);
+        for spans in lanes.spans(simd) {
+            lanes.solve_rows(simd, spans, placing, &mut scratch)?;
+        }
+        Ok(())
     }
 }
 
@@ -125,12 +98,11 @@ impl InLanes<'_, InverseRange<'_>> {
     fn solve_rows<S: Vector>(
         &mut self,
         simd: S,
-        span: Span,
+        [span, given]: [Span; 2],
         placing: &mut Placing<'_, S>,
         scratch: &mut MotionScratch<S>,
     ) -> Result<(), Error> {
-        let chain = self.range.chain;
-        let given = Span { first: self.range.first + span.first, ..span };
+        let chain = self.chain;
         let MotionScratch { gather, equations, contacts, poses } = scratch;
         poses.read(simd, chain, self.range.poses, given, gather);
         let poses = &*poses;
@@ -264,7 +236,7 @@ impl InLanes<'_, InverseRange<'_>> {
         axes: &[WheelAxes<S>; MAX_WHEELS],
         known: Mask<S>,
     ) -> [Option<JointAngle<S>>; MAX_WHEELS] {
-        let ranges = self.range.chain.steering();
+        let ranges = self.chain.steering();
         if let Some(angles) = self.range.steering {
             let angles = given.read::<S, MAX_WHEELS>(simd, angles, ranges.len());
             let mut joints = [None; MAX_WHEELS];
@@ -328,7 +300,7 @@ impl InLanes<'_, InverseRange<'_>> {
         rates: &Row<S>,
         scale: Lanes<S>,
     ) {
-        let chain = self.range.chain;
+        let chain = self.chain;
         let simd = scale.simd();
         let zero = all(simd, 0.0);
         // NaN where nothing is known.

@@ -1,6 +1,6 @@
 //! Kernels over many rows: as many at a time as there are lanes.
 
-use super::prepared::Prepared;
+use super::prepared::{LaneConstants, Prepared};
 use crate::lanes::columns::Span;
 use crate::lanes::pose_lanes::PoseLanes;
 use crate::lanes::settled_poses::LaneGather;
@@ -8,37 +8,40 @@ use crate::rates::constants::MotionConstants;
 use crate::rates::contact_rows::{Contact, Contacts};
 use crate::rates::least_squares::DenseLeastSquares;
 use six_wheel_numerics::error::Error;
-use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::MAX_WHEELS;
+use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::lanes::{ChainConstants, Placing};
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
 /// Rows that one thread takes.
 pub(crate) trait Rows: Sized {
-    /// Memory beside the chain, made once for all rows.
-    type Scratch<S: Vector>;
-
-    /// Empty memory. Has to be `#[inline(always)]`.
-    fn scratch<S: Vector>(simd: S) -> Self::Scratch<S>;
-
-    /// Number of rows.
-    fn count(&self) -> usize;
-
-    /// Some of them, a row in every lane. Has to be `#[inline(always)]`.
-    fn solve_lanes<S: Vector>(
-        lanes: &mut InLanes<'_, Self>,
-        simd: S,
-        span: Span,
-        placing: &mut Placing<'_, S>,
-        scratch: &mut Self::Scratch<S>,
-    ) -> Result<(), Error>;
+    /// Solves all rows of a range. Has to be `#[inline(always)]`.
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error>;
 }
 
-/// Rows, and the constants of their chain.
+/// A range of rows, and the constants of their chain.
 pub(crate) struct InLanes<'a, R> {
+    pub chain: &'a Chain,
     pub plan: &'a ChainConstants,
     pub motion: &'a MotionConstants,
+    /// The first of the rows among all of the inputs, and their number.
+    pub first: usize,
+    pub count: usize,
+    /// Inputs of all rows, and outputs of these.
     pub range: R,
+}
+
+impl<R> InLanes<'_, R> {
+    /// The rows, as many at a time as there are lanes, in the outputs and in the inputs.
+    #[inline(always)]
+    pub fn spans<S: Vector>(&self, _: S) -> impl Iterator<Item = [Span; 2]> + use<R, S> {
+        let (start, rows) = (self.first, self.count);
+        (0..rows).step_by(S::F64_LANES).map(move |first| {
+            let count = S::F64_LANES.min(rows - first);
+            [Span { first, count }, Span { first: start + first, count }]
+        })
+    }
 }
 
 impl<R: Rows> Kernel for InLanes<'_, R> {
@@ -46,24 +49,38 @@ impl<R: Rows> Kernel for InLanes<'_, R> {
 
     #[inline(always)]
     fn run<S: Vector>(mut self, simd: S) -> Self::Output {
-        let rows = self.range.count();
         let mut placing = Placing::new(simd, self.plan);
-        let mut scratch = R::scratch(simd);
-        for first in (0..rows).step_by(S::F64_LANES) {
-            let count = S::F64_LANES.min(rows - first);
-            R::solve_lanes(&mut self, simd, Span { first, count }, &mut placing, &mut scratch)?;
-        }
-        Ok(())
+        R::solve_all(&mut self, simd, &mut placing)
     }
 }
 
-/// Computes all rows of a range. Fails at the first one that does.
-pub(crate) fn run_rows(prepared: &Prepared, level: Level, range: impl Rows) -> Result<(), Error> {
-    let constants = prepared.lanes.as_ref().ok_or_else(|| {
+/// Solves so many rows in ranges, which `range` makes for so many rows each, one after the other. Fails at the first row
+/// that does.
+pub(crate) fn run_rows<R: Rows + Send>(
+    chain: &Chain,
+    prepared: &Prepared,
+    workers: Workers,
+    rows: usize,
+    mut range: impl FnMut(usize) -> R + Send,
+) -> Result<(), Error> {
+    let LaneConstants { chain: plan, motion, .. } = prepared.lanes.as_ref().ok_or_else(|| {
         let rule = "have links that turn about x or y, those on one another about the same, and steer about z";
         Error::value("chain", rule, "one that does not")
     })?;
-    level.run_any(InLanes { plan: &constants.chain, motion: &constants.motion, range })
+    let workers = workers.here();
+    let share = workers.share(rows);
+    let ranges = (0..rows).step_by(share).map(|first| {
+        let count = share.min(rows - first);
+        InLanes { chain, plan, motion, first, count, range: range(count) }
+    });
+    workers.each(ranges, |range| workers.level.run_any(range))
+}
+
+/// The first `count` elements of a slice, which keeps the others.
+pub(crate) fn take<'a, T>(slice: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let (head, tail) = std::mem::take(slice).split_at_mut(count);
+    *slice = tail;
+    head
 }
 
 /// Memory for settled poses, their contacts and the equations of the rates.

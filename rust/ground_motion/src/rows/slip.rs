@@ -1,7 +1,7 @@
 //! Slip of the wheels at known motions, for many rows.
 
 use super::prepared::Prepared;
-use super::run::{InLanes, MotionScratch, Rows, run_rows};
+use super::run::{InLanes, MotionScratch, Rows, run_rows, take};
 use crate::lanes::columns::{Span, angle_of, direction_of, is_number, polar};
 use crate::lanes::settled_poses::SettledPoses;
 use crate::rates::contact_rows::RimPoint;
@@ -40,59 +40,49 @@ pub fn slip_rows(
     slips: Slips<'_>,
     workers: Workers,
 ) -> Result<(), Error> {
-    let workers = workers.here();
     let wheels = chain.wheels().len();
-    let share = workers.share(input.twists.len());
-    let angles = slips.angles.chunks_mut((share * wheels).max(1));
-    let ranges = slips.ratios.chunks_mut((share * wheels).max(1)).zip(angles).enumerate();
-    let jobs = ranges.map(|(k, (ratios, angles))| SlipRange {
-        chain,
+    let Slips { mut ratios, mut angles } = slips;
+    run_rows(chain, prepared, workers, input.twists.len(), |rows| SlipRange {
         poses,
         input,
-        first: k * share,
-        slips: Slips { ratios, angles },
-    });
-    workers.each(jobs, |job| run_rows(prepared, workers.level, job))
+        slips: Slips { ratios: take(&mut ratios, rows * wheels), angles: take(&mut angles, rows * wheels) },
+    })
 }
 
 /// Rows that one thread takes.
 struct SlipRange<'a> {
-    chain: &'a Chain,
     poses: &'a SettledPoses<'a>,
     input: &'a SlipInput<'a>,
-    /// The first of its rows among all.
-    first: usize,
     slips: Slips<'a>,
 }
 
 impl Rows for SlipRange<'_> {
-    type Scratch<S: Vector> = MotionScratch<S>;
-
     #[inline(always)]
-    fn scratch<S: Vector>(simd: S) -> MotionScratch<S> {
-        MotionScratch::new(simd)
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error> {
+        let mut scratch = MotionScratch::new(simd);
+        for spans in lanes.spans(simd) {
+            lanes.solve_rows(simd, spans, placing, &mut scratch);
+        }
+        Ok(())
     }
+}
 
-    fn count(&self) -> usize {
-        self.slips.ratios.len() / self.chain.wheels().len()
-    }
-
+impl InLanes<'_, SlipRange<'_>> {
     #[inline(always)]
-    fn solve_lanes<S: Vector>(
-        lanes: &mut InLanes<'_, Self>,
+    fn solve_rows<S: Vector>(
+        &mut self,
         simd: S,
-        span: Span,
+        [span, given]: [Span; 2],
         placing: &mut Placing<'_, S>,
         scratch: &mut MotionScratch<S>,
-    ) -> Result<(), Error> {
-        let (range, wheels) = (&mut lanes.range, lanes.motion.wheels.min(MAX_WHEELS));
-        let given = Span { first: range.first + span.first, ..span };
+    ) {
+        let (range, wheels) = (&mut self.range, self.motion.wheels.min(MAX_WHEELS));
         let MotionScratch { gather, poses, .. } = scratch;
-        poses.read(simd, range.chain, range.poses, given, gather);
+        poses.read(simd, self.chain, range.poses, given, gather);
         placing.place(simd, &poses.joints);
         let speeds = given.read::<S, MAX_WHEELS>(simd, range.input.speeds, wheels);
         let [vx, vy, vz, wx, wy, wz] = given.read::<S, 6>(simd, range.input.twists.as_flattened(), 6);
-        let rates = given.read::<S, MAX_FREE>(simd, range.input.joint_rates, lanes.motion.joints);
+        let rates = given.read::<S, MAX_FREE>(simd, range.input.joint_rates, self.motion.joints);
         placing.moves([[vx, vy, vz], [wx, wy, wz]], &rates);
         let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
         let (mut ratios, mut angles) = ([nan; MAX_WHEELS], [nan; MAX_WHEELS]);
@@ -100,12 +90,12 @@ impl Rows for SlipRange<'_> {
         let mut reach = zero;
         for wheel in 0..wheels {
             let mut turned = None;
-            if let Some(joint) = lanes.plan.steering(wheel).filter(|_| poses.steers) {
+            if let Some(joint) = self.plan.steering(wheel).filter(|_| poses.steers) {
                 let to = direction_of(simd, poses.steering[joint % MAX_WHEELS]);
                 placing.steer(simd, wheel, to);
                 turned = Some(to);
             }
-            let (centre, radius) = (placing.centres[wheel], all(simd, lanes.motion.radii[wheel]));
+            let (centre, radius) = (placing.centres[wheel], all(simd, self.motion.radii[wheel]));
             let touch = RimPoint::new(placing, wheel, centre, radius, turned, poses.at[wheel]);
             let [velocity, turn] = placing.carried(wheel, centre);
             let [slide, _] = placing.carried(wheel, touch.point);
@@ -127,6 +117,5 @@ impl Rows for SlipRange<'_> {
         }
         span.write(simd, &ratios, wheels, range.slips.ratios);
         span.write(simd, &angles, wheels, range.slips.angles);
-        Ok(())
     }
 }

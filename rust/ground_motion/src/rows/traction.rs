@@ -9,7 +9,7 @@
 //! link that carries the wheel, which its encoder does not see.)
 
 use super::prepared::Prepared;
-use super::run::{InLanes, Rows, run_rows};
+use super::run::{InLanes, Rows, run_rows, take};
 use super::two_link_chain::OneRow;
 use super::wheel_command::{CentreVelocity, LiftLimits, fitted_vertical_speed, median_closing_speed};
 use crate::driving::{Drives, Driving, Turns};
@@ -43,58 +43,38 @@ pub fn traction_rows(
             return Ok(());
         }
     }
-    let share = workers.share(rows);
     let (wheels, steered) = (chain.wheels().len(), chain.steering().len());
-    let mut steering = drives.steering.chunks_mut((share * steered).max(1));
-    let jobs = drives
-        .vertical
-        .chunks_mut(share)
-        .zip(drives.speeds.chunks_mut(share * wheels))
-        .zip(drives.contact_angles.chunks_mut(share * wheels))
-        .zip(drives.lifted.chunks_mut(share * wheels))
-        .enumerate()
-        .map(|(k, (((vertical, speeds), contact_angles), lifted))| TractionRange {
-            chain,
-            offset: prepared.offset,
-            driving,
-            lift,
-            first: k * share,
-            drives: Drives { steering: steering.next().unwrap_or_default(), speeds, contact_angles, lifted, vertical },
-        });
-    workers.each(jobs, |job| run_rows(prepared, workers.level, job))
+    let Drives { mut steering, mut speeds, mut contact_angles, mut lifted, mut vertical } = drives;
+    run_rows(chain, prepared, workers, rows, |rows| TractionRange {
+        offset: prepared.offset,
+        driving,
+        lift,
+        drives: Drives {
+            steering: take(&mut steering, rows * steered),
+            speeds: take(&mut speeds, rows * wheels),
+            contact_angles: take(&mut contact_angles, rows * wheels),
+            lifted: take(&mut lifted, rows * wheels),
+            vertical: take(&mut vertical, rows),
+        },
+    })
 }
 
 /// Rows that one thread takes.
 struct TractionRange<'a> {
-    chain: &'a Chain,
     /// Distance of the point that moves straight ahead behind the origin [m].
     offset: f64,
     driving: &'a Driving<'a>,
     lift: LiftLimits,
-    /// The first of its rows among all.
-    first: usize,
     drives: Drives<'a>,
 }
 
 impl Rows for TractionRange<'_> {
-    type Scratch<S: Vector> = ();
-
     #[inline(always)]
-    fn scratch<S: Vector>(_: S) {}
-
-    fn count(&self) -> usize {
-        self.drives.vertical.len()
-    }
-
-    #[inline(always)]
-    fn solve_lanes<S: Vector>(
-        lanes: &mut InLanes<'_, Self>,
-        simd: S,
-        span: Span,
-        placing: &mut Placing<'_, S>,
-        (): &mut (),
-    ) -> Result<(), Error> {
-        lanes.solve_rows(simd, span, placing)
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error> {
+        for spans in lanes.spans(simd) {
+            lanes.solve_rows(simd, spans, placing)?;
+        }
+        Ok(())
     }
 }
 
@@ -115,9 +95,13 @@ impl<S: Vector> DesiredRates<S> {
 
 impl InLanes<'_, TractionRange<'_>> {
     #[inline(always)]
-    fn solve_rows<S: Vector>(&mut self, simd: S, span: Span, placing: &mut Placing<'_, S>) -> Result<(), Error> {
+    fn solve_rows<S: Vector>(
+        &mut self,
+        simd: S,
+        [span, given]: [Span; 2],
+        placing: &mut Placing<'_, S>,
+    ) -> Result<(), Error> {
         let (range, wheels) = (&self.range, self.motion.wheels.min(MAX_WHEELS));
-        let given = Span { first: range.first + span.first, ..span };
         let (zero, nan) = (all(simd, 0.0), all(simd, f64::NAN));
         let joints = given.read::<S, MAX_FREE>(simd, range.driving.joints, self.motion.joints);
         let desired = self.desired_rates(simd, given);
@@ -129,7 +113,7 @@ impl InLanes<'_, TractionRange<'_>> {
         }
         let reach = is_number(sum);
         let angles = self.steering_angles(simd, given, placing, &desired, reach);
-        check(simd, range.chain, given, &angles, &[zero; MAX_WHEELS], reach)?;
+        check(simd, self.chain, given, &angles, &[zero; MAX_WHEELS], reach)?;
         placing.moves(desired.body, &desired.joints);
         let centres = self.centre_velocities(simd, placing, &angles);
         let centres = &centres[..wheels];
@@ -152,7 +136,7 @@ impl InLanes<'_, TractionRange<'_>> {
                 *steering = reach.select(angle.angle, nan);
             }
         }
-        let (steered, drives) = (range.chain.steering().len(), &mut self.range.drives);
+        let (steered, drives) = (self.chain.steering().len(), &mut self.range.drives);
         span.write(simd, &steering, steered, drives.steering);
         span.write(simd, &speeds, wheels, drives.speeds);
         span.write(simd, &contact_angles, wheels, drives.contact_angles);
@@ -190,7 +174,7 @@ impl InLanes<'_, TractionRange<'_>> {
         known: Mask<S>,
     ) -> [Option<JointAngle<S>>; MAX_WHEELS] {
         let zero = all(simd, 0.0);
-        let ranges = self.range.chain.steering();
+        let ranges = self.chain.steering();
         let mut velocities = [[zero; 2]; MAX_WHEELS];
         let mut is_centred = true;
         for wheel in 0..self.motion.wheels.min(MAX_WHEELS) {
@@ -245,7 +229,7 @@ impl InLanes<'_, TractionRange<'_>> {
         }
         let input = SteeringInput {
             plan: self.plan,
-            ranges: self.range.chain.steering(),
+            ranges: self.chain.steering(),
             axes: &axes[..self.motion.wheels.min(MAX_WHEELS)],
             from: &[zero; MAX_WHEELS],
             held: &self.held_angles(simd, given),
@@ -259,7 +243,7 @@ impl InLanes<'_, TractionRange<'_>> {
     #[inline(always)]
     fn held_angles<S: Vector>(&self, simd: S, given: Span) -> [Lanes<S>; MAX_WHEELS] {
         match self.range.driving.steering {
-            Some(angles) => given.read(simd, angles, self.range.chain.steering().len()),
+            Some(angles) => given.read(simd, angles, self.chain.steering().len()),
             None => [all(simd, 0.0); MAX_WHEELS],
         }
     }
