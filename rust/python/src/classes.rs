@@ -17,25 +17,25 @@ use pyo3::types::{PyDict, PyTuple};
 /// - `name: native Type` or `name: native Type = default`: a type that pyo3 reads;
 /// - `*`, `/`, `*name` and `**name`, as in Python.
 macro_rules! methods {
-    ($class:ident: $(
-        $(#[$attribute:meta])*
-        $vis:vis fn $name:ident[$($head:tt)*]($($parameters:tt)*) $(as $shown:tt)? -> $result:ty { $($body:tt)* }
-    )*) => {$(
-        with_parameters! {
-            ([$class] [$(#[$attribute])* $vis] $name [$($head)*] [$($shown)?] [$result] [$($body)*])
-            [] [] $($parameters)*
-        }
-    )*};
+    ($class:ident: $($items:tt)*) => {
+        listed! { [$class] $($items)* }
+    };
 }
 
 /// Functions of the module, as [`methods`] lists those of a class.
 macro_rules! functions {
-    ($(
+    ($($items:tt)*) => {
+        listed! { [] $($items)* }
+    };
+}
+
+macro_rules! listed {
+    ($class:tt $(
         $(#[$attribute:meta])*
         $vis:vis fn $name:ident[$($head:tt)*]($($parameters:tt)*) $(as $shown:tt)? -> $result:ty { $($body:tt)* }
     )*) => {$(
         with_parameters! {
-            ([] [$(#[$attribute])* $vis] $name [$($head)*] [$($shown)?] [$result] [$($body)*])
+            ($class [$(#[$attribute])* $vis] $name [$($head)*] [$($shown)?] [$result] [$($body)*])
             [] [] $($parameters)*
         }
     )*};

@@ -183,11 +183,6 @@ pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     value.extract::<f64>().map_err(|error| if is_of_another_kind(py, &error) { refused() } else { error })
 }
 
-/// An optional number of a constructor.
-pub fn optional_number(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
-    value.map(|value| number(argument, value)).transpose()
-}
-
 /// The items of an iterable, `most` at most: more are none that could be meant.
 pub fn items<'py>(argument: &str, value: &Bound<'py, PyAny>, most: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let mut items = Vec::new();

@@ -13,7 +13,7 @@ mod pool;
 mod scalars;
 mod strided;
 
-pub use array::{items, name, number, optional_number, read_array, singles};
+pub use array::{items, name, number, read_array, singles};
 pub use broadcast::{Broadcast, Named, given, joined, joint, named, together};
 pub use compute::{batches_at_work, compute, compute_rows, forget_other_threads};
 pub use errors::{

@@ -10,7 +10,7 @@ use six_wheel_terrain::ground::Settler;
 use super::margins::{MarginJacobian, slopes};
 use super::stand::Stand;
 use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, number, read_point, refuse, scalar_or_array};
-use crate::suspension::{RockerBogie, Suspension};
+use crate::suspension::{RockerBogie, Suspension, check_map_error};
 use crate::terrain::Terrain;
 use crate::workers::{any_workers, fill_rows};
 
@@ -126,13 +126,14 @@ methods! { RockerBogie:
         map_error: f64 = 0.0, belly: Option<(f64, f64, f64, f64)> = None, out=None, threads: Option<i64> = None)
     -> PyResult<Feasibility> {
         let this = slf.get();
-        let error = this.question(map_error, belly, None)?.error;
+        check_map_error(map_error)?;
+        this.bounds_constants(belly, None).or_raise(&[])?; // as `bounds` fails with this belly
         let allowed = allowed(py, limits)?;
         let poses = Rows::read_finite("poses", poses, 3)?;
         let workers = any_workers(threads, None)?;
         let (rows, ground, leading) = (poses.triples(), &*ground.get().0, &poses.leading);
         let settler = Settler::new(ground, this.0.chain());
-        let judge = this.belly(belly).and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, error));
+        let judge = this.belly(belly).and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, map_error));
         let judge = judge.or_raise(&[])?;
         let mut verdicts = memory::filled(Verdict::UNKNOWN, rows.len())?;
         let shapes = [(); 3].map(|()| leading.clone());
