@@ -213,8 +213,7 @@ methods! { Mppi:
             return Err(one_row("Mppi.step((x, y, yaw))", "state", 1 + more.len()));
         }
         let seen = Seen::of(state)?;
-        let pose = Rows::read("state.pose", &seen.pose, 3)?;
-        pose.check_leading("state.pose", &[])?;
+        let pose = Rows::read_one("state.pose", &seen.pose, 3)?;
         let twist = Rows::read_beside("state.twist", twist.or(seen.twist.as_ref()), 3, &[])?;
         let joints = self.rover.get().joints();
         let steering = Rows::read_beside("state.steering", steering.or(seen.steering.as_ref()), joints, &[])?;
@@ -277,8 +276,7 @@ impl Mppi {
             found.ok_or_else(|| refuse("state", &format!("have {name:?}"), "none"))
         };
         let controls = Rows::read_table("controls", &item("controls")?, 3)?;
-        let steering = Rows::read("steering", &item("steering")?, self.rover.get().joints())?;
-        steering.check_leading("steering", &[])?;
+        let steering = Rows::read_one("steering", &item("steering")?, self.rover.get().joints())?;
         let cycle = whole("cycle", &item("cycle")?)?;
         let state = State {
             controls: controls.triples().to_vec(),
