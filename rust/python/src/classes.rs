@@ -1,7 +1,5 @@
 //! Macros and functions that the Python classes share: attributes, `__repr__`, equality, hashing, pickling and `replace`.
 
-use std::fmt::Write;
-
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -273,17 +271,18 @@ pub fn repr_of_attributes(class: &str, object: &Bound<'_, PyAny>, names: &[&str]
     for name in names {
         attributes.set_item(name, object.getattr(*name)?)?;
     }
-    repr_of_call(class, &attributes)
+    repr_of_call(class, [], &attributes)
 }
 
-/// `call(name=value, ...)` with the representations of these arguments.
-pub fn repr_of_call(call: &str, keywords: &Bound<'_, PyDict>) -> PyResult<String> {
-    let mut text = format!("{call}(");
-    for (k, (name, value)) in keywords.iter().enumerate() {
-        let comma = if k == 0 { "" } else { ", " };
-        let _ = write!(text, "{comma}{name}={}", value.repr()?); // a String takes all that is written
-    }
-    Ok(text + ")")
+/// `call(value, ..., name=value, ...)` with the representations of these arguments.
+pub fn repr_of_call<'py>(
+    call: &str,
+    arguments: impl IntoIterator<Item = Bound<'py, PyAny>>,
+    keywords: &Bound<'py, PyDict>,
+) -> PyResult<String> {
+    let positional = arguments.into_iter().map(|value| Ok(value.repr()?.to_string()));
+    let named = keywords.iter().map(|(name, value)| Ok(format!("{name}={}", value.repr()?)));
+    Ok(format!("{call}({})", positional.chain(named).collect::<PyResult<Vec<_>>>()?.join(", ")))
 }
 
 /// A hash of numbers that is the same for zeros of either sign.

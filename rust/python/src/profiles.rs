@@ -35,15 +35,8 @@ impl Profile {
         arguments: &[&Bound<'_, PyAny>],
         keywords: Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        Ok(Self {
-            core: core.or_raise(&[])?,
-            is_vector,
-            made: ConstructorCall {
-                maker,
-                arguments: PyTuple::new(py, arguments)?.unbind(),
-                keywords: keywords.unbind(),
-            },
-        })
+        let (arguments, keywords) = (PyTuple::new(py, arguments)?.unbind(), keywords.unbind());
+        Ok(Self { core: core.or_raise(&[])?, is_vector, made: ConstructorCall { maker, arguments, keywords } })
     }
 
     /// A profile of a given shape and duration.

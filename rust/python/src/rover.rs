@@ -23,7 +23,7 @@ use six_wheel_kinematics::units::{self, Question};
 use six_wheel_terrain::suspension::WHEELS;
 
 use crate::arguments::ArgumentKind;
-use crate::classes::reduce;
+use crate::classes::{reduce, repr_of_call};
 use crate::convert::{ArgumentTypeError, OrRaise, items, ready, refuse, short_repr};
 use crate::suspension::{RockerBogie, Suspension};
 use crate::unit_warnings::warn_units;
@@ -361,12 +361,8 @@ impl Rover {
             }
             return Ok(text + ")");
         }
-        let wheels = PyList::new(py, self.wheels.bind(py))?.repr()?;
-        let mut text = format!("Rover({wheels}");
-        for (keyword, value) in keywords.iter() {
-            text += &format!(", {keyword}={}", value.repr()?);
-        }
-        Ok(text + ")")
+        let wheels = PyList::new(py, self.wheels.bind(py))?;
+        repr_of_call("Rover", [wheels.into_any()], &keywords)
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
