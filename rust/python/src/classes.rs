@@ -84,6 +84,7 @@ macro_rules! with_parameters {
         #[pymethods]
         impl $class {
             #[pyo3(signature = ($($signature)*) $(, text_signature = $shown)?)]
+            #[allow(clippy::extra_unused_lifetimes)] // a list need not name it
             $($prefix)*
             fn $name<'py>($($($head)+,)? $($typed)*) -> $result { $($body)* }
         }
