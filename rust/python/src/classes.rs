@@ -1,4 +1,5 @@
-//! Macros and functions that the Python classes share: attributes, `__repr__`, equality, hashing, pickling and `replace`.
+//! Macros and functions that the Python classes share: methods, attributes, `__repr__`, equality, hashing, pickling and
+//! `replace`. rustfmt leaves what stands in these lists as it is: write it as rustfmt would, lists of parameters filled.
 
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -27,6 +28,7 @@ macro_rules! functions {
     };
 }
 
+/// The items of both lists, one by one.
 macro_rules! listed {
     ($class:tt $(
         $(#[$attribute:meta])*

@@ -184,7 +184,8 @@ methods! { RockerBogie:
         let workers = any_workers(threads, None)?;
         let (rows, ground, leading) = (poses.triples(), &*ground.get().0, &poses.leading);
         let settler = Settler::new(ground, this.0.chain());
-        let judge = this.belly(belly).and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, map_error));
+        let dimensions = this.0.dimensions();
+        let judge = this.belly(belly).and_then(|belly| Judge::new(settler, dimensions, belly, allowed, map_error));
         let judge = judge.or_raise(&[])?;
         let mut verdicts = memory::filled(Verdict::UNKNOWN, rows.len())?;
         let shapes = [(); 3].map(|()| leading.clone());
