@@ -1,9 +1,9 @@
 //! Arguments of one kind, read by name. A value of another kind is refused with the argument's name, the kind that is
 //! expected, and the value.
 //!
-//! A parameter of a method is marked `#[pyo3(from_py_with = arguments::rover)]`: the function of its name reads it into any
-//! type with [`FromArgument`]. A class of this library implements [`ArgumentKind`] in its own file. Errors of pyo3 itself
-//! name the argument in a traceback only.
+//! A parameter with a type in a list of [`methods`](crate::classes) is read by the function of its name here, into any type
+//! with [`FromArgument`]: a new name is added to `named!`. A class of this library implements [`ArgumentKind`] in its own
+//! file. Errors of pyo3 itself name the argument in a traceback only.
 
 use pyo3::PyClass;
 use pyo3::prelude::*;

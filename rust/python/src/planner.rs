@@ -123,14 +123,16 @@ getters! { Mppi, self, py:
         output.finish()
     };
     /// Weights of the cost terms, by name.
-    weights: PyResult<Bound<'py, PyDict>> = Weights::NAMES.into_iter().zip(self.options.weights.values()).into_py_dict(py);
+    weights: PyResult<Bound<'py, PyDict>> =
+        Weights::NAMES.into_iter().zip(self.options.weights.values()).into_py_dict(py);
 }
 
 methods! { Mppi:
     #[new]
     fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, horizon=None, dt: Option<f64> = None,
         samples=None, seed=None, noise=None, correlation: f64 = 0.5, temperature: f64 = 1.0,
-        weights: native Option<&Bound<'py, PyDict>> = None, smoothing: bool = true, delay: f64 = 0.0, dtype=None, footprint=None)
+        weights: native Option<&Bound<'py, PyDict>> = None, smoothing: bool = true, delay: f64 = 0.0, dtype=None,
+        footprint=None)
     as "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
     -> PyResult<Self> {
         let usual = Options::default();
@@ -213,8 +215,7 @@ methods! { Mppi:
             return Err(one_row("Mppi.step((x, y, yaw))", "state", 1 + more.len()));
         }
         let seen = Seen::of(state)?;
-        let pose = Rows::read("state.pose", &seen.pose, 3)?;
-        pose.check_leading("state.pose", &[])?;
+        let pose = Rows::read_one("state.pose", &seen.pose, 3)?;
         let twist = Rows::read_beside("state.twist", twist.or(seen.twist.as_ref()), 3, &[])?;
         let joints = self.rover.get().joints();
         let steering = Rows::read_beside("state.steering", steering.or(seen.steering.as_ref()), joints, &[])?;
@@ -277,8 +278,7 @@ impl Mppi {
             found.ok_or_else(|| refuse("state", &format!("have {name:?}"), "none"))
         };
         let controls = Rows::read_table("controls", &item("controls")?, 3)?;
-        let steering = Rows::read("steering", &item("steering")?, self.rover.get().joints())?;
-        steering.check_leading("steering", &[])?;
+        let steering = Rows::read_one("steering", &item("steering")?, self.rover.get().joints())?;
         let cycle = whole("cycle", &item("cycle")?)?;
         let state = State {
             controls: controls.triples().to_vec(),

@@ -23,7 +23,7 @@ use six_wheel_kinematics::units::{self, Question};
 use six_wheel_terrain::suspension::WHEELS;
 
 use crate::arguments::ArgumentKind;
-use crate::classes::reduce;
+use crate::classes::{reduce, repr_of_call};
 use crate::convert::{ArgumentTypeError, OrRaise, items, ready, refuse, short_repr};
 use crate::suspension::{RockerBogie, Suspension};
 use crate::unit_warnings::warn_units;
@@ -100,6 +100,13 @@ impl Rover {
     /// Number of steered wheels.
     pub fn joints(&self) -> usize {
         self.core.steered().len()
+    }
+
+    /// Names of the wheels and of the steered ones.
+    pub fn wheels_and_steered(&self) -> [Vec<&str>; 2] {
+        let wheels: Vec<&str> = self.core.wheels().iter().map(|wheel| wheel.name.as_str()).collect();
+        let steered = self.core.steered().iter().map(|&i| wheels[i]).collect();
+        [wheels, steered]
     }
 
     /// Number of wheels.
@@ -233,8 +240,7 @@ getters! { Rover, self, py:
     /// The wheels, in the order of every array.
     wheels: Py<PyTuple> = self.wheels.clone_ref(py);
     /// Names of the wheels, in the order of every array.
-    wheel_names: PyResult<Bound<'py, PyTuple>> =
-        PyTuple::new(py, self.core.wheels().iter().map(|wheel| wheel.name.as_str()));
+    wheel_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, &self.wheels_and_steered()[0]);
     /// Joint name to wheel name of the wheel drives, in the order of the wheels, as in arrays of speeds.
     traction_joints: PyResult<Bound<'py, PyDict>> = self.joint_dict(py, &joints::in_order_of_wheels(&self.traction));
     /// Joint name to wheel name of the steering, in the order of `steered_names`, as in arrays of angles.
@@ -252,10 +258,7 @@ getters! { Rover, self, py:
     /// Between it and `min_radius` some turns are impossible.
     spin_radius: f64 = self.core.spin_radius();
     /// Names of the steered wheels, in the order of steering arrays.
-    steered_names: PyResult<Bound<'py, PyTuple>> = {
-        let names = self.core.steered().iter().map(|&i| self.core.wheels()[i].name.as_str());
-        PyTuple::new(py, names.collect::<Vec<_>>())
-    };
+    steered_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, &self.wheels_and_steered()[1]);
     /// Names of the steering joints, then of the traction joints, each in the order they were given in: that of
     /// `commands`, and for a rover from a parameter file that of the file.
     command_joints: PyResult<Bound<'py, PyTuple>> = {
@@ -358,12 +361,8 @@ impl Rover {
             }
             return Ok(text + ")");
         }
-        let wheels = PyList::new(py, self.wheels.bind(py))?.repr()?;
-        let mut text = format!("Rover({wheels}");
-        for (keyword, value) in keywords.iter() {
-            text += &format!(", {keyword}={}", value.repr()?);
-        }
-        Ok(text + ")")
+        let wheels = PyList::new(py, self.wheels.bind(py))?;
+        repr_of_call("Rover", [wheels.into_any()], &keywords)
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {

@@ -148,6 +148,12 @@ def test_nothing_replaced_is_the_same(name):
         assert repr(again) == repr(value)
 
 
+@pytest.mark.parametrize("kind", [sw.Wheel, sw.Noise, sw.Encoder, sw.Gyroscope, sw.FourAxle, sw.Costmap])
+def test_equal_values_hash_alike(kind):
+    value, _ = VALUES[kind]
+    assert hash(pickle.loads(pickle.dumps(value))) == hash(value)
+
+
 @pytest.mark.parametrize(("name", "argument"), ARGUMENTS)
 def test_each_argument_can_be_replaced(name, argument):
     value, changes = CASES[name]

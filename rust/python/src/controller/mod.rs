@@ -118,8 +118,8 @@ methods! { Controller:
     #[new]
     fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, timeout: Option<f64> = (Some(0.5)),
         period: Option<f64> = None, max_step: f64 = 0.1, mode: &str = "free", align: Option<&str> = (Some("cosine")),
-        align_tolerance: f64 = 0.02, following_error: Option<f64> = (Some(0.2)), following_time: Option<f64> = (Some(0.5)),
-        discretise: bool = false, steering=None, twist=None)
+        align_tolerance: f64 = 0.02, following_error: Option<f64> = (Some(0.2)),
+        following_time: Option<f64> = (Some(0.5)), discretise: bool = false, steering=None, twist=None)
     as "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, following_error=0.2, following_time=0.5, discretise=False, steering=None, twist=None)"
     -> PyResult<Self> {
         let options = Options {
@@ -178,8 +178,7 @@ methods! { Controller:
     as "($self, twist, stamp, mode=None)" -> PyResult<bool> {
         let call = "Controller.command((vx, vy, omega), stamp)";
         one_twist_first(call, twist, if mode.is_some() { 3 } else { 2 }, more)?;
-        let twists = Rows::read("twist", twist, 3)?;
-        twists.check_leading("twist", &[])?;
+        let twists = Rows::read_one("twist", twist, 3)?;
         let mode = mode.map(|mode| Mode::from_str(&name(mode))).transpose();
         let twist = Twist::from(twists.triples()[0]);
         let mut core = self.core.lock(py)?;

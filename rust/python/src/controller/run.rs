@@ -58,8 +58,7 @@ methods! { Controller:
         let stamps = Scalars::read("stamps", stamps)?;
         let commands = stamps.flat().len();
         stamps.fit_exactly("stamps", &[commands])?;
-        let twists = Rows::read("twists", twists, 3)?;
-        twists.check_leading("twists", &[commands])?;
+        let twists = Rows::read_over("twists", twists, 3, &[commands])?;
 
         let widths = [self.joints, self.joints, self.wheels, 3];
         let mut results = Results::fresh(py, widths.map(|width| vec![count, width]))?;

@@ -4,7 +4,8 @@ use pyo3::exceptions::{PyMemoryError, PyOverflowError, PyTypeError, PyValueError
 use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyTuple};
-use six_wheel_numerics::error::{Error, ErrorKind};
+use six_wheel_numerics::error::{Error, ErrorKind, finite};
+use six_wheel_numerics::sizes::are_finite;
 
 import_exception!(six_wheel.kinematics.errors, ArgumentTypeError);
 import_exception!(six_wheel.kinematics.errors, InfeasibleMotionError);
@@ -47,6 +48,17 @@ fn index(row: usize, leading: &[usize]) -> String {
     }
     places.reverse();
     format!("[{}]", places.join(", "))
+}
+
+/// Fails unless the numbers of every row are finite.
+pub(super) fn check_finite(argument: &'static str, values: &[f64], width: usize, leading: &[usize]) -> PyResult<()> {
+    if are_finite(values) {
+        return Ok(());
+    }
+    for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
+        finite(argument, values).map_err(|error| raise(error.at_row(row), leading))?;
+    }
+    Ok(())
 }
 
 /// "`argument` must `rule`, got `value`" for what only Python knows of.

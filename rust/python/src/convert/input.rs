@@ -6,12 +6,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
 use six_wheel_kinematics::table::Table;
-use six_wheel_numerics::error::finite;
-use six_wheel_numerics::sizes::are_finite;
 
 use super::array::{read_array, three_numbers};
 use super::broadcast::{Broadcast, joined};
-use super::errors::{raise, refuse, refuse_shape, shape_text};
+use super::errors::{check_finite, refuse, refuse_shape, shape_text};
 use super::memory::{self, BorrowedArray};
 use super::numpy_module::numpy;
 use super::strided::Strided;
@@ -87,10 +85,15 @@ impl<'py> Rows<'py> {
         if rows.leading.len() == 1 { Ok(rows) } else { Err(rows.refuse_shape(argument, &format!("(n, {width})"))) }
     }
 
+    /// Reads rows with these leading axes.
+    pub fn read_over(argument: &str, value: &Bound<'py, PyAny>, width: usize, leading: &[usize]) -> PyResult<Self> {
+        let rows = Self::read(argument, value, width)?;
+        rows.check_leading(argument, leading).map(|()| rows)
+    }
+
     /// Reads one row.
     pub fn read_one(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
-        let row = Self::read(argument, value, width)?;
-        row.check_leading(argument, &[]).map(|()| row)
+        Self::read_over(argument, value, width, &[])
     }
 
     /// Reads an optional argument that has one row per row of another one.
@@ -100,25 +103,21 @@ impl<'py> Rows<'py> {
         width: usize,
         leading: &[usize],
     ) -> PyResult<Option<Self>> {
-        let Some(value) = value else { return Ok(None) };
-        let rows = Self::read(argument, value, width)?;
-        rows.check_leading(argument, leading)?;
-        Ok(Some(rows))
+        value.map(|value| Self::read_over(argument, value, width, leading)).transpose()
     }
 
-    /// Reads finite rows, one per row of another argument.
+    /// Reads finite rows with these leading axes.
     pub fn read_finite_over(
         argument: &'static str,
         value: &Bound<'py, PyAny>,
         width: usize,
         leading: &[usize],
     ) -> PyResult<Self> {
-        let rows = Self::read(argument, value, width)?;
-        rows.check_leading(argument, leading)?;
+        let rows = Self::read_over(argument, value, width, leading)?;
         rows.check_finite(argument).map(|()| rows)
     }
 
-    /// An optional argument of finite numbers that has one row per row of another one.
+    /// Reads an optional argument of finite numbers that has one row per row of another one.
     pub fn read_finite_beside(
         argument: &'static str,
         value: Option<&Bound<'py, PyAny>>,
@@ -263,14 +262,6 @@ impl<'py> Blocks<'py> {
         Rows::of(argument, array, width).map(Self::Flat)
     }
 
-    /// Lengths of the leading axes.
-    pub fn leading(&self) -> &[usize] {
-        match self {
-            Self::Flat(rows) => &rows.leading,
-            Self::Strided { leading, .. } => leading,
-        }
-    }
-
     fn width(&self) -> usize {
         match self {
             Self::Flat(rows) => rows.width,
@@ -329,7 +320,10 @@ impl<'py> Blocks<'py> {
 
 impl Broadcast for Blocks<'_> {
     fn leading(&self) -> &[usize] {
-        self.leading()
+        match self {
+            Self::Flat(rows) => &rows.leading,
+            Self::Strided { leading, .. } => leading,
+        }
     }
 
     fn shape_over(&self, leading: &[usize]) -> Vec<usize> {
@@ -345,16 +339,6 @@ impl Broadcast for Blocks<'_> {
         }
         Ok(())
     }
-}
-
-pub(super) fn check_finite(argument: &'static str, values: &[f64], width: usize, leading: &[usize]) -> PyResult<()> {
-    if are_finite(values) {
-        return Ok(());
-    }
-    for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
-        finite(argument, values).map_err(|error| raise(error.at_row(row), leading))?;
-    }
-    Ok(())
 }
 
 /// Lengths of the axes before the last one, which has this width.

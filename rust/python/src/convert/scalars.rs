@@ -7,8 +7,8 @@ use six_wheel_kinematics::geometry::Steps;
 
 use super::array::read_array;
 use super::broadcast::Broadcast;
-use super::errors::{refuse_shape, shape_text};
-use super::input::{Memory, check_finite, contiguous, spread};
+use super::errors::{check_finite, refuse_shape, shape_text};
+use super::input::{Memory, contiguous, spread};
 
 /// One number, or one per row.
 pub struct Scalars<'py> {

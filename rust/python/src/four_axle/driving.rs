@@ -91,8 +91,8 @@ methods! { FourAxle:
     ///     If an axle would leave its range.
     /// ValueError
     ///     If a value is not finite or a brake is free.
-    fn turn_sequence[&self, py: Python<'py>](state, curvature: f64, *, steer: &str = "both",
-        speed: Option<f64> = None, pivot_rate: Option<f64> = None, brake_time: Option<f64> = None)
+    fn turn_sequence[&self, py: Python<'py>](state, curvature: f64, *, steer: &str = "both", speed: Option<f64> = None,
+        pivot_rate: Option<f64> = None, brake_time: Option<f64> = None)
     as "($self, state, curvature, *, steer='both', speed=0.0, pivot_rate=0.5, brake_time=0.0)"
     -> PyResult<Bound<'py, PyAny>> {
         let steer = steer.parse().map_err(raised)?;

@@ -158,7 +158,8 @@ functions! {
     ///
     /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
     /// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
-    pub fn body_slip[py: Python<'py>](navigated, kinematic, covariance, *, false_alarm: f64 = 0.01) -> PyResult<BodySlip> {
+    pub fn body_slip[py: Python<'py>](navigated, kinematic, covariance, *, false_alarm: f64 = 0.01)
+    -> PyResult<BodySlip> {
         let length = navigated.len().unwrap_or(0);
         if !(1..=6).contains(&length) {
             let got = navigated.repr()?.to_string();

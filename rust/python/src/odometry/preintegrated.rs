@@ -10,8 +10,7 @@ use six_wheel_numerics::error::Error;
 use six_wheel_odometry::preintegrated::{Column, Replayed, Residual, Rules, Tangent};
 use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 
-use super::input::{encoders, steering_left_out};
-use super::readings_named;
+use super::input::{settings, steering_left_out};
 use super::values::{Gyroscope, Noise};
 use crate::arguments::ArgumentKind;
 use crate::convert::{OrRaise, Rows, Scalars, choice, compute, number, raise, refuse};
@@ -95,19 +94,11 @@ methods! { Preintegrated:
     as "(rover, noise=None, *, gyroscope=None, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
     -> PyResult<Self> {
         let core = &rover.get().core;
-        let names = |wheels: &mut dyn Iterator<Item = usize>| -> Vec<&str> {
-            wheels.map(|i| core.wheels()[i].name.as_str()).collect()
-        };
-        let wheels = names(&mut (0..core.wheels().len()));
-        let steered = names(&mut core.steered().iter().copied());
+        let [wheels, steered] = rover.get().wheels_and_steered();
         let rules = Rules {
             settings: Settings {
-                noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
-                readings: readings_named(readings)?,
-                wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
-                steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
                 method: method.parse::<Method>().or_raise(&[])?,
-                ..Settings::default()
+                ..settings(noise, readings, [wheel_encoders, steering_encoders], [&wheels, &steered])?
             },
             gyroscope: gyroscope.map(|known| known.get().0),
             in_space,

@@ -9,8 +9,7 @@ use six_wheel_ground_motion::spatial::{Odometry3 as Core, Recording3, Sample3, S
 use six_wheel_numerics::error::Error;
 use six_wheel_odometry::Settings;
 
-use super::input::{Columns, build_track, encoders, row};
-use super::readings_named;
+use super::input::{Columns, build_track, row, settings};
 use super::values::Noise;
 use crate::convert::{OrRaise, Output, Rows, Scalars, compute_rows, memory, ready};
 use crate::state_lock::Shared;
@@ -115,17 +114,13 @@ methods! { Odometry3:
         let wheels: Vec<&str> = chain.wheels().iter().map(|wheel| &*wheel.name).collect();
         let steered: Vec<&str> = (0..chain.steering().len()).map(|joint| chain.steered_name(joint)).collect();
         let common = Settings {
-            noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
-            readings: readings_named(readings)?,
-            wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
-            steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
             slip_threshold,
             max_gap,
             max_speed,
             max_steering_rate,
             lag: lag.unwrap_or(0.0),
             history,
-            ..Settings::default()
+            ..settings(noise, readings, [wheel_encoders, steering_encoders], [&wheels, &steered])?
         };
         let usual = Settings3::default();
         let settings = Settings3 {

@@ -103,8 +103,7 @@ value_of_numbers!(Noise: given);
 methods! { Noise:
     #[new]
     fn new[py: Python<'py>](speed: Option<f64> = None, steering: Option<f64> = None, *, slip: Option<f64> = None,
-        side_slip: Option<f64> = None, yaw: Option<f64> = None, yaw_rate: Option<f64> = None,
-        period: Option<f64> = None)
+        side_slip: Option<f64> = None, yaw: Option<f64> = None, yaw_rate: Option<f64> = None, period: Option<f64> = None)
     as "(speed=None, steering=None, *, slip=None, side_slip=None, yaw=0.0, yaw_rate=0.0, period=None)"
     -> PyResult<Self> {
         let measured = [speed, steering, slip, side_slip].map(|value| value.is_some());

@@ -117,6 +117,7 @@ impl Costmap {
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        (self.core.shape(), self.spacing(py), self.origin(py), &self.frame).into_pyobject(py)?.hash()
+        let shape: (usize, usize) = self.core.shape().into();
+        (shape, self.spacing(py), self.origin(py), &self.frame).into_pyobject(py)?.hash()
     }
 }

@@ -3,6 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::classes::repr_of_call;
+
 /// A function of `six_wheel.kinematics.profiles` and what it was called with.
 pub struct ConstructorCall {
     pub maker: &'static str,
@@ -19,14 +21,8 @@ pub fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
 impl ConstructorCall {
     /// The call, to be pasted back.
     pub fn repr(&self, py: Python<'_>) -> PyResult<String> {
-        let mut arguments = Vec::new();
-        for argument in self.arguments.bind(py).iter() {
-            arguments.push(argument.repr()?.to_string());
-        }
-        for (keyword, value) in self.keywords.bind(py).iter() {
-            arguments.push(format!("{keyword}={}", value.repr()?));
-        }
-        Ok(format!("profiles.{}({})", self.maker, arguments.join(", ")))
+        let call = format!("profiles.{}", self.maker);
+        repr_of_call(&call, self.arguments.bind(py), self.keywords.bind(py))
     }
 
     pub fn equals(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {

@@ -118,8 +118,9 @@ methods! { BodyTransition:
     /// ValueError
     ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
     #[staticmethod]
-    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3], duration: Option<f64> = None, *,
-        shape: Option<&str> = None, acceleration: Option<f64> = None, angular_acceleration: Option<f64> = None, jerk: Option<f64> = None, angular_jerk: Option<f64> = None,
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3],
+        duration: Option<f64> = None, *, shape: Option<&str> = None, acceleration: Option<f64> = None,
+        angular_acceleration: Option<f64> = None, jerk: Option<f64> = None, angular_jerk: Option<f64> = None,
         synchronise: Option<&str> = None, previous=None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let [start, end] = [start_twist, end_twist].map(|twist| twist.map(|number| number + 0.0));
@@ -196,8 +197,9 @@ methods! { ModuleTransition:
     /// ValueError
     ///     If a value is not as said, or an angle lies outside its wheel's range.
     #[staticmethod]
-    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start, end, duration: Option<f64> = None, *, shape: Option<&str> = None,
-        steering_rate: Option<f64> = None, steering_acceleration: Option<f64> = None, steering_jerk: Option<f64> = None, wheel_acceleration: Option<f64> = None, wheel_jerk: Option<f64> = None,
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start, end, duration: Option<f64> = None, *,
+        shape: Option<&str> = None, steering_rate: Option<f64> = None, steering_acceleration: Option<f64> = None,
+        steering_jerk: Option<f64> = None, wheel_acceleration: Option<f64> = None, wheel_jerk: Option<f64> = None,
         synchronise: Option<&str> = None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let from = modules("start", rover.get(), start)?;
@@ -287,8 +289,9 @@ methods! { IcrTransition:
     /// ValueError
     ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
     #[staticmethod]
-    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3], *, steering_rate: f64,
-        steering_acceleration: Option<f64> = None, steering_jerk: Option<f64> = None, wheel_speed: Option<f64> = None, wheel_acceleration: Option<f64> = None, acceleration: Option<f64> = None,
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3], *,
+        steering_rate: f64, steering_acceleration: Option<f64> = None, steering_jerk: Option<f64> = None,
+        wheel_speed: Option<f64> = None, wheel_acceleration: Option<f64> = None, acceleration: Option<f64> = None,
         angular_acceleration: Option<f64> = None, previous=None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let [start, end] = [start_twist, end_twist].map(|twist| twist.map(|number| number + 0.0));

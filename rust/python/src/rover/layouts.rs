@@ -203,7 +203,8 @@ methods! { Rover:
         names: native Option<Vec<String>> = None)
     as "(track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
     -> PyResult<Self> {
-        Self::differential(py, track_width, wheel_radius, 1, None, icr_left, icr_right, icr_forward, scrub, trail, names)
+        let (left, right, forward) = (icr_left, icr_right, icr_forward);
+        Self::differential(py, track_width, wheel_radius, 1, None, left, right, forward, scrub, trail, names)
     }
 
     /// A published rover by name; `Rover.presets` lists them.

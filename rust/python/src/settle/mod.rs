@@ -1,7 +1,6 @@
 //! `Suspension.settle` and `six_wheel.SettledPose`: chains on ground.
 
 mod fastcall;
-mod margins;
 mod stability;
 mod stand;
 
@@ -14,8 +13,7 @@ use crate::terrain::Terrain;
 use crate::workers::any_workers;
 
 pub use fastcall::install;
-pub use margins::MarginJacobian;
-pub use stability::{Feasibility, Stability};
+pub use stability::{Feasibility, MarginJacobian, Stability};
 pub use stand::Stand;
 
 /// Steering angles beside poses: none, one row for all, or one per pose.

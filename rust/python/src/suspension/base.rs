@@ -245,7 +245,7 @@ impl Suspension {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let Some((name, arguments)) = &self.made else { return Ok("Suspension(...)".into()) };
-        repr_of_call(&format!("Suspension.{name}"), arguments.bind(py))
+        repr_of_call(&format!("Suspension.{name}"), [], arguments.bind(py))
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {

@@ -294,7 +294,7 @@ impl RockerBogie {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        repr_of_call("RockerBogie", &self.dimensions(py)?)
+        repr_of_call("RockerBogie", [], &self.dimensions(py)?)
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {

@@ -1,7 +1,6 @@
 //! `Terrain.read` and `Terrain.yard`: ground from files and from a seed.
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use super::Terrain;
 
@@ -75,10 +74,7 @@ methods! { Terrain:
     #[staticmethod]
     fn yard[py: Python<'py>](size=None, spacing: f64 = 0.05, cover: f64 = 0.1, seed=None, *, roughness: f64 = 0.1)
     -> PyResult<Bound<'py, PyAny>> {
-        let options = PyDict::new(py);
-        options.set_item("spacing", spacing)?;
-        options.set_item("cover", cover)?;
-        options.set_item("roughness", roughness)?;
+        let options = dict!(py, spacing, cover, roughness);
         for (name, value) in [("size", size), ("seed", seed)] {
             if let Some(value) = value {
                 options.set_item(name, value)?;

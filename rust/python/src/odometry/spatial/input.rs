@@ -25,8 +25,7 @@ pub fn attitudes<'py>(value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<
         [_, width @ 2..=4] => *width,
         _ => return Err(refuse_shape("attitude", "have shape (n, 2), (n, 3) or (n, 4)", &shape)),
     };
-    let rows = Rows::read("attitude", value, width)?;
-    rows.check_leading("attitude", leading)?;
+    let rows = Rows::read_over("attitude", value, width, leading)?;
     Ok((rows, width))
 }
 
