@@ -7,6 +7,7 @@ import six_wheel as sw
 from six_wheel.reference.control import planner as plain
 from six_wheel.reference.control import random_numbers
 from tests.core.planner.layouts import LIMITS, ROVERS, components, twin
+from tests.rovers import SIX_SIZES
 
 ALL_ROVERS = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 # One joint is always set for some motion; two may be set for none.
@@ -213,7 +214,7 @@ def test_rollouts_apart_wait_for_the_dead_time_and_start_where_they_are_told():
     way = np.cumsum(np.concatenate([np.zeros(4), np.arange(1, 8) * 0.01]))
     np.testing.assert_allclose(poses[0, :, 0], way, atol=1e-12)
     np.testing.assert_allclose(poses[1, :, :2], np.stack([np.ones(11), 2 + way], axis=1), atol=1e-12)
-    stuck = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=(0.5, 1.0))
+    stuck = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(0.5, 1.0))
     assert (sw.rollout(controls, 0.1, starts, rover=stuck) == np.array(starts)[:, None]).all()
     with pytest.raises(ValueError, match="limits must come with a rover, got none"):
         sw.rollout(controls, 0.1, limits=limits)
