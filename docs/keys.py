@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from six_wheel.robot_description.parameters.keys import page
+from six_wheel.robot_description.parameters.foreign.keys_page import page
 
 if __name__ == "__main__":
     (Path(__file__).parent / "reference" / "other_keys.md").write_text(page(), encoding="utf-8")

@@ -29,12 +29,12 @@ from six_wheel.logs.bags.joint_bag import JOINT_STATE
 from six_wheel.logs.bags.messages import POSES
 from six_wheel.logs.columns import TableError
 from six_wheel.simulation.drive import Loop, drive
+from tests.rovers import CART
+from tests.rovers import SIX_WHEELS as ROVER
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 TYPES = STORE.types
 START = 1_700_000_000_000_000_000  # [ns]
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
-CART = sw.Rover.differential(0.5, 0.1)
 STORAGES = {"sqlite3": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
 
 

@@ -25,13 +25,13 @@ from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cros
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, heard, moving, prepare
 from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
-from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.gyroscope import noise as gyroscope
 from six_wheel.calibration.gyroscope.scale import mistaken, scale
 from six_wheel.calibration.log_checks import slip, units
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
+from six_wheel.calibration.problem import LOSSES, Loss, Problem, Solution
 from six_wheel.calibration.result import Calibration
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.odometry.dimensions import Catalogue
@@ -142,8 +142,8 @@ def calibrate(
     """
     check_kind("rover", rover)
     records = _with_truth(as_logs(logs, rover), truth)
-    if loss not in ("auto", *fitting.LOSSES):
-        raise ValueError(f"loss must be one of auto, {', '.join(fitting.LOSSES)}, got {loss!r}")
+    if loss not in ("auto", *LOSSES):
+        raise ValueError(f"loss must be one of auto, {', '.join(LOSSES)}, got {loss!r}")
     if not (isinstance(confidence, Real) and 0.0 < confidence < 1.0):
         raise ValueError(f"confidence must be between 0 and 1, got {confidence!r}")
     if not (isinstance(max_time_offset, Real) and np.isfinite(max_time_offset) and max_time_offset > 0.0):
@@ -331,7 +331,7 @@ def _readable(rover: Rover, log: WheelLog, number: int) -> WheelLog:
 
 
 def _noise(
-    problem: Problem, solution: fitting.Solution, records: Sequence[WheelLog], confidence: float
+    problem: Problem, solution: Solution, records: Sequence[WheelLog], confidence: float
 ) -> MeasuredNoise | None:
     """Noise from where every log ends under a fit without its session, or without itself."""
     model, drives = problem.model, problem.drives

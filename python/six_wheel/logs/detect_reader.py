@@ -17,7 +17,7 @@ from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.odometry.tabular_input import is_table, table
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs import optiodom
-from six_wheel.logs.bags.bag_files import BAGS
+from six_wheel.logs.bags.bag_files import BAGS, is_bag
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.joint_columns import Reading
@@ -45,6 +45,7 @@ __all__ = [
 
 # Of the keys of encoders those that hold for angles too, however they were read.
 CORRECTIONS = frozenset({"scale", "steering_gain"})
+ENDINGS = ", ".join([*FORMATS, *BAGS])
 AnyLog: TypeAlias = "JointLog | WholeLog"
 
 
@@ -139,12 +140,11 @@ def log_format(path: Path) -> str:
     for name, reader in READERS.items():
         if reader.claims(path):
             return name
-    if path.is_dir() or path.suffix.lower() in BAGS:
+    if is_bag(path):
         return "bag"
     if path.suffix.lower() in FORMATS:
         return "table"
-    endings = ", ".join([*FORMATS, *BAGS])
-    raise TableError(f'{path}: a log must be a bag\'s folder or end in {endings}, got "{path.suffix}"')
+    raise TableError(f'{path}: a log must be a bag\'s folder or end in {ENDINGS}, got "{path.suffix}"')
 
 
 def logs_in(paths: Sequence[Path]) -> list[Path]:
@@ -162,8 +162,7 @@ def logs_in(paths: Sequence[Path]) -> list[Path]:
             continue
         inside = sorted(each for each in path.rglob("*") if _is_log(each))
         if not inside:
-            endings = ", ".join([*FORMATS, *BAGS])
-            raise TableError(f"{path}: the folder must hold a log, a bag or a file ending in {endings}")
+            raise TableError(f"{path}: the folder must hold a log, a bag or a file ending in {ENDINGS}")
         found += inside
     return found
 
@@ -190,7 +189,7 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
         raise ValueError(f'format must be one of {", ".join(log_formats())}, got "{kind}"')
     if kind in READERS:
         return WholeLog(path, rover, kind)
-    if (path.is_dir() or path.suffix.lower() in BAGS) != (kind == "bag"):
+    if is_bag(path) != (kind == "bag"):
         of_table = f"a file ending in {' or '.join(FORMATS)}"
         what = "a folder or .mcap or .db3 file" if kind == "bag" else of_table
         raise TableError(f"{path}: the format {kind} is {what}")
@@ -288,8 +287,7 @@ def _as_log(source: Any, rover: Rover) -> WheelLog:
     if isinstance(source, str | os.PathLike):
         return read_log(source, rover)[0]
     if not is_table(source):
-        kind = type(source).__name__
-        raise TypeError(f"logs must be Logs, paths or tables of columns, got {kind}")
+        raise TypeError(f"logs must be Logs, paths or tables of columns, got {type(source).__name__}")
     pieces = list(table(rover, source, None, {}, {}).pieces)
     steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_names else None
     stamps = np.concatenate([piece.stamps for piece in pieces])

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover
-from six_wheel.logs.bags.bag_files import BAGS
+from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.columns import Column, Unit
 from six_wheel.logs.ground_truth import TRUTH
 from six_wheel.logs.gyroscope.rates import RATES, upward
@@ -62,7 +62,7 @@ class JointSource:
         self.rows: Source
         self.rates: Source | None = None
         self.names: Sequence[str]
-        self.bagged = path.is_dir() or path.suffix.lower() in BAGS
+        self.bagged = is_bag(path)
         silent = self._open_bag(reading, topics, frame) if self.bagged else self._open_table(reading, columns)
         if silent:
             self.warnings.append(f"{path}: no readings of {', '.join(silent)}: taken as without encoder")

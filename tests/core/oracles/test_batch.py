@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
+from tests.rovers import CAR, CART, MECANUM, SIX_SIZES, THREE_AXLES, TRICYCLE
 from tests.strategies import any_twists, layouts
 
 SOAK = int(os.environ.get("SOAK", "1"))
@@ -24,18 +25,18 @@ SIZES = [0.0, -0.0, 5e-324, 1e-310, 1e-200, 1e-120, 1e-30, 1e-9, 0.1, 1.0, 3.0, 
 SWERVE = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 ROVERS = {
     "perseverance": sw.Rover.preset("perseverance"),
-    "limited": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=1.0),
-    "wide": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=(-2.0, 2.5)),
+    "limited": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0),
+    "wide": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-2.0, 2.5)),
     "swerve": sw.Rover.swerve(SWERVE, 0.1),
     "turning swerve": sw.Rover.swerve(SWERVE[:3], 0.1, steering_limit=math.pi),
-    "ackermann": sw.Rover.ackermann(2.0, 1.2, 0.3, steering_limit=0.6),
-    "tricycle": sw.Rover.tricycle(1.0, 0.8, 0.2),
-    "differential": sw.Rover.differential(0.5, 0.1, wheels_per_side=3, wheelbase=0.8),
-    "mecanum": sw.Rover.mecanum(0.3, 0.2, 0.1),
+    "ackermann": CAR,
+    "tricycle": TRICYCLE,
+    "differential": THREE_AXLES,
+    "mecanum": MECANUM,
     "omni": sw.Rover.omni([(0.2, 0), (-0.1, 0.17), (-0.1, -0.17)], [1.57, 3.67, -0.52], 0.05),
     "castor": sw.Rover(
         [
-            *sw.Rover.differential(0.5, 0.1).wheels,
+            *CART.wheels,
             sw.Wheel("castor", 0.3, 0, radius=0.05, castor=True, trail=0.02),
         ]
     ),

@@ -11,7 +11,7 @@ import six_wheel as sw
 from six_wheel.robot_description import parameters as config
 from six_wheel.robot_description.parameters import ParameterFileError, read_parameters
 from six_wheel.robot_description.parameters.detect_format import KEYS
-from six_wheel.robot_description.parameters.keys import page
+from six_wheel.robot_description.parameters.foreign.keys_page import page
 from six_wheel.robot_description.parameters.schema import NESTED
 from six_wheel.robot_description.parameters.vehicle_types import KINDS
 

@@ -20,7 +20,7 @@ from six_wheel.cli.names import PROGRAM
 from six_wheel.cli.shared import Chosen, Reading, grid, new_console, progress_bar, warn
 
 if TYPE_CHECKING:
-    from six_wheel.log_odometry.run_log import Reckoned, Settings
+    from six_wheel.log_odometry.results import Reckoned, Settings
 Options: TypeAlias = Callable[[], dict[str, Any]]
 """Arguments of dead reckoning, refused if they are wrong once the files are known to be good."""
 
@@ -63,7 +63,7 @@ class Estimate(NamedTuple):
     def settings(self, chosen: Chosen) -> "Settings":
         """Settings of dead reckoning: those of the parameter file, overridden by the arguments."""
         from six_wheel._core import Noise
-        from six_wheel.log_odometry.run_log import Settings
+        from six_wheel.log_odometry.results import Settings
 
         said = chosen.parameters
         noise = dict(said.noise) if said else {}

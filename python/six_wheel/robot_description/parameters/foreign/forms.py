@@ -28,14 +28,11 @@ from pydantic import AfterValidator, BeforeValidator, Field, Strict, create_mode
 from six_wheel._core import Rover, Wheel
 from six_wheel.robot_description.parameters.foreign import layouts, limits, names, steering
 from six_wheel.robot_description.parameters.joints import JointList
-from six_wheel.robot_description.parameters.ros_node_parameters import Section
-from six_wheel.robot_description.parameters.ros_yaml import Report
-from six_wheel.robot_description.parameters.schema import (
+from six_wheel.robot_description.parameters.key_types import (
     Common,
     Factor,
     Finite,
     Flag,
-    Form,
     Length,
     Name,
     Number,
@@ -45,6 +42,9 @@ from six_wheel.robot_description.parameters.schema import (
     optional,
     required,
 )
+from six_wheel.robot_description.parameters.ros_node_parameters import Section
+from six_wheel.robot_description.parameters.ros_yaml import Report
+from six_wheel.robot_description.parameters.schema import Form
 
 __all__ = ["FOREIGN", "WELL_KNOWN"]
 

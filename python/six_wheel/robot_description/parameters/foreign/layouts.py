@@ -6,9 +6,9 @@ What is required and missing has been reported, and a number stands in for it.
 import math
 
 from six_wheel._core import Rover, Wheel
+from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
-from six_wheel.robot_description.parameters.schema import Values
 
 __all__ = [
     "check_half_wheelbase",

@@ -3,9 +3,9 @@
 import math
 from typing import Any, TypeGuard
 
+from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import GROUPS, Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
-from six_wheel.robot_description.parameters.schema import Values
 
 __all__ = ["LIMITS", "SLOWING", "STEERING_RANGE", "TIMEOUTS", "check_limits", "is_number", "with_limits"]
 

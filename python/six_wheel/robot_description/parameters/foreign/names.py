@@ -6,8 +6,8 @@ from typing import Any
 from six_wheel._core import Rover
 from six_wheel.robot_description.parameters.foreign.limits import is_number
 from six_wheel.robot_description.parameters.joints import JointList
+from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
-from six_wheel.robot_description.parameters.schema import Values
 
 __all__ = ["by_states", "is_set", "reversed_by_sign", "stated_joints"]
 
