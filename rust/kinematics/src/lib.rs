@@ -32,6 +32,7 @@ pub mod rover_data;
 pub mod steering;
 pub mod table;
 pub mod units;
+pub mod wheel_lanes;
 pub mod wheels;
 
 pub use admissible::Keep;

@@ -203,14 +203,25 @@ macro_rules! replaceable {
     };
 }
 
-/// Pickling by the constructor of a class and its method `keywords`: the arguments that make the value again.
+/// A dict of Python: `dict!(py, name = value, ...)`, a name alone with the variable of that name.
+macro_rules! dict {
+    ($py:expr, $($name:ident $(= $value:expr)?),+) => {{
+        let dict = pyo3::types::PyDict::new($py);
+        $(dict.set_item(stringify!($name), dict!(@ $name $(= $value)?))?;)+
+        dict
+    }};
+    (@ $name:ident) => { $name };
+    (@ $name:ident = $value:expr) => { $value };
+}
+
+/// Pickling by the constructor of a class and its method for the keywords that make the value again.
 macro_rules! pickled_by_keywords {
-    ($class:ident) => {
+    ($class:ident: $keywords:ident) => {
         #[pymethods]
         impl $class {
             fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, pyo3::types::PyTuple>> {
                 let py = slf.py();
-                crate::classes::reduce(slf.as_any(), &pyo3::types::PyTuple::empty(py), &slf.get().keywords(py)?)
+                crate::classes::reduce(slf.as_any(), &pyo3::types::PyTuple::empty(py), &slf.get().$keywords(py)?)
             }
         }
     };
@@ -241,7 +252,7 @@ macro_rules! value_of_numbers {
         }
 
         equal_by!($class: 0);
-        pickled_by_keywords!($class);
+        pickled_by_keywords!($class: keywords);
         replaceable!($class);
     };
 }

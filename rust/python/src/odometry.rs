@@ -1,7 +1,6 @@
 //! `six_wheel.Odometry`.
 
 mod fastcall;
-pub mod gyroscope;
 mod input;
 pub mod preintegrated;
 mod run;
@@ -16,12 +15,12 @@ use six_wheel_odometry::{Odometry as Core, Readings, Sample, Settings};
 
 pub use fastcall::install;
 
-use crate::convert::{OrRaise, Rows, numbers, one_twist_first, refuse};
+use crate::convert::{OrRaise, Rows, choice, numbers, one_twist_first};
 use crate::rover::Rover;
 use crate::state_lock::Shared;
 use input::{by_wheel, deviations, encoders, row};
 use state::{OdometryState, Spares};
-use values::Noise;
+use values::{Gyroscope, Noise};
 
 /// Dead reckoning that knows its error: the pose of a rover from what its wheels turned.
 ///
@@ -89,15 +88,8 @@ struct Work {
 
 /// The kind of readings, by name.
 fn readings_named(name: &str) -> PyResult<Readings> {
-    match name {
-        "angles" => Ok(Readings::Angles),
-        "speeds" => Ok(Readings::Speeds),
-        "increments" => Ok(Readings::Increments),
-        _ => {
-            let rule = "be 'angles', 'speeds' or 'increments'";
-            Err(refuse("readings", rule, &format!("'{name}'")))
-        }
-    }
+    let all = [("angles", Readings::Angles), ("speeds", Readings::Speeds), ("increments", Readings::Increments)];
+    choice("readings", name, |name| format!("'{name}'"), &all)
 }
 
 impl Odometry {
@@ -142,7 +134,7 @@ methods! { Odometry:
         wheel_encoders=None, steering_encoders=None, method: &str = "least_squares", inflate: bool = false,
         slip_threshold: Option<f64> = None, max_gap: Option<f64> = None, max_speed: Option<f64> = None,
         max_steering_rate: Option<f64> = None, smoothing: Option<f64> = None, lag: Option<f64> = None,
-        history: usize = 1024, gyroscope: Option<Bound<'py, gyroscope::Gyroscope>> = None, wheel_noise=None,
+        history: usize = 1024, gyroscope: Option<Bound<'py, Gyroscope>> = None, wheel_noise=None,
         dimensions=None)
     as "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None, wheel_noise=None, dimensions=None)"
     -> PyResult<Self> {

@@ -11,7 +11,7 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_control::profiles as core;
 
 use crate::convert::{OrRaise, Scalars, memory, scalar_or_array};
-use made::{ConstructorCall, class, known_by_its_call};
+use made::{ConstructorCall, class, known_by_its_call, printed_by_its_call};
 pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
 use values::{Values, axes};
 
@@ -198,11 +198,7 @@ impl Profile {
         let [value, velocity, acceleration, jerk] = parts.map(|part| scalar_or_array(py, part, &shape));
         class(py, "State")?.call1((value?, velocity?, acceleration?, jerk?))
     }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        self.made.repr(py)
-    }
 }
 
 known_by_its_call!(Profile);
-replaceable!(Profile);
+printed_by_its_call!(Profile);

@@ -15,7 +15,7 @@ mod sensitivity;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyMapping, PyTuple};
+use pyo3::types::{IntoPyDict, PyDict, PyList, PyMapping, PyTuple};
 use six_wheel_kinematics::presets::PRESETS;
 use six_wheel_kinematics::rover::Rover as Core;
 use six_wheel_kinematics::steering::SteeringRange;
@@ -132,11 +132,7 @@ impl Rover {
     }
 
     fn joint_dict<'py>(&self, py: Python<'py>, joints: &Joints) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
-        for joint in joints {
-            dict.set_item(&joint.name, &self.core.wheels()[joint.wheel].name)?;
-        }
-        Ok(dict)
+        joints.iter().map(|joint| (&joint.name, &self.core.wheels()[joint.wheel].name)).into_py_dict(py)
     }
 
     /// Names of the joints that count the other way, those of the wheels first.
@@ -219,8 +215,7 @@ fn listed(questions: Vec<Question>) -> Vec<(&'static str, String, String)> {
 
 impl ArgumentKind for Rover {
     const KIND: &'static str = "a Rover";
-
-    fn remedy(value: &Bound<'_, PyAny>) -> String {
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| {
         if value.is_instance_of::<Suspension>() {
             return "its planar(...), the rover seen from above".into();
         }
@@ -231,7 +226,7 @@ impl ArgumentKind for Rover {
             Ok(_) => "sw.load(...) of a file, or sw.Rover.preset(...) of one of Rover.presets()".into(),
             Err(_) => "one that sw.Rover makes, or sw.load(...) of a file".into(),
         }
-    }
+    };
 }
 
 getters! { Rover, self, py:

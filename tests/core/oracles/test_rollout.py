@@ -241,7 +241,7 @@ print(peak() - before)
 """
 
 
-@pytest.mark.parametrize("form", ["plain", "float32", "fortran", "swapped"])
+@pytest.mark.parametrize("form", ["doubles", "float32", "fortran", "swapped"])
 @pytest.mark.parametrize("job", ["inverse", "forward", "integrate", "rollout"])
 def test_memory_beside_inputs_and_outputs_stays_small(job, form):
     pytest.importorskip("resource")

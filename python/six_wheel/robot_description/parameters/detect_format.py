@@ -3,11 +3,8 @@
 import re
 from typing import Any
 
-from six_wheel.robot_description.parameters.foreign.drives import DRIVES as OTHER_DRIVES
-from six_wheel.robot_description.parameters.foreign.frc import FRC
-from six_wheel.robot_description.parameters.foreign.keys import DRIVES, STEERS, WELL_KNOWN
-from six_wheel.robot_description.parameters.foreign.ros2 import CONTROLLERS
-from six_wheel.robot_description.parameters.foreign.rovers import ROVERS
+from six_wheel.robot_description.parameters.foreign.forms import FOREIGN, WELL_KNOWN
+from six_wheel.robot_description.parameters.foreign.steering import DRIVES, STEERS
 from six_wheel.robot_description.parameters.ros_node_parameters import (
     GROUPS,
     Section,
@@ -22,7 +19,6 @@ from six_wheel.robot_description.parameters.vehicle_types import DIMENSIONS, KIN
 from six_wheel.robot_description.parameters.vehicle_types import TELLING as OWN_TELLING
 
 __all__ = [
-    "FOREIGN",
     "KEYS",
     "PLAIN",
     "TELLING",
@@ -33,8 +29,6 @@ __all__ = [
     "section_of",
 ]
 
-FOREIGN = (*CONTROLLERS, *ROVERS, *OTHER_DRIVES, *FRC)
-"""The forms in which files of others describe a rover."""
 TYPES = {type_: form for form in FOREIGN for type_ in (form.controller, *form.more) if type_}
 KEYS = OWN_KEYS.union(*(form.keys for form in FOREIGN))
 # A node with this package's own keys comes before one that only has those of a controller.

@@ -1,44 +1,44 @@
-//! The way through many rows: as many at a time as there are lanes, and those that are not for lanes by themselves.
+//! Kernels over many rows: as many at a time as there are lanes.
 
-use super::columns::{Span, truths};
 use super::prepared::Prepared;
-use super::solve::Square;
+use crate::lanes::columns::Span;
+use crate::lanes::pose_lanes::PoseLanes;
+use crate::lanes::settled_poses::LaneGather;
+use crate::rates::constants::MotionConstants;
+use crate::rates::contact_rows::{Contact, Contacts};
+use crate::rates::least_squares::DenseLeastSquares;
 use six_wheel_numerics::error::Error;
-use six_wheel_numerics::simd::lanes::Mask;
-use six_wheel_numerics::simd::level::Kernel;
-use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::suspension::MAX_WHEELS;
 use six_wheel_terrain::suspension::lanes::{ChainConstants, Placing};
 
 /// Rows that one thread takes.
 pub(crate) trait Rows: Sized {
-    /// Room beside the chain for some of them, made once for all.
+    /// Memory beside the chain, made once for all rows.
     type Scratch<S: Vector>;
 
-    /// Nothing is in it yet.
-    fn room<S: Vector>(simd: S) -> Self::Scratch<S>;
+    /// Empty memory. Has to be `#[inline(always)]`.
+    fn scratch<S: Vector>(simd: S) -> Self::Scratch<S>;
 
     /// Number of rows.
     fn count(&self) -> usize;
 
-    /// Some of them, in lanes, and the lanes that are for the plain way. Has to be `#[inline(always)]`.
-    fn some<S: Vector>(
+    /// Some of them, a row in every lane. Has to be `#[inline(always)]`.
+    fn solve_lanes<S: Vector>(
         lanes: &mut InLanes<'_, Self>,
         simd: S,
         span: Span,
         placing: &mut Placing<'_, S>,
-        room: &mut Self::Scratch<S>,
-    ) -> Mask<S>;
-
-    /// One of them, the plain way.
-    fn one(&mut self, row: usize) -> Result<(), Error>;
+        scratch: &mut Self::Scratch<S>,
+    ) -> Result<(), Error>;
 }
 
-/// Rows, and what is known beforehand of the chain that they are about.
+/// Rows, and the constants of their chain.
 pub(crate) struct InLanes<'a, R> {
     pub plan: &'a ChainConstants,
-    pub square: Option<&'a Square>,
-    pub job: R,
+    pub motion: &'a MotionConstants,
+    pub range: R,
 }
 
 impl<R: Rows> Kernel for InLanes<'_, R> {
@@ -46,34 +46,43 @@ impl<R: Rows> Kernel for InLanes<'_, R> {
 
     #[inline(always)]
     fn run<S: Vector>(mut self, simd: S) -> Self::Output {
-        let rows = self.job.count();
+        let rows = self.range.count();
         let mut placing = Placing::new(simd, self.plan);
-        let mut room = R::room(simd);
+        let mut scratch = R::scratch(simd);
         for first in (0..rows).step_by(S::F64_LANES) {
             let count = S::F64_LANES.min(rows - first);
-            let span = Span { first, count };
-            let doubt = R::some(&mut self, simd, span, &mut placing, &mut room);
-            if doubt.any() {
-                let doubtful = truths(simd, doubt);
-                for lane in 0..count {
-                    if doubtful.0[lane] != 0.0 {
-                        self.job.one(first + lane)?;
-                    }
-                }
-            }
+            R::solve_lanes(&mut self, simd, Span { first, count }, &mut placing, &mut scratch)?;
         }
         Ok(())
     }
 }
 
-/// Works through all of them. Fails at the first one that does.
-pub(crate) fn through(prepared: &Prepared, level: Level, mut job: impl Rows) -> Result<(), Error> {
-    match &prepared.plan {
-        Some(plan) if level != Level::Scalar => {
-            let square = prepared.square.as_ref();
-            let done = level.run(InLanes { plan, square, job });
-            done.unwrap_or(Ok(()))
+/// Computes all rows of a range. Fails at the first one that does.
+pub(crate) fn run_rows(prepared: &Prepared, level: Level, range: impl Rows) -> Result<(), Error> {
+    let constants = prepared.lanes.as_ref().ok_or_else(|| {
+        let rule = "have links that turn about x or y, those on one another about the same, and steer about z";
+        Error::value("chain", rule, "one that does not")
+    })?;
+    level.run_any(InLanes { plan: &constants.chain, motion: &constants.motion, range })
+}
+
+/// Memory for settled poses, their contacts and the equations of the rates.
+pub(crate) struct MotionScratch<S: Vector> {
+    pub gather: LaneGather,
+    pub equations: DenseLeastSquares<S>,
+    pub contacts: Contacts<S>,
+    pub poses: PoseLanes<S>,
+}
+
+impl<S: Vector> MotionScratch<S> {
+    /// Nothing is in it yet.
+    #[inline(always)]
+    pub fn new(simd: S) -> Self {
+        Self {
+            gather: LaneGather::new(),
+            equations: DenseLeastSquares::new(simd),
+            contacts: [Contact::zero(simd); MAX_WHEELS],
+            poses: PoseLanes::new(simd),
         }
-        _ => (0..job.count()).try_for_each(|row| job.one(row)),
     }
 }

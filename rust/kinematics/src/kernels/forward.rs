@@ -4,7 +4,7 @@ use std::ops::Range;
 
 pub(crate) use super::readings::ForwardConstants;
 use super::readings::{FitColumns, LARGEST_SPEED, solve, solve_block};
-use super::usual::all_within;
+use super::safe_range::all_within;
 use crate::estimate::Unseen;
 use crate::table::Log;
 use six_wheel_numerics::error::Error;

@@ -54,6 +54,21 @@ pub fn refuse(argument: &str, rule: &str, value: &str) -> PyErr {
     PyValueError::new_err(format!("{argument} must {rule}, got {value}"))
 }
 
+/// The value of a name among a few, each with its own; `got` writes another name in the error.
+pub fn choice<T: Copy>(argument: &str, name: &str, got: fn(&str) -> String, all: &[(&str, T)]) -> PyResult<T> {
+    let found = all.iter().find(|(known, _)| *known == name);
+    found.map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<String> = all.iter().map(|(known, _)| format!("'{known}'")).collect();
+        let (first, last) = names.split_at(names.len() - 1);
+        refuse(argument, &format!("be {} or {}", first.join(", "), last[0]), &got(name))
+    })
+}
+
+/// The same for a value whose shape breaks the rule.
+pub fn refuse_shape(argument: &str, rule: &str, shape: &[usize]) -> PyErr {
+    refuse(argument, rule, &format!("shape {}", shape_text(shape)))
+}
+
 /// A shape as Python writes it.
 pub fn shape_text(shape: &[usize]) -> String {
     let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();

@@ -11,7 +11,7 @@ use six_wheel_numerics::sizes::are_finite;
 
 use super::array::{read_array, three_numbers};
 use super::broadcast::{Broadcast, joined};
-use super::errors::{raise, refuse, shape_text};
+use super::errors::{raise, refuse, refuse_shape, shape_text};
 use super::memory::{self, BorrowedArray};
 use super::numpy_module::numpy;
 use super::strided::Strided;
@@ -106,6 +106,28 @@ impl<'py> Rows<'py> {
         Ok(Some(rows))
     }
 
+    /// Reads finite rows, one per row of another argument.
+    pub fn read_finite_over(
+        argument: &'static str,
+        value: &Bound<'py, PyAny>,
+        width: usize,
+        leading: &[usize],
+    ) -> PyResult<Self> {
+        let rows = Self::read(argument, value, width)?;
+        rows.check_leading(argument, leading)?;
+        rows.check_finite(argument).map(|()| rows)
+    }
+
+    /// An optional argument of finite numbers that has one row per row of another one.
+    pub fn read_finite_beside(
+        argument: &'static str,
+        value: Option<&Bound<'py, PyAny>>,
+        width: usize,
+        leading: &[usize],
+    ) -> PyResult<Option<Self>> {
+        value.map(|value| Self::read_finite_over(argument, value, width, leading)).transpose()
+    }
+
     /// Lengths of all axes.
     pub fn shape(&self) -> Vec<usize> {
         joined(&self.leading, self.width)
@@ -138,8 +160,7 @@ impl<'py> Rows<'py> {
 
     /// The error of rows in another shape than those that are wanted.
     pub fn refuse_shape(&self, argument: &str, wanted: &str) -> PyErr {
-        let got = format!("shape {}", shape_text(&self.shape()));
-        refuse(argument, &format!("have shape {wanted}"), &got)
+        refuse_shape(argument, &format!("have shape {wanted}"), &self.shape())
     }
 
     /// All numbers as pairs.
@@ -160,8 +181,7 @@ impl<'py> Rows<'py> {
 
 /// Reads a point: three finite numbers.
 pub fn read_point(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    let point = Rows::read_one(argument, value, 3)?;
-    point.check_finite(argument).map(|()| point.triples()[0])
+    Rows::read_finite_over(argument, value, 3, &[]).map(|point| point.triples()[0])
 }
 
 /// Reads so many numbers.
@@ -342,10 +362,7 @@ fn leading(argument: &str, array: &Bound<'_, PyUntypedArray>, width: usize) -> P
     let rule = || format!("have shape (..., {width})");
     match array.shape().split_last() {
         Some((last, leading)) if *last == width => Ok(leading.to_vec()),
-        Some(_) => {
-            let got = format!("shape {}", shape_text(array.shape()));
-            Err(refuse(argument, &rule(), &got))
-        }
+        Some(_) => Err(refuse_shape(argument, &rule(), array.shape())),
         None => Err(refuse(argument, &rule(), "a number")),
     }
 }

@@ -4,7 +4,9 @@ use pyo3::prelude::*;
 use six_wheel_kinematics::table::Durations;
 use six_wheel_numerics::error::Error;
 
-use crate::convert::{Blocks, Broadcast, Output, Precision, Rows, Scalars, joined, joint, raise, refuse, shape_text};
+use crate::convert::{
+    Blocks, Broadcast, Output, Precision, Rows, Scalars, joined, joint, raise, refuse, refuse_shape, shape_text,
+};
 
 /// Logs of twists, with what goes with them.
 pub struct Course<'py> {
@@ -52,8 +54,7 @@ impl<'py> Course<'py> {
     ) -> PyResult<Self> {
         let controls = Blocks::read("controls", controls, 3)?;
         if controls.leading().len() < 2 {
-            let got = format!("shape {}", shape_text(&controls.shape()));
-            return Err(refuse("controls", "have shape (..., k, t, 3)", &got));
+            return Err(refuse_shape("controls", "have shape (..., k, t, 3)", &controls.shape()));
         }
         Self::read("controls", controls, dt, start)
     }

@@ -8,7 +8,7 @@ use six_wheel_odometry::{Deviations, Encoder as CoreEncoder};
 
 use super::values::Encoder;
 use crate::arguments::other_kind;
-use crate::convert::{OrRaise, Rows, Scalars, items, number, refuse};
+use crate::convert::{OrRaise, Rows, Scalars, choice, items, number, refuse};
 
 /// An encoder for all joints, one per joint, or some by name.
 pub fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<CoreEncoder>> {
@@ -111,18 +111,6 @@ pub fn steering_left_out<'py>(joints: usize) -> PyResult<Option<Rows<'py>>> {
     Err(refuse("steering", rule, "None"))
 }
 
-/// True if an impossible row ends the run, false if it is flagged.
-fn is_strict(errors: &str) -> PyResult<bool> {
-    match errors {
-        "raise" => Ok(true),
-        "flag" => Ok(false),
-        _ => {
-            let got = format!("'{errors}'");
-            Err(refuse("errors", "be 'flag' or 'raise'", &got))
-        }
-    }
-}
-
 /// The columns of every log: readings of wheels and steering, and their stamps.
 pub struct Columns<'py> {
     pub wheels: Rows<'py>,
@@ -140,7 +128,8 @@ impl<'py> Columns<'py> {
         errors: &str,
         widths: [usize; 2],
     ) -> PyResult<Self> {
-        let is_strict = is_strict(errors)?;
+        // An impossible row ends the run, or is flagged.
+        let is_strict = choice("errors", errors, |name| format!("'{name}'"), &[("flag", false), ("raise", true)])?;
         let wheels = Rows::read_table("wheel_angles", wheels, widths[0])?;
         let leading = wheels.leading.as_slice();
         let steering = if steering.is_none() {

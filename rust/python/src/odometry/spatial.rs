@@ -5,7 +5,6 @@ pub mod state;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use six_wheel_ground_motion::spatial::{Odometry3 as Core, Recording3, Sample3, Settings3, TrackRows3};
 use six_wheel_numerics::error::Error;
 use six_wheel_odometry::Settings;
@@ -254,14 +253,10 @@ methods! { Odometry3:
         compute_rows(py, rows, leading, || work.run(recording, log.is_strict, track))?;
         drop(core);
         let finish = |out: Option<Output<'py>>| out.map(Output::finish).transpose();
-        let keywords = PyDict::new(py);
-        keywords.set_item("arm", &self.arm)?;
-        keywords.set_item("stamps", memory::array(py, log.stamps.flat(), &[rows])?)?;
-        keywords.set_item("poses", poses.finish()?)?;
-        keywords.set_item("twists", twists.finish()?)?;
-        keywords.set_item("covariances", finish(covariances)?)?;
-        keywords.set_item("slips", finish(slips)?)?;
-        keywords.set_item("health", PyArray1::from_vec(py, flags))?;
+        let stamps = memory::array(py, log.stamps.flat(), &[rows])?;
+        let (poses, twists, covariances) = (poses.finish()?, twists.finish()?, finish(covariances)?);
+        let (arm, slips, health) = (&self.arm, finish(slips)?, PyArray1::from_vec(py, flags));
+        let keywords = dict!(py, arm, stamps, poses, twists, covariances, slips, health);
         build_track(&keywords, "Track3")
     }
 

@@ -47,7 +47,7 @@ impl ConstructorCall {
     }
 }
 
-/// Equality, hash and pickling by the call that made an object.
+/// Equality, hash, pickling and `replace` by the call that made an object.
 macro_rules! known_by_its_call {
     ($class: ident) => {
         #[pymethods]
@@ -63,10 +63,25 @@ macro_rules! known_by_its_call {
                 self.made.hash(py)
             }
 
-            fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+            fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyTuple>> {
                 self.made.reduce(py)
+            }
+        }
+
+        replaceable!($class);
+    };
+}
+pub(super) use known_by_its_call;
+
+/// Representation by that call.
+macro_rules! printed_by_its_call {
+    ($class: ident) => {
+        #[pymethods]
+        impl $class {
+            fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+                self.made.repr(py)
             }
         }
     };
 }
-pub(super) use known_by_its_call;
+pub(super) use printed_by_its_call;

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use crate::convert::{Scalars, memory, refuse, shape_text};
+use crate::convert::{Scalars, memory, refuse, refuse_shape};
 
 /// One number, or one per axis.
 pub struct Values {
@@ -21,7 +21,7 @@ impl Values {
             }),
             shape => {
                 let rule = "be one number or have shape (axes,)";
-                Err(refuse(argument, rule, &format!("shape {}", shape_text(shape))))
+                Err(refuse_shape(argument, rule, shape))
             }
         }
     }

@@ -67,15 +67,6 @@ fn sizes<'py>(py: Python<'py>, argument: &'static str, value: Option<&Bound<'py,
 /// The arrays of `out=`, in this order.
 const RESULTS: [&str; 8] = ["z", "roll", "pitch", "tilt", "clearance", "rocker", "bogies", "wheel_drop"];
 
-/// Shape of one of them.
-fn shape(leading: &[usize], k: usize) -> Vec<usize> {
-    let pairs = joined(leading, 2);
-    match RESULTS[k] {
-        "bogies" => joined(&pairs, 2),
-        _ => pairs,
-    }
-}
-
 /// The intervals of an array.
 fn pairs(values: &mut [f64]) -> &mut [[f64; 2]] {
     values.as_chunks_mut().0
@@ -201,7 +192,8 @@ methods! { RockerBogie:
         let workers = any_workers(threads, level)?;
         let (rows, ground) = (poses.triples(), &*ground.get().0);
         let count = rows.len();
-        let shapes = std::array::from_fn(|k| shape(leading, k));
+        let mut shapes = [(); 8].map(|()| joined(leading, 2));
+        shapes[6].push(2); // the bogies
         let mut results = Out::read(out, RESULTS)?.results(py, shapes, false)?;
         let mut sides = [memory::filled([0.0; 2], count)?, memory::filled([0.0; 2], count)?];
         let mut status = memory::filled(Knowledge::Bounded, count)?;

@@ -3,7 +3,6 @@
 mod base;
 mod bounds;
 mod chain;
-mod joint_range;
 mod rocker_bogie;
 mod steer;
 

@@ -38,10 +38,7 @@ methods! { Terrain:
     ///     If it is no map, its coordinates are degrees, or the window is off it.
     #[staticmethod]
     fn read[](path, *, window=None, topic=None, layer=None) -> PyResult<Bound<'py, PyAny>> {
-        let options = PyDict::new(path.py());
-        for (name, value) in [("window", window), ("topic", topic), ("layer", layer)] {
-            options.set_item(name, value)?;
-        }
+        let options = dict!(path.py(), window, topic, layer);
         let module = path.py().import("six_wheel.maps")?;
         module.call_method("read", (path,), Some(&options))
     }

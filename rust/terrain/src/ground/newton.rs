@@ -103,6 +103,12 @@ pub(crate) fn loose(count: usize, hold: &Hold) -> impl Iterator<Item = usize> {
     (0..count).filter(move |&k| k < 3 || joints[k - 3].is_none())
 }
 
+/// A state, and the largest gap of the wheels that touch there [m].
+struct Trial {
+    state: State,
+    worst: f64,
+}
+
 /// A chain that stands, or the best that an attempt came to.
 pub struct Attempt<'a> {
     pub state: State,
@@ -126,13 +132,7 @@ impl<'a> Settler<'a> {
     }
 
     /// The wheels at a state. None where the differential does not reach.
-    pub fn touches(
-        &self,
-        pose: PlanPose,
-        state: &State,
-        steering: &[f64],
-        part: RimSegment,
-    ) -> Option<Touches<'a>> {
+    pub fn touches(&self, pose: PlanPose, state: &State, steering: &[f64], part: RimSegment) -> Option<Touches<'a>> {
         let mut touches = Touches::nowhere(self.chain);
         self.look(&mut touches, pose, state, steering, part).map(|()| touches)
     }
@@ -157,52 +157,33 @@ impl<'a> Settler<'a> {
         for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
             *angle = held.unwrap_or(*angle);
         }
-        // Where the chain is, where it is tried, and the best trial: written over, and never moved.
+        // Where the chain is, the best trial, and where it is tried: written over, and never moved.
         let room = || Touches::nowhere(self.chain);
         let [first, second, third] = &mut [room(), room(), room()];
-        let (mut here, mut there, mut best) = (first, second, third);
-        self.look(here, pose, &state, steering, part)?;
-        let mut worst = self.worst(here, hold);
+        let mut rooms = [first, second, third];
+        self.look(rooms[0], pose, &state, steering, part)?;
+        let mut worst = self.worst(rooms[0], hold);
         for _ in 0..STEPS {
             let tolerance = self.tolerance(&state);
             if worst <= tolerance {
                 // Only the whole rim says that nothing else touches.
-                if part == RimSegment::Lower && here.look_up(self.ground, self.chain, self.level) {
+                if part == RimSegment::Lower && rooms[0].look_up(self.ground, self.chain, self.level) {
                     part = RimSegment::Whole;
-                    worst = self.worst(here, hold);
+                    worst = self.worst(rooms[0], hold);
                 }
                 if worst <= tolerance {
-                    return Some(Attempt { state, touches: here.clone(), closed: true });
+                    return Some(Attempt { state, touches: rooms[0].clone(), closed: true });
                 }
             }
-            let step = worst.is_finite().then(|| self.step(here, hold)).flatten();
+            let step = worst.is_finite().then(|| self.step(rooms[0], hold)).flatten();
             let Some(step) = step else {
                 break;
             };
-            let mut found: Option<(State, f64)> = None;
-            let mut share = 1.0;
-            while share > 0.01 {
-                let mut trial = state;
-                for k in 0..MAX_STATE {
-                    trial[k] += share * step[k];
-                }
-                if trial[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE) {
-                    self.look(there, pose, &trial, steering, part)?;
-                    let size = self.worst(there, hold);
-                    if found.is_none_or(|(_, least)| size < least) {
-                        found = Some((trial, size));
-                        std::mem::swap(&mut there, &mut best);
-                    }
-                    if size < worst * (1.0 - 0.3 * share) || size <= tolerance {
-                        break;
-                    }
-                }
-                share *= 0.5;
-            }
-            let Some((trial, size)) = found else {
+            let here = Trial { state, worst };
+            let Some(trial) = self.line_search((pose, steering, part), hold, &here, &step, &mut rooms)? else {
                 break;
             };
-            if size >= worst {
+            if trial.worst >= worst {
                 if worst < 1e-10 {
                     // Rounding: there is nothing left to close.
                     return self.accept(pose, steering, state, hold);
@@ -212,10 +193,39 @@ impl<'a> Settler<'a> {
                     break;
                 }
             }
-            (state, worst) = (trial, size);
-            std::mem::swap(&mut here, &mut best);
+            (state, worst) = (trial.state, trial.worst);
+            rooms.swap(0, 1);
         }
-        Some(Attempt { state, touches: here.clone(), closed: false })
+        Some(Attempt { state, touches: rooms[0].clone(), closed: false })
+    }
+
+    /// The best of a step and its halves, up to the first that closes the gaps enough; its wheels are in the second of `rooms`.
+    /// None outside where the differential does not reach, None inside where every trial is at angles at which nothing stands.
+    fn line_search(
+        &self,
+        (pose, steering, part): (PlanPose, &[f64], RimSegment),
+        hold: &Hold,
+        here: &Trial,
+        step: &State,
+        rooms: &mut [&mut Touches<'a>; 3],
+    ) -> Option<Option<Trial>> {
+        let (mut found, mut share): (Option<Trial>, f64) = (None, 1.0);
+        while share > 0.01 {
+            let state: State = std::array::from_fn(|k| here.state[k] + share * step[k]);
+            if state[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE) {
+                self.look(rooms[2], pose, &state, steering, part)?;
+                let worst = self.worst(rooms[2], hold);
+                if found.as_ref().is_none_or(|found| worst < found.worst) {
+                    found = Some(Trial { state, worst });
+                    rooms.swap(1, 2);
+                }
+                if worst < here.worst * (1.0 - 0.3 * share) || worst <= self.tolerance(&here.state) {
+                    break;
+                }
+            }
+            share *= 0.5;
+        }
+        Some(found)
     }
 
     /// A state whose gaps are as small as rounding lets them be, looked at once more all along the rims.

@@ -87,7 +87,8 @@ impl<'a> Touches<'a> {
     pub fn nowhere(chain: &'a Chain) -> Self {
         let frame =
             WheelFrame { centre: Vector3::zeros(), forward: Vector3::x(), axle: Vector3::y(), up: Vector3::z() };
-        let touch = Touch { frame, rim: RimContact::NOTHING, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
+        let touch =
+            Touch { frame, rim: RimContact::NOTHING, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
         Self { placed: chain.nowhere(), wheels: [touch; MAX_WHEELS] }
     }
 

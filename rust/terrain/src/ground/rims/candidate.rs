@@ -33,7 +33,15 @@ impl<S: Vector> Candidate<S> {
     #[inline(always)]
     pub fn none(simd: S) -> Self {
         let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        Self { bound: Lanes::splat(simd, FAR), sin: zero, cos: unit, length: zero, share: zero, column: zero, row: zero }
+        Self {
+            bound: Lanes::splat(simd, FAR),
+            sin: zero,
+            cos: unit,
+            length: zero,
+            share: zero,
+            column: zero,
+            row: zero,
+        }
     }
 
     /// `yes` where true, `no` elsewhere.
