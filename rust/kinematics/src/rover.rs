@@ -166,6 +166,10 @@ impl Rover {
     /// The nearest twist the rover can make, preserving what `keep` says; an admissible one is unchanged.
     #[inline]
     pub fn project(&self, twist: Twist, keep: Keep) -> Result<Twist, Error> {
+        // The faces are not made for what lies inside them.
+        if self.faces.get().is_none() && self.admissible(twist).unwrap_or(false) {
+            return Ok(twist);
+        }
         self.projection(keep).of(twist)
     }
 

@@ -4,7 +4,7 @@
 
 use super::cost::{CostTerms, Path, Weights};
 use super::costmap::Costmap;
-use super::kernels::{RolloutTask, SingleBlock, ThreadScratch, WeightedSum};
+use super::kernels::{RolloutInput, RolloutTask, SingleBlock, ThreadScratch, WeightedSum};
 use crate::motion::drive::{RolloutStart, TRACK};
 use crate::motion::limits::RoverLimits;
 use crate::motion::model::Model;
@@ -16,31 +16,6 @@ use six_wheel_numerics::threads::workers::Workers;
 
 /// Parts the new mean is added up in, whatever the number of threads.
 const STRIPES: usize = 4;
-
-/// Input of one cycle's rollouts.
-#[derive(Debug, Default)]
-pub(crate) struct RolloutInput {
-    pub initial: RolloutStart,
-    /// Mean, standard deviation and largest of the controls: `[step][component]`, `[component]`, `[component]`.
-    pub mean: Vec<f64>,
-    pub sigma: Vec<f64>,
-    pub cap: Vec<f64>,
-    /// Correlation of the noise of a step with that of the next one.
-    pub memory: f64,
-    /// Steps whose controls cannot be changed any more.
-    pub fixed: usize,
-    /// Controls of the first rollouts, held all the way; the very first is the mean.
-    pub constant: Vec<f64>,
-    pub seed: u64,
-    pub cycle: u32,
-    pub samples: usize,
-    pub start: [f64; 2],
-    pub goal: Option<[f64; 2]>,
-    pub has_path: bool,
-    pub progress: f64,
-    /// True if the rollouts' motions are kept for an extra cost.
-    pub record: bool,
-}
 
 /// Constants of all cycles.
 #[derive(Clone, Debug)]

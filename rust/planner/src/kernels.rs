@@ -1,7 +1,6 @@
 //! Kernels of a cycle: sampled rollouts of one thread, the weighted sum of their controls, one block by given controls.
 
 use super::cost::CostTerms;
-use super::engine::RolloutInput;
 use crate::motion::drive::{RolloutStart, TRACK};
 use crate::motion::model::Model;
 use crate::numbers::BLOCK;
@@ -10,6 +9,31 @@ use six_wheel_numerics::simd::float::Float;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
+
+/// Input of one cycle's rollouts.
+#[derive(Debug, Default)]
+pub(crate) struct RolloutInput {
+    pub initial: RolloutStart,
+    /// Mean, standard deviation and largest of the controls: `[step][component]`, `[component]`, `[component]`.
+    pub mean: Vec<f64>,
+    pub sigma: Vec<f64>,
+    pub cap: Vec<f64>,
+    /// Correlation of the noise of a step with that of the next one.
+    pub memory: f64,
+    /// Steps whose controls cannot be changed any more.
+    pub fixed: usize,
+    /// Controls of the first rollouts, held all the way; the very first is the mean.
+    pub constant: Vec<f64>,
+    pub seed: u64,
+    pub cycle: u32,
+    pub samples: usize,
+    pub start: [f64; 2],
+    pub goal: Option<[f64; 2]>,
+    pub has_path: bool,
+    pub progress: f64,
+    /// True if the rollouts' motions are kept for an extra cost.
+    pub record: bool,
+}
 
 /// Memory of one thread, reused from cycle to cycle.
 pub(crate) struct ThreadScratch<R> {

@@ -2,7 +2,8 @@
 
 use super::cost::Path;
 use super::cycle::{Outcome, Situation, State};
-use super::engine::{MppiConstants, RolloutEngine, RolloutInput, SampledRollouts};
+use super::engine::{MppiConstants, RolloutEngine, SampledRollouts};
+use super::kernels::RolloutInput;
 use super::options::{Options, Precision, not_negative};
 use super::smooth::smooth;
 use crate::motion::limits::RoverLimits;

@@ -1,7 +1,7 @@
 //! Input of the rollouts of a cycle.
 
 use super::cycle::Situation;
-use super::engine::RolloutInput;
+use super::kernels::RolloutInput;
 use super::mppi::Mppi;
 use crate::motion::limits::RoverLimits;
 use crate::motion::steering_setpoint;

@@ -111,7 +111,14 @@ pub fn rollout_cost<'a>(
                 journey.check(level, logs.clone())?;
             }
             if let Some(plan) = plan {
-                level.run_any(RolloutCostKernel { plan, rover, logs: journey.logs(logs, buffers), previous, poses, costs });
+                level.run_any(RolloutCostKernel {
+                    plan,
+                    rover,
+                    logs: journey.logs(logs, buffers),
+                    previous,
+                    poses,
+                    costs,
+                });
                 continue;
             }
             for (j, poses) in poses.chunks_exact_mut(count + 1).enumerate() {

@@ -62,6 +62,8 @@ pub struct SteeredConstants {
     pub trail: f64,
     /// True if the heading is not straight ahead.
     pub is_turned: bool,
+    /// True if the range holds at most one solution.
+    pub is_narrow: bool,
 }
 
 impl SteeredConstants {
@@ -81,41 +83,43 @@ impl SteeredConstants {
             scrub: wheel.scrub,
             trail: wheel.trail,
             is_turned: wheel.heading != 0.0,
+            is_narrow: range.upper - range.lower < PI - HALF_TURN_MARGIN,
         })
     }
 
-    /// True if the range holds at most one solution.
-    pub fn is_narrow(&self) -> bool {
-        self.range.upper - self.range.lower < PI - HALF_TURN_MARGIN
+    /// Angles beside which the range holds no other solution, whatever the present angle is [rad].
+    pub fn single_range(&self) -> [f64; 2] {
+        let SteeringRange { lower, upper } = self.range;
+        if self.is_narrow {
+            return [lower - SAFE_OVERSHOOT, upper + SAFE_OVERSHOOT];
+        }
+        [lower.max(upper - PI + HALF_TURN_MARGIN), upper.min(lower + PI - HALF_TURN_MARGIN)]
     }
 
-    /// Angles that need no other solution to be looked at where the present angle is 0, and the steering increment from any
-    /// other up to which that holds [rad].
-    pub fn near_range(&self) -> ([f64; 2], f64) {
+    /// Angles that need no other solution to be looked at where the present angle is 0 [rad].
+    pub fn near_range(&self) -> [f64; 2] {
         let SteeringRange { lower, upper } = self.range;
-        if self.is_narrow() {
-            return ([lower - SAFE_OVERSHOOT, upper + SAFE_OVERSHOOT], f64::INFINITY);
-        }
         let held = self.range.clip(0.0);
-        ([lower.max(held - MAX_NEAR_INCREMENT), upper.min(held + MAX_NEAR_INCREMENT)], MAX_NEAR_INCREMENT)
+        let near = [lower.max(held - MAX_NEAR_INCREMENT), upper.min(held + MAX_NEAR_INCREMENT)];
+        let single = self.single_range();
+        if single[1] - single[0] > near[1] - near[0] { single } else { near }
     }
 
     /// The same in every lane.
     #[inline(always)]
     pub fn broadcast<S: Simd>(&self, simd: S) -> SteeredWheel<S> {
         let splat = |number| Lanes::splat(simd, number);
-        let ([near_lower, near_upper], max_increment) = self.near_range();
         SteeredWheel {
             pivot: [splat(self.x), splat(self.y)],
             heading: [splat(self.heading.sin), splat(self.heading.cos)],
             range: [splat(self.range.lower), splat(self.range.upper)],
-            near_range: [splat(near_lower), splat(near_upper)],
-            max_increment: splat(max_increment),
+            single_range: self.single_range().map(splat),
+            near_range: self.near_range().map(splat),
             scrub: splat(self.scrub),
             trail: splat(self.trail),
             features: Features {
                 is_turned: self.is_turned,
-                is_narrow: self.is_narrow(),
+                is_narrow: self.is_narrow,
                 has_scrub: self.scrub != 0.0,
                 has_trail: self.trail != 0.0,
             },
@@ -145,10 +149,10 @@ pub struct SteeredWheel<S: Simd> {
     pub heading: [Lanes<S>; 2],
     /// Ends of the range [rad].
     pub range: [Lanes<S>; 2],
+    /// See [`SteeredConstants::single_range`].
+    pub single_range: [Lanes<S>; 2],
     /// See [`SteeredConstants::near_range`].
     pub near_range: [Lanes<S>; 2],
-    /// See [`SteeredConstants::near_range`].
-    pub max_increment: Lanes<S>,
     /// [m]
     pub scrub: Lanes<S>,
     /// [m]
@@ -246,14 +250,14 @@ impl<S: Simd> SteeredWheel<S> {
         let pivot_heading = angle(simd, along, across).flip(y.sign()).flip(x.sign()) + zero;
         let mut angle = pivot_heading;
         let mut is_final = query.rounding.below(along.max(across));
+        let is_within = |[lower, upper]: [Lanes<S>; 2]| lower.at_most(pivot_heading) & pivot_heading.at_most(upper);
         if let Some(previous) = query.previous {
             angle = self.clip(angle);
-            is_final = is_final
-                & (pivot_heading - angle).abs().at_most(Lanes::splat(simd, SAFE_OVERSHOOT))
-                & (angle - self.clip(previous)).abs().at_most(self.max_increment);
+            let is_near = (pivot_heading - angle).abs().at_most(Lanes::splat(simd, SAFE_OVERSHOOT))
+                & (angle - self.clip(previous)).abs().at_most(Lanes::splat(simd, MAX_NEAR_INCREMENT));
+            is_final = is_final & (is_within(self.single_range) | is_near);
         } else {
-            let [lower, upper] = self.near_range;
-            is_final = is_final & lower.at_most(angle) & angle.at_most(upper);
+            is_final = is_final & is_within(self.near_range);
             if self.features.is_narrow {
                 angle = self.clip(angle);
             }

@@ -94,18 +94,25 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     #[inline(always)]
     pub fn from_slice(simd: S, numbers: &[T]) -> Self {
         let mut lanes = Self::splat(simd, T::default());
-        for (value, number) in lanes.values.iter_mut().zip(T::as_registers::<S>(numbers)) {
-            *value = *number;
-        }
+        let registers = T::as_registers::<S>(numbers);
+        // A loop of constant length, so that the lanes stay in registers.
+        for_each!(k: {
+            if let Some(register) = registers.get(k) {
+                lanes.values[k] = *register;
+            }
+        });
         lanes
     }
 
     /// Writes the lanes to the first numbers of a slice, as far as it has whole registers.
     #[inline(always)]
     pub fn copy_to_slice(self, numbers: &mut [T]) {
-        for (number, value) in T::as_mut_registers::<S>(numbers).iter_mut().zip(self.values) {
-            *number = value;
-        }
+        let registers = T::as_mut_registers::<S>(numbers);
+        for_each!(k: {
+            if let Some(register) = registers.get_mut(k) {
+                *register = self.values[k];
+            }
+        });
     }
 
     /// The token of the level.
@@ -170,8 +177,8 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     pub fn has_bit(self, bit: u32) -> Mask<S, T, N> {
         let mut values = [T::has_bit(self.simd, self.values[0], bit); N];
         if N > 1 {
-            for k in 1..N {
-                values[k] = T::has_bit(self.simd, self.values[k], bit);
+            for (value, of) in values.iter_mut().zip(self.values).skip(1) {
+                *value = T::has_bit(self.simd, of, bit);
             }
         }
         Mask { simd: self.simd, values }

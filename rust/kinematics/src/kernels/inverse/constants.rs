@@ -82,8 +82,8 @@ pub(crate) struct WheelGroup {
     pivot: [Eight; 2],
     heading: [Eight; 2],
     range: [Eight; 2],
+    single_range: [Eight; 2],
     near_range: [Eight; 2],
-    max_increment: Eight,
     scrub: Eight,
     trail: Eight,
     features: Features,
@@ -99,9 +99,10 @@ impl WheelGroup {
     fn new(wheels: &[(WheelKind, f64)], lanes: &[usize]) -> Self {
         let mut group = Self::default();
         group.heading[1] = [1.0; GROUP];
-        group.max_increment = [f64::INFINITY; GROUP];
         let SteeringRange { lower, upper } = SteeringRange::WHOLE_TURN;
-        (group.range, group.near_range) = ([[lower; GROUP], [upper; GROUP]], [[lower; GROUP], [upper; GROUP]]);
+        for range in [&mut group.range, &mut group.single_range, &mut group.near_range] {
+            *range = [[lower; GROUP], [upper; GROUP]];
+        }
         for (lane, &i) in lanes.iter().enumerate() {
             let (kind, per_radius) = wheels[i];
             group.per_radius[lane] = per_radius;
@@ -122,23 +123,22 @@ impl WheelGroup {
     fn fill(&mut self, lane: usize, wheel: &SteeredConstants) {
         self.steered += 1;
         self.is_steered[lane] = 1.0;
-        let (near_range, max_increment) = wheel.near_range();
         let pairs = [
             (&mut self.pivot, [wheel.x, wheel.y]),
             (&mut self.heading, [wheel.heading.sin, wheel.heading.cos]),
             (&mut self.range, [wheel.range.lower, wheel.range.upper]),
-            (&mut self.near_range, near_range),
+            (&mut self.single_range, wheel.single_range()),
+            (&mut self.near_range, wheel.near_range()),
         ];
         for (places, numbers) in pairs {
             for (place, number) in places.iter_mut().zip(numbers) {
                 place[lane] = number;
             }
         }
-        self.max_increment[lane] = max_increment;
         (self.scrub[lane], self.trail[lane]) = (wheel.scrub, wheel.trail);
         let features = &mut self.features;
         features.is_turned |= wheel.is_turned;
-        features.is_narrow |= wheel.is_narrow();
+        features.is_narrow |= wheel.is_narrow;
         features.has_scrub |= wheel.scrub != 0.0;
         features.has_trail |= wheel.trail != 0.0;
     }
@@ -152,8 +152,8 @@ impl WheelGroup {
             pivot: pair(&self.pivot),
             heading: pair(&self.heading),
             range: pair(&self.range),
+            single_range: pair(&self.single_range),
             near_range: pair(&self.near_range),
-            max_increment: load(&self.max_increment),
             scrub: load(&self.scrub),
             trail: load(&self.trail),
             features: self.features,

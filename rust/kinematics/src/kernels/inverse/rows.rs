@@ -2,13 +2,13 @@
 
 use super::constants::{InverseConstants, WheelKind};
 use crate::kernels::cone::{AdmissibleCone, Rates, dot};
-use crate::kernels::direction_votes::DirectionVotes;
+use crate::kernels::direction_votes::{CommonDirection, DirectionTie, DirectionVotes};
 use crate::kernels::safe_range::{MAX_SQUARABLE, MIN_SQUARABLE, all_within};
 use crate::kernels::steered_wheel::WheelQuery;
 use crate::rover_data::{Inputs, RoverData};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Lanes;
-use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::level::{Kernel, Level, run_rarely};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::stream::{Output, fetch_ahead};
 use six_wheel_numerics::weave::{BLOCK, Column, unweave, weave, with_columns};
@@ -129,13 +129,6 @@ struct InputColumns<'a> {
     rates: &'a mut [Column],
 }
 
-/// Sums of the direction votes of a block.
-struct VoteColumns {
-    sums: [Column; 4],
-    /// True if any wheel is in a tie.
-    has_ties: bool,
-}
-
 impl Kernel for SolveRange<'_> {
     type Output = ();
 
@@ -158,7 +151,6 @@ impl Kernel for SolveRange<'_> {
         let output = |target, width| Output::new(simd, target, width * BLOCK, self.past);
         let mut all_steering = output(self.steering, joints);
         let mut all_speeds = output(self.speeds, wheels);
-        let mut votes = VoteColumns { sums: [Column::ZERO; 4], has_ties: false };
         for (b, rows) in self.twists.chunks(BLOCK).enumerate() {
             let of = |values, width| block(values, width, b * BLOCK, rows.len());
             fetch_ahead(simd, rows.as_flattened(), 0, 1);
@@ -168,7 +160,10 @@ impl Kernel for SolveRange<'_> {
             unweave(simd, of(steering_rates, joints), input.rates);
             let registers = rows.len().div_ceil(S::F64_LANES);
             input.prepare(simd, constants, registers);
-            solve_block(simd, constants, &input, steering, speeds, &mut votes, registers);
+            let mut block = SolveBlock { constants, input: &input, steering, speeds, registers };
+            if !block.first_solutions(simd) {
+                run_rarely(simd, block);
+            }
             weave(simd, steering, all_steering.next(rows.len() * joints));
             weave(simd, speeds, all_speeds.next(rows.len() * wheels));
         }
@@ -192,98 +187,92 @@ impl InputColumns<'_> {
         }
     }
 
+    /// Present angles and rates of a joint.
+    #[inline(always)]
+    fn joint(&self, joint: usize) -> [Option<&Column>; 2] {
+        [self.previous.get(joint), self.rates.get(joint)]
+    }
+
     /// Input of a steered wheel.
     #[inline(always)]
-    fn query<S: Vector>(&self, simd: S, joint: usize, k: usize) -> WheelQuery<S> {
+    fn query<S: Vector>(&self, simd: S, [previous, rate]: [Option<&Column>; 2], k: usize) -> WheelQuery<S> {
         WheelQuery {
             twist: load(simd, &self.twists, k),
             rounding: self.rounding.load(simd, k),
-            previous: self.previous.get(joint).map(|column| column.load(simd, k)),
-            rate: self.rates.get(joint).map(|column| column.load(simd, k)),
+            previous: previous.map(|column| column.load(simd, k)),
+            rate: rate.map(|column| column.load(simd, k)),
         }
     }
 }
 
-/// Solves a block, wheel after wheel.
-#[inline(always)]
-fn solve_block<S: Vector>(
-    simd: S,
-    constants: &InverseConstants,
-    input: &InputColumns<'_>,
-    steering: &mut [Column],
-    speeds: &mut [Column],
-    votes: &mut VoteColumns,
+/// A block that is solved wheel after wheel.
+struct SolveBlock<'a, 'b> {
+    constants: &'a InverseConstants,
+    input: &'a InputColumns<'b>,
+    steering: &'a mut [Column],
+    speeds: &'a mut [Column],
+    /// Registers with rows in them.
     registers: usize,
-) {
-    votes.has_ties = false;
-    let mut joint = 0;
-    for (i, ((kind, per_radius), speeds)) in constants.wheels.iter().zip(&mut *speeds).enumerate() {
-        let per_radius = Lanes::splat(simd, *per_radius);
-        match kind {
-            WheelKind::Fixed(row) => {
-                for k in 0..registers {
-                    speeds.store(k, dot(simd, row, load(simd, &input.twists, k)) * per_radius);
-                }
-            }
-            WheelKind::Castor(castor) => {
-                let castor = castor.broadcast(simd);
-                for k in 0..registers {
-                    let rim_speed = castor.castor_rim_speed(simd, load(simd, &input.twists, k));
-                    speeds.store(k, rim_speed * per_radius);
-                }
-            }
-            WheelKind::Steered(wheel) => {
-                let wheel = wheel.broadcast(simd);
-                for k in 0..registers {
-                    let query = input.query(simd, joint, k);
-                    let first = wheel.first_solution(simd, &query);
-                    let (mut angle, mut rim_speed) = (first.angle, first.rim_speed);
-                    if (!first.is_final).any() {
-                        let motion = wheel.solve(simd, &query, &first, None);
-                        (angle, rim_speed) = (motion.angle, motion.rim_speed);
-                        if motion.tie.is_tie.any() {
-                            let rolling = input.previous_speeds.get(i);
-                            let rolling = rolling.map_or(Lanes::splat(simd, 0.0), |column| column.load(simd, k));
-                            votes.add(simd, k, |sums| sums.with(&motion.tie, rolling));
-                        }
-                    }
-                    steering[joint].store(k, angle);
-                    speeds.store(k, rim_speed * per_radius);
-                }
-                joint += 1;
-            }
-        }
-    }
-    if votes.has_ties {
-        apply_common_direction(simd, constants, input, steering, speeds, votes, registers);
-    }
 }
 
-/// Solves the wheels of direction ties once more, with their common direction.
-#[inline(always)]
-fn apply_common_direction<S: Vector>(
-    simd: S,
-    constants: &InverseConstants,
-    input: &InputColumns<'_>,
-    steering: &mut [Column],
-    speeds: &mut [Column],
-    votes: &VoteColumns,
-    registers: usize,
-) {
-    for k in 0..registers {
-        let common = votes.load(simd, k).common_direction(simd);
-        if !common[0].any() {
-            continue;
-        }
+impl SolveBlock<'_, '_> {
+    /// Solves a block as if every steered wheel took its first solution. Returns true if every one does.
+    #[inline(always)]
+    fn first_solutions<S: Vector>(&mut self, simd: S) -> bool {
+        let Self { constants, input, ref mut steering, ref mut speeds, registers } = *self;
+        let zero = Lanes::splat(simd, 0.0);
+        let mut are_final = zero.at_most(zero);
         let mut joint = 0;
-        for ((kind, per_radius), speeds) in constants.wheels.iter().zip(&mut *speeds) {
+        for ((kind, per_radius), speeds) in constants.wheels.iter().zip(speeds.iter_mut()) {
+            let per_radius = Lanes::splat(simd, *per_radius);
+            match kind {
+                WheelKind::Fixed(row) => {
+                    for k in 0..registers {
+                        speeds.store(k, dot(simd, row, load(simd, &input.twists, k)) * per_radius);
+                    }
+                }
+                WheelKind::Castor(castor) => {
+                    let castor = castor.broadcast(simd);
+                    for k in 0..registers {
+                        let rim_speed = castor.castor_rim_speed(simd, load(simd, &input.twists, k));
+                        speeds.store(k, rim_speed * per_radius);
+                    }
+                }
+                WheelKind::Steered(wheel) => {
+                    let (wheel, given) = (wheel.broadcast(simd), input.joint(joint));
+                    let angles = &mut steering[joint];
+                    for k in 0..registers {
+                        let first = wheel.first_solution(simd, &input.query(simd, given, k));
+                        are_final = are_final & first.is_final;
+                        angles.store(k, first.angle);
+                        speeds.store(k, first.rim_speed * per_radius);
+                    }
+                    joint += 1;
+                }
+            }
+        }
+        !(!are_final).any()
+    }
+
+    /// Solves the steered wheels whose first solution is not their motion; `common` where a direction tie has a common direction.
+    #[inline(always)]
+    fn both_solutions<S: Vector>(
+        &mut self,
+        simd: S,
+        k: usize,
+        common: CommonDirection<S>,
+        mut in_tie: impl FnMut(&DirectionTie<S>, usize),
+    ) {
+        let mut joint = 0;
+        for (i, ((kind, per_radius), speeds)) in self.constants.wheels.iter().zip(&mut *self.speeds).enumerate() {
             if let WheelKind::Steered(wheel) = kind {
                 let wheel = wheel.broadcast(simd);
-                let query = input.query(simd, joint, k);
+                let query = self.input.query(simd, self.input.joint(joint), k);
                 let first = wheel.first_solution(simd, &query);
                 if (!first.is_final).any() {
-                    let motion = wheel.solve(simd, &query, &first, Some(common));
-                    steering[joint].store(k, motion.angle);
+                    let motion = wheel.solve(simd, &query, &first, common);
+                    in_tie(&motion.tie, i);
+                    self.steering[joint].store(k, motion.angle);
                     speeds.store(k, motion.rim_speed * Lanes::splat(simd, *per_radius));
                 }
                 joint += 1;
@@ -292,22 +281,31 @@ fn apply_common_direction<S: Vector>(
     }
 }
 
-impl VoteColumns {
-    #[inline(always)]
-    fn load<S: Vector>(&self, simd: S, k: usize) -> DirectionVotes<S> {
-        let [forwards, backwards, lead, speed] = [0, 1, 2, 3].map(|j: usize| self.sums[j].load(simd, k));
-        DirectionVotes { forwards, backwards, lead, speed }
-    }
+/// Both solutions of the steered wheels, register after register, and of direction ties once more with their common direction.
+impl Kernel for SolveBlock<'_, '_> {
+    type Output = ();
 
     #[inline(always)]
-    fn add<S: Vector>(&mut self, simd: S, k: usize, with: impl FnOnce(DirectionVotes<S>) -> DirectionVotes<S>) {
-        if !self.has_ties {
-            self.sums = [Column::ZERO; 4];
-            self.has_ties = true;
-        }
-        let DirectionVotes { forwards, backwards, lead, speed } = with(self.load(simd, k));
-        for (column, sum) in self.sums.iter_mut().zip([forwards, backwards, lead, speed]) {
-            column.store(k, sum);
+    fn run<S: Vector>(mut self, simd: S) {
+        let input = self.input;
+        for k in 0..self.registers {
+            let mut common = None;
+            // The second time with the common direction, where there is one.
+            for _ in 0..2 {
+                let mut votes = DirectionVotes::none(simd);
+                let mut has_ties = false;
+                self.both_solutions(simd, k, common, |tie, i| {
+                    let rolling = input.previous_speeds.get(i);
+                    let rolling = rolling.map_or(Lanes::splat(simd, 0.0), |column| column.load(simd, k));
+                    votes = votes.with(tie, rolling);
+                    has_ties |= tie.is_tie.any();
+                });
+                let direction = votes.common_direction(simd);
+                if !(has_ties && direction[0].any()) {
+                    break;
+                }
+                common = Some(direction);
+            }
         }
     }
 }
