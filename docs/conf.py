@@ -1,7 +1,9 @@
 """Sphinx: no network, no fonts, no CDN. The pages of the API are what `help()` shows of the module."""
 
 import enum
+import functools
 import importlib
+import inspect
 import re
 import types
 from pathlib import Path
@@ -66,12 +68,48 @@ for stale in {path.stem for path in (HERE / "reference" / "api").glob("*.rst")} 
     (HERE / "reference" / "api" / f"{stale}.rst").unlink()
 
 
-def source_to_references(
+SECTION = re.compile(r"^Attributes\n-+\n(.*?)(?=^\w[^\n]*\n---|\Z)", re.M | re.S)
+ENTRY = re.compile(r"^(\w[\w, ]*)(?: : ([^\n]*))?\n((?:(?: +[^\n]*)?\n)*)", re.M)
+
+
+def fields(docstring: str) -> dict[str, list[str]]:
+    """Type and text of each entry of a docstring's section Attributes."""
+    section = SECTION.search(docstring + "\n")
+    found = {}
+    for names, kind, text in ENTRY.findall(section[1]) if section else ():
+        for name in names.split(", "):
+            found[name] = [*([f"({kind})", ""] if kind else []), *inspect.cleandoc(text).splitlines(), ""]
+    return found
+
+
+def named(name: str) -> Any:
+    """The object of a full name."""
+    return functools.reduce(getattr, name.split(".")[1:], sw)
+
+
+def shape_docstring(
     app: Any, kind: str, name: str, member: object, options: object, lines: list[str]
 ) -> None:
-    """The paragraph "Source: ..." becomes numpydoc's section References: it is no part of Raises."""
-    text = "\n".join(lines)
-    lines[:] = re.sub(r"^Source: ", "References\n----------\n", text, flags=re.M).split("\n")
+    """Fits a docstring to autodoc and numpydoc, before these read it.
+
+    The paragraph "Source: ..." becomes the section References: it is no part of Raises. An initial at its
+    begin is no number of a list. Entries of the section Attributes go to the members themselves. A flag, such
+    as `Reason.STALE`, has its text in `help`.
+    """
+    text = re.sub(r"^Source: ([A-Z]\.)", r"Source: \\\1", "\n".join(lines), flags=re.M)
+    text = re.sub(r"^Source: ", "References\n----------\n", text, flags=re.M)
+    if isinstance(member, type):
+        known = {
+            name for one in member.__mro__ for name in (*vars(one), *vars(one).get("__annotations__", ()))
+        }
+        if fields(text).keys() <= known:
+            text = SECTION.sub("", text + "\n")
+        if issubclass(member, enum.Enum) and hasattr(member, "help"):
+            text += "\n\n" + "\n\n".join(f"``{flag.name}``: {flag.help}." for flag in member)
+    elif kind == "attribute" and not any(lines):
+        owner, _, field = name.rpartition(".")
+        text = "\n".join(fields(inspect.getdoc(named(owner)) or "").get(field, []))
+    lines[:] = text.split("\n")
 
 
 class CommandHelp(Directive):
@@ -96,15 +134,6 @@ class CommandHelp(Directive):
         return sections
 
 
-def help_of_flags(
-    app: Any, kind: str, name: str, member: object, options: object, lines: list[str]
-) -> None:
-    """A flag, such as `Reason.STALE`, has its text in `help`."""
-    if isinstance(member, enum.Enum) and (text := getattr(member, "help", "")):
-        lines[:] = [text, ""]
-
-
 def setup(app: Any) -> None:
-    app.connect("autodoc-process-docstring", help_of_flags)
     app.add_directive("command-help", CommandHelp)
-    app.connect("autodoc-process-docstring", source_to_references, priority=100)  # before numpydoc
+    app.connect("autodoc-process-docstring", shape_docstring, priority=100)  # before numpydoc

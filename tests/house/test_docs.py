@@ -1,6 +1,7 @@
 """What the pages under docs show runs and gives what they say; what they link to is there."""
 
 import doctest
+import json
 import re
 from pathlib import Path
 
@@ -56,6 +57,21 @@ def test_the_cheat_sheet_runs(monkeypatch):
     exec(compile(sheet.CODE, "sheet.py", "exec"), {})
     told = {word for row in (*sheet.REASONS, *sheet.HEALTH) for word in re.findall(r"[A-Z_]{3,}", row[0])}
     assert told <= {one.name for one in (*sw.Reason, *sw.OdometryHealth)}
+
+
+def test_the_notebook_is_that_of_the_tutorial_and_runs(monkeypatch):
+    pytest.importorskip("matplotlib")
+    monkeypatch.syspath_prepend(DOCS)
+    import notebook
+
+    page = (DOCS / "tutorials" / "wheels.md").read_text(encoding="utf-8")
+    written = (DOCS / "tutorials" / "first.ipynb").read_text(encoding="utf-8")
+    assert written == notebook.notebook(page), "python docs/notebook.py writes it"
+    names: dict[str, object] = {}
+    for cell in json.loads(written)["cells"]:
+        if cell["cell_type"] == "code":
+            exec("".join(cell["source"]), names)
+    assert names["fit"].worst_wheel == "rear_right"
 
 
 def test_wpilib_gives_the_same_modules():

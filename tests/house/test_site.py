@@ -124,6 +124,22 @@ def test_every_public_name_has_a_page(site: Path) -> None:
     assert missing == []
 
 
+def test_every_member_of_a_class_has_an_anchor(site: Path) -> None:
+    names, places, missing = inventory(site), set(), []
+    owners = {f"six_wheel.{name}": getattr(sw, name) for name in sw.__all__}
+    for module in listed():
+        package = importlib.import_module(f"six_wheel.{module}")
+        owners |= {f"six_wheel.{module}.{name}": getattr(package, name) for name in package.__all__}
+    for owner, member in owners.items():
+        if not isinstance(member, type) or member in places:
+            continue
+        places.add(member)
+        own = {*vars(member), *vars(member).get("__annotations__", ())}
+        missing += [f"{owner}.{name}" for name in own if name[0] != "_" and f"{owner}.{name}" not in names]
+    assert missing == []
+    assert len(places) > 100
+
+
 def test_every_public_package_is_listed() -> None:
     root = Path(sw.__file__).parent
     found = {
