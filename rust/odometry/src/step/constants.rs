@@ -104,7 +104,7 @@ impl StepConstants {
         let castors = || rover.wheels().iter().any(|wheel| wheel.pivot == Pivot::Castor);
         let has_constant_solution = settings.method == Method::LeastSquares
             && settings.readings != Readings::Speeds
-            && settings.constant_errors() == 0
+            && settings.constant_error_count() == 0
             && rover.reading_bound <= LARGEST_ROVER;
         let solution = rover.solution.filter(|_| has_constant_solution);
         let mut constants = Self {

@@ -68,7 +68,7 @@ impl WheelFit {
             old: vec![[0.0; 3]; shared],
             new: vec![[0.0; 3]; shared],
             deviations: settings.dimensions.clone(),
-            constant_errors: vec![[0.0; 3]; settings.constant_errors()],
+            constant_errors: vec![[0.0; 3]; settings.constant_error_count()],
         }
     }
 
