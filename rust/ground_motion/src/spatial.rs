@@ -9,6 +9,7 @@
 
 mod correct;
 mod noise;
+mod readings;
 mod sample;
 pub mod settings;
 mod site;
@@ -16,7 +17,6 @@ mod spread;
 mod state;
 mod step;
 mod tolerant;
-mod way;
 
 use std::sync::Arc;
 
@@ -65,13 +65,13 @@ impl Odometry3 {
             let centres = (0..wheels).map(|wheel| placed.wheel(wheel).centre.norm());
             centres.fold(0.0, f64::max)
         });
-        let doubt = settings.centre_deviation(reach);
+        let centre_deviation = settings.centre_deviation(reach);
         let mut radii = [0.0; MAX_WHEELS];
         for (radius, wheel) in radii.iter_mut().zip(chain.wheels()) {
             *radius = wheel.radius;
         }
         Ok(Self {
-            fixed: Fixed { chain, ground, settings, radii, doubt },
+            fixed: Fixed { chain, ground, settings, radii, centre_deviation },
             reference: None,
             state: State::new(Pose3::default(), Matrix6::zeros()),
             noise: StepNoise::none(),
