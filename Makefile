@@ -6,6 +6,8 @@ BIN := $(VENV)/bin
 SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv') Cargo.toml Cargo.lock pyproject.toml \
 	$(wildcard rust/*/Cargo.toml)
 
+PAGES = $(wildcard docs/*.md docs/*/*.md)
+
 SOAK ?= 50
 SOAKED = $(patsubst %,tests/%,core/oracles/test_batch.py core/oracles/test_rollout.py core/oracles/test_fast.py \
 	core/boundary/test_memory.py core/door/test_storm.py core/control/test_profiles.py core/control/test_transitions.py \
@@ -32,7 +34,7 @@ BOUNDARY = tests/core/boundary tests/core/door tests/core/laws/test_geometry.py 
 PYTHONS ?= python3.11 python3.12 python3.13 python3.14
 
 .PHONY: demo quick test test-rust test-python test-ros test-versions fuzz compare soak holding sanitize bench bench-suites \
-	instructions profiling lint format wheel clean
+	instructions profiling docs lint format wheel clean
 
 demo: $(VENV)/installed ## drive Mars rovers along a recorded path and over rocks; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
@@ -113,6 +115,12 @@ bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark, criterion f
 instructions: ## callgrind's count of a dozen calls beside benches/instructions.csv: 3 % more fails; COUNT=--write makes it anew
 	$(PYTHON) benches/instructions.py $(COUNT)
 
+# Sphinx's trees lie beside the site, or they would double it; -j auto is safe with autosummary.
+docs: $(VENV)/docs ## the site, docs/_build/html/index.html: no network, warnings are errors
+	rm -rf docs/_build/html
+	$(BIN)/python -m sphinx -q -W --keep-going -j auto -b html -d docs/_build/trees docs docs/_build/html
+	$(BIN)/python -m pytest -q -p no:cacheprovider tests/house/test_site.py
+
 profiling: $(VENV)/installed ## the installed module with names and lines for perf and valgrind; the next build takes them away
 	cargo build --profile profiling --locked --package six-wheel-py
 	cp target/profiling/lib_core.so $$($(BIN)/python -c "import six_wheel._core as core; print(core.__file__)")
@@ -122,6 +130,7 @@ lint: $(VENV)/installed ## what has to be clean before a change lands
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/ruff format --check --line-length 80 $(PAGES)
 	PYTHONPATH=python $(BIN)/lint-imports
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest six_wheel._core
@@ -130,6 +139,7 @@ format:
 	cargo fmt --all
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+	$(BIN)/ruff format --line-length 80 $(PAGES)
 
 wheel: $(VENV)/tools ## dist/*.whl
 	$(BIN)/maturin build --release --locked --out dist
@@ -148,6 +158,10 @@ $(VENV)/installed: $(VENV)/tools $(SOURCES)
 		&& $(BIN)/python -m pip install --quiet "$$wheel[cli]"
 	touch $@
 
+$(VENV)/docs: $(VENV)/installed pyproject.toml
+	$(BIN)/python -m pip install --quiet --group docs
+	touch $@
+
 $(ROS)/installed: $(VENV)/installed
 	test -x $(ROS)/bin/python || $(PYTHON) -m venv $(ROS)
 	wheel=$$(ls $(VENV)/wheels/*.whl) && $(ROS)/bin/python -m pip install --quiet --timeout 30 --retries 2 \
@@ -163,4 +177,4 @@ $(VENV)/peers: $(VENV)/installed
 	touch $@
 
 clean:
-	rm -rf $(VENV) $(ROS) target dist six_wheel_demo
+	rm -rf $(VENV) $(ROS) target dist docs/_build docs/reference/api six_wheel_demo

@@ -13,7 +13,7 @@ from peers.plain import Plain
 
 import six_wheel as sw
 from six_wheel import reference
-from six_wheel.cli.benchmark import FEW_ROWS, Job, Timing
+from six_wheel.cli.benchmark import FEW_ROWS, Comparison, Timing
 
 RADIUS, STEP = 0.15, 0.01
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=RADIUS)
@@ -135,9 +135,9 @@ def calls():
     agree("NumPy", arrays.inverse(twist), (steering, speeds))
     agree("NumPy", [arrays.forward(steering, speeds)], [TWIST])
     jobs = [
-        Job("inverse into two arrays", into),
-        Job("inverse, two fresh arrays", fresh),
-        Job("forward", forward),
+        Comparison("inverse into two arrays", into),
+        Comparison("inverse, two fresh arrays", fresh),
+        Comparison("forward", forward),
     ]
     return [*jobs, *_stateful(update, here)]
 
@@ -149,14 +149,16 @@ def _stateful(update, here):
         names = {"update": sw.Odometry(ROVER).update, **here, **stamps}
         statement, kept = "update(steering, next(there), next(stamps))", "next(there), next(stamps)"
         update["core"] = Timing(statement, names, baseline=kept)
-    jobs = [Job("odometry update", update)]
+    jobs = [Comparison("odometry update", update)]
     if hasattr(sw, "Controller"):
         limits = sw.Limits(speed=1.0, acceleration=0.5, jerk=2.0, wheel_speed=8.0, steering_rate=1.0)
         controller = sw.Controller(ROVER, limits, timeout=1e9)
         controller.command(TWIST, 0.0)
         names = {"step": controller.step, **stamps}
         jobs.append(
-            Job("controller step", {"core": Timing("step(next(stamps))", names, baseline="next(stamps)")})
+            Comparison(
+                "controller step", {"core": Timing("step(next(stamps))", names, baseline="next(stamps)")}
+            )
         )
         # A planner's noise of 1 %: every step turns on towards another direction.
         noise = np.random.default_rng(0).uniform(-0.01, 0.01, 64)
@@ -166,7 +168,9 @@ def _stateful(update, here):
         statement = "(command(next(noisy), (now := next(stamps))), step(now))"
         kept = "(next(noisy), next(stamps))"
         jobs.append(
-            Job("controller, a new command every step", {"core": Timing(statement, names, baseline=kept)})
+            Comparison(
+                "controller, a new command every step", {"core": Timing(statement, names, baseline=kept)}
+            )
         )
     return jobs
 
@@ -268,7 +272,7 @@ def batches(rows=100_000, rollouts=(4096, 64)):
     _check_batches(timings, batch, poses, fans, sw.integrate(twists, STEP), sw.rollout(controls, STEP))
     shown = "n = 1e5" if rows == 100_000 else f"n = {rows:,}"
     names = {"rollout": f"rollout, {k} x {t}"}
-    return [Job(names.get(name, f"{name}, {shown}"), each) for name, each in timings.items()]
+    return [Comparison(names.get(name, f"{name}, {shown}"), each) for name, each in timings.items()]
 
 
 def _check_batches(timings, batch, poses, fans, expected_poses, expected_fans):
@@ -320,5 +324,5 @@ def growth(most):
                 numba["inverse_blocked"], part.twists, *part.joints, items=rows
             )
             timings["numba"] = Timing.of(numba["inverse_batch"], part.twists, *part.joints, items=rows)
-        jobs.append(Job(f"inverse, n = 1e{len(str(rows)) - 1}", timings))
+        jobs.append(Comparison(f"inverse, n = 1e{len(str(rows)) - 1}", timings))
     return jobs

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import six_wheel as sw
-from six_wheel.cli.benchmark import Grid, Job, Timing, nanoseconds, round_robin
+from six_wheel.cli.benchmark import Comparison, Grid, Timing, nanoseconds, round_robin
 
 ROWS = 20_000
 FEW = 200  # of calls that take long
@@ -223,7 +223,7 @@ def measured(rows=ROWS, rounds=20, progress=None):
         f"{row.call} {row.label}": Timing.of(row.function, *row.arguments, items=row.rows, **row.keywords)
         for row in table
     }
-    round_robin([Job("every call", timings)], rounds, progress=progress)
+    round_robin([Comparison("every call", timings)], rounds, progress=progress)
     unit = timings["Rover.inverse inside the limits"].best
     grid = Grid(f"Every batch call [ns per row of {rows}]", ["call", "", "ns", "x inverse", "goal", ""])
     for row in table:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 import six_wheel as sw
-from six_wheel.cli.benchmark import Grid, Job, Timing, round_robin
+from six_wheel.cli.benchmark import Comparison, Grid, Timing, round_robin
 
 SIZE = 40.0
 POSES = 10_000
@@ -61,7 +61,7 @@ def measured(rounds=10, progress=None, count=POSES):
     """The table."""
     jobs = listed(count)
     timings = {name: timing for name, _, timing in jobs}
-    round_robin([Job("ground", timings)], rounds, progress=progress)
+    round_robin([Comparison("ground", timings)], rounds, progress=progress)
     grid = Grid("The ground, Perseverance [ns per item], one thread", ["job", "core", "goal", ""])
     for name, goal, _ in jobs:
         taken = 1e9 * timings[name].best

@@ -3,7 +3,7 @@
 import numpy as np
 
 import six_wheel as sw
-from six_wheel.cli.benchmark import Grid, Job, Timing, nanoseconds, round_robin
+from six_wheel.cli.benchmark import Comparison, Grid, Timing, nanoseconds, round_robin
 
 SIZES = ((2000, 56), (4096, 64))
 
@@ -32,7 +32,7 @@ def cycles():
                 name = kernel if threads == 1 else "2 threads"
                 steps = samples * horizon
                 timings[name] = Timing.of(plan.step, (12.0, 11.0, 0.3), items=steps, **now, **how)
-            jobs.append(Job(f"{samples} x {horizon}, {dtype}", timings))
+            jobs.append(Comparison(f"{samples} x {horizon}, {dtype}", timings))
     return jobs
 
 

@@ -13,8 +13,10 @@ from pathlib import Path
 
 import floors
 import numpy as np
+from lessons import LESSONS
 from matplotlib.figure import Figure
 from PIL import Image, ImageColor
+from sheet import write_sheet
 from viewers import foxglove_figure
 
 from six_wheel import (
@@ -43,7 +45,9 @@ from six_wheel.simulation.drive import ControlledDrive, Loop
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
+SHEET = "cheat_sheet"  # no PNG: a page of words
 DEMO_DPI = 57  # it is large
+README_DPI = 140  # 1400 px wide, with letters of 14 pt
 STRIP = 12  # [px]
 MEANT = (
     plot.drawing.CENTRE,
@@ -247,14 +251,18 @@ DRAWN: dict[str, Callable[[], Figure | dict[str, Figure]]] = {
     "planner": planned,
     "architecture": floors.figure,
     "demo": demo,
+    **LESSONS,
 }
 
 
 def main(*names: str) -> None:
-    for name in names or DRAWN:
+    for name in names or (*DRAWN, SHEET):
+        if name == SHEET:
+            write_sheet(PICTURES)
+            continue
         found = DRAWN[name]()
         for each, figure in (found if isinstance(found, dict) else {name: found}).items():
-            write(each, figure, DEMO_DPI if each == "demo" else DPI)
+            write(each, figure, {"demo": DEMO_DPI, "readme": README_DPI}.get(each, DPI))
 
 
 if __name__ == "__main__":

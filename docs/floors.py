@@ -67,7 +67,7 @@ def figure() -> Figure:
         "kinematics " if name == "kinematics" else name for name in high[0]
     ]  # a crate has that name too
     drawn = new_figure(7.2, 6.0)
-    axis = drawn.add_axes((0.0, 0.0, 1.0, 1.0))
+    axis = drawn.subplots()
     axis.axis("off")
     axis.set(xlim=(0.0, 7.2), ylim=(-0.1, 6.0))
     height = 5.7 / (len(low) + len(high))

@@ -1,8 +1,8 @@
-"""Writes controller_keys.md, the page of the keys of others' parameter files."""
+"""Writes reference/other_keys.md, the page of the keys of others' parameter files."""
 
 from pathlib import Path
 
-from six_wheel.robot_description.parameters.keys import page
+from six_wheel.robot_description.parameters.foreign.keys_page import page
 
 if __name__ == "__main__":
-    Path(__file__).with_name("controller_keys.md").write_text(page(), encoding="utf-8")
+    (Path(__file__).parent / "reference" / "other_keys.md").write_text(page(), encoding="utf-8")

@@ -7,6 +7,7 @@ import numpy as np
 
 import six_wheel as sw
 from six_wheel import reference
+from tests.rovers import PAIR, SIX_WHEELS
 
 
 class WheelLog(NamedTuple):
@@ -21,8 +22,8 @@ class WheelLog(NamedTuple):
 
 
 VEHICLES = {
-    "six_wheel": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15),
-    "differential": sw.Rover.differential(0.4, 0.1),
+    "six_wheel": SIX_WHEELS,
+    "differential": PAIR,
     "tricycle": sw.Rover.tricycle(0.6, 0.4, 0.1),
     "ackermann": sw.Rover.ackermann(0.8, 0.5, 0.12),
     "mecanum": sw.Rover.mecanum(0.3, 0.2, 0.05),

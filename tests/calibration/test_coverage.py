@@ -9,10 +9,11 @@ pytest.importorskip("scipy")
 
 import six_wheel as sw
 from six_wheel.calibration import calibrate
+from tests.rovers import SMALL_PAIR
 
 SOAK = int(os.environ.get("SOAK", "0"))
 RUNS = 10 * SOAK or 8  # 500 under `make soak`
-TRUE, START = sw.Rover.differential(0.206, 0.0415), sw.Rover.differential(0.2, 0.042)
+TRUE, START = sw.Rover.differential(0.206, 0.0415), SMALL_PAIR
 NOISE = sw.Noise(0.0, 0.0, slip=0.01, side_slip=0.005)
 TIMES = np.linspace(0.0, 20.0, 41)
 

@@ -14,8 +14,8 @@ from six_wheel.calibration import calibrate
 from six_wheel.calibration.gyroscope.noise import measure
 from six_wheel.calibration.gyroscope.scale import mistaken, scale
 from six_wheel.logs import WheelLog
+from tests.rovers import SMALL_PAIR as PAIR
 
-PAIR = sw.Rover.differential(0.2, 0.042)
 KNOWN = sw.Gyroscope(0.002, bias_noise=0.02, bias_walk=5e-4)
 SOAK = int(os.environ.get("SOAK", "1"))
 

@@ -14,8 +14,8 @@ from six_wheel.calibration import Candidate, calibrate
 from six_wheel.calibration.cross_validation import choose
 from six_wheel.calibration.log_checks.units import unsettled
 from tests.calibration.drives import drive
+from tests.rovers import SMALL_PAIR as PAIR
 
-PAIR = sw.Rover.differential(0.2, 0.042)
 TRICYCLE = sw.Rover.tricycle(wheelbase=0.3, track_width=0.2, wheel_radius=0.05)
 
 

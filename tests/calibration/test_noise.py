@@ -10,8 +10,8 @@ pytest.importorskip("scipy")
 import six_wheel as sw
 from six_wheel.calibration import calibrate
 from tests.optiodom_data import REQUIRED, RUNS, read
+from tests.rovers import SMALL_PAIR as PAIR
 
-PAIR = sw.Rover.differential(0.2, 0.042)
 TIMES = np.linspace(0.0, 40.0, 81)
 NOISE = sw.Noise(0.0, 0.0, slip=0.01)
 ONE = {"parameters": ["wheel_radius"], "cross_validation": False}

@@ -20,6 +20,7 @@ from six_wheel.calibration import calibrate, parameter_names
 from six_wheel.calibration import drives as _drives
 from six_wheel.calibration import model as _drive_model
 from six_wheel.kinematics.odometry import dimensions as _parameters
+from tests.rovers import SIX_WHEELS, SMALL_PAIR
 
 SOAK = int(os.environ.get("SOAK", "0"))
 TRIANGLE = np.array([(0.2, 0.0), (-0.1, 0.17), (-0.1, -0.17)])
@@ -28,7 +29,7 @@ HEADINGS = (1.57, 3.66, -0.52)
 # Nominal rover, the true one, and what to find.
 VEHICLES = {
     "differential": (
-        sw.Rover.differential(0.2, 0.042),
+        SMALL_PAIR,
         sw.Rover.differential(0.21, (0.0415, 0.0422)),
         {"wheel_radius[left]": 0.0415, "wheel_radius[right]": 0.0422, "track_width": 0.21},
     ),
@@ -48,7 +49,7 @@ VEHICLES = {
         {"wheel_radius": 0.052, "arm_length": 1.03 * np.hypot(*TRIANGLE.T).mean()},
     ),
     "six wheels": (
-        sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15),
+        SIX_WHEELS,
         sw.Rover.six_wheel(0.42, 0.49, 0.49, 0.4725, 0.147),
         {"wheel_radius": 0.147, "track_width": 0.945, "wheelbase": 0.98},
     ),

@@ -11,8 +11,9 @@ from tests.calibration.drives import drive
 pytest.importorskip("scipy", reason="SciPy is not installed")
 
 from six_wheel.calibration import calibrate
+from tests.rovers import SMALL_PAIR
 
-PAIR, TRUE = sw.Rover.differential(0.2, 0.042), sw.Rover.differential(0.206, 0.0415)
+PAIR, TRUE = SMALL_PAIR, sw.Rover.differential(0.206, 0.0415)
 MOUNTS = {"monday": (0.01, -0.008, 0.015), "tuesday": (-0.012, 0.005, -0.02), "friday": (0.004, 0.01, 0.008)}
 FIND = {"parameters": ["wheel_radius", "track_width"], "cross_validation": False}
 

@@ -14,8 +14,8 @@ from six_wheel.calibration import model as _model
 from six_wheel.kinematics.odometry import dimensions as _parameters
 from six_wheel.logs import GroundTruth, WheelLog
 from tests.calibration.drives import drive
+from tests.rovers import SMALL_PAIR as PAIR
 
-PAIR = sw.Rover.differential(0.2, 0.042)
 TRUE = sw.Rover.differential(0.206, 0.0415)
 SIZES = {"parameters": ["wheel_radius", "track_width"], "cross_validation": False}
 

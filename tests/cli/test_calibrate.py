@@ -105,8 +105,8 @@ def test_one_command_calibrates_the_example(run: Run) -> None:
     assert (code, err) == (0, "")
     before, after = map(float, row(out, "140120211508_run-01")[1:])
     assert after < 0.1 * before
-    readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    assert f"errs by {before:.3f} m rms; with those found, by {after:.3f} m." in " ".join(readme.split())
+    page = (Path(__file__).parents[2] / "docs" / "tutorials" / "log.md").read_text(encoding="utf-8")
+    assert f"errs by {before:.3f} m rms; with those found, by {after:.3f} m." in " ".join(page.split())
     assert Path("p.png").read_bytes().startswith(b"\x89PNG")
     text = Path("r.md").read_text()
     pictures = re.findall(r"!\[.*?\]\(<(.*?)>\)", text)

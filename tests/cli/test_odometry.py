@@ -20,10 +20,11 @@ from six_wheel.logs.detect_reader import LogOptions
 from tests.cli_runs import Run
 from tests.odometry_logs import drive
 from tests.optiodom_data import FOLDER, REQUIRED, RUNS
+from tests.rovers import PAIR, SIX_WHEELS
 
 Refused = Callable[..., str]
 CART = "kind: differential\ntrack_width: 0.4\nwheel_radius: 0.1\n"
-WAY = drive(sw.Rover.differential(0.4, 0.1), n=100)
+WAY = drive(PAIR, n=100)
 
 
 def table(*, every: int = 1, scale: float = 1.0, unit: str = "rad", shift: float = 0.0) -> str:
@@ -67,7 +68,7 @@ def read(path: str) -> dict[str, np.ndarray]:
 def test_the_track_is_that_of_dead_reckon(run: Run, cart: None, ending: str, chunk_rows: str) -> None:
     code, out, err = run("odometry", "cart.yaml", "log.csv", "-o", f"t.{ending}", "--chunk-rows", chunk_rows)
     assert (code, err) == (0, "")
-    track = sw.dead_reckon(sw.Rover.differential(0.4, 0.1), None, WAY.angles, WAY.stamps)
+    track = sw.dead_reckon(PAIR, None, WAY.angles, WAY.stamps)
     written = read(f"t.{ending}")
     assert written["row"].tolist() == list(range(1, len(WAY.stamps) + 1))
     for name, expected in {
@@ -177,7 +178,7 @@ def test_many_bad_rows_are_counted_and_the_first_are_named(run: Run, cart: None)
 
 
 def test_a_wheel_that_slips_is_named_with_the_stretch(run: Run) -> None:
-    way = drive(sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15), n=100)
+    way = drive(SIX_WHEELS, n=100)
     angles = way.angles.copy()
     slip = (way.stamps > 4.0) & (way.stamps <= 6.0)
     angles[:, 2] += np.cumsum(np.where(slip, 0.4, 0.0))  # middle left, 1.2 m/s too fast
@@ -203,7 +204,7 @@ def test_a_wheel_that_slips_is_named_with_the_stretch(run: Run) -> None:
 
 
 def test_pieces_of_a_slip_report_are_the_whole(run: Run) -> None:
-    way = drive(sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15), n=60)
+    way = drive(SIX_WHEELS, n=60)
     angles = way.angles.copy()
     angles[30:60, 4] = angles[30, 4]
     track = sw.dead_reckon(way.rover, way.steering, angles, way.stamps, method="robust")
@@ -322,7 +323,7 @@ def test_a_bag_is_read_with_its_truth(run: Run, refused: Refused) -> None:
 def test_noise_comes_from_the_file_and_over_it_from_options(run: Run, cart: None) -> None:
     Path("noisy.yaml").write_text(CART + "noise: {speed: 0.02, slip: 0.01}\nodometry: {method: robust}\n")
     run("odometry", "noisy.yaml", "log.csv", "-o", "t.csv")
-    rover, noise = sw.Rover.differential(0.4, 0.1), sw.Noise(0.02, slip=0.01)
+    rover, noise = PAIR, sw.Noise(0.02, slip=0.01)
     track = sw.dead_reckon(rover, None, WAY.angles, WAY.stamps, noise=noise, method="robust")
     np.testing.assert_allclose(read("t.csv")["covariance_x_x"], track.covariances[:, 0, 0], rtol=1e-14)
     run("odometry", "noisy.yaml", "log.csv", "-o", "t.csv", "--slip-noise", "0", "--speed-noise", "0.03")

@@ -10,8 +10,8 @@ pytest.importorskip("pydantic", reason='needs pip install "six-wheel[cli]"')
 import six_wheel as sw
 from six_wheel.control_loop import Loop, Options, Settings
 from six_wheel.control_loop.diagnostics import statuses
+from tests.rovers import SIX_WHEELS as ROVER
 
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
 LIMITS = sw.Limits(speed=1.0, acceleration=0.5, wheel_speed=8.0, steering_rate=1.0)
 SETTINGS = Settings.of_rover(ROVER, limits=LIMITS)
 NAMES = [*ROVER.steering_joints, *ROVER.traction_joints]

@@ -13,6 +13,7 @@ import six_wheel as sw
 from six_wheel.logs import CommandTable, LogOptions, TableError, open_log
 from six_wheel.robot_description.parameters import ParameterFileError, dump, parse_parameters, read_parameters
 from six_wheel.robot_description.urdf import read_urdf
+from tests.rovers import CART
 
 ROOT = Path(__file__).parents[2]
 ROVER = sw.Rover.preset("perseverance")
@@ -79,7 +80,7 @@ def texts_of(*patterns: str) -> Iterator[bytes]:
 
 
 def descriptions() -> Iterator[bytes]:
-    for rover in (ROVER, sw.Rover.differential(0.5, 0.1), sw.Rover.ackermann(2.0, 1.2, 0.3)):
+    for rover in (ROVER, CART, sw.Rover.ackermann(2.0, 1.2, 0.3)):
         yield rover.urdf().encode()
 
 

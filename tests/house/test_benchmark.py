@@ -10,7 +10,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.cli import benchmark
-from six_wheel.cli.benchmark import Grid, Job, Timing, machine, nanoseconds, round_robin
+from six_wheel.cli.benchmark import Comparison, Grid, Timing, machine, nanoseconds, round_robin
 
 BENCHES = Path(__file__).parents[2] / "benches"
 
@@ -47,7 +47,7 @@ def test_everyone_has_a_turn_before_anyone_has_two(quick: None) -> None:
         seen.append(who)
         time.sleep(1e-4)
 
-    jobs = [Job(job, {name: Timing.of(turn, job + name) for name in "ab"}) for job in "xy"]
+    jobs = [Comparison(job, {name: Timing.of(turn, job + name) for name in "ab"}) for job in "xy"]
     progress: list[tuple[int, int]] = []
     round_robin(jobs, 3, progress=lambda done, total: progress.append((done, total)))
     assert [who for who, _ in itertools.groupby(seen)] == 3 * ["xa", "xb", "ya", "yb"]

@@ -42,14 +42,15 @@ def test_a_vehicle_has_a_kind_and_an_example_of_it(vehicle):
 
 @pytest.mark.parametrize("vehicle", VEHICLES)
 def test_a_vehicle_has_sections_and_a_picture(vehicle, monkeypatch):
-    sections = re.split(r"^## ", text("docs", "models.md"), flags=re.M)[1:]
+    sections = re.split(r"^## ", text("docs", "explanation", "models.md"), flags=re.M)[1:]
     head = vehicle.capitalize().replace("_", "[ -]")
     section = next((one for one in sections if re.match(head, one)), "")
-    assert section, f"a section of docs/models.md that begins with {head}"
-    assert f"](pictures/{vehicle}.png)" in section
+    assert section, f"a section of docs/explanation/models.md that begins with {head}"
+    assert f"](../pictures/{vehicle}.png)" in section
     assert f"`Rover.{vehicle}(" in section
-    assert f"`{vehicle}`" in text("docs", "parameter_files.md")
-    assert f"`{vehicle}`" in text("README.md") or f"`Rover.{vehicle}`" in text("README.md")
+    assert f"`{vehicle}`" in text("docs", "reference", "parameter_keys.md")
+    features = text("docs", "explanation", "features.md")
+    assert f"`{vehicle}`" in features or f"`Rover.{vehicle}`" in features
     assert (ROOT / "docs" / "pictures" / f"{vehicle}.png").exists()
     pytest.importorskip("matplotlib")
     pytest.importorskip("scipy")

@@ -18,8 +18,8 @@ import six_wheel as sw
 from six_wheel.log_odometry import FleetLog, Settings, reckon, reckon_all
 from six_wheel.simulation import write_log
 from tests.cli_runs import Run
+from tests.rovers import PAIR
 
-PAIR = sw.Rover.differential(0.4, 0.1)
 NOISE = Settings(sw.Noise(slip=0.01, side_slip=0.01))
 COUNT = 12
 

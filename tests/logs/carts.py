@@ -2,9 +2,6 @@
 
 from pathlib import Path
 
-import six_wheel as sw
-
-CART = sw.Rover.differential(0.5, 0.1)
 HEADER = "time,left [rad],right [rad]\n"
 
 

@@ -16,7 +16,8 @@ parquet = pytest.importorskip("pyarrow.parquet")
 from six_wheel.logs import JointLog  # noqa: E402
 from six_wheel.logs.columns import TableError  # noqa: E402
 from six_wheel.logs.skip_bad_rows import MOST_FINDINGS  # noqa: E402
-from tests.logs.carts import CART, HEADER, write  # noqa: E402
+from tests.logs.carts import HEADER, write  # noqa: E402
+from tests.rovers import CART  # noqa: E402
 
 GOOD = [f"{k / 10},{k},{2 * k}\n" for k in range(8)]
 

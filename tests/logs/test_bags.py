@@ -29,12 +29,12 @@ from six_wheel.logs.bags.joint_bag import JOINT_STATE
 from six_wheel.logs.bags.messages import POSES
 from six_wheel.logs.columns import TableError
 from six_wheel.simulation.drive import Loop, drive
+from tests.rovers import CART
+from tests.rovers import SIX_WHEELS as ROVER
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 TYPES = STORE.types
 START = 1_700_000_000_000_000_000  # [ns]
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
-CART = sw.Rover.differential(0.5, 0.1)
 STORAGES = {"sqlite3": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
 
 
@@ -335,7 +335,7 @@ def test_poses_beside_the_joints(tmp_path: Path, kind: str, storage: str) -> Non
 
 
 def test_the_page_on_logs_shows_what_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "logs.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "howto" / "logs.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", page, re.S)
     messages = states([joints(START + k * 10**9, ["left", "right"], [k, k]) for k in range(3)])
     poses = [(START + k, pose_of("geometry_msgs/msg/PoseStamped", START + k, k, 0, 0)) for k in range(2)]

@@ -29,8 +29,8 @@ from six_wheel.logs.gyroscope.rates import Passing, Turning, edges_of, upward
 from six_wheel.logs.gyroscope.sources import rate_columns
 from six_wheel.simulation import write_log
 from tests.cli_runs import Run
+from tests.rovers import CART
 
-CART = sw.Rover.differential(0.5, 0.1)
 STORE, STORE_1 = get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS1_NOETIC)
 TYPES = STORE.types
 for kind in ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"):  # which came before

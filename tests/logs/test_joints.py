@@ -24,9 +24,9 @@ from six_wheel.logs.columns import TableError  # noqa: E402
 from six_wheel.logs.joint_columns import joint_columns  # noqa: E402
 from six_wheel.simulation.drive import drive  # noqa: E402
 from tests import optiodom_data  # noqa: E402
-from tests.logs.carts import CART, write  # noqa: E402
-
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
+from tests.logs.carts import write  # noqa: E402
+from tests.rovers import CART  # noqa: E402
+from tests.rovers import SIX_WHEELS as ROVER  # noqa: E402
 
 
 def rows_of(path: Path, rover: sw.Rover = CART, chunk_rows: int = 1000, **options) -> JointRows:

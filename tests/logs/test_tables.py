@@ -144,7 +144,17 @@ def test_units_become_si(tmp_path: Path) -> None:
         "\ntime,vx,omega\n\n0,0.5,0.1\n\n\n1,0.5,-0.1\n\n",
         "note,omega,time,note,vx\na,0.1,0,b,0.5\n,-0.1,1,,0.5\n",
     ],
-    ids=["plain", "crlf", "semicolons", "tabs", "quoted", "bom", "savetxt", "blank lines", "other columns"],
+    ids=[
+        "as written",
+        "crlf",
+        "semicolons",
+        "tabs",
+        "quoted",
+        "bom",
+        "savetxt",
+        "blank lines",
+        "other columns",
+    ],
 )
 def test_csv_dialects(tmp_path: Path, text: str) -> None:
     time, twists = read(write(tmp_path / "c.csv", text))

@@ -141,7 +141,7 @@ def test_a_full_disk_is_one_line_and_nothing_half_written(
 
 
 def test_bad_arguments_write_nothing(chart: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("six_wheel.parallel.remote.ANSWER", 0.5)
+    monkeypatch.setattr("six_wheel.parallel.spreading.ANSWER", 0.5)
     before = sorted(chart.parent.iterdir())
     with pytest.raises(ValueError, match="headings must be at least 1, got 0"):
         run(chart, headings=0)

@@ -11,7 +11,8 @@ import pytest
 import six_wheel as sw
 from six_wheel.kinematics.controller import Reason
 from tests.limits import only
-from tests.neighbours.vehicles import CAR, CART, MARS, MECANUM, SWERVE, drive
+from tests.neighbours.vehicles import MARS, SWERVE, drive
+from tests.rovers import CAR, CART, MECANUM
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from tests.neighbours.vehicles import CAR, CART, MECANUM, SWERVE, drive
+from tests.neighbours.vehicles import SWERVE, drive
+from tests.rovers import CAR, CART, MECANUM
 
 
 @pytest.mark.parametrize("limits", [{"speed": 0.4}, {"wheel_speed": 3.0}, {"yaw_rate": 0.2}])

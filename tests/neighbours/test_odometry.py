@@ -10,7 +10,8 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.kinematics.odometry import OdometryHealth
-from tests.neighbours.vehicles import CART, MARS
+from tests.neighbours.vehicles import MARS
+from tests.rovers import CART
 
 
 @pytest.mark.parametrize("first", [0.07874015748, -3.0, 12_345.6])

@@ -10,7 +10,8 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.kinematics.controller import Reason
-from tests.neighbours.vehicles import BICYCLE, CAR, MARS, MECANUM, SWERVE, TRICYCLE
+from tests.neighbours.vehicles import BICYCLE, MARS, SWERVE
+from tests.rovers import CAR, MECANUM, TRICYCLE
 
 # Swerve
 

@@ -201,7 +201,7 @@ def test_a_full_disk_leaves_nothing_half_written(tmp_path: Path, monkeypatch: py
 
 def test_a_cluster_that_does_not_answer_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed", reason="needs Dask")
-    monkeypatch.setattr("six_wheel.parallel.remote.ANSWER", 0.5)
+    monkeypatch.setattr("six_wheel.parallel.spreading.ANSWER", 0.5)
     with pytest.raises(
         parallel.ClusterError, match=r"cluster tcp://127\.0\.0\.1:9 does not answer"
     ) as caught:

@@ -16,10 +16,11 @@ from matplotlib.patches import Circle, FancyBboxPatch
 
 from six_wheel import plotting as plot
 from six_wheel.plotting.drawing import AXLE, FORBIDDEN, new_figure
+from tests.rovers import MECANUM, SIX_SIZES
+from tests.rovers import SIX_WHEELS as ROVER
 
 # The six-wheel rover of design/models.md, section 2.
-ROVER = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
-LIMITED = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=math.radians(60))
+LIMITED = Rover.six_wheel(**SIX_SIZES, steering_limit=math.radians(60))
 CORNERS = [(0.3, 0.25), (0.3, -0.25), (-0.3, 0.25), (-0.3, -0.25)]
 SWERVE = Rover([Wheel(f"m{i}", x, y, radius=0.05, steered=True) for i, (x, y) in enumerate(CORNERS)])
 PAIR = Rover([Wheel("left", 0.0, 0.1, radius=0.04), Wheel("right", 0.0, -0.1, radius=0.04)])
@@ -187,7 +188,7 @@ def test_rollers_are_drawn_along_their_axes_as_seen_from_above(angle):
 
 
 def test_only_wheels_that_cannot_slip_sideways_have_a_say_in_the_centre():
-    mecanum = Rover.mecanum(0.3, 0.2, 0.1)
+    mecanum = MECANUM
     assert lines(plot.show_figure(mecanum, (0.3, 0.1, 0.5)), AXLE) == []
     robot = Rover([*PAIR.wheels, Wheel("c", -0.2, 0.0, radius=0.03, castor=True, trail=0.02)])
     assert len(lines(plot.show_figure(robot, (0.3, 0.0, 0.5)), AXLE)) == 2

@@ -5,9 +5,10 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.simulation import Slip, write_log
+from tests.rovers import SIX_WHEELS
 
 ROVERS = {
-    "six_wheel": sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15),
+    "six_wheel": SIX_WHEELS,
     "differential": sw.Rover.differential(track_width=0.4, wheel_radius=0.1),
     "tricycle": sw.Rover.tricycle(wheelbase=0.6, track_width=0.4, wheel_radius=0.1),
     "ackermann": sw.Rover.ackermann(wheelbase=0.6, track_width=0.4, wheel_radius=0.1),

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from six_wheel.calibration.cross_validation import Candidate, CrossValidation
     from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
     from six_wheel.calibration.files import Calibrated, calibrate_files, half_width, interval
-    from six_wheel.calibration.fitting import Loss
     from six_wheel.calibration.noise import MeasuredNoise
     from six_wheel.calibration.observability import Observability
+    from six_wheel.calibration.problem import Loss
     from six_wheel.calibration.result import Calibration
     from six_wheel.calibration.run_calibration import calibrate, parameter_names
 
@@ -43,12 +43,13 @@ __getattr__, __dir__ = attach(
         "cross_validation": ("Candidate", "CrossValidation"),
         "drives": (),
         "files": ("Calibrated", "calibrate_files", "half_width", "interval"),
-        "fitting": ("Loss",),
+        "fitting": (),
         "log_checks.units": (),
         "log_checks.slip": (),
         "model": (),
         "noise": ("MeasuredNoise",),
         "observability": ("Observability",),
+        "problem": ("Loss",),
         "run_calibration": ("calibrate", "parameter_names"),
         "result": ("Calibration",),
         "estimates": ("Estimate", "RunErrors", "Windows"),

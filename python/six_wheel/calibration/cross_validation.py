@@ -10,8 +10,9 @@ import numpy as np
 from six_wheel._core import Rover
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.estimates import RunErrors
-from six_wheel.calibration.fitting import Loss, Problem, quantile, refit, solve
+from six_wheel.calibration.fitting import quantile, refit, solve
 from six_wheel.calibration.model import Model, with_mounts
+from six_wheel.calibration.problem import Loss, Problem
 from six_wheel.kinematics.odometry.dimensions import Catalogue
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import WheelLog

@@ -85,7 +85,7 @@ def _who(log: WheelLog, number: int) -> str:
     return f"logs[{number}]" + (f" ({log.name})" if log.name else "")
 
 
-def prepare(rover: Rover, log: WheelLog, lengths: Floats, margin: float, number: int) -> Drive:
+def prepare(rover: Rover, log: WheelLog, lengths: Floats, margin: float, number: int = 0) -> Drive:
     """The windows of a log.
 
     Parameters

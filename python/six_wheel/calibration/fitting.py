@@ -1,15 +1,22 @@
 """Robust nonlinear least squares over windows: values, what the data leave open, and honest covariances."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.calibration.drives import OVERLAP, STRETCHES, Drive
+from six_wheel.calibration.drives import OVERLAP, STRETCHES
 from six_wheel.calibration.model import Model
+from six_wheel.calibration.problem import (
+    DOUBT,
+    FIRST_SCALE,
+    Problem,
+    Solution,
+    scales_of,
+    stiffness_of,
+    weights_of,
+)
 from six_wheel.kinematics.poses import Floats
 
 try:
@@ -20,23 +27,13 @@ except ImportError as missing:
         'calibration needs SciPy: pip install "six-wheel[calibrate]"', name="scipy"
     ) from missing
 
-Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
-LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 
-# A robust loss begins to doubt a window at this many times the usual error.
-DOUBT = 3.0
 # A direction is open if the data leave it wider than this share of what is plausible.
 OPEN = 0.5
 # A parameter of which the data see less than this, in units of what is plausible, stays exactly where it is.
 UNTOUCHED = 1e-2
 # Parameters less open than this share are known.
 KNOWN = 0.05
-# Errors smaller than this are rounding of the recording, not knowledge [m and rad].
-SMALLEST_SCALE = 1e-6
-# First guess of the error of a motion, as a share of its length.
-FIRST_SCALE = 0.02
-# Windows of one length that tell by themselves how much they err.
-FEW = 10
 ROUNDS, STEPS = 12, 8
 # Rounds of reweighting, and the change of the sum of squares that ends them.
 REWEIGHTED, NOTHING = 60, 1e-14
@@ -46,85 +43,6 @@ SETTLED = 1e-3  # of a standard deviation
 FEWEST_SESSIONS, FEWEST_RUNS = 4, 3
 # Of intervals that a normal distribution shall have as wide as Student's t.
 NORMAL = 0.95
-
-
-@dataclass(frozen=True, eq=False)
-class Problem:
-    """Drives and a model whose parameters shall explain them."""
-
-    model: Model
-    drives: Sequence[Drive]
-    loss: Loss
-    lengths: Floats
-    latest: float  # largest plausible time offset [s]
-    around: tuple[Floats, Floats, Floats] | None = None
-
-    def errors(self, values: Floats) -> tuple[Floats, Floats]:
-        """Errors of all windows (m, 3) and their derivatives (m, 3, p)."""
-        if self.around is not None:
-            centre, errors, by = self.around
-            return errors + by @ (values - centre), by
-        parts = [self.model.errors(drive, values) for drive in self.drives]
-        return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
-
-    def linearised(self, values: Floats, scales: Floats) -> "Problem":
-        """The same with errors that change evenly from those at `values` on.
-
-        A heading that errs by chance makes ways shorter on the average, never longer: what the usual error of
-        the heading is taken to have cost each window is not held against the lengths.
-        """
-        errors, by = replace(self, around=None).errors(values)
-        lost = np.concatenate([self.model.shortened(drive, values) for drive in self.drives])
-        errors[:, :2] -= np.square(scales[self.which, 1])[:, None] / 2.0 * lost
-        return replace(self, around=(values, errors, by))
-
-    def only(self, kept: Sequence[bool]) -> "Problem":
-        """Some of the drives, with what is known of them."""
-        rows = np.repeat(kept, [len(drive.rows) for drive in self.drives])
-        around = None if self.around is None else (self.around[0], self.around[1][rows], self.around[2][rows])
-        drives = [drive for drive, keep in zip(self.drives, kept, strict=True) if keep]
-        return replace(self, drives=drives, around=around)
-
-    @property
-    def which(self) -> NDArray[np.int64]:
-        return np.concatenate([drive.lengths for drive in self.drives])
-
-    def bounds(self) -> tuple[Floats, Floats]:
-        """Bounds of the values: lengths stay positive, and clocks within what the windows leave."""
-        low, high = np.full(len(self.model.names), -np.inf), np.full(len(self.model.names), np.inf)
-        for number, parameter in enumerate(self.model.parameters):
-            if parameter.positive:
-                low[number], high[number] = 0.2 * parameter.value, 5.0 * parameter.value
-            elif parameter.unit == "rad":
-                low[number], high[number] = parameter.value - 1.5, parameter.value + 1.5
-            elif parameter.name == "time_offset":
-                low[number], high[number] = -self.latest, self.latest
-            else:
-                low[number], high[number] = (
-                    parameter.value - 10.0 * parameter.plausible,
-                    parameter.value + 10.0 * parameter.plausible,
-                )
-        return low, high
-
-
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """Values that fit best, and what is needed to say how well they are known.
-
-    `seen` (p, q) are the directions the data see, in units of what is plausible for each parameter, `unseen`
-    (p, p - q) the others; all of them are as long as is plausible, and independent of one another. `spread`
-    (p,) says how far the data would let each go, as a share of that, seen ones first.
-    """
-
-    values: Floats
-    errors: Floats
-    weights: Floats
-    scales: Floats
-    by: Floats
-    seen: Floats
-    unseen: Floats
-    spread: Floats
-    converged: bool
 
 
 def solve(problem: Problem, start: Floats | None = None) -> Solution:
@@ -140,7 +58,7 @@ def solve(problem: Problem, start: Floats | None = None) -> Solution:
     if start is None and len(values):
         values = _descend(problem, model.likely, values, scales, hold=1.0, fine=False)
     errors, _ = problem.errors(values)
-    scales, _ = _scales(problem, errors, scales)
+    scales, _ = scales_of(problem, errors, scales)
     solution = _settle(problem.linearised(values, scales), values, scales)
     for _ in range(STEPS):
         moved = np.abs(solution.values - values)
@@ -153,7 +71,7 @@ def solve(problem: Problem, start: Floats | None = None) -> Solution:
     else:
         solution = replace(solution, converged=False)
     errors, by = linear.errors(solution.values)
-    scales, weights = _scales(problem, errors, solution.scales)
+    scales, weights = scales_of(problem, errors, solution.scales)
     return replace(solution, errors=errors, by=by, scales=scales, weights=weights)
 
 
@@ -164,7 +82,7 @@ def _settle(problem: "Problem", values: Floats, scales: Floats) -> Solution:
     errors, by = problem.errors(values)
     converged = False
     for _ in range(ROUNDS):
-        scales, weights = _scales(problem, errors, scales)
+        scales, weights = scales_of(problem, errors, scales)
         seen, unseen, spread = _directions(problem, by, weights, scales)
         values = nominal + plausible * (seen @ _steps(model, seen, values))
         hold = _hold(problem, errors, by, weights, scales, seen)
@@ -244,7 +162,7 @@ def _reweighted(
     firm = hold / DOUBT**2
     steps = start.copy()
     for _ in range(REWEIGHTED):
-        weights = _weights(rows, problem.loss)
+        weights = weights_of(rows, problem.loss)
         heavy = slopes * weights[:, None]
         stiff = heavy.T @ slopes + firm * np.eye(len(steps))
         change = np.linalg.solve(stiff, -(heavy.T @ rows) - firm * steps)
@@ -260,63 +178,6 @@ def _steps(model: Model, directions: Floats, values: Floats) -> Floats:
     independent = model.surprise @ directions
     found: Floats = independent.T @ (model.surprise @ ((values - model.start) / model.plausible))
     return found
-
-
-def _scales(problem: "Problem", errors: Floats, before: Floats) -> tuple[Floats, Floats]:
-    """Usual errors per window length, in place and heading (k, 2), and robust weights (m, 3).
-
-    Of a few windows the fit may hit every one, and what is left of them says nothing: they are taken to err
-    as those of the length that has most, growing with the root of the length.
-    """
-    which, loss = problem.which, problem.loss
-    scales = before.copy()
-    weights = np.ones_like(errors)
-    kinds = np.append(problem.lengths, problem.lengths[-1])
-    counts = np.bincount(which, minlength=len(kinds))
-    usual = int(np.argmax(counts))
-    order = np.unique(which)
-    for number in sorted(order.tolist(), key=lambda kind: kind != usual):
-        rows = which == number
-        least = SMALLEST_SCALE
-        for part, columns in ((0, slice(0, 2)), (1, slice(2, 3))):
-            values = errors[rows, columns]
-            if counts[number] < FEW and number != usual:
-                least = max(SMALLEST_SCALE, scales[usual, part] * math.sqrt(kinds[number] / kinds[usual]))
-            scale = max(_rms(values, np.ones_like(values)), least)
-            for _ in range(50 if loss != "linear" else 0):
-                again = max(_rms(values, _weights(values / (DOUBT * scale), loss)), least)
-                if abs(again - scale) <= 1e-6 * scale:
-                    break
-                scale = again
-            scales[number, part] = scale
-            weights[rows, columns] = _weights(values / (DOUBT * scale), loss)
-    return scales, weights
-
-
-def _rms(values: Floats, weights: Floats) -> float:
-    return math.sqrt(float((weights * values * values).sum() / weights.sum()))
-
-
-def _weights(ratio: Floats, loss: Loss) -> Floats:
-    """Weight of a residual: the derivative of the loss by the square of the ratio."""
-    if loss == "soft_l1":
-        return 1.0 / np.sqrt(1.0 + ratio * ratio)
-    if loss == "huber":
-        return 1.0 / np.maximum(np.abs(ratio), 1.0)
-    if loss == "cauchy":
-        return 1.0 / (1.0 + ratio * ratio)
-    return np.ones_like(ratio)
-
-
-def _stiffness(ratio: Floats, loss: Loss) -> Floats:
-    """Curvature of the loss: half its second derivative by the ratio."""
-    if loss == "soft_l1":
-        return (1.0 + ratio * ratio) ** -1.5
-    if loss == "huber":
-        return (np.abs(ratio) <= 1.0).astype(np.float64)
-    if loss == "cauchy":
-        return (1.0 - ratio * ratio) / np.square(1.0 + ratio * ratio)
-    return np.ones_like(ratio)
 
 
 def _directions(
@@ -407,7 +268,7 @@ def _per_cluster(
     """
     which, plausible = problem.which, problem.model.plausible
     size = scales[which][:, [0, 0, 1]]
-    each = _stiffness(errors / (DOUBT * size), problem.loss)
+    each = stiffness_of(errors / (DOUBT * size), problem.loss)
     kinds = np.bincount(which)
     sums = np.stack([np.bincount(which, one) for one in (each[:, :2].mean(axis=1), each[:, 2])], axis=1)
     stiff = np.maximum(sums / np.maximum(kinds, 1)[:, None], 0.0)[which][:, [0, 0, 1]]

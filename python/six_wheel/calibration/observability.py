@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.calibration.drives import RESTED, Drive, at_rest
-from six_wheel.calibration.fitting import KNOWN, OPEN, Solution, openness
+from six_wheel.calibration.fitting import KNOWN, OPEN, openness
 from six_wheel.calibration.model import Model
+from six_wheel.calibration.problem import Solution
 from six_wheel.kinematics.poses import Floats
 
 # Parts of a direction smaller than this are not worth a word.

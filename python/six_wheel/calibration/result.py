@@ -153,75 +153,77 @@ class Calibration:
 
     def to_markdown(self, *, title: str = "Calibration") -> str:
         """The whole report: values, what is not identified, errors per run, residuals, cross-validation."""
-        percent = f"{100 * self.confidence:g} %"
-        lines = [f"# {title}", ""]
-        lines += [
-            f"| parameter | nominal | calibrated | standard deviation | {percent} interval |",
-            "|---|---|---|---|---|",
+        parts = [
+            [f"# {title}"],
+            self._of_values(),
+            [f"Intervals from leaving out one after another of {self.basis}. Loss: {self.loss}."],
+            [] if self.converged else ["**The fit did not settle; do not trust these values.**"],
+            ["## Slip", "", *(f"- {sentence}" for sentence in self.slips)] if self.slips else [],
+            [] if self.measured_noise is None else self._of_noise(self.measured_noise),
+            [] if self.gyroscope is None else _of_gyroscope(self.gyroscope),
         ]
+        if messages := self.observability.messages:
+            parts.append(["## What the drives do not tell", "", *(f"- {message}" for message in messages)])
+        parts += [self._of_runs("m", "position"), self._of_runs("rad", "heading"), self._of_windows()]
+        if (checked := self.cross_validation) is not None:
+            rule = f"Mean error of the runs of each {checked.kind} under a fit without it"
+            said = [f"{rule}; the chosen set in bold.", "", checked.to_markdown()]
+            parts.append(["## Cross-validation", "", *said])
+        return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
+
+    def _of_values(self) -> list[str]:
+        """The table of the parameters."""
+        percent = f"{100 * self.confidence:g} %"
+        head = f"| parameter | nominal | calibrated | standard deviation | {percent} interval |"
+        lines = [head, "|---|---|---|---|---|"]
         for one in self.parameters:
             low, high = one.interval
             name = f"`{one.name}`" + (f" [{one.unit}]" if one.unit else "")
             known = f"{one.std:.2g} | {low:.6g} to {high:.6g}" if one.identified else "| not identified"
             lines.append(f"| {name} | {one.nominal:.6g} | {one.value:.6g} | {known} |")
-        lines += ["", f"Intervals from leaving out one after another of {self.basis}. Loss: {self.loss}."]
-        if not self.converged:
-            lines += ["", "**The fit did not settle; do not trust these values.**"]
-        if self.slips:
-            lines += ["", "## Slip", "", *(f"- {sentence}" for sentence in self.slips)]
-        if (measured := self.measured_noise) is not None:
-            lines += ["", "## Noise", "", f"From {measured.basis}: `{measured.noise!r}`.", ""]
-            lines += [f"| slip [m per root m] | most likely | {percent} interval |", "|---|---|---|"]
-            for slip in (measured.slip, measured.side_slip):
-                low, high = slip.interval
-                lines.append(f"| `{slip.name}` | {slip.value:.3g} | {low:.3g} to {high:.3g} |")
-            for wheel in measured.wheels:
-                low, high = wheel.interval
-                lines.append(
-                    f"| times that, of `{wheel.name}` | {wheel.value:.3g} | {low:.3g} to {high:.3g} |"
-                )
-            if not measured.wheels:
-                lines += ["", "These ends do not tell the slip of one wheel from that of another."]
-        if self.gyroscope is not None:
-            lines += ["", *_of_gyroscope(self.gyroscope)]
-        if self.observability.messages:
-            lines += ["", "## What the drives do not tell", ""]
-            lines += [f"- {message}" for message in self.observability.messages]
-        for unit, what in (("m", "position"), ("rad", "heading")):
-            rows = [
-                f"| {run.name} | {run.distance:.2f} | {run.before:.4f} | {run.after:.4f} | {run.dropped} |"
-                for run in self.runs
-                if run.unit == unit
-            ]
-            if rows:
-                lines += ["", "## Runs", "", f"Root mean square {what} error, first pose given.", ""]
-                lines.append(
-                    f"| run | distance [m] | nominal [{unit}] | calibrated [{unit}] | rows left out |"
-                )
-                lines += ["|---|---|---|---|---|", *rows]
-        lines += [
-            "",
+        return lines
+
+    def _of_noise(self, measured: MeasuredNoise) -> list[str]:
+        """The measured slip, of all wheels and of each."""
+        named = [(f"`{slip.name}`", slip) for slip in (measured.slip, measured.side_slip)]
+        named += [(f"times that, of `{wheel.name}`", wheel) for wheel in measured.wheels]
+        percent = f"{100 * self.confidence:g} %"
+        lines = ["## Noise", "", f"From {measured.basis}: `{measured.noise!r}`.", ""]
+        lines += [f"| slip [m per root m] | most likely | {percent} interval |", "|---|---|---|"]
+        for name, one in named:
+            low, high = one.interval
+            lines.append(f"| {name} | {one.value:.3g} | {low:.3g} to {high:.3g} |")
+        if not measured.wheels:
+            lines += ["", "These ends do not tell the slip of one wheel from that of another."]
+        return lines
+
+    def _of_runs(self, unit: str, what: str) -> list[str]:
+        """Errors of the runs whose truth has this unit; nothing if there is none."""
+        rows = [
+            f"| {run.name} | {run.distance:.2f} | {run.before:.4f} | {run.after:.4f} | {run.dropped} |"
+            for run in self.runs
+            if run.unit == unit
+        ]
+        if not rows:
+            return []
+        said = f"Root mean square {what} error, first pose given."
+        head = f"| run | distance [m] | nominal [{unit}] | calibrated [{unit}] | rows left out |"
+        return ["## Runs", "", said, "", head, "|---|---|---|---|---|", *rows]
+
+    def _of_windows(self) -> list[str]:
+        """Errors of the windows of each length."""
+        lines = [
             "## Windows",
             "",
             "Root mean square error of the motion over windows of the drives.",
             "",
-        ]
-        lines += [
             "| window | count | nominal [m] | calibrated [m] | nominal [deg] | calibrated [deg] |",
             "|---|---|---|---|---|---|",
         ]
         for name, number, before, after, turned, turns in self.windows.table():
             degrees = f"{math.degrees(turned):.2f} | {math.degrees(turns):.2f}"
             lines.append(f"| {name} | {number} | {before:.4f} | {after:.4f} | {degrees} |")
-        if self.cross_validation is not None:
-            what = self.cross_validation.kind
-            lines += ["", "## Cross-validation", ""]
-            lines += [
-                f"Mean error of the runs of each {what} under a fit without it; the chosen set in bold.",
-                "",
-            ]
-            lines.append(self.cross_validation.to_markdown())
-        return "\n".join(lines) + "\n"
+        return lines
 
 
 def _of_gyroscope(found: MeasuredGyroscope) -> list[str]:

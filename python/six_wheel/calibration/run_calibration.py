@@ -25,13 +25,13 @@ from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cros
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, heard, moving, prepare
 from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
-from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.gyroscope import noise as gyroscope
 from six_wheel.calibration.gyroscope.scale import mistaken, scale
 from six_wheel.calibration.log_checks import slip, units
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
+from six_wheel.calibration.problem import LOSSES, Loss, Problem, Solution
 from six_wheel.calibration.result import Calibration
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.odometry.dimensions import Catalogue
@@ -142,8 +142,8 @@ def calibrate(
     """
     check_kind("rover", rover)
     records = _with_truth(as_logs(logs, rover), truth)
-    if loss not in ("auto", *fitting.LOSSES):
-        raise ValueError(f"loss must be one of auto, {', '.join(fitting.LOSSES)}, got {loss!r}")
+    if loss not in ("auto", *LOSSES):
+        raise ValueError(f"loss must be one of auto, {', '.join(LOSSES)}, got {loss!r}")
     if not (isinstance(confidence, Real) and 0.0 < confidence < 1.0):
         raise ValueError(f"confidence must be between 0 and 1, got {confidence!r}")
     if not (isinstance(max_time_offset, Real) and np.isfinite(max_time_offset) and max_time_offset > 0.0):
@@ -151,50 +151,20 @@ def calibrate(
     records = [_readable(rover, log, number) for number, log in enumerate(records)]
     lengths = _lengths(rover, window)
     catalogue = Catalogue(rover, encoders(rover, records))
-    if isinstance(parameters, str) and parameters != "auto":
-        parameters = [parameters]
-    if not isinstance(parameters, Iterable):
-        raise ArgumentTypeError(f"parameters must be 'auto' or names, got {parameters!r}")
-    asked = None if parameters == "auto" else tuple(parameters)
-    wanted = catalogue.find(asked) if asked is not None else []
-    if asked is not None and not wanted:
-        raise ValueError("parameters must name one at least, got none")
-    margin = max_time_offset if any(one.name == "time_offset" for one in wanted) else 0.0
-
-    def one(log: WheelLog, number: int = 0) -> Drive:
-        return prepare(rover, log, lengths, margin, number)
-
-    def left_of(part: WheelLog, slides: Sequence[Stretch]) -> list[Drive]:
-        if not slides:
-            return [one(part)]
-        return [drive for _, drive in slip.clean(part, slides, one, part.name)]
-
-    drives = [one(log, number) for number, log in enumerate(records)]
+    asked, margin = _asked(catalogue, parameters, max_time_offset)
     sets = all_candidates(catalogue) if asked is None else [asked]
-    whole, slipped = records, list[slip.Slip]()
+    prepared = partial(prepare, rover, lengths=lengths, margin=margin)
+    whole, drives = records, [prepared(log, number=number) for number, log in enumerate(records)]
+    slipped = list[slip.Slip]()
     if loss == "auto":
-        first = Problem(
-            with_mounts(rover, catalogue.find(sets[0]), drives), drives, "cauchy", lengths, margin
-        )
-        slipped = slip.slipped(first, records, PIECES)
+        model = with_mounts(rover, catalogue.find(sets[0]), drives)
+        slipped = slip.slipped(Problem(model, drives, "cauchy", lengths, margin), records, PIECES)
         loss = "cauchy" if slipped else "soft_l1"
     if slipped:
-        cut: list[tuple[WheelLog, Drive]] = []
-        for number, (log, drive) in enumerate(zip(records, drives, strict=True)):
-            slides = _slides(slipped, number)
-            again = partial(one, number=number)
-            cut += slip.clean(log, slides, again, drive.session) if slides else [(log, drive)]
-        if not cut:
-            raise ValueError(f"logs must hold a stretch without slip: {'; '.join(map(str, slipped))}")
-        records, drives = [piece for piece, _ in cut], [drive for _, drive in cut]
+        records, drives = _without_slides(records, drives, slipped, prepared)
     checked: CrossValidation | None = None
     if cross_validation or asked is None:
-        folds = drives
-        if len(whole) == 1:
-            parts = pieces(whole[0])
-            kept = zip(parts, moving(rover, parts, margin), strict=True)
-            slides = _slides(slipped, 0)
-            folds = [drive for part, moves in kept if moves for drive in left_of(part, slides)]
+        folds = _parts(rover, whole[0], slipped, margin, prepared) if len(whole) == 1 else drives
         checked = cross_validate(
             rover, catalogue, sets, folds, loss, lengths, margin, progress, client, workers, journal
         )
@@ -209,6 +179,54 @@ def calibrate(
     if progress is not None:
         progress(1, 1, "fitting all drives")
     return result
+
+
+def _asked(
+    catalogue: Catalogue, parameters: str | Iterable[str], max_time_offset: float
+) -> tuple[tuple[str, ...] | None, float]:
+    """Names of what to find, None for those that predict best; and the margin of the drives in time [s]."""
+    if isinstance(parameters, str) and parameters != "auto":
+        parameters = [parameters]
+    if not isinstance(parameters, Iterable):
+        raise ArgumentTypeError(f"parameters must be 'auto' or names, got {parameters!r}")
+    if parameters == "auto":
+        return None, 0.0
+    asked = tuple(parameters)
+    wanted = catalogue.find(asked)
+    if not wanted:
+        raise ValueError("parameters must name one at least, got none")
+    return asked, max_time_offset if any(one.name == "time_offset" for one in wanted) else 0.0
+
+
+def _without_slides(
+    records: Sequence[WheelLog],
+    drives: Sequence[Drive],
+    slipped: Sequence[slip.Slip],
+    prepared: Callable[..., Drive],
+) -> tuple[list[WheelLog], list[Drive]]:
+    """Logs and drives, cut where the rover slid."""
+    cut: list[tuple[WheelLog, Drive]] = []
+    for number, (log, drive) in enumerate(zip(records, drives, strict=True)):
+        slides = _slides(slipped, number)
+        again = partial(prepared, number=number)
+        cut += slip.clean(log, slides, again, drive.session) if slides else [(log, drive)]
+    if not cut:
+        raise ValueError(f"logs must hold a stretch without slip: {'; '.join(map(str, slipped))}")
+    return [piece for piece, _ in cut], [drive for _, drive in cut]
+
+
+def _parts(
+    rover: Rover, log: WheelLog, slipped: Sequence[slip.Slip], margin: float, prepared: Callable[..., Drive]
+) -> list[Drive]:
+    """Parts of a single log in which the rover moves, to be left out one after another."""
+    parts, slides = pieces(log), _slides(slipped, 0)
+    found: list[Drive] = []
+    for part, moves in zip(parts, moving(rover, parts, margin), strict=True):
+        if moves and slides:
+            found += [drive for _, drive in slip.clean(part, slides, prepared, part.name)]
+        elif moves:
+            found.append(prepared(part))
+    return found
 
 
 def _of_tracks(truth: object) -> bool:
@@ -313,7 +331,7 @@ def _readable(rover: Rover, log: WheelLog, number: int) -> WheelLog:
 
 
 def _noise(
-    problem: Problem, solution: fitting.Solution, records: Sequence[WheelLog], confidence: float
+    problem: Problem, solution: Solution, records: Sequence[WheelLog], confidence: float
 ) -> MeasuredNoise | None:
     """Noise from where every log ends under a fit without its session, or without itself."""
     model, drives = problem.model, problem.drives

@@ -21,7 +21,7 @@ from six_wheel.cli.commands.show import show
 from six_wheel.cli.commands.simulate import simulate
 from six_wheel.cli.commands.traverse import traverse
 from six_wheel.cli.names import COMMANDS, INSTALL, PROGRAM, PURPOSE
-from six_wheel.cli.shared import new_console, progress_bar
+from six_wheel.cli.shared import new_console, progress_bar, with_options
 
 EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "yaml")
 HELP_OPTIONS = ["-h", "--help"]
@@ -46,18 +46,11 @@ def demo(
     run(output, console=new_console())
 
 
-app.command(help=COMMANDS["check"])(check)
-app.command(help=COMMANDS["drive"])(drive)
-app.command(help=COMMANDS["simulate"])(simulate)
-app.command(help=COMMANDS["odometry"])(odometry)
-app.command(help=COMMANDS["calibrate"])(calibrate)
-app.command(help=COMMANDS["traverse"])(traverse)
-app.command(help=COMMANDS["show"])(show)
-app.command(help=COMMANDS["example"])(example)
-app.command(help=COMMANDS["replay"])(replay)
+for command in (check, drive, simulate, odometry, calibrate, traverse, show, example, replay):
+    app.command(help=COMMANDS[command.__name__])(with_options(command))
 # Arguments after --ros-args are for ROS to read.
-app.command("node", help=COMMANDS["node"], context_settings=PASSING)(node)
-app.command("filter", help=COMMANDS["filter"], context_settings=PASSING)(command_filter)
+app.command("node", help=COMMANDS["node"], context_settings=PASSING)(with_options(node))
+app.command("filter", help=COMMANDS["filter"], context_settings=PASSING)(with_options(command_filter))
 
 
 @app.command(help=COMMANDS["bench"])

@@ -91,7 +91,7 @@ class Timing:
 
 
 @dataclass
-class Job:
+class Comparison:
     """The same job done by several, by name."""
 
     name: str
@@ -99,13 +99,13 @@ class Job:
 
 
 def round_robin(
-    jobs: Sequence[Job], rounds: int, *, progress: Callable[[int, int], None] | None = None
+    jobs: Sequence[Comparison], rounds: int, *, progress: Callable[[int, int], None] | None = None
 ) -> None:
     """Time everyone once, then once again: a machine that slows down slows all alike.
 
     Parameters
     ----------
-    jobs : sequence of Job
+    jobs : sequence of Comparison
     rounds : int
     progress : callable, optional
         Called after every timing with how many are done and how many there are.
@@ -176,7 +176,7 @@ def machine() -> dict[str, str]:
 # --- the short form --------------------------------------------------------------------------------------
 
 
-def jobs() -> list[Job]:
+def jobs() -> list[Comparison]:
     """Jobs that `six-wheel bench` times: one call as in a control loop, and a batch."""
     core = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
     plain = reference.Rover.like(core)
@@ -214,10 +214,10 @@ def jobs() -> list[Job]:
             Timing.of(reference.integrate, few_twists, 0.01, items=few),
         ),
     }
-    return [Job(name, {"core": ours, "reference": theirs}) for name, (ours, theirs) in timings.items()]
+    return [Comparison(name, {"core": ours, "reference": theirs}) for name, (ours, theirs) in timings.items()]
 
 
-def measure(*, progress: Callable[[int, int], None] | None = None) -> list[Job]:
+def measure(*, progress: Callable[[int, int], None] | None = None) -> list[Comparison]:
     """Time every job on both sides, in turn, `REPEATS` times.
 
     Parameters
@@ -230,7 +230,7 @@ def measure(*, progress: Callable[[int, int], None] | None = None) -> list[Job]:
     return todo
 
 
-def table(results: Sequence[Job]) -> "RenderableType":
+def table(results: Sequence[Comparison]) -> "RenderableType":
     """The results as a table for a rich console."""
     facts = ", ".join(f"{name} {value}" for name, value in machine().items())
     grid = Grid(f"Best of {REPEATS}; {facts}", ["job", "core [ns]", "reference [ns]", "ratio"])

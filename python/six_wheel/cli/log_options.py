@@ -1,7 +1,7 @@
 """Options of the commands that read logs, and the rover and log they mean."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -18,61 +18,65 @@ TruthOption = Annotated[
     ),
 ]
 ExampleOption = Annotated[bool, typer.Option("--example", help="Use the recorded run that comes along.")]
-FormatOption = Annotated[
-    str | None,
-    typer.Option(metavar="table|bag|optiodom|...", help="What the log is, if its name does not tell."),
-]
-ReadingOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="angle|speed|ticks", help="What the columns of the wheels hold, if they do not say."
-    ),
-]
-ResolutionOption = Annotated[
-    float | None, typer.Option(help="Counts of an encoder in one turn of the motor.")
-]
-GearOption = Annotated[float | None, typer.Option(help="Turns of the motor for one of the wheel.")]
-ModulusOption = Annotated[float | None, typer.Option(help="Where a reading begins again, such as 65536.")]
-PerSampleOption = Annotated[bool, typer.Option("--per-sample", help="Rows count from the row before.")]
-ColumnOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="HEADER=MEANING", help='An odd header, and what to read it as: "encL=left [ticks]".'
-    ),
-]
-TopicOption = Annotated[list[str] | None, typer.Option(help="Topic of a bag with joint states.")]
-TruthTopicOption = Annotated[str | None, typer.Option(help="Topic of a bag with the truth.")]
 PlotOption = Annotated[Path | None, typer.Option(help="Picture: .png, .svg or .pdf.")]
 ReportOption = Annotated[Path | None, typer.Option(help="Written report, .md, its pictures beside it.")]
 
 
-def log_options(chosen: Chosen, given: dict[str, Any]) -> "LogOptions":
-    """Options for reading a log: those of the parameter file, overridden by the arguments of a command."""
-    from six_wheel._core import Encoder
-    from six_wheel.logs.detect_reader import LogOptions
+class LogReading(NamedTuple):
+    """Options for reading a log, for what it does not state itself."""
 
-    encoders = dict(chosen.parameters.encoders) if chosen.parameters else {}
-    counts = {key: given[key] for key in ("resolution", "gear", "modulus") if given[key] is not None}
-    Encoder(**counts)  # refuses values that no encoder has
-    encoders |= counts | ({"per_sample": True} if given["per_sample"] else {})
-    columns = {}
-    for text in given["column"] or []:
-        header, equals, meaning = text.partition("=")
-        if not (header and equals and meaning):
-            raise ValueError(f'column must be HEADER=MEANING, such as "encL=left [ticks]", got "{text}"')
-        columns[header] = meaning
-    return LogOptions(
-        given["format"],
-        given["reading"],
-        encoders,
-        chosen.parameters.steering_encoders if chosen.parameters else {},
-        columns,
-        given["topic"] or (),
-        given["truth_topic"],
-        chosen.parameters.truth if chosen.parameters else {},
-        chosen.parameters.gyroscope if chosen.parameters else {},
-        chosen.parameters.base_frame_id if chosen.parameters else "",
-    )
+    format: Annotated[
+        str | None,
+        typer.Option(metavar="table|bag|optiodom|...", help="What the log is, if its name does not tell."),
+    ] = None
+    reading: Annotated[
+        str | None,
+        typer.Option(
+            metavar="angle|speed|ticks", help="What the columns of the wheels hold, if they do not say."
+        ),
+    ] = None
+    resolution: Annotated[
+        float | None, typer.Option(help="Counts of an encoder in one turn of the motor.")
+    ] = None
+    gear: Annotated[float | None, typer.Option(help="Turns of the motor for one of the wheel.")] = None
+    modulus: Annotated[float | None, typer.Option(help="Where a reading begins again, such as 65536.")] = None
+    per_sample: Annotated[bool, typer.Option("--per-sample", help="Rows count from the row before.")] = False
+    column: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="HEADER=MEANING", help='An odd header, and what to read it as: "encL=left [ticks]".'
+        ),
+    ] = None
+    topic: Annotated[list[str] | None, typer.Option(help="Topic of a bag with joint states.")] = None
+    truth_topic: Annotated[str | None, typer.Option(help="Topic of a bag with the truth.")] = None
+
+    def options(self, chosen: Chosen) -> "LogOptions":
+        """Options for reading a log: those of the parameter file, overridden by the arguments."""
+        from six_wheel._core import Encoder
+        from six_wheel.logs.detect_reader import LogOptions
+
+        said = chosen.parameters
+        counts = {key: getattr(self, key) for key in ("resolution", "gear", "modulus")}
+        counts = {key: value for key, value in counts.items() if value is not None}
+        Encoder(**counts)  # refuses values that no encoder has
+        columns = {}
+        for text in self.column or []:
+            header, equals, meaning = text.partition("=")
+            if not (header and equals and meaning):
+                raise ValueError(f'column must be HEADER=MEANING, such as "encL=left [ticks]", got "{text}"')
+            columns[header] = meaning
+        return LogOptions(
+            self.format,
+            self.reading,  # type: ignore[arg-type]
+            (said.encoders if said else {}) | counts | ({"per_sample": True} if self.per_sample else {}),
+            said.steering_encoders if said else {},
+            columns,
+            self.topic or (),
+            self.truth_topic,
+            said.truth if said else {},
+            said.gyroscope if said else {},
+            said.base_frame_id if said else "",
+        )
 
 
 def choose_with_logs(

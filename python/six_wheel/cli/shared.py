@@ -2,14 +2,17 @@
 
 import contextlib
 import difflib
+import inspect
 import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_type_hints
 
 import typer
+
+from six_wheel.cli.names import PROGRAM
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -30,11 +33,12 @@ PROGRESS_AFTER = 1.0  # [s] what is over sooner needs no bar
 RoverArgument = Annotated[
     str, typer.Argument(metavar="ROVER", help="Parameter file, URDF or xacro file, or the name of a preset.")
 ]
+ResultsOption = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Where the results go: .csv, .parquet or .mcap.")
+]
 NodeOption = Annotated[
     str | None, typer.Option(help="Node whose parameters to read, if the file has several.")
 ]
-
-
 AsOption = Annotated[
     str | None,
     typer.Option("--as", metavar="KIND", help="Kind or controller whose keys the file has, if unclear."),
@@ -44,12 +48,46 @@ RadiusOption = Annotated[
 ]
 
 
+def with_options(command: Callable[..., None]) -> Callable[..., None]:
+    """The command as typer has to see it: each field of its groups of options is an option of its own.
+
+    A group is a `NamedTuple` whose fields are annotated as options are.
+    """
+    signature = inspect.signature(command)
+    groups = {
+        name: p.annotation for name, p in signature.parameters.items() if hasattr(p.annotation, "_fields")
+    }
+    flat: dict[str, inspect.Parameter] = {}
+    for name, parameter in signature.parameters.items():
+        group = groups.get(name)
+        hints = {name: parameter.annotation} if group is None else get_type_hints(group, include_extras=True)
+        for option, hint in hints.items():
+            default = parameter.default if group is None else group._field_defaults[option]
+            flat[option] = inspect.Parameter(option, parameter.KEYWORD_ONLY, default=default, annotation=hint)
+
+    def run(**given: Any) -> None:
+        for name, group in groups.items():
+            given[name] = group(*(given.pop(option) for option in group._fields))
+        command(**given)
+
+    run.__signature__ = signature.replace(parameters=list(flat.values()))  # type: ignore[attr-defined]
+    run.__annotations__ = {name: parameter.annotation for name, parameter in flat.items()}
+    run.__name__ = command.__name__
+    return run
+
+
+def warn(warnings: Sequence[object]) -> None:
+    """Print warnings, a line each, on the standard error."""
+    for warning in warnings:
+        print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
+
+
 class Reading(NamedTuple):
     """Options for reading a rover's file, for what it does not state itself."""
 
-    node: str | None = None
-    kind: str | None = None
-    wheel_radius: float | None = None
+    node: NodeOption = None
+    as_: AsOption = None
+    wheel_radius: RadiusOption = None
 
 
 class Chosen(NamedTuple):
@@ -93,7 +131,7 @@ def choose(argument: str, reading: Reading = Reading()) -> Chosen:  # noqa: B008
     if path.is_file() or path.suffix:
         from six_wheel.robot_description.parameters.file import read_parameters
 
-        parameters = read_parameters(path, node=reading.node, kind=reading.kind)
+        parameters = read_parameters(path, node=reading.node, kind=reading.as_)
         return Chosen(parameters.rover, path.stem, path, parameters)
     from six_wheel._core import Rover
 

@@ -122,7 +122,13 @@ class JointReader:
             if (last := self._last[place]) is None or now - last > timeout
         ]
 
-    def hint(self, joint: str) -> str:
+    def report_missing(self, missing: Sequence[str]) -> None:
+        """Report joints without a reading, each with the name that it may have in the messages."""
+        for joint in missing:
+            got = "none" + self._hint(joint)
+            self._faults.add("joints", ERROR, f"joint {joint} must be in the joint states", got)
+
+    def _hint(self, joint: str) -> str:
         """The name in the messages that a missing joint may have now."""
         close = difflib.get_close_matches(joint, self._strangers, 1)
         if close:

@@ -17,6 +17,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from six_wheel._core import Controller, ControllerOutput, OdometryState
+from six_wheel.control_loop.clock import SECOND, Clock
 from six_wheel.control_loop.faults import ERROR, WARN, Faults
 from six_wheel.control_loop.joints import JointReader, Numbers
 from six_wheel.control_loop.loop_odometry import Odometer
@@ -28,9 +29,6 @@ from six_wheel.kinematics.rover_edit import joints_as_given
 
 __all__ = ["Loop"]
 
-SECOND = 1_000_000_000  # [ns]
-HICCUP = SECOND // 100  # of a clock that is set back a little: time stands still for so long
-JUMP = SECOND  # of time, forward, between two calls, that is worth a word
 AHEAD = SECOND // 10  # of a stamp, that is not just another clock's rounding
 STALE, STUCK = int(Reason.STALE), int(Reason.JOINT_STUCK)
 
@@ -74,12 +72,9 @@ class Loop:
         )
         self._controller: Controller | None = None
         self._odometer = Odometer(settings, self.faults, self._measure)
-        self._reader = self._new_reader()
-        self._origin: int | None = (
-            None  # times count from here: doubles hold seconds, not nanoseconds since 1970
-        )
-        self._now = 0
-        self._first = 0
+        positions = settings.options.position_feedback
+        self._reader = JointReader(rover, positions, settings.steering_factors(), self.faults)
+        self._clock = Clock(self.faults)
         self._stepped: int | None = None
         self._measured: list[float] | None = None
         self._read = 0
@@ -106,7 +101,7 @@ class Loop:
         if self.stopping is not None or not self.active or self.halted:
             return
         self._wanted = twist
-        self._give(twist, self._seconds(min(stamp, now)))
+        self._give(twist, self._clock.seconds(min(stamp, now)))
 
     def joints(
         self,
@@ -168,9 +163,10 @@ class Loop:
                 self._start(self.settings.controller())
             return self._step(now, now)
         missing = self._reader.missing(now, self._timeout)
-        if missing and now - self._first > self._timeout:
+        assert self._clock.origin is not None
+        if missing and now - self._clock.origin > self._timeout:
             self.stopping = "joint states are missing"
-            self._say_missing(missing)
+            self._reader.report_missing(missing)
             self._odometer.rest()  # there is nothing more to wait for
         return None if self._controller is None else self._step(now, None)
 
@@ -226,10 +222,10 @@ class Loop:
     def release(self, now: int) -> bool:
         """End a halt: only a command newer than this drives the rover again. False while it still moves."""
         now = self._move_on(now)
-        if self._controller is not None:
-            if not self._controller.release():
+        if (controller := self._controller) is not None:
+            if not controller.release():
                 return False
-            self._stop(self._controller, self._seconds(now))
+            self._stop(controller, self._clock.seconds(now))
         self._halted, self.stuck, self._command = False, None, None
         return True
 
@@ -298,27 +294,14 @@ class Loop:
 
     # Time
 
-    def _seconds(self, time: int) -> float:
-        assert self._origin is not None
-        return (time - self._origin) / SECOND
-
     def _move_on(self, now: int) -> int:
-        """The time from here on: that given, but never a little earlier than the last one."""
-        if self._origin is None:
-            self._origin = self._now = self._first = now
-        since = now - self._now
-        if -HICCUP <= since < 0:
-            return self._now
-        if since < 0:
-            self.faults.add("time", WARN, "time must not run backwards", f"{-since / SECOND:.6g} s back")
-            self._start_over(now)
-        elif since > JUMP:
-            self.faults.add("time", WARN, "time must not jump", f"{since / SECOND:.6g} s ahead")
-        self._now = now
+        """The time from here on; the loop starts over where it jumps back."""
+        now, is_back = self._clock.move_on(now)
+        if is_back:
+            self._start_over()
         return now
 
-    def _start_over(self, now: int) -> None:
-        self._origin = self._first = now
+    def _start_over(self) -> None:
         self._halted = self.halted
         self._stepped = self._command = self._controller = self._measured = None
         self._moved = StartMotion()
@@ -328,11 +311,6 @@ class Loop:
         self._odometer.start_over()
 
     # Steps
-
-    def _new_reader(self) -> JointReader:
-        settings = self.settings
-        positions = settings.options.position_feedback
-        return JointReader(settings.rover, positions, settings.steering_factors(), self.faults)
 
     def _give(self, twist: tuple[float, float, float], stamp: float) -> None:
         self._command = twist, stamp
@@ -358,7 +336,7 @@ class Loop:
         try:
             controller = self._moved.controller(self.settings, self._measured)
         except ValueError as error:
-            self._say_impossible(error)
+            self.faults.add("joints", ERROR, "steering angles must be possible", str(error))
             return False
         if controller is None:
             return False
@@ -366,7 +344,7 @@ class Loop:
         return True
 
     def _step(self, now: int, stamp: int | None, send: Send | None = None) -> Step:
-        controller, seconds = self._controller, self._seconds(now)
+        controller, seconds = self._controller, self._clock.seconds(now)
         assert controller is not None
         if stamp is not None:
             self.stopping = None
@@ -378,7 +356,7 @@ class Loop:
             output = controller.step(seconds, self._measured if known else None)
         except ValueError as error:
             # An angle that no joint can have: as good as none.
-            self._say_impossible(error)
+            self.faults.add("joints", ERROR, "steering angles must be possible", str(error))
             self._stop(controller, seconds)
             output = controller.step(seconds)
         steering = speeds = None
@@ -419,11 +397,3 @@ class Loop:
         error = sign * float(errors[rover.steered_names.index(rover.steering_joints[joint])])
         self.stuck = joint, error
         self.faults.add("joints", ERROR, f"joint {joint} must follow its command", f"{error:.3g} rad off it")
-
-    def _say_impossible(self, error: ValueError) -> None:
-        self.faults.add("joints", ERROR, "steering angles must be possible", str(error))
-
-    def _say_missing(self, missing: list[str]) -> None:
-        for joint in missing:
-            got = "none" + self._reader.hint(joint)
-            self.faults.add("joints", ERROR, f"joint {joint} must be in the joint states", got)

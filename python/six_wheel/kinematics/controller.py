@@ -1,8 +1,16 @@
 """Reasons for which a step of a `Controller` differs from the motion asked for."""
 
+from __future__ import annotations  # NumPy is not loaded for its names
+
+from typing import TYPE_CHECKING
+
 from six_wheel.kinematics.flags import TextFlag
 
-__all__ = ["Reason"]
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = ["Reason", "reason_counts", "reason_names", "reason_shares"]
 
 
 class Reason(TextFlag):
@@ -46,3 +54,19 @@ class Reason(TextFlag):
 
     def __str__(self) -> str:
         return super().__str__() or "as commanded"
+
+
+def reason_names(reasons: int) -> str:
+    """The names of reasons, joined by ``|``."""
+    return "|".join(str(each.name) for each in Reason if each & reasons)
+
+
+def reason_counts(reasons: NDArray[np.uint32]) -> dict[str, int]:
+    """Number of the steps with each reason there was."""
+    counts = {str(each.name): int(((reasons & each.value) != 0).sum()) for each in Reason}
+    return {name: count for name, count in counts.items() if count}
+
+
+def reason_shares(reasons: NDArray[np.uint32]) -> dict[str, float]:
+    """Share of the steps, 0 to 1, of every reason there was."""
+    return {name: count / len(reasons) for name, count in reason_counts(reasons).items()}

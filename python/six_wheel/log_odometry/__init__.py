@@ -10,7 +10,8 @@ from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
     from six_wheel.log_odometry.many_logs import FleetLog, reckon_all
-    from six_wheel.log_odometry.run_log import Count, Reckoned, Settings, reckon
+    from six_wheel.log_odometry.results import Count, Reckoned, Settings
+    from six_wheel.log_odometry.run_log import reckon
     from six_wheel.log_odometry.slip import SlipSum
     from six_wheel.log_odometry.tracks import of_track
 
@@ -29,7 +30,8 @@ __getattr__, __dir__ = attach(
     __name__,
     {
         "many_logs": ("FleetLog", "reckon_all"),
-        "run_log": ("Count", "Reckoned", "Settings", "reckon"),
+        "results": ("Count", "Reckoned", "Settings"),
+        "run_log": ("reckon",),
         "slip": ("SlipSum",),
         "tracks": ("of_track",),
         "evaluation": (),

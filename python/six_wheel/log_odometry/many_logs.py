@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover, __version__
-from six_wheel.log_odometry.run_log import Settings, reckon
+from six_wheel.log_odometry.results import Settings
+from six_wheel.log_odometry.run_log import reckon
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.detect_reader import LogOptions, logs_in
 from six_wheel.logs.tables import table_format
@@ -50,7 +51,7 @@ class FleetLog:
 
 
 @dataclass(frozen=True)
-class Job:
+class LogTask:
     """Input of a worker for one log."""
 
     rover: Rover
@@ -115,7 +116,7 @@ def reckon_all(
     journal = Journal(output / JOURNAL, {"kept": "summaries of tracks"})
     options, way = log_options or LogOptions(), settings or Settings()
     jobs = [
-        Job(rover, path.resolve(), track.resolve(), truth and truth.resolve(), options, way, length)
+        LogTask(rover, path.resolve(), track.resolve(), truth and truth.resolve(), options, way, length)
         for path, track in zip(logs, tracks, strict=True)
     ]
     keys = [_key(job) for job in jobs]
@@ -146,7 +147,7 @@ def reckon_all(
         yield counted(FleetLog(logs[number], tracks[number], value, failure))
 
 
-def reckon_one(job: Job) -> dict[str, Any]:
+def reckon_one(job: LogTask) -> dict[str, Any]:
     """One log, where the worker is; its track is in place before this returns."""
     job.track.parent.mkdir(parents=True, exist_ok=True)
     result = reckon(
@@ -186,7 +187,7 @@ def _tracks(logs: Sequence[Path], output: Path, ending: str) -> list[Path]:
     return found
 
 
-def _key(job: Job) -> int:
+def _key(job: LogTask) -> int:
     """Hash of everything that a track depends on; it changes with any of it."""
     files = sorted(job.path.rglob("*")) if job.path.is_dir() else [job.path]
     files += [] if job.truth is None else [job.truth]

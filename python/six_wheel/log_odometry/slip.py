@@ -20,7 +20,7 @@ GAP = 0.5  # [s], below which two stretches of slip are one
 
 
 class SlipSum:
-    """Sum of the `SlipReport`s of all pieces; its rows are those of the file."""
+    """Sum of the reports of all pieces; its rows are those of the file."""
 
     def __init__(self) -> None:
         self._rows = self._moving = 0

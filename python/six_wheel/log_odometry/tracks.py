@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from six_wheel.kinematics.odometry.tracks import Track
-from six_wheel.log_odometry.evaluation.paths import at_same_times, evaluate, path_distance
+from six_wheel.log_odometry.evaluation.paths import at_same_times, evaluate
+from six_wheel.log_odometry.evaluation.relative import path_distance
 from six_wheel.log_odometry.evaluation.slip import slip_against
-from six_wheel.log_odometry.run_log import Reckoned
+from six_wheel.log_odometry.results import Reckoned
 from six_wheel.logs.recordings import Reference
 
 __all__ = ["of_track"]

@@ -17,10 +17,11 @@ from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.odometry.tabular_input import is_table, table
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs import optiodom
-from six_wheel.logs.bags.bag_files import BAGS
+from six_wheel.logs.bags.bag_files import BAGS, is_bag
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.joint_columns import Reading
+from six_wheel.logs.joint_sources import JointSource
 from six_wheel.logs.joints import JointLog, JointRows
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Findings
@@ -44,6 +45,7 @@ __all__ = [
 
 # Of the keys of encoders those that hold for angles too, however they were read.
 CORRECTIONS = frozenset({"scale", "steering_gain"})
+ENDINGS = ", ".join([*FORMATS, *BAGS])
 AnyLog: TypeAlias = "JointLog | WholeLog"
 
 
@@ -138,12 +140,11 @@ def log_format(path: Path) -> str:
     for name, reader in READERS.items():
         if reader.claims(path):
             return name
-    if path.is_dir() or path.suffix.lower() in BAGS:
+    if is_bag(path):
         return "bag"
     if path.suffix.lower() in FORMATS:
         return "table"
-    endings = ", ".join([*FORMATS, *BAGS])
-    raise TableError(f'{path}: a log must be a bag\'s folder or end in {endings}, got "{path.suffix}"')
+    raise TableError(f'{path}: a log must be a bag\'s folder or end in {ENDINGS}, got "{path.suffix}"')
 
 
 def logs_in(paths: Sequence[Path]) -> list[Path]:
@@ -161,8 +162,7 @@ def logs_in(paths: Sequence[Path]) -> list[Path]:
             continue
         inside = sorted(each for each in path.rglob("*") if _is_log(each))
         if not inside:
-            endings = ", ".join([*FORMATS, *BAGS])
-            raise TableError(f"{path}: the folder must hold a log, a bag or a file ending in {endings}")
+            raise TableError(f"{path}: the folder must hold a log, a bag or a file ending in {ENDINGS}")
         found += inside
     return found
 
@@ -189,59 +189,45 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
         raise ValueError(f'format must be one of {", ".join(log_formats())}, got "{kind}"')
     if kind in READERS:
         return WholeLog(path, rover, kind)
-    if (path.is_dir() or path.suffix.lower() in BAGS) != (kind == "bag"):
-        what = (
-            "a folder or .mcap or .db3 file" if kind == "bag" else f"a file ending in {' or '.join(FORMATS)}"
-        )
+    if is_bag(path) != (kind == "bag"):
+        of_table = f"a file ending in {' or '.join(FORMATS)}"
+        what = "a folder or .mcap or .db3 file" if kind == "bag" else of_table
         raise TableError(f"{path}: the format {kind} is {what}")
+    return _joint_log(path, rover, options)
+
+
+def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
+    """A joint log whose readings the encoders of the options make angles, as far as they are meant for it.
+
+    The headers tell counts from radians: encoders with a resolution are for counts, others for radians.
+    Messages have no units: there a resolution says that they are counts.
+    """
     columns, topics = options.columns or None, options.topics or None
-    given = {"wheel": options.encoders, "steering": options.steering_encoders}
-    # The headers tell counts from radians: encoders with a resolution are for counts, others for radians.
-    # Messages have no units: there a resolution says that they are counts.
-    counted = {part: kind == "bag" and "resolution" in values for part, values in given.items()}
-
-    def open_(*, radians: bool) -> JointLog:
-        found = {
-            part: encoders_of(rover, part, values)
-            for part, values in given.items()
-            if counted[part] or (radians and "resolution" not in values)
-        }
-        increments = options.encoders.get("per_sample", False) and bool(found.get("wheel"))
-        wheels, steering = found.get("wheel") or None, found.get("steering") or None
-        return JointLog(
-            path, rover, reading=options.reading, wheel_encoders=wheels, steering_encoders=steering,
-            increments=increments, columns=columns, topics=topics, gyroscope=options.gyroscope,
-            frame=options.frame,
-        )  # fmt: skip
-
-    while True:
-        try:
-            log = open_(radians=False)
-        except TableError:
-            raise
-        except ValueError as error:
-            part = next((part for part in given if str(error).startswith(f"{part}_encoders must say")), None)
-            if part is None and counted["wheel"] and "read as speeds" in str(error):
-                counted["wheel"] = False  # speeds are those of the joints: there is nothing to count
-                continue
-            if part is None:
-                raise
-            if "resolution" not in given[part]:
-                raise TableError(f"{path}: {NO_RESOLUTION[part]}") from None
-            counted[part] = True
-        else:
-            break
-    if log.reading == "speed" or not any(given.values()):
-        return log
-    log.close()
-    return open_(radians=True)
+    source = JointSource(path, rover, options.reading, columns, topics, options.gyroscope, options.frame)
+    counts = {"wheel": source.reading == "ticks", "steering": bool(source.counted)}
+    found: dict[str, dict[str, Encoder]] = {"wheel": {}, "steering": {}}
+    try:
+        for part, keys in (("wheel", options.encoders), ("steering", options.steering_encoders)):
+            counted = "resolution" in keys
+            if counts[part] and not counted:
+                what, keys_of_it = TICKS[part]
+                rule = f"{what} in ticks, and how many a turn has must be said"
+                raise TableError(f"{path}: {rule}; give {keys_of_it} in the parameter file")
+            # Speeds are those of the joints: of wheels there is nothing to count, nor are angles turned.
+            meant = counts[part] or source.bagged if counted else source.reading != "speed"
+            if meant and not (part == "wheel" and source.reading == "speed"):
+                found[part] = encoders_of(rover, part, keys)
+    except BaseException:
+        source.close()
+        raise
+    increments = options.encoders.get("per_sample", False) and bool(found["wheel"])
+    return JointLog.of_source(source, found["wheel"] or None, found["steering"] or None, increments)
 
 
-NO_RESOLUTION = {
-    "wheel": "the wheels are in ticks, and how many a turn has must be said; "
-    "give --resolution, or encoders.resolution in the parameter file",
-    "steering": "the steering is in ticks, and how many a turn has must be said; "
-    "give steering_encoders.resolution in the parameter file",
+# What is in ticks, and where their number is said.
+TICKS = {
+    "wheel": ("the wheels are", "--resolution, or encoders.resolution"),
+    "steering": ("the steering is", "steering_encoders.resolution"),
 }
 
 
@@ -301,8 +287,7 @@ def _as_log(source: Any, rover: Rover) -> WheelLog:
     if isinstance(source, str | os.PathLike):
         return read_log(source, rover)[0]
     if not is_table(source):
-        kind = type(source).__name__
-        raise TypeError(f"logs must be Logs, paths or tables of columns, got {kind}")
+        raise TypeError(f"logs must be Logs, paths or tables of columns, got {type(source).__name__}")
     pieces = list(table(rover, source, None, {}, {}).pieces)
     steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_names else None
     stamps = np.concatenate([piece.stamps for piece in pieces])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.logs.bags.bag_files import BAGS
+from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.columns import TIME, Column, TableError, find_columns
 from six_wheel.logs.joint_columns import position_columns, truth_columns
 from six_wheel.logs.skip_bad_rows import Findings, Sieve, Source, TolerantTable, seconds_since
@@ -59,7 +59,7 @@ def read_truth(
     path = Path(path)
     stated = True
     source: Source
-    if path.is_dir() or path.suffix.lower() in BAGS:
+    if is_bag(path):
         from six_wheel.logs.bags.truth_bag import TruthBag
 
         source = TruthBag(path, topic)

@@ -1,34 +1,33 @@
 """Joint logs: what wheels and steering joints did and where the rover was, for odometry and calibration.
 
-A log is a table (CSV or Parquet, see `docs/logs.md` for its columns) or a ROS 2 bag. It is read in chunks, in
-constant memory. A row that cannot be used is left out and reported with its number; no other row is lost.
+A log is a table (CSV or Parquet, see `docs/howto/logs.md` for its columns) or a ROS 2 bag. It is read in
+chunks, in constant memory. A row that cannot be used is left out and reported with its number; no other row
+is lost.
 """
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Self, TypeAlias
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel._core import Encoder, Rover
-from six_wheel.logs.bags.bag_files import BAGS
-from six_wheel.logs.columns import Column, TableError
+from six_wheel._core import Rover
+from six_wheel.logs.columns import TableError
 from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
-from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of, upward
-from six_wheel.logs.gyroscope.sources import rate_table, readings_of
-from six_wheel.logs.joint_columns import Reading, joint_columns
+from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of
+from six_wheel.logs.gyroscope.sources import readings_of
+from six_wheel.logs.joint_columns import Reading
+from six_wheel.logs.joint_sources import JointSource
+from six_wheel.logs.joint_totals import Encoders, Integral, Total, encoder_of
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import (
     Batch,
     Finding,
     Findings,
     Sieve,
-    Source,
-    TolerantTable,
     seconds_since,
     whole_second,
 )
@@ -36,7 +35,6 @@ from six_wheel.logs.skip_bad_rows import (
 __all__ = ["Finding", "JointLog", "JointRows", "Reading"]
 
 Floats = NDArray[np.float64]
-Encoders: TypeAlias = "Encoder | Mapping[str, Encoder] | None"
 
 
 @dataclass(frozen=True)
@@ -128,70 +126,46 @@ class JointLog:
         gyroscope: Mapping[str, Any] | None = None,
         frame: str = "",
     ) -> None:
-        self.path, self.rover = Path(path), rover
-        self.warnings: list[str] = []
-        self._stated = True
-        self._names: Sequence[str] = ()
-        self._counted: set[str] = set()  # steered wheels whose angle is read in ticks
-        self._turned: frozenset[str] = frozenset()  # names whose column has the sign of a reversed joint
-        self._source: Source
-        self._gyroscope = dict(gyroscope or {})
-        self._up = upward(*(self._gyroscope.get(turn, 0.0) for turn in ("roll", "pitch")))
-        self._rates: Source | None = None  # of a gyroscope whose readings have other stamps than the rows
-        self._in_rows = False
-        bagged = self.path.is_dir() or self.path.suffix.lower() in BAGS
-        if bagged:
-            from six_wheel.logs.bags.imu_bag import RateBag
-            from six_wheel.logs.bags.joint_bag import JointBag
+        source = JointSource(Path(path), rover, reading, columns, topics, gyroscope, frame)
+        self._count(source, wheel_encoders, steering_encoders, increments)
 
-            bag = JointBag(self.path, rover, reading, topics)
-            self._source, self.reading, self._names = bag, bag.reading, bag.names
-            if any(one.msgtype == RateBag.IMU and one.msgcount for one in bag.connections):
-                try:
-                    self._rates = self._rates_of_bag(frame)
-                except BaseException:
-                    bag.close()
-                    raise
-            silent = [w for w in rover.traction_joints.values() if f"wheel {w}" not in bag.names]
-        else:
-            table, found = _joint_table(self.path, rover, reading, columns)
-            self._source, self.reading, self._names = table, found.reading, list(found.columns)
-            self._stated = found.columns["time"].stated
-            self._turned = found.reversed
-            columns_of = {w: found.columns[f"steering {w}"] for w in rover.steered_names}
-            self._counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
-            self.warnings += [w for w in table.warnings if "last line" not in w]  # that one is a finding here
-            silent = list(found.silent)
-            self._in_rows = any(name in found.columns for name in RATES)
-            if self._in_rows and self._gyroscope.get("time_offset"):
-                self._rates, self._in_rows = rate_table(self.path, columns), False
-        self.findings = self._source.findings
-        if silent:
-            self.warnings.append(f"{self.path}: no readings of {', '.join(silent)}: taken as without encoder")
-        ticks = self.reading == "ticks"
+    @classmethod
+    def of_source(
+        cls, source: JointSource, wheel_encoders: Encoders, steering_encoders: Encoders, increments: bool
+    ) -> Self:
+        """The log of an open source, whose readings the encoders make angles."""
+        log = cls.__new__(cls)
+        log._count(source, wheel_encoders, steering_encoders, increments)
+        return log
+
+    def _count(
+        self, source: JointSource, wheel_encoders: Encoders, steering_encoders: Encoders, increments: bool
+    ) -> None:
+        self._source, self.path, self.rover = source, source.path, source.rover
+        self.reading, self.findings, self.warnings = source.reading, source.rows.findings, source.warnings
+        speeds, ticks, counted = self.reading == "speed", self.reading == "ticks", source.counted
         try:
-            if self.reading == "speed" and (wheel_encoders is not None or increments):
+            if speeds and (wheel_encoders is not None or increments):
                 rule = "wheel_encoders and increments must be left out where wheels are read as speeds"
                 raise ValueError(rule)
             self._wheels = {
-                wheel: _Total(encoder, increments) if self.reading != "speed" else _Integral()
-                for wheel in rover.wheel_names
-                if f"wheel {wheel}" in self._names
-                for encoder in [_encoder_of("wheel_encoders", wheel_encoders, wheel, ticks)]
+                wheel: Integral() if speeds else Total(encoder, increments)
+                for wheel in self.rover.wheel_names
+                if f"wheel {wheel}" in source.names
+                for encoder in [encoder_of("wheel_encoders", wheel_encoders, wheel, ticks)]
             }
-            counted = self._counted
             self._steering = {
-                wheel: _Total(encoder, increments=False, absolute=True)
-                for wheel in rover.steered_names
-                for encoder in [_encoder_of("steering_encoders", steering_encoders, wheel, wheel in counted)]
+                wheel: Total(encoder, increments=False, absolute=True)
+                for wheel in self.rover.steered_names
+                for encoder in [encoder_of("steering_encoders", steering_encoders, wheel, wheel in counted)]
             }
         except BaseException:
             self.close()
             raise
         # Messages have no units, but counts are whole numbers; those of other wheels may be interpolated.
-        first = next((name for name in self._names if name.startswith("wheel ")), "")
+        first = next((name for name in source.names if name.startswith("wheel ")), "")
         total = self._wheels.get(first.removeprefix("wheel "))
-        self._counter = first if bagged and isinstance(total, _Total) and total.counts else ""
+        self._counter = first if source.bagged and isinstance(total, Total) and total.counts else ""
 
     def __enter__(self) -> Self:
         return self
@@ -202,51 +176,21 @@ class JointLog:
     def close(self) -> None:
         """Close the file."""
         self._source.close()
-        if self._rates is not None:
-            self._rates.close()
 
     @property
     def has_gyroscope(self) -> bool:
         """True if rows have yaw rates."""
-        return self._in_rows or self._rates is not None
-
-    def _rates_of_bag(self, frame: str) -> Source | None:
-        """The gyroscope of a bag, if there is one; what is not known of it is said."""
-        from six_wheel.logs.bags.imu_bag import RateBag
-        from six_wheel.logs.bags.messages import OWN_FRAMES, Bag
-
-        keys, bag = self._gyroscope, Bag(self.path)
-        try:
-            rates = RateBag(bag, keys.get("topic"), [name for name in (frame, *OWN_FRAMES) if name])
-        except BaseException:
-            bag.close()
-            raise
-        if rates.topic is None:
-            bag.close()
-            if rates.others:
-                rule = f"{len(rates.others)} topics have angular velocities, {', '.join(rates.others)}"
-                self.warnings.append(f"{self.path}: {rule}: none is read unless gyroscope.topic names it")
-            return None
-        if keys.keys().isdisjoint({"roll", "pitch"}):
-            if rates.up is not None:
-                self._up = rates.up
-            else:
-                rule = f"no transform tells how {rates.frame} of {rates.topic} sits in the rover"
-                remedy = (
-                    "its z is taken for the rover's; gyroscope.roll and gyroscope.pitch can say otherwise"
-                )
-                self.warnings.append(f"{self.path}: {rule}: {remedy}")
-        return rates
+        return self._source.has_rates or self._source.rates is not None
 
     @property
     def size(self) -> int:
         """Largest value of `position`: bytes of a CSV file, rows or messages of others."""
-        return self._source.size
+        return self._source.rows.size
 
     @property
     def position(self) -> int:
         """Progress of reading, in the unit of `size`."""
-        return self._source.position
+        return self._source.rows.position
 
     def chunks(self, chunk_rows: int = 200_000) -> Iterator[JointRows]:
         """The rows that can be used, in order, some `chunk_rows` at a time.
@@ -259,11 +203,11 @@ class JointLog:
         if chunk_rows < 1:
             raise ValueError(f"chunk_rows must be positive, got {chunk_rows}")
         first = True
-        sieve = Sieve(self.findings, (*TRUTH, *RATES), self._stated)
+        sieve = Sieve(self.findings, (*TRUTH, *RATES), self._source.stated)
         turning: Turning | None = None
         held: JointRows | None = None  # a row's rate is not known before the row behind it
         before: float | None = None
-        for batch in sieve.pass_on(self._source.batches(chunk_rows)):
+        for batch in sieve.pass_on(self._source.rows.batches(chunk_rows)):
             if first:
                 self.origin = whole_second(batch.time[0], self._source.time_unit)
                 turning = self._turning()
@@ -342,7 +286,7 @@ class JointLog:
 
     def _rows(self, batch: Batch) -> JointRows:
         stamps = seconds_since(self.origin, batch.time, self._source.time_unit)
-        for name in self._turned:
+        for name in self._source.turned:
             np.negative(batch.values[name], out=batch.values[name])
         if self._counter and np.any(batch.values[self._counter] % 1.0 != 0.0):
             rule = "joint states are counts where encoders have a resolution, and these are no whole numbers"
@@ -357,9 +301,10 @@ class JointLog:
                 angles[:, k] = self._wheels[wheel].advance(batch.values[f"wheel {wheel}"], stamps)
         truth = poses_of(batch.values) if "x" in batch.values else None
         rates = None
-        if self._in_rows:
+        if self._source.has_rates:
             try:
-                rates = self._gyroscope.get("scale", 1.0) * about_z(batch.values, self._up)
+                scale = self._source.gyroscope.get("scale", 1.0)
+                rates = scale * about_z(batch.values, self._source.up)
             except ValueError as error:
                 raise TableError(f"{self.path}: {error}") from None
         steered = np.stack(steering, axis=1) if steering else None
@@ -367,90 +312,13 @@ class JointLog:
 
     def _turning(self) -> Turning | None:
         """Resampler that brings rates of a gyroscope with stamps of its own to the rows."""
-        source = self._rates
-        if source is None:
+        source, rates = self._source, self._source.rates
+        if rates is None:
             return None
-        seconds = partial(seconds_since, self.origin, unit=source.time_unit)
-        return Turning(readings_of(source, self._stated, seconds, self._up, self._gyroscope))
+        seconds = partial(seconds_since, self.origin, unit=rates.time_unit)
+        return Turning(readings_of(rates, source.stated, seconds, source.up, source.gyroscope))
 
 
 def _with_rates(rows: JointRows, turning: Turning, before: float | None, after: float | None) -> JointRows:
     """Rows with what a gyroscope says around each, given the stamps of their neighbours."""
     return replace(rows, yaw_rate=turning.rates(edges_of(rows.stamps, before, after)))
-
-
-# --- columns to quantities -------------------------------------------------------------------------------
-
-
-def _joint_table(
-    path: Path, rover: Rover, reading: Reading | None, columns: Mapping[str, str] | None
-) -> tuple[TolerantTable, Any]:
-    found: list[Any] = []
-
-    def find(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
-        found.append(joint_columns(headers, rover, reading, field_units))
-        return dict(found[-1].columns)
-
-    return TolerantTable(path, find, columns, (*TRUTH, *RATES)), found[-1]
-
-
-def _encoder_of(name: str, encoders: Encoders, wheel: str, needed: bool) -> Encoder | None:
-    found = encoders.get(wheel) if isinstance(encoders, Mapping) else encoders
-    if found is None and needed:
-        raise ValueError(f"{name} must say how many ticks a turn of {wheel} has, got none")
-    return found
-
-
-class _Total:
-    """The angle of a joint from the readings of its encoder, from one chunk to the next."""
-
-    def __init__(self, encoder: Encoder | None, increments: bool, absolute: bool = False) -> None:
-        self._encoder, self._increments, self._absolute = encoder, increments, absolute
-        self._counts, self._last = 0.0, math.nan
-
-    @property
-    def counts(self) -> bool:
-        """True if the encoder has a whole number of counts per turn."""
-        resolution = None if self._encoder is None else self._encoder.resolution
-        return resolution is not None and resolution % 1.0 == 0.0
-
-    def advance(self, readings: Floats, stamps: Floats) -> Floats:
-        """Angles (n,) [rad]."""
-        encoder = self._encoder
-        if encoder is None and not self._increments:
-            return readings
-        encoder = encoder or Encoder()
-        if first := math.isnan(self._last):
-            # A wheel has turned since anywhere: from zero on no digit is lost to a large count.
-            self._counts = self._first(encoder, readings[0]) if self._absolute else 0.0
-        steps = readings.copy() if self._increments else np.diff(readings, prepend=self._last)
-        if first:
-            steps[0] = 0.0  # turned before the log begins
-        if encoder.modulus is not None:
-            steps -= encoder.modulus * np.round(steps / encoder.modulus)
-        counts = self._counts + np.cumsum(steps)
-        self._counts, self._last = float(counts[-1]), float(readings[-1])
-        return counts * encoder.angle_per_count + (encoder.offset if self._absolute else 0.0)
-
-    @staticmethod
-    def _first(encoder: Encoder, reading: float) -> float:
-        """The counts to begin with: an absolute counter that starts over has no turns to tell."""
-        if encoder.modulus is None:
-            return reading
-        zero = encoder.offset / encoder.angle_per_count
-        return reading - encoder.modulus * round((reading + zero) / encoder.modulus)
-
-
-class _Integral:
-    """The angle of a wheel from its rate, from one chunk to the next."""
-
-    def __init__(self) -> None:
-        self._sum, self._last = 0.0, (math.nan, math.nan)
-
-    def advance(self, readings: Floats, stamps: Floats) -> Floats:
-        """Angles (n,) [rad]. A measured rate is that of an instant: from one to the next their mean holds."""
-        rate, stamp = (readings[0], stamps[0]) if math.isnan(self._last[0]) else self._last
-        held = np.concatenate([[rate], readings])
-        totals: Floats = self._sum + np.cumsum((held[1:] + held[:-1]) / 2 * np.diff(stamps, prepend=stamp))
-        self._sum, self._last = float(totals[-1]), (float(readings[-1]), float(stamps[-1]))
-        return totals

@@ -6,6 +6,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -126,28 +127,12 @@ def traverse(
         raise FileNotFoundError(f"{path} must be a map, there is no such file")
     if output.exists() and output.resolve() == path.resolve():
         raise ValueError(f"output must not be the map itself, got {output}")
-    limits = limits or FeasibilityLimits()
+    task = _Task(rover, headings, limits or FeasibilityLimits(), map_error, belly)
     with Raster(path) as raster:
-        margin = [math.ceil(reach(rover) / spacing) + 1 for spacing in raster.spacing]
         windows = list(_windows(raster.shape))
-
-        def prepare(window: Window) -> Tile:
-            return _tile(raster, window, margin, rover, headings, limits, map_error, belly)
-
-        run = {
-            "six_wheel": __version__,
-            "map": str(path.resolve()),
-            "changed": [path.stat().st_size, path.stat().st_mtime_ns],
-            "rover": hashlib.sha256(repr(rover).encode()).hexdigest(),
-            "headings": headings,
-            "limits": [str(limit) for limit in limits],
-            "map_error": map_error,
-            "belly": belly,
-            "side": SIDE,
-        }
         # One tile here, before anything is written: what is wrong with the arguments is said at once.
-        rover.feasible(_probe(), [(0.0, 0.0, 0.0)], limits, map_error=map_error, belly=belly)
-        journal = Journal(output.with_name(output.name + ".tiles"), run)
+        rover.feasible(_probe(), [(0.0, 0.0, 0.0)], task.limits, map_error=map_error, belly=belly)
+        journal = Journal(output.with_name(output.name + ".tiles"), task.described(path))
         resumed = len(journal.done)
         for outcome in spread(
             judge,
@@ -155,7 +140,7 @@ def traverse(
             cluster=cluster,
             workers=workers,
             journal=journal,
-            prepare=prepare,
+            prepare=partial(_tile, raster, task),
             tell=None if tell is None else lambda done: tell(done, len(windows)),
         ):
             if outcome.failure is not None:
@@ -167,6 +152,30 @@ def traverse(
     return Traversed(
         output, cells, headings, safe / cells, len(windows), resumed, picture, (left, right, bottom, top)
     )
+
+
+class _Task(NamedTuple):
+    """The question that is asked at every cell."""
+
+    rover: RockerBogie
+    headings: int
+    limits: FeasibilityLimits
+    map_error: float
+    belly: tuple[float, float, float, float] | None
+
+    def described(self, path: Path) -> dict[str, Any]:
+        """All that the answers for a map depend on."""
+        return {
+            "six_wheel": __version__,
+            "map": str(path.resolve()),
+            "changed": [path.stat().st_size, path.stat().st_mtime_ns],
+            "rover": hashlib.sha256(repr(self.rover).encode()).hexdigest(),
+            "headings": self.headings,
+            "limits": [str(limit) for limit in self.limits],
+            "map_error": self.map_error,
+            "belly": self.belly,
+            "side": SIDE,
+        }
 
 
 def _probe() -> Any:
@@ -187,18 +196,10 @@ def _windows(shape: tuple[int, int]) -> Iterator[Window]:
             yield Window(slice(row, min(row + SIDE, shape[0])), slice(column, min(column + SIDE, shape[1])))
 
 
-def _tile(
-    raster: Raster,
-    window: Window,
-    margin: list[int],
-    rover: RockerBogie,
-    headings: int,
-    limits: FeasibilityLimits,
-    map_error: float,
-    belly: tuple[float, float, float, float] | None,
-) -> Tile:
+def _tile(raster: Raster, task: _Task, window: Window) -> Tile:
     """The heights that a tile's cells depend on, with its cells among them, rows turned to go along +y."""
     rows, columns = window
+    margin = [math.ceil(reach(task.rover) / spacing) + 1 for spacing in raster.spacing]
     around = [
         slice(max(part.start - more, 0), min(part.stop + more, size))
         for part, more, size in zip((rows, columns), (margin[1], margin[0]), raster.shape, strict=True)
@@ -213,8 +214,8 @@ def _tile(
     if min(heights.shape) < 2:
         raise ValueError(f"heights must have at least two rows and two columns, got shape {heights.shape}")
     return Tile(
-        rover, np.ascontiguousarray(heights), raster.spacing, raster.orientation, (inner, across), headings,
-        limits, map_error, belly,
+        task.rover, np.ascontiguousarray(heights), raster.spacing, raster.orientation, (inner, across),
+        task.headings, task.limits, task.map_error, task.belly,
     )  # fmt: skip
 
 

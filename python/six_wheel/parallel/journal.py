@@ -93,7 +93,13 @@ class Journal:
         path = self._file(index)
         try:
             with np.load(path, allow_pickle=False) as arrays:
-                return _joined(json.loads(arrays["value"].tobytes()), arrays)
+
+                def joined(part: dict[str, Any]) -> Any:
+                    if ARRAY in part:
+                        return arrays[part[ARRAY]][()]
+                    return tuple(part[TUPLE]) if TUPLE in part else part
+
+                return json.loads(arrays["value"].tobytes(), object_hook=joined)
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise JournalError(f"{path} must be a finished item: {error}") from error
 
@@ -152,20 +158,6 @@ def _parted(value: Any, arrays: dict[str, np.ndarray]) -> Any:
     if isinstance(value, list):
         return [_parted(item, arrays) for item in value]
     return value
-
-
-def _joined(value: Any, arrays: Any) -> Any:
-    """The reverse of `_parted`."""
-    if isinstance(value, list):
-        return [_joined(item, arrays) for item in value]
-    if not isinstance(value, dict):
-        return value
-    if ARRAY in value:
-        array = arrays[value[ARRAY]]
-        return array if array.ndim else array[()]
-    if TUPLE in value:
-        return tuple(_joined(item, arrays) for item in value[TUPLE])
-    return {key: _joined(item, arrays) for key, item in value.items()}
 
 
 def _difference(theirs: Any, mine: dict[str, Any]) -> str:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -67,99 +70,136 @@ def draw_rover(
     """
     x, y, yaw = (float(value) for value in np.asarray(pose, dtype=np.float64))
     page_from_body = Affine2D().scale(scale).rotate(yaw).translate(x, y) + axes.transData
-    centre, half = body_box(rover)
     angles = headings(rover, steering)
     if angles.shape != (len(rover.wheels),):
         raise ValueError(f"steering must be one row of angles, got {len(angles)} rows")
-    ink, soft, body_fill, wheel_fill = (_faded(color, fade) for color in (INK, SOFT, body_color, wheel_color))
-
-    body = FancyBboxPatch(
-        (centre[0] - half[0], centre[1] - half[1]),
-        2 * half[0],
-        2 * half[1],
-        boxstyle=f"round,pad=0,rounding_size={0.3 * half.min()}",
-        facecolor=body_fill,
-        edgecolor=ink,
-        linewidth=0.9,
-        zorder=zorder + 0.1,
-        transform=page_from_body,
-    )
-    tip, base, side = centre[0] + 0.82 * half[0], centre[0] + 0.5 * half[0], 0.3 * half[1]
-    nose = Polygon(
-        [(tip, centre[1]), (base, centre[1] + side), (base, centre[1] - side)],
-        facecolor=soft,
-        linewidth=0,
-        zorder=zorder + 0.2,
-        transform=page_from_body,
-    )
-    axes.add_patch(body)
-    axes.add_patch(nose)
-
+    drawing = _FromAbove(axes, page_from_body, *body_box(rover), fade, wheel_color, treads, zorder)
+    drawing.body(_faded(body_color, fade))
     for wheel, angle in zip(rover.wheels, angles.tolist(), strict=True):
-        length, width = 2 * wheel.radius, 2 * wheel.radius * WHEEL_WIDTH
-        page_from_wheel = Affine2D().rotate(angle).translate(wheel.x, wheel.y) + page_from_body
-        turns = wheel.steered or wheel.castor
-        contact = np.array((-wheel.trail, wheel.scrub))
-        middle = contact if turns else np.zeros(2)
-        pivot = np.array((wheel.x, wheel.y))
-        for ends, frame in (
-            ((pivot, np.clip(pivot, centre - half, centre + half)), page_from_body),
-            ((np.zeros(2), contact), page_from_wheel),
-        ):
-            x_ends, y_ends = np.transpose(ends)
-            arm = Line2D(x_ends, y_ends, color=soft, linewidth=1.4, zorder=zorder, transform=frame)
-            axes.add_artist(arm)
-        pale = 0.0 if wheel.driven and wheel.roller_angle is None else 0.7
-        tyre = FancyBboxPatch(
-            tuple(middle - (length / 2, width / 2)),
-            length,
-            width,
-            boxstyle=f"round,pad=0,rounding_size={0.3 * width}",
-            facecolor=_faded(wheel_color, fade + (1.0 - fade) * pale),
-            edgecolor=ink,
-            linewidth=0.8,
-            zorder=zorder + 0.3,
-            transform=page_from_wheel,
+        drawing.wheel(wheel, angle)
+
+
+@dataclass(frozen=True)
+class _FromAbove:
+    """A rover that is drawn from above: where its body is, and how it is drawn."""
+
+    axes: Axes
+    page_from_body: Transform
+    centre: Floats
+    half: Floats
+    fade: float
+    wheel_color: str
+    treads: bool
+    zorder: float
+
+    @property
+    def ink(self) -> tuple[float, float, float]:
+        return _faded(INK, self.fade)
+
+    @property
+    def soft(self) -> tuple[float, float, float]:
+        return _faded(SOFT, self.fade)
+
+    def body(self, fill: tuple[float, float, float]) -> None:
+        """The body, and the nose that tells its front."""
+        centre, half = self.centre, self.half
+        self._box(centre, 2 * half, 0.3 * half.min(), fill, 0.9, 0.1, self.page_from_body)
+        tip, base, side = centre[0] + 0.82 * half[0], centre[0] + 0.5 * half[0], 0.3 * half[1]
+        nose = Polygon(
+            [(tip, centre[1]), (base, centre[1] + side), (base, centre[1] - side)],
+            facecolor=self.soft,
+            linewidth=0,
+            zorder=self.zorder + 0.2,
+            transform=self.page_from_body,
         )
-        axes.add_patch(tyre)
+        self.axes.add_patch(nose)
+
+    def wheel(self, wheel: Wheel, angle: float) -> None:
+        """A wheel at an angle from straight ahead, and the arms that hold it."""
+        length, width = 2 * wheel.radius, 2 * wheel.radius * WHEEL_WIDTH
+        frame = Affine2D().rotate(angle).translate(wheel.x, wheel.y) + self.page_from_body
+        contact = np.array((-wheel.trail, wheel.scrub))
+        middle = contact if wheel.steered or wheel.castor else np.zeros(2)
+        pivot = np.array((wheel.x, wheel.y))
+        at_body = np.clip(pivot, self.centre - self.half, self.centre + self.half)
+        self._line(pivot, at_body, self.page_from_body)
+        self._line(np.zeros(2), contact, frame)
+        pale = 0.0 if wheel.driven and wheel.roller_angle is None else 0.7
+        fill = _faded(self.wheel_color, self.fade + (1.0 - self.fade) * pale)
+        tyre = self._box(middle, np.array((length, width)), 0.3 * width, fill, 0.8, 0.3, frame)
         if np.any(contact != middle):
-            x_contact, y_contact = contact[:, None]
-            cross = Line2D(
-                x_contact, y_contact, marker="x", color=ink, zorder=zorder + 0.5, transform=page_from_wheel
-            )
-            axes.add_artist(cross)
+            x, y = contact[:, None]
+            cross = Line2D(x, y, marker="x", color=self.ink, zorder=self.zorder + 0.5, transform=frame)
+            self.axes.add_artist(cross)
         if wheel.castor:
-            ring = Circle(
-                (wheel.x, wheel.y),
-                float(np.hypot(abs(wheel.trail) + length / 2, abs(wheel.scrub) + width / 2)),
-                fill=False,
-                edgecolor=soft,
-                linewidth=0.9,
-                linestyle=(0, (4, 3)),
-                zorder=zorder + 0.2,
-                transform=page_from_body,
-            )
-            axes.add_patch(ring)
+            self._ring(wheel, length, width)
         if wheel.roller_angle is not None:
-            stripes = _rollers(wheel, length, width, page_from_wheel, zorder + 0.4)
-            stripes.set_color(wheel_fill)
-            axes.add_collection(stripes, autolim=False)
+            stripes = _rollers(wheel, length, width, frame, self.zorder + 0.4)
+            stripes.set_color(_faded(self.wheel_color, self.fade))
+            self.axes.add_collection(stripes, autolim=False)
             stripes.set_clip_path(tyre)
-        elif treads:
-            lines = np.array(
-                [[(u, -0.3 * width), (u, 0.3 * width)] for u in length * np.linspace(-0.32, 0.32, 5)]
-            )
-            axes.add_collection(
-                LineCollection(
-                    list(lines + middle),
-                    colors="white" if wheel.driven else ink,
-                    linewidths=0.7,
-                    alpha=0.45,
-                    zorder=zorder + 0.4,
-                    transform=page_from_wheel,
-                ),
-                autolim=False,
-            )
+        elif self.treads:
+            self._treads(wheel, length, width, middle, frame)
+
+    def _box(
+        self,
+        middle: Floats,
+        size: Floats,
+        corner: float,
+        fill: Any,
+        line: float,
+        up: float,
+        frame: Transform,
+    ) -> FancyBboxPatch:
+        """A box with round corners."""
+        width, height = size
+        box = FancyBboxPatch(
+            tuple(middle - size / 2),
+            width,
+            height,
+            boxstyle=f"round,pad=0,rounding_size={corner}",
+            facecolor=fill,
+            edgecolor=self.ink,
+            linewidth=line,
+            zorder=self.zorder + up,
+            transform=frame,
+        )
+        self.axes.add_patch(box)
+        return box
+
+    def _line(self, start: Floats, end: Floats, frame: Transform) -> None:
+        """An arm between two points."""
+        x, y = np.transpose((start, end))
+        arm = Line2D(x, y, color=self.soft, linewidth=1.4, zorder=self.zorder, transform=frame)
+        self.axes.add_artist(arm)
+
+    def _ring(self, wheel: Wheel, length: float, width: float) -> None:
+        """The circle in which a castor swivels."""
+        ring = Circle(
+            (wheel.x, wheel.y),
+            float(np.hypot(abs(wheel.trail) + length / 2, abs(wheel.scrub) + width / 2)),
+            fill=False,
+            edgecolor=self.soft,
+            linewidth=0.9,
+            linestyle=(0, (4, 3)),
+            zorder=self.zorder + 0.2,
+            transform=self.page_from_body,
+        )
+        self.axes.add_patch(ring)
+
+    def _treads(self, wheel: Wheel, length: float, width: float, middle: Floats, frame: Transform) -> None:
+        """Lines across a wheel."""
+        places = length * np.linspace(-0.32, 0.32, 5)
+        lines = np.array([[(u, -0.3 * width), (u, 0.3 * width)] for u in places])
+        treads = LineCollection(
+            list(lines + middle),
+            colors="white" if wheel.driven else self.ink,
+            linewidths=0.7,
+            alpha=0.45,
+            zorder=self.zorder + 0.4,
+            transform=frame,
+        )
+        self.axes.add_collection(treads, autolim=False)
 
 
 def _rollers(wheel: Wheel, length: float, width: float, frame: Transform, zorder: float) -> LineCollection:

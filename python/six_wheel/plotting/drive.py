@@ -4,7 +4,7 @@ from __future__ import annotations  # so that help shows the names of types, not
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -62,56 +62,20 @@ def draw_course(
     last = begin[-1] if len(begin) else 0.0
     _, scale, unit = next(each for each in TIME_UNITS if last <= each[0])
     begin = begin / scale
-    steered = [k for k, wheel in enumerate(rover.wheels) if wheel.steered]
-    wheels, joints = list(range(len(rover.wheels))), len(steered)
     sideways = bool(np.abs(low[:, [1, 4]]).max() > 1e-9 or np.abs(high[:, [1, 4]]).max() > 1e-9)
-    ranges = [wheel.steering_range for wheel in rover.wheels if wheel.steering_range is not None]
-    widest = limits.steering_limit
-
-    def both(limit: float) -> list[float]:
-        return [-limit, limit]
-
-    twist = ((0, "vx [m/s]", limits.speed), (1, "vy [m/s]", limits.speed), (2, "ω [rad/s]", limits.yaw_rate))
-    panels: list[tuple[str, list[int], Sequence[str], list[float]]] = [
-        (name, [axis, axis + 3], (ASKED, DONE), both(limit))
-        for axis, name, limit in twist
-        if axis != 1 or sideways
-    ]
-    colours = [WHEELS[k % len(WHEELS)] for k in wheels]
-    steering = [colours[k] for k in steered]
-    dashed = set(colours[(len(colours) + 1) // 2 :])
-    if joints:
-        all_ends = [end for end in np.unique(np.clip(ranges, -widest, widest)) if math.isfinite(end)]
-        panels.append(("steering [rad]", list(range(6, 6 + joints)), steering, all_ends))
-        rates = list(range(6 + joints, 6 + 2 * joints))
-        panels.append(("steering rate\n[rad/s]", rates, steering, both(limits.steering_rate)))
-    speeds = [6 + 2 * joints + k for k in wheels]
-    panels.append(("wheel speed\n[rad/s]", speeds, colours, both(limits.wheel_speed)))
+    panels = _panels(rover, limits, sideways)
 
     reasons = [each for each in Reason if each.name in shares]
-    ahead = 0 if below is None else sum(len(columns) == 2 and columns[0] < 3 for _, columns, *_ in panels)
+    ahead = 0 if below is None else sum(panel.hues == (ASKED, DONE) for panel in panels)
     heights = [1.0] * (len(panels) - ahead) + [max(0.17 * len(reasons), 0.17)]
     rows = [*grid.subgridspec(len(heights), 1, height_ratios=heights)]
     if ahead:
         rows = [*below.subgridspec(ahead, 1), *rows]
     found: list[Axes] = []
-    for number, (name, columns, hues, lines) in enumerate(panels):
-        axes = figure.add_subplot(rows[number], sharex=found[0] if found else None)
+    for panel, row in zip(panels, rows, strict=False):
+        axes = figure.add_subplot(row, sharex=found[0] if found else None)
         found.append(axes)
-        for place, (column, hue) in enumerate(zip(columns, hues, strict=True)):
-            x, y = _line(begin, low[:, column], high[:, column], course.stride)
-            # The commanded motion is a broad pale line below the limited one.
-            asked = hue == ASKED and column < 3
-            width = (3.0 if asked else 1.1) / (1.0 if course.stride == 1 else 2.0)
-            axes.plot(
-                x, y, color=hue, linewidth=width, alpha=0.4 if asked else 0.95,
-                zorder=2 if asked else 3 + 0.01 * place, solid_joinstyle="round",
-                linestyle=DASHES[column >= 6 and hue in dashed],
-            )  # fmt: skip
-        _draw_limits(axes, lines, low[:, columns], high[:, columns])
-        tidy(axes, "", name)
-        axes.yaxis.set_major_locator(MaxNLocator(5, min_n_ticks=3))
-        axes.tick_params(labelbottom=False)
+        _draw_panel(axes, panel, begin, low, high, course.stride)
     strip = figure.add_subplot(rows[-1], sharex=found[0])
     _draw_reasons(strip, begin, bits, reasons, shares)
     tidy(strip, f"time [{unit}]", "")
@@ -124,6 +88,63 @@ def draw_course(
         found[ahead - 1].tick_params(labelbottom=True)
         found[ahead - 1].set_xlabel(f"time [{unit}]", fontsize=8, color=SOFT)
     return [*found, strip]
+
+
+class Panel(NamedTuple):
+    """Values over time in one frame: their name, columns, colours, and where their limits are."""
+
+    name: str
+    columns: list[int]
+    hues: Sequence[str]
+    limits: list[float]
+    dashed: frozenset[str] = frozenset()
+    """Colours of the rear half of the wheels."""
+
+
+def _panels(rover: Rover, limits: Limits, sideways: bool) -> list[Panel]:
+    """Twists, asked for and done, then joints and wheels."""
+
+    def both(limit: float) -> list[float]:
+        return [-limit, limit]
+
+    twist = ((0, "vx [m/s]", limits.speed), (1, "vy [m/s]", limits.speed), (2, "ω [rad/s]", limits.yaw_rate))
+    panels = [
+        Panel(name, [axis, axis + 3], (ASKED, DONE), both(limit))
+        for axis, name, limit in twist
+        if axis != 1 or sideways
+    ]
+    wheels, joints = len(rover.wheels), len(rover.steered_names)
+    colours = [WHEELS[k % len(WHEELS)] for k in range(wheels)]
+    steering = [colours[k] for k, wheel in enumerate(rover.wheels) if wheel.steered]
+    dashed = frozenset(colours[(wheels + 1) // 2 :])
+    if joints:
+        widest = limits.steering_limit
+        ranges = [wheel.steering_range for wheel in rover.wheels if wheel.steering_range is not None]
+        ends = [end for end in np.unique(np.clip(ranges, -widest, widest)) if math.isfinite(end)]
+        rates = list(range(6 + joints, 6 + 2 * joints))
+        rate = both(limits.steering_rate)
+        panels.append(Panel("steering [rad]", list(range(6, 6 + joints)), steering, ends, dashed))
+        panels.append(Panel("steering rate\n[rad/s]", rates, steering, rate, dashed))
+    speeds = [6 + 2 * joints + k for k in range(wheels)]
+    panels.append(Panel("wheel speed\n[rad/s]", speeds, colours, both(limits.wheel_speed), dashed))
+    return panels
+
+
+def _draw_panel(axes: Axes, panel: Panel, begin: Floats, low: Floats, high: Floats, stride: int) -> None:
+    for place, (column, hue) in enumerate(zip(panel.columns, panel.hues, strict=True)):
+        x, y = _line(begin, low[:, column], high[:, column], stride)
+        # The commanded motion is a broad pale line below the limited one.
+        asked = hue == ASKED and column < 3
+        width = (3.0 if asked else 1.1) / (1.0 if stride == 1 else 2.0)
+        axes.plot(
+            x, y, color=hue, linewidth=width, alpha=0.4 if asked else 0.95,
+            zorder=2 if asked else 3 + 0.01 * place, solid_joinstyle="round",
+            linestyle=DASHES[hue in panel.dashed],
+        )  # fmt: skip
+    _draw_limits(axes, panel.limits, low[:, panel.columns], high[:, panel.columns])
+    tidy(axes, "", panel.name)
+    axes.yaxis.set_major_locator(MaxNLocator(5, min_n_ticks=3))
+    axes.tick_params(labelbottom=False)
 
 
 def draw_key(axes: Axes, rover: Rover) -> None:

@@ -8,8 +8,9 @@ from matplotlib.patches import Ellipse
 
 from six_wheel.kinematics.odometry.tracks import ROUNDING, SILENT
 from six_wheel.kinematics.poses import Floats
-from six_wheel.log_odometry.evaluation.paths import absolute_error, align, path_distance
-from six_wheel.log_odometry.run_log import Reckoned
+from six_wheel.log_odometry.evaluation.paths import absolute_error, align
+from six_wheel.log_odometry.evaluation.relative import path_distance
+from six_wheel.log_odometry.results import Reckoned
 from six_wheel.plotting.drawing import AXLE, FAINT, INK, MOTION, SOFT, new_figure, tidy, write_title
 
 LIKELY = 5.991  # chi squared of two degrees of freedom at 95 %: the ellipse a position is in that often

@@ -11,14 +11,8 @@ from numpy.typing import ArrayLike
 
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats, as_poses
-from six_wheel.log_odometry.evaluation.paths import (
-    Alignment,
-    absolute_error,
-    align,
-    at_same_times,
-    error_growth,
-    path_distance,
-)
+from six_wheel.log_odometry.evaluation.paths import Alignment, absolute_error, align, at_same_times
+from six_wheel.log_odometry.evaluation.relative import error_growth, path_distance
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.plotting.drawing import AXLE, FORBIDDEN, INK, MOTION, SOFT, new_figure, tidy, write_title
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Limits
-from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.controller import reason_shares
 
 __all__ = ["Controlled"]
 
@@ -46,5 +46,4 @@ class Controlled:
     @property
     def shares(self) -> dict[str, float]:
         """Share of the steps, 0 to 1, of every reason there was."""
-        counts = {str(each.name): np.count_nonzero(self.reasons & each.value) for each in Reason}
-        return {name: count / len(self.reasons) for name, count in counts.items() if count}
+        return reason_shares(self.reasons)

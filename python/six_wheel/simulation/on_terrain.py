@@ -2,18 +2,18 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from six_wheel._core import Gyroscope, Noise, RockerBogie, SettledPose, Terrain
+from six_wheel._core import RockerBogie, SettledPose, Terrain
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator, spinning
-from six_wheel.simulation.sensor_model import Encoders, read
+from six_wheel.simulation.sensor_model import Sensors
 
 if TYPE_CHECKING:
     from six_wheel._core import WheelSlip
@@ -61,76 +61,64 @@ def simulate_on_ground(
     arm: RockerBogie,
     path: ArrayLike | tuple[ArrayLike, ArrayLike],
     ground: Terrain,
+    sensors: Sensors,
+    slips: Sequence[Slip],
     *,
-    noise: Noise | None = None,
-    encoder: Encoders | None = None,
-    steering_encoder: Encoders | None = None,
-    slip: Slip | Sequence[Slip] = (),
-    gyroscope: Gyroscope | None = None,
-    rate: float = 10.0,
-    speed: float = 0.1,
-    start: ArrayLike | None = None,
-    seed: int = 0,
-    name: str = "",
-    session: str = "",
+    rate: float,
+    speed: float,
+    start: ArrayLike | None,
+    seed: int,
+    named: Mapping[str, Any],
 ) -> GroundSimulation:
     """See `simulate`: speeds and yaw rates of `path` are those seen from above, along the heading.
 
     The rover steers as on level ground and goes where that leads; it settles at every row, eight rows a
     sample, and its wheels turn as far as they roll there.
     """
-    noise = Noise(0.0, 0.0) if noise is None else noise
     random = generator(seed)
     planar = arm.planar(0.0, (0.0, 0.0))
     course = read_course(path, planar, speed)
-    slips = [slip] if isinstance(slip, Slip) else list(slip)
-    moved = drive(planar, course, noise, slips, 1.0 / (FINER * rate), course.begin(start), random)
+    first = course.begin(start)
+    moved = drive(planar, course, sensors.noise, slips, 1.0 / (FINER * rate), first, random)
     stand = arm.settle(ground, moved.poses, moved.steering)
     _check(stand, moved)
     wanted = course.at(moved.stamps)[:, [0, 2]]
     told = arm.inverse(stand, wanted, view="plan", steering=moved.steering)
-    missing = np.isnan(told.speeds[:, 0])
-    # Rows without a settled pose, which the status says, get speeds interpolated over the gap.
-    rows = np.arange(len(missing))
-    columns = [np.interp(rows, rows[~missing], column[~missing]) for column in told.speeds.T]
-    speeds = np.stack(columns, axis=-1)
+    speeds = _filled(told.speeds)
     turning = (speeds[1:] + speeds[:-1]) / 2.0
     spinning(planar, slips, moved.stamps, turning)
     dt = np.diff(moved.stamps)[:, None]
     turned = np.concatenate((np.zeros((1, len(planar.wheels))), np.cumsum(turning * dt, axis=0)))
     yaw_rate = np.where(np.isnan(told.twist[:, 5]), moved.yaw_rate, told.twist[:, 5])
     motion = Motion(moved.stamps, moved.poses, moved.steering, turned, yaw_rate)
-    sampled = read(planar, _every(motion), noise, encoder, steering_encoder, gyroscope, random)
+    read = sensors.read(planar, _every(motion), random)
     there = arm.settle(ground, motion.poses[::FINER], motion.steering[::FINER])
     twists, joint_rates = told.twist[::FINER], told.joint_rates[::FINER]
     ends = np.concatenate((turning[:1], turning, turning[-1:]))
     real = (ends[1:] + ends[:-1]) / 2.0  # at a row, the mean of the steps beside it
     known = ~np.isnan(twists[:, 0])
     slid = arm.slip(there, real[::FINER], np.where(known[:, None], twists, 0.0), np.nan_to_num(joint_rates))
-    spread = 0.0 if gyroscope is None else gyroscope.noise
+    spread = 0.0 if sensors.gyroscope is None else sensors.gyroscope.noise
     return GroundSimulation(
-        sampled.stamps,
-        sampled.steering if sampled.steering.shape[1] else None,
-        sampled.wheels,
-        GroundTruth(sampled.stamps, motion.poses[::FINER]),
-        name or f"seed {seed}",
-        session,
-        yaw_rate=sampled.yaw_rate,
-        options={
-            key: value
-            for key, value in (("wheel_encoders", encoder), ("steering_encoders", steering_encoder))
-            if value is not None
-        },
+        **read,
+        **named,
+        truth=GroundTruth(read["stamps"], motion.poses[::FINER]),
         motion=motion,
         stand=there,
         speeds=speeds[::FINER],
-        flat_speeds=planar.inverse(course.at(sampled.stamps), previous=motion.steering[::FINER])[1],
+        flat_speeds=planar.inverse(course.at(read["stamps"]), previous=motion.steering[::FINER])[1],
         twists=twists,
         joint_rates=joint_rates,
         slip=slid,
         orientations=_quaternions(there),
         angular_velocity=twists[:, 3:] + spread * random.standard_normal((len(twists), 3)),
     )
+
+
+def _filled(speeds: Floats) -> Floats:
+    """Speeds of the wheels; rows without a settled pose, which the status says, between those beside."""
+    rows, known = np.arange(len(speeds)), ~np.isnan(speeds[:, 0])
+    return np.stack([np.interp(rows, rows[known], column[known]) for column in speeds.T], axis=-1)
 
 
 def _every(motion: Motion) -> Motion:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +17,7 @@ from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.on_terrain import simulate_on_ground
 from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator
-from six_wheel.simulation.sensor_model import Encoders, read, sample_times
+from six_wheel.simulation.sensor_model import Encoders, Sensors, sample_times
 from six_wheel.simulation.sticking import Stick, drive_stuck
 
 Floats = NDArray[np.float64]
@@ -116,21 +116,9 @@ def simulate(
     slips = [slip] if isinstance(slip, Slip) else slip
     if not isinstance(slips, Sequence) or not all(isinstance(one, Slip) for one in slips):
         raise ArgumentTypeError(f"slip must be a Slip or several, got {slip!r}")
-    if not (isinstance(truth_noise, Sequence) and len(truth_noise) == 2):
-        rule = "must be two deviations, of places [m] and headings [rad]"
-        raise ArgumentTypeError(f"truth_noise {rule}, got {truth_noise!r}")
-    for argument, value in (
-        ("jitter", jitter),
-        ("dropped", dropped),
-        *(("truth_noise", one) for one in truth_noise),
-    ):
-        if not (_is_number(value) and value >= 0.0):
-            raise ValueError(f"{argument} must be finite and not negative, got {value!r}")
-    for argument, value in (("rate", rate), ("speed", speed)):
-        if not (_is_number(value) and value > 0.0):
-            raise ValueError(f"{argument} must be finite and positive, got {value!r}")
-    if dropped >= 1.0:
-        raise ValueError(f"dropped must be below 1, got {dropped}")
+    _check_numbers(rate, speed, jitter, dropped, truth_noise)
+    sensors = Sensors(noise or Noise(0.0, 0.0), encoder, steering_encoder, gyroscope)
+    named: dict[str, Any] = {"name": name or f"seed {seed}", "session": session}
     if isinstance(rover, RockerBogie):
         check_kind("ground", ground)
         if ground is None:
@@ -138,64 +126,46 @@ def simulate(
         if jitter or dropped or any(truth_noise) or stick is not None:
             raise ValueError("jitter, dropped, truth_noise and stick must be left out on ground")
         return simulate_on_ground(
-            rover,
-            path,
-            ground,
-            noise=noise,
-            encoder=encoder,
-            steering_encoder=steering_encoder,
-            slip=slip,
-            gyroscope=gyroscope,
-            rate=rate,
-            speed=speed,
-            start=start,
-            seed=seed,
-            name=name,
-            session=session,
+            rover, path, ground, sensors, slips, rate=rate, speed=speed, start=start, seed=seed, named=named
         )
     check_kind("rover", rover)
     if ground is not None:
         raise ValueError("rover must be a RockerBogie to drive over ground, got a Rover")
-    noise = Noise(0.0, 0.0) if noise is None else noise
-    random = generator(seed)
-    course = read_course(path, rover, speed)
-    step, first = 1.0 / (FINER * rate), course.begin(start)
-    controlled = None
+    random, course = generator(seed), read_course(path, rover, speed)
+    step, first, controlled = 1.0 / (FINER * rate), course.begin(start), None
     if stick is None:
-        motion = drive(rover, course, noise, slips, step, first, random)
+        motion = drive(rover, course, sensors.noise, slips, step, first, random)
     else:
         check_kind("limits", limits)
         motion, controlled = drive_stuck(
             rover, course, stick, limits or Limits(), control or {},
-            noise=noise, slips=slips, step=step, start=first, random=random,
+            noise=sensors.noise, slips=slips, step=step, start=first, random=random,
         )  # fmt: skip
-    stamps = sample_times(motion.stamps[0], motion.stamps[-1], rate, jitter, random)
-    if dropped:
-        kept = random.random(len(stamps)) >= dropped
-        kept[[0, -1]] = True
-        stamps = stamps[kept]
+    stamps = sample_times(motion.stamps[0], motion.stamps[-1], rate, jitter, dropped, random)
     there = replace(motion.at(stamps), yaw_rate=_mean_rates(motion, stamps))
-    sampled = read(rover, there, noise, encoder, steering_encoder, gyroscope, random)
-    deviations = np.array([truth_noise[0], truth_noise[0], truth_noise[1]])
+    read = sensors.read(rover, there, random)
+    deviations = np.array(truth_noise)[[0, 0, 1]]
     poses = there.poses + deviations * random.standard_normal(there.poses.shape)
-    options: dict[str, Any] = {}
-    if encoder is not None:
-        options["wheel_encoders"] = encoder
-    if steering_encoder is not None:
-        options["steering_encoders"] = steering_encoder
-    return Simulation(
-        stamps,
-        sampled.steering if sampled.steering.shape[1] else None,
-        sampled.wheels,
-        GroundTruth(stamps, poses),
-        name or f"seed {seed}",
-        session,
-        yaw_rate=sampled.yaw_rate,
-        options=options,
-        motion=motion,
-        controlled=controlled,
-    )
+    return Simulation(**read, **named, truth=GroundTruth(stamps, poses), motion=motion, controlled=controlled)
 
 
-def _is_number(value: object) -> bool:
+def _check_numbers(
+    rate: object, speed: object, jitter: object, dropped: Any, truth_noise: Sequence[object]
+) -> None:
+    """Arguments of `simulate` that are numbers."""
+    if not (isinstance(truth_noise, Sequence) and len(truth_noise) == 2):
+        rule = "must be two deviations, of places [m] and headings [rad]"
+        raise ArgumentTypeError(f"truth_noise {rule}, got {truth_noise!r}")
+    deviations = [("truth_noise", one) for one in truth_noise]
+    for argument, value in (("jitter", jitter), ("dropped", dropped), *deviations):
+        if not (_is_number(value) and value >= 0.0):
+            raise ValueError(f"{argument} must be finite and not negative, got {value!r}")
+    for argument, value in (("rate", rate), ("speed", speed)):
+        if not (_is_number(value) and value > 0.0):
+            raise ValueError(f"{argument} must be finite and positive, got {value!r}")
+    if dropped >= 1.0:
+        raise ValueError(f"dropped must be below 1, got {dropped}")
+
+
+def _is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, Real) and math.isfinite(value)

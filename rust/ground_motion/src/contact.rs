@@ -60,14 +60,10 @@ pub type Row = [f64; COLUMNS];
 /// One wheel on the ground.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact {
-    /// Velocity of the touching point along the normal [m/s], by the rates.
-    pub normal: Row,
-    /// Rate of an encoder that does not slip [rad/s], by the rates.
-    pub rolling: Row,
-    /// Velocity of the touching point to the left [m/s], by the rates.
-    pub side: Row,
-    /// Velocity per rate of its own steering, along the normal and to the left [m/rad], and change of an encoder's
-    /// rate: nothing unless the wheel's centre lies off the steering axis.
+    /// Velocity of the touching point along the normal, along the rim and to the left [m/s], by the rates, if the wheel does
+    /// not turn against its link.
+    pub rows: [Row; 3],
+    /// The same per rate of its own steering [m/rad].
     pub swivel: [f64; 3],
     /// Its steering joint.
     pub steering: Option<usize>,
@@ -75,16 +71,8 @@ pub struct Contact {
     pub touching: bool,
 }
 
-/// Side of a rim that touches, seen from the plane on which it does: the near one, but the far one for a wheel that
-/// leans far on the edge of something steeper than it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Side {
-    Near,
-    Far,
-}
-
-/// A wheel, the plane it stands on, and where it touches.
-pub(crate) struct Tread {
+/// Plane on which a wheel stands, and where the wheel touches it.
+pub(crate) struct ContactPlane {
     pub frame: WheelFrame,
     pub normal: Vector3<f64>,
     pub radius: f64,
@@ -92,14 +80,11 @@ pub(crate) struct Tread {
     pub at: Direction,
 }
 
-impl Tread {
-    /// A wheel turned against the ground: its contact moves along the plane, on the side of the rim that touches it.
-    pub fn on_plane(frame: WheelFrame, normal: Vector3<f64>, radius: f64, side: Side) -> Self {
+impl ContactPlane {
+    /// The contact of the lower side of a wheel on a plane.
+    pub fn new(frame: WheelFrame, normal: Vector3<f64>, radius: f64) -> Self {
         let (ahead, up) = (frame.forward.dot(&normal), frame.up.dot(&normal));
-        let length = match side {
-            Side::Near => ahead.hypot(up),
-            Side::Far => -ahead.hypot(up),
-        };
+        let length = ahead.hypot(up);
         // A wheel that lies flat touches anywhere.
         let at = match length {
             0.0 => Direction::from(0.0),
@@ -108,18 +93,13 @@ impl Tread {
         Self { frame, normal, radius, at }
     }
 
-    /// The side that touches.
-    pub fn side(&self) -> Side {
-        if self.spoke().dot(&self.normal) > 0.0 { Side::Far } else { Side::Near }
-    }
-
-    /// The direction in which it rolls.
+    /// The direction in which the wheel rolls.
     pub fn tangent(&self) -> Vector3<f64> {
         self.frame.forward * self.at.cos + self.frame.up * self.at.sin
     }
 
     /// From its centre to the touching point [m].
-    pub fn spoke(&self) -> Vector3<f64> {
+    pub fn centre_to_contact(&self) -> Vector3<f64> {
         (self.frame.forward * self.at.sin - self.frame.up * self.at.cos) * self.radius
     }
 }
@@ -140,66 +120,45 @@ pub struct Contacts {
 impl Contacts {
     /// Nothing touches yet.
     pub(crate) fn none(chain: &Chain, stopped: [bool; MAX_FREE]) -> Self {
-        let blank = Contact {
-            normal: [0.0; COLUMNS],
-            rolling: [0.0; COLUMNS],
-            side: [0.0; COLUMNS],
-            swivel: [0.0; 3],
-            steering: None,
-            touching: false,
-        };
+        let blank = Contact { rows: [[0.0; COLUMNS]; 3], swivel: [0.0; 3], steering: None, touching: false };
         Self { wheels: [blank; MAX_WHEELS], count: chain.wheels().len(), joints: chain.joints().len(), stopped }
     }
 
-    /// Those of a footing, or of other steering angles on the planes that it stands on. None where a differential
-    /// does not reach.
-    pub fn new(chain: &Chain, footing: &Footing<'_>, steering: Option<&[f64]>) -> Option<Self> {
-        let placed = in_body(chain, footing.joints, steering.unwrap_or(footing.steering))?;
-        let stands = match steering {
-            Some(_) => Some(in_body(chain, footing.joints, footing.steering)?),
-            None => None,
-        };
+    /// Those of a settled pose. None where a differential does not reach.
+    pub fn new(chain: &Chain, footing: &Footing<'_>) -> Option<Self> {
+        let placed = in_body(chain, footing.joints, footing.steering)?;
         let body_from_world = footing.rotation().inverse();
         let mut contacts = Self::none(chain, footing.stopped);
         for (k, mount) in chain.wheels().iter().enumerate() {
-            let normal = body_from_world * Vector3::from(footing.normals[k]);
-            let radius = mount.radius;
-            let own = |frame| Tread { frame, normal, radius, at: Direction::from(footing.angles[k]) };
-            let frame = placed.wheel(k);
-            let tread = match &stands {
-                Some(stands) => Tread::on_plane(frame, normal, radius, own(stands.wheel(k)).side()),
-                None => own(frame),
+            let plane = ContactPlane {
+                frame: placed.wheel(k),
+                normal: body_from_world * Vector3::from(footing.normals[k]),
+                radius: mount.radius,
+                at: Direction::from(footing.angles[k]),
             };
-            contacts.wheels[k] = Contact::new(&placed, k, &tread, footing.touching[k]);
+            contacts.wheels[k] = Contact::new(&placed, k, &plane, footing.touching[k]);
         }
         Some(contacts)
+    }
+
+    pub(crate) fn touching(&self) -> impl Iterator<Item = (usize, &Contact)> {
+        let wheels = self.wheels[..self.count].iter().enumerate();
+        wheels.filter(|(_, contact)| contact.touching)
     }
 }
 
 impl Contact {
-    pub(crate) fn new(placed: &Placed<'_>, wheel: usize, tread: &Tread, touching: bool) -> Self {
-        let (tangent, spoke) = (tread.tangent(), tread.spoke());
-        let (normal, left) = (tread.normal, tread.normal.cross(&tangent));
-        let axle = tread.frame.axle;
-        let centres = placed.point_slopes(wheel, tread.frame.centre);
-        let touches = placed.point_slopes(wheel, tread.frame.centre + spoke);
-        // How the link turns: with the body about its axes, and with the free angles.
-        let mut turns = [Vector3::zeros(); COLUMNS];
-        for (axis, turn) in turns[3..6].iter_mut().enumerate() {
-            turn[axis] = 1.0;
-        }
-        for (joint, axis, _) in placed.free_axes(wheel) {
-            turns[6 + joint] += axis;
-        }
+    pub(crate) fn new(placed: &Placed<'_>, wheel: usize, plane: &ContactPlane, touching: bool) -> Self {
+        let (normal, tangent) = (plane.normal, plane.tangent());
+        let directions = [normal, tangent, normal.cross(&tangent)];
+        let point = plane.frame.centre + plane.centre_to_contact();
+        let slopes = placed.point_slopes(wheel, point);
         let swivels = placed.steering_axes(wheel).next();
         Self {
-            normal: std::array::from_fn(|k| touches[slope(k)].dot(&normal)),
-            rolling: std::array::from_fn(|k| centres[slope(k)].dot(&tangent) / tread.radius - turns[k].dot(&axle)),
-            side: std::array::from_fn(|k| touches[slope(k)].dot(&left)),
+            rows: directions.map(|direction| std::array::from_fn(|k| slopes[slope(k)].dot(&direction))),
             swivel: swivels.map_or([0.0; 3], |(_, axis, origin)| {
-                let centre = axis.cross(&(tread.frame.centre - origin));
-                let moved = centre + axis.cross(&spoke);
-                [moved.dot(&normal), moved.dot(&left), centre.dot(&tangent) / tread.radius - axis.dot(&axle)]
+                let moved = axis.cross(&(point - origin));
+                directions.map(|direction| moved.dot(&direction))
             }),
             steering: swivels.map(|(joint, _, _)| joint),
             touching,

@@ -1,6 +1,33 @@
 //! Commands and measurements for the traction of many rows, and the places of its results.
 
-use super::traction::Lift;
+/// From when on a wheel is taken to be off the ground: it moves across its link as no slope would push it.
+#[derive(Clone, Copy, Debug)]
+pub struct Lift {
+    /// Steepest slope that wheels climb, against the link, at the commanded speed [rad].
+    pub angle: f64,
+    /// Slowest such motion that counts [m/s].
+    pub speed: f64,
+}
+
+/// Tangent of the default.
+const STEEPEST: f64 = 1.557_407_724_654_902_3;
+
+impl Lift {
+    /// The steepest slope as a ratio.
+    pub(crate) fn slope(self) -> f64 {
+        match self.angle {
+            1.0 => STEEPEST,
+            angle => angle.tan(),
+        }
+    }
+}
+
+impl Default for Lift {
+    /// Slopes of 1 rad, from 1 cm/s on.
+    fn default() -> Self {
+        Self { angle: 1.0, speed: 0.01 }
+    }
+}
 
 /// Commanded turning, one number or one per row.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +59,7 @@ pub struct Driving<'a> {
     pub lift: Lift,
 }
 
-/// Commands of the wheels, row after row: see [`super::Driven`].
+/// Commands of the wheels, row after row.
 #[derive(Debug)]
 pub struct Drives<'a> {
     /// Of the steering joints [rad].

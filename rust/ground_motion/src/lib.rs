@@ -14,23 +14,23 @@
 
 mod contact;
 pub mod driving;
+mod lanes;
 mod motion;
+mod rates;
 mod response;
 mod rows;
 mod slip;
 pub mod spatial;
-mod steer;
-mod traction;
+mod steering;
 mod unmapped;
 
 pub use contact::{COLUMNS, Contacts, Footing, Row, rest_offset};
-pub use driving::{Drives, Driving, Turns};
-pub use motion::{Command, Commanded, Moving, Readings, View, Wanted, inverse};
+pub use driving::{Drives, Driving, Lift, Turns};
+pub use lanes::settled_poses::{SettledPoseInput, SettledPoses};
+pub use motion::{Command, Moving, Readings, View};
 pub use response::Response;
 pub use rows::{
-    Commands, Movings, Prepared, ReadingRows, SettledPoseInput, SettledPoses, Slips, forward_rows, inverse_rows,
-    slip_rows, traction_rows,
+    Commands, Movings, Prepared, ReadingRows, SlipInput, Slips, forward_rows, inverse_rows, slip_rows, traction_rows,
 };
-pub use slip::{Slip, SlipTest, slip};
-pub use traction::{Closure, Driven, Lift, Rates, traction};
+pub use slip::SlipTest;
 pub use unmapped::{Climb, Found, MEMORY, Unmapped};

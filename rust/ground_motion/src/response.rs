@@ -2,8 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::contact::{COLUMNS, Contacts, Row};
-use super::motion::{Readings, SuspensionRates, dot, weights};
+use super::contact::{COLUMNS, Contact, Contacts, Row};
+use super::motion::{Readings, SuspensionJacobian};
+use crate::rates::fit::weights;
 use six_wheel_numerics::jacobi::Jacobi;
 use six_wheel_numerics::least_squares::DEPENDENT;
 use six_wheel_terrain::suspension::MAX_WHEELS;
@@ -33,15 +34,13 @@ struct Rows {
     plan: [Vector3<f64>; 3],
     /// Weight of each row.
     shares: [f64; 3],
-    /// Each in m/s.
-    units: [f64; 3],
     swivel: [f64; 3],
     steering: Option<usize>,
 }
 
 /// The fit with everything that it needs again for every derivative.
 struct Fit {
-    follow: SuspensionRates,
+    suspension: SuspensionJacobian,
     inverse: Matrix3<f64>,
     rows: [Option<Rows>; MAX_WHEELS],
 }
@@ -50,7 +49,7 @@ impl Contacts {
     /// The derivatives of [`Self::forward`] at these readings.
     pub fn response(&self, readings: &Readings<'_>, radii: &[f64; MAX_WHEELS]) -> Response {
         let known = readings.known(self);
-        let fit = self.fit(readings, radii, &known);
+        let fit = self.fit(readings, &known);
         let mut response = Response {
             by_speed: [[0.0; 6]; MAX_WHEELS],
             by_side: [[0.0; 6]; MAX_WHEELS],
@@ -62,14 +61,14 @@ impl Contacts {
         for (wheel, rows) in fit.rows.iter().enumerate() {
             let Some(rows) = rows else { continue };
             let told = |row: usize, by: f64| rows.plan[row] * (rows.shares[row] * by);
-            response.by_speed[wheel] = fit.moved(&none, told(1, rows.units[1]));
+            response.by_speed[wheel] = fit.moved(&none, told(1, radii[wheel]));
             response.by_side[wheel] = fit.moved(&none, told(2, 1.0));
         }
         // Rates that were measured, one at a time.
         let unit = |column: usize| {
             let mut rates = known.map(|rate| if rate.is_nan() { rate } else { 0.0 });
             rates[column] = 1.0;
-            self.follow(&rates, &[0.0; MAX_WHEELS]).offset
+            self.suspension(&rates, &[0.0; MAX_WHEELS]).offset
         };
         for (axis, answer) in response.by_tilting.iter_mut().enumerate() {
             if !known[3 + axis].is_nan() {
@@ -90,14 +89,14 @@ impl Contacts {
                 *swivel = if turned(rows) { 1.0 } else { 0.0 };
             }
             if swivels.contains(&1.0) {
-                *answer = fit.answer(&self.follow(&still, &swivels).offset, Some(joint));
+                *answer = fit.answer(&self.suspension(&still, &swivels).offset, Some(joint));
             }
         }
         response
     }
 
-    fn fit(&self, readings: &Readings<'_>, radii: &[f64; MAX_WHEELS], known: &Row) -> Fit {
-        let follow = self.follow(known, &[0.0; MAX_WHEELS]);
+    fn fit(&self, readings: &Readings<'_>, known: &Row) -> Fit {
+        let suspension = self.suspension(known, &[0.0; MAX_WHEELS]);
         let mut rows = [None; MAX_WHEELS];
         let mut normal = Matrix3::zeros();
         for (wheel, contact) in self.touching() {
@@ -105,27 +104,24 @@ impl Contacts {
             if readings.speeds[wheel].is_nan() {
                 roll = 0.0;
             }
-            let directions = [contact.normal, contact.rolling, contact.side];
-            let units = [1.0, radii[wheel], 1.0];
             let shares = [roll.max(side), roll, side];
-            let plan: [Vector3<f64>; 3] =
-                std::array::from_fn(|i| Vector3::from(follow.plan(&directions[i])) * units[i]);
+            let plan = contact.rows.map(|row| suspension.planar_row(&row));
             for (row, share) in plan.iter().zip(shares) {
                 normal += row * row.transpose() * share;
             }
-            let [lift, aside, rolled] = contact.swivel;
-            rows[wheel] = Some(Rows {
-                directions,
-                plan,
-                shares,
-                units,
-                swivel: [lift, rolled, aside],
-                steering: contact.steering,
-            });
+            let Contact { rows: directions, swivel, steering, .. } = *contact;
+            rows[wheel] = Some(Rows { directions, plan, shares, swivel, steering });
         }
         let values = Jacobi::new(&normal);
         let bound = DEPENDENT * DEPENDENT * values.values[0];
-        Fit { follow, inverse: values.inverse(bound), rows }
+        Fit { suspension, inverse: values.inverse(bound), rows }
+    }
+}
+
+impl SuspensionJacobian {
+    /// Derivatives of a velocity by the planar motion.
+    fn planar_row(&self, direction: &Row) -> Vector3<f64> {
+        Vector3::from_fn(|k, _| (0..COLUMNS).map(|c| direction[c] * self.spread[c][k]).sum())
     }
 }
 
@@ -133,7 +129,7 @@ impl Fit {
     /// The twist for rates beside those in plan, and what the rows then ask for in plan.
     fn moved(&self, beside: &Row, asked: Vector3<f64>) -> Answer {
         let plan = self.inverse * asked;
-        std::array::from_fn(|c| beside[c] + Vector3::from(self.follow.spread[c]).dot(&plan))
+        std::array::from_fn(|c| beside[c] + Vector3::from(self.suspension.spread[c]).dot(&plan))
     }
 
     /// The same where the rates beside it, and the turning of a steering joint, move the contacts.
@@ -143,7 +139,8 @@ impl Fit {
             let swivels = swivelled.is_some() && rows.steering == swivelled;
             for i in 0..3 {
                 let swivel = if swivels { rows.swivel[i] } else { 0.0 };
-                let moved = rows.units[i] * (dot(&rows.directions[i], beside) + swivel);
+                let parts = rows.directions[i].iter().zip(beside).map(|(part, rate)| part * rate);
+                let moved = parts.sum::<f64>() + swivel;
                 asked -= rows.plan[i] * (rows.shares[i] * moved);
             }
         }

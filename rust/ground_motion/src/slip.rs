@@ -1,54 +1,8 @@
-//! Slip of wheels, and slip of the whole rover.
+//! Slip of the whole rover.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector};
 
-use super::contact::{Contacts, Footing, Row, Tread, carried, in_body};
-use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::error::{Error, number};
-use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
-
-/// Slip of a wheel.
-#[derive(Clone, Copy, Debug)]
-pub struct Slip {
-    /// `1 - v . T / (r q)`: 0 rolling, 1 turning on the spot, negative braking; NaN where the wheel does not turn.
-    pub ratio: f64,
-    /// Of the touching point's way against the wheel's heading, positive to the left [rad].
-    pub angle: f64,
-}
-
-/// The slip of every wheel at a known motion; NaN in the air.
-pub fn slip(chain: &Chain, footing: &Footing<'_>, rates: &Row, speeds: &[f64]) -> [Slip; MAX_WHEELS] {
-    let mut slips = [Slip { ratio: f64::NAN, angle: f64::NAN }; MAX_WHEELS];
-    let placed = in_body(chain, footing.joints, footing.steering);
-    let contacts = Contacts::new(chain, footing, None);
-    let (Some(placed), Some(contacts)) = (placed, contacts) else {
-        return slips;
-    };
-    let body_from_world = footing.rotation().inverse();
-    for (wheel, mount) in chain.wheels().iter().enumerate() {
-        if !footing.touching[wheel] {
-            continue;
-        }
-        let frame = placed.wheel(wheel);
-        let tread = Tread {
-            frame,
-            normal: body_from_world * Vector3::from(footing.normals[wheel]),
-            radius: mount.radius,
-            at: Direction::from(footing.angles[wheel]),
-        };
-        let (velocity, turn) = carried(&placed, wheel, rates);
-        let ahead = velocity.dot(&tread.tangent());
-        let side = contacts.wheels[wheel].side;
-        let aside: f64 = side.iter().zip(rates).map(|(a, b)| a * b).sum();
-        // The rim turns with the encoder and with the link.
-        let rim = mount.radius * (speeds[wheel] + turn.dot(&frame.axle));
-        slips[wheel] = Slip {
-            ratio: if rim == 0.0 { f64::NAN } else { 1.0 - ahead / rim },
-            angle: if ahead < 0.0 { (-aside).atan2(-ahead) } else { aside.atan2(ahead) },
-        };
-    }
-    slips
-}
 
 /// Largest length of a motion.
 pub const LARGEST: usize = 6;

@@ -7,7 +7,7 @@
 
 use nalgebra::Vector3;
 
-use super::contact::{COLUMNS, Contact, Contacts, Row, Side, Tread, carried, in_body, slope};
+use super::contact::{COLUMNS, Contact, ContactPlane, Contacts, Row, carried, in_body, slope};
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, Placed};
 
@@ -87,17 +87,17 @@ impl<'a> Unmapped<'a> {
         };
         for (wheel, mount) in chain.wheels().iter().enumerate() {
             let frame = self.placed.wheel(wheel);
-            let mut tread = Tread::on_plane(frame, self.normal, mount.radius, Side::Near);
+            let mut plane = ContactPlane::new(frame, self.normal, mount.radius);
             let slope = &mut found.slopes[wheel];
             if let Some(motion) = climb.motion {
                 let (way, turn) = carried(&self.placed, wheel, motion);
-                let rolled = mount.radius * (climb.turned[wheel] + turn.dot(&tread.frame.axle));
-                *slope = tread.slope(way, rolled, *slope, climb.doubt);
+                let rolled = mount.radius * (climb.turned[wheel] + turn.dot(&plane.frame.axle));
+                *slope = plane.slope(way, rolled, *slope, climb.doubt);
             }
-            tread.climb(*slope);
-            found.at[wheel] = tread.at;
-            let mut contact = Contact::new(&self.placed, wheel, &tread, true);
-            contact.normal = self.together;
+            plane.climb(*slope);
+            found.at[wheel] = plane.at;
+            let mut contact = Contact::new(&self.placed, wheel, &plane, true);
+            contact.rows[0] = self.together;
             contact.swivel[0] = 0.0;
             found.contacts.wheels[wheel] = contact;
         }
@@ -115,22 +115,22 @@ impl Contacts {
         let count = wheels.iter().filter(|contact| alike(contact)).count() as f64;
         let mut mean = [0.0; COLUMNS];
         for contact in wheels.iter().filter(|contact| alike(contact)) {
-            for (sum, part) in mean.iter_mut().zip(contact.side) {
+            for (sum, part) in mean.iter_mut().zip(contact.rows[2]) {
                 *sum += part / count;
             }
         }
         for contact in self.wheels[..self.count].iter_mut().filter(|one| alike(one)) {
-            contact.side = mean;
+            contact.rows[2] = mean;
         }
         self
     }
 }
 
-impl Tread {
+impl ContactPlane {
     /// Climb of the centre against the plane, averaged over the distance that is remembered: its way across over the
     /// way along the rim, which errs least.
     fn slope(&self, way: Vector3<f64>, rolled: f64, before: f64, doubt: f64) -> f64 {
-        let up = -self.spoke() / self.radius;
+        let up = -self.centre_to_contact() / self.radius;
         let rolled = match rolled.is_nan() {
             true => way.dot(&self.tangent()),
             false => rolled,
@@ -149,13 +149,13 @@ impl Tread {
 
     /// Turns the contact up a slope, which is a sine.
     fn climb(&mut self, slope: f64) {
-        let up = -self.spoke() / self.radius;
+        let up = -self.centre_to_contact() / self.radius;
         let (Direction { sin, cos }, level) = (self.at, (1.0 - slope * slope).sqrt());
         self.at = Direction { sin: sin * level + cos * slope, cos: cos * level - sin * slope };
         // The ground tilts with it about the axle, and keeps its slope along that.
         let share = self.normal.dot(&up);
         self.normal -= up * share;
-        self.normal -= self.spoke() * (share / self.radius);
+        self.normal -= self.centre_to_contact() * (share / self.radius);
     }
 }
 
@@ -171,8 +171,8 @@ fn plane(chain: &Chain, placed: &Placed<'_>) -> Option<Vector3<f64>> {
         let normal = Vector3::new(-slopes[0], -slopes[1], 1.0).normalize();
         for (wheel, point) in points[..count].iter_mut().enumerate() {
             let frame = placed.wheel(wheel);
-            let tread = Tread::on_plane(frame, normal, chain.wheels()[wheel].radius, Side::Near);
-            *point = frame.centre + tread.spoke();
+            let plane = ContactPlane::new(frame, normal, chain.wheels()[wheel].radius);
+            *point = frame.centre + plane.centre_to_contact();
         }
         let next = through(&points[..count])?;
         let change = (next[0] - slopes[0]).abs().max((next[1] - slopes[1]).abs());

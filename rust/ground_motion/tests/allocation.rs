@@ -180,7 +180,7 @@ fn rows_of_motion_on_the_ground_take_no_memory() -> Result<(), Error> {
                 weights: None,
             };
             let movings = Movings { twists: &mut twists, joint_rates: &mut joint_rates, residuals: &mut residuals };
-            forward_rows(&chain, &prepared, &footings, &readings, movings, workers);
+            forward_rows(&chain, &prepared, &footings, &readings, movings, workers)
         });
         let driven = taken(|| {
             let driving = Driving {

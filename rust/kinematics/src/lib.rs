@@ -9,11 +9,11 @@
 //! the velocity of the body frame in body axes. Nothing here divides by a turning radius, so driving
 //! straight, on the spot and sideways are ordinary values of the same expressions.
 //!
-//! Modules, from below: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`steering`] (the angle
-//! that a wheel takes), [`rover_data`] (a checked list of wheels), [`admissible`] (limits, projection), [`estimate`]
-//! (forward, fit, derivatives), [`kernels`], [`pose_logs`] and [`one_row`] (the same in registers), [`rover`] (the data
-//! with the constants of its kernels), [`layouts`] and [`presets`] (named vehicles), [`mobility`] (rank of the
-//! constraints), [`units`] (numbers that cannot be metres and radians), [`batch`] (whole arrays).
+//! Modules, from below: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`steering`] (the range of
+//! a steering angle), [`rover_data`] (a checked list of wheels), [`kernels`] (the formulas, one body for every level),
+//! [`pose_logs`] (poses along logs), [`admissible`] (limits, faces of the admissible set), [`estimate`] (forward, fit,
+//! derivatives), [`rover`] (the data with the constants of its kernels), [`layouts`] and [`presets`] (named vehicles),
+//! [`mobility`] (rank of the constraints), [`units`] (numbers that cannot be metres and radians), [`batch`] (whole arrays).
 
 pub mod accumulate;
 pub mod admissible;
@@ -32,6 +32,7 @@ pub mod rover_data;
 pub mod steering;
 pub mod table;
 pub mod units;
+pub mod wheel_lanes;
 pub mod wheels;
 
 pub use admissible::Keep;

@@ -8,12 +8,15 @@ use crate::admissible::faces::Faces;
 use crate::estimate::gradients::Gradients;
 use crate::estimate::sensitivity::Quantity;
 use crate::geometry::Twist;
-use crate::kernels::cone::Cone;
-use crate::one_row::{forward, inverse};
+use crate::kernels::cone::AdmissibleCone;
+use crate::kernels::inverse::constants::InverseConstants;
+use crate::kernels::projection::Projection;
+use crate::one_row::forward;
 pub use crate::rover_data::{Bank, Inputs, MAX_WHEELS, Mount, RoverData};
 use crate::units;
 use crate::wheels::Wheel;
 use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
 
 /// A wheeled vehicle: its wheels, and what follows from them once and for all.
 ///
@@ -24,13 +27,14 @@ pub struct Rover {
     data: RoverData,
     /// An angle up to here is no question of units, whichever wheel's it is [rad].
     plain_angle: f64,
-    /// Constants of the kernels that answer one call, where there are such kernels.
-    pub(crate) inverse_constants: Option<inverse::InverseConstants>,
+    /// Constants of the inverse kinematics.
+    pub inverse_constants: InverseConstants,
+    /// Constants of the kernel of one call, where there is one.
     pub(crate) forward_constants: Option<forward::ForwardConstants>,
     min_radius: f64,
     spin_radius: f64,
-    /// The admissible twists as registers judge them, where they do.
-    pub cone: Option<Cone>,
+    /// The admissible twists.
+    pub cone: AdmissibleCone,
     /// Made when they are first asked for: many rovers are never asked to project.
     faces: OnceLock<Faces>,
     /// Likewise, for derivatives of the twist.
@@ -57,23 +61,19 @@ impl Rover {
     pub fn new(wheels: Vec<Wheel>) -> Result<Self, Error> {
         let mut data = RoverData::new(wheels)?;
         data.solution = data.constant_solution();
-        let (min_radius, spin_radius) = data.turning_limits();
+        let cone = AdmissibleCone::new(&data);
+        let (min_radius, spin_radius) = data.turning_limits(&cone);
         Ok(Self {
             plain_angle: units::plain_angle(&data),
-            inverse_constants: inverse::InverseConstants::new(&data),
+            inverse_constants: InverseConstants::new(&data),
             forward_constants: forward::ForwardConstants::new(&data),
             min_radius,
             spin_radius,
-            cone: Cone::new(&data),
+            cone,
             faces: OnceLock::new(),
             gradients: Default::default(),
             data,
         })
-    }
-
-    /// The admissible twists as registers judge them, where these say it all.
-    pub(crate) fn whole_cone(&self) -> Option<&Cone> {
-        self.cone.as_ref().filter(|cone| cone.is_whole)
     }
 
     /// True if no angle raises a question of units ([`units::angles`]): a comparison each.
@@ -88,7 +88,7 @@ impl Rover {
 
     /// The faces of the admissible set.
     pub(crate) fn faces(&self) -> &Faces {
-        self.faces.get_or_init(|| Faces::new(&self.data))
+        self.faces.get_or_init(|| Faces::new(&self.data, &self.cone))
     }
 
     /// Every turning radius of at least this size is possible [m]; 0 if all are, infinite if none is.
@@ -106,7 +106,8 @@ impl Rover {
 
     /// The wheel equation solved for the wheels: steering angles [rad] and wheel speeds [rad/s].
     ///
-    /// Nothing is written unless [`RoverData::check`] passes.
+    /// Nothing is written unless [`Self::check`] passes.
+    #[inline]
     pub fn inverse(
         &self,
         twist: Twist,
@@ -114,15 +115,66 @@ impl Rover {
         steering: &mut [f64],
         speeds: &mut [f64],
     ) -> Result<(), Error> {
+        if self.solve_row(self.inverse_constants.level, twist, inputs, [&mut *steering, &mut *speeds], true) {
+            return Ok(());
+        }
         inputs.check()?;
         self.check(twist, inputs.steering_rates)?;
         self.solve(twist, inputs, steering, speeds);
         Ok(())
     }
 
+    /// The inverse kinematics of a twist that need not be possible: a steered wheel goes as near as its range lets it.
+    #[inline]
+    pub fn solve(&self, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
+        self.solve_row(self.inverse_constants.level, twist, inputs, [steering, speeds], false);
+    }
+
+    /// [`Self::solve`] at a level; if the twist is to be checked, false and nothing written unless it is well inside the
+    /// admissible ones.
+    #[inline]
+    pub(crate) fn solve_row(
+        &self,
+        level: Level,
+        twist: Twist,
+        inputs: Inputs<'_>,
+        targets: [&mut [f64]; 2],
+        is_checked: bool,
+    ) -> bool {
+        let cone = is_checked.then_some(&self.cone);
+        self.inverse_constants.solve_row(level, twist.into(), inputs, targets, cone)
+    }
+
+    /// Fails unless the rover can make the twist: finite, without side slip, inside the steering ranges.
+    #[inline]
+    pub fn check(&self, twist: Twist, steering_rates: Option<&[f64]>) -> Result<(), Error> {
+        self.cone.check(&self.data, twist, steering_rates)
+    }
+
+    /// Fails unless the twist and every wheel speed are finite.
+    #[inline]
+    pub fn check_speeds(&self, twist: Twist) -> Result<(), Error> {
+        self.cone.check_speeds(twist)
+    }
+
+    /// True if the rover can make a twist. Fails if it is not finite.
+    #[inline]
+    pub fn admissible(&self, twist: Twist) -> Result<bool, Error> {
+        self.cone.admissible(twist)
+    }
+
     /// The nearest twist the rover can make, preserving what `keep` says; an admissible one is unchanged.
     #[inline]
     pub fn project(&self, twist: Twist, keep: Keep) -> Result<Twist, Error> {
-        self.project_by(|| self.faces(), twist, keep)
+        // The faces are not made for what lies inside them.
+        if self.faces.get().is_none() && self.admissible(twist).unwrap_or(false) {
+            return Ok(twist);
+        }
+        self.projection(keep).of(twist)
+    }
+
+    /// Constants of projections that preserve what `keep` says.
+    pub(crate) fn projection(&self, keep: Keep) -> Projection<'_> {
+        Projection { cone: &self.cone, faces: self.faces(), keep, size: self.size }
     }
 }

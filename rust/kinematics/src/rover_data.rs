@@ -2,8 +2,7 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use crate::geometry::Twist;
-use crate::steering::{Choice, SteeringRange, Way};
+use crate::steering::SteeringRange;
 use crate::wheels::{Direction, Pivot, Rows, Wheel};
 use six_wheel_numerics::error::{Error, finite};
 
@@ -118,50 +117,6 @@ impl RoverData {
     pub fn banks(&self) -> &[Bank] {
         &self.banks
     }
-
-    /// The inverse kinematics of a twist that has been checked.
-    pub fn solve(&self, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
-        let vector = Vector3::from(twist);
-        let mut undecided = DirectionTie::default();
-        let mut joint = 0;
-        let wheels = self.wheels.iter().zip(&self.mounts);
-        for (i, ((wheel, mount), speed)) in wheels.zip(speeds.iter_mut()).enumerate() {
-            let rim_speed = match *mount {
-                Mount::Fixed(rows) => rows.rolling.dot(&vector),
-                Mount::Castor(heading) => wheel.castor(heading, twist).rim_speed,
-                Mount::Steered(range, heading) => {
-                    let (previous, rate) = inputs.of_joint(joint);
-                    let choice = wheel.choice(range, heading, twist, rate, previous);
-                    let way = choice.nearest();
-                    undecided.note(&choice, way, inputs.of_wheel(i));
-                    let command = choice.command(way);
-                    steering[joint] = command.angle;
-                    joint += 1;
-                    command.rim_speed
-                }
-            };
-            *speed = rim_speed / wheel.radius;
-        }
-        if let Some(way) = undecided.common_way() {
-            self.agree(twist, inputs, way, steering, speeds);
-        }
-    }
-
-    /// Has every undecided wheel go the same way.
-    fn agree(&self, twist: Twist, inputs: Inputs<'_>, way: Way, steering: &mut [f64], speeds: &mut [f64]) {
-        for (joint, &i) in self.steered.iter().enumerate() {
-            let Mount::Steered(range, heading) = self.mounts[i] else {
-                continue;
-            };
-            let (previous, rate) = inputs.of_joint(joint);
-            let choice = self.wheels[i].choice(range, heading, twist, rate, previous);
-            if choice.undecided().is_some() {
-                let command = choice.command(way);
-                steering[joint] = command.angle;
-                speeds[i] = command.rim_speed / self.wheels[i].radius;
-            }
-        }
-    }
 }
 
 /// Optional inputs of the inverse beside the twist, one value per steered wheel or per wheel.
@@ -183,49 +138,6 @@ impl Inputs<'_> {
         finite("previous", self.previous.unwrap_or_default())?;
         finite("previous_speeds", self.previous_speeds.unwrap_or_default())?;
         finite("steering_rates", self.steering_rates.unwrap_or_default())
-    }
-
-    /// Previous angle and rate of a steering joint.
-    fn of_joint(&self, joint: usize) -> (f64, f64) {
-        let at = |values: Option<&[f64]>| values.map_or(0.0, |values| values[joint]);
-        (at(self.previous), at(self.steering_rates))
-    }
-
-    /// Previous speed of a wheel.
-    fn of_wheel(&self, i: usize) -> f64 {
-        self.previous_speeds.map_or(0.0, |speeds| speeds[i])
-    }
-}
-
-/// The wheels for which rolling forwards and backwards are about equally near.
-#[derive(Clone, Copy, Debug, Default)]
-struct DirectionTie {
-    /// Numbers of them that would go forwards and backwards on their own.
-    votes: [usize; 2],
-    /// Total by which the way backwards is shorter for all of them together [rad].
-    lead: f64,
-    /// Sum of their present speeds, whose sign is the way they roll already [rad/s].
-    rolling: f64,
-}
-
-impl DirectionTie {
-    fn note(&mut self, choice: &Choice, way: Way, speed: f64) {
-        if let Some(lead) = choice.undecided() {
-            self.votes[way as usize] += 1;
-            self.lead += lead;
-            self.rolling += speed;
-        }
-    }
-
-    /// The way for all of them, unless they agree on their own: as they roll already, otherwise the way
-    /// that is shorter for all together.
-    fn common_way(&self) -> Option<Way> {
-        let [forwards, backwards] = self.votes;
-        if forwards + backwards == 0 || (self.rolling == 0.0 && forwards * backwards == 0) {
-            return None;
-        }
-        let backwards = if self.rolling == 0.0 { self.lead > 0.0 } else { self.rolling < 0.0 };
-        Some(if backwards { Way::Backwards } else { Way::Forwards })
     }
 }
 

@@ -11,12 +11,10 @@
 //!
 //! (R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.)
 
-use std::f64::consts::PI;
-
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
 use crate::geometry::Twist;
-use crate::steering::{Choice, SteeringRange, Way, WheelCommand};
+use crate::steering::SteeringRange;
 use six_wheel_numerics::error::{Error, HUGE, TINY, finite, number, positive};
 
 /// Heading of a wheel beyond which its sum with a steering angle is no longer one to rounding [rad].
@@ -217,90 +215,10 @@ impl Wheel {
         }
     }
 
-    /// The wheel equation solved for angle and rim speed of a wheel that turns about its pivot, forwards
-    /// and backwards.
-    ///
-    /// A pivot at rest holds `previous`. Where the range does not allow the motion its nearest end is
-    /// returned: whether the motion is possible is for [`Self::side_slip`] to say.
-    pub(crate) fn choice(
-        &self,
-        range: SteeringRange,
-        heading: Direction,
-        twist: Twist,
-        steering_rate: f64,
-        previous: f64,
-    ) -> Choice {
-        let previous = range.clip(previous);
-        let turning = twist.omega + steering_rate;
-        let command = |angle: f64, along: f64| WheelCommand { angle, rim_speed: along - self.scrub * turning };
-        let Some(u) = self.pivot_velocity(heading, twist) else {
-            return Choice::stay(command(previous, 0.0));
-        };
-        // Work in the half plane where the pivot moves forwards: the small angles lose no digits.
-        let sign = if u.x < 0.0 { -1.0 } else { 1.0 };
-        let half = (sign * u.y).atan2(sign * u.x);
-        let speed = u.x.hypot(u.y);
-        // n . u = trail (omega + steering_rate) has two solutions, half a turn apart without trail.
-        let across = self.trail * turning;
-        let along =
-            if across == 0.0 { speed } else { (speed - across).max(0.0).sqrt() * (speed + across).max(0.0).sqrt() };
-        let lean = (sign * across).atan2(along);
-        let near = command(half - lean, sign * along);
-        let far = command(half + lean + PI, -sign * along);
-        let ways = if sign > 0.0 { [near, far] } else { [far, near] };
-        Choice::new(range, previous, ways)
-    }
-
-    /// Motion of a castor that has swung in behind its pivot.
-    #[inline]
-    pub fn castor(&self, heading: Direction, twist: Twist) -> WheelCommand {
-        let choice = self.choice(SteeringRange::WHOLE_TURN, heading, twist, 0.0, 0.0);
-        // The contact ends up behind the pivot, whichever way the heading counts.
-        choice.command(if self.trail < 0.0 { Way::Backwards } else { Way::Forwards })
-    }
-
     /// Speed at which the contact slides sideways at this angle [m/s].
     #[inline]
     pub fn side_slip(&self, angle: f64, twist: Twist, steering_rate: f64) -> f64 {
         let rows = self.rows(Direction::from(self.heading + angle));
         rows.side_slip.dot(&Vector3::from(twist)) - self.trail * steering_rate
-    }
-
-    /// Velocity of the pivot in the axes of steering angle 0, or nothing where it rests.
-    fn pivot_velocity(&self, heading: Direction, twist: Twist) -> Option<Vector2<f64>> {
-        let Direction { sin, cos } = heading;
-        let u = twist.at(self.x, self.y);
-        let summed = twist.vx.abs() + twist.vy.abs() + twist.omega.abs() * (self.x.abs() + self.y.abs());
-        (u.amax() > REST * summed).then(|| Vector2::new(cos * u.x + sin * u.y, cos * u.y - sin * u.x))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_pivot_rests_up_to_rounding_and_no_further() {
-        let wheel = Wheel::new("w", 0.3, 0.4, 0.1).steered(SteeringRange::default());
-        let forward = Direction::from(0.0);
-        let about = |shift: f64| Twist { vx: 0.4, vy: -0.3 + shift, omega: 1.0 };
-        let summed = 0.4 + 0.3 + 0.7;
-        for (shift, rests) in [(0.0, true), (2.0 * f64::EPSILON * summed, true), (1e-14, false)] {
-            assert_eq!(wheel.pivot_velocity(forward, about(shift)).is_none(), rests, "{shift}");
-        }
-    }
-
-    #[test]
-    fn an_angle_past_the_range_by_rounding_is_clipped() {
-        let range = SteeringRange { lower: -0.5, upper: 0.5 };
-        let wheel = Wheel::new("w", 0.0, 0.0, 0.1).steered(range);
-        let forward = Direction::from(0.0);
-        for (angle, expected) in [(0.5 + 1e-10, 0.5), (0.5 - 1e-10, 0.5 - 1e-10), (-0.7, -0.5)] {
-            let (vy, vx) = f64::sin_cos(angle);
-            let twist = Twist { vx, vy, omega: 0.0 };
-            let choice = wheel.choice(range, forward, twist, 0.0, 0.0);
-            let command = choice.command(choice.nearest());
-            assert!((command.angle - expected).abs() < 1e-15, "{angle}: {command:?}");
-        }
     }
 }

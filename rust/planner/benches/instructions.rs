@@ -203,7 +203,7 @@ fn main() -> Result<(), Error> {
     inverse_one(&drive)?;
     forward_one(&drive)?;
     admissible_one(&drive)?;
-    drive.rover.project(TWIST, Keep::Nearest)?; // makes the faces
+    drive.rover.project(Twist { vy: 0.2, ..TWIST }, Keep::Nearest)?; // makes the faces
     project_one(&drive)?;
     odometry_update(&drive, &mut Odometry::new(drive.rover.clone(), Settings::default())?)?;
     let limits = Limits { speed: 1.0, acceleration: 0.5, ..Limits::NONE };

@@ -146,7 +146,7 @@ impl Weights {
 }
 
 /// Terms of the costs of a cycle, positions counted from its start.
-pub(crate) struct Judge<'a, R> {
+pub(crate) struct CostTerms<'a, R> {
     pub map: Option<&'a Costmap>,
     /// Points of the rover where the map is read, in the components' axes [m].
     pub points: &'a [[f64; 2]],
@@ -161,7 +161,7 @@ pub(crate) struct Judge<'a, R> {
     pub dt: f64,
 }
 
-impl<R: Float> Judge<'_, R> {
+impl<R: Float> CostTerms<'_, R> {
     /// Adds to the costs of some rollouts of a block what their way costs.
     #[inline(always)]
     pub fn add<S: Vector>(&self, simd: S, track: &[R], costs: &mut [R], rollouts: Range<usize>) {
@@ -219,7 +219,7 @@ impl<R: Float> Judge<'_, R> {
             hit = hit | !worst_of_all.below(lethal);
             sum = worst_of_all.mul_add(weight, sum);
         }
-        hit.select(sum + number(self.weights.collision), sum)
+        hit.select(sum + self.weights.collision, sum)
     }
 
     /// The map's cost at a place, linear between cells along each axis.

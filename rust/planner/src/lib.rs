@@ -1,18 +1,18 @@
-//! A sampling planner's whole cycle: noise, wishes, rollouts within a rover's limits, costs, weights, new mean.
+//! A sampling planner's whole cycle: noise, controls, rollouts within a rover's limits, costs, weights, new mean.
 //!
-//! From a rover and its limits follow a few numbers ([`facts`]); with them rollouts are driven ([`drive`]) and judged
-//! ([`cost`]), a block at a time, by the same operations in the same order whatever the level, the number of
-//! threads and the place in the batch ([`engine`]). All state of a planner is in
-//! [`State`]. A cycle ([`mppi`]) begins in [`prepare`] and ends in [`conclude`].
+//! A rover and its limits are a few half-spaces and quadratic forms (`motion/limits`). By them rollouts are driven
+//! (`motion/drive`) and their costs added up (`cost`), a block at a time, by the same operations in the same order whatever
+//! the level, the number of threads and the position in the batch (`kernels`, `engine`). All state of a planner is in
+//! [`State`]. A cycle (`mppi`) begins in `prepare` and ends in `update_mean`.
 //!
 //! Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018; E. Trevisan &
 //! J. Alonso-Mora, Biased-MPPI, IEEE RA-L 9(6), 2024, for samples that are no noise.
 
-mod conclude;
 mod cost;
 mod costmap;
 mod cycle;
 mod engine;
+mod kernels;
 mod motion;
 mod mppi;
 mod numbers;
@@ -21,6 +21,7 @@ mod prepare;
 mod rollout;
 mod rollout_cost;
 mod smooth;
+mod update_mean;
 
 pub use cost::Weights;
 pub use costmap::Costmap;

@@ -2,7 +2,8 @@
 
 use super::cost::Path;
 use super::cycle::{Outcome, Situation, State};
-use super::engine::{Engine, Machine, RolloutInput, Settings};
+use super::engine::{MppiConstants, RolloutEngine, SampledRollouts};
+use super::kernels::RolloutInput;
 use super::options::{Options, Precision, not_negative};
 use super::smooth::smooth;
 use crate::motion::limits::RoverLimits;
@@ -15,15 +16,15 @@ use six_wheel_numerics::threads::workers::Workers;
 /// A sampling planner of one rover.
 pub struct Mppi {
     pub(crate) rover: Rover,
-    pub(crate) facts: RoverLimits,
+    pub(crate) bounds: RoverLimits,
     pub(crate) options: Options,
-    pub(crate) settings: Settings,
+    pub(crate) constants: MppiConstants,
     pub(crate) noise: [f64; 3],
     pub(crate) state: State,
-    pub(crate) engine: Box<dyn Engine>,
+    pub(crate) engine: Box<dyn RolloutEngine>,
     pub(crate) path: Path,
     pub(crate) corners: Vec<[f64; 2]>,
-    pub(crate) job: RolloutInput,
+    pub(crate) input: RolloutInput,
     pub(crate) situation: ([f64; 3], Vec<f64>),
     /// Cycles that were begun.
     pub(crate) rolls: u64,
@@ -38,34 +39,34 @@ impl Mppi {
     /// A planner at the beginning. Fails if an option makes no sense.
     pub fn new(rover: &Rover, limits: Limits, options: Options) -> Result<Self, Error> {
         options.check()?;
-        let facts = RoverLimits::new(rover, limits)?;
+        let bounds = RoverLimits::new(rover, limits)?;
         let half = |limit: f64, usual: f64| {
             if limit.is_finite() { limit / 2.0 } else { usual }
         };
         let speed = half(limits.speed, 0.4);
         let noise = options.noise.unwrap_or([speed, speed, half(limits.yaw_rate, 0.5)]);
-        let (sin, cos) = facts.heading.sin_cos();
+        let (sin, cos) = bounds.heading.sin_cos();
         // In the components' axes.
         let points = options.footprint.iter().map(|[x, y]| [cos * x + sin * y, cos * y - sin * x]).collect();
-        let settings = Settings { steps: options.horizon, dt: options.dt, weights: options.weights, points };
+        let constants = MppiConstants { steps: options.horizon, dt: options.dt, weights: options.weights, points };
         let samples = options.samples;
-        let engine: Box<dyn Engine> = match (options.precision, facts.free) {
-            (Precision::Double, 2) => Box::new(Machine::<f64, 2>::new(&facts, &settings, samples)),
-            (Precision::Double, _) => Box::new(Machine::<f64, 3>::new(&facts, &settings, samples)),
-            (Precision::Single, 2) => Box::new(Machine::<f32, 2>::new(&facts, &settings, samples)),
-            (Precision::Single, _) => Box::new(Machine::<f32, 3>::new(&facts, &settings, samples)),
+        let engine: Box<dyn RolloutEngine> = match (options.precision, bounds.free) {
+            (Precision::Double, 2) => Box::new(SampledRollouts::<f64, 2>::new(&bounds, &constants, samples)),
+            (Precision::Double, _) => Box::new(SampledRollouts::<f64, 3>::new(&bounds, &constants, samples)),
+            (Precision::Single, 2) => Box::new(SampledRollouts::<f32, 2>::new(&bounds, &constants, samples)),
+            (Precision::Single, _) => Box::new(SampledRollouts::<f32, 3>::new(&bounds, &constants, samples)),
         };
-        let count = options.horizon * facts.free;
+        let count = options.horizon * bounds.free;
         let mut planner = Self {
             rover: rover.clone(),
             state: State { controls: Vec::new(), cycle: 0, steering: Vec::new(), progress: 0.0 },
-            facts,
-            settings,
+            bounds,
+            constants,
             noise,
             engine,
             path: Path::default(),
             corners: Vec::new(),
-            job: RolloutInput::default(),
+            input: RolloutInput::default(),
             situation: Default::default(),
             rolls: 0,
             costs: Vec::new(),
@@ -84,7 +85,7 @@ impl Mppi {
         self.state = State {
             controls: vec![[0.0; 3]; self.options.horizon],
             cycle: 0,
-            steering: self.facts.joints.iter().map(|joint| joint.straight()).collect(),
+            steering: self.bounds.joints.iter().map(|joint| joint.straight()).collect(),
             progress: 0.0,
         };
         self.state.steering.resize(self.rover.steered().len(), 0.0);
@@ -119,7 +120,7 @@ impl Mppi {
 
     /// Limits of the planned motions.
     pub fn limits(&self) -> &Limits {
-        &self.facts.limits
+        &self.bounds.limits
     }
 
     /// Rover that is planned for.
@@ -158,7 +159,7 @@ impl Mppi {
         }
         // All motions would cost the same: the mean of the noise is no plan. Who cannot move stays wherever that is.
         let aimless = situation.path.is_none() && situation.goal.is_none() && !situation.record;
-        if aimless && self.facts.stuck.is_none() {
+        if aimless && self.bounds.stuck.is_none() {
             let rule = "be given, or a path or an extra_cost: without one there is nowhere to go";
             return Err(Error::value("goal", rule, "none".to_owned()));
         }
@@ -167,12 +168,12 @@ impl Mppi {
         self.situation.0 = situation.pose;
         self.situation.1.clear();
         self.situation.1.extend_from_slice(steering);
-        if self.facts.stuck.is_some() {
+        if self.bounds.stuck.is_some() {
             return Ok(());
         }
         self.follow(situation.path, situation.pose);
         self.prepare(&situation);
-        self.engine.roll(&self.job, situation.costmap, &self.path, &self.settings, workers)?;
+        self.engine.sample_rollouts(&self.input, situation.costmap, &self.path, &self.constants, workers)?;
         self.engine.costs(&mut self.costs);
         Ok(())
     }
@@ -191,8 +192,8 @@ impl Mppi {
                 return Err(Error::value("extra_cost", rule, number(extra[worst])).at_row(worst));
             }
         }
-        if let Some(stuck) = self.facts.stuck {
-            self.stay(stuck);
+        if let Some(stuck) = self.bounds.stuck {
+            self.hold_position(stuck);
             return Ok(&self.outcome);
         }
         for (cost, extra) in self.costs.iter_mut().zip(extra.unwrap_or_default()) {
@@ -204,7 +205,7 @@ impl Mppi {
             let rule = "leave one rollout possible";
             return Err(Error::value("extra_cost", rule, "infinity for all".to_owned()));
         }
-        // Weights take the place of costs in the room of the mean's shares.
+        // The memory of the motions holds the weights until the mean is known.
         let mut weights = std::mem::take(&mut self.motions);
         weights.clear();
         weights.extend(self.costs.iter().map(|cost| ((least - cost) / self.options.temperature).exp()));
@@ -212,17 +213,17 @@ impl Mppi {
         let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
         weights.iter_mut().for_each(|weight| *weight /= sum);
         weights.resize(samples.div_ceil(BLOCK) * BLOCK, 0.0);
-        let done = self.engine.mean(&weights, &self.settings, workers, &mut self.mean);
+        let done = self.engine.mean(&weights, workers, &mut self.mean);
         self.motions = weights;
-        self.motions.resize(self.options.horizon * self.facts.free, 0.0);
+        self.motions.resize(self.options.horizon * self.bounds.free, 0.0);
         done?;
         if self.options.smoothing {
-            smooth(&mut self.mean, self.facts.free, self.job.fixed);
+            smooth(&mut self.mean, self.bounds.free, self.input.fixed);
         }
         self.outcome.cost = least;
         self.outcome.effective = sum * sum / squares;
         self.outcome.stuck = None;
-        self.conclude(workers);
+        self.update_mean(workers);
         Ok(&self.outcome)
     }
 }

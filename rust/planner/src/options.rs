@@ -27,7 +27,7 @@ pub struct Options {
     pub samples: usize,
     /// Of the noise.
     pub seed: u64,
-    /// Standard deviation of the wishes' noise [m/s, m/s, rad/s]; half the limits where there are some, if not given.
+    /// Standard deviation of the controls' noise [m/s, m/s, rad/s]; half the limits where there are some, if not given.
     pub noise: Option<[f64; 3]>,
     /// Time in which the noise forgets to a share of 1/e [s].
     pub correlation: f64,
@@ -110,7 +110,7 @@ impl Options {
         finite("footprint", self.footprint.as_flattened())
     }
 
-    /// Steps whose wishes are on their way already.
+    /// Steps whose controls are on their way already.
     pub(crate) fn fixed(&self) -> usize {
         // What is on its way for a part of a step only can still be changed.
         ((self.delay / self.dt).round() as usize).min(self.horizon - 1)

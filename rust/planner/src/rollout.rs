@@ -1,16 +1,15 @@
-//! Rollouts within a rover's limits, apart from a planner: where wishes lead.
+//! Rollouts within a rover's limits, apart from a planner: where columns lead.
 
-use super::engine::Alone;
-use crate::motion::drive::{Begin, TRACK};
+use super::kernels::SingleBlock;
+use crate::motion::drive::{RolloutStart, TRACK};
 use crate::motion::limits::RoverLimits;
 use crate::motion::model::Model;
-use crate::motion::setting;
+use crate::motion::steering_setpoint;
 use crate::numbers::BLOCK;
 use six_wheel_control::controller::Limits;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::{Error, finite, number};
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_numerics::threads::workers::each;
 
 /// Motion of a rover at the start of rollouts.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,7 +24,7 @@ pub struct Present<'a> {
 
 /// Poses of rollouts of `count` steps each, `count + 1` rows with the start first, as a planner drives them: executed
 /// motions instead of `controls` that the rover could not make at once. A rover that cannot move stays.
-#[allow(clippy::too_many_arguments)] // the rover, the wishes, the present, the results
+#[allow(clippy::too_many_arguments)] // the rover, the columns, the present, the results
 pub fn rollout(
     rover: &Rover,
     limits: Limits,
@@ -48,19 +47,19 @@ pub fn rollout(
     finite("start", starts.as_flattened())?;
     finite("twist", &present.twist)?;
     finite("steering", present.steering.unwrap_or_default())?;
-    let facts = RoverLimits::new(rover, limits)?;
-    let follow = if facts.free == 2 { drive::<2> } else { drive::<3> };
+    let bounds = RoverLimits::new(rover, limits)?;
+    let follow = if bounds.free == 2 { drive::<2> } else { drive::<3> };
     let share = workers.share_of_logs(poses.len() / (count + 1), count);
     let parts = poses.chunks_mut(share * (count + 1)).enumerate();
-    each(parts, |(k, poses)| {
+    workers.each(parts, |(k, poses)| {
         let first = k * share;
         let start = |k: usize| starts[if starts.len() == 1 { 0 } else { first + k }];
         for (k, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
             poses.fill(start(k));
         }
-        if facts.stuck.is_none() && count > 0 {
+        if bounds.stuck.is_none() && count > 0 {
             let end = first + poses.len() / (count + 1);
-            follow(&facts, &controls[first * count..end * count], count, dt, present, poses, workers);
+            follow(&bounds, &controls[first * count..end * count], count, dt, present, poses, workers);
         }
         Ok(())
     })
@@ -68,7 +67,7 @@ pub fn rollout(
 
 /// Some rollouts, whose poses are all at their starts yet.
 fn drive<const M: usize>(
-    facts: &RoverLimits,
+    bounds: &RoverLimits,
     controls: &[[f64; 3]],
     count: usize,
     dt: f64,
@@ -76,33 +75,33 @@ fn drive<const M: usize>(
     poses: &mut [[f64; 3]],
     workers: Workers,
 ) {
-    let model = Model::<f64, M>::new(facts, dt);
-    let straight: Vec<f64> = facts.joints.iter().map(|joint| joint.straight()).collect();
-    let mut begin = Begin::default();
-    let motion = facts.motion(present.twist);
-    setting::begin(facts, motion, present.steering.unwrap_or(&straight), &mut begin);
-    begin.heading = facts.heading;
-    let largest = |twist: &[f64; 3]| facts.size_of(twist);
+    let model = Model::<f64, M>::new(bounds, dt);
+    let straight: Vec<f64> = bounds.joints.iter().map(|joint| joint.straight()).collect();
+    let mut initial = RolloutStart::default();
+    let motion = bounds.motion(present.twist);
+    steering_setpoint::initialize(bounds, motion, present.steering.unwrap_or(&straight), &mut initial);
+    initial.heading = bounds.heading;
+    let largest = |twist: &[f64; 3]| bounds.size_of(twist);
     let fastest = controls.iter().chain([&present.twist]).map(largest).fold(0.0, f64::max);
-    begin.turns(facts.turns_at_most(fastest), dt);
+    initial.choose_series(bounds.turns_at_most(fastest), dt);
     let late = ((present.delay / dt).round() as usize).min(count);
-    let mut wishes = vec![0.0; count * M * BLOCK];
-    let mut motions = wishes.clone();
+    let mut columns = vec![0.0; count * M * BLOCK];
+    let mut motions = columns.clone();
     let mut track = vec![0.0; count * TRACK * BLOCK];
     let blocks = controls.chunks(BLOCK * count).zip(poses.chunks_mut(BLOCK * (count + 1)));
     for (controls, poses) in blocks {
         for (lane, rollout) in controls.chunks_exact(count).enumerate() {
             for t in 0..count {
-                let wish = t.checked_sub(late).map_or(motion, |t| facts.motion(rollout[t]));
-                for (k, part) in wish.iter().enumerate().take(M) {
-                    wishes[(t * M + k) * BLOCK + lane] = *part;
+                let control = t.checked_sub(late).map_or(motion, |t| bounds.motion(rollout[t]));
+                for (k, part) in control.iter().enumerate().take(M) {
+                    columns[(t * M + k) * BLOCK + lane] = *part;
                 }
             }
         }
-        workers.level.run_any(Alone {
+        workers.level.run_any(SingleBlock {
             model: &model,
-            begin: &begin,
-            wishes: &wishes,
+            start: &initial,
+            controls: &columns,
             track: &mut track,
             motions: &mut motions,
         });

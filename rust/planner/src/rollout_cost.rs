@@ -4,14 +4,15 @@ use std::f64::consts::PI;
 
 use six_wheel_kinematics::batch::poses::{Buffers, Journey};
 use six_wheel_kinematics::geometry::{Steps, Twist};
-use six_wheel_kinematics::kernels::inverse::{InverseConstants, WheelKind};
-use six_wheel_kinematics::kernels::steered::Steered;
-use six_wheel_kinematics::kernels::usual::usual;
+use six_wheel_kinematics::kernels::inverse::constants::{InverseConstants, WheelKind};
+use six_wheel_kinematics::kernels::safe_range::is_in_safe_range;
+use six_wheel_kinematics::kernels::steered_wheel::SteeredConstants;
 use six_wheel_kinematics::pose_logs::integrate::Place;
 use six_wheel_kinematics::pose_logs::logs::{Logs, Watch, side_by_side};
 use six_wheel_kinematics::pose_logs::tile::{LANES, PerStep, STEPS, WIDTH};
 use six_wheel_kinematics::rover::Rover;
-use six_wheel_kinematics::rover_data::{Inputs, MAX_WHEELS};
+use six_wheel_kinematics::rover_data::{Bank, Inputs, MAX_WHEELS};
+use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::table::{Durations, Table};
 use six_wheel_numerics::error::{Error, finite};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -89,9 +90,8 @@ pub fn rollout_cost<'a>(
     let logs = poses.len() / (count + 1);
     let plan = journey
         .is_side_by_side(logs)
-        .then(|| InverseConstants::new(rover, rover.cone.as_ref()?))
-        .flatten()
-        .filter(|plan| plan.parts.iter().all(|(part, _)| is_folded(part)));
+        .then_some(&rover.inverse_constants)
+        .filter(|plan| rover.cone.is_safe() && plan.wheels.iter().all(|(part, _)| is_folded(part)));
     journey.rover = Some(rover);
     journey.largest = if plan.is_some() { LARGEST_TOTAL } else { -1.0 };
     let share = workers.share_of_logs(logs, count);
@@ -110,8 +110,15 @@ pub fn rollout_cost<'a>(
             if fresh {
                 journey.check(level, logs.clone())?;
             }
-            if let Some(plan) = &plan {
-                level.run_any(Judged { plan, rover, logs: journey.logs(logs, buffers), previous, poses, costs });
+            if let Some(plan) = plan {
+                level.run_any(RolloutCostKernel {
+                    plan,
+                    rover,
+                    logs: journey.logs(logs, buffers),
+                    previous,
+                    poses,
+                    costs,
+                });
                 continue;
             }
             for (j, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
@@ -125,11 +132,17 @@ pub fn rollout_cost<'a>(
     })
 }
 
+/// True unless a wheel has scrub, trail or more than a quarter turn of range to either side.
 fn is_folded(part: &WheelKind) -> bool {
+    let quarter = SteeringRange::default();
     match part {
         WheelKind::Fixed(_) => true,
         WheelKind::Castor(_) => false,
-        WheelKind::Steered(steered) => steered.reach.is_some_and(|reach| reach.folded),
+        WheelKind::Steered(wheel) => {
+            let SteeringRange { lower, upper } = wheel.range;
+            let is_centred = wheel.scrub == 0.0 && wheel.trail == 0.0;
+            is_centred && lower >= quarter.lower && lower < 0.0 && upper > 0.0 && upper <= quarter.upper
+        }
     }
 }
 
@@ -165,8 +178,8 @@ fn worst(rover: &Rover, controls: &[[f64; 3]], steps: Steps<'_>, previous: Optio
     worst
 }
 
-struct Judged<'a> {
-    plan: &'a InverseConstants<'a>,
+struct RolloutCostKernel<'a> {
+    plan: &'a InverseConstants,
     rover: &'a Rover,
     logs: Logs<'a>,
     previous: Option<&'a [f64]>,
@@ -174,7 +187,7 @@ struct Judged<'a> {
     costs: Costs<'a>,
 }
 
-impl Kernel for Judged<'_> {
+impl Kernel for RolloutCostKernel<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -185,23 +198,24 @@ impl Kernel for Judged<'_> {
         let place = Place { logs: self.logs, poses: self.poses, past: false };
         place.run(simd);
         for first in (0..rollouts).step_by(S::F64_LANES) {
-            let mut judge = Judge {
+            let mut demands = WheelDemands {
                 plan: self.plan,
+                banks: self.rover.banks(),
                 held: [simd.splat_f64s(0.0); MAX_WHEELS],
                 counts: self.previous.is_some(),
                 worst: [zero; 4],
                 sure: zero.at_most(zero),
             };
-            for (held, previous) in judge.held.iter_mut().zip(self.previous.unwrap_or_default()) {
+            for (held, previous) in demands.held.iter_mut().zip(self.previous.unwrap_or_default()) {
                 *held = simd.splat_f64s(*previous);
             }
             let lanes = S::F64_LANES.min(rollouts - first);
-            side_by_side(simd, self.logs, first, &mut judge);
+            side_by_side(simd, self.logs, first, &mut demands);
             let mut found = [[0.0; LANES]; 5];
             let one = Lanes::splat(simd, 1.0);
-            let sure = judge.sure.select(one, zero);
-            judge.worst[0] = judge.worst[0].sqrt();
-            for (found, lanes) in found.iter_mut().zip(judge.worst.into_iter().chain([sure])) {
+            let sure = demands.sure.select(one, zero);
+            demands.worst[0] = demands.worst[0].sqrt();
+            for (found, lanes) in found.iter_mut().zip(demands.worst.into_iter().chain([sure])) {
                 lanes.store(S::as_mut_simd_f64s(found).0, 0);
             }
             let [speed, angle, rate, scrub, sure] = found;
@@ -219,8 +233,10 @@ impl Kernel for Judged<'_> {
 }
 
 /// Follows as many rollouts as there are lanes.
-struct Judge<'p, 'r, S: Vector> {
-    plan: &'p InverseConstants<'r>,
+struct WheelDemands<'p, S: Vector> {
+    plan: &'p InverseConstants,
+    /// Side-slip rows of the unsteered wheels.
+    banks: &'p [Bank],
     /// Angles of the steered wheels after the step before [rad].
     held: [S::f64s; MAX_WHEELS],
     /// True if the change to the next angles counts.
@@ -231,22 +247,23 @@ struct Judge<'p, 'r, S: Vector> {
     sure: Mask<S>,
 }
 
-impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
+impl<S: Vector> Watch<S> for WheelDemands<'_, S> {
     #[inline(always)]
     fn tile(&mut self, simd: S, twists: &[S::f64s; WIDTH], dts: &PerStep<S>) {
         let mut per_dts = *dts;
         for (t, per_dt) in per_dts.iter_mut().enumerate() {
             *per_dt = Lanes::splat(simd, 1.0).quotient(*per_dt);
-            self.sure = self.sure & usual(simd, twist(simd, twists, t));
+            self.sure = self.sure & is_in_safe_range(simd, twist(simd, twists, t));
         }
-        for row in &self.plan.banks {
+        for bank in self.banks {
+            let row = bank.row.into();
             for t in 0..STEPS {
-                let slip = row_times(simd, row, twist(simd, twists, t)).abs();
+                let slip = row_times(simd, &row, twist(simd, twists, t)).abs();
                 self.worst[3] = self.worst[3].max(slip);
             }
         }
         let mut joint = 0;
-        for (part, per_radius) in &self.plan.parts {
+        for (part, per_radius) in &self.plan.wheels {
             let per_radius = Lanes::splat(simd, *per_radius);
             match part {
                 WheelKind::Fixed(row) => {
@@ -258,11 +275,8 @@ impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
                 // Only rovers whose wheels are all folded get here.
                 WheelKind::Castor(_) => {}
                 WheelKind::Steered(steered) => {
-                    let Some(reach) = steered.reach else {
-                        continue;
-                    };
                     let asked = (joint, per_radius * per_radius);
-                    if reach.symmetric {
+                    if steered.range.lower == -steered.range.upper {
                         self.steer::<true>(simd, steered, asked, twists, &per_dts);
                     } else {
                         self.steer::<false>(simd, steered, asked, twists, &per_dts);
@@ -281,13 +295,13 @@ fn twist<S: Vector>(simd: S, twists: &[S::f64s; WIDTH], t: usize) -> [Lanes<S>; 
     [Lanes::load(simd, twists, 3 * t), Lanes::load(simd, twists, 3 * t + 1), Lanes::load(simd, twists, 3 * t + 2)]
 }
 
-impl<S: Vector> Judge<'_, '_, S> {
+impl<S: Vector> WheelDemands<'_, S> {
     /// One steered wheel, whose range is a quarter turn to either side at most.
     #[inline(always)]
     fn steer<const SYMMETRIC: bool>(
         &mut self,
         simd: S,
-        steered: &Steered,
+        steered: &SteeredConstants,
         (joint, per_square): (usize, Lanes<S>),
         twists: &[S::f64s; WIDTH],
         per_dts: &PerStep<S>,
@@ -298,6 +312,7 @@ impl<S: Vector> Judge<'_, '_, S> {
         let (lower, upper) = (number(low), number(high));
         let middle = number((low + high) / 2.0);
         let [lower_end, upper_end] = steered.ends;
+        let wheel = steered.broadcast(simd);
         // Half a turn further on, counted from either end.
         let (back_to_lower, back_to_upper) = (number(low + PI), number(high - PI));
         let mut held = Lanes::load(simd, &self.held, joint);
@@ -305,14 +320,14 @@ impl<S: Vector> Judge<'_, '_, S> {
         let [mut along, mut across] = [Lanes::<S, f64, STEPS>::constant(simd, 0.0); 2];
         let [mut xs, mut ys] = [[zero; STEPS]; 2];
         for t in 0..STEPS {
-            [xs[t], ys[t]] = steered.velocity(simd, twist(simd, twists, t));
+            [xs[t], ys[t]] = wheel.velocity(twist(simd, twists, t));
             along.set_register(t, xs[t].abs());
             across.set_register(t, ys[t].abs());
         }
         let steep = angle(simd, along, across);
         for t in 0..STEPS {
             let (x, y) = (xs[t], ys[t]);
-            let rests = steered.rests(simd, twist(simd, twists, t));
+            let rests = wheel.is_at_rest(twist(simd, twists, t));
             let wanted = steep.register(t).flip(y.sign()).flip(x.sign());
             let mut angle = wanted.max(lower).min(upper);
             let over = (wanted - angle).abs();

@@ -1,9 +1,9 @@
 //! Arguments of one kind, read by name. A value of another kind is refused with the argument's name, the kind that is
 //! expected, and the value.
 //!
-//! A parameter of a method is marked `#[pyo3(from_py_with = arguments::rover)]`: the function of its name reads it into any
-//! type with [`FromArgument`]. A class of this library implements [`ArgumentKind`] in its own file. Errors of pyo3 itself
-//! name the argument in a traceback only.
+//! A parameter with a type in a list of [`methods`](crate::classes) is read by the function of its name here, into any type
+//! with [`FromArgument`]: a new name is added to `named!`. A class of this library implements [`ArgumentKind`] in its own
+//! file. Errors of pyo3 itself name the argument in a traceback only.
 
 use pyo3::PyClass;
 use pyo3::prelude::*;
@@ -31,17 +31,17 @@ macro_rules! named {
 
 named! {
     acceleration align align_tolerance allow_underdetermined angular_acceleration angular_deceleration angular_jerk
-    arm attitude_noise axle_length belly bias bias_noise bias_walk bogie_pivot bogie_to_front bogie_to_middle castor
-    correlation costmap covariances cover curvature d1 d2 d3 d4 deceleration delay derivatives discretise driven dt
-    duration errors false_alarm following_error following_time frame front gear gravity ground gyroscope half_track
-    half_wheelbase halt_deceleration heading hinges history icr icr_forward icr_left icr_right in_space inflate jerk
-    joint_noise lag lateral_acceleration lethal level lift_angle lift_speed limits map_error mass max_gap max_speed
-    max_steering_rate max_step method mode modulus name noise now offset orientation other outside period pose radius
-    ramp readings rear rear_pivot rear_to_wheel residuals resolution roller_angle roughness rover scale_noise scrub
-    shape side_slip slip slip_threshold slips smoothing spacing speed stamp stand steer steered steering
-    steering_acceleration steering_limit steering_rate synchronise temperature threads timeout tolerance track_width
-    trail unmeasured view wheel_acceleration wheel_radius wheel_speed wheelbase wheels_per_side within x y yaw
-    yaw_rate
+    arm attitude_noise axle_length belly bias bias_noise bias_walk bogie_pivot bogie_to_front bogie_to_middle
+    brake_time castor correlation costmap covariances cover curvature d1 d2 d3 d4 deceleration delay derivatives
+    discretise driven drop dt duration end_twist errors false_alarm following_error following_time frame front gear
+    gravity ground gyroscope half_track half_wheelbase halt_deceleration heading hinges history icr icr_forward
+    icr_left icr_right in_space inflate jerk joint_noise lag lateral_acceleration lethal level lift_angle lift_speed
+    limits map_error mass max_gap max_speed max_steering_rate max_step method mode modulus name noise now offset
+    orientation other outside period pivot_rate pose radius ramp readings rear rear_pivot rear_to_wheel residuals
+    resolution roller_angle roughness rover scale_noise scrub shape side_slip slip slip_threshold slips smoothing
+    spacing speed stamp stand start_twist steer steered steering steering_acceleration steering_jerk steering_limit
+    steering_rate synchronise temperature threads timeout tolerance track_width trail unmeasured view
+    wheel_acceleration wheel_jerk wheel_radius wheel_speed wheelbase wheels_per_side within x y yaw yaw_rate
 }
 
 /// "`argument` must be `kind`, got `value`", with a remedy where there is one.
@@ -158,15 +158,13 @@ pub trait ArgumentKind: PyClass {
     const KIND: &'static str;
 
     /// The Python expression that makes one from a value of another kind; empty if there is none.
-    fn remedy(_value: &Bound<'_, PyAny>) -> String {
-        String::new()
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| String::new();
 }
 
 impl<'a, 'py, T: ArgumentKind> FromArgument<'a, 'py> for Bound<'py, T> {
     fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         let found = value.cast::<T>();
-        found.cloned().map_err(|_| other_kind(argument, T::KIND, value, &T::remedy(value)))
+        found.cloned().map_err(|_| other_kind(argument, T::KIND, value, &T::REMEDY(value)))
     }
 }
 

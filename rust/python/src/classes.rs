@@ -1,6 +1,5 @@
-//! Macros and functions that the Python classes share: attributes, `__repr__`, equality, hashing, pickling and `replace`.
-
-use std::fmt::Write;
+//! Macros and functions that the Python classes share: methods, attributes, `__repr__`, equality, hashing, pickling and
+//! `replace`. rustfmt leaves what stands in these lists as it is: write it as rustfmt would, lists of parameters filled.
 
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -17,25 +16,26 @@ use pyo3::types::{PyDict, PyTuple};
 /// - `name: native Type` or `name: native Type = default`: a type that pyo3 reads;
 /// - `*`, `/`, `*name` and `**name`, as in Python.
 macro_rules! methods {
-    ($class:ident: $(
-        $(#[$attribute:meta])*
-        $vis:vis fn $name:ident[$($head:tt)*]($($parameters:tt)*) $(as $shown:tt)? -> $result:ty { $($body:tt)* }
-    )*) => {$(
-        with_parameters! {
-            ([$class] [$(#[$attribute])* $vis] $name [$($head)*] [$($shown)?] [$result] [$($body)*])
-            [] [] $($parameters)*
-        }
-    )*};
+    ($class:ident: $($items:tt)*) => {
+        listed! { [$class] $($items)* }
+    };
 }
 
 /// Functions of the module, as [`methods`] lists those of a class.
 macro_rules! functions {
-    ($(
+    ($($items:tt)*) => {
+        listed! { [] $($items)* }
+    };
+}
+
+/// The items of both lists, one by one.
+macro_rules! listed {
+    ($class:tt $(
         $(#[$attribute:meta])*
         $vis:vis fn $name:ident[$($head:tt)*]($($parameters:tt)*) $(as $shown:tt)? -> $result:ty { $($body:tt)* }
     )*) => {$(
         with_parameters! {
-            ([] [$(#[$attribute])* $vis] $name [$($head)*] [$($shown)?] [$result] [$($body)*])
+            ($class [$(#[$attribute])* $vis] $name [$($head)*] [$($shown)?] [$result] [$($body)*])
             [] [] $($parameters)*
         }
     )*};
@@ -86,6 +86,7 @@ macro_rules! with_parameters {
         #[pymethods]
         impl $class {
             #[pyo3(signature = ($($signature)*) $(, text_signature = $shown)?)]
+            #[allow(clippy::extra_unused_lifetimes)] // a list need not name it
             $($prefix)*
             fn $name<'py>($($($head)+,)? $($typed)*) -> $result { $($body)* }
         }
@@ -203,14 +204,25 @@ macro_rules! replaceable {
     };
 }
 
-/// Pickling by the constructor of a class and its method `keywords`: the arguments that make the value again.
+/// A dict of Python: `dict!(py, name = value, ...)`, a name alone with the variable of that name.
+macro_rules! dict {
+    ($py:expr, $($name:ident $(= $value:expr)?),+) => {{
+        let dict = pyo3::types::PyDict::new($py);
+        $(dict.set_item(stringify!($name), dict!(@ $name $(= $value)?))?;)+
+        dict
+    }};
+    (@ $name:ident) => { $name };
+    (@ $name:ident = $value:expr) => { $value };
+}
+
+/// Pickling by the constructor of a class and its method for the keywords that make the value again.
 macro_rules! pickled_by_keywords {
-    ($class:ident) => {
+    ($class:ident: $keywords:ident) => {
         #[pymethods]
         impl $class {
             fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, pyo3::types::PyTuple>> {
                 let py = slf.py();
-                crate::classes::reduce(slf.as_any(), &pyo3::types::PyTuple::empty(py), &slf.get().keywords(py)?)
+                crate::classes::reduce(slf.as_any(), &pyo3::types::PyTuple::empty(py), &slf.get().$keywords(py)?)
             }
         }
     };
@@ -241,7 +253,7 @@ macro_rules! value_of_numbers {
         }
 
         equal_by!($class: 0);
-        pickled_by_keywords!($class);
+        pickled_by_keywords!($class: keywords);
         replaceable!($class);
     };
 }
@@ -262,17 +274,18 @@ pub fn repr_of_attributes(class: &str, object: &Bound<'_, PyAny>, names: &[&str]
     for name in names {
         attributes.set_item(name, object.getattr(*name)?)?;
     }
-    repr_of_call(class, &attributes)
+    repr_of_call(class, [], &attributes)
 }
 
-/// `call(name=value, ...)` with the representations of these arguments.
-pub fn repr_of_call(call: &str, keywords: &Bound<'_, PyDict>) -> PyResult<String> {
-    let mut text = format!("{call}(");
-    for (k, (name, value)) in keywords.iter().enumerate() {
-        let comma = if k == 0 { "" } else { ", " };
-        let _ = write!(text, "{comma}{name}={}", value.repr()?); // a String takes all that is written
-    }
-    Ok(text + ")")
+/// `call(value, ..., name=value, ...)` with the representations of these arguments.
+pub fn repr_of_call<'py>(
+    call: &str,
+    arguments: impl IntoIterator<Item = Bound<'py, PyAny>>,
+    keywords: &Bound<'py, PyDict>,
+) -> PyResult<String> {
+    let positional = arguments.into_iter().map(|value| Ok(value.repr()?.to_string()));
+    let named = keywords.iter().map(|(name, value)| Ok(format!("{name}={}", value.repr()?)));
+    Ok(format!("{call}({})", positional.chain(named).collect::<PyResult<Vec<_>>>()?.join(", ")))
 }
 
 /// A hash of numbers that is the same for zeros of either sign.

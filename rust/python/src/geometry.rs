@@ -1,6 +1,5 @@
 //! Twists and poses.
 
-mod course;
 mod integration;
 
 use pyo3::prelude::*;
@@ -12,8 +11,7 @@ use crate::convert::{
     AnyArray, OrRaise, Output, OutputOptions, Rows, Scalars, compute_rows, named, refuse, shape_text, together,
 };
 use crate::workers::any_workers;
-pub use course::Course;
-pub use integration::{integrate, rollout};
+pub use integration::{Course, integrate, rollout};
 
 functions! {
     /// The twists that, each held over its step, pass through the poses: the inverse of `integrate`.

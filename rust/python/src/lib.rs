@@ -5,10 +5,10 @@
 mod arguments;
 #[macro_use]
 mod classes;
-mod controller;
-mod convert;
 #[macro_use]
 mod fastcall;
+mod controller;
+mod convert;
 mod four_axle;
 mod geometry;
 mod ground_motion;
@@ -30,8 +30,7 @@ use pyo3::prelude::*;
 use arguments::FromArgument;
 use controller::limits::Limits;
 use convert::refuse;
-use odometry::gyroscope::Gyroscope;
-use odometry::values::Noise;
+use odometry::values::{Gyroscope, Noise};
 use rover::Rover;
 use terrain::Terrain;
 
@@ -67,7 +66,7 @@ fn add_classes(module: &Bound<'_, PyModule>) -> PyResult<()> {
     add! {
         wheel::Wheel rover::Rover rover::TwistFit rover::Sensitivity rover::Mobility
         odometry::Odometry odometry::state::OdometryState odometry::values::Noise odometry::values::Encoder
-        odometry::gyroscope::Gyroscope odometry::preintegrated::Preintegrated
+        odometry::values::Gyroscope odometry::preintegrated::Preintegrated
         odometry::spatial::Odometry3 odometry::spatial::state::Odometry3State
         profiles::Profile profiles::BodyTransition profiles::ModuleTransition profiles::IcrTransition
         terrain::Terrain suspension::Suspension suspension::RockerBogie suspension::Link

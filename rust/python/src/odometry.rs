@@ -1,7 +1,6 @@
 //! `six_wheel.Odometry`.
 
 mod fastcall;
-pub mod gyroscope;
 mod input;
 pub mod preintegrated;
 mod run;
@@ -12,16 +11,16 @@ pub mod values;
 use pyo3::prelude::*;
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_numerics::error::Error;
-use six_wheel_odometry::{Odometry as Core, Readings, Sample, Settings};
+use six_wheel_odometry::{Odometry as Core, Sample, Settings};
 
 pub use fastcall::install;
 
-use crate::convert::{OrRaise, Rows, numbers, one_twist_first, refuse};
+use crate::convert::{OrRaise, Rows, numbers, one_twist_first};
 use crate::rover::Rover;
 use crate::state_lock::Shared;
-use input::{by_wheel, deviations, encoders, row};
+use input::{by_wheel, deviations, row, settings};
 use state::{OdometryState, Spares};
-use values::Noise;
+use values::{Gyroscope, Noise};
 
 /// Dead reckoning that knows its error: the pose of a rover from what its wheels turned.
 ///
@@ -87,19 +86,6 @@ struct Work {
     spares: Spares,
 }
 
-/// The kind of readings, by name.
-fn readings_named(name: &str) -> PyResult<Readings> {
-    match name {
-        "angles" => Ok(Readings::Angles),
-        "speeds" => Ok(Readings::Speeds),
-        "increments" => Ok(Readings::Increments),
-        _ => {
-            let rule = "be 'angles', 'speeds' or 'increments'";
-            Err(refuse("readings", rule, &format!("'{name}'")))
-        }
-    }
-}
-
 impl Odometry {
     fn joints(&self) -> usize {
         self.rover.get().joints()
@@ -142,22 +128,15 @@ methods! { Odometry:
         wheel_encoders=None, steering_encoders=None, method: &str = "least_squares", inflate: bool = false,
         slip_threshold: Option<f64> = None, max_gap: Option<f64> = None, max_speed: Option<f64> = None,
         max_steering_rate: Option<f64> = None, smoothing: Option<f64> = None, lag: Option<f64> = None,
-        history: usize = 1024, gyroscope: Option<Bound<'py, gyroscope::Gyroscope>> = None, wheel_noise=None,
-        dimensions=None)
+        history: usize = 1024, gyroscope: Option<Bound<'py, Gyroscope>> = None, wheel_noise=None, dimensions=None)
     as "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None, wheel_noise=None, dimensions=None)"
     -> PyResult<Self> {
         let core = &rover.get().core;
-        let wheels: Vec<&str> = core.wheels().iter().map(|wheel| wheel.name.as_str()).collect();
-        let steered: Vec<&str> = core.steered().iter().map(|&i| wheels[i]).collect();
-        let readings = readings_named(readings)?;
+        let [wheels, steered] = rover.get().wheels_and_steered();
         let settings = Settings {
-            noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
             gyroscope: gyroscope.map(|known| known.get().0),
             wheel_noise: by_wheel("wheel_noise", wheel_noise, &wheels)?,
             dimensions: deviations(dimensions, wheels.len())?,
-            readings,
-            wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
-            steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
             method: method.parse::<Method>().or_raise(&[])?,
             inflate,
             slip_threshold,
@@ -167,6 +146,7 @@ methods! { Odometry:
             smoothing: smoothing.unwrap_or(0.0),
             lag: lag.unwrap_or(0.0),
             history,
+            ..settings(noise, readings, [wheel_encoders, steering_encoders], [&wheels, &steered])?
         };
         let core = Core::new(core.clone(), settings).or_raise(&[])?;
         Ok(Self { work: Shared::new(Work { core, spares: Spares::default() }), rover: rover.clone().unbind() })

@@ -7,7 +7,7 @@ mod rollout;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 use six_wheel_planner::{Mppi as Core, Options, Precision, Situation, State, Weights};
 
 use crate::controller::limits::Limits;
@@ -103,23 +103,43 @@ getters! { Mppi, self, py:
     seed: u64 = self.options.seed;
     /// Standard deviation of the wishes, shape (3,) [m/s, m/s, rad/s].
     noise: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, &self.core.lock(py)?.noise()));
+    /// All it remembers: ``controls`` (horizon, 3), what is wished at every step [m/s, m/s, rad/s]; ``cycle``, cycles so
+    /// far; ``steering``, where the joints are meant to be [rad]; ``progress``, how far along its path it is [m].
+    state: PyResult<Bound<'py, PyDict>> = {
+        let state = self.core.lock(py)?.state().clone();
+        let (controls, steering) = (triples(py, &state.controls)?, PyArray1::from_vec(py, state.steering));
+        Ok(dict!(py, controls, cycle = state.cycle, steering, progress = state.progress))
+    };
+    /// The wishes of the last cycle's rollouts, ``[vx, vy, omega]``, shape (samples, horizon, 3) [m/s, m/s, rad/s].
+    wishes: PyResult<Array<'py>> = {
+        let steps = self.options.horizon;
+        let mut output = Output::fresh(py, &[self.options.samples, steps, 3])?;
+        let mut core = self.core.lock(py)?;
+        let mut wishes = Vec::new();
+        for (k, rows) in output.triples().chunks_exact_mut(steps).enumerate() {
+            core.wishes(k, &mut wishes);
+            rows.copy_from_slice(&wishes);
+        }
+        output.finish()
+    };
+    /// Weights of the cost terms, by name.
+    weights: PyResult<Bound<'py, PyDict>> =
+        Weights::NAMES.into_iter().zip(self.options.weights.values()).into_py_dict(py);
 }
 
 methods! { Mppi:
     #[new]
     fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, horizon=None, dt: Option<f64> = None,
         samples=None, seed=None, noise=None, correlation: f64 = 0.5, temperature: f64 = 1.0,
-        weights: native Option<&Bound<'py, PyDict>> = None, smoothing: bool = true, delay: f64 = 0.0, dtype=None, footprint=None)
+        weights: native Option<&Bound<'py, PyDict>> = None, smoothing: bool = true, delay: f64 = 0.0, dtype=None,
+        footprint=None)
     as "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
     -> PyResult<Self> {
         let usual = Options::default();
         let count = |argument: &str, value: Option<&Bound<'_, PyAny>>, usual: u64| {
             value.map_or(Ok(usual), |value| whole(argument, value))
         };
-        let noise = Rows::read_beside("noise", noise, 3, &[])?;
-        if let Some(noise) = &noise {
-            noise.check_finite("noise")?;
-        }
+        let noise = Rows::read_finite_beside("noise", noise, 3, &[])?;
         let footprint = match footprint {
             Some(points) => Rows::read_table("footprint", points, 2)?.flat().as_chunks().0.to_vec(),
             None => usual.footprint.clone(),
@@ -195,8 +215,7 @@ methods! { Mppi:
             return Err(one_row("Mppi.step((x, y, yaw))", "state", 1 + more.len()));
         }
         let seen = Seen::of(state)?;
-        let pose = Rows::read("state.pose", &seen.pose, 3)?;
-        pose.check_leading("state.pose", &[])?;
+        let pose = Rows::read_one("state.pose", &seen.pose, 3)?;
         let twist = Rows::read_beside("state.twist", twist.or(seen.twist.as_ref()), 3, &[])?;
         let joints = self.rover.get().joints();
         let steering = Rows::read_beside("state.steering", steering.or(seen.steering.as_ref()), joints, &[])?;
@@ -242,19 +261,6 @@ impl Mppi {
         Ok(())
     }
 
-    /// All it remembers: ``controls`` (horizon, 3), what is wished at every step [m/s, m/s, rad/s]; ``cycle``, cycles so
-    /// far; ``steering``, where the joints are meant to be [rad]; ``progress``, how far along its path it is [m].
-    #[getter]
-    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let state = self.core.lock(py)?.state().clone();
-        let dict = PyDict::new(py);
-        dict.set_item("controls", triples(py, &state.controls)?)?;
-        dict.set_item("cycle", state.cycle)?;
-        dict.set_item("steering", PyArray1::from_vec(py, state.steering))?;
-        dict.set_item("progress", state.progress)?;
-        Ok(dict)
-    }
-
     /// Go on from what `state` was.
     ///
     /// Parameters
@@ -272,8 +278,7 @@ impl Mppi {
             found.ok_or_else(|| refuse("state", &format!("have {name:?}"), "none"))
         };
         let controls = Rows::read_table("controls", &item("controls")?, 3)?;
-        let steering = Rows::read("steering", &item("steering")?, self.rover.get().joints())?;
-        steering.check_leading("steering", &[])?;
+        let steering = Rows::read_one("steering", &item("steering")?, self.rover.get().joints())?;
         let cycle = whole("cycle", &item("cycle")?)?;
         let state = State {
             controls: controls.triples().to_vec(),
@@ -282,30 +287,6 @@ impl Mppi {
             progress: number("progress", &item("progress")?)?,
         };
         self.core.lock(py)?.set_state(state).or_raise(&[])
-    }
-
-    /// The wishes of the last cycle's rollouts, ``[vx, vy, omega]``, shape (samples, horizon, 3) [m/s, m/s, rad/s].
-    #[getter]
-    fn wishes<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        let steps = self.options.horizon;
-        let mut output = Output::fresh(py, &[self.options.samples, steps, 3])?;
-        let mut core = self.core.lock(py)?;
-        let mut wishes = Vec::new();
-        for (k, rows) in output.triples().chunks_exact_mut(steps).enumerate() {
-            core.wishes(k, &mut wishes);
-            rows.copy_from_slice(&wishes);
-        }
-        output.finish()
-    }
-
-    /// Weights of the cost terms, by name.
-    #[getter]
-    fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
-        for (name, value) in Weights::NAMES.into_iter().zip(self.options.weights.values()) {
-            dict.set_item(name, value)?;
-        }
-        Ok(dict)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

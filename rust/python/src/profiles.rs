@@ -4,16 +4,15 @@ mod inputs;
 mod made;
 mod time_optimal;
 mod transitions;
-mod values;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_control::profiles as core;
 
 use crate::convert::{OrRaise, Scalars, memory, scalar_or_array};
-use made::{ConstructorCall, class, known_by_its_call};
+use inputs::{Values, axes};
+use made::{ConstructorCall, class, known_by_its_call, printed_by_its_call};
 pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
-use values::{Values, axes};
 
 /// The course of one value or of several over time, with three derivatives.
 ///
@@ -36,15 +35,8 @@ impl Profile {
         arguments: &[&Bound<'_, PyAny>],
         keywords: Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        Ok(Self {
-            core: core.or_raise(&[])?,
-            is_vector,
-            made: ConstructorCall {
-                maker,
-                arguments: PyTuple::new(py, arguments)?.unbind(),
-                keywords: keywords.unbind(),
-            },
-        })
+        let (arguments, keywords) = (PyTuple::new(py, arguments)?.unbind(), keywords.unbind());
+        Ok(Self { core: core.or_raise(&[])?, is_vector, made: ConstructorCall { maker, arguments, keywords } })
     }
 
     /// A profile of a given shape and duration.
@@ -198,11 +190,7 @@ impl Profile {
         let [value, velocity, acceleration, jerk] = parts.map(|part| scalar_or_array(py, part, &shape));
         class(py, "State")?.call1((value?, velocity?, acceleration?, jerk?))
     }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        self.made.repr(py)
-    }
 }
 
 known_by_its_call!(Profile);
-replaceable!(Profile);
+printed_by_its_call!(Profile);

@@ -15,7 +15,7 @@ mod sensitivity;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyMapping, PyTuple};
+use pyo3::types::{IntoPyDict, PyDict, PyList, PyMapping, PyTuple};
 use six_wheel_kinematics::presets::PRESETS;
 use six_wheel_kinematics::rover::Rover as Core;
 use six_wheel_kinematics::steering::SteeringRange;
@@ -23,7 +23,7 @@ use six_wheel_kinematics::units::{self, Question};
 use six_wheel_terrain::suspension::WHEELS;
 
 use crate::arguments::ArgumentKind;
-use crate::classes::reduce;
+use crate::classes::{reduce, repr_of_call};
 use crate::convert::{ArgumentTypeError, OrRaise, items, ready, refuse, short_repr};
 use crate::suspension::{RockerBogie, Suspension};
 use crate::unit_warnings::warn_units;
@@ -102,6 +102,13 @@ impl Rover {
         self.core.steered().len()
     }
 
+    /// Names of the wheels and of the steered ones.
+    pub fn wheels_and_steered(&self) -> [Vec<&str>; 2] {
+        let wheels: Vec<&str> = self.core.wheels().iter().map(|wheel| wheel.name.as_str()).collect();
+        let steered = self.core.steered().iter().map(|&i| wheels[i]).collect();
+        [wheels, steered]
+    }
+
     /// Number of wheels.
     pub fn count(&self) -> usize {
         self.core.wheels().len()
@@ -132,11 +139,7 @@ impl Rover {
     }
 
     fn joint_dict<'py>(&self, py: Python<'py>, joints: &Joints) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
-        for joint in joints {
-            dict.set_item(&joint.name, &self.core.wheels()[joint.wheel].name)?;
-        }
-        Ok(dict)
+        joints.iter().map(|joint| (&joint.name, &self.core.wheels()[joint.wheel].name)).into_py_dict(py)
     }
 
     /// Names of the joints that count the other way, those of the wheels first.
@@ -219,8 +222,7 @@ fn listed(questions: Vec<Question>) -> Vec<(&'static str, String, String)> {
 
 impl ArgumentKind for Rover {
     const KIND: &'static str = "a Rover";
-
-    fn remedy(value: &Bound<'_, PyAny>) -> String {
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| {
         if value.is_instance_of::<Suspension>() {
             return "its planar(...), the rover seen from above".into();
         }
@@ -231,15 +233,14 @@ impl ArgumentKind for Rover {
             Ok(_) => "sw.load(...) of a file, or sw.Rover.preset(...) of one of Rover.presets()".into(),
             Err(_) => "one that sw.Rover makes, or sw.load(...) of a file".into(),
         }
-    }
+    };
 }
 
 getters! { Rover, self, py:
     /// The wheels, in the order of every array.
     wheels: Py<PyTuple> = self.wheels.clone_ref(py);
     /// Names of the wheels, in the order of every array.
-    wheel_names: PyResult<Bound<'py, PyTuple>> =
-        PyTuple::new(py, self.core.wheels().iter().map(|wheel| wheel.name.as_str()));
+    wheel_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, &self.wheels_and_steered()[0]);
     /// Joint name to wheel name of the wheel drives, in the order of the wheels, as in arrays of speeds.
     traction_joints: PyResult<Bound<'py, PyDict>> = self.joint_dict(py, &joints::in_order_of_wheels(&self.traction));
     /// Joint name to wheel name of the steering, in the order of `steered_names`, as in arrays of angles.
@@ -257,10 +258,7 @@ getters! { Rover, self, py:
     /// Between it and `min_radius` some turns are impossible.
     spin_radius: f64 = self.core.spin_radius();
     /// Names of the steered wheels, in the order of steering arrays.
-    steered_names: PyResult<Bound<'py, PyTuple>> = {
-        let names = self.core.steered().iter().map(|&i| self.core.wheels()[i].name.as_str());
-        PyTuple::new(py, names.collect::<Vec<_>>())
-    };
+    steered_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, &self.wheels_and_steered()[1]);
     /// Names of the steering joints, then of the traction joints, each in the order they were given in: that of
     /// `commands`, and for a rover from a parameter file that of the file.
     command_joints: PyResult<Bound<'py, PyTuple>> = {
@@ -363,12 +361,8 @@ impl Rover {
             }
             return Ok(text + ")");
         }
-        let wheels = PyList::new(py, self.wheels.bind(py))?.repr()?;
-        let mut text = format!("Rover({wheels}");
-        for (keyword, value) in keywords.iter() {
-            text += &format!(", {keyword}={}", value.repr()?);
-        }
-        Ok(text + ")")
+        let wheels = PyList::new(py, self.wheels.bind(py))?;
+        repr_of_call("Rover", [wheels.into_any()], &keywords)
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {

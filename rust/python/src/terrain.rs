@@ -10,10 +10,9 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 use six_wheel_terrain::terrain::{Heights, Interpolation, Sample, Terrain as Core, normal};
 
 use crate::arguments::{ArgumentKind, shown};
-use crate::classes::reduce;
 use crate::convert::{
-    OrRaise, Output, OutputOptions, Rows, is_of_another_kind, memory, number, read_array, refuse, scalar_or_array,
-    shape_text, singles,
+    OrRaise, Output, OutputOptions, Rows, is_of_another_kind, memory, number, read_array, refuse, refuse_shape,
+    scalar_or_array, singles,
 };
 use crate::workers::{any_workers, fill_rows};
 
@@ -57,10 +56,7 @@ fn read_heights(value: &Bound<'_, PyAny>) -> PyResult<(Heights, usize)> {
 fn columns(shape: &[usize]) -> PyResult<usize> {
     match shape {
         [rows, columns] if *rows >= 2 && *columns >= 2 => Ok(*columns),
-        _ => {
-            let rule = "have at least two rows and two columns";
-            Err(refuse("heights", rule, &format!("shape {}", shape_text(shape))))
-        }
+        _ => Err(refuse_shape("heights", "have at least two rows and two columns", shape)),
     }
 }
 
@@ -107,26 +103,18 @@ impl Terrain {
     }
 
     /// The arguments that make this very ground.
-    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let arguments = PyDict::new(py);
-        let ([dx, dy], [x, y]) = (self.0.spacing(), self.0.origin());
-        arguments.set_item("heights", self.heights(py)?)?;
-        arguments.set_item("spacing", (dx, dy))?;
-        arguments.set_item("origin", (x, y))?;
-        arguments.set_item("orientation", self.0.orientation())?;
-        Ok(arguments)
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (spacing, origin) = (self.spacing(py), self.origin(py));
+        Ok(dict!(py, heights = self.heights(py)?, spacing, origin, orientation = self.0.orientation()))
     }
 }
 
 impl ArgumentKind for Terrain {
     const KIND: &'static str = "a Terrain";
-
-    fn remedy(value: &Bound<'_, PyAny>) -> String {
-        match value.is_instance_of::<PyString>() {
-            true => format!("sw.Terrain.read({})", shown(value)),
-            false => "sw.Terrain(heights, spacing=...)".into(),
-        }
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| match value.is_instance_of::<PyString>() {
+        true => format!("sw.Terrain.read({})", shown(value)),
+        false => "sw.Terrain(heights, spacing=...)".into(),
+    };
 }
 
 getters! { Terrain, self, py:
@@ -138,10 +126,19 @@ getters! { Terrain, self, py:
     origin: (f64, f64) = self.0.origin().into();
     /// Angle from the x axis of the world to the rows, counter-clockwise [rad].
     orientation: f64 = self.0.orientation();
+    /// The heights [m], shape (rows, columns), as a fresh array.
+    heights: PyResult<Bound<'py, PyAny>> = {
+        let shape = &self.0.shape();
+        Ok(match self.0.heights() {
+            Heights::Single(heights) => memory::array(py, heights, shape)?.into_any(),
+            Heights::Double(heights) => memory::array(py, heights, shape)?.into_any(),
+        })
+    };
 }
 
 equal_by!(Terrain: 0);
 replaceable!(Terrain);
+pickled_by_keywords!(Terrain: keywords);
 
 methods! { Terrain:
     #[new]
@@ -268,16 +265,6 @@ methods! { Terrain:
 
 #[pymethods]
 impl Terrain {
-    /// The heights [m], shape (rows, columns), as a fresh array.
-    #[getter]
-    fn heights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let shape = &self.0.shape();
-        Ok(match self.0.heights() {
-            Heights::Single(heights) => memory::array(py, heights, shape)?.into_any(),
-            Heights::Double(heights) => memory::array(py, heights, shape)?.into_any(),
-        })
-    }
-
     fn __repr__(&self) -> String {
         let ([rows, columns], [dx, dy], [x, y]) = (self.0.shape(), self.0.spacing(), self.0.origin());
         let turned = match self.0.orientation() {
@@ -291,10 +278,5 @@ impl Terrain {
         let ([dx, dy], [x, y]) = (self.0.spacing(), self.0.origin());
         let place = [dx, dy, x, y, self.0.orientation()];
         PyTuple::new(py, place)?.hash()
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let py = slf.py();
-        reduce(slf.as_any(), &PyTuple::empty(py), &slf.get().arguments(py)?)
     }
 }

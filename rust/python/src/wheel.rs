@@ -51,16 +51,23 @@ use crate::unit_warnings::warn_units;
 #[derive(Clone)]
 pub struct Wheel(pub Core);
 
+/// The two numbers of a pair, or the only one.
+pub fn pair_or_one(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Result<[f64; 2], f64>> {
+    let Ok([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>() else {
+        return number(argument, value).map(Err);
+    };
+    Ok(Ok([number(&format!("{argument}[0]"), &first)?, number(&format!("{argument}[1]"), &second)?]))
+}
+
 /// A symmetric limit, a pair of limits, or nothing.
 pub fn steering_range(limit: Option<&Bound<'_, PyAny>>) -> PyResult<Option<SteeringRange>> {
     let Some(limit) = limit else { return Ok(None) };
-    let range = match limit.extract::<[Bound<'_, PyAny>; 2]>() {
+    let range = match pair_or_one("steering_limit", limit)? {
         Ok([lower, upper]) => {
-            let (lower, upper) = (number("steering_limit[0]", &lower)?, number("steering_limit[1]", &upper)?);
             let range = SteeringRange { lower, upper };
             range.check().map(|()| range)
         }
-        Err(_) => SteeringRange::symmetric(number("steering_limit", limit)?),
+        Err(limit) => SteeringRange::symmetric(limit),
     };
     range.map(Some).or_raise(&[])
 }
@@ -139,6 +146,18 @@ getters! { Wheel, self, py:
     driven: bool = self.0.driven;
     /// True if the wheel swivels freely behind its pivot.
     castor: bool = self.0.pivot == Pivot::Castor;
+    /// The argument of that name [rad]: largest angle to either side, or smallest and largest; None for a
+    /// fixed wheel.
+    steering_limit: PyResult<Option<Bound<'py, PyAny>>> = {
+        let limit = |range: SteeringRange| {
+            if range.lower == -range.upper {
+                Ok(PyFloat::new(py, range.upper).into_any())
+            } else {
+                Ok((range.lower, range.upper).into_pyobject(py)?.into_any())
+            }
+        };
+        self.0.steering().map(limit).transpose()
+    };
 }
 
 equal_by!(Wheel: 0);
@@ -146,9 +165,9 @@ replaceable!(Wheel);
 
 methods! { Wheel:
     #[new]
-    fn new[py: Python<'py>](name: String, x: f64, y: f64, *, radius: f64, steered: bool = false, heading: Option<f64> = None,
-        steering_limit=None, scrub: Option<f64> = None, trail: Option<f64> = None, roller_angle: Option<f64> = None,
-        driven: Option<bool> = None, castor: bool = false)
+    fn new[py: Python<'py>](name: String, x: f64, y: f64, *, radius: f64, steered: bool = false,
+        heading: Option<f64> = None, steering_limit=None, scrub: Option<f64> = None, trail: Option<f64> = None,
+        roller_angle: Option<f64> = None, driven: Option<bool> = None, castor: bool = false)
     as "(name, x, y, *, radius, steered=False, heading=0.0, steering_limit=None, scrub=0.0, trail=0.0, roller_angle=None, driven=None, castor=False)"
     -> PyResult<Self> {
         let range = steering_range(steering_limit)?;
@@ -186,20 +205,6 @@ methods! { Wheel:
 
 #[pymethods]
 impl Wheel {
-    /// The argument of that name [rad]: largest angle to either side, or smallest and largest; None for a
-    /// fixed wheel.
-    #[getter]
-    fn steering_limit<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let limit = |range: SteeringRange| {
-            if range.lower == -range.upper {
-                Ok(PyFloat::new(py, range.upper).into_any())
-            } else {
-                Ok((range.lower, range.upper).into_pyobject(py)?.into_any())
-            }
-        };
-        self.0.steering().map(limit).transpose()
-    }
-
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let wheel = &self.0;
         let mut text = format!("Wheel({}, {:?}, {:?}", PyString::new(py, &wheel.name).repr()?, wheel.x, wheel.y);

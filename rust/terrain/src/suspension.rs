@@ -10,7 +10,9 @@
 
 mod chain;
 mod dimensions;
+pub(crate) mod kinematics;
 pub mod lanes;
+mod placed;
 mod table;
 mod vehicles;
 
@@ -23,11 +25,9 @@ use six_wheel_kinematics::wheels::Wheel;
 use six_wheel_numerics::error::{Error, finite, number};
 use six_wheel_numerics::threads::workers::Workers;
 
-pub use chain::{
-    Chain, ChainLink, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, Placed, PlanPose, PointSlopes, State,
-    Turning, WheelFrame,
-};
+pub use chain::{Chain, ChainLink, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, PlanPose, State, Turning};
 pub use dimensions::{Bogie, Differential, Dimensions, JointRange, Steered};
+pub use placed::{Placed, PointSlopes, WheelFrame};
 use table::FIRST_PSI;
 pub use table::{FRAMES, Link, MAX_JOINTS, Posture, Turn};
 

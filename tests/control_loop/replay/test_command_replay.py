@@ -8,14 +8,13 @@ import pytest
 pytest.importorskip("mcap", reason='needs pip install "six-wheel[bags]"')
 pytest.importorskip("pydantic", reason='needs pip install "six-wheel[cli]"')
 
-import six_wheel as sw
 from six_wheel.control_loop.replay import compare, replay
 from six_wheel.logs.mcap import Record, RecordError
 from six_wheel.simulation.drive.closed_loop import Loop
 from six_wheel.simulation.drive.run_file import drive
 from tests.limits import only
+from tests.rovers import SIX_WHEELS as ROVER
 
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
 # Without limits of the yaw rate's change: curves of the table are met, and so is the speed in them.
 GIVEN = {"acceleration": 0.5, "jerk": 2.0, "wheel_speed": 8.0, "steering_rate": 1.0}
 LIMITS = only(speed=1.0, **GIVEN)

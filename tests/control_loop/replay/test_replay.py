@@ -17,8 +17,8 @@ from six_wheel.control_loop.recorder import Recorder
 from six_wheel.control_loop.replay import compare, replay
 from six_wheel.logs.mcap import Record, RecordError, RecordWriter, layouts
 from six_wheel.logs.mcap.frames import joint_state
+from tests.rovers import SIX_WHEELS as ROVER
 
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
 LIMITS = sw.Limits(speed=1.0, acceleration=0.5, jerk=2.0, wheel_speed=8.0, steering_rate=1.0)
 NAMES = [*ROVER.steering_joints, *ROVER.traction_joints]
 START = 1_700_000_000_000_000_000

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 import six_wheel as sw
+from tests.rovers import SIX_WHEELS as ROVER
 
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
 TWISTS = np.array([[0.5, 0.0, 0.3], [0.2, 0.0, -1.0], [0.0, 0.0, 0.5], [-0.4, 0.0, 0.0], [0.0, 0.0, 0.0]])
 STEERING, SPEEDS = ROVER.inverse(TWISTS)
 ROCKY = sw.RockerBogie.rocky7()

@@ -11,8 +11,9 @@ from numpy.testing import assert_array_equal
 
 import six_wheel as sw
 from six_wheel import SuspiciousUnitsWarning
+from tests.rovers import SIX_SIZES
 
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.2)
+ROVER = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.2)
 ROWS = 50_001  # more than one thread is started for, and no multiple of a block
 TWISTS = np.random.default_rng(0).uniform((0.5, 0.0, -0.3), (1.0, 0.0, 0.3), (ROWS, 3))
 STEERING, SPEEDS = ROVER.inverse(TWISTS)
@@ -175,7 +176,7 @@ def test_a_failed_call_writes_nothing_in_single_precision_either():
 
 ODD = {
     "degrees for a limit": (
-        lambda: sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=40),
+        lambda: sw.Rover.six_wheel(**SIX_SIZES, steering_limit=40),
         "steering_limit of 40 rad is 6.366 turns; 40 degrees are 0.6981 radians",
     ),
     "degrees for angles": (

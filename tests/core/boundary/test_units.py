@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
+from tests.rovers import SIX_SIZES
 
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 CENTRES = [(0.3, 0.2, 0.1), (0.3, -0.2, 0.1), (-0.3, 0.0, 0.1)]
@@ -15,7 +16,7 @@ QUARTER, EIGHT = math.pi / 2, 8 * math.pi
 
 
 def six(limit):
-    return sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=limit)
+    return sw.Rover.six_wheel(**SIX_SIZES, steering_limit=limit)
 
 
 def wheel(limit):

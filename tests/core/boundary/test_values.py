@@ -13,9 +13,10 @@ import pytest
 import six_wheel as sw
 from six_wheel import profiles
 from six_wheel.kinematics.four_axle import FourAxleState, FourAxleStep
+from tests.rovers import SIX_SIZES, SIX_WHEELS
 
 ARM = sw.RockerBogie.rocky7()
-SIX = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=1.2)
+SIX = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.2)
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 
 # A value of every class, and another value for each of the arguments that make it.
@@ -96,7 +97,7 @@ VALUES = {
         },
     ),
     sw.Rover: (
-        sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15),
+        SIX_WHEELS,
         {
             "wheels": [wheel.replace(radius=0.2) for wheel in SIX.wheels],
             "traction_joints": {f"drive_{name}": name for name in SIX.wheel_names},
@@ -146,6 +147,12 @@ def test_nothing_replaced_is_the_same(name):
         assert type(again) is type(value)
         assert again == value
         assert repr(again) == repr(value)
+
+
+@pytest.mark.parametrize("kind", [sw.Wheel, sw.Noise, sw.Encoder, sw.Gyroscope, sw.FourAxle, sw.Costmap])
+def test_equal_values_hash_alike(kind):
+    value, _ = VALUES[kind]
+    assert hash(pickle.loads(pickle.dumps(value))) == hash(value)
 
 
 @pytest.mark.parametrize(("name", "argument"), ARGUMENTS)

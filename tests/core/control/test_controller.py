@@ -19,11 +19,10 @@ from six_wheel import _core, reference
 from six_wheel.kinematics.controller import Reason
 from six_wheel.reference.control import controller as slow
 from tests.limits import only
+from tests.rovers import SIX_SIZES
 from tests.strategies import any_twists, six_wheel_rovers
 
-ROVER = sw.Rover.six_wheel(
-    d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=math.radians(60)
-)
+ROVER = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=math.radians(60))
 LIMITS = sw.Limits(
     speed=1.0,
     acceleration=0.5,

@@ -9,6 +9,7 @@ import pytest
 import six_wheel as sw
 from six_wheel import profiles
 from tests.core.control.test_transitions import LEFT, OSR, RATE, ROVERS, STRAIGHT, random_limits
+from tests.rovers import CART
 
 PLANS = [
     profiles.icr_transition(OSR, STRAIGHT, LEFT, steering_rate=RATE),
@@ -18,9 +19,7 @@ PLANS = [
     profiles.body_transition(OSR, STRAIGHT, LEFT, 1.0, shape="linear"),
     profiles.body_transition(OSR, STRAIGHT, LEFT, angular_acceleration=1.0, synchronise="phase"),
     profiles.module_transition(OSR, OSR.inverse(STRAIGHT), OSR.inverse(LEFT), 1.0),
-    profiles.module_transition(
-        sw.Rover.differential(0.5, 0.1), ([], [0, 1]), ([], [1, 0]), wheel_acceleration=1
-    ),
+    profiles.module_transition(CART, ([], [0, 1]), ([], [1, 0]), wheel_acceleration=1),
 ]
 
 

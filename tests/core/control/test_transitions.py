@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import profiles, reference
+from tests.rovers import CAR, CART, MECANUM, SIX_SIZES, SIX_WHEELS, TRICYCLE
 from tests.strategies import forward_twists, six_wheel_rovers
 
 SOAK = int(os.environ.get("SOAK", "1"))
@@ -24,15 +25,15 @@ OSR = sw.Rover.preset("open_source_rover")
 RATE = math.radians(60.0)
 STRAIGHT, LEFT, RIGHT = (0.3, 0.0, 0.0), (0.3, 0.0, 0.5), (0.3, 0.0, -0.5)
 ROVERS = {
-    "six wheels": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15),
-    "limited": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=1.0),
-    "wide": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=(-2.0, 2.5)),
+    "six wheels": SIX_WHEELS,
+    "limited": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0),
+    "wide": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-2.0, 2.5)),
     "swerve": sw.Rover.swerve(SWERVE, 0.1, steering_limit=math.pi / 2),
     "turning swerve": sw.Rover.swerve(SWERVE[:3], 0.1, steering_limit=math.pi),
-    "ackermann": sw.Rover.ackermann(2.0, 1.2, 0.3, steering_limit=0.6),
-    "tricycle": sw.Rover.tricycle(1.0, 0.8, 0.2),
-    "mecanum": sw.Rover.mecanum(0.3, 0.2, 0.1),
-    "differential": sw.Rover.differential(0.5, 0.1),
+    "ackermann": CAR,
+    "tricycle": TRICYCLE,
+    "mecanum": MECANUM,
+    "differential": CART,
     "scrub": sw.Rover(
         [
             sw.Wheel(f"w{i}", *place, radius=0.1, steered=True, scrub=0.03 * (-1) ** i)
@@ -41,7 +42,7 @@ ROVERS = {
     ),
     "castor": sw.Rover(
         [
-            *sw.Rover.differential(0.5, 0.1).wheels,
+            *CART.wheels,
             sw.Wheel("castor", 0.3, 0, radius=0.05, castor=True, trail=0.02),
         ]
     ),

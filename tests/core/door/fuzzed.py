@@ -9,13 +9,15 @@ import sys
 import atheris
 import numpy as np
 
+from tests.rovers import CART
+
 with atheris.instrument_imports(include=["six_wheel"]):
     import six_wheel as sw
 
 ROVERS = [
     sw.Rover.preset("perseverance"),
     sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1),
-    sw.Rover.differential(0.5, 0.1),
+    CART,
 ]
 DTYPES = ["d", "f", "e", ">f8", "i4", "u8", "i1", "?", "O", "c16"]
 

@@ -9,6 +9,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.reference import ground as plain
+from six_wheel.reference.ground.settle import Gap
 from tests.core.ground.test_ground_reference import PERSEVERANCE, TURNED_ROUND, rough
 
 CHAINS = {"behind": PERSEVERANCE, "in front": TURNED_ROUND}
@@ -120,6 +121,31 @@ def test_wheels_that_need_not_hold_sideways_tell_the_motion(standing: tuple) -> 
         np.testing.assert_allclose(slip.ratio, 0, atol=1e-8)
         aside = back.residual[:, 2]
         assert (np.sign(slip.angle) == np.sign(aside) * np.sign(told.twist[0])).all()
+
+
+def test_steered_wheels_roll_whatever_they_stand_on() -> None:
+    """Random ground at every wheel, turning as fast as driving: steered wheels do not move to the left."""
+    rng = np.random.default_rng(14)
+    for dimensions in CHAINS.values():
+        arm = sw.RockerBogie(**dict(dimensions) | {"steering_limit": math.pi})
+        chain = plain.rocker_bogie(**dimensions)
+        steered = [k for k, wheel in enumerate(arm.planar(0, (0, 0)).wheels) if wheel.steered]
+        for _ in range(100):
+            stand = plain.SettledPose(
+                "settled",
+                rng.uniform(-3, 3, 3),
+                0.0,
+                *rng.uniform(-0.3, 0.3, 2),
+                joints=rng.uniform(-0.3, 0.3, 3),
+                steering=rng.uniform(-0.5, 0.5, len(steered)),
+                gaps=tuple(
+                    Gap(0.0, rng.uniform(-0.3, 0.3), None, rng.uniform(-0.7, 0.7, 2)) for _ in range(6)
+                ),
+            )
+            told = arm.inverse(face(stand), (rng.uniform(-0.2, 0.2), rng.uniform(-1, 1)))
+            contacts = plain.touch(chain, stand, told.steering)
+            aside = contacts.left @ [*told.twist, *told.joint_rates]
+            np.testing.assert_allclose(aside[steered], 0, rtol=0, atol=1e-13)
 
 
 def test_traction_is_the_plain_one() -> None:

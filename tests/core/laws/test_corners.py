@@ -9,6 +9,7 @@ import six_wheel as sw
 from six_wheel import reference
 from six_wheel.kinematics.controller import Reason
 from tests.limits import only
+from tests.rovers import CART
 
 ROVER = sw.Rover.preset("perseverance")
 LIMITS = sw.Limits(
@@ -21,7 +22,7 @@ LIMITS = sw.Limits(
 
 def test_after_a_pause_acceleration_begins_again():
     """The output was held meanwhile: what comes next changes from rest, within the jerk."""
-    rover = sw.Rover.differential(0.5, 0.1)
+    rover = CART
     limits = sw.Limits(speed=1.0, acceleration=0.5, jerk=1.0)
     controller = sw.Controller(rover, limits, timeout=None)
     controller.command((1.0, 0.0, 0.0), 0.0)
@@ -160,7 +161,7 @@ def test_a_log_that_raises_leaves_everything_as_it_was():
 
 
 def test_no_wheel_is_the_worst_where_all_agree():
-    cart = sw.Rover.differential(0.5, 0.1)
+    cart = CART
     fit = cart.fit(None, [0.0, 0.0])
     assert (fit.residual == 0.0).all()
     assert fit.worst_wheel is None

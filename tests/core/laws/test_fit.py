@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
+from tests.rovers import SIX_WHEELS
 from tests.strategies import forward_twists, six_wheel_rovers
 
 OSR = sw.Rover.preset("open_source_rover")
@@ -66,7 +67,7 @@ def test_what_a_faulty_middle_wheel_does_to_each_method():
 
 
 def test_middle_wheels_is_the_published_form():
-    rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15)
+    rover = SIX_WHEELS
     fit = rover.fit([0.1, 0.2, 0.3, 0.4], [9.0, 9.0, 2.0, 5.0, 9.0, 9.0], method="middle_wheels")
     np.testing.assert_allclose(fit.twist, (0.15 * 7 / 2, 0.0, 0.15 * 3 / 0.9), rtol=1e-14, atol=1e-15)
     np.testing.assert_array_equal(fit.weights, (0, 0, 1, 1, 0, 0))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
+from tests.rovers import SIX_SIZES
 
 STEERING = {"spare": "rear_right", "b": "front_right", "a": "front_left", "c": "rear_left"}
 ROVER = sw.Rover(sw.Rover.preset("open_source_rover").wheels, steering_joints=STEERING)
@@ -76,7 +77,7 @@ def test_three_numbers_are_no_twist():
 
 
 def test_angles_in_messages_are_short_and_in_degrees_too():
-    rover = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.0)
+    rover = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0)
     with pytest.raises(sw.InfeasibleMotionError) as caught:
         rover.inverse((0.5, 0.0, 1.5))
     assert "within -1.0 to 1.0 rad (-57.3° to 57.3°) (at -1.0 rad (-57.3°) it would slide" in str(

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
+from tests.rovers import SIX_SIZES, SIX_WHEELS
 from tests.strategies import any_twists, forward_twists, six_wheel_rovers
 
 KEEPS = ["curvature", "speed", "yaw_rate", "nearest"]
@@ -62,7 +63,7 @@ def test_nothing_admissible_is_nearer_than_the_nearest(rover, twist, direction, 
 
 
 def test_a_turn_that_is_too_tight_becomes_the_tightest():
-    rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=math.radians(60))
+    rover = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=math.radians(60))
     # R = 0.5 lies nearer to the limit of 0.689 than to the island of 0.111.
     np.testing.assert_allclose(rover.project((0.5, 0, 1.0)), (0.5, 0, 0.5 / rover.min_radius), rtol=1e-14)
     np.testing.assert_allclose(rover.project((0.5, 0, 1.0), "speed"), (0.5, 0, 0.5 / rover.min_radius))
@@ -70,13 +71,13 @@ def test_a_turn_that_is_too_tight_becomes_the_tightest():
 
 
 def test_a_spin_that_is_impossible_becomes_rest():
-    rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=0.5)
+    rover = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=0.5)
     np.testing.assert_array_equal(rover.project((0, 0, 1.0)), (0, 0, 0))
     np.testing.assert_array_equal(rover.project((0, 0, 1.0), "speed"), (0, 0, 0))
 
 
 def test_sideways_motion_is_dropped():
-    rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15)
+    rover = SIX_WHEELS
     np.testing.assert_array_equal(rover.project((0.3, 0.2, 0.1)), (0.3, 0.0, 0.1))
     np.testing.assert_array_equal(rover.project((0.0, 0.2, 0.0), "nearest"), (0, 0, 0))
 
@@ -104,10 +105,10 @@ def test_what_cannot_be_kept_is_said():
 
 
 def test_the_slip_tolerance_from_both_sides():
-    rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15)
+    rover = SIX_WHEELS
     assert rover.admissible((1.0, 0.9e-9, 0.0))
     assert not rover.admissible((1.0, 1.1e-9, 0.0))
-    limited = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=1.0)
+    limited = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0)
     radius = limited.min_radius
     assert limited.admissible((radius * (1 - 1e-10), 0, 1))
     assert not limited.admissible((radius * (1 - 1e-8), 0, 1))

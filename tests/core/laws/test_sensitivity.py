@@ -5,6 +5,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel import reference
+from tests.rovers import PAIR, SIX_WHEELS
 
 STEP = 1e-5  # differences err by its square, and by rounding (1e-16) over it: 1e-10 at this step
 TOLERANCE = 1e-7
@@ -20,8 +21,8 @@ def rovers() -> dict[str, sw.Rover]:
     ]
     return {
         "mixed": sw.Rover(wheels),
-        "six_wheel": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15),
-        "differential": sw.Rover.differential(0.4, 0.1),
+        "six_wheel": SIX_WHEELS,
+        "differential": PAIR,
         "tricycle": sw.Rover.tricycle(0.6, 0.4, 0.1),
         "mecanum": sw.Rover.mecanum(0.3, 0.2, 0.05),
         "swerve": sw.Rover.swerve([(0.3, 0.2), (-0.3, 0.1), (0.0, -0.4)], 0.1),

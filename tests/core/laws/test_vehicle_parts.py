@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import six_wheel as sw
 from six_wheel import Rover, Wheel, reference
+from tests.rovers import CART, SIX_WHEELS, THREE_AXLES
 from tests.strategies import any_twists
 
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
@@ -21,7 +22,7 @@ def castor(name: str, x: float, y: float = 0.0, **keywords: float) -> Wheel:
     return Wheel(name, x, y, radius=0.04, castor=True, **{"trail": 0.05, **keywords})
 
 
-ROBOT = Rover([*Rover.differential(0.5, 0.1).wheels, castor("front", 0.4), castor("rear", -0.4)])
+ROBOT = Rover([*CART.wheels, castor("front", 0.4), castor("rear", -0.4)])
 ONE_STEERED = [Wheel("front", 0.5, 0.0, radius=0.1, steered=True), castor("a", -0.3, 0.2), castor("b", -0.3)]
 
 
@@ -31,15 +32,15 @@ ONE_STEERED = [Wheel("front", 0.5, 0.0, radius=0.1, steered=True), castor("a", -
 @pytest.mark.parametrize(("rover", "degrees"), [
     (OMNI, (3, 0)),
     (Rover.mecanum(0.3, 0.2, 0.05), (3, 0)),
-    (Rover.differential(0.5, 0.1), (2, 0)),
-    (Rover.differential(0.5, 0.1, wheels_per_side=3, wheelbase=0.8), (2, 0)),
+    (CART, (2, 0)),
+    (THREE_AXLES, (2, 0)),
     (Rover.tracked(0.5, 0.1, icr_left=0.4), (2, 0)),
     (ROBOT, (2, 0)),
     (Rover(ONE_STEERED), (2, 1)),
     (Rover.ackermann(1.0, 0.6, 0.2), (1, 1)),
     (Rover.tricycle(1.0, 0.6, 0.2), (1, 1)),
     (Rover.bicycle(1.0, 0.3), (1, 1)),
-    (Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15), (1, 1)),
+    (SIX_WHEELS, (1, 1)),
     (Rover.swerve(CORNERS[:2], 0.1), (1, 2)),
     (Rover.swerve(CORNERS, 0.1), (1, 2)),
 ])  # fmt: skip
@@ -91,7 +92,7 @@ def test_both_sides_of_what_counts_as_concurrent(share):
 def test_castors_have_no_say(twist, garbage):
     vx, _, omega = twist
     _, speeds = ROBOT.inverse((vx, 0.0, omega))
-    assert_allclose(speeds[:2], Rover.differential(0.5, 0.1).inverse((vx, 0.0, omega))[1], rtol=0, atol=1e-14)
+    assert_allclose(speeds[:2], CART.inverse((vx, 0.0, omega))[1], rtol=0, atol=1e-14)
     readings = [*speeds[:2], *garbage]
     assert_allclose(ROBOT.forward(None, readings), (vx, 0.0, omega), rtol=0, atol=1e-12)
     for method in ("least_squares", "robust", "middle_wheels"):

@@ -1,10 +1,11 @@
-"""Batches: every kernel level against the plain core, which takes the same rows one by one.
+"""Batches: the same bits at every level, and rows against those of the scalar level.
 
 `SOAK` in the environment multiplies the number of random rows (`make soak`); `-s` shows the worst cases.
 """
 
 import math
 import os
+from collections.abc import Iterable
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
+from tests.rovers import CAR, CART, MECANUM, SIX_SIZES, THREE_AXLES, TRICYCLE
 from tests.strategies import any_twists, layouts
 
 SOAK = int(os.environ.get("SOAK", "1"))
@@ -23,18 +25,18 @@ SIZES = [0.0, -0.0, 5e-324, 1e-310, 1e-200, 1e-120, 1e-30, 1e-9, 0.1, 1.0, 3.0, 
 SWERVE = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 ROVERS = {
     "perseverance": sw.Rover.preset("perseverance"),
-    "limited": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=1.0),
-    "wide": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=(-2.0, 2.5)),
+    "limited": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0),
+    "wide": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-2.0, 2.5)),
     "swerve": sw.Rover.swerve(SWERVE, 0.1),
     "turning swerve": sw.Rover.swerve(SWERVE[:3], 0.1, steering_limit=math.pi),
-    "ackermann": sw.Rover.ackermann(2.0, 1.2, 0.3, steering_limit=0.6),
-    "tricycle": sw.Rover.tricycle(1.0, 0.8, 0.2),
-    "differential": sw.Rover.differential(0.5, 0.1, wheels_per_side=3, wheelbase=0.8),
-    "mecanum": sw.Rover.mecanum(0.3, 0.2, 0.1),
+    "ackermann": CAR,
+    "tricycle": TRICYCLE,
+    "differential": THREE_AXLES,
+    "mecanum": MECANUM,
     "omni": sw.Rover.omni([(0.2, 0), (-0.1, 0.17), (-0.1, -0.17)], [1.57, 3.67, -0.52], 0.05),
     "castor": sw.Rover(
         [
-            *sw.Rover.differential(0.5, 0.1).wheels,
+            *CART.wheels,
             sw.Wheel("castor", 0.3, 0, radius=0.05, castor=True, trail=0.02),
         ]
     ),
@@ -140,6 +142,56 @@ def test_integrate(kernel, dt):
     shares = [worst(found[:, :2], expected[:, :2], way[:, None]), worst(found[:, 2], expected[:, 2], 300.0)]
     print(f"integrate {kernel}: {ROWS} steps of {dt} s, worst {max(shares):.2f} of 4 ulp or 1e-14")
     assert max(shares) <= 1.0
+
+
+def bits(arrays: Iterable[np.ndarray]) -> list[bytes]:
+    """The bits of arrays; both zeros are one."""
+    return [(array + 0.0).tobytes() for array in arrays]
+
+
+GIVEN = ["previous", "previous_speeds", "steering_rates"]
+
+
+def same_at_every_level(rover: sw.Rover, given_: list[str]) -> None:
+    """The inverse with these inputs has the same bits at every level."""
+    generator = np.random.default_rng(14)
+    twists = possible(rover, np.concatenate([corners(rover), random_twists(generator, ROWS)]))
+    shape = len(twists), len(rover.steered_names)
+    every = {
+        "previous": generator.normal(size=shape) * generator.choice([0.0, 0.3, 3.0, 1e9], size=shape),
+        "previous_speeds": generator.normal(size=(len(twists), len(rover.wheels))),
+        # Zero for wheels with trail: what they can do depends on it.
+        "steering_rates": generator.normal(size=shape)
+        * [not w.trail for w in rover.wheels if w.steered]
+        * (generator.random(shape) < 0.5),
+    }
+    options = {name: every[name] for name in given_}
+    expected = bits(rover.inverse(twists, level="scalar", **options))
+    for level in KERNELS:
+        assert bits(rover.inverse(twists, level=level, **options)) == expected
+
+
+@ALL_ROVERS
+@pytest.mark.parametrize("given_", [[], *([name] for name in GIVEN), GIVEN], ids=str)
+def test_every_level_gives_the_same_bits(rover, given_):
+    same_at_every_level(rover, given_)
+
+
+@pytest.mark.parametrize("name", sw.Rover.presets())
+def test_every_level_gives_the_same_bits_for_presets(name):
+    same_at_every_level(sw.Rover.preset(name), [])
+    same_at_every_level(sw.Rover.preset(name), GIVEN)
+
+
+@given(layouts(offset=True), st.lists(any_twists(), min_size=8, max_size=80))
+def test_every_level_gives_the_same_bits_for_any_layout(rover, twists):
+    twists = rover.project(twists, keep="nearest")
+    expected = bits(rover.inverse(twists, level="scalar"))
+    for level in KERNELS:
+        assert bits(rover.inverse(twists, level=level)) == expected
+    for k, twist in enumerate(twists):
+        one = bits(rover.inverse(twist))
+        assert one == bits(array[k] for array in rover.inverse(twists))
 
 
 @ALL_KERNELS

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import reference
+from tests.rovers import CAR, MECANUM, THREE_AXLES
 from tests.strategies import layouts
 
 SOAK = int(os.environ.get("SOAK", "1"))
@@ -22,9 +23,9 @@ ROVERS = {
     "limited": sw.Rover.six_wheel(**SIX, steering_limit=0.9),
     "one-sided": sw.Rover.six_wheel(**SIX, steering_limit=(-1.0, 0.3)),
     "wide": sw.Rover.six_wheel(**SIX, steering_limit=(-2.0, 2.5)),
-    "ackermann": sw.Rover.ackermann(2.0, 1.2, 0.3, steering_limit=0.6),
-    "differential": sw.Rover.differential(0.5, 0.1, wheels_per_side=3, wheelbase=0.8),
-    "mecanum": sw.Rover.mecanum(0.3, 0.2, 0.1),
+    "ackermann": CAR,
+    "differential": THREE_AXLES,
+    "mecanum": MECANUM,
 }
 ALL_ROVERS = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 
@@ -241,7 +242,7 @@ print(peak() - before)
 """
 
 
-@pytest.mark.parametrize("form", ["plain", "float32", "fortran", "swapped"])
+@pytest.mark.parametrize("form", ["doubles", "float32", "fortran", "swapped"])
 @pytest.mark.parametrize("job", ["inverse", "forward", "integrate", "rollout"])
 def test_memory_beside_inputs_and_outputs_stays_small(job, form):
     pytest.importorskip("resource")

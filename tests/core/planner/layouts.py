@@ -7,6 +7,7 @@ import numpy as np
 import six_wheel as sw
 from six_wheel import reference
 from six_wheel.reference.control import planner as plain
+from tests.rovers import THREE_AXLES
 
 SIX = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15}
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
@@ -22,7 +23,7 @@ ROVERS = {
     "tricycle": sw.Rover.tricycle(wheelbase=0.9, track_width=0.6, wheel_radius=0.12),
     "swerve": sw.Rover.swerve(CORNERS, 0.08),
     "narrow swerve": sw.Rover.swerve(CORNERS, 0.08, steering_limit=0.9),
-    "differential": sw.Rover.differential(0.5, 0.1, wheels_per_side=3, wheelbase=0.8),
+    "differential": THREE_AXLES,
     "mecanum": sw.Rover.mecanum(half_wheelbase=0.3, half_track=0.25, wheel_radius=0.1),
     "omni": sw.Rover.omni(
         [(0.3 * math.cos(a), 0.3 * math.sin(a)) for a in RING], [a + math.pi / 2 for a in RING], 0.06

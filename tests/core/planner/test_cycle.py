@@ -5,7 +5,9 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.reference.control import planner as plain
+from six_wheel.reference.control import random_numbers
 from tests.core.planner.layouts import LIMITS, ROVERS, components, twin
+from tests.rovers import SIX_SIZES
 
 ALL_ROVERS = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 # One joint is always set for some motion; two may be set for none.
@@ -69,9 +71,9 @@ def test_the_generator_gives_its_published_words():
     # Random123, kat_vectors: philox4x32 of zeros, 7 and 10 rounds.
     zeros = np.zeros(4, np.uint64)
     words = [0x5F6FB709, 0x0D893F64, 0x4F121F81, 0x4F730A48]
-    assert plain.philox(0, zeros).tolist() == words
+    assert random_numbers.philox(0, zeros).tolist() == words
     words = [0x6627E8D5, 0xE169C58D, 0xBC57AC4C, 0x9B00DBD8]
-    assert plain.philox(0, zeros, rounds=10).tolist() == words
+    assert random_numbers.philox(0, zeros, rounds=10).tolist() == words
 
 
 @pytest.mark.parametrize("name", ["differential", "mecanum"])
@@ -83,7 +85,7 @@ def test_wishes_are_the_noise_of_the_counter(name, dtype):
         rover, horizon=11, samples=3000, seed=2**63 + 5, noise=(1, 1, 1), correlation=0, dtype=dtype
     )
     plan.step((0, 0, 0), goal=(3, 1))
-    noise = plain.normals(2**63 + 5, 0, 3000, 11, components)
+    noise = random_numbers.normals(2**63 + 5, 0, 3000, 11, components)
     wishes = plan.wishes if components == 3 else plan.wishes[..., [0, 2]]
     # Past the rollouts that are no noise; polynomials in single precision, at up to 6 standard deviations.
     np.testing.assert_allclose(wishes[6:], noise[6:], rtol=0, atol=4e-6)
@@ -212,7 +214,7 @@ def test_rollouts_apart_wait_for_the_dead_time_and_start_where_they_are_told():
     way = np.cumsum(np.concatenate([np.zeros(4), np.arange(1, 8) * 0.01]))
     np.testing.assert_allclose(poses[0, :, 0], way, atol=1e-12)
     np.testing.assert_allclose(poses[1, :, :2], np.stack([np.ones(11), 2 + way], axis=1), atol=1e-12)
-    stuck = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=(0.5, 1.0))
+    stuck = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(0.5, 1.0))
     assert (sw.rollout(controls, 0.1, starts, rover=stuck) == np.array(starts)[:, None]).all()
     with pytest.raises(ValueError, match="limits must come with a rover, got none"):
         sw.rollout(controls, 0.1, limits=limits)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
+from tests.rovers import PAIR
 
-PAIR = sw.Rover.differential(track_width=0.4, wheel_radius=0.1)
 KNOWN = sw.Gyroscope(0.002, bias_walk=1e-5)
 NOISE = sw.Noise(speed=0.01, slip=0.02)
 

@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import six_wheel as sw
+from tests.rovers import PAIR
 
-PAIR = sw.Rover.differential(0.4, 0.1)
 SENSOR = (0.25, -0.1, 0.3)
 STAMPS = 0.05 * np.arange(120)
 TOTALS = np.cumsum(np.column_stack((0.2 + 0.1 * np.sin(STAMPS), 0.25 + 0 * STAMPS)), axis=0)

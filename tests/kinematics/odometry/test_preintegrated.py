@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
+from tests.rovers import PAIR, SIX_WHEELS
 
 ROVERS = {
-    "six_wheel": sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15),
-    "differential": sw.Rover.differential(track_width=0.4, wheel_radius=0.1),
+    "six_wheel": SIX_WHEELS,
+    "differential": PAIR,
     "tricycle": sw.Rover.tricycle(wheelbase=0.6, track_width=0.4, wheel_radius=0.1),
     "mecanum": sw.Rover.mecanum(0.2, 0.15, 0.05),
     "omni": sw.Rover.omni([(0.2, 0), (-0.1, 0.17), (-0.1, -0.17)], np.deg2rad((90, 210, -30)), 0.05),
@@ -299,7 +300,7 @@ def test_without_samples_nothing_moved():
 
 def test_the_graph_of_the_page_closes_its_loop_and_finds_the_radii():
     pytest.importorskip("gtsam")
-    page = (Path(__file__).parents[3] / "docs" / "graphs.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "howto" / "graphs.md").read_text(encoding="utf-8")
     shown: dict = {}
     exec(re.search(r"```python\n(.*?)```", page, re.S)[1], shown)
     # The logs are exact: what is left is what the optimiser leaves.

@@ -10,6 +10,7 @@ from six_wheel.kinematics.odometry.tracks import SILENT, can_contradict
 from six_wheel.log_odometry.evaluation import evaluate, slip_against
 from six_wheel.logs import GroundTruth, WheelLog
 from six_wheel.simulation.planar import Slip
+from tests.rovers import SIX_WHEELS, SMALL_PAIR
 
 PAIR = sw.Rover.differential(0.5, (0.1, 0.102))
 STEP, FIRST, LAST = 0.02, 3400, 3550  # [s]; rows in which the left wheel slips
@@ -138,9 +139,9 @@ def test_a_calibration_leaves_a_slide_out_and_says_where(parameters):
 
 
 ROVERS = {
-    "differential": (sw.Rover.differential(0.2, 0.042), sw.Rover.differential(0.2, 0.044)),
+    "differential": (SMALL_PAIR, sw.Rover.differential(0.2, 0.044)),
     "six wheels": (
-        sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15),
+        SIX_WHEELS,
         sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.157),
     ),
     "mecanum": (sw.Rover.mecanum(0.2, 0.2, 0.05), sw.Rover.mecanum(0.2, 0.2, 0.052)),

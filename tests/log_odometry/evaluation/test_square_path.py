@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
+from tests.rovers import SMALL_PAIR as NOMINAL
 
-NOMINAL = sw.Rover.differential(0.2, 0.042)
 SIDE = 2.0
 
 

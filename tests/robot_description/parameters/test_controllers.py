@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel.robot_description.parameters import ParameterFileError, read_parameters
-from six_wheel.robot_description.parameters.foreign.ros2 import CONTROLLERS
+from six_wheel.robot_description.parameters.foreign.forms import FOREIGN
 
 DATA = Path(__file__).parent / "data"
-NAMES = [form.name for form in CONTROLLERS]
+NAMES = [form.name for form in FOREIGN[:8]]  # those of ros2_controllers
 
 
 def text_of(name: str) -> str:
@@ -301,6 +301,7 @@ MISTAKES = {
     "two names": (CAR, "wheelbase", "rear_wheels_radius: 0.4\n    wheelbase", 9, "differ (remove rear_"),
     "no steering": (REAR_DRIVEN, "steering_joints_names: [steering_axis_joint]", "", 2, "is missing"),
     "range": (TRICYCLE, "x_position: 1.4", "x_position: -2.0", 15, "min_position the lower angle below"),
+    "no range": (TRICYCLE, "x_position: 1.4", "x_position: 0.0\n      min_position: 0.0", 15, "0.0 to 0.0"),
     "same joint": (TRICYCLE, ": steering_joint", ": traction_joint", 4, "named both in traction_joint_name"),
     "joint is a list": (TRICYCLE, ": traction_joint", ": [traction_joint]", 3, "must be text, got a list"),
     "kinematics": (MECANUM, "radius: 0.076", "radius: -1.0", 10, "kinematics.wheels_radius must be"),

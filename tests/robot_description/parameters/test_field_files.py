@@ -10,6 +10,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.robot_description.parameters import ParameterFileError, dump, read_parameters
+from tests.rovers import SIX_WHEELS
 
 SHARED = Path(__file__).parents[4] / "shared" / "data" / "configs"
 
@@ -466,7 +467,7 @@ def test_lengths_that_cannot_be_metres_are_questioned(read, factor: float, unit:
 
 def test_commands_and_readings_are_each_others_inverse() -> None:
     turned = ["front_left_steering_joint", "rear_right_wheel_joint"]
-    rover = sw.Rover(sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15).wheels, reversed_joints=turned)
+    rover = sw.Rover(SIX_WHEELS.wheels, reversed_joints=turned)
     twists = np.array([[0.3, 0.0, 0.2], [0.5, 0.0, -0.1]])
     steering, speeds = rover.inverse(twists)
     back = rover.readings(rover.commands(twists))

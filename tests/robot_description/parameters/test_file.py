@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 import six_wheel as sw
 from six_wheel.robot_description import parameters as config
 from six_wheel.robot_description.parameters import ParameterFileError, read_parameters
+from tests.rovers import SIX_SIZES
+from tests.rovers import SIX_WHEELS as ROVER
 
 DATA = Path(__file__).parent / "data"
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
 WHEELS = ROVER.wheel_names
 STEERED = ROVER.steered_names
 TWIST = (0.5, 0.0, 1 / 3)  # R = 1.5 m
@@ -213,7 +214,7 @@ def test_what_a_ros_file_says():
 
 def test_the_plain_form():
     parameters = read_parameters(DATA / "plain.yaml")
-    assert parameters.rover == sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=(-1.0, 1.2))
+    assert parameters.rover == sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-1.0, 1.2))
     assert parameters.node is None
     assert (parameters.odom_frame_id, parameters.base_frame_id) == ("odom", "base_link")
     assert parameters.limits == sw.Limits(speed=1.0, jerk=2.0)

@@ -11,7 +11,7 @@ import six_wheel as sw
 from six_wheel.robot_description import parameters as config
 from six_wheel.robot_description.parameters import ParameterFileError, read_parameters
 from six_wheel.robot_description.parameters.detect_format import KEYS
-from six_wheel.robot_description.parameters.keys import page
+from six_wheel.robot_description.parameters.foreign.keys_page import page
 from six_wheel.robot_description.parameters.schema import NESTED
 from six_wheel.robot_description.parameters.vehicle_types import KINDS
 
@@ -399,8 +399,11 @@ def test_random_values_are_read_or_refused(tmp_path, kind, good, tree, nested):
 # The documentation
 
 DOCS = Path(__file__).parents[3] / "docs"
-DOCUMENT = (DOCS / "parameter_files.md").read_text(encoding="utf-8")
-KEYS_OF_OTHERS = (DOCS / "controller_keys.md").read_text(encoding="utf-8")
+DOCUMENT = "".join(
+    (DOCS / page).read_text(encoding="utf-8")
+    for page in ("reference/parameter_keys.md", "howto/rover_file.md")
+)
+KEYS_OF_OTHERS = (DOCS / "reference" / "other_keys.md").read_text(encoding="utf-8")
 
 
 def test_the_page_of_the_keys_of_others_is_made_from_the_code():

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 import six_wheel as sw
 from six_wheel.robot_description.urdf import read_urdf
 from six_wheel.robot_description.urdf.read import parse_urdf
+from tests.rovers import MECANUM, PAIR, SIX_WHEELS
 
 ROUNDING = 4e-16  # of headings and roller angles, through a sine and back
 
@@ -83,7 +84,7 @@ def test_any_steered_rover_comes_back(
 
 
 def test_rollers_castors_and_wheels_without_motors_come_back() -> None:
-    mecanum = sw.Rover.mecanum(0.3, 0.2, 0.1)
+    mecanum = MECANUM
     found = parse_urdf(mecanum.urdf()).rover
     angles = [[wheel.roller_angle for wheel in rover.wheels] for rover in (mecanum, found)]
     np.testing.assert_allclose(angles[1], angles[0], atol=ROUNDING)
@@ -100,7 +101,7 @@ def test_rollers_castors_and_wheels_without_motors_come_back() -> None:
 
 def test_names_that_a_description_cannot_have_are_refused() -> None:
     with pytest.raises(ValueError, match="name must have visible characters"):
-        sw.Rover.differential(0.4, 0.1).urdf("")
+        PAIR.urdf("")
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of trimesh, about how yourdfpy calls it
@@ -122,9 +123,7 @@ def test_yourdfpy_reads_what_is_written(name: str, tmp_path: Path) -> None:
             np.testing.assert_allclose(place, frames[f"A{k}"][:3, 3], atol=1e-14)
 
 
-@pytest.mark.parametrize(
-    "text", [sw.RockerBogie.perseverance().urdf(), sw.Rover.mecanum(0.3, 0.2, 0.1).urdf()]
-)
+@pytest.mark.parametrize("text", [sw.RockerBogie.perseverance().urdf(), MECANUM.urdf()])
 def test_urdf_parser_py_reads_what_is_written(text: str) -> None:
     description = pytest.importorskip("urdf_parser_py.urdf")
     robot = description.URDF.from_xml_string(text)
@@ -134,7 +133,7 @@ def test_urdf_parser_py_reads_what_is_written(text: str) -> None:
 
 
 def test_the_frame_of_a_planar_rover_lies_on_the_ground() -> None:
-    found = parse_urdf(sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15).urdf())
+    found = parse_urdf(SIX_WHEELS.urdf())
     assert [each.centre[2] for each in found.wheels.values()] == [0.15] * 6
     assert read_urdf is not None
     assert math.isclose(found.up, 1.0)

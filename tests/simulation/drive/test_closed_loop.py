@@ -23,13 +23,14 @@ from six_wheel.simulation.drive import (  # noqa: E402
     drive,
 )
 from six_wheel.simulation.drive.min_max_thinning import BINS, Course  # noqa: E402
+from tests.rovers import CART as DIFFERENTIAL  # noqa: E402
+from tests.rovers import SIX_SIZES  # noqa: E402
 
 ROUNDING = 1e-9  # relative: a difference of values with 1e-16 over a step of 1/200 s, and room
 RATE = 50.0
 
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.0)
+ROVER = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0)
 SWERVE = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.08)
-DIFFERENTIAL = sw.Rover.differential(0.5, 0.1)
 ROVERS = {"six_wheel": ROVER, "swerve": SWERVE, "differential": DIFFERENTIAL}
 LIMITS = sw.Limits(
     speed=0.8,

@@ -20,11 +20,12 @@ from six_wheel.kinematics.odometry.thinning import TRACE_ROWS, Trace  # noqa: E4
 from six_wheel.logs import replacing  # noqa: E402
 from six_wheel.logs import tables as logs  # noqa: E402
 from six_wheel.simulation.drive import Drive, drive  # noqa: E402
+from tests.rovers import SIX_SIZES  # noqa: E402
+from tests.rovers import SIX_WHEELS as ROVER  # noqa: E402
 
 ROUNDING = 1e-12  # [m, rad] of a few hundred steps of about a metre
 
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
-LIMITED = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=np.pi / 3)
+LIMITED = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=np.pi / 3)
 SWERVE = sw.Rover(
     [
         sw.Wheel(name, x, y, radius=0.1, steered=True, steering_limit=3.5)
@@ -223,7 +224,7 @@ def test_what_cannot_be_kept_names_its_row(tmp_path: Path) -> None:
         [0, 0, 0],
         [0, 0, 0.3],
     ]  # this rover cannot spin about a centre 0.2 m away, nor at 0
-    limited = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=0.3)
+    limited = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=0.3)
     with pytest.raises(logs.TableError, match=r"row 3 \(line 4\): ") as caught:
         drive(limited, write(tmp_path / "c.csv", [0, 1, 2], twists))
     assert "--keep" in str(caught.value)

@@ -12,12 +12,11 @@ pa = pytest.importorskip("pyarrow")
 csv = pytest.importorskip("pyarrow.csv")
 
 from six_wheel.simulation.drive import Loop, drive  # noqa: E402
+from tests.rovers import SIX_SIZES  # noqa: E402
 
 RATE, DURATION = 50.0, 10.0  # [Hz, s]
 ROVERS = {
-    "six_wheel": sw.Rover.six_wheel(
-        d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.0472
-    ),
+    "six_wheel": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0472),
     "open_source_rover": sw.Rover.preset("open_source_rover"),
     "perseverance": sw.Rover.preset("perseverance"),
     "swerve": sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.08),

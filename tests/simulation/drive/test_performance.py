@@ -15,8 +15,9 @@ from six_wheel.simulation.drive.performance import (
     stop_from,
     time_to_full_lock,
 )
+from tests.rovers import CART, SIX_SIZES
 
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.0)
+ROVER = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0)
 LIMITS = sw.Limits(speed=0.6, yaw_rate=0.9, wheel_speed=6.0, lateral_acceleration=0.2)
 
 
@@ -55,7 +56,7 @@ def test_what_is_left_out_has_a_default():
             "halt_deceleration": 0.5,
         }
     )
-    assert "steering_rate" not in defaults(sw.Rover.differential(0.5, 0.1), sw.Limits())
+    assert "steering_rate" not in defaults(CART, sw.Limits())
 
 
 def test_a_halt_has_its_own_deceleration():
@@ -129,7 +130,7 @@ def test_a_rover_of_any_kind_has_a_picture():
     square = [(0.3, 0.3), (0.3, -0.3), (-0.3, 0.3), (-0.3, -0.3)]
     for rover in (
         sw.Rover.swerve(square, 0.05),
-        sw.Rover.differential(0.5, 0.1),
+        CART,
         sw.Rover.ackermann(2.5, 1.5, 0.3, steering_limit=0.6),
         sw.Rover.mecanum(0.3, 0.25, 0.08),
     ):

@@ -7,8 +7,9 @@ import numpy as np
 
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.estimates import timed_path
-from six_wheel.calibration.fitting import Problem, solve
+from six_wheel.calibration.fitting import solve
 from six_wheel.calibration.model import Model
+from six_wheel.calibration.problem import Problem
 from six_wheel.kinematics.odometry.dimensions import size
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.slip import Stretch, lost_stretches, merged

@@ -9,8 +9,8 @@ import numpy as np
 
 from six_wheel._core import Rover
 from six_wheel.calibration.drives import Drive
-from six_wheel.calibration.fitting import Problem, Solution
 from six_wheel.calibration.model import Model
+from six_wheel.calibration.problem import Problem, Solution
 from six_wheel.kinematics.odometry.dimensions import size
 from six_wheel.kinematics.poses import Floats
 

@@ -1,33 +1,59 @@
 """`six-wheel calibrate`: a rover's true dimensions from its logs."""
 
-import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from six_wheel.cli.log_options import (
-    ColumnOption,
-    ExampleOption,
-    FormatOption,
-    GearOption,
-    ModulusOption,
-    PerSampleOption,
-    PlotOption,
-    ReadingOption,
-    ReportOption,
-    ResolutionOption,
-    TopicOption,
-    TruthTopicOption,
-    choose_with_logs,
-    log_options,
-)
-from six_wheel.cli.names import PROGRAM
-from six_wheel.cli.shared import AsOption, NodeOption, RadiusOption, Reading, grid, new_console, progress_bar
+from six_wheel.cli.log_options import ExampleOption, LogReading, PlotOption, ReportOption, choose_with_logs
+from six_wheel.cli.shared import Reading, grid, new_console, progress_bar, warn
 
 if TYPE_CHECKING:
     from six_wheel.calibration.files import Calibrated
+
+
+class FitOptions(NamedTuple):
+    """Options of the fit."""
+
+    parameters: Annotated[
+        str,
+        typer.Option(
+            metavar="auto|NAME,NAME,...",
+            help="What to find: wheel_radius, wheel_radii, track_width, wheelbase, steering_offset, ... "
+            "auto takes what predicts runs best that were not fitted.",
+        ),
+    ] = "auto"
+    loss: Annotated[
+        str,
+        typer.Option(
+            metavar="auto|soft_l1|linear|huber|cauchy",
+            help="How much stretches count in which it slipped; auto leaves long ones out.",
+        ),
+    ] = "auto"
+    window: Annotated[
+        list[float] | None, typer.Option(help="Length of the stretches that are compared [m]; several times.")
+    ] = None
+    confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95
+    cross_validation: Annotated[
+        bool, typer.Option(help="Leave out one session, run or part after another, and predict it.")
+    ] = True
+    max_time_offset: Annotated[
+        float, typer.Option(help="Largest time offset looked for, with time_offset in --parameters [s].")
+    ] = 0.5
+    cluster: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Dask scheduler that fits, as tcp://10.0.0.7:8786."),
+    ] = None
+    workers: Annotated[
+        int | None, typer.Option(help="Processes that fit; default one, one per core from eight logs on.")
+    ] = None
+
+    def of_calibrate(self) -> dict[str, Any]:
+        """Arguments of `calibrate`."""
+        names = [name.strip() for name in self.parameters.split(",") if name.strip()]
+        options = self._asdict() | {"parameters": "auto" if names == ["auto"] else names}
+        return options | {"window": self.window or None, "client": options.pop("cluster")}
 
 
 def calibrate(
@@ -52,68 +78,16 @@ def calibrate(
     plot: PlotOption = None,
     report: ReportOption = None,
     example: ExampleOption = False,
-    parameters: Annotated[
-        str,
-        typer.Option(
-            metavar="auto|NAME,NAME,...",
-            help="What to find: wheel_radius, wheel_radii, track_width, wheelbase, steering_offset, ... "
-            "auto takes what predicts runs best that were not fitted.",
-        ),
-    ] = "auto",
-    loss: Annotated[
-        str,
-        typer.Option(
-            metavar="auto|soft_l1|linear|huber|cauchy",
-            help="How much stretches count in which it slipped; auto leaves long ones out.",
-        ),
-    ] = "auto",
-    window: Annotated[
-        list[float] | None, typer.Option(help="Length of the stretches that are compared [m]; several times.")
-    ] = None,
-    confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95,
-    cross_validation: Annotated[
-        bool, typer.Option(help="Leave out one session, run or part after another, and predict it.")
-    ] = True,
-    max_time_offset: Annotated[
-        float, typer.Option(help="Largest time offset looked for, with time_offset in --parameters [s].")
-    ] = 0.5,
-    cluster: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Dask scheduler that fits, as tcp://10.0.0.7:8786."),
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(help="Processes that fit; default one, one per core from eight logs on.")
-    ] = None,
-    format: FormatOption = None,
-    reading: ReadingOption = None,
-    resolution: ResolutionOption = None,
-    gear: GearOption = None,
-    modulus: ModulusOption = None,
-    per_sample: PerSampleOption = False,
-    column: ColumnOption = None,
-    topic: TopicOption = None,
-    truth_topic: TruthTopicOption = None,
-    node: NodeOption = None,
-    as_: AsOption = None,
-    wheel_radius: RadiusOption = None,
+    *,
+    fit: FitOptions,
+    log_reading: LogReading,
+    file: Reading,
 ) -> None:
-    given = dict(locals())
-    chosen, paths = choose_with_logs(rover, list(logs or []), example, Reading(node, as_, wheel_radius))
+    chosen, paths = choose_with_logs(rover, list(logs or []), example, file)
     # After the file of the rover is known to be good: SciPy takes its time.
     from six_wheel.calibration.files import calibrate_files
     from six_wheel.cli.report.markdown import CALIBRATION_PICTURES, reporting
 
-    names: Any = [name.strip() for name in parameters.split(",") if name.strip()]
-    options = {
-        "parameters": "auto" if names == ["auto"] else names,
-        "loss": loss,
-        "window": window or None,
-        "confidence": confidence,
-        "cross_validation": cross_validation,
-        "max_time_offset": max_time_offset,
-        "client": cluster,
-        "workers": workers,
-    }
     title = chosen.name.removesuffix("_metadata")
     sources = [*paths, *(truth or []), *([chosen.path] if chosen.path else [])]
     with (
@@ -134,12 +108,11 @@ def calibrate(
             parameters=chosen.parameters,
             truths=truth or [],
             finish=finish,
-            log_options=log_options(chosen, given),
-            options=options,
+            log_options=log_reading.options(chosen),
+            options=fit.of_calibrate(),
             progress=progress,
         )
-    for warning in done.warnings:
-        print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
+    warn(done.warnings)
     _show(done, [("calibrated rover", output), ("picture", plot), ("report", report)])
 
 

@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from six_wheel.cli.shared import (
-    AsOption,
     Chosen,
-    NodeOption,
-    RadiusOption,
     Reading,
     RoverArgument,
     choose,
@@ -32,16 +29,15 @@ GUESSED = (
 
 def check(
     rover: RoverArgument,
-    node: NodeOption = None,
-    as_: AsOption = None,
-    wheel_radius: RadiusOption = None,
+    *,
+    reading: Reading,
     plot: Annotated[
         Path | None,
         typer.Option(help="Picture of what the limits leave, and which one binds where: .png, .svg or .pdf."),
     ] = None,
 ) -> None:
     try:
-        chosen = choose(rover, Reading(node, as_, wheel_radius))
+        chosen = choose(rover, reading)
     except ValueError as error:
         findings = getattr(error, "findings", None)
         if not findings:

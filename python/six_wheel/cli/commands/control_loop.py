@@ -1,24 +1,20 @@
 """Commands of the control loop: `six-wheel node` and `filter`, which take arguments of ROS, and `replay`."""
 
 import contextlib
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from six_wheel.cli.names import PROGRAM
 from six_wheel.cli.shared import (
-    AsOption,
     Chosen,
-    NodeOption,
-    RadiusOption,
     Reading,
     RoverArgument,
     choose,
     grid,
     new_console,
     progress_bar,
+    warn,
 )
 
 if TYPE_CHECKING:
@@ -31,21 +27,19 @@ PASSING = {"allow_extra_args": True, "ignore_unknown_options": True}
 def node(
     context: typer.Context,
     rover: RoverArgument,
-    node: NodeOption = None,
-    as_: AsOption = None,
-    wheel_radius: RadiusOption = None,
+    *,
+    reading: Reading,
 ) -> None:
-    raise typer.Exit(_run("node", context, choose(rover, Reading(node, as_, wheel_radius))))
+    raise typer.Exit(_run("node", context, choose(rover, reading)))
 
 
 def command_filter(
     context: typer.Context,
     rover: RoverArgument,
-    node: NodeOption = None,
-    as_: AsOption = None,
-    wheel_radius: RadiusOption = None,
+    *,
+    reading: Reading,
 ) -> None:
-    raise typer.Exit(_run("filter", context, choose(rover, Reading(node, as_, wheel_radius))))
+    raise typer.Exit(_run("filter", context, choose(rover, reading)))
 
 
 def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: Chosen) -> int:
@@ -106,8 +100,7 @@ def replay(
             from six_wheel.plotting.saving import save
 
             save(replay_figure(result, title=record.name), picture)
-    for warning in result.warnings:
-        print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
+    warn(result.warnings)
     difference = compare(result)
     console = new_console()
     console.print(_table(difference))

@@ -1,25 +1,22 @@
 """`six-wheel drive`: a table of commands, directly or through the controller."""
 
 import math
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from six_wheel.cli.names import PROGRAM
 from six_wheel.cli.shared import (
-    AsOption,
     Chosen,
-    NodeOption,
-    RadiusOption,
     Reading,
+    ResultsOption,
     RoverArgument,
     angle_text,
     choose,
     grid,
     new_console,
     progress_bar,
+    warn,
 )
 
 if TYPE_CHECKING:
@@ -30,62 +27,63 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-9  # of a value that is a difference over a step: within it a limit is kept
 
+RateOption = Annotated[
+    float | None,
+    typer.Option(
+        metavar="HZ",
+        help="Through the controller, which keeps the limits of the parameter file: commands come when "
+        "their times say, rows of the results at this rate, until the rover stands. Without it so too if "
+        "the file has limits or control, at 1/period or 50 Hz.",
+    ),
+]
+DirectOption = Annotated[
+    bool,
+    typer.Option("--direct", help="Without the controller: what a row says is done at once, until the next."),
+]
+PictureOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="Picture of the path; through the controller also of commands, joints, limits and reasons "
+        "over time: .png, .svg or .pdf."
+    ),
+]
+HaltOption = Annotated[
+    float | None,
+    typer.Option(
+        metavar="T",
+        help="Halt the rover so many seconds after the first command, at halt_deceleration, for good.",
+    ),
+]
+KeepOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="curvature|speed|yaw_rate|nearest",
+        help="Drive the nearest possible where the rover cannot do as told, keeping this. "
+        "Without it such a row is an error; the controller keeps the curvature.",
+    ),
+]
+
 
 def drive(
     rover: RoverArgument,
     commands: Annotated[
         Path, typer.Argument(metavar="COMMANDS", help="Table with time, vx, vy, omega: .csv or .parquet.")
     ],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Where the results go: .csv, .parquet or .mcap.")
-    ] = None,
-    rate: Annotated[
-        float | None,
-        typer.Option(
-            metavar="HZ",
-            help="Through the controller, which keeps the limits of the parameter file: commands come when "
-            "their times say, rows of the results at this rate, until the rover stands. Without it so too if "
-            "the file has limits or control, at 1/period or 50 Hz.",
-        ),
-    ] = None,
-    direct: Annotated[
-        bool,
-        typer.Option(
-            "--direct", help="Without the controller: what a row says is done at once, until the next."
-        ),
-    ] = False,
-    plot: Annotated[
-        Path | None,
-        typer.Option(
-            help="Picture of the path; through the controller also of commands, joints, limits and reasons "
-            "over time: .png, .svg or .pdf."
-        ),
-    ] = None,
-    halt: Annotated[
-        float | None,
-        typer.Option(
-            metavar="T",
-            help="Halt the rover so many seconds after the first command, at halt_deceleration, for good.",
-        ),
-    ] = None,
-    keep: Annotated[
-        str | None,
-        typer.Option(
-            metavar="curvature|speed|yaw_rate|nearest",
-            help="Drive the nearest possible where the rover cannot do as told, keeping this. "
-            "Without it such a row is an error; the controller keeps the curvature.",
-        ),
-    ] = None,
-    node: NodeOption = None,
-    as_: AsOption = None,
-    wheel_radius: RadiusOption = None,
+    output: ResultsOption = None,
+    rate: RateOption = None,
+    direct: DirectOption = False,
+    plot: PictureOption = None,
+    halt: HaltOption = None,
+    keep: KeepOption = None,
+    *,
+    reading: Reading,
     chunk_rows: Annotated[int, typer.Option(help="Most rows in memory at a time.")] = 200_000,
 ) -> None:
     if direct and rate is not None:
         raise ValueError(f"--rate must be left out with --direct, which has no loop, got {rate:g}")
     if direct and halt is not None:
         raise ValueError(f"--halt must be left out with --direct, which has no controller, got {halt:g}")
-    chosen = choose(rover, Reading(node, as_, wheel_radius))
+    chosen = choose(rover, reading)
     loop = None if direct else _loop(chosen, rate, halt)
     # After the file of the rover is known to be good: Arrow takes its time.
     from six_wheel.cli.report.markdown import reporting
@@ -114,8 +112,7 @@ def drive(
             sources=sources,
             progress=progress,
         )
-    for warning in summary.warnings:
-        print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
+    warn(summary.warnings)
     rows = [*_summary(summary, chosen.limits, halt), ("results", output), ("picture", plot)]
     new_console().print(grid(rows))
 

@@ -2,49 +2,96 @@
 
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
 import typer
 
 from six_wheel.cli.log_options import (
-    ColumnOption,
     ExampleOption,
-    FormatOption,
-    GearOption,
-    ModulusOption,
-    PerSampleOption,
+    LogReading,
     PlotOption,
-    ReadingOption,
     ReportOption,
-    ResolutionOption,
-    TopicOption,
     TruthOption,
-    TruthTopicOption,
     choose_with_logs,
-    log_options,
 )
 from six_wheel.cli.names import PROGRAM
-from six_wheel.cli.shared import (
-    AsOption,
-    Chosen,
-    NodeOption,
-    RadiusOption,
-    Reading,
-    grid,
-    new_console,
-    progress_bar,
-)
+from six_wheel.cli.shared import Chosen, Reading, grid, new_console, progress_bar, warn
 
 if TYPE_CHECKING:
-    from six_wheel.log_odometry.run_log import Reckoned
+    from six_wheel.log_odometry.results import Reckoned, Settings
+Options: TypeAlias = Callable[[], dict[str, Any]]
+"""Arguments of dead reckoning, refused if they are wrong once the files are known to be good."""
 
-NOISE = {
-    "speed_noise": "speed",
-    "steering_noise": "steering",
-    "slip_noise": "slip",
-    "side_slip_noise": "side_slip",
-}
+
+class Files(NamedTuple):
+    """Files that are read beside the log, and written."""
+
+    truth: TruthOption = None
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            help="Poses, twists, covariances, residuals: .csv or .parquet; a record: .mcap; "
+            "of several logs a folder, where a run that was stopped goes on.",
+        ),
+    ] = None
+    plot: PlotOption = None
+    report: ReportOption = None
+
+
+class Estimate(NamedTuple):
+    """Options of the estimated poses."""
+
+    start: Annotated[
+        tuple[float, float, float],
+        typer.Option(metavar="X Y YAW", help="First pose [m, m, rad]."),
+    ] = (0.0, 0.0, 0.0)
+    speed_noise: Annotated[float | None, typer.Option(help="Of the wheels, as rim speed [m/s].")] = None
+    steering_noise: Annotated[float | None, typer.Option(help="Of the steering angles [rad].")] = None
+    slip_noise: Annotated[float | None, typer.Option(help="Along the wheels [m per root m].")] = None
+    side_slip_noise: Annotated[float | None, typer.Option(help="Across the wheels [m per root m].")] = None
+    robust: Annotated[
+        bool, typer.Option("--robust", help="Give wheels that contradict the others less say.")
+    ] = False
+    inflate: Annotated[
+        bool, typer.Option("--inflate", help="Widen the covariance where wheels disagree.")
+    ] = False
+
+    def settings(self, chosen: Chosen) -> "Settings":
+        """Settings of dead reckoning: those of the parameter file, overridden by the arguments."""
+        from six_wheel._core import Noise
+        from six_wheel.log_odometry.results import Settings
+
+        said = chosen.parameters
+        noise = dict(said.noise) if said else {}
+        for key in ("speed", "steering", "slip", "side_slip"):
+            if (given := getattr(self, f"{key}_noise")) is not None:
+                noise[key] = given
+        options = dict(said.odometry) if said else {}
+        if said and (dimensions := said.dimensions) is not None:
+            options["dimensions"] = dimensions.tolist()  # a journal's key has their text
+        options |= {"method": "robust"} if self.robust else {}
+        options |= {"inflate": True} if self.inflate else {}
+        known, period = (said.known_gyroscope, said.gyroscope.get("period")) if said else (None, None)
+        return Settings(Noise(**noise), options, self.start, known, period)
+
+
+class ManyLogs(NamedTuple):
+    """Options for several logs."""
+
+    ending: Annotated[str, typer.Option(metavar=".csv|.parquet", help="Of the tracks of several logs.")] = (
+        ".csv"
+    )
+    cluster: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Dask scheduler for several logs, as tcp://10.0.0.7:8786."),
+    ] = None
+    workers: Annotated[int | None, typer.Option(help="Processes for several logs; default one per core.")] = (
+        None
+    )
 
 
 def odometry(
@@ -58,71 +105,43 @@ def odometry(
             help="Table (.csv, .parquet), ROS 2 bag, or OptiOdom run; of several, or a folder, a track each.",
         ),
     ] = None,
-    truth: TruthOption = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            help="Poses, twists, covariances, residuals: .csv or .parquet; a record: .mcap; "
-            "of several logs a folder, where a run that was stopped goes on.",
-        ),
-    ] = None,
-    plot: PlotOption = None,
-    report: ReportOption = None,
+    *,
+    files: Files,
     example: ExampleOption = False,
-    format: FormatOption = None,
-    reading: ReadingOption = None,
-    resolution: ResolutionOption = None,
-    gear: GearOption = None,
-    modulus: ModulusOption = None,
-    per_sample: PerSampleOption = False,
-    column: ColumnOption = None,
-    topic: TopicOption = None,
-    truth_topic: TruthTopicOption = None,
-    start: Annotated[
-        tuple[float, float, float],
-        typer.Option(metavar="X Y YAW", help="First pose [m, m, rad]."),
-    ] = (0.0, 0.0, 0.0),
-    speed_noise: Annotated[float | None, typer.Option(help="Of the wheels, as rim speed [m/s].")] = None,
-    steering_noise: Annotated[float | None, typer.Option(help="Of the steering angles [rad].")] = None,
-    slip_noise: Annotated[float | None, typer.Option(help="Along the wheels [m per root m].")] = None,
-    side_slip_noise: Annotated[float | None, typer.Option(help="Across the wheels [m per root m].")] = None,
-    robust: Annotated[
-        bool, typer.Option("--robust", help="Give wheels that contradict the others less say.")
-    ] = False,
-    inflate: Annotated[
-        bool, typer.Option("--inflate", help="Widen the covariance where wheels disagree.")
-    ] = False,
+    log_reading: LogReading,
+    estimate: Estimate,
     length: Annotated[float, typer.Option(help="Of the stretches for the error per distance [m].")] = 0.5,
-    node: NodeOption = None,
-    as_: AsOption = None,
-    wheel_radius: RadiusOption = None,
-    ending: Annotated[
-        str, typer.Option(metavar=".csv|.parquet", help="Of the tracks of several logs.")
-    ] = ".csv",
-    cluster: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Dask scheduler for several logs, as tcp://10.0.0.7:8786."),
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(help="Processes for several logs; default one per core.")
-    ] = None,
+    file: Reading,
+    many: ManyLogs,
     chunk_rows: Annotated[int, typer.Option(help="Most rows in memory at a time.")] = 65_536,
 ) -> None:
-    given = dict(locals())
-    chosen, paths = choose_with_logs(rover, log or [], example, Reading(node, as_, wheel_radius))
+    chosen, paths = choose_with_logs(rover, log or [], example, file)
     path = paths[0]
+
+    def options() -> dict[str, Any]:
+        return {
+            "truth": files.truth,
+            "log_options": log_reading.options(chosen),
+            "settings": estimate.settings(chosen),
+            "length": length,
+        }
+
     if len(paths) > 1 or (path.is_dir() and not (path / "metadata.yaml").exists()):
-        _reckon_all(chosen, paths, given)
+        _reckon_all(chosen, paths, files, many, options)
         return
-    if cluster is not None:
+    if many.cluster is not None:
         raise ValueError(f"--cluster is for several logs or a folder of them, got {path}")
+    _reckon(chosen, path, files, options, chunk_rows)
+
+
+def _reckon(chosen: Chosen, path: Path, files: Files, options: Options, chunk_rows: int) -> None:
+    """The track of one log."""
     # After the file of the rover is known to be good: Arrow takes its time.
     from six_wheel.cli.report.log_odometry import facts, judged, slipped, written
     from six_wheel.cli.report.markdown import reporting
     from six_wheel.log_odometry.run_log import reckon
 
+    truth, output, plot, report = files
     sources = [chosen.path] if chosen.path else []
     with (
         progress_bar(f"reckoning {path.name}") as progress,
@@ -140,46 +159,39 @@ def odometry(
             chosen.rover,
             path,
             output,
-            truth=truth,
             finish=finish,
-            log_options=log_options(chosen, given),
-            settings=_settings(chosen, given),
-            length=length,
             chunk_rows=chunk_rows,
             sources=sources,
             progress=progress,
+            **options(),
         )
-    for warning in result.warnings:
-        print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
+    warn(result.warnings)
     rows = [*facts(result), *slipped(result), *judged(result.evaluation)]
-    files = [("results", output), ("picture", plot), ("report", report)]
+    written_files = [("results", output), ("picture", plot), ("report", report)]
     took = f"{result.elapsed:.3g} s, {result.rows / result.elapsed:,.0f} rows/s"
-    new_console().print(grid([*rows, *files, ("took", took)]))
+    new_console().print(grid([*rows, *written_files, ("took", took)]))
 
 
-def _reckon_all(chosen: Chosen, paths: list[Path], given: dict[str, Any]) -> None:
+def _reckon_all(chosen: Chosen, paths: list[Path], files: Files, many: ManyLogs, options: Options) -> None:
     """A track for every log, and what failed; exit code 1 where some did."""
     from six_wheel.log_odometry.many_logs import FleetLog, reckon_all
 
-    if given["output"] is None:
+    if files.output is None:
         raise ValueError(f"several logs need a folder for their tracks: give -o, got {len(paths)} paths")
     for option in ("plot", "report"):
-        if given[option] is not None:
+        if getattr(files, option) is not None:
             raise ValueError(f"--{option} is for one log, got {paths[0]} and others")
     begin, done = time.monotonic(), list[FleetLog]()
     with progress_bar("logs") as progress:
         for one in reckon_all(
             chosen.rover,
             paths,
-            given["output"],
-            ending=given["ending"],
-            truth=given["truth"],
-            log_options=log_options(chosen, given),
-            settings=_settings(chosen, given),
-            length=given["length"],
-            client=given["cluster"],
-            workers=given["workers"],
+            files.output,
+            ending=many.ending,
+            client=many.cluster,
+            workers=many.workers,
             tell=progress,
+            **options(),
         ):
             done.append(one)
             if one.failure is not None:
@@ -195,27 +207,9 @@ def _reckon_all(chosen: Chosen, paths: list[Path], given: dict[str, Any]) -> Non
         ("ATE", f"{errors[len(errors) // 2]:.4f} m, the median of {len(errors)} logs" if errors else None),
         ("done before", resumed or None),
         ("failed", failed or None),
-        ("tracks", given["output"]),
+        ("tracks", files.output),
         ("took", f"{time.monotonic() - begin:.3g} s"),
     ]
     new_console().print(grid(rows))
     if failed:
         raise typer.Exit(1)
-
-
-def _settings(chosen: Chosen, given: dict[str, Any]) -> Any:
-    """Settings of dead reckoning: those of the parameter file, overridden by the arguments."""
-    from six_wheel._core import Noise
-    from six_wheel.log_odometry.run_log import Settings
-
-    noise = dict(chosen.parameters.noise) if chosen.parameters else {}
-    noise |= {key: given[option] for option, key in NOISE.items() if given[option] is not None}
-    options = dict(chosen.parameters.odometry) if chosen.parameters else {}
-    if chosen.parameters and (dimensions := chosen.parameters.dimensions) is not None:
-        options["dimensions"] = dimensions.tolist()  # a journal's key has their text
-    options |= {"method": "robust"} if given["robust"] else {}
-    options |= {"inflate": True} if given["inflate"] else {}
-    known, period = None, None
-    if chosen.parameters:
-        known, period = chosen.parameters.known_gyroscope, chosen.parameters.gyroscope.get("period")
-    return Settings(Noise(**noise), options, given["start"], known, period)

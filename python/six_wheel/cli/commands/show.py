@@ -1,24 +1,20 @@
 """`six-wheel show`: a rover from above, as it makes one motion."""
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from six_wheel.cli.names import PROGRAM
 from six_wheel.cli.shared import (
-    AsOption,
     Chosen,
-    NodeOption,
-    RadiusOption,
     Reading,
     choose,
     choose_suspension,
+    warn,
 )
 
 if TYPE_CHECKING:
-    pass
+    from matplotlib.figure import Figure
 
 Motion = tuple[float, float, float]
 SPEED = 0.5  # [m/s] of the motion that is drawn where none is given and no limit is lower
@@ -53,40 +49,48 @@ def show(
     side: Annotated[
         bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie.")
     ] = False,
-    node: NodeOption = None,
-    as_: AsOption = None,
-    wheel_radius: RadiusOption = None,
+    *,
+    reading: Reading,
 ) -> None:
     if layout is not None:
-        print(_write_layout(rover, Reading(node, as_, wheel_radius), layout))
-        return
-    from six_wheel.logs.writing import replacing
-    from six_wheel.plotting.saving import picture_path, save
+        print(_write_layout(rover, reading, layout))
+    elif side:
+        print(_draw_side(rover, reading, output))
+    else:
+        print(_draw_above(rover, reading, output, twist))
 
-    if side:
-        from six_wheel.plotting.ground.side import side_figure
 
-        arm, name = choose_suspension(rover, Reading(node, as_, wheel_radius))
-        target = picture_path(output or Path(f"{name}_from_the_side.png"))
-        figure = side_figure(arm, title=name)
-        with replacing(target, []) as temporary:
-            save(figure, temporary)
-        print(target.resolve())
-        return
-    chosen = choose(rover, Reading(node, as_, wheel_radius))
+def _draw_side(rover: str, reading: Reading, output: Path | None) -> Path:
+    """Draw a suspension from the side; where the picture is."""
+    from six_wheel.plotting.ground.side import side_figure
+    from six_wheel.plotting.saving import picture_path
+
+    arm, name = choose_suspension(rover, reading)
+    target = picture_path(output or Path(f"{name}_from_the_side.png"))
+    return _save(side_figure(arm, title=name), target, [])
+
+
+def _draw_above(rover: str, reading: Reading, output: Path | None, twist: Motion | None) -> Path:
+    """Draw a rover as it makes a motion; where the picture is."""
+    from six_wheel.plotting.saving import picture_path
+
+    chosen = choose(rover, reading)
     from six_wheel.plotting.twist import show_figure
 
     target = picture_path(output or Path(f"{chosen.name}_from_above.png"))
-    if twist is None:
-        motion = left_turn(chosen)
-    else:
-        motion = twist
-        for line in _past(chosen, motion):
-            print(f"{PROGRAM}: warning: {line}", file=sys.stderr)
-    figure = show_figure(chosen.rover, motion, title=chosen.name)
-    with replacing(target, [chosen.path] if chosen.path else []) as temporary:
+    if twist is not None:
+        warn(_past(chosen, twist))
+    figure = show_figure(chosen.rover, twist or left_turn(chosen), title=chosen.name)
+    return _save(figure, target, [chosen.path] if chosen.path else [])
+
+
+def _save(figure: "Figure", target: Path, sources: list[Path]) -> Path:
+    from six_wheel.logs.writing import replacing
+    from six_wheel.plotting.saving import save
+
+    with replacing(target, sources) as temporary:
         save(figure, temporary)
-    print(target.resolve())
+    return target.resolve()
 
 
 def left_turn(chosen: Chosen) -> Motion:

@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from six_wheel.cli.shared import (
-    AsOption,
     Chosen,
-    NodeOption,
-    RadiusOption,
     Reading,
+    ResultsOption,
     choose,
     choose_suspension,
     grid,
@@ -24,6 +22,42 @@ if TYPE_CHECKING:
     from six_wheel._core import RockerBogie, Terrain
     from six_wheel.simulation.planar import Simulation
     from six_wheel.simulation.sticking import Controlled, Stick
+
+
+class Run(NamedTuple):
+    """Options of the drive."""
+
+    start: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y,YAW",
+            help="First pose [m, m, rad]; default that of a path, the middle of a map or the origin.",
+        ),
+    ] = None
+    speed: Annotated[float, typer.Option(metavar="V", help="Along a path [m/s].")] = 0.5
+    rate: Annotated[float, typer.Option(metavar="HZ", help="Samples per second.")] = 10.0
+    seed: Annotated[int, typer.Option(help="Of all that is random.")] = 0
+    stick: Annotated[
+        str | None,
+        typer.Option(
+            metavar="JOINT@T",
+            help="A steering joint that sticks so many seconds after the first command: the rover is driven "
+            "through the controller, with the limits of the parameter file.",
+        ),
+    ] = None
+
+
+class Pictures(NamedTuple):
+    """Pictures of the drive."""
+
+    plot: Annotated[
+        Path | None,
+        typer.Option(help="Picture of the drive, over a map in three dimensions: .png, .svg or .pdf."),
+    ] = None
+    speeds: Annotated[
+        Path | None,
+        typer.Option(help="Picture of the wheels' speeds against those on level ground: .png, .svg or .pdf."),
+    ] = None
 
 
 def simulate(
@@ -46,50 +80,23 @@ def simulate(
             metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII, bag; default a plane."
         ),
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Where the results go: .csv, .parquet or .mcap.")
-    ] = None,
-    start: Annotated[
-        str | None,
-        typer.Option(
-            metavar="X,Y,YAW",
-            help="First pose [m, m, rad]; default that of a path, the middle of a map or the origin.",
-        ),
-    ] = None,
-    speed: Annotated[float, typer.Option(metavar="V", help="Along a path [m/s].")] = 0.5,
-    rate: Annotated[float, typer.Option(metavar="HZ", help="Samples per second.")] = 10.0,
-    seed: Annotated[int, typer.Option(help="Of all that is random.")] = 0,
-    stick: Annotated[
-        str | None,
-        typer.Option(
-            metavar="JOINT@T",
-            help="A steering joint that sticks so many seconds after the first command: the rover is driven "
-            "through the controller, with the limits of the parameter file.",
-        ),
-    ] = None,
-    plot: Annotated[
-        Path | None,
-        typer.Option(help="Picture of the drive, over a map in three dimensions: .png, .svg or .pdf."),
-    ] = None,
-    speeds: Annotated[
-        Path | None,
-        typer.Option(help="Picture of the wheels' speeds against those on level ground: .png, .svg or .pdf."),
-    ] = None,
-    node: NodeOption = None,
-    as_: AsOption = None,
-    wheel_radius: RadiusOption = None,
+    output: ResultsOption = None,
+    *,
+    run: Run,
+    pictures: Pictures,
+    reading: Reading,
 ) -> None:
-    if ground is None and speeds is not None:
-        raise ValueError(f"--speeds must come with --ground: level ground is all there is, got {speeds}")
-    if ground is not None and stick is not None:
-        raise ValueError(f"--stick must be left out with --ground, got {stick}")
-    reading = Reading(node, as_, wheel_radius)
+    if ground is None and pictures.speeds is not None:
+        rule = "--speeds must come with --ground: level ground is all there is"
+        raise ValueError(f"{rule}, got {pictures.speeds}")
+    if ground is not None and run.stick is not None:
+        raise ValueError(f"--stick must be left out with --ground, got {run.stick}")
     chosen = choose(rover, reading) if ground is None else None
     suspended = choose_suspension(rover, reading) if ground is not None else None
-    if plot is not None or speeds is not None:
+    if any(pictures):
         from six_wheel.plotting.saving import picture_path
 
-        for path in filter(None, (plot, speeds)):
+        for path in filter(None, pictures):
             picture_path(path)
     if output is not None:
         from six_wheel.logs.tables import table_format
@@ -97,14 +104,15 @@ def simulate(
 
         if output.suffix.lower() not in ENDINGS:
             table_format(output, ENDINGS)
-    way = _way(commands, None if start is None else _start(start), speed)
+    way = _way(commands, None if run.start is None else _start(run.start), run.speed)
     if chosen is not None:
-        rows = _on_a_plane(chosen, way, rate, seed, stick, output, plot)
+        rows = _on_a_plane(chosen, way, run, output, pictures.plot)
     else:
         assert suspended is not None
         assert ground is not None
-        rows = _over_ground(*suspended, ground, way, rate, seed, output, plot, speeds)
-    new_console().print(grid([*rows, ("results", output), ("picture", plot), ("speeds", speeds)]))
+        rows = _over_ground(*suspended, ground, way, run, output, pictures)
+    files = [("results", output), ("picture", pictures.plot), ("speeds", pictures.speeds)]
+    new_console().print(grid([*rows, *files]))
 
 
 class Way(NamedTuple):
@@ -140,9 +148,7 @@ def _way(commands: Path, start: tuple[float, float, float] | None, speed: float)
 def _on_a_plane(
     chosen: Chosen,
     way: Way,
-    rate: float,
-    seed: int,
-    stick: str | None,
+    run: Run,
     output: Path | None,
     plot: Path | None,
 ) -> list[tuple[str, object]]:
@@ -151,8 +157,8 @@ def _on_a_plane(
 
     from six_wheel._core import Encoder, Noise
     from six_wheel.kinematics.odometry.gyroscope_errors import with_readings_apart
-    from six_wheel.log_odometry.evaluation.paths import path_distance
-    from six_wheel.simulation.run_simulation import simulate as run
+    from six_wheel.log_odometry.evaluation.relative import path_distance
+    from six_wheel.simulation.run_simulation import simulate as simulated
     from six_wheel.simulation.writing import write_log
 
     said = chosen.parameters
@@ -167,17 +173,17 @@ def _on_a_plane(
             encoders[name] = Encoder(**counts)
     gyroscope = None
     if said is not None and (known := said.known_gyroscope) is not None:
-        gyroscope = with_readings_apart(known, said.gyroscope.get("period"), 1.0 / rate)
-    done = run(
+        gyroscope = with_readings_apart(known, said.gyroscope.get("period"), 1.0 / run.rate)
+    done = simulated(
         chosen.rover,
         way.path,
         noise=noise,
         gyroscope=gyroscope,
-        rate=rate,
+        rate=run.rate,
         start=way.start,
         speed=way.speed,
-        seed=seed,
-        stick=None if stick is None else _stick(stick),
+        seed=run.seed,
+        stick=None if run.stick is None else _stick(run.stick),
         limits=chosen.limits,
         control=said.control if said is not None else None,
         **encoders,
@@ -194,7 +200,7 @@ def _on_a_plane(
         ("duration", f"{done.stamps[-1] - done.stamps[0]:.6g} s"),
         ("distance", f"{path_distance(poses)[-1]:.4g} m"),
         ("ends at", f"{x:.4g} m, {y:.4g} m, {np.degrees(yaw):.4g} deg"),
-        ("noise", f"{noise}, seed {seed}" if noise else "none: the parameter file has no noise"),
+        ("noise", f"{noise}, seed {run.seed}" if noise else "none: the parameter file has no noise"),
         *_stuck(done.controlled),
     ]
 
@@ -248,32 +254,30 @@ def _over_ground(
     name: str,
     ground: Path,
     way: Way,
-    rate: float,
-    seed: int,
+    run: Run,
     output: Path | None,
-    plot: Path | None,
-    speeds: Path | None,
+    pictures: Pictures,
 ) -> list[tuple[str, object]]:
     from six_wheel._core import Terrain
     from six_wheel.cli.report.ground import ground_facts
     from six_wheel.simulation.ground_writing import write_ground
     from six_wheel.simulation.on_terrain import GroundSimulation
-    from six_wheel.simulation.run_simulation import simulate as run
+    from six_wheel.simulation.run_simulation import simulate as simulated
 
     land = Terrain.read(ground)
     start = way.start or (*_middle(land), 0.0)
-    done = run(arm, way.path, ground=land, start=start, rate=rate, speed=way.speed, seed=seed)
+    done = simulated(arm, way.path, ground=land, start=start, rate=run.rate, speed=way.speed, seed=run.seed)
     assert isinstance(done, GroundSimulation)
     if output is not None:
         write_ground(done, arm, output)
-    if plot is not None or speeds is not None:
+    if any(pictures):
         from six_wheel.plotting import ground_figure, save, speeds_figure
 
         title = f"{name} over {ground.name}"
-        if plot is not None:
-            save(ground_figure(done, arm, land, title=title), plot)
-        if speeds is not None:
-            save(speeds_figure(done, arm, title=title), speeds)
+        if pictures.plot is not None:
+            save(ground_figure(done, arm, land, title=title), pictures.plot)
+        if pictures.speeds is not None:
+            save(speeds_figure(done, arm, title=title), pictures.speeds)
     return [*ground_facts(done)]
 
 

@@ -15,6 +15,21 @@ if TYPE_CHECKING:
 ANGLES = ("roll", "pitch", "tilt", "rocker", "bogie")
 UNITS = {"": 1.0, "rad": 1.0, "deg": math.radians(1.0)}
 
+LayersOption = Annotated[
+    Path,
+    typer.Option(
+        "-o", "--output", help="GeoTIFF: share of safe headings, worst tilt, clearance left, reason."
+    ),
+]
+LimitOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME=VALUE",
+        help="Largest roll, pitch, tilt, rocker, bogie (15deg or 0.26rad), wheel_drop [m]; "
+        "least clearance [m].",
+    ),
+]
+
 
 def traverse(
     map: Annotated[Path, typer.Argument(metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII.")],
@@ -25,21 +40,9 @@ def traverse(
             help=f"{', '.join(SUSPENDED)}, or a parameter file or URDF with a suspension.",
         ),
     ],
-    output: Annotated[
-        Path,
-        typer.Option(
-            "-o", "--output", help="GeoTIFF: share of safe headings, worst tilt, clearance left, reason."
-        ),
-    ],
+    output: LayersOption,
     headings: Annotated[int, typer.Option(help="How many, evenly spaced.")] = 16,
-    limit: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=VALUE",
-            help="Largest roll, pitch, tilt, rocker, bogie (15deg or 0.26rad), wheel_drop [m]; "
-            "least clearance [m].",
-        ),
-    ] = None,
+    limit: LimitOption = None,
     map_error: Annotated[float, typer.Option(help="How far the heights may be wrong [m].")] = 0.0,
     cluster: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, as tcp://10.0.0.7:8786.")

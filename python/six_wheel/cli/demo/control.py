@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Controller, Limits, Rover, integrate
 from six_wheel.cli.demo.motion import DemoResult
-from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.controller import reason_shares
 from six_wheel.plotting.drive import drive_figure
 from six_wheel.simulation.drive.min_max_thinning import Course
 
@@ -66,8 +66,7 @@ class ControlResult:
     @property
     def shares(self) -> dict[str, float]:
         """Share of the steps, 0 to 1, of every reason there was."""
-        counts = {str(each.name): np.count_nonzero(self.reasons & each.value) for each in Reason}
-        return {name: count / len(self.reasons) for name, count in counts.items() if count}
+        return reason_shares(self.reasons)
 
     def length(self, twists: Floats) -> float:
         """Length of the path of twists held for a step each [m]."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from six_wheel import reference
 from six_wheel._core import Rover
-from six_wheel.cli.benchmark import Job, Timing, nanoseconds, round_robin
+from six_wheel.cli.benchmark import Comparison, Timing, nanoseconds, round_robin
 from six_wheel.cli.demo import figures
 from six_wheel.cli.demo.control import NOISE, draw_control, drive_controlled
 from six_wheel.cli.demo.control import rows as control_rows
@@ -99,7 +99,7 @@ def time_against_reference(result: DemoResult) -> list[list[str]]:
         for what, ours, our_rows, theirs, their_rows in calls:
             fast = Timing.of(getattr(core, method), *ours, items=our_rows)
             slow = Timing.of(getattr(plain, method), *theirs, items=their_rows)
-            jobs.append(Job(f"{method}, {what}", {"core": fast, "reference": slow}))
+            jobs.append(Comparison(f"{method}, {what}", {"core": fast, "reference": slow}))
     round_robin(jobs, 6)
     return [
         [job.name, *(f"{nanoseconds(time)} ns" for time in best), f"{best[1] / best[0]:,.0f}"]

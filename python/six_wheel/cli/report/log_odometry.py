@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from six_wheel.cli.report.markdown import picture, table
 from six_wheel.kinematics.odometry.tracks import ROUNDING, SILENT
 from six_wheel.log_odometry.evaluation.paths import Evaluation
-from six_wheel.log_odometry.run_log import REMARKS, Reckoned
+from six_wheel.log_odometry.results import Reckoned
+from six_wheel.log_odometry.run_log import REMARKS
 
 __all__ = ["facts", "judged", "slipped", "written"]
 

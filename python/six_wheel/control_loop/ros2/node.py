@@ -10,8 +10,8 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
 from six_wheel.control_loop import Settings, Step
+from six_wheel.control_loop.clock import SECOND
 from six_wheel.control_loop.faults import ERROR
-from six_wheel.control_loop.loop import SECOND
 from six_wheel.control_loop.ros2.base import DEPTH, BaseNode
 from six_wheel.control_loop.ros2.imu import ImuInput
 from six_wheel.control_loop.ros2.interfaces import CommandInterface

@@ -146,32 +146,15 @@ def dead_reckon(
     ModuleNotFoundError
         If a Parquet file is given and what reads it is not installed.
     """
+    common: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
+    spatial = {"ground": ground, "joints": joints, "attitude": attitude}
     if isinstance(rover, Suspension):
         planar = {"yaw": yaw, "columns": columns, "progress": progress, "sensor": sensor}
-        for argument, value in planar.items():
-            if value is not None:
-                raise ValueError(f"{argument} must be left out for a suspension, got one")
-        return reckon(
-            rover,
-            steering,
-            wheel_angles,
-            stamps,
-            noise=noise,
-            ground=ground,
-            joints=joints,
-            attitude=attitude,
-            yaw_rate=yaw_rate,
-            start=start,
-            start_covariance=start_covariance,
-            errors=errors,
-            covariances=covariances,
-            residuals=residuals,
-            **options,
-        )
-    spatial = {"ground": ground, "joints": joints, "attitude": attitude}
-    for argument, one in spatial.items():
-        if one is not None:
-            raise ValueError(f"{argument} must be left out for a rover without a suspension, got one")
+        _refuse(planar, "for a suspension")
+        beginning: dict[str, Any] = {"start": start, "start_covariance": start_covariance}
+        common |= spatial | beginning | options
+        return reckon(rover, steering, wheel_angles, stamps, noise=noise, yaw_rate=yaw_rate, **common)
+    _refuse(spatial, "for a rover without a suspension")
     if wheel_angles is None and hasattr(steering, "wheel_angles"):
         log = steering
         steering, wheel_angles, stamps = log.steering, log.wheel_angles, log.stamps
@@ -186,10 +169,9 @@ def dead_reckon(
         start, start_covariance = start_of_body(start, start_covariance, place)
     odometry = Odometry(rover, noise, **options)
     odometry.reset(start, start_covariance)
-    keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
-    rates = {"yaw": yaw, "yaw_rate": yaw_rate}
+    rates: dict[str, Any] = {"yaw": yaw, "yaw_rate": yaw_rate}
     if wheel_angles is not None and stamps is not None and progress is None:
-        track = odometry.run(steering, wheel_angles, stamps, yaw=yaw, yaw_rate=yaw_rate, **keywords)
+        track = odometry.run(steering, wheel_angles, stamps, **rates, **common)
     else:
         if wheel_angles is None and stamps is None:
             source = tabular_input.table(rover, steering, columns, rates, options)
@@ -197,9 +179,15 @@ def dead_reckon(
             raise ValueError("wheel_angles and stamps must come together, got one of them")
         else:
             source = tabular_input.arrays(steering, wheel_angles, stamps, rates)
-        tracks = list(tabular_input.follow(odometry, source, keywords, progress))
+        tracks = list(tabular_input.follow(odometry, source, common, progress))
         track = tabular_input.concatenate(rover, tracks)
     return track if place is None else seen_by(track, place)
+
+
+def _refuse(arguments: Mapping[str, object], where: str) -> None:
+    for argument, value in arguments.items():
+        if value is not None:
+            raise ValueError(f"{argument} must be left out {where}, got one")
 
 
 def dead_reckon_chunks(

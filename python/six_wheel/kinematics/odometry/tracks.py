@@ -206,6 +206,31 @@ class SlipWindow:
     distance: float  # how far it slid [m]
     worst: float  # largest residual of it [m/s]
 
+    @classmethod
+    def of_rows(
+        cls,
+        names: tuple[str, ...],
+        residuals: NDArray[np.float64],
+        stamps: NDArray[np.float64],
+        rows: NDArray[np.intp],
+        first: int,
+        last: int,
+    ) -> SlipWindow:
+        """The stretch from one row to another of those that count; `rows` are their numbers in the log."""
+        import numpy as np
+
+        slid = residuals[first : last + 1]
+        steps = (
+            np.diff(stamps[first - 1 : last + 1])
+            if first
+            else np.diff(stamps[: last + 1], prepend=stamps[first])
+        )
+        distances = (slid * steps[:, None]).sum(axis=0)
+        wheel = int(np.argmax(distances))
+        begin, end = float(stamps[first]), float(stamps[last])
+        distance, worst = float(distances[wheel]), float(slid[:, wheel].max())
+        return cls(begin, end, int(rows[first]), int(rows[last]), names[wheel], distance, worst)
+
 
 @dataclass(frozen=True, slots=True)
 class SlipReport:
@@ -248,7 +273,6 @@ class SlipReport:
         wheels = []
         for i, name in enumerate(names):
             worst = int(np.argmax(residuals[:, i]))
-            share = float(np.mean(leads[moving] == i)) if moving.any() else 0.0
             wheels.append(
                 WheelSlip(
                     name,
@@ -256,38 +280,17 @@ class SlipReport:
                     float(np.mean(residuals[:, i])),
                     float(residuals[worst, i]),
                     int(rows[worst]),
-                    share,
+                    float(np.mean(leads[moving] == i)) if moving.any() else 0.0,
                     None if weights is None else float(weights[i]),
                 )
             )
         flagged = (track.health[used] & int(OdometryHealth.SLIP)) != 0
-        slips = flagged if threshold is None else largest > threshold
+        places = np.flatnonzero(flagged if threshold is None else largest > threshold)
         windows = []
-        places = np.flatnonzero(slips)
-        if len(places):
-            ends = np.flatnonzero(np.diff(stamps[places]) > gap)
-            for run in np.split(places, ends + 1):
-                if len(run) < shortest:
-                    continue
+        for run in np.split(places, np.flatnonzero(np.diff(stamps[places]) > gap) + 1):
+            if len(run) >= max(shortest, 1):
                 first, last = int(run[0]), int(run[-1])
-                steps = (
-                    np.diff(stamps[first - 1 : last + 1])
-                    if first
-                    else np.diff(stamps[first : last + 1], prepend=stamps[first])
-                )
-                slid = (residuals[first : last + 1] * steps[:, None]).sum(axis=0)
-                wheel = int(np.argmax(slid))
-                windows.append(
-                    SlipWindow(
-                        float(stamps[first]),
-                        float(stamps[last]),
-                        int(rows[first]),
-                        int(rows[last]),
-                        names[wheel],
-                        float(slid[wheel]),
-                        float(residuals[first : last + 1, wheel].max()),
-                    )
-                )
+                windows.append(SlipWindow.of_rows(names, residuals, stamps, rows, first, last))
         told = can_contradict(track.rover, largest=float(largest.max()))
         return cls(tuple(wheels), tuple(windows), len(residuals), told)
 

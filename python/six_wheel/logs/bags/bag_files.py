@@ -9,6 +9,11 @@ BAGS = (".mcap", ".db3", ".bag")
 MCAP, MAGIC, DATA_END, FOOTER = ".mcap", b"\x89MCAP0\r\n", 0x0F, 0x02
 
 
+def is_bag(path: Path) -> bool:
+    """True if a path is read as a bag, by its ending or as a folder."""
+    return path.is_dir() or path.suffix.lower() in BAGS
+
+
 def files_of(path: Path) -> list[Path]:
     """The files of a bag, in order."""
     files = path.iterdir() if path.is_dir() else [path]

@@ -232,47 +232,22 @@ def rerun(rover: Rover, seen: Seen = ALL) -> Any:
     try:
         import rerun as rr
         import rerun.blueprint as rrb
-        from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
     except ModuleNotFoundError as error:
         message = f"a blueprint for Rerun needs rerun-sdk: {INSTALL}"
         raise ModuleNotFoundError(message, name=error.name) from None
 
-    def line(kind: str, selector: str, name: str) -> Any:
-        """One number out of the messages of a topic."""
-        mapping = VisualizerComponentMapping(
-            target="Scalars:scalars",
-            source_kind=ComponentSourceKind.SourceComponent,
-            source_component=f"{kind}:message",
-            selector=selector,
-        )
-        return rr.SeriesLines(names=name).visualizer(mappings=[mapping])
+    def view(name: str, origin: str) -> Any:
+        return rrb.TimeSeriesView(name=name, origin=origin)
 
-    told = [
-        each for each in ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded")) if each[0] in seen.topics
-    ]
-    kind, inner = "geometry_msgs.msg.TwistStamped", ".twist"
-    if not told:
-        told, kind, inner = [(topics.ODOMETRY, "by odometry")], "nav_msgs.msg.Odometry", ".twist.twist"
-
-    def motion(field: str, name: str) -> Any:
-        overrides: Any = {topic: [line(kind, f"{inner}.{field}", label)] for topic, label in told}
-        return rrb.TimeSeriesView(name=name, origin="/", contents=list(overrides), overrides=overrides)
-
-    plots = [motion("linear.x", "forward [m/s]"), motion("angular.z", "turning [rad/s]")]
+    plots = [_motion(seen, "linear.x", "forward [m/s]"), _motion(seen, "angular.z", "turning [rad/s]")]
     if topics.COMMANDS in seen.topics:
-        steered = [("joint commands: angles [rad]", "position")] if rover.steering_joints else []
-        plots += [
-            rrb.TimeSeriesView(name=name, origin=f"{topics.COMMANDS}/{part}")
-            for name, part in (*steered, ("joint commands: speeds [rad/s]", "velocity"))
-        ]
+        if rover.steering_joints:
+            plots.append(view("joint commands: angles [rad]", f"{topics.COMMANDS}/position"))
+        plots.append(view("joint commands: speeds [rad/s]", f"{topics.COMMANDS}/velocity"))
     else:
-        plots.append(
-            rrb.TimeSeriesView(name="joint states: angles [rad]", origin=f"{topics.JOINTS}/position")
-        )
+        plots.append(view("joint states: angles [rad]", f"{topics.JOINTS}/position"))
     if topics.SLIP in seen.topics:
-        plots.append(
-            rrb.TimeSeriesView(name=f"slip [m/s]: {', '.join(rover.wheel_names)}", origin=topics.SLIP)
-        )
+        plots.append(view(f"slip [m/s]: {', '.join(rover.wheel_names)}", topics.SLIP))
     space = rrb.Spatial3DView(
         name="rover",
         origin="/",
@@ -289,3 +264,27 @@ def rerun(rover: Rover, seen: Seen = ALL) -> Any:
         ),
         collapse_panels=True,
     )
+
+
+def _motion(seen: Seen, field: str, name: str) -> Any:
+    """A plot of one number of the twists: wanted and commanded, or else by odometry."""
+    import rerun as rr
+    import rerun.blueprint as rrb
+    from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
+
+    told = [
+        each for each in ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded")) if each[0] in seen.topics
+    ]
+    kind, inner = "geometry_msgs.msg.TwistStamped", ".twist"
+    if not told:
+        told, kind, inner = [(topics.ODOMETRY, "by odometry")], "nav_msgs.msg.Odometry", ".twist.twist"
+    overrides: Any = {}
+    for topic, label in told:
+        mapping = VisualizerComponentMapping(
+            target="Scalars:scalars",
+            source_kind=ComponentSourceKind.SourceComponent,
+            source_component=f"{kind}:message",
+            selector=f"{inner}.{field}",
+        )
+        overrides[topic] = [rr.SeriesLines(names=label).visualizer(mappings=[mapping])]
+    return rrb.TimeSeriesView(name=name, origin="/", contents=list(overrides), overrides=overrides)

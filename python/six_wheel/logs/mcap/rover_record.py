@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.controller import reason_names
 from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.writer import RecordWriter
@@ -57,11 +57,6 @@ class Frames:
 
     odom: str = "odom"
     base: str = "base_link"
-
-
-def reason_names(reasons: int) -> str:
-    """The names of reasons, joined by ``|``."""
-    return "|".join(str(each.name) for each in Reason if each & reasons)
 
 
 class RoverRecord:

@@ -230,12 +230,12 @@ class Rover(Layout):
 
     @property
     def min_radius(self) -> float:
-        """All turns with |R| >= min_radius [m] are possible; R along the line of the unsteered wheels."""
+        """All turns with ``|R| >= min_radius`` [m] are possible; R along the line of the unsteered wheels."""
         return self._admissible_set.min_radius
 
     @property
     def spin_radius(self) -> float:
-        """All turns with |R| <= spin_radius [m] are possible; 0 if the rover cannot turn on the spot."""
+        """All turns with ``|R| <= spin_radius`` [m] are possible; 0 if the rover cannot turn on the spot."""
         return self._admissible_set.spin_radius
 
 

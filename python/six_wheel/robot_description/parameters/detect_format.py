@@ -3,11 +3,9 @@
 import re
 from typing import Any
 
-from six_wheel.robot_description.parameters.foreign.drives import DRIVES as OTHER_DRIVES
-from six_wheel.robot_description.parameters.foreign.frc import FRC
-from six_wheel.robot_description.parameters.foreign.keys import DRIVES, STEERS, WELL_KNOWN
-from six_wheel.robot_description.parameters.foreign.ros2 import CONTROLLERS
-from six_wheel.robot_description.parameters.foreign.rovers import ROVERS
+from six_wheel.robot_description.parameters.foreign.forms import FOREIGN, WELL_KNOWN
+from six_wheel.robot_description.parameters.foreign.steering import DRIVES, STEERS
+from six_wheel.robot_description.parameters.key_types import Common, keys_of
 from six_wheel.robot_description.parameters.ros_node_parameters import (
     GROUPS,
     Section,
@@ -17,12 +15,11 @@ from six_wheel.robot_description.parameters.ros_node_parameters import (
 )
 from six_wheel.robot_description.parameters.ros_yaml import Path, Report, Tree, one_line, spell
 from six_wheel.robot_description.parameters.schema import GROUPS as MAPPINGS
-from six_wheel.robot_description.parameters.schema import NESTED, Common, Form, describe, keys_of, shown
+from six_wheel.robot_description.parameters.schema import NESTED, Form, describe, shown
 from six_wheel.robot_description.parameters.vehicle_types import DIMENSIONS, KINDS, OWN_KEYS, PRESET
 from six_wheel.robot_description.parameters.vehicle_types import TELLING as OWN_TELLING
 
 __all__ = [
-    "FOREIGN",
     "KEYS",
     "PLAIN",
     "TELLING",
@@ -33,8 +30,6 @@ __all__ = [
     "section_of",
 ]
 
-FOREIGN = (*CONTROLLERS, *ROVERS, *OTHER_DRIVES, *FRC)
-"""The forms in which files of others describe a rover."""
 TYPES = {type_: form for form in FOREIGN for type_ in (form.controller, *form.more) if type_}
 KEYS = OWN_KEYS.union(*(form.keys for form in FOREIGN))
 # A node with this package's own keys comes before one that only has those of a controller.

@@ -21,9 +21,10 @@ from six_wheel.robot_description.parameters import file as config
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import form_of, section_of
 from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
+from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS, Section
 from six_wheel.robot_description.parameters.ros_yaml import Path, Tree
-from six_wheel.robot_description.parameters.schema import GROUPS, Form, Values, check_values
+from six_wheel.robot_description.parameters.schema import GROUPS, Form, check_values
 from six_wheel.robot_description.parameters.writing import dump
 
 __all__ = ["text_for"]

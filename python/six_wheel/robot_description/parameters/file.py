@@ -19,7 +19,8 @@ which stays as the controller needs it::
 
     wheel_of_joint: {motor_3: middle_left}
 
-or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is in ``docs/parameter_files.md``.
+or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is in
+``docs/reference/parameter_keys.md``.
 """
 
 import os
@@ -31,20 +32,20 @@ from typing import Any, NoReturn
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
 from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
-from six_wheel.robot_description.diagnostics import Finding, ParameterFileError, Severity
+from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 from six_wheel.robot_description.parameters import ros_yaml
-from six_wheel.robot_description.parameters.detect_format import FOREIGN, check_keys, form_of, section_of
-from six_wheel.robot_description.parameters.foreign.frc import gather_modules
+from six_wheel.robot_description.parameters.detect_format import check_keys, form_of, section_of
+from six_wheel.robot_description.parameters.foreign.forms import FOREIGN
+from six_wheel.robot_description.parameters.foreign.yagsl import gather_modules
 from six_wheel.robot_description.parameters.joints import JointList, wheels_of_joints
-from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS, Section, closest, declares
-from six_wheel.robot_description.parameters.schema import (
-    GROUPS,
-    NONE_WORDS,
-    Form,
-    LimitKeys,
-    Values,
-    check_values,
+from six_wheel.robot_description.parameters.key_types import NONE_WORDS, LimitKeys, Values
+from six_wheel.robot_description.parameters.ros_node_parameters import (
+    FileFindings,
+    Section,
+    closest,
+    declares,
 )
+from six_wheel.robot_description.parameters.schema import GROUPS, Form, check_values
 from six_wheel.robot_description.parameters.units import question_settings, question_units
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "load", "read_parameters"]
@@ -163,7 +164,7 @@ def read_parameters(
     Parameters, errors: see `load`.
     """
     path = as_path("path", path)
-    log = _Log(str(path))
+    log = FileFindings(str(path))
     return _read(path, _text(path, log), node, kind, log)
 
 
@@ -171,50 +172,10 @@ def parse_parameters(
     text: str, *, node: str | None = None, kind: str | None = None, path: Path = Path("rover")
 ) -> Parameters:
     """The same from the text of a parameter file, which messages call `path`."""
-    return _read(path, text, node, kind, _Log(str(path)))
+    return _read(path, text, node, kind, FileFindings(str(path)))
 
 
-class _Log:
-    """Collects findings about one file."""
-
-    def __init__(self, path: str) -> None:
-        self.path = path
-        self.findings: list[Finding] = []
-
-    def error(self, line: int | None, at: ros_yaml.Path, message: str, remedy: str | None) -> None:
-        self._add(line, at, message, remedy, "error")
-
-    def warning(self, line: int | None, at: ros_yaml.Path, message: str, remedy: str | None) -> None:
-        self._add(line, at, message, remedy, "warning")
-
-    def fail(self, line: int | None, message: str, remedy: str) -> NoReturn:
-        """Report what leaves nothing more to read."""
-        self.error(line, (), message, remedy)
-        raise self.failure()
-
-    def failure(self, *, warnings: bool = True) -> ParameterFileError:
-        found = self.in_order()
-        return ParameterFileError(each for each in found if warnings or each.severity == "error")
-
-    def in_order(self) -> tuple[Finding, ...]:
-        return tuple(sorted(self.findings, key=lambda finding: finding.line or 0))
-
-    def has_error_at(self, key: str) -> bool:
-        return any(finding.severity == "error" and finding.key == key for finding in self.findings)
-
-    @property
-    def has_errors(self) -> bool:
-        return any(finding.severity == "error" for finding in self.findings)
-
-    def _add(
-        self, line: int | None, at: ros_yaml.Path, message: str, remedy: str | None, severity: Severity
-    ) -> None:
-        if PARAMETERS in at[:-1]:
-            at = at[at.index(PARAMETERS) + 1 :]
-        self.findings.append(Finding(line, ros_yaml.spell(at), message, remedy, severity, self.path))
-
-
-def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) -> Parameters:
+def _read(path: Path, text: str, node: str | None, kind: str | None, log: FileFindings) -> Parameters:
     tree = _tree(text, path, log)
     before = len(log.findings)
     found = section_of(tree, node, log.error)
@@ -254,7 +215,7 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     return parameters
 
 
-def _check_controller(section: Section, parameters: Parameters, log: _Log) -> None:
+def _check_controller(section: Section, parameters: Parameters, log: FileFindings) -> None:
     """Refuses limits and options of a controller that fit neither each other nor the rover."""
     if not {"limits", "control"} & section.data.keys():
         return
@@ -264,7 +225,7 @@ def _check_controller(section: Section, parameters: Parameters, log: _Log) -> No
         _refuse(section, error, log)
 
 
-def _refuse(section: Section, error: ValueError, log: _Log) -> NoReturn:
+def _refuse(section: Section, error: ValueError, log: FileFindings) -> NoReturn:
     """Limits or ways of a controller that fit neither each other nor the rover."""
     key = str(error).partition(" ")[0]
     at = ("limits" if key in LimitKeys.model_fields else "control", key)
@@ -272,7 +233,7 @@ def _refuse(section: Section, error: ValueError, log: _Log) -> NoReturn:
     raise log.failure() from None
 
 
-def _text(path: Path, log: _Log) -> str:
+def _text(path: Path, log: FileFindings) -> str:
     remedy = "give the path of a parameter file"
     try:
         with path.open("rb") as file:
@@ -292,17 +253,14 @@ def _text(path: Path, log: _Log) -> str:
         )
 
 
-def _tree(text: str, path: Path, log: _Log) -> ros_yaml.Tree:
+def _tree(text: str, path: Path, log: FileFindings) -> ros_yaml.Tree:
     try:
         tree = ros_yaml.parse(text, log.error, log.warning)
     except ros_yaml.YamlSyntaxError as error:
         log.fail(error.line, error.message, error.remedy)
     if tree.data is None:
-        log.fail(
-            None,
-            "the file is empty",
-            "give it the keys d1, d2, d3, d4 and wheel_radius, a kind and its keys, or a preset",
-        )
+        remedy = "give it the keys d1, d2, d3, d4 and wheel_radius, a kind and its keys, or a preset"
+        log.fail(None, "the file is empty", remedy)
     if not isinstance(tree.data, dict):
         what = "a list" if isinstance(tree.data, list) else "a single value"
         log.fail(1, f"the file must be a mapping, got {what}", "write lines such as `d1: 0.4`")
@@ -316,7 +274,7 @@ def _tree(text: str, path: Path, log: _Log) -> ros_yaml.Tree:
     return gathered
 
 
-def _rover(section: Section, form: Form, values: Values, log: _Log) -> Rover | None:
+def _rover(section: Section, form: Form, values: Values, log: FileFindings) -> Rover | None:
     """The rover, if nothing is wrong; joints are checked even if the rest is."""
     layout = _layout(section, form, values, log)
     if layout is None:
@@ -340,7 +298,7 @@ def _rover(section: Section, form: Form, values: Values, log: _Log) -> Rover | N
         log.fail(line, str(error), "see the keys it names")
 
 
-def _layout(section: Section, form: Form, values: Values, log: _Log) -> Rover | None:
+def _layout(section: Section, form: Form, values: Values, log: FileFindings) -> Rover | None:
     """Wheels without the file's joints; None, with the reason reported, if the file does not say enough."""
     if not form.needed <= form.stand_in.keys() | values.keys():
         return None
@@ -357,7 +315,7 @@ def _layout(section: Section, form: Form, values: Values, log: _Log) -> Rover | 
 
 
 def _joints(
-    section: Section, form: Form, values: Values, layout: Rover, log: _Log
+    section: Section, form: Form, values: Values, layout: Rover, log: FileFindings
 ) -> dict[str, dict[str, str]]:
     """Joint to wheel for those that drive and those that steer, in the file's order."""
     stated: dict[str, str] = values.get("wheel_of_joint", {})
@@ -393,7 +351,7 @@ def _joints(
     return joints
 
 
-def _check_wheels(section: Section, values: Values, rover: Rover, log: _Log) -> None:
+def _check_wheels(section: Section, values: Values, rover: Rover, log: FileFindings) -> None:
     """The wheels that the keys of encoders and odometry name are there."""
     steered = (rover.steered_names, rover.steering_joints)
     for group, key, (wheels, joints) in (
@@ -414,7 +372,7 @@ def _check_wheels(section: Section, values: Values, rover: Rover, log: _Log) -> 
                 log.error(section.line_of(at), at, message, remedy)
 
 
-def _check_covariance(section: Section, values: Values, rover: Rover, log: _Log) -> None:
+def _check_covariance(section: Section, values: Values, rover: Rover, log: FileFindings) -> None:
     """A covariance has a row and a column for every parameter, and these are the rover's."""
     given = values.get("calibration", {})
     names, rows = given.get("parameters", []), given.get("covariance", [])
@@ -433,7 +391,7 @@ def _check_covariance(section: Section, values: Values, rover: Rover, log: _Log)
             log.error(section.line_of(at), at, f"calibration.{error}", "calibrate the rover again")
 
 
-def _check_order(section: Section, here: JointList, found: dict[str, str], log: _Log) -> None:
+def _check_order(section: Section, here: JointList, found: dict[str, str], log: FileFindings) -> None:
     if here.order == "expected" and len(found) == len(here.wheels) and tuple(found.values()) != here.wheels:
         at, first = (here.key,), next(iter(found))
         taken = f"which a controller of ROS 2 takes for {here.wheels[0]}"

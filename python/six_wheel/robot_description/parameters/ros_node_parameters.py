@@ -9,11 +9,20 @@ import itertools
 import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NoReturn
 
-from six_wheel.robot_description.parameters.ros_yaml import Path, Place, Report, Tree, nearest, one_line
+from six_wheel.robot_description.diagnostics import Finding, ParameterFileError, Severity
+from six_wheel.robot_description.parameters.ros_yaml import (
+    Path,
+    Place,
+    Report,
+    Tree,
+    nearest,
+    one_line,
+    spell,
+)
 
-__all__ = ["PARAMETERS", "Section", "closest", "declares", "drives", "flat_keys", "section"]
+__all__ = ["PARAMETERS", "FileFindings", "Section", "closest", "declares", "drives", "flat_keys", "section"]
 
 PARAMETERS = "ros__parameters"
 ANY_NODE = "/**"
@@ -343,3 +352,41 @@ def _at_path(data: Any, path: Path) -> Any:
     for part in path:
         data = data[part]
     return data
+
+
+class FileFindings:
+    """Collects findings about one file."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self.findings: list[Finding] = []
+
+    def error(self, line: int | None, at: Path, message: str, remedy: str | None) -> None:
+        self._add(line, at, message, remedy, "error")
+
+    def warning(self, line: int | None, at: Path, message: str, remedy: str | None) -> None:
+        self._add(line, at, message, remedy, "warning")
+
+    def fail(self, line: int | None, message: str, remedy: str) -> NoReturn:
+        """Report what leaves nothing more to read."""
+        self.error(line, (), message, remedy)
+        raise self.failure()
+
+    def failure(self, *, warnings: bool = True) -> ParameterFileError:
+        found = self.in_order()
+        return ParameterFileError(each for each in found if warnings or each.severity == "error")
+
+    def in_order(self) -> tuple[Finding, ...]:
+        return tuple(sorted(self.findings, key=lambda finding: finding.line or 0))
+
+    def has_error_at(self, key: str) -> bool:
+        return any(finding.severity == "error" and finding.key == key for finding in self.findings)
+
+    @property
+    def has_errors(self) -> bool:
+        return any(finding.severity == "error" for finding in self.findings)
+
+    def _add(self, line: int | None, at: Path, message: str, remedy: str | None, severity: Severity) -> None:
+        if PARAMETERS in at[:-1]:
+            at = at[at.index(PARAMETERS) + 1 :]
+        self.findings.append(Finding(line, spell(at), message, remedy, severity, self.path))

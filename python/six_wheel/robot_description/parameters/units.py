@@ -3,9 +3,9 @@
 from collections.abc import Collection
 
 from six_wheel._core import Rover, setting_questions, unit_questions
+from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
-from six_wheel.robot_description.parameters.schema import Values
 
 __all__ = ["question_settings", "question_units"]
 

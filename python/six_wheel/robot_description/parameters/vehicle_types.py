@@ -9,18 +9,13 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, model_validator
 
-from six_wheel._core import FourAxle, RockerBogie, Rover, Wheel
+from six_wheel._core import Rover, Wheel
 from six_wheel.robot_description.joint_names import said_by
 from six_wheel.robot_description.parameters.joints import JointList
-from six_wheel.robot_description.parameters.ros_node_parameters import Section
-from six_wheel.robot_description.parameters.ros_yaml import Report, one_line
-from six_wheel.robot_description.parameters.schema import (
-    NESTED,
+from six_wheel.robot_description.parameters.key_types import (
     Common,
     Finite,
     Flag,
-    Form,
-    Joints,
     Length,
     Name,
     Number,
@@ -33,6 +28,23 @@ from six_wheel.robot_description.parameters.schema import (
     keys_of,
     optional,
     required,
+)
+from six_wheel.robot_description.parameters.ros_node_parameters import Section
+from six_wheel.robot_description.parameters.ros_yaml import Report, one_line
+from six_wheel.robot_description.parameters.schema import NESTED, Form
+from six_wheel.robot_description.parameters.suspended_types import (
+    AXLES,
+    ROCKER,
+    STEERING_LIMIT,
+    WHEEL_RADIUS,
+    FourAxleKeys,
+    OwnKeys,
+    RockerBogieKeys,
+    SteeredKeys,
+    SteeringKeys,
+    check_bogies,
+    on_flat_ground,
+    with_axles_locked,
 )
 
 __all__ = ["DIMENSIONS", "KINDS", "OWN_KEYS", "PRESET", "TELLING"]
@@ -60,46 +72,11 @@ _CAR: Values = {"wheelbase": 1.0, "track_width": 1.0, "wheel_radius": 1.0}
 # Far apart, so that one of them alone is never on the wrong side of the other.
 _PAIR: Values = {"track_width": 1.0, "wheel_radius": 1.0, "icr_left": 1e50, "icr_right": -1e50}
 _MECANUM: Values = {"half_wheelbase": 1.0, "half_track": 1.0, "wheel_radius": 1.0}
-_ROCKER: Values = {
-    "rocker_pivot": (0.1, 0.2, 0.1),
-    "rocker_to_front": (0.3, 0.0, -0.1),
-    "rocker_to_bogie": (-0.1, 0.0, -0.1),
-    "bogie_to_middle": (0.1, 0.0, 0.0),
-    "bogie_to_rear": (-0.1, 0.0, 0.0),
-    "wheel_radius": 0.1,
-}
-_IN_FRONT: Values = {
-    "rocker_pivot": (0.1, 0.2, 0.1),
-    "rocker_to_rear": (-0.3, 0.0, -0.1),
-    "rocker_to_bogie": (0.1, 0.0, -0.1),
-    "bogie_to_front": (0.1, 0.0, 0.0),
-    "bogie_to_middle": (-0.1, 0.0, 0.0),
-    "wheel_radius": 0.1,
-}
-_AXLES: Values = {"hinges": (1.0, 1.0), "axle_length": 1.0, "wheel_radius": 1.0}
 _ROLLER: Values = {"name": "wheel", "x": 0.0, "y": 0.0, "radius": 1.0}
 
-_WHEEL_RADIUS = "the wheels' radius, in metres"
-_STEERING_LIMIT = "an angle or [lower, upper], in radians"
 _DRIVEN = "the wheels that have motors: front, rear or all"
 _WHEELBASE = "the distance from rear to front axle, in metres"
 _TRACK_WIDTH = "the distance from left to right wheel, in metres"
-
-
-class _Own(Common):
-    traction_joints: Joints = optional(
-        "a list with the joint of every driven wheel, or a mapping of wheel to joint"
-    )
-
-
-class _Steering(_Own):
-    steering_joints: Joints = optional(
-        "a list with the joint of every steered wheel, or a mapping of wheel to joint"
-    )
-
-
-class _Steered(_Steering):
-    steering_limit: SteeringLimit = optional(_STEERING_LIMIT)
 
 
 def _check_preset(name: str) -> str:
@@ -108,11 +85,11 @@ def _check_preset(name: str) -> str:
     return name
 
 
-class _Preset(_Steered):
+class _Preset(SteeredKeys):
     preset: Annotated[str, Strict(), AfterValidator(_check_preset)] = required("the name of a known rover")
 
 
-class _SixWheel(_Steered):
+class _SixWheel(SteeredKeys):
     d1: Annotated[Number, asks_core(Rover.six_wheel, "d1", **_SIX)] = required(
         "half the distance between left and right corner wheels, in metres"
     )
@@ -125,7 +102,7 @@ class _SixWheel(_Steered):
     d4: Annotated[Number, asks_core(Rover.six_wheel, "d4", **_SIX)] = required(
         "half the distance between middle wheels, in metres"
     )
-    wheel_radius: Length = required(_WHEEL_RADIUS)
+    wheel_radius: Length = required(WHEEL_RADIUS)
 
 
 def _pairs(positions: list[Any]) -> list[Any]:
@@ -167,32 +144,32 @@ _POSITIONS = "x and y of every wheel in metres, as [[x, y], ...] or [x, y, x, y,
 _NAMES = "a list of the wheels' names in the order of positions"
 
 
-class _Swerve(_Steered):
+class _Swerve(SteeredKeys):
     positions: Annotated[_Positions, _for_each(2)] = required(_POSITIONS)
-    wheel_radius: Length = required(_WHEEL_RADIUS)
+    wheel_radius: Length = required(WHEEL_RADIUS)
     names: _Names = optional(_NAMES)
 
 
-class _Omni(_Own):
+class _Omni(OwnKeys):
     positions: Annotated[_Positions, _for_each(1)] = required(_POSITIONS)
     headings: list[Finite] = required("a list of the directions in which the wheels drive, in radians")
-    wheel_radius: Length = required(_WHEEL_RADIUS)
+    wheel_radius: Length = required(WHEEL_RADIUS)
     roller_angle: Annotated[Number, asks_core(Rover.mecanum, "roller_angle", **_MECANUM)] = optional(
         "the angle between the axes of rollers and wheel, in radians"
     )
     names: _Names = optional(_NAMES)
 
 
-class _Mecanum(_Own):
+class _Mecanum(OwnKeys):
     half_wheelbase: Length = required("the distance from the middle to each axle, in metres")
     half_track: Length = required("the distance from the middle to the wheels on each side, in metres")
-    wheel_radius: Length = required(_WHEEL_RADIUS)
+    wheel_radius: Length = required(WHEEL_RADIUS)
     roller_angle: Annotated[Number, asks_core(Rover.mecanum, "roller_angle", **_MECANUM)] = optional(
         "the angle between the axes of rollers and wheel, in radians"
     )
 
 
-class _Tracked(_Own):
+class _Tracked(OwnKeys):
     track_width: Length = required(_TRACK_WIDTH)
     wheel_radius: Annotated[NumberOrPair, asks_core(Rover.tracked, "wheel_radius", **_PAIR)] = required(
         "the radius of the wheels or sprockets, or [left, right], in metres"
@@ -215,9 +192,9 @@ class _Differential(_Tracked):
     wheelbase: Length = optional("the distance from the last to the first axle, in metres")
 
 
-class _Bicycle(_Steered):
+class _Bicycle(SteeredKeys):
     wheelbase: Length = required(_WHEELBASE)
-    wheel_radius: Length = required(_WHEEL_RADIUS)
+    wheel_radius: Length = required(WHEEL_RADIUS)
     driven: Annotated[Name, asks_core(Rover.ackermann, "driven", **_CAR)] = optional(_DRIVEN)
 
 
@@ -231,7 +208,7 @@ class _Wheel(BaseModel):
     radius: Length = required("the wheel's radius, in metres")
     steered: Flag = optional("whether it steers")
     heading: Finite = optional("the direction in which it rolls at steering angle 0, in radians")
-    steering_limit: SteeringLimit = optional(_STEERING_LIMIT)
+    steering_limit: SteeringLimit = optional(STEERING_LIMIT)
     scrub: Finite = optional("how far the contact is to the left of the steering axis, in metres")
     trail: Finite = optional("how far the contact is behind the steering axis, in metres")
     roller_angle: Annotated[Number, asks_core(Wheel, "roller_angle", **_ROLLER)] = optional(
@@ -250,52 +227,6 @@ class _NamedWheel(_Wheel):
     name: Name = required("the wheel's name")
 
 
-_Vector: TypeAlias = Annotated[list[Finite], Field(min_length=3, max_length=3)]
-
-
-_Pivot: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_pivot", **_ROCKER)]
-_ToFront: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_to_front", **_ROCKER)]
-_ToRear: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_to_rear", **_IN_FRONT)]
-_ToBogie: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_to_bogie", **_ROCKER)]
-_BogieToFront: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "bogie_to_front", **_IN_FRONT)]
-_BogieToMiddle: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "bogie_to_middle", **_ROCKER)]
-_BogieToRear: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "bogie_to_rear", **_ROCKER)]
-_Limit: TypeAlias = Annotated[NumberOrPair, asks_core(RockerBogie, "rocker_limit", **_ROCKER)]
-
-
-class _RockerBogie(_Steered):
-    rocker_pivot: _Pivot = required("[x, y, z] of the left rocker's pivot, in metres")
-    rocker_to_front: _ToFront = optional("[x, y, z] from there to the front wheel's centre, in metres")
-    rocker_to_rear: _ToRear = optional("the same to the rear wheel's centre, where the bogie is in front")
-    rocker_to_bogie: _ToBogie = required("[x, y, z] from there to the bogie's pivot, in metres")
-    bogie_to_front: _BogieToFront = optional(
-        "[x, y, z] from the bogie's pivot to the front wheel's centre, where the bogie is in front"
-    )
-    bogie_to_middle: _BogieToMiddle = required(
-        "[x, y, z] from the bogie's pivot to the middle wheel's centre, in metres"
-    )
-    bogie_to_rear: _BogieToRear = optional(
-        "[x, y, z] from the bogie's pivot to the rear wheel's centre, in metres"
-    )
-    wheel_radius: Length = required(_WHEEL_RADIUS)
-    steered: Annotated[Name, asks_core(RockerBogie, "steered", **_ROCKER)] = optional(
-        "the wheels that steer: corners or front"
-    )
-    rocker_limit: _Limit = optional("the rocker's stops, an angle or [lower, upper], in radians")
-    bogie_limit: _Limit = optional("the bogies' stops, an angle or [lower, upper], in radians")
-    differential_bar: Annotated[_Vector, asks_core(RockerBogie, "differential_bar", **_ROCKER)] = optional(
-        "[half length, lever, rod] of a differential bar, in metres"
-    )
-
-
-class _FourAxle(_Steered):
-    hinges: Annotated[
-        list[Finite], Field(min_length=2, max_length=2), asks_core(FourAxle, "hinges", **_AXLES)
-    ] = required("[x, y], half the distance of the hinges along and across the body, in metres")
-    axle_length: Length = required("the distance from hinge to wheel, in metres")
-    wheel_radius: Length = required(_WHEEL_RADIUS)
-
-
 def _wheel(values: Values) -> Wheel:
     """A wheel; keys that it has not are reported elsewhere."""
     known = NESTED["wheels"].model_fields
@@ -309,7 +240,7 @@ def _check_names(wheels: dict[str, _Wheel]) -> dict[str, _Wheel]:
     return wheels
 
 
-class _Custom(_Steering):
+class _Custom(SteeringKeys):
     wheels: Annotated[
         Annotated[list[_NamedWheel], Tag("<list>")]
         | Annotated[dict[str, _Wheel], AfterValidator(_check_names), Tag("<map>")],
@@ -381,28 +312,6 @@ def _check_wheels(section: Section, values: Values, error: Report, warning: Repo
         warning(section.line_of(("wheels",)), ("wheels",), message, remedy)
 
 
-def _check_bogies(section: Section, values: Values, error: Report, warning: Report) -> None:
-    """The bogie carries two wheels and the rocker the third: the rear ones and the front one, or the other
-    way round."""
-    data = section.data
-    in_front = bool({"rocker_to_rear", "bogie_to_front"} & data.keys())
-    wanted = ("rocker_to_rear", "bogie_to_front") if in_front else ("rocker_to_front", "bogie_to_rear")
-    unwanted = ("rocker_to_front", "bogie_to_rear") if in_front else ()
-    for key in wanted:
-        if key not in data:
-            description = _RockerBogie.model_fields[key].description
-            error(section.line, (key,), f"{key} is missing", f"add {key}, {description}")
-    for key in unwanted:
-        if key in data:
-            message = f"{key} is given beside keys for a bogie in front"
-            error(
-                section.line_of((key,)),
-                (key,),
-                message,
-                f"remove {key}, or rocker_to_rear and bogie_to_front",
-            )
-
-
 def _own_lists(values: Values, rover: Rover) -> list[JointList]:
     """Both lists of joints. Only where no wheel's name tells its place may their order count."""
     said = [said_by(name) for name in rover.wheel_names]
@@ -420,17 +329,7 @@ def _own_lists(values: Values, rover: Rover) -> list[JointList]:
     ]
 
 
-_NO_ARGUMENTS = frozenset(keys_of(_Steering))
-
-
-def _on_flat_ground(**arguments: Any) -> Rover:
-    """A rocker-bogie rover: its wheels where its suspension puts them with all joints at zero."""
-    arm = RockerBogie(**arguments)
-    return Rover(arm.planar(0.0, (0.0, 0.0)).wheels, suspension=arm)
-
-
-def _with_axles_locked(**arguments: Any) -> Rover:
-    return FourAxle(**arguments).rover
+_NO_ARGUMENTS = frozenset(keys_of(SteeringKeys))
 
 
 def _calls(constructor: Callable[..., Rover], schema: type[Common]) -> Callable[[Values], Rover]:
@@ -469,12 +368,12 @@ KINDS: dict[str, Form] = {
         _kind("omni", _Omni, stand_in=_RADIUS, check=_check_counts),
         _kind(
             "rocker_bogie",
-            _RockerBogie,
-            _calls(_on_flat_ground, _RockerBogie),
-            stand_in={key: _ROCKER[key] for key in ("rocker_pivot", "rocker_to_bogie", "wheel_radius")},
-            check=_check_bogies,
+            RockerBogieKeys,
+            _calls(on_flat_ground, RockerBogieKeys),
+            stand_in={key: ROCKER[key] for key in ("rocker_pivot", "rocker_to_bogie", "wheel_radius")},
+            check=check_bogies,
         ),
-        _kind("four_axle", _FourAxle, _calls(_with_axles_locked, _FourAxle), stand_in=_AXLES),
+        _kind("four_axle", FourAxleKeys, _calls(with_axles_locked, FourAxleKeys), stand_in=AXLES),
         _kind("custom", _Custom, _custom, check=_check_wheels),
     )
 }

@@ -9,8 +9,8 @@ from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.joint_names import wheel_said_by
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.file import parse_parameters
+from six_wheel.robot_description.parameters.key_types import NONE_WORDS, Values
 from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS
-from six_wheel.robot_description.parameters.schema import NONE_WORDS, Values
 
 __all__ = ["dump", "text_of"]
 

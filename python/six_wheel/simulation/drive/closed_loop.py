@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Controller, Limits, Rover
-from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.controller import Reason, reason_counts, reason_names
 from six_wheel.logs.columns import Unit
 from six_wheel.logs.tables import Chunk, RowError
 from six_wheel.simulation.drive.min_max_thinning import Course
@@ -274,10 +274,8 @@ class ControlledDrive(Engine):
         except RowError as error:
             raise RowError(int(self._given_rows[error.row - row]), error.message) from None
         self.course.add(times, np.hstack([given, twists, steering, turned, speeds]), reasons)
-        for each in Reason:
-            if found := int(np.count_nonzero(reasons & each.value)):
-                assert each.name is not None
-                self.summary.reasons[each.name] = self.summary.reasons.get(each.name, 0) + found
+        for name, found in reason_counts(reasons).items():
+            self.summary.reasons[name] = self.summary.reasons.get(name, 0) + found
         return [*columns, *given.T, *twists.T, reasons, self._named(reasons)]
 
     def _named(self, reasons: NDArray[np.uint32]) -> Any:
@@ -287,6 +285,6 @@ class ControlledDrive(Engine):
         kinds, places = np.unique(reasons, return_inverse=True)
         for kind in kinds.tolist():
             if kind not in self._names:
-                self._names[kind] = "|".join(str(each.name) for each in Reason if each & kind)
+                self._names[kind] = reason_names(kind)
         names = pa.array([self._names[kind] for kind in kinds.tolist()], pa.string())
         return names.take(pa.array(places))

@@ -8,6 +8,7 @@ use super::optimal::time_optimal;
 use super::{Profile, Shape, linear};
 use six_wheel_kinematics::estimate::{Measured, Method, Unseen};
 use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::kernels::steered_wheel::castor_rim_speed;
 use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS, Mount, Rover};
 use six_wheel_kinematics::steering::ANGLE_TOLERANCE;
 use six_wheel_kinematics::wheels::Direction;
@@ -43,7 +44,7 @@ impl Wheels<'_> {
         for (i, wheel) in rover.wheels().iter().enumerate() {
             let rim_speed = match rover.mounts[i] {
                 Mount::Fixed(rows) => rows.rolling.dot(&vector),
-                Mount::Castor(heading) => wheel.castor(heading, twist).rim_speed,
+                Mount::Castor(heading) => castor_rim_speed(wheel, heading, twist),
                 Mount::Steered(..) => {
                     let direction = Direction::from(wheel.heading + self.steering[joint]);
                     let rolling = wheel.rows(direction).rolling.dot(&vector);

@@ -1,23 +1,27 @@
-//! [`inverse`] for many rows.
+//! Wheels for desired motions, for many rows.
 
-use super::aim::{Local, aimed};
-use super::columns::{Span, finite, within};
-use super::follow::{Contacts, Known, MotionScratch, Row, SuspensionRates, Touch, answers};
-use super::footings::{SettledPoses, Standing, on_plane};
 use super::prepared::Prepared;
-use super::run::{InLanes, Rows, through};
-use super::solve::Equations;
+use super::run::{InLanes, MotionScratch, Rows, run_rows, take};
 use crate::contact::COLUMNS;
-use crate::motion::{Command, PLAN, View, Wanted, inverse};
+use crate::lanes::columns::{Span, direction_of, is_number, mask};
+use crate::lanes::pose_lanes::PoseLanes;
+use crate::lanes::settled_poses::SettledPoses;
+use crate::motion::{Command, View};
+use crate::rates::constants::PLAN;
+use crate::rates::contact_rows::{Contacts, RimPoint, Row, angle_on_plane, rim_side, velocity_rows};
+use crate::rates::least_squares::DenseLeastSquares;
+use crate::rates::suspension_rates::{KnownRate, SuspensionRates};
+use crate::steering::joint_angle::{JointAngle, check};
+use crate::steering::search::{SteeringInput, steer};
+use crate::steering::side_slip::WheelAxes;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
-use six_wheel_numerics::simd::polynomials::direction;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_terrain::suspension::lanes::{LARGEST_TURN, Placing, Turned, all, from_turned};
+use six_wheel_terrain::suspension::lanes::{Placing, Turned, all, from_turned};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
-/// Commands of the wheels, row after row: see [`Commanded`](super::super::Commanded).
+/// Commands of the wheels, row after row, and the motion of the rover that follows from them.
 #[derive(Debug)]
 pub struct Commands<'a> {
     /// Angles of the steering joints [rad].
@@ -28,291 +32,263 @@ pub struct Commands<'a> {
     pub twists: &'a mut [[f64; 6]],
     /// Of the free angles [rad/s].
     pub joint_rates: &'a mut [f64],
-    /// Scales of the wanted motions.
+    /// Scales of the desired motions, 1 unless a wheel would have been too fast.
     pub scales: &'a mut [f64],
 }
 
-/// [`inverse`] for every row: of wanted speeds and yaw rates `[m/s, rad/s]` there is one per row, or one for all. Fails
-/// at the first row at which a wheel would steer past its range.
+/// Wheels for a desired motion on this ground, for steering angles that are given or, by default, those at which the
+/// touching points roll where they go. Of desired speeds and yaw rates `[m/s, rad/s]` there is one per row, or one for all.
+///
+/// The motion is that of the settled pose's own contacts. Steering moves a contact; it is taken to move on the plane
+/// that the wheel stands on, so the command is exact where the ground is plane or the pose was settled at
+/// the very angles that come out. Fails at the first row at which a wheel would steer past its range.
 #[allow(clippy::too_many_arguments)] // each is a thing of its own
 pub fn inverse_rows(
     chain: &Chain,
     prepared: &Prepared,
-    footings: &SettledPoses<'_>,
+    poses: &SettledPoses<'_>,
     command: &Command,
-    wanted: &[[f64; 2]],
+    desired: &[[f64; 2]],
     steering: Option<&[f64]>,
     commands: Commands<'_>,
     workers: Workers,
 ) -> Result<(), Error> {
-    let workers = workers.here();
-    let share = workers.share(commands.scales.len());
     let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-    let mut angles = commands.steering.chunks_mut((share * steered).max(1));
-    let mut rates = commands.joint_rates.chunks_mut((share * free).max(1));
-    let jobs = commands
-        .scales
-        .chunks_mut(share)
-        .zip(commands.speeds.chunks_mut(share * wheels))
-        .zip(commands.twists.chunks_mut(share))
-        .enumerate()
-        .map(|(k, ((scales, speeds), twists))| InverseRange {
-            chain,
-            footings,
-            command,
-            wanted,
-            steering,
-            first: k * share,
-            commands: Commands {
-                steering: angles.next().unwrap_or_default(),
-                speeds,
-                twists,
-                joint_rates: rates.next().unwrap_or_default(),
-                scales,
-            },
-        });
-    workers.each(jobs, |job| through(prepared, workers.level, job))
+    let Commands { steering: mut angles, mut speeds, mut twists, mut joint_rates, mut scales } = commands;
+    run_rows(chain, prepared, workers, scales.len(), |rows| InverseRange {
+        poses,
+        command,
+        desired,
+        steering,
+        commands: Commands {
+            steering: take(&mut angles, rows * steered),
+            speeds: take(&mut speeds, rows * wheels),
+            twists: take(&mut twists, rows),
+            joint_rates: take(&mut joint_rates, rows * free),
+            scales: take(&mut scales, rows),
+        },
+    })
 }
 
 /// Rows that one thread takes.
 struct InverseRange<'a> {
-    chain: &'a Chain,
-    footings: &'a SettledPoses<'a>,
+    poses: &'a SettledPoses<'a>,
     command: &'a Command,
-    wanted: &'a [[f64; 2]],
+    desired: &'a [[f64; 2]],
     steering: Option<&'a [f64]>,
-    /// The first of its rows among all.
-    first: usize,
     commands: Commands<'a>,
 }
 
 impl Rows for InverseRange<'_> {
-    type Scratch<S: Vector> = MotionScratch<S>;
-
     #[inline(always)]
-    fn room<S: Vector>(simd: S) -> MotionScratch<S> {
-        MotionScratch::new(simd)
-    }
-
-    fn count(&self) -> usize {
-        self.commands.scales.len()
-    }
-
-    #[inline(always)]
-    fn some<S: Vector>(
-        lanes: &mut InLanes<'_, Self>,
-        simd: S,
-        span: Span,
-        placing: &mut Placing<'_, S>,
-        room: &mut MotionScratch<S>,
-    ) -> Mask<S> {
-        lanes.some(simd, span, placing, room)
-    }
-
-    fn one(&mut self, row: usize) -> Result<(), Error> {
-        let (place, chain) = (self.first + row, self.chain);
-        let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let [speed, yaw_rate] = match self.wanted {
-            [all] => *all,
-            _ => self.wanted[place],
-        };
-        let wanted = Wanted { speed, yaw_rate };
-        let kept = self.steering.map(|angles| &angles[place * steered..][..steered]);
-        let found = self.footings.with(chain, place, |footing| inverse(chain, footing, self.command, wanted, kept));
-        let found = found.map_err(|error| error.at_row(place))?;
-        let commands = &mut self.commands;
-        commands.steering[row * steered..][..steered].copy_from_slice(&found.steering[..steered]);
-        commands.speeds[row * wheels..][..wheels].copy_from_slice(&found.speeds[..wheels]);
-        commands.twists[row] = found.twist;
-        commands.joint_rates[row * free..][..free].copy_from_slice(&found.joint_rates[..free]);
-        commands.scales[row] = found.scale;
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error> {
+        let mut scratch = MotionScratch::new(simd);
+        for spans in lanes.spans(simd) {
+            lanes.solve_rows(simd, spans, placing, &mut scratch)?;
+        }
         Ok(())
     }
 }
 
-/// Angles of steering joints [rad], their rotations from the present ones, and the lanes in which they differ.
-struct Steered<S: Vector> {
-    angles: [Lanes<S>; MAX_WHEELS],
-    turned: [Turned<S>; MAX_WHEELS],
-    moved: Mask<S>,
-}
+/// Rotations of the wheels about their steering axes where they stand; None for wheels that point straight ahead.
+type Directions<S> = [Option<Turned<S>>; MAX_WHEELS];
 
 impl InLanes<'_, InverseRange<'_>> {
-    /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
-    fn some<S: Vector>(
+    fn solve_rows<S: Vector>(
         &mut self,
         simd: S,
-        span: Span,
+        [span, given]: [Span; 2],
         placing: &mut Placing<'_, S>,
-        room: &mut MotionScratch<S>,
-    ) -> Mask<S> {
-        let (plan, chain) = (self.plan, self.job.chain);
-        let given = Span { first: self.job.first + span.first, ..span };
-        let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
-        let mut never = zero.below(zero);
-        let footings = self.job.footings;
-        let MotionScratch { eights, equations, contacts, standing } = room;
-        standing.read(simd, chain, footings, given, eights, &mut never);
-        let standing = &*standing;
-        placing.place(simd, &standing.joints);
-        let wheels = plan.wheels().min(MAX_WHEELS);
-        let mut stands = [None; MAX_WHEELS];
-        for (wheel, stands) in stands.iter_mut().enumerate().take(wheels) {
-            if let Some(joint) = plan.steering(wheel).filter(|_| standing.steers) {
-                let turned = direction(simd, standing.steering[joint % MAX_WHEELS]);
-                placing.steer(simd, wheel, turned);
-                *stands = Some(turned);
-            }
-            let (centre, radius) = (placing.centres[wheel], all(simd, plan.radius(wheel)));
-            let touch = Touch::new(placing, wheel, centre, radius, *stands, standing.at[wheel]);
-            let [normal, ..] = contacts[wheel].rows.each_mut();
-            answers(placing, wheel, touch.point, [standing.normals[wheel]], std::array::from_mut(normal));
-        }
-        let (rates, sure) = self.rates(simd, given, standing, contacts, equations);
-        never = never | (!sure & !standing.nowhere);
-        let mut total = zero;
+        scratch: &mut MotionScratch<S>,
+    ) -> Result<(), Error> {
+        let chain = self.chain;
+        let MotionScratch { gather, equations, contacts, poses } = scratch;
+        poses.read(simd, chain, self.range.poses, given, gather);
+        let poses = &*poses;
+        placing.place(simd, &poses.joints);
+        let directions = self.write_normal_rows(simd, poses, placing, contacts);
+        let (rates, determined) = self.rates(simd, given, poses, contacts, equations);
+        let mut total = all(simd, 0.0);
         for rate in rates {
             total = total + rate;
         }
-        // Where the ground does not say how the suspension follows it nothing is known.
-        let known = total.at_most(total) & !standing.nowhere;
-        let joints = [rates[6], rates[7], rates[8]];
-        let body = [[rates[0], rates[1], rates[2]], [rates[3], rates[4], rates[5]]];
-        let mut doubt = zero.below(zero);
-        placing.moves(body, &joints);
-        let placing = &*placing;
-        let mut locals = [Local::none(simd); MAX_WHEELS];
-        for (wheel, local) in locals.iter_mut().enumerate().take(wheels) {
-            let limb = placing.limb(wheel);
-            let steered = stands[wheel].unwrap_or((zero, one));
-            let [velocity, turn] = placing.carried(wheel, placing.centres[wheel]);
-            *local = Local {
-                normal: from_turned(steered, limb.own(standing.normals[wheel])),
-                velocity: from_turned(steered, limb.own(velocity)),
-                turn: from_turned(steered, limb.own(turn)),
-                offset: plan.offset(wheel),
-                radius: plan.radius(wheel),
-            };
+        let known = determined & is_number(total) & !poses.touching.nowhere;
+        let axes = self.wheel_axes(simd, poses, placing, &directions, &rates);
+        let angles = self.steering_angles(simd, given, poses, &axes, known);
+        check(simd, chain, given, &angles, &poses.touching.wheels, known)?;
+        let (speeds, scale) = self.rolling_speeds(simd, poses, &axes, &angles);
+        let mut steering = [all(simd, 0.0); MAX_WHEELS];
+        for (steering, angle) in steering.iter_mut().zip(&angles) {
+            if let Some(angle) = angle {
+                *steering = angle.angle;
+            }
         }
-        let steered = self.steered(simd, given, standing, &locals[..wheels], &mut doubt);
-        let mut speeds = [zero; MAX_WHEELS];
-        let mut fastest = zero;
-        for (wheel, local) in locals.iter().enumerate().take(wheels) {
-            let joint = plan.steering(wheel);
-            let to = match joint {
-                Some(joint) => steered.turned[joint % MAX_WHEELS],
-                None => (zero, one),
-            };
-            let (sin, cos) = standing.at[wheel];
-            let [forward, up] = local.upright((zero, one));
-            // The far side of the rim.
-            doubt = doubt | (up * cos).below(forward * sin);
-            let [forward, up] = local.upright(to);
-            let plane = on_plane(forward, up);
-            let at = (steered.moved.select(plane.0, sin), steered.moved.select(plane.1, cos));
-            speeds[wheel] = local.rolling(simd, to, at);
-            fastest = fastest.max(speeds[wheel].abs());
-        }
-        let limit = all(simd, self.job.command.wheel_speed);
-        let scale = limit.below(fastest).select(limit.quotient(fastest), one);
-        let mut checked = scale;
-        for speed in &speeds[..wheels] {
-            checked = checked + *speed;
-        }
-        doubt = never | (doubt | !finite(simd, checked)) & known;
-        self.write(span, &steered.angles, &speeds, &rates, known.select(scale, nan));
-        doubt
+        self.write(span, &steering, &speeds, &rates, known.select(scale, all(simd, f64::NAN)));
+        Ok(())
     }
 
-    /// Twist and joint rates of the wanted motion.
+    /// Writes the velocities of the contacts along the normals by the rates, at the angles of the settled poses.
+    #[inline(always)]
+    fn write_normal_rows<S: Vector>(
+        &self,
+        simd: S,
+        poses: &PoseLanes<S>,
+        placing: &mut Placing<'_, S>,
+        contacts: &mut Contacts<S>,
+    ) -> Directions<S> {
+        let mut directions = [None; MAX_WHEELS];
+        for (wheel, direction) in directions.iter_mut().enumerate().take(self.motion.wheels) {
+            if let Some(joint) = self.plan.steering(wheel).filter(|_| poses.steers) {
+                let turned = direction_of(simd, poses.steering[joint % MAX_WHEELS]);
+                placing.steer(simd, wheel, turned);
+                *direction = Some(turned);
+            }
+            let (centre, radius) = (placing.centres[wheel], all(simd, self.motion.radii[wheel]));
+            let touch = RimPoint::new(placing, wheel, centre, radius, *direction, poses.at[wheel]);
+            let [normal, ..] = contacts[wheel].rows.each_mut();
+            velocity_rows(placing, wheel, touch.point, [poses.normals[wheel]], std::array::from_mut(normal));
+        }
+        directions
+    }
+
+    /// Twist and joint rates of the desired motion, and the lanes in which the ground determines them.
     #[inline(always)]
     fn rates<S: Vector>(
         &self,
         simd: S,
         given: Span,
-        standing: &Standing<S>,
+        poses: &PoseLanes<S>,
         contacts: &Contacts<S>,
-        equations: &mut Equations<S>,
+        equations: &mut DenseLeastSquares<S>,
     ) -> (Row<S>, Mask<S>) {
-        let zero = all(simd, 0.0);
-        let (speed, yaw_rate) = match self.job.wanted {
+        let (range, motion, touching) = (&self.range, self.motion, &poses.touching);
+        let (speed, yaw_rate) = match range.desired {
             [[speed, yaw_rate]] => (all(simd, *speed), all(simd, *yaw_rate)),
-            wanted => {
-                let [speed, yaw_rate] = given.read::<S, 2>(simd, wanted.as_flattened(), 2);
+            desired => {
+                let [speed, yaw_rate] = given.read::<S, 2>(simd, desired.as_flattened(), 2);
                 (speed, yaw_rate)
             }
         };
-        let plan = [speed, yaw_rate * all(simd, self.job.command.offset), yaw_rate];
-        let mut known = [Known::Nowhere; COLUMNS];
+        let plan = [speed, yaw_rate * all(simd, range.command.offset), yaw_rate];
+        let mut known = [KnownRate::Nowhere; COLUMNS];
         for k in 0..MAX_FREE {
-            if k >= self.plan.joints() {
-                known[6 + k] = Known::Everywhere(zero);
-            } else if standing.any_stopped {
-                known[6 + k] = Known::Somewhere(standing.stopped[k], zero);
+            if k >= motion.joints {
+                known[6 + k] = KnownRate::Everywhere(all(simd, 0.0));
+            } else if poses.any_stopped {
+                known[6 + k] = KnownRate::Somewhere(poses.stopped[k], all(simd, 0.0));
             }
         }
-        match self.job.command.view {
+        match range.command.view {
             View::Body => {
                 for (column, rate) in PLAN.into_iter().zip(plan) {
-                    known[column] = Known::Everywhere(rate);
+                    known[column] = KnownRate::Everywhere(rate);
                 }
-                let follow =
-                    SuspensionRates::new::<1>(simd, self.plan, self.square, standing, &known, contacts, equations);
-                (follow.offset, follow.sure)
+                let found = SuspensionRates::new::<1>(simd, motion, touching, &known, contacts, equations);
+                (found.offset, found.determined)
             }
             View::Plan => {
-                let follow =
-                    SuspensionRates::new::<3>(simd, self.plan, self.square, standing, &known, contacts, equations);
-                let (plan, sure) = seen_from_above(simd, standing, &follow, plan, equations);
-                (follow.rates(plan), follow.sure & sure)
+                let found = SuspensionRates::new::<3>(simd, motion, touching, &known, contacts, equations);
+                let (plan, determined) = seen_from_above(simd, poses, &found, plan, equations);
+                (found.rates(plan), found.determined & determined)
             }
         }
     }
 
+    /// The wheels in their own axes where they stand, as they move at these rates.
+    #[inline(always)]
+    fn wheel_axes<S: Vector>(
+        &self,
+        simd: S,
+        poses: &PoseLanes<S>,
+        placing: &mut Placing<'_, S>,
+        directions: &Directions<S>,
+        rates: &Row<S>,
+    ) -> [WheelAxes<S>; MAX_WHEELS] {
+        let straight = (all(simd, 0.0), all(simd, 1.0));
+        let [vx, vy, vz, wx, wy, wz, joints @ ..] = *rates;
+        placing.moves([[vx, vy, vz], [wx, wy, wz]], &joints);
+        let mut axes = [WheelAxes::at_rest(simd); MAX_WHEELS];
+        for (wheel, axes) in axes.iter_mut().enumerate().take(self.motion.wheels) {
+            let limb = placing.limb(wheel);
+            let turned = directions[wheel].unwrap_or(straight);
+            let [velocity, turn] = placing.carried(wheel, placing.centres[wheel]);
+            let normal = from_turned(turned, limb.own(poses.normals[wheel]));
+            *axes = WheelAxes {
+                normal,
+                velocity: from_turned(turned, limb.own(velocity)),
+                turn: from_turned(turned, limb.own(turn)),
+                side: rim_side([normal[0], normal[2]], poses.at[wheel]),
+                offset: self.plan.offset(wheel),
+                radius: self.motion.radii[wheel],
+            };
+        }
+        axes
+    }
+
     /// Angles of the steering joints, those that are given or those at which wheels roll.
     #[inline(always)]
-    fn steered<S: Vector>(
+    fn steering_angles<S: Vector>(
         &self,
         simd: S,
         given: Span,
-        standing: &Standing<S>,
-        locals: &[Local<S>],
-        doubt: &mut Mask<S>,
-    ) -> Steered<S> {
+        poses: &PoseLanes<S>,
+        axes: &[WheelAxes<S>; MAX_WHEELS],
+        known: Mask<S>,
+    ) -> [Option<JointAngle<S>>; MAX_WHEELS] {
+        let ranges = self.chain.steering();
+        if let Some(angles) = self.range.steering {
+            let angles = given.read::<S, MAX_WHEELS>(simd, angles, ranges.len());
+            let mut joints = [None; MAX_WHEELS];
+            for (k, joint) in joints.iter_mut().enumerate().take(ranges.len()) {
+                *joint = Some(JointAngle::given(simd, angles[k], poses.steering[k]));
+            }
+            return joints;
+        }
+        let input = SteeringInput {
+            plan: self.plan,
+            ranges,
+            axes: &axes[..self.motion.wheels.min(MAX_WHEELS)],
+            from: &poses.steering,
+            held: &poses.steering,
+            touching: &poses.touching.wheels,
+            known,
+        };
+        steer(simd, &input)
+    }
+
+    /// Speeds of the wheels at these steering angles [rad/s], and the scale at which none is too fast.
+    #[inline(always)]
+    fn rolling_speeds<S: Vector>(
+        &self,
+        simd: S,
+        poses: &PoseLanes<S>,
+        axes: &[WheelAxes<S>; MAX_WHEELS],
+        angles: &[Option<JointAngle<S>>; MAX_WHEELS],
+    ) -> ([Lanes<S>; MAX_WHEELS], Lanes<S>) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        let mut steered =
-            Steered { angles: [zero; MAX_WHEELS], turned: [(zero, one); MAX_WHEELS], moved: zero.below(zero) };
-        let joints = self.job.chain.steering();
-        let count = joints.len().min(MAX_WHEELS);
-        if let Some(angles) = self.job.steering {
-            steered.angles = given.read::<S, MAX_WHEELS>(simd, angles, joints.len());
-            for k in 0..count {
-                let far = all(simd, LARGEST_TURN).below(steered.angles[k].abs());
-                *doubt = *doubt | far;
-                let turn = steered.angles[k] - standing.steering[k];
-                steered.turned[k] = direction(simd, turn);
-            }
-        } else {
-            let steering = |wheel: usize| self.plan.steering(wheel);
-            let found = aimed(simd, steering, locals, &standing.touching, doubt);
-            for (k, aim) in found.iter().enumerate().take(count) {
-                let Some(aim) = aim else { continue };
-                let asked = standing.steering[k] + aim.angle;
-                let within = within(simd, joints[k], asked, doubt);
-                let (sin, cos) = aim.turned;
-                if aim.beside {
-                    *doubt = *doubt | !(asked - within.angle).abs().at_most(zero);
-                }
-                steered.angles[k] = within.angle;
-                steered.turned[k] = (sin.flip(within.turned), cos.flip(within.turned));
+        let mut moved = mask(simd, false);
+        for (angle, present) in angles.iter().zip(poses.steering) {
+            if let Some(angle) = angle {
+                moved = moved | !(angle.angle - present).abs().at_most(zero);
             }
         }
-        for k in 0..count {
-            let stays = (steered.angles[k] - standing.steering[k]).abs().at_most(zero);
-            steered.moved = steered.moved | !stays;
+        let (mut speeds, mut fastest) = ([zero; MAX_WHEELS], zero);
+        for (wheel, axes) in axes.iter().enumerate().take(self.motion.wheels) {
+            let mut to = (zero, one);
+            if let Some(joint) = self.plan.steering(wheel)
+                && let Some(angle) = &angles[joint % MAX_WHEELS]
+            {
+                to = angle.turned;
+            }
+            let (sin, cos) = poses.at[wheel];
+            let plane = angle_on_plane(axes.normal_in_plane(to), axes.side);
+            let at = (moved.select(plane.0, sin), moved.select(plane.1, cos));
+            speeds[wheel] = axes.rolling_speed(simd, to, at);
+            fastest = is_number(speeds[wheel]).select(speeds[wheel].abs(), zero).max(fastest);
         }
-        steered
+        let limit = all(simd, self.range.command.wheel_speed);
+        (speeds, limit.below(fastest).select(limit.quotient(fastest), one))
     }
 
     #[inline(always)]
@@ -324,7 +300,7 @@ impl InLanes<'_, InverseRange<'_>> {
         rates: &Row<S>,
         scale: Lanes<S>,
     ) {
-        let chain = self.job.chain;
+        let chain = self.chain;
         let simd = scale.simd();
         let zero = all(simd, 0.0);
         // NaN where nothing is known.
@@ -341,7 +317,7 @@ impl InLanes<'_, InverseRange<'_>> {
         for (k, value) in joints.iter_mut().enumerate() {
             *value = rates[6 + k] * scale;
         }
-        let commands = &mut self.job.commands;
+        let commands = &mut self.range.commands;
         span.write(simd, &steers, chain.steering().len(), commands.steering);
         span.write(simd, &turns, chain.wheels().len(), commands.speeds);
         span.write(simd, &twist, 6, commands.twists.as_flattened_mut());
@@ -350,27 +326,28 @@ impl InLanes<'_, InverseRange<'_>> {
     }
 }
 
-/// The motion in plan of the body that is this motion from above: see [`View::Plan`].
+/// The planar motion of the body that is this motion from above, and the lanes in which there is one: see [`View::Plan`].
+/// The yaw rate is what turns about the vertical beyond pitching, whose axis is level.
 #[inline(always)]
 fn seen_from_above<S: Vector>(
     simd: S,
-    standing: &Standing<S>,
-    follow: &SuspensionRates<S>,
-    wanted: [Lanes<S>; 3],
-    equations: &mut Equations<S>,
+    poses: &PoseLanes<S>,
+    suspension: &SuspensionRates<S>,
+    desired: [Lanes<S>; 3],
+    equations: &mut DenseLeastSquares<S>,
 ) -> ([Lanes<S>; 3], Mask<S>) {
     let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-    let ((sr, cr), (sp, cp)) = (standing.roll, standing.pitch);
+    let ((sr, cr), (sp, cp)) = (poses.roll, poses.pitch);
     let level = [[cp, sp * sr, sp * cr], [zero, cr, -sr]];
     let inverse = one.quotient(cp);
     let turning = [sr * inverse, cr * inverse];
-    // Of vx, vy, vz, wy and wz, by the motion in plan.
+    // Of vx, vy, vz, wy and wz, by the planar motion.
     let mut spread = [[zero; 3]; COLUMNS];
     for (k, column) in PLAN.into_iter().enumerate() {
         spread[column][k] = one;
     }
-    for (column, told) in follow.unknown.iter().zip(&follow.spread).take(follow.count) {
-        spread[*column] = *told;
+    for (column, row) in suspension.unknown.iter().zip(&suspension.spread).take(suspension.count) {
+        spread[*column] = *row;
     }
     let mut system = [[zero; 3]; 3];
     for k in 0..3 {
@@ -382,11 +359,11 @@ fn seen_from_above<S: Vector>(
         system[2][k] = turning[0].mul_add(spread[4][k], turning[1] * spread[5][k]);
     }
     equations.clear();
-    for (cells, value) in system.iter().zip(wanted) {
+    for (cells, value) in system.iter().zip(desired) {
         let row = equations.add(0b111);
         row[..3].copy_from_slice(cells);
         row[3] = value;
     }
-    let (solution, sure) = equations.solve::<1>(simd, 3);
-    ([solution[0][0], solution[1][0], solution[2][0]], sure)
+    let (solution, determined) = equations.solve::<1>(simd, 3);
+    ([solution[0][0], solution[1][0], solution[2][0]], determined)
 }

@@ -1,31 +1,37 @@
-//! The constants of a chain for rows of motions.
+//! Constants of a chain, made once for all calls.
 
-use super::instant::Instant;
-use super::solve::Square;
+use super::two_link_chain::TwoLinkChain;
 use crate::contact::rest_offset;
+use crate::rates::constants::MotionConstants;
 use six_wheel_terrain::suspension::Chain;
 use six_wheel_terrain::suspension::lanes::ChainConstants;
 
-/// The constants of a chain.
+/// Constants of a chain for the motion on the ground and for traction.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// None for chains that are not for lanes.
-    pub(crate) plan: Option<ChainConstants>,
-    pub(crate) square: Option<Square>,
-    pub(crate) instant: Option<Instant>,
+    /// None for chains with a link that turns about another axis than x or y, or that carries one that turns about another.
+    pub(crate) lanes: Option<LaneConstants>,
     /// [`rest_offset`] [m].
     pub offset: f64,
+}
+
+/// Constants of a chain whose rows go into lanes.
+#[derive(Clone, Debug)]
+pub(crate) struct LaneConstants {
+    pub chain: ChainConstants,
+    pub motion: MotionConstants,
+    /// For one row of traction.
+    pub two_link: Option<TwoLinkChain>,
 }
 
 impl Prepared {
     /// Of this chain.
     pub fn new(chain: &Chain) -> Self {
-        let plan = ChainConstants::new(chain);
-        Self {
-            square: plan.as_ref().and_then(Square::new),
-            instant: plan.as_ref().and_then(|plan| Instant::new(chain, plan)),
-            plan,
-            offset: rest_offset(chain),
-        }
+        let lanes = ChainConstants::new(chain).map(|plan| LaneConstants {
+            motion: MotionConstants::new(chain, &plan),
+            two_link: TwoLinkChain::new(chain, &plan),
+            chain: plan,
+        });
+        Self { lanes, offset: rest_offset(chain) }
     }
 }

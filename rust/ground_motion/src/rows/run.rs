@@ -1,44 +1,47 @@
-//! The way through many rows: as many at a time as there are lanes, and those that are not for lanes by themselves.
+//! Kernels over many rows: as many at a time as there are lanes.
 
-use super::columns::{Span, truths};
-use super::prepared::Prepared;
-use super::solve::Square;
+use super::prepared::{LaneConstants, Prepared};
+use crate::lanes::columns::Span;
+use crate::lanes::pose_lanes::PoseLanes;
+use crate::lanes::settled_poses::LaneGather;
+use crate::rates::constants::MotionConstants;
+use crate::rates::contact_rows::{Contact, Contacts};
+use crate::rates::least_squares::DenseLeastSquares;
 use six_wheel_numerics::error::Error;
-use six_wheel_numerics::simd::lanes::Mask;
 use six_wheel_numerics::simd::level::Kernel;
-use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::lanes::{ChainConstants, Placing};
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
 /// Rows that one thread takes.
 pub(crate) trait Rows: Sized {
-    /// Room beside the chain for some of them, made once for all.
-    type Scratch<S: Vector>;
-
-    /// Nothing is in it yet.
-    fn room<S: Vector>(simd: S) -> Self::Scratch<S>;
-
-    /// Number of rows.
-    fn count(&self) -> usize;
-
-    /// Some of them, in lanes, and the lanes that are for the plain way. Has to be `#[inline(always)]`.
-    fn some<S: Vector>(
-        lanes: &mut InLanes<'_, Self>,
-        simd: S,
-        span: Span,
-        placing: &mut Placing<'_, S>,
-        room: &mut Self::Scratch<S>,
-    ) -> Mask<S>;
-
-    /// One of them, the plain way.
-    fn one(&mut self, row: usize) -> Result<(), Error>;
+    /// Solves all rows of a range. Has to be `#[inline(always)]`.
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error>;
 }
 
-/// Rows, and what is known beforehand of the chain that they are about.
+/// A range of rows, and the constants of their chain.
 pub(crate) struct InLanes<'a, R> {
+    pub chain: &'a Chain,
     pub plan: &'a ChainConstants,
-    pub square: Option<&'a Square>,
-    pub job: R,
+    pub motion: &'a MotionConstants,
+    /// The first of the rows among all of the inputs, and their number.
+    pub first: usize,
+    pub count: usize,
+    /// Inputs of all rows, and outputs of these.
+    pub range: R,
+}
+
+impl<R> InLanes<'_, R> {
+    /// The rows, as many at a time as there are lanes, in the outputs and in the inputs.
+    #[inline(always)]
+    pub fn spans<S: Vector>(&self, _: S) -> impl Iterator<Item = [Span; 2]> + use<R, S> {
+        let (start, rows) = (self.first, self.count);
+        (0..rows).step_by(S::F64_LANES).map(move |first| {
+            let count = S::F64_LANES.min(rows - first);
+            [Span { first, count }, Span { first: start + first, count }]
+        })
+    }
 }
 
 impl<R: Rows> Kernel for InLanes<'_, R> {
@@ -46,34 +49,57 @@ impl<R: Rows> Kernel for InLanes<'_, R> {
 
     #[inline(always)]
     fn run<S: Vector>(mut self, simd: S) -> Self::Output {
-        let rows = self.job.count();
         let mut placing = Placing::new(simd, self.plan);
-        let mut room = R::room(simd);
-        for first in (0..rows).step_by(S::F64_LANES) {
-            let count = S::F64_LANES.min(rows - first);
-            let span = Span { first, count };
-            let doubt = R::some(&mut self, simd, span, &mut placing, &mut room);
-            if doubt.any() {
-                let doubtful = truths(simd, doubt);
-                for lane in 0..count {
-                    if doubtful.0[lane] != 0.0 {
-                        self.job.one(first + lane)?;
-                    }
-                }
-            }
-        }
-        Ok(())
+        R::solve_all(&mut self, simd, &mut placing)
     }
 }
 
-/// Works through all of them. Fails at the first one that does.
-pub(crate) fn through(prepared: &Prepared, level: Level, mut job: impl Rows) -> Result<(), Error> {
-    match &prepared.plan {
-        Some(plan) if level != Level::Scalar => {
-            let square = prepared.square.as_ref();
-            let done = level.run(InLanes { plan, square, job });
-            done.unwrap_or(Ok(()))
+/// Solves so many rows in ranges, which `range` makes for so many rows each, one after the other. Fails at the first row
+/// that does.
+pub(crate) fn run_rows<R: Rows + Send>(
+    chain: &Chain,
+    prepared: &Prepared,
+    workers: Workers,
+    rows: usize,
+    mut range: impl FnMut(usize) -> R + Send,
+) -> Result<(), Error> {
+    let LaneConstants { chain: plan, motion, .. } = prepared.lanes.as_ref().ok_or_else(|| {
+        let rule = "have links that turn about x or y, those on one another about the same, and steer about z";
+        Error::value("chain", rule, "one that does not")
+    })?;
+    let workers = workers.here();
+    let share = workers.share(rows);
+    let ranges = (0..rows).step_by(share).map(|first| {
+        let count = share.min(rows - first);
+        InLanes { chain, plan, motion, first, count, range: range(count) }
+    });
+    workers.each(ranges, |range| workers.level.run_any(range))
+}
+
+/// The first `count` elements of a slice, which keeps the others.
+pub(crate) fn take<'a, T>(slice: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let (head, tail) = std::mem::take(slice).split_at_mut(count);
+    *slice = tail;
+    head
+}
+
+/// Memory for settled poses, their contacts and the equations of the rates.
+pub(crate) struct MotionScratch<S: Vector> {
+    pub gather: LaneGather,
+    pub equations: DenseLeastSquares<S>,
+    pub contacts: Contacts<S>,
+    pub poses: PoseLanes<S>,
+}
+
+impl<S: Vector> MotionScratch<S> {
+    /// Nothing is in it yet.
+    #[inline(always)]
+    pub fn new(simd: S) -> Self {
+        Self {
+            gather: LaneGather::new(),
+            equations: DenseLeastSquares::new(simd),
+            contacts: [Contact::zero(simd); MAX_WHEELS],
+            poses: PoseLanes::new(simd),
         }
-        _ => (0..job.count()).try_for_each(|row| job.one(row)),
     }
 }

@@ -1,42 +1,121 @@
-//! [`slip`] for many rows.
+//! Slip of the wheels at known motions, for many rows.
 
-use super::footings::SettledPoses;
-use crate::contact::COLUMNS;
-use crate::slip::slip;
+use super::prepared::Prepared;
+use super::run::{InLanes, MotionScratch, Rows, run_rows, take};
+use crate::lanes::columns::{Span, angle_of, direction_of, is_number, polar};
+use crate::lanes::settled_poses::SettledPoses;
+use crate::rates::contact_rows::RimPoint;
 use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_terrain::suspension::Chain;
+use six_wheel_terrain::suspension::lanes::{Placing, all, cross, dot};
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
-/// Slip of the wheels, row after row: see [`Slip`](super::super::Slip).
+/// Known motions, row after row.
+#[derive(Clone, Copy, Debug)]
+pub struct SlipInput<'a> {
+    /// Speed of every wheel against its link [rad/s].
+    pub speeds: &'a [f64],
+    /// Of the body [m/s, rad/s].
+    pub twists: &'a [[f64; 6]],
+    /// Of the free angles [rad/s].
+    pub joint_rates: &'a [f64],
+}
+
+/// Slip of the wheels, row after row; NaN in the air.
 #[derive(Debug)]
 pub struct Slips<'a> {
-    /// Of every wheel.
+    /// `1 - v . T / (r q)`: 0 rolling, 1 turning on the spot, negative braking; NaN where the wheel does not turn.
     pub ratios: &'a mut [f64],
-    /// Of every wheel [rad].
+    /// Of the touching point's way against the wheel's heading, positive to the left [rad].
     pub angles: &'a mut [f64],
 }
 
-/// [`slip`] for every row, at these twists and rates of the free angles. A row does not fail.
+/// The slip of every wheel in every row. A row does not fail.
 pub fn slip_rows(
     chain: &Chain,
-    footings: &SettledPoses<'_>,
-    speeds: &[f64],
-    twists: &[[f64; 6]],
-    joint_rates: &[f64],
+    prepared: &Prepared,
+    poses: &SettledPoses<'_>,
+    input: &SlipInput<'_>,
     slips: Slips<'_>,
     workers: Workers,
 ) -> Result<(), Error> {
-    let (wheels, free) = (chain.wheels().len(), chain.joints().len());
-    let outputs = [(slips.ratios, wheels), (slips.angles, wheels)];
-    workers.rows(twists.len(), outputs, |row, [ratios, angles]| {
-        let mut rates = [0.0; COLUMNS];
-        rates[..6].copy_from_slice(&twists[row]);
-        rates[6..6 + free].copy_from_slice(&joint_rates[row * free..][..free]);
-        let speeds = &speeds[row * wheels..][..wheels];
-        let found = footings.with(chain, row, |footing| slip(chain, footing, &rates, speeds));
-        for ((ratio, angle), slip) in ratios.iter_mut().zip(angles).zip(found) {
-            (*ratio, *angle) = (slip.ratio, slip.angle);
+    let wheels = chain.wheels().len();
+    let Slips { mut ratios, mut angles } = slips;
+    run_rows(chain, prepared, workers, input.twists.len(), |rows| SlipRange {
+        poses,
+        input,
+        slips: Slips { ratios: take(&mut ratios, rows * wheels), angles: take(&mut angles, rows * wheels) },
+    })
+}
+
+/// Rows that one thread takes.
+struct SlipRange<'a> {
+    poses: &'a SettledPoses<'a>,
+    input: &'a SlipInput<'a>,
+    slips: Slips<'a>,
+}
+
+impl Rows for SlipRange<'_> {
+    #[inline(always)]
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error> {
+        let mut scratch = MotionScratch::new(simd);
+        for spans in lanes.spans(simd) {
+            lanes.solve_rows(simd, spans, placing, &mut scratch);
         }
         Ok(())
-    })
+    }
+}
+
+impl InLanes<'_, SlipRange<'_>> {
+    #[inline(always)]
+    fn solve_rows<S: Vector>(
+        &mut self,
+        simd: S,
+        [span, given]: [Span; 2],
+        placing: &mut Placing<'_, S>,
+        scratch: &mut MotionScratch<S>,
+    ) {
+        let (range, wheels) = (&mut self.range, self.motion.wheels.min(MAX_WHEELS));
+        let MotionScratch { gather, poses, .. } = scratch;
+        poses.read(simd, self.chain, range.poses, given, gather);
+        placing.place(simd, &poses.joints);
+        let speeds = given.read::<S, MAX_WHEELS>(simd, range.input.speeds, wheels);
+        let [vx, vy, vz, wx, wy, wz] = given.read::<S, 6>(simd, range.input.twists.as_flattened(), 6);
+        let rates = given.read::<S, MAX_FREE>(simd, range.input.joint_rates, self.motion.joints);
+        placing.moves([[vx, vy, vz], [wx, wy, wz]], &rates);
+        let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
+        let (mut ratios, mut angles) = ([nan; MAX_WHEELS], [nan; MAX_WHEELS]);
+        // NaN where a differential does not reach.
+        let mut reach = zero;
+        for wheel in 0..wheels {
+            let mut turned = None;
+            if let Some(joint) = self.plan.steering(wheel).filter(|_| poses.steers) {
+                let to = direction_of(simd, poses.steering[joint % MAX_WHEELS]);
+                placing.steer(simd, wheel, to);
+                turned = Some(to);
+            }
+            let (centre, radius) = (placing.centres[wheel], all(simd, self.motion.radii[wheel]));
+            let touch = RimPoint::new(placing, wheel, centre, radius, turned, poses.at[wheel]);
+            let [velocity, turn] = placing.carried(wheel, centre);
+            let [slide, _] = placing.carried(wheel, touch.point);
+            let (sin, cos) = turned.unwrap_or((zero, one));
+            let axle = placing.limb(wheel).out([-sin, cos, zero]);
+            let ahead = dot(velocity, touch.tangent);
+            let aside = dot(slide, cross(poses.normals[wheel], touch.tangent));
+            // The rim turns with the encoder and with the link.
+            let rim = radius * (speeds[wheel] + dot(turn, axle));
+            let touches = zero.below(poses.touching.wheels[wheel]);
+            let turns = touches & zero.below(rim.abs());
+            ratios[wheel] = turns.select(one - ahead.quotient(rim), nan);
+            angles[wheel] = touches.select(angle_of(simd, polar([ahead, aside]).turned), nan);
+            reach = reach + centre[0];
+        }
+        for wheel in 0..wheels {
+            ratios[wheel] = is_number(reach).select(ratios[wheel], nan);
+            angles[wheel] = is_number(reach).select(angles[wheel], nan);
+        }
+        span.write(simd, &ratios, wheels, range.slips.ratios);
+        span.write(simd, &angles, wheels, range.slips.angles);
+    }
 }

@@ -143,7 +143,7 @@ impl Input {
                 Unmapped::new(chain, self.joints(), steering).map(SiteConstants::Unmapped)
             }
             ContactSource::Ground(place) => {
-                let contacts = Contacts::new(chain, &place.footing(), None);
+                let contacts = Contacts::new(chain, &place.footing());
                 contacts.map(|contacts| {
                     SiteConstants::Ground(Found {
                         contacts: contacts.sharing_sides(),

@@ -10,7 +10,7 @@
 use nalgebra::{Cholesky, Matrix3, Vector3};
 
 use super::keep::Keep;
-use crate::geometry::Twist;
+use crate::kernels::cone::AdmissibleCone;
 use crate::rover_data::RoverData;
 use six_wheel_numerics::jacobi::Jacobi;
 
@@ -44,18 +44,6 @@ pub struct Face {
 }
 
 impl Face {
-    /// The nearest point.
-    fn point(&self, wanted: &Vector3<f64>) -> Vector3<f64> {
-        let along = |[direction, row]: &[[f64; 3]; 2]| Vector3::from(*direction) * Vector3::from(*row).dot(wanted);
-        self.span.iter().map(along).sum()
-    }
-
-    /// Squared distance of the wanted twist from the face.
-    fn distance(&self, wanted: &Vector3<f64>) -> f64 {
-        let square = |row: &[f64; 3]| Vector3::from(*row).dot(wanted).powi(2);
-        self.miss.iter().map(square).sum()
-    }
-
     fn is(&self, other: &Self) -> bool {
         self.bound == other.bound
             && self.span.len() == other.span.len()
@@ -87,11 +75,11 @@ pub(crate) fn components(keep: Keep) -> &'static [usize] {
 }
 
 impl Faces {
-    pub fn new(rover: &RoverData) -> Self {
+    pub fn new(rover: &RoverData, cone: &AdmissibleCone) -> Self {
         let size = Cholesky::new(rover.metric).map_or_else(Matrix3::identity, |factor| factor.l().transpose());
         let all = [Keep::Curvature, Keep::Speed, Keep::YawRate, Keep::Nearest];
         Self {
-            kept: all.map(|keep| faces(rover, &size, keep)),
+            kept: all.map(|keep| faces(rover, cone, &size, keep)),
             size: [0, 1, 2].map(|i| size.row(i).transpose().into()),
         }
     }
@@ -104,13 +92,13 @@ impl Faces {
 }
 
 /// All faces: no plane, one or two planes on which a wheel rolls at an end of its range, among those of the fixed wheels.
-fn faces(rover: &RoverData, size: &Matrix3<f64>, keep: Keep) -> Vec<Face> {
+fn faces(rover: &RoverData, cone: &AdmissibleCone, size: &Matrix3<f64>, keep: Keep) -> Vec<Face> {
     let banks: Vec<_> = rover.banks.iter().map(|bank| bank.row).collect();
     let limits = rover.limit_rows();
     let Some(to_twist) = size.try_inverse() else {
         return Vec::new();
     };
-    let maker = Maker { rover, size, to_twist, kept: components(keep) };
+    let maker = Maker { rover, cone, size, to_twist, kept: components(keep) };
     let mut found: Vec<Face> = Vec::new();
     let mut planes = banks;
     let mut add = |planes: &[Vector3<f64>]| {
@@ -142,6 +130,7 @@ fn faces(rover: &RoverData, size: &Matrix3<f64>, keep: Keep) -> Vec<Face> {
 
 struct Maker<'a> {
     rover: &'a RoverData,
+    cone: &'a AdmissibleCone,
     size: &'a Matrix3<f64>,
     to_twist: Matrix3<f64>,
     kept: &'static [usize],
@@ -262,7 +251,7 @@ impl Maker<'_> {
     /// True if the nearest point of a face can be admissible without being there already.
     fn may_count(&self, face: &Face) -> bool {
         match face.span.as_slice() {
-            [[direction, _]] => self.rover.is_possible(Vector3::from(*direction).into()),
+            [[direction, _]] => self.cone.is_possible(Vector3::from(*direction).into()),
             // The whole space is the wanted twist itself, which has been tried; and unsteered wheels that are not quite
             // parallel have no plane in common.
             parts => {
@@ -275,45 +264,4 @@ impl Maker<'_> {
 
 fn unit(k: usize) -> Vector3<f64> {
     Matrix3::identity().column(k).into_owned()
-}
-
-impl Faces {
-    /// The nearest point of the admissible set that keeps what is to be kept.
-    pub(crate) fn nearest(&self, rover: &RoverData, wanted: Twist, keep: Keep) -> Option<Twist> {
-        let target = Vector3::from(wanted);
-        let size = self.size.iter().fold(0.0, |most: f64, row| most.max(Vector3::from(*row).dot(&target).abs()));
-        let mut best: Option<(f64, Vector3<f64>)> = None;
-        let nearer = |distance: f64, best: &Option<(f64, _)>| best.as_ref().is_none_or(|(least, _)| distance < *least);
-        for face in self.of(keep) {
-            let distance = face.distance(&target);
-            if !nearer(distance, &best) {
-                continue;
-            }
-            let mut found = face.point(&target);
-            if face.bound && components(keep).iter().any(|&k| (found[k] - target[k]).abs() > AGREED * size) {
-                continue;
-            }
-            // The rest of a component that vanishes is rounding, and rounding has no direction.
-            let lengths = [1.0, 1.0, rover.size];
-            if face.open.is_empty() {
-                let vanishes = (0..3).all(|k| found[k].abs() * lengths[k] <= VANISHED * size);
-                found = if vanishes { Vector3::zeros() } else { found };
-            } else {
-                for (part, length) in found.iter_mut().zip(lengths) {
-                    *part = if part.abs() * length <= VANISHED * size { 0.0 } else { *part };
-                }
-                if !rover.is_possible(found.into()) {
-                    continue;
-                }
-            }
-            best = Some((distance, found));
-        }
-        if components(keep).iter().all(|&k| target[k] == 0.0) {
-            let distance = target.dot(&(rover.metric * target));
-            if nearer(distance, &best) {
-                best = Some((distance, Vector3::zeros()));
-            }
-        }
-        best.map(|(_, found)| found.into())
-    }
 }

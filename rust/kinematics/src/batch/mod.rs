@@ -5,20 +5,21 @@
 //! 1. A **call** (one file a kind, here) has rows of numbers as the caller keeps them (a [`Table`]), and [`Workers`]: a level and
 //!    a number of threads. It cuts the rows into shares, one per thread (`threads/workers.rs` in `six_wheel_numerics`), and those into blocks
 //!    that stay in the caches.
-//! 2. It makes a plan of the rover: what a formula needs to know of it, as plain numbers. No plan, or the level
-//!    [`Level::Scalar`]: the plain core does it row by row. That is also the oracle of everything here.
-//! 3. [`Level::run`] enters a function that is compiled once per set of instructions, with a token `S`
+//! 2. It has the constants of the rover: what a formula needs to know of it, as numbers.
+//! 3. [`Level::run_any`] enters a function that is compiled once per set of instructions, with a token `S`
 //!    that proves the processor has them. Everything below it is `#[inline(always)]`.
 //! 4. A **formula** ([`crate::kernels`], one file a job) takes 64 rows at a time apart (`weave.rs`): row after row in
 //!    memory becomes one column per number, so that a register holds the same number of 4 or 8 successive rows.
 //! 5. It computes with `Lanes`, a register with the operators of a number (`simd/lanes.rs`), and functions of
-//!    `simd/polynomials.rs`. There are no branches on a lane: a `Mask` says which rows the formula decides for sure.
+//!    `simd/polynomials.rs`. There are no branches on a lane: a `Mask` selects, and a part of a formula that no lane of a
+//!    register needs is left out where that changes no bit. So every level gives the same bits.
 //! 6. The columns of the results are woven together into rows and stored, past the caches if they would not stay there
 //!    anyway (`stream.rs`).
-//! 7. Rows that were not sure (at an end of a range, at rest, huge, NaN) are done again by the plain core.
+//! 7. Estimates of rows without all readings, of huge readings, or without a clear solution are those of
+//!    [`crate::estimate`], row by row.
 //!
-//! **One row** ([`crate::one_row`]) goes the same way, but its lanes are the wheels, so nothing has to be woven; its plans are
-//! made with the rover.
+//! **One row** goes the same way, but its lanes are the wheels, so nothing has to be woven: the constants are loaded from one
+//! array per number instead of being the same in every lane.
 
 mod blocks;
 mod maps;

@@ -173,7 +173,7 @@ impl<'a> Journey<'a> {
             for (k, twist) in twists.iter().enumerate() {
                 bound.extend(twist, steps.get(k)).map_err(|error| error.at_row(from + k))?;
                 if let Some(rover) = self.rover {
-                    rover.check_speeds(Twist::from(*twist), None).map_err(|error| error.at_row(from + k))?;
+                    rover.check_speeds(Twist::from(*twist)).map_err(|error| error.at_row(from + k))?;
                 }
             }
         }

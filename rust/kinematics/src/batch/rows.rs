@@ -6,7 +6,8 @@ use super::blocks::BLOCK_ROWS;
 use super::single;
 use crate::estimate::{Measured, Unseen};
 use crate::geometry::Twist;
-use crate::kernels::{forward as estimate, inverse as command};
+use crate::kernels::forward as estimate;
+use crate::kernels::inverse::rows;
 use crate::rover::Rover;
 use crate::rover_data::Inputs;
 use crate::table::{Beside, Log, Readings, Table};
@@ -35,7 +36,6 @@ fn block_of<const N: usize>(share: usize, tables: [Option<Table<'_>>; N]) -> usi
 /// Twists with what goes with them.
 struct Commands<'a> {
     rover: &'a Rover,
-    plan: Option<command::InverseConstants<'a>>,
     level: Level,
     twists: Table<'a>,
     beside: Beside<'a>,
@@ -63,30 +63,22 @@ impl<'a> Commands<'a> {
         (twists.as_chunks().0, inputs)
     }
 
-    /// Fails at the first row that the rover cannot make.
     fn check(&self, first: usize, twists: &[[f64; 3]], inputs: Inputs<'_>) -> Result<(), Error> {
-        if let Some(plan) = &self.plan {
-            return plan.check(self.level, twists, inputs, first);
-        }
-        for (k, twist) in twists.iter().enumerate() {
-            let inputs = inputs.row(self.rover, k);
-            single::check_row(self.level, self.rover, Twist::from(*twist), inputs)
-                .map_err(|error| error.at_row(first + k))?;
-        }
-        Ok(())
+        rows::check(self.rover, &self.rover.cone, self.level, twists, inputs, first)
     }
 
     fn solve(&self, twists: &[[f64; 3]], inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
-        if let Some(plan) = &self.plan {
-            return plan.solve(self.level, twists, inputs, steering, speeds, self.past);
+        let (rover, level) = (self.rover, self.level);
+        if twists.len() >= FEW {
+            return rover.inverse_constants.solve_rows(level, twists, inputs, steering, speeds, self.past);
         }
-        let joints = self.rover.steered().len();
-        let speeds = speeds.chunks_exact_mut(self.rover.wheels().len());
+        let level = if level == Level::Scalar { level } else { rover.inverse_constants.level };
+        let joints = rover.steered().len();
+        let speeds = speeds.chunks_exact_mut(rover.wheels().len());
         for (k, (twist, speeds)) in twists.iter().zip(speeds).enumerate() {
             let steering = &mut steering[k * joints..(k + 1) * joints];
-            let inputs = inputs.row(self.rover, k);
-            let twist = Twist::from(*twist);
-            single::solve_row(self.level, self.rover, twist, inputs, steering, speeds);
+            let inputs = inputs.row(rover, k);
+            rover.solve_row(level, Twist::from(*twist), inputs, [steering, speeds], false);
         }
     }
 }
@@ -103,15 +95,8 @@ pub fn inverse<'a>(
     let Workers { level, fresh, .. } = workers.here();
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let (count, beside) = (speeds.len() / wheels, inputs.into());
-    let planned = level != Level::Scalar && count >= FEW;
-    let commands = Commands {
-        rover,
-        plan: planned.then(|| command::InverseConstants::new(rover, rover.cone.as_ref()?)).flatten(),
-        level,
-        twists: twists.into(),
-        beside,
-        past: is_large(steering.len() + speeds.len()),
-    };
+    let commands =
+        Commands { rover, level, twists: twists.into(), beside, past: is_large(steering.len() + speeds.len()) };
     let share = workers.share(count);
     let (twists, beside) = (Some(commands.twists), commands.beside);
     let block = block_of(share, [twists, beside.previous, beside.previous_speeds, beside.steering_rates]);
@@ -192,7 +177,7 @@ impl<'a> Reports<'a> {
         }
         for (k, twist) in twists.iter_mut().enumerate() {
             let measured = log.row(self.rover, k);
-            *twist = single::read_row(self.level, self.rover, measured, self.unseen)?.into();
+            *twist = single::forward_one(self.rover, measured, self.unseen)?.into();
         }
         Ok(())
     }
@@ -208,7 +193,7 @@ pub fn forward<'a>(
 ) -> Result<(), Error> {
     let Workers { level, fresh, .. } = workers.here();
     let (count, readings) = (twists.len(), readings.into());
-    let planned = level != Level::Scalar && count >= FEW;
+    let planned = count >= FEW;
     let reports = Reports {
         rover,
         plan: planned.then(|| estimate::ForwardConstants::new(rover)).flatten(),

@@ -1,4 +1,4 @@
-//! Calls that go through the plain core row by row.
+//! Fits and sensitivities of many rows, and values that are computed row by row.
 
 use super::rows::FEW;
 use crate::estimate::sensitivity::Quantity;
@@ -49,10 +49,8 @@ pub fn fit(
         let log = log.rows(rover, k * share..k * share + count);
         let failed = |error: Error| error.below(k * share);
         let mut fits = Fits { twists, ranks, sigmas, residual, weights };
-        if let Some(plan) = &plan
-            && let Some(done) = plan.fit(workers.here().level, log, &mut fits)
-        {
-            return done.map_err(failed);
+        if let Some(plan) = &plan {
+            return plan.fit(workers.here().level, log, &mut fits).map_err(failed);
         }
         for k in 0..count {
             let solve = |residual: &mut [f64], weights: &mut [f64]| {
@@ -105,9 +103,7 @@ pub fn sensitivity(
         if let Some(plan) = &plan {
             let gradients: Vec<_> = targets.iter().map(|(quantity, ..)| rover.gradients(*quantity)).collect();
             let ask = SensitivityQuery { plan, log, twists, targets: &mut targets, gradients: &gradients };
-            if let Some(done) = workers.here().level.run(ask) {
-                return done.map_err(failed);
-            }
+            return workers.here().level.run_any(ask).map_err(failed);
         }
         for (k, twist) in twists.iter_mut().enumerate() {
             let done = plain(rover, log, k, k, twist, &mut targets);

@@ -2,8 +2,8 @@
 
 use crate::admissible::Keep;
 use crate::geometry::Twist;
-use crate::kernels::admissible::{Admissible, Project};
-use crate::kernels::usual::LARGEST;
+use crate::kernels::admissible::{JudgeRange, ProjectRange};
+use crate::kernels::safe_range::MAX_SQUARABLE;
 use crate::rover::Rover;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::sizes::sum_of_sizes;
@@ -15,21 +15,9 @@ pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool], work
     let share = workers.share(twists.len());
     let jobs = twists.chunks(share).zip(answers.chunks_mut(share));
     workers.each(jobs.enumerate(), |(k, (twists, answers))| {
-        admissible_rows(rover, twists, answers, workers.here()).map_err(|error| error.below(k * share))
+        let judged = JudgeRange { cone: &rover.cone, twists, answers };
+        workers.here().level.run_any(judged).map_err(|error| error.below(k * share))
     })
-}
-
-fn admissible_rows(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool], workers: Workers) -> Result<(), Error> {
-    if let Some(cone) = rover.whole_cone()
-        && let Some(done) = workers.level.run(Admissible { rover, cone, twists, answers })
-    {
-        return done;
-    }
-    for (k, (twist, answer)) in twists.iter().zip(answers).enumerate() {
-        let answered = rover.admissible(Twist::from(*twist));
-        *answer = answered.map_err(|error| error.at_row(k))?;
-    }
-    Ok(())
 }
 
 /// [`Rover::project`] of every twist.
@@ -58,13 +46,13 @@ fn check(rover: &Rover, twists: &[[f64; 3]], keep: Keep, workers: Workers) -> Re
     if matches!(keep, Keep::Curvature | Keep::Nearest) {
         // To stand still is always possible.
         let numbers = twists.as_flattened();
-        if rover.whole_cone().is_some() && sum_of_sizes(workers.level, numbers) <= LARGEST {
+        if rover.cone.is_safe() && sum_of_sizes(workers.level, numbers) <= MAX_SQUARABLE {
             return Ok(());
         }
-        return twists.iter().enumerate().try_for_each(|(k, twist)| {
-            let checked = rover.check_speeds(Twist::from(*twist), None);
-            checked.map(drop).map_err(|error| error.at_row(k))
-        });
+        return twists
+            .iter()
+            .enumerate()
+            .try_for_each(|(k, twist)| rover.check_speeds(Twist::from(*twist)).map_err(|error| error.at_row(k)));
     }
     let mut room = [[0.0; 3]; ROWS];
     for (block, twists) in twists.chunks(ROWS).enumerate() {
@@ -84,14 +72,5 @@ fn project_rows(
     projected: &mut [[f64; 3]],
     workers: Workers,
 ) -> Result<(), Error> {
-    if let Some(cone) = rover.whole_cone()
-        && let Some(done) = workers.level.run(Project { rover, cone, faces: rover.faces(), keep, twists, projected })
-    {
-        return done;
-    }
-    for (k, (twist, projected)) in twists.iter().zip(projected).enumerate() {
-        let found = rover.project(Twist::from(*twist), keep);
-        *projected = found.map_err(|error| error.at_row(k))?.into();
-    }
-    Ok(())
+    workers.level.run_any(ProjectRange { projection: rover.projection(keep), twists, projected })
 }

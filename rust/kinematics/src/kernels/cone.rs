@@ -1,103 +1,236 @@
-//! Admissibility of twists for whole registers of them, and the nearest twist that a rover can make.
+//! Admissibility of twists in every lane: no side slip, and every steering angle inside its range.
 //!
-//! A steered wheel whose range is narrower than half a turn is within it if its pivot moves along the middle of the range,
-//! forwards or backwards, or at an angle to that of half the range at most. With the velocity of the pivot along the
-//! middle and across it, and the half range `h`, the wheel slides at the nearer end at `|across| cos h - |along| sin h`:
-//! no angle is needed. What is neither surely below the tolerance nor surely above it is left to the plain core.
+//! A steered wheel without trail whose range is narrower than half a turn is within it if its pivot moves along the middle
+//! of the range, forwards or backwards, or at an angle to that of half the range at most. With the velocity of the pivot along
+//! the middle and across it, and the half range `h`, the wheel slides at the nearer end at `|across| cos h - |along| sin h`:
+//! no angle is needed. Twists that are neither well inside the tolerance nor well outside it take the definition: the slip of
+//! every wheel at the angle that it would be steered to.
 
 use nalgebra::Vector3;
 use pulp::Simd;
 
-use super::usual::{is_usual, pivots_apart, usual};
-use crate::admissible::faces::{AGREED, Face, Faces, VANISHED, components};
-use crate::admissible::{Keep, SLIP_TOLERANCE};
-use crate::rover_data::{Mount, RoverData};
+use super::safe_range::{distant_pivots, has_safe_lengths, is_in_safe_range};
+use super::steered_wheel::{SAFE_OVERSHOOT, SteeredConstants, WheelQuery};
+use crate::rover_data::RoverData;
 use crate::wheels::Direction;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 pub use six_wheel_numerics::simd::vec3::row_times as dot;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::Column;
 
-/// Shares of the tolerance up to which a wheel surely does not slide, and from which on it surely does.
-const SURE: [f64; 2] = [0.5, 2.0];
+/// Side slip that passes as rounding, as a share of the fastest pivot's speed: 1 nm per metre driven.
+pub const SLIP_TOLERANCE: f64 = 1e-9;
+
+/// Shares of the tolerance between which the definition decides.
+const CLEAR: [f64; 2] = [0.5, 2.0];
+
+/// Share of the pivot's speed that has to be left along the wheel for the angle of a trail to be exact.
+const MIN_ALONG: f64 = 0.75;
 
 /// The admissible twists of a rover, as numbers.
 #[derive(Clone, Debug)]
-pub struct Cone {
+pub struct AdmissibleCone {
     /// Rows whose products with the twist are the speeds at which unsteered wheels slide.
-    banks: Vec<[f64; 3]>,
-    /// One for each steered wheel with a range narrower than half a turn.
-    wedges: Vec<Wedge>,
+    pub(crate) banks: Vec<[f64; 3]>,
+    /// Steered wheels whose ranges restrict the twist.
+    pub(crate) limited: Vec<LimitedWheel>,
+    /// Pivot and distance of the contact from it, of every wheel [m].
+    contacts: Vec<[f64; 3]>,
+    /// Smallest radius [m].
+    min_radius: f64,
     /// Two pivots far apart: the faster one is a lower bound of the fastest.
     pivots: [[f64; 2]; 2],
     /// The longest way from the body's origin to a contact, along the axes [m].
-    pub arm: f64,
-    /// Root mean square distance of the pivots from their centre [m].
-    size: f64,
-    /// True if that is all: no steered wheel has trail, whose steering angle depends on more than its pivot's velocity.
-    pub is_whole: bool,
+    arm: f64,
+    /// True if lengths are such that squares neither overflow nor lose digits.
+    is_safe: bool,
+}
+
+/// A steered wheel whose range restricts the twist.
+#[derive(Clone, Debug)]
+pub(crate) struct LimitedWheel {
+    /// Index among the steered wheels.
+    pub joint: usize,
+    /// Index among all wheels.
+    pub wheel: usize,
+    constants: SteeredConstants,
+    /// Of a wheel without trail.
+    wedge: Option<SteeringWedge>,
 }
 
 /// The twists for which one steered wheel is within its range.
 #[derive(Clone, Debug)]
-struct Wedge {
-    joint: usize,
-    /// Rows of the pivot's velocity along the middle of the range and across it.
+struct SteeringWedge {
+    /// Row of the pivot's velocity along the middle of the range.
     along: [f64; 3],
+    /// Row of the pivot's velocity across it.
     across: [f64; 3],
-    /// Of half the range.
+    /// Direction of half the range.
     half: Direction,
 }
 
-/// Verdict on each lane. Neither holds where the plain core has to decide.
+/// Rates of the steering joints [rad/s].
 #[derive(Clone, Copy)]
-pub struct Verdict<S: Simd> {
-    /// Lanes with a twist that is surely possible.
-    pub yes: Mask<S>,
-    /// Lanes with a twist that is surely impossible.
-    pub no: Mask<S>,
+pub(crate) enum Rates<'a> {
+    /// Register `k` of one column per joint; none of no columns.
+    Columns(&'a [Column], usize),
+    /// The same in every lane.
+    Row(&'a [f64]),
 }
 
-impl Cone {
-    /// Nothing where a size is extreme.
-    pub fn new(rover: &RoverData) -> Option<Self> {
-        let mut wedges = Vec::new();
-        let mut arm: f64 = 0.0;
-        let mut is_whole = true;
-        for (i, (wheel, mount)) in rover.wheels().iter().zip(&rover.mounts).enumerate() {
-            if !is_usual(wheel) {
-                return None;
-            }
-            let offset = wheel.scrub.abs() + wheel.trail.abs();
-            arm = arm.max(wheel.x.abs() + wheel.y.abs() + offset);
-            let Mount::Steered(range, _) = *mount else {
-                continue;
-            };
-            is_whole &= wheel.trail == 0.0;
-            if range.is_full() || wheel.trail != 0.0 {
-                continue;
-            }
-            let middle = f64::midpoint(range.lower, range.upper);
-            let Direction { sin, cos } = Direction::from(wheel.heading + middle);
-            let row = |a: f64, b: f64| Vector3::new(a, b, wheel.x * b - wheel.y * a).into();
-            wedges.push(Wedge {
-                joint: rover.steered().iter().position(|&k| k == i)?,
-                along: row(cos, sin),
-                across: row(-sin, cos),
-                half: Direction::from((range.upper - range.lower) / 2.0),
+/// Decision on each lane.
+#[derive(Clone, Copy)]
+pub(crate) struct Admissibility<S: Simd> {
+    /// True if the rover can make the twist.
+    pub is_possible: Mask<S>,
+    /// True if the twist and every wheel speed are finite.
+    pub is_valid: Mask<S>,
+}
+
+impl AdmissibleCone {
+    /// The admissible twists of a rover.
+    pub fn new(rover: &RoverData) -> Self {
+        let wheels = rover.wheels();
+        let limited = rover.steered().iter().enumerate().filter_map(|(joint, &i)| {
+            let wheel = &wheels[i];
+            let range = wheel.steering()?;
+            let wedge = (wheel.trail == 0.0).then(|| {
+                let middle = f64::midpoint(range.lower, range.upper);
+                let Direction { sin, cos } = Direction::from(wheel.heading + middle);
+                let row = |a: f64, b: f64| Vector3::new(a, b, wheel.x * b - wheel.y * a).into();
+                let half = Direction::from((range.upper - range.lower) / 2.0);
+                SteeringWedge { along: row(cos, sin), across: row(-sin, cos), half }
             });
-        }
-        Some(Self {
+            let constants = SteeredConstants::new(wheel, rover.mounts[i])?;
+            (wedge.is_none() || !range.is_full()).then_some(LimitedWheel { joint, wheel: i, constants, wedge })
+        });
+        let contacts: Vec<_> =
+            wheels.iter().map(|wheel| [wheel.x, wheel.y, wheel.scrub.abs() + wheel.trail.abs()]).collect();
+        Self {
             banks: rover.banks.iter().map(|bank| bank.row.into()).collect(),
-            wedges,
-            pivots: pivots_apart(rover.wheels()),
-            arm,
-            size: rover.size,
-            is_whole,
-        })
+            limited: limited.collect(),
+            min_radius: wheels.iter().map(|wheel| wheel.radius).fold(f64::INFINITY, f64::min),
+            pivots: distant_pivots(wheels),
+            arm: contacts.iter().map(|[x, y, offset]| x.abs() + y.abs() + offset).fold(0.0, f64::max),
+            is_safe: wheels.iter().all(has_safe_lengths),
+            contacts,
+        }
     }
 
-    /// Slips that are surely none, and surely one [m/s].
+    /// True if lengths are such that squares neither overflow nor lose digits.
+    pub fn is_safe(&self) -> bool {
+        self.is_safe
+    }
+
+    /// True if rates of the steering joints matter.
+    pub(crate) fn depends_on_rates(&self) -> bool {
+        self.contacts.iter().any(|[.., offset]| *offset != 0.0)
+    }
+
+    /// Decides for each lane if the rover can make the twist.
     #[inline(always)]
-    fn bounds<S: Simd>(&self, simd: S, [vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
+    pub(crate) fn judge<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>) -> Admissibility<S> {
+        let mut yes = self.safe_lanes(simd, twist);
+        if !(self.banks.is_empty() && self.limited.is_empty()) {
+            let none = self.clear_slips(simd, twist)[0];
+            for bank in 0..self.banks.len() {
+                yes = yes & self.bank_slip(simd, bank, twist).at_most(none);
+            }
+            for wheel in &self.limited {
+                yes = yes & wheel.is_clearly_within(simd, twist, rates, none);
+            }
+        }
+        if !(!yes).any() {
+            return Admissibility { is_possible: yes, is_valid: yes };
+        }
+        self.decided(simd, twist, rates, yes, None)
+    }
+
+    /// Decides for each lane if the twist is possible where only the ranges of the given joints may end short of it.
+    #[inline(always)]
+    pub(crate) fn judge_joints<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], joints: &[usize]) -> Mask<S> {
+        let mut yes = self.safe_lanes(simd, twist);
+        let none = self.clear_slips(simd, twist)[0];
+        for wheel in self.limited.iter().filter(|wheel| joints.contains(&wheel.joint)) {
+            yes = yes & wheel.is_clearly_within(simd, twist, Rates::Row(&[]), none);
+        }
+        if !(!yes).any() {
+            return yes;
+        }
+        self.decided(simd, twist, Rates::Row(&[]), yes, Some(joints)).is_possible
+    }
+
+    /// Lanes in which squares neither overflow nor lose digits.
+    #[inline(always)]
+    fn safe_lanes<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+        let zero = Lanes::splat(simd, 0.0);
+        if self.is_safe { is_in_safe_range(simd, twist) } else { zero.below(zero) }
+    }
+
+    /// Yes in the lanes where that is clear, no where that is, elsewhere the decision by definition. Of the ranges, those of
+    /// the given joints alone can make a no clear.
+    #[inline(always)]
+    fn decided<S: Vector>(
+        &self,
+        simd: S,
+        twist: [Lanes<S>; 3],
+        rates: Rates<'_>,
+        yes: Mask<S>,
+        joints: Option<&[usize]>,
+    ) -> Admissibility<S> {
+        let zero = Lanes::splat(simd, 0.0);
+        let mut no = zero.below(zero);
+        // With rates contacts may be faster than the bound.
+        if !rates.are_given() {
+            let some = self.clear_slips(simd, twist)[1];
+            for bank in 0..self.banks.len() {
+                no = no | some.below(self.bank_slip(simd, bank, twist));
+            }
+            for wheel in self.limited.iter().filter(|wheel| joints.is_none_or(|joints| joints.contains(&wheel.joint))) {
+                no = no | wheel.is_clearly_outside(simd, twist, some);
+            }
+            no = no & self.safe_lanes(simd, twist) & !yes;
+        }
+        let is_clear = yes | no;
+        if !(!is_clear).any() {
+            return Admissibility { is_possible: yes, is_valid: is_clear };
+        }
+        let [vx, vy, omega] = twist;
+        let twist = [vx + zero, vy, omega];
+        let (fastest, is_valid) = self.fastest(simd, twist, rates);
+        let tolerance = fastest * Lanes::splat(simd, SLIP_TOLERANCE);
+        let mut is_possible = is_valid;
+        for bank in 0..self.banks.len() {
+            is_possible = is_possible & self.bank_slip(simd, bank, twist).at_most(tolerance);
+        }
+        for wheel in &self.limited {
+            is_possible = is_possible & wheel.slip(simd, twist, rates)[1].at_most(tolerance);
+        }
+        Admissibility { is_possible: yes | (!no & is_possible), is_valid: is_clear | is_valid }
+    }
+
+    /// True where a twist is finite and the unsteered wheels surely do not slide.
+    #[inline(always)]
+    pub(crate) fn banks_roll<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+        let mut roll = self.safe_lanes(simd, twist);
+        if !self.banks.is_empty() {
+            let none = self.clear_slips(simd, twist)[0];
+            for bank in 0..self.banks.len() {
+                roll = roll & self.bank_slip(simd, bank, twist).at_most(none);
+            }
+        }
+        roll
+    }
+
+    /// Speed at which the unsteered wheels of a bank slide sideways [m/s].
+    #[inline(always)]
+    pub(crate) fn bank_slip<S: Simd>(&self, simd: S, bank: usize, twist: [Lanes<S>; 3]) -> Lanes<S> {
+        dot(simd, &self.banks[bank], twist).abs()
+    }
+
+    /// Slips that are well inside the tolerance, and well outside it [m/s].
+    #[inline(always)]
+    fn clear_slips<S: Vector>(&self, simd: S, [vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
         let splat = |number| Lanes::splat(simd, number);
         let mut least = splat(0.0);
         for [x, y] in self.pivots {
@@ -105,160 +238,118 @@ impl Cone {
             least = least.max(ux.abs() + uy.abs());
         }
         let most = vx.abs() + vy.abs() + omega.abs() * splat(self.arm);
-        [least * splat(SURE[0] * SLIP_TOLERANCE), most * splat(SURE[1] * SLIP_TOLERANCE)]
+        [least * splat(CLEAR[0] * SLIP_TOLERANCE), most * splat(CLEAR[1] * SLIP_TOLERANCE)]
     }
 
-    /// Verdict on the twist of each lane.
+    /// Bound of the speed of every pivot and contact, to a factor of two [m/s], and where the twist and all wheel speeds are
+    /// finite.
     #[inline(always)]
-    pub fn judge<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Verdict<S> {
-        let usual = usual(simd, twist);
-        let zero = Lanes::splat(simd, 0.0);
-        let mut verdict = Verdict { yes: usual, no: zero.below(zero) };
-        if self.banks.is_empty() && self.wedges.is_empty() {
-            return verdict;
-        }
-        let bounds = self.bounds(simd, twist);
-        for row in &self.banks {
-            verdict.note(dot(simd, row, twist).abs(), bounds);
-        }
-        for wedge in &self.wedges {
-            verdict.note(wedge.overshoot(simd, twist), bounds);
-        }
-        verdict.no = verdict.no & usual;
-        verdict
-    }
-
-    /// Verdict on the ranges of the given joints: yes if all are within.
-    #[inline(always)]
-    fn within<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3], joints: &[usize]) -> Verdict<S> {
-        let zero = Lanes::splat(simd, 0.0);
-        let mut verdict = Verdict { yes: zero.at_most(zero), no: zero.below(zero) };
-        let bounds = self.bounds(simd, twist);
-        for wedge in &self.wedges {
-            if joints.contains(&wedge.joint) {
-                verdict.note(wedge.overshoot(simd, twist), bounds);
-            }
-        }
-        verdict
-    }
-
-    /// [`Rover::project`] of twists of which `done` are possible already, and where that is sure.
-    #[inline(always)]
-    pub fn project<S: Simd>(
+    pub(crate) fn fastest<S: Vector>(
         &self,
         simd: S,
-        faces: &Faces,
-        keep: Keep,
-        wanted: [Lanes<S>; 3],
-    ) -> ([Lanes<S>; 3], Mask<S>) {
-        let Verdict { yes, no } = self.judge(simd, wanted);
-        if !no.any() {
-            return (wanted, yes);
-        }
-        let (mut found, mut any, mut sure) = self.nearest(simd, faces, keep, wanted, no);
-        if keep == Keep::Curvature {
-            let rest = no & !any;
-            if rest.any() {
-                let (nearest, near, safe) = self.nearest(simd, faces, Keep::Nearest, wanted, rest);
-                let share = |k: usize| {
-                    let (found, wanted) = (nearest[k].abs(), wanted[k].abs());
-                    let one = Lanes::splat(simd, 1.0);
-                    found.at_most(wanted).select(one, wanted.quotient(found))
-                };
-                let scale = share(0).min(share(2));
-                for k in 0..3 {
-                    found[k] = any.select(found[k], nearest[k] * scale);
-                }
-                sure = sure & (any | safe);
-                any = any | near;
-            }
-        }
-        let result = [0, 1, 2].map(|k| yes.select(wanted[k], found[k]));
-        (result, yes | (no & any & sure))
-    }
-
-    /// The nearest points, where there are any, and where that is sure.
-    #[inline(always)]
-    fn nearest<S: Simd>(
-        &self,
-        simd: S,
-        faces: &Faces,
-        keep: Keep,
-        wanted: [Lanes<S>; 3],
-        asked: Mask<S>,
-    ) -> ([Lanes<S>; 3], Mask<S>, Mask<S>) {
+        [vx, vy, omega]: [Lanes<S>; 3],
+        rates: Rates<'_>,
+    ) -> (Lanes<S>, Mask<S>) {
         let splat = |number| Lanes::splat(simd, number);
-        let zero = splat(0.0);
-        let mut size = zero;
-        let mut best = zero;
-        for row in &faces.size {
-            let part = dot(simd, row, wanted);
-            size = size.max(part.abs());
-            best = best + part * part;
+        let turn_rate = omega.abs() + rates.largest(simd);
+        let mut fastest = splat(0.0);
+        for [x, y, offset] in &self.contacts {
+            let (ux, uy) = (vx - omega * splat(*y), vy + omega * splat(*x));
+            fastest = fastest.max(ux.abs() + uy.abs() + splat(*offset) * turn_rate);
         }
-        let lengths = [splat(1.0), splat(1.0), splat(self.size)];
-        let rounding = size * splat(VANISHED);
-        // To stand still keeps what is zero.
-        let mut any = asked;
-        for &k in components(keep) {
-            any = any & wanted[k].abs().at_most(zero);
-        }
-        best = any.select(best, splat(f64::INFINITY));
-        let mut found = [zero; 3];
-        let mut sure = zero.at_most(zero);
-        for face in faces.of(keep) {
-            let mut distance = zero;
-            for row in &face.miss {
-                let part = dot(simd, row, wanted);
-                distance = distance + part * part;
-            }
-            let mut nearer = distance.below(best) & asked;
-            if !nearer.any() {
-                continue;
-            }
-            let mut point = point(simd, face, wanted);
-            if face.bound {
-                for &k in components(keep) {
-                    let off = (point[k] - wanted[k]).abs();
-                    nearer = nearer & off.at_most(size * splat(AGREED));
-                }
-            }
-            if !face.open.is_empty() {
-                for (part, length) in point.iter_mut().zip(lengths) {
-                    *part = (part.abs() * length).at_most(rounding).select(zero, *part);
-                }
-                let Verdict { yes, no } = self.within(simd, point, &face.open);
-                sure = sure & (!nearer | yes | no);
-                nearer = nearer & yes;
-            }
-            best = nearer.select(distance, best);
-            any = any | nearer;
-            for (found, point) in found.iter_mut().zip(point) {
-                *found = nearer.select(point, *found);
-            }
-        }
-        let mut vanishes = zero.at_most(zero);
-        for (part, length) in found.iter().zip(lengths) {
-            vanishes = vanishes & (part.abs() * length).at_most(rounding);
-        }
-        found = found.map(|part| vanishes.select(zero, part));
-        for &k in components(keep) {
-            found[k] = wanted[k];
-        }
-        (found, any, sure)
+        let largest = splat(f64::MAX);
+        let is_finite = vx.abs().at_most(largest) & vy.abs().at_most(largest) & omega.abs().at_most(largest);
+        // Twice: the length of a velocity against its larger component.
+        let speed = (fastest + fastest).quotient(splat(self.min_radius));
+        (fastest, is_finite & speed.at_most(largest))
     }
 }
 
-impl<S: Simd> Verdict<S> {
-    /// That something slides.
+impl LimitedWheel {
+    /// Steering angle [rad] and side slip [m/s] at the angle that the wheel would be steered to from angle 0: no slip inside the
+    /// range without trail.
     #[inline(always)]
-    fn note(&mut self, slip: Lanes<S>, [none, some]: [Lanes<S>; 2]) {
-        self.yes = self.yes & slip.at_most(none);
-        self.no = self.no | some.below(slip);
+    pub fn slip<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>) -> [Lanes<S>; 2] {
+        let wheel = self.constants.broadcast(simd);
+        let rounding = Lanes::splat(simd, f64::INFINITY);
+        let query = WheelQuery { twist, rounding, previous: None, rate: rates.of(simd, self.joint) };
+        let first = wheel.first_solution(simd, &query);
+        let angle = wheel.solve(simd, &query, &first, None).angle;
+        let slip = wheel.side_slip(simd, &query, &first, angle).abs();
+        let [lower, upper] = wheel.range;
+        let is_at_end = angle.at_most(lower) | upper.at_most(angle);
+        let slip = if self.wedge.is_none() { slip } else { is_at_end.select(slip, Lanes::splat(simd, 0.0)) };
+        [angle, slip]
+    }
+
+    /// True where the wheel slides by at most `none` [m/s], well inside the tolerance.
+    #[inline(always)]
+    fn is_clearly_within<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>, none: Lanes<S>) -> Mask<S> {
+        match &self.wedge {
+            Some(wedge) => wedge.overshoot(simd, twist).at_most(none),
+            None => self.has_solution_in_range(simd, twist, rates),
+        }
+    }
+
+    /// True where the wheel slides by more than `some` [m/s], well outside the tolerance.
+    #[inline(always)]
+    fn is_clearly_outside<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], some: Lanes<S>) -> Mask<S> {
+        match &self.wedge {
+            Some(wedge) => some.below(wedge.overshoot(simd, twist)),
+            None => some.below(some),
+        }
+    }
+
+    /// Lanes in which some angle of the range of a wheel with trail leaves nothing to slide: the slip at its two ends has
+    /// different signs, or is next to nothing at one of them.
+    #[inline(always)]
+    fn has_solution_in_range<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>) -> Mask<S> {
+        let splat = |number| Lanes::splat(simd, number);
+        let wheel = self.constants.broadcast(simd);
+        let [x, y] = wheel.velocity(twist);
+        let square = x.mul_add(x, y * y);
+        let turn_rate = rates.of(simd, self.joint).map_or(twist[2], |rate| twist[2] + rate);
+        let side = wheel.trail * turn_rate;
+        let along = (-side).mul_add(side, square);
+        let none = along * splat(SAFE_OVERSHOOT * SAFE_OVERSHOOT);
+        let slip = |end: Direction| (y * splat(end.cos) - x * splat(end.sin)) - side;
+        let [first, last] = [slip(self.constants.ends[0]), slip(self.constants.ends[1])];
+        let is_held = (first * last).below(splat(0.0)) | (first * first).at_most(none) | (last * last).at_most(none);
+        is_held & (splat(MIN_ALONG * MIN_ALONG) * square).at_most(along) & !wheel.is_at_rest(twist)
     }
 }
 
-impl Wedge {
+impl Rates<'_> {
+    fn are_given(self) -> bool {
+        match self {
+            Self::Columns(columns, _) => !columns.is_empty(),
+            Self::Row(rates) => !rates.is_empty(),
+        }
+    }
+
+    /// Rate of a joint, if there are any.
+    #[inline(always)]
+    fn of<S: Vector>(self, simd: S, joint: usize) -> Option<Lanes<S>> {
+        match self {
+            Self::Columns(columns, k) => columns.get(joint).map(|column| column.load(simd, k)),
+            Self::Row(rates) => rates.get(joint).map(|rate| Lanes::splat(simd, *rate)),
+        }
+    }
+
+    /// The largest of them, either way round; 0 of none.
+    #[inline(always)]
+    fn largest<S: Vector>(self, simd: S) -> Lanes<S> {
+        let mut largest = Lanes::splat(simd, 0.0);
+        let mut joint = 0;
+        while let Some(rate) = self.of(simd, joint) {
+            largest = largest.max(rate.abs());
+            joint += 1;
+        }
+        largest
+    }
+}
+
+impl SteeringWedge {
     /// Side slip of the wheel at the nearer end of its range; negative inside it [m/s].
     #[inline(always)]
     fn overshoot<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Lanes<S> {
@@ -266,16 +357,4 @@ impl Wedge {
         let across = dot(simd, &self.across, twist).abs();
         across * Lanes::splat(simd, self.half.cos) - along * Lanes::splat(simd, self.half.sin)
     }
-}
-
-#[inline(always)]
-fn point<S: Simd>(simd: S, face: &Face, wanted: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-    let mut point = [Lanes::splat(simd, 0.0); 3];
-    for [direction, row] in &face.span {
-        let share = dot(simd, row, wanted);
-        for (part, along) in point.iter_mut().zip(direction) {
-            *part = *part + share * Lanes::splat(simd, *along);
-        }
-    }
-    point
 }

@@ -6,9 +6,9 @@
 mod tests;
 
 use super::cone::dot;
+use super::inverse::rows::load;
 use super::readings::{self, FitColumns, Rows, solve_block};
 use super::robust::{self, Block, EARLY, LATE};
-use super::steered::load;
 use crate::estimate::{Fit, Measured, Method, Reading, Unseen};
 use crate::rover_data::{MAX_WHEELS, RoverData};
 use crate::table::{Log, row_mut};
@@ -91,14 +91,14 @@ impl<'a> FitConstants<'a> {
         Some(Self { rover, method, unseen, forward, robust, weights, rank, sigma_min })
     }
 
-    /// Fits every row; nothing where the level has no kernels.
-    pub fn fit(&self, level: Level, log: Log<'_>, fits: &mut Fits<'_>) -> Option<Result<(), Error>> {
+    /// Fits every row.
+    pub fn fit(&self, level: Level, log: Log<'_>, fits: &mut Fits<'_>) -> Result<(), Error> {
         let (joints, wheels) = (self.rover.steered().len(), self.weights.len());
         with_columns(joints + 4 * wheels, |columns| {
             if self.robust.is_none() {
-                return level.run(Solve::<false> { plan: self, log, fits, columns, late: &mut [] });
+                return level.run_any(Solve::<false> { plan: self, log, fits, columns, late: &mut [] });
             }
-            with_columns(3 * wheels, |late| level.run(Solve::<true> { plan: self, log, fits, columns, late }))
+            with_columns(3 * wheels, |late| level.run_any(Solve::<true> { plan: self, log, fits, columns, late }))
         })
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 pub(crate) use super::readings::ForwardConstants;
 use super::readings::{FitColumns, LARGEST_SPEED, solve, solve_block};
-use super::usual::all_within;
+use super::safe_range::all_within;
 use crate::estimate::Unseen;
 use crate::table::Log;
 use six_wheel_numerics::error::Error;
@@ -22,7 +22,7 @@ impl ForwardConstants<'_> {
         let joints = if self.solution.is_none() { self.joints } else { 0 };
         with_columns(joints, |steering| {
             let check = Check { plan: self, log, rows, unseen, steering };
-            level.run(check).unwrap_or(Ok(()))
+            level.run_any(check)
         })
     }
 
@@ -38,7 +38,7 @@ impl ForwardConstants<'_> {
     ) -> Result<(), Error> {
         with_columns(self.joints + self.wheels.len() + self.rates(log), |columns| {
             let solve = Solve { plan: self, log, unseen, twists, past, columns };
-            level.run(solve).unwrap_or(Ok(()))
+            level.run_any(solve)
         })
     }
 }

@@ -3,7 +3,7 @@
 //! They are sums of products of what the wheels read, with constants of the rover: see [`crate::estimate::gradients`].
 
 use super::readings::{self, FitColumns, solve, solve_block};
-use super::usual::all_within;
+use super::safe_range::all_within;
 use crate::estimate::gradients::{GIVEN, Gradients, PRODUCTS, Sum};
 use crate::estimate::sensitivity::Quantity;
 use crate::rover_data::{Mount, RoverData};

@@ -1,4 +1,3 @@
 //! One row at a time: the lanes of a register are the wheels.
 
 pub(crate) mod forward;
-pub mod inverse;

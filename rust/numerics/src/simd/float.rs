@@ -47,6 +47,13 @@ macro_rules! float {
             fn splat<S: Simd>(simd: S, value: Self) -> Self::Register<S>;
             /// Lanes whose bit `bit` is set.
             fn has_bit<S: Simd>(simd: S, a: Self::Register<S>, bit: u32) -> Self::Mask<S>;
+            /// `yes` where true, `no` elsewhere.
+            fn select<S: Simd>(
+                simd: S,
+                mask: Self::Mask<S>,
+                yes: Self::Register<S>,
+                no: Self::Register<S>,
+            ) -> Self::Register<S>;
             /// True if any lane is.
             fn any<S: Simd>(simd: S, a: Self::Mask<S>) -> bool;
             /// [`Vector::steady_roots`].
@@ -67,7 +74,7 @@ macro_rules! float {
 
         impl Float for f64 {
             precision! { f64 u64: f64s m64s F64_LANES as_simd_f64s as_mut_simd_f64s splat_f64s transmute_u64s_f64s and_u64s
-            splat_u64s greater_than_u64s first_true_m64s corners steady_roots }
+            splat_u64s greater_than_u64s select_u64s transmute_f64s_u64s first_true_m64s corners steady_roots }
             const INTEGERS: f64 = 4_503_599_627_370_496.0; // 2^52
             const QUARTER_TURN: [f64; 3] =
                 [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
@@ -83,7 +90,7 @@ macro_rules! float {
 
         impl Float for f32 {
             precision! { f32 u32: f32s m32s F32_LANES as_simd_f32s as_mut_simd_f32s splat_f32s transmute_u32s_f32s and_u32s
-            splat_u32s greater_than_u32s first_true_m32s corners_single steady_roots_single }
+            splat_u32s greater_than_u32s select_u32s transmute_f32s_u32s first_true_m32s corners_single steady_roots_single }
             const INTEGERS: f64 = 8_388_608.0; // 2^23
             const QUARTER_TURN: [f64; 3] =
                 [1.570_796_370_506_286_6, -4.371_138_828_673_793e-8, -1.715_124_510_005_881_9e-15];
@@ -102,7 +109,7 @@ macro_rules! float {
 /// Functions that read alike in both precisions.
 macro_rules! precision {
     ($float:ident $word:ident: $register:ident $mask:ident $lanes:ident $as_simd:ident $as_mut_simd:ident $splat:ident
-     $bits:ident $and:ident $splat_bits:ident $greater:ident $first:ident $corners:ident $roots:ident) => {
+     $bits:ident $and:ident $splat_bits:ident $greater:ident $select:ident $from_bits:ident $first:ident $corners:ident $roots:ident) => {
         type Register<S: Simd> = S::$register;
         type Mask<S: Simd> = S::$mask;
         const ABS: Self = Self::from_bits($word::MAX >> 1);
@@ -136,6 +143,11 @@ macro_rules! precision {
         fn has_bit<S: Simd>(simd: S, a: S::$register, bit: u32) -> S::$mask {
             let set = simd.$and(simd.$bits(a), simd.$splat_bits(1 << bit));
             simd.$greater(set, simd.$splat_bits(0))
+        }
+        #[inline(always)]
+        fn select<S: Simd>(simd: S, mask: S::$mask, yes: S::$register, no: S::$register) -> S::$register {
+            // pulp's own of this type may be left to call.
+            simd.$from_bits(simd.$select(mask, simd.$bits(yes), simd.$bits(no)))
         }
         #[inline(always)]
         fn any<S: Simd>(simd: S, a: S::$mask) -> bool {
@@ -189,6 +201,4 @@ float! {
     either(a: Mask, b: Mask) -> Mask = or_m64s, or_m32s;
     /// Lanes in which it is false.
     not(a: Mask) -> Mask = not_m64s, not_m32s;
-    /// `yes` where true, `no` elsewhere.
-    select(mask: Mask, yes: Register, no: Register) -> Register = select_f64s, select_f32s;
 }

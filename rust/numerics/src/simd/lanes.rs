@@ -30,15 +30,25 @@ pub struct Mask<S: Simd, T: Float = f64, const N: usize = 1> {
     values: [T::Mask<S>; N],
 }
 
+/// Does the same for every register. One is the usual number of them, for which a loop makes kernels slow to compile.
+macro_rules! for_each {
+    ($k:ident: $body:block) => {
+        if N == 1 {
+            let $k = 0;
+            $body
+        } else {
+            for $k in 0..N $body
+        }
+    };
+}
+
 /// Methods that do the same to every register.
 macro_rules! every_register {
     ($($(#[$doc:meta])* $name:ident($($other:ident),*) = $operation:ident;)*) => {$(
         $(#[$doc])*
         #[inline(always)]
         pub fn $name(mut self $(, $other: Self)*) -> Self {
-            for k in 0..N {
-                self.values[k] = T::$operation(self.simd, self.values[k] $(, $other.values[k])*);
-            }
+            for_each!(k: { self.values[k] = T::$operation(self.simd, self.values[k] $(, $other.values[k])*); });
             self
         }
     )*};
@@ -51,8 +61,10 @@ macro_rules! comparison {
         #[inline(always)]
         pub fn $name(self, other: Self) -> Mask<S, T, N> {
             let mut values = [T::$operation(self.simd, self.values[0], other.values[0]); N];
-            for k in 1..N {
-                values[k] = T::$operation(self.simd, self.values[k], other.values[k]);
+            if N > 1 {
+                for k in 1..N {
+                    values[k] = T::$operation(self.simd, self.values[k], other.values[k]);
+                }
             }
             Mask { simd: self.simd, values }
         }
@@ -82,18 +94,25 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     #[inline(always)]
     pub fn from_slice(simd: S, numbers: &[T]) -> Self {
         let mut lanes = Self::splat(simd, T::default());
-        for (value, number) in lanes.values.iter_mut().zip(T::as_registers::<S>(numbers)) {
-            *value = *number;
-        }
+        let registers = T::as_registers::<S>(numbers);
+        // A loop of constant length, so that the lanes stay in registers.
+        for_each!(k: {
+            if let Some(register) = registers.get(k) {
+                lanes.values[k] = *register;
+            }
+        });
         lanes
     }
 
     /// Writes the lanes to the first numbers of a slice, as far as it has whole registers.
     #[inline(always)]
     pub fn copy_to_slice(self, numbers: &mut [T]) {
-        for (number, value) in T::as_mut_registers::<S>(numbers).iter_mut().zip(self.values) {
-            *number = value;
-        }
+        let registers = T::as_mut_registers::<S>(numbers);
+        for_each!(k: {
+            if let Some(register) = registers.get_mut(k) {
+                *register = self.values[k];
+            }
+        });
     }
 
     /// The token of the level.
@@ -141,9 +160,7 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     pub fn abs(mut self) -> Self {
         // Every bit but the sign. pulp's own may be left to call.
         let bits = T::splat(self.simd, T::ABS);
-        for value in &mut self.values {
-            *value = T::and(self.simd, *value, bits);
-        }
+        for_each!(k: { self.values[k] = T::and(self.simd, self.values[k], bits); });
         self
     }
 
@@ -151,9 +168,7 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     #[inline(always)]
     pub fn sign(mut self) -> Self {
         let bit = T::splat(self.simd, T::from_f64(-0.0));
-        for value in &mut self.values {
-            *value = T::and(self.simd, *value, bit);
-        }
+        for_each!(k: { self.values[k] = T::and(self.simd, self.values[k], bit); });
         self
     }
 
@@ -161,8 +176,10 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     #[inline(always)]
     pub fn has_bit(self, bit: u32) -> Mask<S, T, N> {
         let mut values = [T::has_bit(self.simd, self.values[0], bit); N];
-        for k in 1..N {
-            values[k] = T::has_bit(self.simd, self.values[k], bit);
+        if N > 1 {
+            for (value, of) in values.iter_mut().zip(self.values).skip(1) {
+                *value = T::has_bit(self.simd, of, bit);
+            }
         }
         Mask { simd: self.simd, values }
     }
@@ -220,9 +237,7 @@ impl<S: Simd, T: Float, const N: usize> Mask<S, T, N> {
     /// `yes` where true, `no` elsewhere.
     #[inline(always)]
     pub fn select(self, mut yes: Lanes<S, T, N>, no: Lanes<S, T, N>) -> Lanes<S, T, N> {
-        for k in 0..N {
-            yes.values[k] = T::select(self.simd, self.values[k], yes.values[k], no.values[k]);
-        }
+        for_each!(k: { yes.values[k] = T::select(self.simd, self.values[k], yes.values[k], no.values[k]); });
         yes
     }
 
@@ -230,8 +245,10 @@ impl<S: Simd, T: Float, const N: usize> Mask<S, T, N> {
     #[inline(always)]
     pub fn any(self) -> bool {
         let mut all = self.values[0];
-        for k in 1..N {
-            all = T::either(self.simd, all, self.values[k]);
+        if N > 1 {
+            for k in 1..N {
+                all = T::either(self.simd, all, self.values[k]);
+            }
         }
         T::any(self.simd, all)
     }
@@ -244,9 +261,7 @@ macro_rules! operator {
 
             #[inline(always)]
             fn $method(mut self, other: Self) -> Self {
-                for k in 0..N {
-                    self.values[k] = T::$operation(self.simd, self.values[k], other.values[k]);
-                }
+                for_each!(k: { self.values[k] = T::$operation(self.simd, self.values[k], other.values[k]); });
                 self
             }
         }
@@ -259,6 +274,24 @@ operator!(Mul, mul, Lanes, mul);
 operator!(Div, div, Lanes, div);
 operator!(BitAnd, bitand, Mask, both);
 operator!(BitOr, bitor, Mask, either);
+
+/// The same with a constant, the same in every lane.
+macro_rules! with_constant {
+    ($trait:ident, $method:ident) => {
+        impl<S: Simd, T: Float, const N: usize> $trait<f64> for Lanes<S, T, N> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, constant: f64) -> Self {
+                self.$method(Self::constant(self.simd, constant))
+            }
+        }
+    };
+}
+
+with_constant!(Add, add);
+with_constant!(Sub, sub);
+with_constant!(Mul, mul);
 
 impl<S: Simd, T: Float, const N: usize> Neg for Lanes<S, T, N> {
     type Output = Self;
@@ -274,9 +307,7 @@ impl<S: Simd, T: Float, const N: usize> Not for Mask<S, T, N> {
 
     #[inline(always)]
     fn not(mut self) -> Self {
-        for value in &mut self.values {
-            *value = T::not(self.simd, *value);
-        }
+        for_each!(k: { self.values[k] = T::not(self.simd, self.values[k]); });
         self
     }
 }

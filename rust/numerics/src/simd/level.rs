@@ -8,7 +8,7 @@ use pulp::aarch64::Neon;
 use pulp::x86::V3;
 #[cfg(all(target_arch = "x86_64", feature = "all-levels"))]
 use pulp::x86::V4;
-use pulp::{NullaryFnOnce, Scalar};
+use pulp::{NullaryFnOnce, Scalar, Simd};
 
 use super::vector::Vector;
 use crate::error::Error;
@@ -112,6 +112,21 @@ impl Level {
         }
         kernel.run(Scalar)
     }
+}
+
+/// Runs a kernel at the level that its caller already runs at, in a function of its own: a rare case takes no registers from
+/// the other one.
+#[cold]
+#[inline(never)]
+pub fn run_rarely<S: Vector, K: Kernel>(simd: S, kernel: K) -> K::Output {
+    let run = Run { kernel, simd };
+    #[cfg(target_arch = "x86_64")]
+    if S::IS_SCALAR
+        && let Some(simd) = V3::try_new()
+    {
+        return simd.vectorize(run);
+    }
+    Simd::vectorize(simd, run)
 }
 
 /// Code that is compiled once for every level.

@@ -1,4 +1,4 @@
 //! Work shared between threads.
 
-mod crew;
+mod pool;
 pub mod workers;

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::crew::together;
+use super::pool;
 use crate::error::Error;
 use crate::simd::level::Level;
 use crate::weave::BLOCK;
@@ -42,7 +42,7 @@ impl Workers {
         Self { level: Level::Scalar, ..self }
     }
 
-    fn hands(self) -> usize {
+    fn thread_count(self) -> usize {
         self.threads.clamp(1, MOST_HELPERS + 1)
     }
 
@@ -51,10 +51,10 @@ impl Workers {
         if rows < WORTH_A_THREAD {
             return rows.max(1);
         }
-        if self.hands() == 1 {
+        if self.thread_count() == 1 {
             return rows;
         }
-        let share = rows.div_ceil(self.hands() * SHARES).max(LEAST);
+        let share = rows.div_ceil(self.thread_count() * SHARES).max(LEAST);
         share.next_multiple_of(BLOCK)
     }
 
@@ -63,10 +63,10 @@ impl Workers {
         if logs * count < WORTH_A_THREAD {
             return logs.max(1);
         }
-        if self.hands() == 1 {
+        if self.thread_count() == 1 {
             return logs;
         }
-        let share = logs.div_ceil(self.hands() * SHARES);
+        let share = logs.div_ceil(self.thread_count() * SHARES);
         share.max(LEAST.div_ceil(count.max(1))).next_multiple_of(8)
     }
 
@@ -105,7 +105,7 @@ impl Workers {
         work: impl Fn(J) -> Result<(), Error> + Sync,
     ) -> Result<(), Error> {
         let jobs_at_most = jobs.size_hint().1.unwrap_or(usize::MAX);
-        shared_out(self.hands().min(jobs_at_most), jobs, work)
+        shared_out(self.thread_count().min(jobs_at_most), jobs, work)
     }
 }
 
@@ -122,14 +122,14 @@ pub fn each<J: Send>(
     shared_out(jobs_at_most.min(MOST_HELPERS + 1), jobs, work)
 }
 
-/// Does every job by so many hands at most, this thread's among them: jobs are handed out one by one to whoever is
+/// Does every job by so many threads at most, this one among them: jobs are handed out one by one to whoever is
 /// there. The failure of the first job that fails.
 fn shared_out<J: Send>(
-    hands: usize,
+    threads: usize,
     jobs: impl Iterator<Item = J> + Send,
     work: impl Fn(J) -> Result<(), Error> + Sync,
 ) -> Result<(), Error> {
-    if hands <= 1 {
+    if threads <= 1 {
         let mut jobs = jobs;
         return jobs.try_for_each(work);
     }
@@ -147,7 +147,7 @@ fn shared_out<J: Send>(
             }
         }
     };
-    together(hands - 1, &work_through);
+    pool::run(threads - 1, &work_through);
     let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
     failed.map_or(Ok(()), |(_, error)| Err(error))
 }

@@ -14,7 +14,7 @@ use crate::motion::SUSPICIOUS;
 use crate::propagation::arc::chord_ratio;
 use crate::propagation::covariance::Covariance3;
 use six_wheel_kinematics::angles::sin_cos_any;
-use six_wheel_kinematics::one_row::inverse::Eight;
+use six_wheel_kinematics::wheel_lanes::Eight;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vec3::dot;
 use six_wheel_numerics::simd::vector::Vector;

@@ -1,19 +1,19 @@
 //! Projection of a wanted motion onto the ranges, and onto the motions that the joints can follow.
 
-use super::drive::{Begin, State};
+use super::drive::{RolloutStart, State};
 use super::model::{Model, Wheel};
 use crate::numbers::BLOCK;
-use crate::numbers::norms::{ABREAST, Reg, area, down_to_one, inner, largest, lowered, share, times, value};
+use crate::numbers::norms::{LOCKSTEP, Reg, area, inner, largest, metric_times, share, times, unit_scale, value};
 use six_wheel_numerics::simd::float::Float;
 use six_wheel_numerics::simd::lanes::Mask;
 use six_wheel_numerics::simd::vector::Vector;
 
-type Truth<S, R> = Mask<S, R, ABREAST>;
+type Truth<S, R> = Mask<S, R, LOCKSTEP>;
 
 impl<R: Float, const M: usize> Model<R, M> {
     /// The nearest motion within the ranges.
     #[inline(always)]
-    pub(crate) fn possible<S: Vector>(&self, simd: S, mut z: [Reg<S, R>; M]) -> [Reg<S, R>; M] {
+    pub(crate) fn project_onto_ranges<S: Vector>(&self, simd: S, mut z: [Reg<S, R>; M]) -> [Reg<S, R>; M] {
         let zero = Reg::<S, R>::constant(simd, 0.0);
         for (ends, shares, per_length) in &self.gaps {
             // Counted from the first end on, and up to the second one.
@@ -28,10 +28,10 @@ impl<R: Float, const M: usize> Model<R, M> {
                 z[k] = within.select(end * part, z[k]);
             }
         }
-        let Some(toward) = &self.toward else { return z };
-        let low = lowered(simd, &self.metric, &z);
+        let Some(projection) = &self.projection else { return z };
+        let low = metric_times(simd, &self.metric, &z);
         let mut agrees = [zero; M];
-        for (part, inside) in agrees.iter_mut().zip(toward.inside) {
+        for (part, inside) in agrees.iter_mut().zip(projection.inside) {
             *part = Reg::splat(simd, inside);
         }
         let side = inner(&low, &agrees).sign();
@@ -39,7 +39,7 @@ impl<R: Float, const M: usize> Model<R, M> {
             *part = part.flip(side);
         }
         let (mut outside, mut need) = (zero.below(zero), zero);
-        for range in &toward.ranges {
+        for range in &projection.ranges {
             let Wheel { along, across } = &range.wheel;
             let (along, across) = (times(simd, along, &z), times(simd, across, &z).abs());
             let (sin, cos) = (Reg::splat(simd, range.sin), Reg::splat(simd, range.cos));
@@ -63,10 +63,10 @@ impl<R: Float, const M: usize> Model<R, M> {
     /// The motion that the joints can follow in a step, by their largest turn.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)] // the state of a step, in registers
-    pub(crate) fn steered<S: Vector>(
+    pub(crate) fn limit_steering<S: Vector>(
         &self,
         simd: S,
-        begin: &Begin,
+        initial: &RolloutStart,
         state: &mut State<S, R, M>,
         per_turn: R,
         wanted: [Reg<S, R>; M],
@@ -77,9 +77,8 @@ impl<R: Float, const M: usize> Model<R, M> {
         let zero = number(0.0);
         let one = number(1.0);
         let (per_turn, tiny) = (Reg::splat(simd, per_turn), number(R::TINY));
-        let before = state.setting;
-        // Shares of the setting before, per share of the wanted one.
-        // As a fraction: one division for all joints.
+        let before = state.setpoint;
+        // Share of the setpoint before per share of the wanted one, as a fraction: one division for all joints.
         let (mut need, mut part) = (zero, one);
         let (mut least, mut most) = (one, number(-1.0));
         let mut side = zero;
@@ -102,19 +101,19 @@ impl<R: Float, const M: usize> Model<R, M> {
         for k in 0..M {
             turned[k] = before[k].flip(side).mul_add(kept, wanted[k]);
         }
-        let low = lowered(simd, &self.metric, &turned);
+        let low = metric_times(simd, &self.metric, &turned);
         let share = inner(&low, &wanted).max(zero) / inner(&low, &turned).max(tiny);
         let late = zero.below(kept) & !rests;
         for k in 0..M {
             motion[k] = late.select(turned[k] * share, motion[k]);
-            state.setting[k] = rests.select(before[k], turned[k]);
+            state.setpoint[k] = rests.select(before[k], turned[k]);
         }
         let busy = zero.below(state.busy);
-        let loose = state.busy.below(zero);
-        let apart = !same | busy | loose;
+        let is_free = state.busy.below(zero);
+        let apart = !same | busy | is_free;
         if apart.any() {
-            let why = [rests, same, busy, loose];
-            motion = self.swing(simd, begin, state, before, wanted, motion, why);
+            let why = [rests, same, busy, is_free];
+            motion = self.steer_in_place(simd, initial, state, before, wanted, motion, why);
         }
         motion
     }
@@ -122,15 +121,15 @@ impl<R: Float, const M: usize> Model<R, M> {
     /// Stops, turns the joints on the spot, and goes on.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)] // as above
-    fn swing<S: Vector>(
+    fn steer_in_place<S: Vector>(
         &self,
         simd: S,
-        begin: &Begin,
+        initial: &RolloutStart,
         state: &mut State<S, R, M>,
         before: [Reg<S, R>; M],
         wanted: [Reg<S, R>; M],
         mut motion: [Reg<S, R>; M],
-        [rests, same, busy, loose]: [Truth<S, R>; 4],
+        [rests, same, busy, is_free]: [Truth<S, R>; 4],
     ) -> [Reg<S, R>; M] {
         let number = |value: f64| Reg::<S, R>::constant(simd, value);
         let (zero, one) = (number(0.0), number(1.0));
@@ -139,11 +138,11 @@ impl<R: Float, const M: usize> Model<R, M> {
             speed = speed.max(part.abs());
         }
         let moves = zero.below(speed);
-        let begins = (loose | (!same & !moves)) & !busy & !rests;
-        let brakes = !same & moves & !busy & !loose;
+        let begins = (is_free | (!same & !moves)) & !busy & !rests;
+        let brakes = !same & moves & !busy & !is_free;
         let forms = self.slowing.as_ref().unwrap_or(&self.speeding);
         let worst = largest(simd, forms, &state.motion);
-        let left = if forms.is_empty() { zero } else { one - down_to_one(simd, worst) };
+        let left = if forms.is_empty() { zero } else { one - unit_scale(simd, worst) };
         // Turning times, joint by joint.
         let lanes = Reg::<S, R>::lanes();
         let mut times = [R::default(); BLOCK];
@@ -151,7 +150,7 @@ impl<R: Float, const M: usize> Model<R, M> {
             let mut columns = [[[R::default(); BLOCK]; M]; 2];
             let mut which = [R::default(); BLOCK];
             // Those that are set for no motion yet are where the angles say.
-            begins.select(loose.select(number(-1.0), one), zero).copy_to_slice(&mut which);
+            begins.select(is_free.select(number(-1.0), one), zero).copy_to_slice(&mut which);
             for k in 0..M {
                 before[k].copy_to_slice(&mut columns[0][k]);
                 wanted[k].copy_to_slice(&mut columns[1][k]);
@@ -160,23 +159,21 @@ impl<R: Float, const M: usize> Model<R, M> {
                 let kind = which[lane].to_f64();
                 if kind != 0.0 {
                     let at = |j: usize| std::array::from_fn(|k| columns[j][k][lane]);
-                    let angles = (kind < 0.0).then_some(&begin.angles[..]);
-                    times[lane] = R::from_f64(self.time(at(0), angles, at(1)));
+                    let angles = (kind < 0.0).then_some(&initial.angles[..]);
+                    times[lane] = R::from_f64(self.steering_time(at(0), angles, at(1)));
                 }
             }
         }
-        let dt = number(self.dt);
         let turns = Reg::from_slice(simd, &times);
         let rest = busy.select(state.busy, turns);
         let waits = busy | begins;
-        let next = (rest - dt).max(zero);
-        state.busy = waits.select(next, state.busy);
-        let stays = waits | loose;
-        let held = busy | brakes | (loose & !begins);
+        state.busy = waits.select((rest - self.dt).max(zero), state.busy);
+        let stays = waits | is_free;
+        let held = busy | brakes | (is_free & !begins);
         let last = state.motion;
         for k in 0..M {
-            let turned = begins.select(wanted[k], state.setting[k]);
-            state.setting[k] = held.select(before[k], turned);
+            let turned = begins.select(wanted[k], state.setpoint[k]);
+            state.setpoint[k] = held.select(before[k], turned);
             let braked = brakes.select(last[k] * left, motion[k]);
             motion[k] = stays.select(zero, braked);
         }

@@ -39,7 +39,7 @@ impl Joint {
 
 /// A gap between the directions a rover of two components can drive in: its ends, and what leads to them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Gap {
+pub(crate) struct DirectionGap {
     pub ends: [[f64; 2]; 2],
     /// Row of each end: times a motion, the share of the end that is nearest to it.
     pub shares: [[f64; 2]; 2],
@@ -71,7 +71,7 @@ pub(crate) struct RoverLimits {
     /// Mean over the pivots of their squared speed.
     pub metric: Form,
     pub joints: Vec<Joint>,
-    pub gaps: Vec<Gap>,
+    pub gaps: Vec<DirectionGap>,
     /// A motion well inside every range, if no wheel is fixed.
     pub inside: Option<Vec<f64>>,
     /// Forms that are 1 at a limit of the motion itself, and of its change in a second when it grows and shrinks.
@@ -93,14 +93,14 @@ impl RoverLimits {
                 return Err(Error::value("rover", rule, got));
             }
         }
-        let mut facts = Self::components(rover, limits);
-        facts.wheels(rover);
-        facts.directions(rover);
-        facts.scaling = needed(std::mem::take(&mut facts.scaling), facts.free);
-        facts.speeding = needed(std::mem::take(&mut facts.speeding), facts.free);
-        facts.slowing = needed(std::mem::take(&mut facts.slowing), facts.free);
-        facts.slips = needed(std::mem::take(&mut facts.slips), facts.free);
-        Ok(facts)
+        let mut bounds = Self::components(rover, limits);
+        bounds.wheels(rover);
+        bounds.directions(rover);
+        bounds.scaling = needed(std::mem::take(&mut bounds.scaling), bounds.free);
+        bounds.speeding = needed(std::mem::take(&mut bounds.speeding), bounds.free);
+        bounds.slowing = needed(std::mem::take(&mut bounds.slowing), bounds.free);
+        bounds.slips = needed(std::mem::take(&mut bounds.slips), bounds.free);
+        Ok(bounds)
     }
 
     /// The components, and what only they decide.
@@ -117,7 +117,7 @@ impl RoverLimits {
             }
         };
         let free = body.len();
-        let mut facts = Self {
+        let mut bounds = Self {
             free,
             heading,
             sideways,
@@ -137,22 +137,22 @@ impl RoverLimits {
         let metric: Matrix3<f64> = rover.metric;
         for i in 0..free {
             for j in i..free {
-                let [a, b] = [i, j].map(|k| Vector3::from(facts.body[k]));
+                let [a, b] = [i, j].map(|k| Vector3::from(bounds.body[k]));
                 let twice = if i == j { 1.0 } else { 2.0 };
-                facts.metric.push(twice * a.dot(&(metric * b)));
+                bounds.metric.push(twice * a.dot(&(metric * b)));
             }
         }
-        let [vx, vy, yaw] = [0, 1, 2].map(|k| facts.row([f64::from(k == 0), f64::from(k == 1), f64::from(k == 2)]));
+        let [vx, vy, yaw] = [0, 1, 2].map(|k| bounds.row([f64::from(k == 0), f64::from(k == 1), f64::from(k == 2)]));
         let linear = |limit: f64| product(&[&vx, &vy], 1.0 / (limit * limit));
         let turning = |limit: f64| product(&[&yaw], 1.0 / (limit * limit));
         let both = |linear_limit: f64, angular: f64| {
             let linear = linear_limit.is_finite().then(|| linear(linear_limit));
             linear.into_iter().chain(angular.is_finite().then(|| turning(angular))).collect()
         };
-        facts.scaling = both(limits.speed, limits.yaw_rate);
-        facts.speeding = both(limits.acceleration, limits.angular_acceleration);
-        facts.slowing = both(limits.deceleration, limits.angular_deceleration);
-        facts
+        bounds.scaling = both(limits.speed, limits.yaw_rate);
+        bounds.speeding = both(limits.acceleration, limits.angular_acceleration);
+        bounds.slowing = both(limits.deceleration, limits.angular_deceleration);
+        bounds
     }
 
     /// A row of a twist as a row of components.
@@ -224,8 +224,7 @@ impl RoverLimits {
             let (sin, cos) = joint.half.sin_cos();
             inner_product(&joint.across, motion).abs() * cos - inner_product(&joint.along, motion).abs() * sin
         };
-        let narrow = self.joints.iter().filter(|joint| joint.half < FRAC_PI_2 - WHOLE);
-        narrow.map(over).fold(f64::NEG_INFINITY, f64::max) / size
+        self.narrow_joints().map(over).fold(f64::NEG_INFINITY, f64::max) / size
     }
 
     /// Finds the gaps between possible directions, or that none is possible.
@@ -238,23 +237,11 @@ impl RoverLimits {
             return;
         }
         let size = rover.size;
-        let point = |angle: f64| [angle.cos(), angle.sin() / size];
         let angle = |row: &[f64]| (-row[0] * size).atan2(row[1]).rem_euclid(PI);
-        let mut ends: Vec<f64> = Vec::new();
-        for joint in &self.joints {
-            if joint.half >= FRAC_PI_2 - WHOLE {
-                continue;
-            }
-            let (sin, cos) = joint.half.sin_cos();
-            for side in [-1.0, 1.0] {
-                let row: Vec<f64> = (0..2).map(|k| joint.across[k] * cos + side * joint.along[k] * sin).collect();
-                ends.push(angle(&row));
-            }
-        }
         let others: Vec<Vec<f64>> = rover.banks().iter().skip(1).map(|bank| self.row(bank.row.into())).collect();
         // Further banks leave one direction at most.
         if let Some(first) = others.iter().find(|row| row.iter().any(|part| part.abs() > ROUNDING)) {
-            let only = point(angle(first));
+            let only = direction(angle(first), size);
             let slides = |row: &Vec<f64>| inner_product(row, &only).abs() > AT_AN_END;
             if others.iter().any(slides) || self.beyond(&only) > AT_AN_END {
                 self.stuck = Some(Stuck::Rover);
@@ -263,35 +250,50 @@ impl RoverLimits {
             }
             return;
         }
+        let mut ends: Vec<f64> = Vec::new();
+        for joint in self.narrow_joints() {
+            let (sin, cos) = joint.half.sin_cos();
+            for side in [-1.0, 1.0] {
+                let row: Vec<f64> = (0..2).map(|k| joint.across[k] * cos + side * joint.along[k] * sin).collect();
+                ends.push(angle(&row));
+            }
+        }
         ends.sort_by(f64::total_cmp);
         ends.dedup_by(|b, a| (*b - *a).abs() <= AT_AN_END);
-        if ends.is_empty() {
-            return;
+        if !ends.is_empty() {
+            self.find_gaps(&ends, size);
         }
+    }
+
+    /// Finds the gaps between directions whose angles are the ends of ranges, in rising order.
+    fn find_gaps(&mut self, ends: &[f64], size: f64) {
         let count = ends.len();
-        let open = |k: usize| {
+        let is_open = |k: usize| {
             let next = if k + 1 < count { ends[k + 1] } else { ends[0] + PI };
-            self.beyond(&point(f64::midpoint(ends[k], next))) <= 0.0
+            self.beyond(&direction(f64::midpoint(ends[k], next), size)) <= 0.0
         };
-        let opens: Vec<bool> = (0..count).map(open).collect();
+        let open: Vec<bool> = (0..count).map(is_open).collect();
         // An end beside something open, or possible by itself.
-        let allowed: Vec<usize> = (0..count)
-            .filter(|&k| opens[k] || opens[(k + count - 1) % count] || self.beyond(&point(ends[k])) <= AT_AN_END)
-            .collect();
+        let is_allowed = |&k: &usize| {
+            open[k] || open[(k + count - 1) % count] || self.beyond(&direction(ends[k], size)) <= AT_AN_END
+        };
+        let allowed: Vec<usize> = (0..count).filter(is_allowed).collect();
         if allowed.is_empty() {
             self.stuck = Some(Stuck::Rover);
             return;
         }
-        for (place, &k) in allowed.iter().enumerate() {
-            if opens[k] {
-                continue;
-            }
+        for (place, &k) in allowed.iter().enumerate().filter(|(_, k)| !open[**k]) {
             let next = allowed.get(place + 1).map_or(ends[allowed[0]] + PI, |&next| ends[next]);
-            self.gaps.push(self.gap([point(ends[k]), point(next)]));
+            self.gaps.push(self.gap([direction(ends[k], size), direction(next, size)]));
         }
     }
 
-    fn gap(&self, ends: [[f64; 2]; 2]) -> Gap {
+    /// Joints that turn less than a quarter turn to either side.
+    fn narrow_joints(&self) -> impl Iterator<Item = &Joint> {
+        self.joints.iter().filter(|joint| joint.half < FRAC_PI_2 - WHOLE)
+    }
+
+    fn gap(&self, ends: [[f64; 2]; 2]) -> DirectionGap {
         let metric = &self.metric;
         let square = ends.map(|end| square(metric, &end));
         let mut shares = [[0.0; 2]; 2];
@@ -301,12 +303,12 @@ impl RoverLimits {
                 (metric[1] / 2.0 * end[0] + metric[2] * end[1]) / square[k],
             ];
         }
-        Gap { ends, shares, per_length: square.map(|square| 1.0 / square.sqrt()) }
+        DirectionGap { ends, shares, per_length: square.map(|square| 1.0 / square.sqrt()) }
     }
 
     /// A motion as far inside every range as there is among the simple ones.
     fn find_inside(&mut self) {
-        if self.joints.iter().all(|joint| joint.half >= FRAC_PI_2 - WHOLE) {
+        if self.narrow_joints().next().is_none() {
             return;
         }
         let parts = [1.0, 0.0, -1.0];
@@ -365,6 +367,11 @@ impl RoverLimits {
         }
         twist
     }
+}
+
+/// The motion in this direction: an angle whose tangent is yaw rate times size over speed.
+fn direction(angle: f64, size: f64) -> [f64; 2] {
+    [angle.cos(), angle.sin() / size]
 }
 
 /// Middle and half of the angles a steered wheel is planned with: its range within the limit, a quarter turn to either

@@ -1,4 +1,4 @@
-//! The motion of a rollout: facts of a rover and its limits, and steps within them.
+//! The motion of a rollout: limits of a rover as half-spaces and quadratic forms, and steps within them.
 
 #[allow(clippy::needless_range_loop)] // components of several motions side by side
 pub(crate) mod drive;
@@ -6,4 +6,4 @@ pub(crate) mod drive;
 pub(crate) mod joints;
 pub mod limits;
 pub(crate) mod model;
-pub(crate) mod setting;
+pub(crate) mod steering_setpoint;

@@ -1,6 +1,6 @@
-//! A rover for rollouts of one kind of number: its facts as registers take them.
+//! A rover and its limits in one precision, as the lanes take them.
 
-use super::limits::{Gap, Joint, RoverLimits};
+use super::limits::{DirectionGap, Joint, RoverLimits};
 use crate::numbers::squares::Form;
 use six_wheel_numerics::simd::float::Float;
 use six_wheel_numerics::simd::vec3::inner_product;
@@ -25,11 +25,11 @@ pub(crate) struct Range<R, const M: usize> {
     pub per_margin: R,
 }
 
-/// A gap as its ends, their shares and one over their lengths: see [`Gap`].
+/// A gap as its ends, their shares and one over their lengths: see [`DirectionGap`].
 pub(crate) type Ends<R> = ([[R; 2]; 2], [[R; 2]; 2], [R; 2]);
 
 /// The way out of what is impossible where no wheel is fixed.
-pub(crate) struct Toward<R, const M: usize> {
+pub(crate) struct ProjectionDirection<R, const M: usize> {
     pub inside: [R; M],
     pub ranges: Vec<Range<R, M>>,
 }
@@ -37,13 +37,14 @@ pub(crate) struct Toward<R, const M: usize> {
 /// A rover for rollouts of one kind of number.
 pub(crate) struct Model<R, const M: usize> {
     joints: Vec<Wheel<R, M>>,
-    /// Those that turn in their own way: a wheel and its mirror image ask for the same time.
+    /// Those whose angles differ in size: a wheel and its mirror image need the same time.
     pub(crate) turning: Vec<Wheel<R, M>>,
-    pub(crate) facts: Vec<Joint>,
+    /// Middle of the range of every joint [rad].
+    middles: Vec<f64>,
     /// One over the tangent of a joint's largest turn in a step; nothing where joints turn at once.
     pub(crate) per_turn: Option<R>,
     pub(crate) gaps: Vec<Ends<R>>,
-    pub(crate) toward: Option<Toward<R, M>>,
+    pub(crate) projection: Option<ProjectionDirection<R, M>>,
     pub(crate) metric: [R; 6],
     pub(crate) lengths: [R; M],
     pub(crate) scaling: Vec<[R; 6]>,
@@ -75,18 +76,18 @@ fn row<R: Float, const M: usize>(from: &[f64]) -> [R; M] {
 }
 
 impl<R: Float, const M: usize> Model<R, M> {
-    pub fn new(facts: &RoverLimits, dt: f64) -> Self {
-        let limits = &facts.limits;
+    pub fn new(bounds: &RoverLimits, dt: f64) -> Self {
+        let limits = &bounds.limits;
         let forms = |forms: &[Form], factor: f64| forms.iter().map(|one| form(one, factor)).collect();
-        let speeding: Vec<[R; 6]> = forms(&facts.speeding, 1.0 / (dt * dt));
+        let speeding: Vec<[R; 6]> = forms(&bounds.speeding, 1.0 / (dt * dt));
         let turn = limits.steering_rate * dt;
-        let per_turn = (turn.is_finite() && !facts.joints.is_empty())
+        let per_turn = (turn.is_finite() && !bounds.joints.is_empty())
             .then(|| R::from_f64(if turn < std::f64::consts::FRAC_PI_2 { 1.0 / turn.tan() } else { 0.0 }));
         let pair = |ends: [[f64; 2]; 2]| ends.map(|end| end.map(R::from_f64));
-        let gap = |gap: &Gap| (pair(gap.ends), pair(gap.shares), gap.per_length.map(R::from_f64));
-        let toward = facts.inside.as_ref().map(|inside| Toward {
+        let gap = |gap: &DirectionGap| (pair(gap.ends), pair(gap.shares), gap.per_length.map(R::from_f64));
+        let projection = bounds.inside.as_ref().map(|inside| ProjectionDirection {
             inside: row(inside),
-            ranges: facts
+            ranges: bounds
                 .joints
                 .iter()
                 .map(|joint| {
@@ -103,31 +104,31 @@ impl<R: Float, const M: usize> Model<R, M> {
                 })
                 .collect(),
         });
-        let same = facts.speeding == facts.slowing;
+        let same = bounds.speeding == bounds.slowing;
         Self {
-            joints: facts.joints.iter().map(Wheel::of).collect(),
-            turning: own_ways(&facts.joints).map(Wheel::of).collect(),
-            facts: facts.joints.clone(),
+            joints: bounds.joints.iter().map(Wheel::of).collect(),
+            turning: distinct_joints(&bounds.joints).map(Wheel::of).collect(),
+            middles: bounds.joints.iter().map(|joint| joint.middle).collect(),
             per_turn,
-            gaps: facts.gaps.iter().map(gap).collect(),
-            toward,
-            metric: form(&facts.metric, 1.0),
-            lengths: row(&facts.lengths),
-            scaling: forms(&facts.scaling, 1.0),
+            gaps: bounds.gaps.iter().map(gap).collect(),
+            projection,
+            metric: form(&bounds.metric, 1.0),
+            lengths: row(&bounds.lengths),
+            scaling: forms(&bounds.scaling, 1.0),
             lateral: limits.lateral_acceleration.is_finite().then(|| R::from_f64(1.0 / limits.lateral_acceleration)),
             speeding,
-            slowing: (!same).then(|| forms(&facts.slowing, 1.0 / (dt * dt))),
-            slips: forms(&facts.slips, 1.0),
-            sideways: R::from_f64(facts.sideways),
+            slowing: (!same).then(|| forms(&bounds.slowing, 1.0 / (dt * dt))),
+            slips: forms(&bounds.slips, 1.0),
+            sideways: R::from_f64(bounds.sideways),
             rate: limits.steering_rate,
             acceleration: limits.steering_acceleration,
             dt,
         }
     }
 
-    /// Time the joints take from one setting to another [s].
-    pub fn time(&self, from: [R; M], start: Option<&[f64]>, to: [R; M]) -> f64 {
-        let setting = |joint: &Wheel<R, M>, motion: [R; M]| {
+    /// Time the joints take from one setpoint to another [s].
+    pub fn steering_time(&self, from: [R; M], start: Option<&[f64]>, to: [R; M]) -> f64 {
+        let steering_angle = |joint: &Wheel<R, M>, motion: [R; M]| {
             let part = |row: &[R; M]| row.iter().zip(motion).map(|(a, b)| a.to_f64() * b.to_f64()).sum::<f64>();
             let (along, across) = (part(&joint.along), part(&joint.across));
             (across / along).atan()
@@ -135,10 +136,10 @@ impl<R: Float, const M: usize> Model<R, M> {
         let mut worst: f64 = 0.0;
         for (k, joint) in self.joints.iter().enumerate() {
             let now = match start {
-                Some(angles) => angles[k] - self.facts[k].middle,
-                None => setting(joint, from),
+                Some(angles) => angles[k] - self.middles[k],
+                None => steering_angle(joint, from),
             };
-            let turn = (setting(joint, to) - now).abs();
+            let turn = (steering_angle(joint, to) - now).abs();
             // A pivot that rests turns nowhere.
             worst = if turn > worst { turn } else { worst };
         }
@@ -147,7 +148,7 @@ impl<R: Float, const M: usize> Model<R, M> {
 }
 
 /// The joints, without those that turn as an earlier one does, or as its mirror image.
-fn own_ways(joints: &[Joint]) -> impl Iterator<Item = &Joint> {
+fn distinct_joints(joints: &[Joint]) -> impl Iterator<Item = &Joint> {
     let alike = |a: &[f64], b: &[f64]| {
         let pairs = || a.iter().zip(b);
         pairs().all(|(a, b)| a == b) || pairs().all(|(a, b)| *a == -b)

@@ -31,9 +31,9 @@ const LN: [f64; 9] = [
 const SIN: [f64; 5] = taylor(1);
 const COS: [f64; 6] = taylor(0);
 
-/// Counter of the random numbers of one block.
+/// PhiloxCounter of the random numbers of one block.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Counter {
+pub(crate) struct PhiloxCounter {
     pub seed: u64,
     pub cycle: u32,
     /// First rollout of the block.
@@ -42,9 +42,9 @@ pub(crate) struct Counter {
 
 /// A register of words of 32 bits.
 #[derive(Clone, Copy)]
-struct Words<S: Simd>(S, S::u32s);
+struct RandomWords<S: Simd>(S, S::u32s);
 
-impl<S: Simd> Words<S> {
+impl<S: Simd> RandomWords<S> {
     #[inline(always)]
     fn all(simd: S, word: u32) -> Self {
         Self(simd, simd.splat_u32s(word))
@@ -89,17 +89,17 @@ impl<S: Simd> Words<S> {
 
 /// Philox4x32 of a register of counters.
 #[inline(always)]
-fn philox<S: Simd>(simd: S, mut x: [Words<S>; 4], seed: u64) -> [Words<S>; 4] {
+fn philox<S: Simd>(simd: S, mut x: [RandomWords<S>; 4], seed: u64) -> [RandomWords<S>; 4] {
     let [mut k0, mut k1] = [seed as u32, (seed >> 32) as u32];
     let (m0, m1) = (simd.splat_u32s(MULTIPLIERS[0]), simd.splat_u32s(MULTIPLIERS[1]));
     for _ in 0..ROUNDS {
         let (low0, high0) = simd.widening_mul_u32s(x[0].1, m0);
         let (low1, high1) = simd.widening_mul_u32s(x[2].1, m1);
         x = [
-            Words(simd, high1).xor(x[1]).xor(Words::all(simd, k0)),
-            Words(simd, low1),
-            Words(simd, high0).xor(x[3]).xor(Words::all(simd, k1)),
-            Words(simd, low0),
+            RandomWords(simd, high1).xor(x[1]).xor(RandomWords::all(simd, k0)),
+            RandomWords(simd, low1),
+            RandomWords(simd, high0).xor(x[3]).xor(RandomWords::all(simd, k1)),
+            RandomWords(simd, low0),
         ];
         (k0, k1) = (k0.wrapping_add(WEYL[0]), k1.wrapping_add(WEYL[1]));
     }
@@ -108,22 +108,22 @@ fn philox<S: Simd>(simd: S, mut x: [Words<S>; 4], seed: u64) -> [Words<S>; 4] {
 
 /// 23 bits as the fraction of a float of [1, 2), less 1: exact.
 #[inline(always)]
-fn fraction<S: Simd>(word: Words<S>) -> Lanes<S, f32> {
+fn fraction<S: Simd>(word: RandomWords<S>) -> Lanes<S, f32> {
     word.shift_right(9).or(0x3F80_0000).real() - Lanes::splat(word.0, 1.0)
 }
 
 /// Two normal numbers of two words.
 #[inline(always)]
-fn normal<S: Simd>(simd: S, a: Words<S>, b: Words<S>) -> [Lanes<S, f32>; 2] {
+fn normal<S: Simd>(simd: S, a: RandomWords<S>, b: RandomWords<S>) -> [Lanes<S, f32>; 2] {
     let number = |value: f32| Lanes::<S, f32>::splat(simd, value);
     let uniform = fraction(a) + number(0.5 / 8_388_608.0); // of (0, 1)
     // Exponent and fraction, the latter between the roots of 1/2 and 2.
-    let bits = Words(simd, uniform.to_bits());
+    let bits = RandomWords(simd, uniform.to_bits());
     let from = bits.minus(0x3F35_04F3);
     let exponent = from.shift_right(23);
-    let f = Words(simd, simd.sub_u32s(bits.1, exponent.shift_left(23).1)).real() - number(1.0);
+    let f = RandomWords(simd, simd.sub_u32s(bits.1, exponent.shift_left(23).1)).real() - number(1.0);
     // Nine bits in two's complement, counted from 256 on: the lowest ones of 2^23 as a float.
-    let k = exponent.xor(Words::all(simd, 0x100)).or(0x4B00_0000);
+    let k = exponent.xor(RandomWords::all(simd, 0x100)).or(0x4B00_0000);
     let k = k.real() - number(8_388_608.0 + 256.0);
     let log = horner(simd, LN, f).mul_add(f, k * number(std::f32::consts::LN_2));
     let radius = (log * number(-2.0)).max(number(0.0)).sqrt();
@@ -139,7 +139,7 @@ fn normal<S: Simd>(simd: S, a: Words<S>, b: Words<S>) -> [Lanes<S, f32>; 2] {
 
 /// Numbers of mean 0 and variance 1 for a block of rollouts: `[step][component][rollout]`.
 #[inline(always)]
-pub(crate) fn fill<S: Simd>(simd: S, counter: Counter, components: usize, steps: usize, to: &mut [f32]) {
+pub(crate) fn fill<S: Simd>(simd: S, counter: PhiloxCounter, components: usize, steps: usize, to: &mut [f32]) {
     let lanes = S::F32_LANES;
     let mut who = [0_u32; BLOCK];
     for (k, who) in who.iter_mut().enumerate() {
@@ -149,8 +149,13 @@ pub(crate) fn fill<S: Simd>(simd: S, counter: Counter, components: usize, steps:
     // Four words are two pairs of numbers.
     for quad in 0..count.div_ceil(4) {
         for at in (0..BLOCK).step_by(lanes) {
-            let rollout = Words(simd, S::as_simd_u32s(&who[at..at + lanes]).0[0]);
-            let x = [rollout, Words::all(simd, quad as u32), Words::all(simd, counter.cycle), Words::all(simd, 0)];
+            let rollout = RandomWords(simd, S::as_simd_u32s(&who[at..at + lanes]).0[0]);
+            let x = [
+                rollout,
+                RandomWords::all(simd, quad as u32),
+                RandomWords::all(simd, counter.cycle),
+                RandomWords::all(simd, 0),
+            ];
             let [a, b, c, d] = philox(simd, x, counter.seed);
             let pairs = [normal(simd, a, b), normal(simd, c, d)];
             for (k, value) in pairs.into_iter().flatten().enumerate() {

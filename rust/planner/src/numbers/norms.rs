@@ -8,9 +8,9 @@ use six_wheel_numerics::simd::vec3::cross2;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Registers that are driven in lockstep: a step is a long chain of results that wait for each other.
-pub(crate) const ABREAST: usize = 2;
+pub(crate) const LOCKSTEP: usize = 2;
 
-pub(crate) type Reg<S, R> = Lanes<S, R, ABREAST>;
+pub(crate) type Reg<S, R> = Lanes<S, R, LOCKSTEP>;
 
 #[inline(always)]
 pub(crate) fn times<S: Vector, R: Float, const M: usize>(simd: S, row: &[R; M], z: &[Reg<S, R>; M]) -> Reg<S, R> {
@@ -72,7 +72,7 @@ pub(crate) fn largest<S: Vector, R: Float, const M: usize>(simd: S, forms: &[[R;
 
 /// The metric's product with a motion: its product with another one is half the mixed form.
 #[inline(always)]
-pub(crate) fn lowered<S: Vector, R: Float, const M: usize>(
+pub(crate) fn metric_times<S: Vector, R: Float, const M: usize>(
     simd: S,
     form: &[R; 6],
     z: &[Reg<S, R>; M],
@@ -102,7 +102,7 @@ const CLOSE: f64 = 1e-12;
 
 /// Scale `1 / max(1, norm)` of a motion with this squared norm.
 #[inline(always)]
-pub(crate) fn down_to_one<S: Vector, R: Float>(simd: S, square: Reg<S, R>) -> Reg<S, R> {
+pub(crate) fn unit_scale<S: Vector, R: Float>(simd: S, square: Reg<S, R>) -> Reg<S, R> {
     let one = Reg::constant(simd, 1.0);
     let [share, _] = square.max(one).roots();
     square.below(Reg::constant(simd, 1.0 + CLOSE)).select(one, share)

@@ -65,10 +65,7 @@ impl Limits {
 
 impl ArgumentKind for Limits {
     const KIND: &'static str = "Limits";
-
-    fn remedy(value: &Bound<'_, PyAny>) -> String {
-        constructor_call("Limits", "speed", value)
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| constructor_call("Limits", "speed", value);
 }
 
 impl<'a, 'py> FromArgument<'a, 'py> for Limits {

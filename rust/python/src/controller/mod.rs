@@ -15,7 +15,7 @@ use six_wheel_kinematics::geometry::Twist;
 use crate::arguments as given;
 use crate::controller::limits::Limits;
 use crate::controller::output::ControllerOutput;
-use crate::convert::{Rows, name, one_twist_first, raise};
+use crate::convert::{OrRaise, Rows, name, one_twist_first};
 use crate::rover::Rover;
 use crate::state_lock::Shared;
 
@@ -98,41 +98,52 @@ getters! { Controller, self, py:
     stopping_distance: PyResult<f64> = Ok(self.core.lock(py)?.stopping_distance());
 }
 
+/// The options by name, as Python writes them.
+fn shown(options: &Options) -> [(&'static str, String); 9] {
+    let number = |value: Option<f64>| value.map_or_else(|| "None".into(), |value| format!("{value:?}"));
+    [
+        ("timeout", number(Some(options.timeout).filter(|timeout| timeout.is_finite()))),
+        ("period", number(options.period)),
+        ("max_step", number(Some(options.max_step))),
+        ("mode", format!("'{}'", options.mode.name())),
+        ("align", options.align.map_or_else(|| "None".into(), |align| format!("'{}'", align.name()))),
+        ("align_tolerance", number(Some(options.align_tolerance))),
+        ("following_error", number(options.following_error)),
+        ("following_time", number(options.following_time)),
+        ("discretise", if options.discretise { "True".into() } else { "False".into() }),
+    ]
+}
+
 methods! { Controller:
     #[new]
     fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, timeout: Option<f64> = (Some(0.5)),
         period: Option<f64> = None, max_step: f64 = 0.1, mode: &str = "free", align: Option<&str> = (Some("cosine")),
-        align_tolerance: f64 = 0.02, following_error: Option<f64> = (Some(0.2)), following_time: Option<f64> = (Some(0.5)),
-        discretise: bool = false, steering=None, twist=None)
+        align_tolerance: f64 = 0.02, following_error: Option<f64> = (Some(0.2)),
+        following_time: Option<f64> = (Some(0.5)), discretise: bool = false, steering=None, twist=None)
     as "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, following_error=0.2, following_time=0.5, discretise=False, steering=None, twist=None)"
     -> PyResult<Self> {
-        let chosen = || -> Result<Options, six_wheel_numerics::error::Error> {
-            Ok(Options {
-                timeout: timeout.unwrap_or(f64::INFINITY),
-                period,
-                max_step,
-                mode: Mode::from_str(mode)?,
-                align: align.map(Align::from_str).transpose()?,
-                align_tolerance,
-                following_error,
-                following_time,
-                discretise,
-            })
+        let options = Options {
+            timeout: timeout.unwrap_or(f64::INFINITY),
+            period,
+            max_step,
+            mode: Mode::from_str(mode).or_raise(&[])?,
+            align: align.map(Align::from_str).transpose().or_raise(&[])?,
+            align_tolerance,
+            following_error,
+            following_time,
+            discretise,
         };
         let limits = limits.map_or_else(Default::default, |limits| limits.0);
         let joints = rover.get().joints();
         let steering = Rows::read_beside("steering", steering, joints, &[])?;
         let start = steering.as_ref().map(Rows::flat);
         let twist = Rows::read_beside("twist", twist, 3, &[])?;
-        let core = chosen().and_then(|options| {
-            let core = Core::new(&rover.get().core, limits, options, start)?;
-            match &twist {
-                Some(rows) => core.in_motion(Twist::from(rows.triples()[0])),
-                None => Ok(core),
-            }
+        let core = Core::new(&rover.get().core, limits, options, start).and_then(|core| match &twist {
+            Some(rows) => core.in_motion(Twist::from(rows.triples()[0])),
+            None => Ok(core),
         });
         Ok(Self {
-            core: Shared::new(core.map_err(|error| raise(error, &[]))?),
+            core: Shared::new(core.or_raise(&[])?),
             wheels: rover.get().count(),
             rover: rover.unbind(),
             joints,
@@ -167,13 +178,12 @@ methods! { Controller:
     as "($self, twist, stamp, mode=None)" -> PyResult<bool> {
         let call = "Controller.command((vx, vy, omega), stamp)";
         one_twist_first(call, twist, if mode.is_some() { 3 } else { 2 }, more)?;
-        let twists = Rows::read("twist", twist, 3)?;
-        twists.check_leading("twist", &[])?;
+        let twists = Rows::read_one("twist", twist, 3)?;
         let mode = mode.map(|mode| Mode::from_str(&name(mode))).transpose();
         let twist = Twist::from(twists.triples()[0]);
         let mut core = self.core.lock(py)?;
         let taken = mode.and_then(|mode| core.command(twist, stamp, mode));
-        taken.map_err(|error| raise(error, &[]))
+        taken.or_raise(&[])
     }
 
     /// Move on to a time.
@@ -199,7 +209,7 @@ methods! { Controller:
     fn step[&self, py: Python<'py>](now: f64, measured=None) -> PyResult<ControllerOutput> {
         let measured = Rows::read_beside("measured", measured, self.joints, &[])?;
         let mut core = self.core.lock(py)?;
-        core.step(now, measured.as_ref().map(Rows::flat)).map_err(|error| raise(error, &[]))?;
+        core.step(now, measured.as_ref().map(Rows::flat)).or_raise(&[])?;
         Ok(ControllerOutput::of(&core, self.rover.clone_ref(py)))
     }
 }
@@ -224,7 +234,7 @@ impl Controller {
     fn reset(&self, py: Python<'_>, steering: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let steering = Rows::read_beside("steering", steering, self.joints, &[])?;
         let result = self.core.lock(py)?.reset(steering.as_ref().map(Rows::flat));
-        result.map_err(|error| raise(error, &[]))
+        result.or_raise(&[])
     }
 
     /// Stop by `halt_deceleration` from the next step on, and stay at rest until `release`.
@@ -250,45 +260,17 @@ impl Controller {
     fn set_limits(&self, py: Python<'_>, limits: &Bound<'_, PyAny>) -> PyResult<()> {
         let limits: Limits = given::limits(limits)?;
         let result = self.core.lock(py)?.set_limits(limits.0);
-        result.map_err(|error| raise(error, &[]))
+        result.or_raise(&[])
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let rover = self.rover.bind(py).repr()?;
         let core = self.core.lock(py)?;
-        let (options, usual) = (core.options(), Options::default());
         let mut text = format!("Controller({rover}, {}", Limits(*core.limits()).text());
-        if options.timeout != usual.timeout {
-            let timeout = options.timeout;
-            text += &if timeout.is_infinite() { ", timeout=None".into() } else { format!(", timeout={timeout:?}") };
-        }
-        if let Some(period) = options.period {
-            text += &format!(", period={period:?}");
-        }
-        if options.max_step != usual.max_step {
-            text += &format!(", max_step={:?}", options.max_step);
-        }
-        if options.mode != usual.mode {
-            text += &format!(", mode='{}'", options.mode.name());
-        }
-        if options.align != usual.align {
-            let name = options.align.map(|align| format!("'{}'", align.name()));
-            text += &format!(", align={}", name.unwrap_or_else(|| "None".into()));
-        }
-        if options.align_tolerance != usual.align_tolerance {
-            text += &format!(", align_tolerance={:?}", options.align_tolerance);
-        }
-        let named = [
-            ("following_error", options.following_error, usual.following_error),
-            ("following_time", options.following_time, usual.following_time),
-        ];
-        for (name, value, usual) in named {
-            if value != usual {
-                text += &value.map_or_else(|| format!(", {name}=None"), |value| format!(", {name}={value:?}"));
+        for ((name, value), (_, usual)) in shown(core.options()).iter().zip(shown(&Options::default())) {
+            if *value != usual {
+                text += &format!(", {name}={value}");
             }
-        }
-        if options.discretise {
-            text += ", discretise=True";
         }
         Ok(text + ")")
     }

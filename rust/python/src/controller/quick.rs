@@ -5,7 +5,7 @@ use six_wheel_kinematics::geometry::Twist;
 
 use super::Controller;
 use super::output::ControllerOutput;
-use crate::fastcall::{self, Method, Numbers, Object, Quick, float, three, truth};
+use crate::fastcall::{self, Answer, Arguments, Numbers, float, three, truth};
 
 /// Puts the quick ways before the general ones.
 pub fn install(py: Python<'_>) -> PyResult<()> {
@@ -13,55 +13,32 @@ pub fn install(py: Python<'_>) -> PyResult<()> {
     fastcall::install::<2, Step>(py)
 }
 
-struct Command;
+fast_method!(Command<2>: Controller, c"command", [c"twist", c"stamp"], 2, command);
 
-impl Quick<2> for Command {
-    type Class = Controller;
-
-    fn method() -> &'static Method<2> {
-        static METHOD: Method<2> = Method::new(c"command", [c"twist", c"stamp"], 2);
-        &METHOD
-    }
-
-    fn call<'py>(
-        this: Borrowed<'_, 'py, Controller>,
-        [twist, stamp]: [Option<Object<'_, 'py>>; 2],
-    ) -> Option<Bound<'py, PyAny>> {
-        let (twist, stamp) = (three(twist?)?, float(stamp?)?);
-        let mut core = this.get().core.try_lock(this.py())?;
-        let taken = core.command(Twist::from(twist), stamp, None);
-        // A failed call has changed nothing: the general way may say why.
-        Some(truth(this.py(), taken.ok()?))
-    }
+#[inline(always)]
+fn command<'py>(this: Borrowed<'_, 'py, Controller>, [twist, stamp]: Arguments<'_, 'py, 2>) -> Answer<'py> {
+    let (twist, stamp) = (three(twist?)?, float(stamp?)?);
+    let mut core = this.get().core.try_lock(this.py())?;
+    let taken = core.command(Twist::from(twist), stamp, None);
+    // A failed call has changed nothing: the general way may say why.
+    Some(truth(this.py(), taken.ok()?))
 }
 
-struct Step;
+fast_method!(Step<2>: Controller, c"step", [c"now", c"measured"], 2, step);
 
-impl Quick<2> for Step {
-    type Class = Controller;
-
-    fn method() -> &'static Method<2> {
-        static METHOD: Method<2> = Method::new(c"step", [c"now", c"measured"], 2);
-        &METHOD
-    }
-
-    fn call<'py>(
-        this: Borrowed<'_, 'py, Controller>,
-        [now, measured]: [Option<Object<'_, 'py>>; 2],
-    ) -> Option<Bound<'py, PyAny>> {
-        let (py, now) = (this.py(), float(now?)?);
-        let controller = this.get();
-        let mut room = Numbers::new();
-        let measured = match measured {
-            None => None,
-            // SAFETY: nothing of Python runs until the step is done, and nothing writes to the array.
-            Some(measured) => Some(unsafe { room.read(measured, controller.joints)? }),
-        };
-        let output = {
-            let mut core = controller.core.try_lock(py)?;
-            core.step(now, measured).ok()?;
-            ControllerOutput::of(&core, controller.rover.clone_ref(py))
-        };
-        Some(Bound::new(py, output).ok()?.into_any())
-    }
+#[inline(always)]
+fn step<'py>(this: Borrowed<'_, 'py, Controller>, [now, measured]: Arguments<'_, 'py, 2>) -> Answer<'py> {
+    let (py, now) = (this.py(), float(now?)?);
+    let controller = this.get();
+    let mut room = Numbers::new();
+    let measured = match measured {
+        None => None,
+        // SAFETY: nothing of Python runs until the step is done, and nothing writes to the array.
+        Some(measured) => Some(unsafe { room.read(measured, controller.joints)? }),
+    };
+    let mut core = controller.core.try_lock(py)?;
+    core.step(now, measured).ok()?;
+    let output = ControllerOutput::of(&core, controller.rover.clone_ref(py));
+    drop(core);
+    Some(Bound::new(py, output).ok()?.into_any())
 }

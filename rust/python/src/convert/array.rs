@@ -19,25 +19,20 @@ const LONGEST: usize = 40;
 
 /// Three floats or integers in a tuple or list.
 pub(super) fn three_numbers(value: &Bound<'_, PyAny>) -> Option<[f64; 3]> {
-    let number = |item: &Bound<'_, PyAny>| {
+    let number = |item: PyResult<Bound<'_, PyAny>>| {
+        let item = item.ok()?;
         if let Ok(float) = item.cast::<PyFloat>() {
-            Some(float.value())
-        } else if item.is_exact_instance_of::<PyInt>() {
-            item.extract().ok()
-        } else {
-            None
+            return Some(float.value());
         }
+        item.is_exact_instance_of::<PyInt>().then(|| item.extract().ok())?
     };
-    let items: [Bound<'_, PyAny>; 3] = if let Ok(tuple) = value.cast::<PyTuple>() {
-        if tuple.len() != 3 {
-            return None;
-        }
-        [tuple.get_item(0).ok()?, tuple.get_item(1).ok()?, tuple.get_item(2).ok()?]
-    } else {
-        let list = value.cast::<PyList>().ok().filter(|list| list.len() == 3)?;
-        [list.get_item(0).ok()?, list.get_item(1).ok()?, list.get_item(2).ok()?]
-    };
-    Some([number(&items[0])?, number(&items[1])?, number(&items[2])?])
+    if let Ok(tuple) = value.cast::<PyTuple>() {
+        let item = |k| number(tuple.get_item(k));
+        return if tuple.len() == 3 { Some([item(0)?, item(1)?, item(2)?]) } else { None };
+    }
+    let list = value.cast::<PyList>().ok().filter(|list| list.len() == 3)?;
+    let item = |k| number(list.get_item(k));
+    Some([item(0)?, item(1)?, item(2)?])
 }
 
 /// An argument as an array of real numbers, in its own memory and layout if NumPy can view that.
@@ -186,11 +181,6 @@ pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     }
     refuse_masks(argument, value, DEEP)?;
     value.extract::<f64>().map_err(|error| if is_of_another_kind(py, &error) { refused() } else { error })
-}
-
-/// An optional number of a constructor.
-pub fn optional_number(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
-    value.map(|value| number(argument, value)).transpose()
 }
 
 /// The items of an iterable, `most` at most: more are none that could be meant.

@@ -2,7 +2,7 @@
 
 use pyo3::PyResult;
 
-use super::errors::{refuse, shape_text};
+use super::errors::{refuse_shape, shape_text};
 
 /// An argument with leading axes.
 pub trait Broadcast {
@@ -44,8 +44,7 @@ pub fn together<'a>(arguments: impl IntoIterator<Item = Named<'a>>) -> PyResult<
             Some(joint) => joint,
             None => {
                 let rule = value.rule(&common);
-                let got = shape_text(&value.shape_over(value.leading()));
-                return Err(refuse(argument, &rule, &format!("shape {got}")));
+                return Err(refuse_shape(argument, &rule, &value.shape_over(value.leading())));
             }
         };
     }

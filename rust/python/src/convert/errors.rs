@@ -4,7 +4,8 @@ use pyo3::exceptions::{PyMemoryError, PyOverflowError, PyTypeError, PyValueError
 use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyTuple};
-use six_wheel_numerics::error::{Error, ErrorKind};
+use six_wheel_numerics::error::{Error, ErrorKind, finite};
+use six_wheel_numerics::sizes::are_finite;
 
 import_exception!(six_wheel.kinematics.errors, ArgumentTypeError);
 import_exception!(six_wheel.kinematics.errors, InfeasibleMotionError);
@@ -49,9 +50,35 @@ fn index(row: usize, leading: &[usize]) -> String {
     format!("[{}]", places.join(", "))
 }
 
+/// Fails unless the numbers of every row are finite.
+pub(super) fn check_finite(argument: &'static str, values: &[f64], width: usize, leading: &[usize]) -> PyResult<()> {
+    if are_finite(values) {
+        return Ok(());
+    }
+    for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
+        finite(argument, values).map_err(|error| raise(error.at_row(row), leading))?;
+    }
+    Ok(())
+}
+
 /// "`argument` must `rule`, got `value`" for what only Python knows of.
 pub fn refuse(argument: &str, rule: &str, value: &str) -> PyErr {
     PyValueError::new_err(format!("{argument} must {rule}, got {value}"))
+}
+
+/// The value of a name among a few, each with its own; `got` writes another name in the error.
+pub fn choice<T: Copy>(argument: &str, name: &str, got: fn(&str) -> String, all: &[(&str, T)]) -> PyResult<T> {
+    let found = all.iter().find(|(known, _)| *known == name);
+    found.map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<String> = all.iter().map(|(known, _)| format!("'{known}'")).collect();
+        let (first, last) = names.split_at(names.len() - 1);
+        refuse(argument, &format!("be {} or {}", first.join(", "), last[0]), &got(name))
+    })
+}
+
+/// The same for a value whose shape breaks the rule.
+pub fn refuse_shape(argument: &str, rule: &str, shape: &[usize]) -> PyErr {
+    refuse(argument, rule, &format!("shape {}", shape_text(shape)))
 }
 
 /// A shape as Python writes it.

@@ -6,12 +6,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
 use six_wheel_kinematics::table::Table;
-use six_wheel_numerics::error::finite;
-use six_wheel_numerics::sizes::are_finite;
 
 use super::array::{read_array, three_numbers};
 use super::broadcast::{Broadcast, joined};
-use super::errors::{raise, refuse, shape_text};
+use super::errors::{check_finite, refuse, refuse_shape, shape_text};
 use super::memory::{self, BorrowedArray};
 use super::numpy_module::numpy;
 use super::strided::Strided;
@@ -87,10 +85,15 @@ impl<'py> Rows<'py> {
         if rows.leading.len() == 1 { Ok(rows) } else { Err(rows.refuse_shape(argument, &format!("(n, {width})"))) }
     }
 
+    /// Reads rows with these leading axes.
+    pub fn read_over(argument: &str, value: &Bound<'py, PyAny>, width: usize, leading: &[usize]) -> PyResult<Self> {
+        let rows = Self::read(argument, value, width)?;
+        rows.check_leading(argument, leading).map(|()| rows)
+    }
+
     /// Reads one row.
     pub fn read_one(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
-        let row = Self::read(argument, value, width)?;
-        row.check_leading(argument, &[]).map(|()| row)
+        Self::read_over(argument, value, width, &[])
     }
 
     /// Reads an optional argument that has one row per row of another one.
@@ -100,10 +103,28 @@ impl<'py> Rows<'py> {
         width: usize,
         leading: &[usize],
     ) -> PyResult<Option<Self>> {
-        let Some(value) = value else { return Ok(None) };
-        let rows = Self::read(argument, value, width)?;
-        rows.check_leading(argument, leading)?;
-        Ok(Some(rows))
+        value.map(|value| Self::read_over(argument, value, width, leading)).transpose()
+    }
+
+    /// Reads finite rows with these leading axes.
+    pub fn read_finite_over(
+        argument: &'static str,
+        value: &Bound<'py, PyAny>,
+        width: usize,
+        leading: &[usize],
+    ) -> PyResult<Self> {
+        let rows = Self::read_over(argument, value, width, leading)?;
+        rows.check_finite(argument).map(|()| rows)
+    }
+
+    /// Reads an optional argument of finite numbers that has one row per row of another one.
+    pub fn read_finite_beside(
+        argument: &'static str,
+        value: Option<&Bound<'py, PyAny>>,
+        width: usize,
+        leading: &[usize],
+    ) -> PyResult<Option<Self>> {
+        value.map(|value| Self::read_finite_over(argument, value, width, leading)).transpose()
     }
 
     /// Lengths of all axes.
@@ -138,8 +159,7 @@ impl<'py> Rows<'py> {
 
     /// The error of rows in another shape than those that are wanted.
     pub fn refuse_shape(&self, argument: &str, wanted: &str) -> PyErr {
-        let got = format!("shape {}", shape_text(&self.shape()));
-        refuse(argument, &format!("have shape {wanted}"), &got)
+        refuse_shape(argument, &format!("have shape {wanted}"), &self.shape())
     }
 
     /// All numbers as pairs.
@@ -160,8 +180,7 @@ impl<'py> Rows<'py> {
 
 /// Reads a point: three finite numbers.
 pub fn read_point(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    let point = Rows::read_one(argument, value, 3)?;
-    point.check_finite(argument).map(|()| point.triples()[0])
+    Rows::read_finite_over(argument, value, 3, &[]).map(|point| point.triples()[0])
 }
 
 /// Reads so many numbers.
@@ -243,14 +262,6 @@ impl<'py> Blocks<'py> {
         Rows::of(argument, array, width).map(Self::Flat)
     }
 
-    /// Lengths of the leading axes.
-    pub fn leading(&self) -> &[usize] {
-        match self {
-            Self::Flat(rows) => &rows.leading,
-            Self::Strided { leading, .. } => leading,
-        }
-    }
-
     fn width(&self) -> usize {
         match self {
             Self::Flat(rows) => rows.width,
@@ -309,7 +320,10 @@ impl<'py> Blocks<'py> {
 
 impl Broadcast for Blocks<'_> {
     fn leading(&self) -> &[usize] {
-        self.leading()
+        match self {
+            Self::Flat(rows) => &rows.leading,
+            Self::Strided { leading, .. } => leading,
+        }
     }
 
     fn shape_over(&self, leading: &[usize]) -> Vec<usize> {
@@ -327,25 +341,12 @@ impl Broadcast for Blocks<'_> {
     }
 }
 
-pub(super) fn check_finite(argument: &'static str, values: &[f64], width: usize, leading: &[usize]) -> PyResult<()> {
-    if are_finite(values) {
-        return Ok(());
-    }
-    for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
-        finite(argument, values).map_err(|error| raise(error.at_row(row), leading))?;
-    }
-    Ok(())
-}
-
 /// Lengths of the axes before the last one, which has this width.
 fn leading(argument: &str, array: &Bound<'_, PyUntypedArray>, width: usize) -> PyResult<Vec<usize>> {
     let rule = || format!("have shape (..., {width})");
     match array.shape().split_last() {
         Some((last, leading)) if *last == width => Ok(leading.to_vec()),
-        Some(_) => {
-            let got = format!("shape {}", shape_text(array.shape()));
-            Err(refuse(argument, &rule(), &got))
-        }
+        Some(_) => Err(refuse_shape(argument, &rule(), array.shape())),
         None => Err(refuse(argument, &rule(), "a number")),
     }
 }

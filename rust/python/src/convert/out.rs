@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use super::errors::refuse;
-use super::output::Output;
+use super::output::{Output, Precision};
 
 /// The arrays of `out=`: the results in their order, as many as there are; the others are fresh, as are those that are None.
 pub struct Out<'py, const N: usize> {
@@ -83,6 +83,22 @@ impl<'py, const N: usize> Results<'py, N> {
     pub fn fresh(py: Python<'py>, shapes: [Vec<usize>; N]) -> PyResult<Self> {
         let outputs = try_map(shapes, |shape| Output::fresh(py, &shape))?;
         Ok(Self { outputs, arrays: [const { None }; N] })
+    }
+
+    /// Results in the arrays of a tuple, those that are None fresh; by these names in errors.
+    pub fn named(
+        py: Python<'py>,
+        arrays: [Option<Bound<'py, PyAny>>; N],
+        names: [&str; N],
+        precision: Option<Precision>,
+        shapes: [Vec<usize>; N],
+    ) -> PyResult<Self> {
+        let mut given = names.into_iter().zip(&arrays);
+        let outputs = try_map(shapes, |shape| {
+            let (name, array) = given.next().unwrap_or(("out", &None));
+            Output::of(py, name, array.as_ref(), precision, &shape)
+        })?;
+        Ok(Self { outputs, arrays })
     }
 
     /// The memory to write to, row after row.

@@ -9,7 +9,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::errors::{ArgumentTypeError, refuse, shape_text, short_repr};
+use super::errors::{ArgumentTypeError, refuse, refuse_shape, shape_text, short_repr};
 use super::memory::{self, BorrowedArray};
 use super::numpy_module::{Array, numpy, ready};
 
@@ -127,8 +127,7 @@ impl<'py> Output<'py> {
     fn into(py: Python<'py>, argument: &str, array: &Bound<'py, PyUntypedArray>, shape: &[usize]) -> PyResult<Self> {
         let rule = || rule(shape);
         if array.shape() != shape {
-            let got = format!("shape {}", shape_text(array.shape()));
-            return Err(refuse(argument, &rule(), &got));
+            return Err(refuse_shape(argument, &rule(), array.shape()));
         }
         // SAFETY: a live array object has a valid header.
         let flags = unsafe { (*array.as_array_ptr().cast::<PyArrayObject>()).fields.flags };

@@ -7,8 +7,8 @@ use six_wheel_kinematics::geometry::Steps;
 
 use super::array::read_array;
 use super::broadcast::Broadcast;
-use super::errors::{refuse, shape_text};
-use super::input::{Memory, check_finite, contiguous, spread};
+use super::errors::{check_finite, refuse_shape, shape_text};
+use super::input::{Memory, contiguous, spread};
 
 /// One number, or one per row.
 pub struct Scalars<'py> {
@@ -75,8 +75,7 @@ impl<'py> Scalars<'py> {
         if self.shape == shape {
             return Ok(());
         }
-        let got = format!("shape {}", shape_text(&self.shape));
-        Err(refuse(argument, &format!("have shape {}", shape_text(shape)), &got))
+        Err(refuse_shape(argument, &format!("have shape {}", shape_text(shape)), &self.shape))
     }
 
     /// Fails unless it is one number or one for each of so many.
@@ -87,7 +86,7 @@ impl<'py> Scalars<'py> {
         if self.shape == [1] {
             return self.spread(argument, &[count]);
         }
-        Err(refuse(argument, &self.rule(&[count]), &format!("shape {}", shape_text(&self.shape))))
+        Err(refuse_shape(argument, &self.rule(&[count]), &self.shape))
     }
 }
 

@@ -9,21 +9,8 @@ use six_wheel_kinematics::table::Source;
 
 use super::memory;
 
-/// The format of a number.
-#[derive(Clone, Copy, Debug)]
-enum Form {
-    Float16,
-    Float32,
-    Float64,
-    Int8,
-    Int16,
-    Int32,
-    Int64,
-    Uint8,
-    Uint16,
-    Uint32,
-    Uint64,
-}
+/// Numbers `first` and on of an array, read into a slice.
+type Reader = fn(&Strided, usize, &mut [f64]);
 
 /// The layout of the numbers of an array. Only good while the array is.
 #[derive(Debug)]
@@ -31,7 +18,7 @@ pub struct Strided {
     data: *const u8,
     shape: Vec<usize>,
     strides: Vec<isize>,
-    form: Form,
+    reader: Reader,
     /// True if the bytes are in the order of other machines.
     swapped: bool,
 }
@@ -47,18 +34,25 @@ impl Strided {
     /// memory: hold a reference to it.
     pub fn of(array: &Bound<'_, PyUntypedArray>) -> Option<Self> {
         let dtype = array.dtype();
-        let form = match (dtype.kind(), dtype.itemsize()) {
-            (b'f', 2) => Form::Float16,
-            (b'f', 4) => Form::Float32,
-            (b'f', 8) => Form::Float64,
-            (b'i', 1) => Form::Int8,
-            (b'i', 2) => Form::Int16,
-            (b'i', 4) => Form::Int32,
-            (b'i', 8) => Form::Int64,
-            (b'u', 1) => Form::Uint8,
-            (b'u', 2) => Form::Uint16,
-            (b'u', 4) => Form::Uint32,
-            (b'u', 8) => Form::Uint64,
+        macro_rules! number {
+            ($number:ty) => {
+                |array, first, target| array.read_as(first, target, |bytes| <$number>::from_ne_bytes(bytes) as f64)
+            };
+        }
+        let reader: Reader = match (dtype.kind(), dtype.itemsize()) {
+            (b'f', 2) => {
+                |array, first, target| array.read_as(first, target, |bytes| float16(u16::from_ne_bytes(bytes)))
+            }
+            (b'f', 4) => number!(f32),
+            (b'f', 8) => number!(f64),
+            (b'i', 1) => number!(i8),
+            (b'i', 2) => number!(i16),
+            (b'i', 4) => number!(i32),
+            (b'i', 8) => number!(i64),
+            (b'u', 1) => number!(u8),
+            (b'u', 2) => number!(u16),
+            (b'u', 4) => number!(u32),
+            (b'u', 8) => number!(u64),
             _ => return None,
         };
         // SAFETY: a live array object has a valid header; only the address is taken here.
@@ -67,7 +61,7 @@ impl Strided {
             data,
             shape: array.shape().to_vec(),
             strides: array.strides().to_vec(),
-            form,
+            reader,
             swapped: dtype.is_native_byteorder() == Some(false),
         })
     }
@@ -94,7 +88,7 @@ impl Strided {
             Some(axis) => (outer[axis], self.strides[axis]),
             None => (1, 0),
         };
-        let (mut index, mut target) = (first, target);
+        let (mut index, mut target, swapped) = (first, target, self.swapped);
         while !target.is_empty() {
             let (mut row, mut column) = (index / width, index % width);
             let run = target.len().min((rows - row % rows) * width - column);
@@ -108,7 +102,10 @@ impl Strided {
                 let place = beginning + column as isize * step;
                 // SAFETY: numbers `first` to `first + target.len()` are in the array, so along every axis the
                 // index of this place is below the length. Bytes may lie at any address.
-                let bytes = unsafe { self.data.offset(place).cast::<[u8; N]>().read() };
+                let mut bytes = unsafe { self.data.offset(place).cast::<[u8; N]>().read() };
+                if swapped {
+                    bytes.reverse();
+                }
                 *value = number(bytes);
                 column += 1;
                 if column == width {
@@ -136,29 +133,6 @@ fn float16(bits: u16) -> f64 {
 
 impl Source for Strided {
     fn read(&self, first: usize, target: &mut [f64]) {
-        let swapped = self.swapped;
-        macro_rules! read {
-            ($number: ty, $into: expr) => {
-                self.read_as(first, target, |mut bytes| {
-                    if swapped {
-                        bytes.reverse();
-                    }
-                    $into(<$number>::from_ne_bytes(bytes))
-                })
-            };
-        }
-        match self.form {
-            Form::Float16 => read!(u16, float16),
-            Form::Float32 => read!(f32, f64::from),
-            Form::Float64 => read!(f64, f64::from),
-            Form::Int8 => read!(i8, f64::from),
-            Form::Int16 => read!(i16, f64::from),
-            Form::Int32 => read!(i32, f64::from),
-            Form::Int64 => read!(i64, |value| value as f64),
-            Form::Uint8 => read!(u8, f64::from),
-            Form::Uint16 => read!(u16, f64::from),
-            Form::Uint32 => read!(u32, f64::from),
-            Form::Uint64 => read!(u64, |value| value as f64),
-        }
+        (self.reader)(self, first, target);
     }
 }

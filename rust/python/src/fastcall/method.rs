@@ -24,10 +24,7 @@ pub trait Quick<const N: usize> {
     fn method() -> &'static Method<N>;
 
     /// The answer to the usual arguments, or nothing, with nothing changed.
-    fn call<'py>(
-        this: Borrowed<'_, 'py, Self::Class>,
-        arguments: [Option<Object<'_, 'py>>; N],
-    ) -> Option<Bound<'py, PyAny>>;
+    fn call<'py>(this: Borrowed<'_, 'py, Self::Class>, arguments: Arguments<'_, 'py, N>) -> Answer<'py>;
 }
 
 /// The arguments of a quick method, in the order of its parameters; nothing for one that is left out or `None`.
@@ -93,7 +90,7 @@ impl<const N: usize> Method<N> {
         arguments: *const *mut ffi::PyObject,
         count: usize,
         names: *mut ffi::PyObject,
-    ) -> Option<[Option<Object<'a, 'py>>; N]> {
+    ) -> Option<Arguments<'a, 'py, N>> {
         if count > self.positional {
             return None;
         }

@@ -1,7 +1,7 @@
 //! Brakes, plans and simulation of `six_wheel.FourAxle`.
 
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyTuple;
 use six_wheel_four_axle::{Axles, Brakes, FourAxle as Core, Pair, State};
 use six_wheel_numerics::error::Error;
 
@@ -91,12 +91,12 @@ methods! { FourAxle:
     ///     If an axle would leave its range.
     /// ValueError
     ///     If a value is not finite or a brake is free.
-    fn turn_sequence[&self, py: Python<'py>](state, curvature: f64, *, steer: &str = "both", speed=None,
-        pivot_rate=None, brake_time=None)
+    fn turn_sequence[&self, py: Python<'py>](state, curvature: f64, *, steer: &str = "both", speed: Option<f64> = None,
+        pivot_rate: Option<f64> = None, brake_time: Option<f64> = None)
     as "($self, state, curvature, *, steer='both', speed=0.0, pivot_rate=0.5, brake_time=0.0)"
     -> PyResult<Bound<'py, PyAny>> {
         let steer = steer.parse().map_err(raised)?;
-        let pace = pace(speed, pivot_rate, brake_time)?;
+        let pace = pace(speed, pivot_rate, brake_time);
         let plan = self.core.turn_sequence(read_state(state)?, curvature, steer, pace);
         write_plan(py, &plan.map_err(raised)?)
     }
@@ -120,9 +120,10 @@ methods! { FourAxle:
     /// ------
     /// InfeasibleMotionError, ValueError
     ///     As `turn_sequence` and `concurrent_angles`.
-    fn aim_sequence[&self, py: Python<'py>](state, icr: [f64; 2], *, speed=None, pivot_rate=None, brake_time=None)
+    fn aim_sequence[&self, py: Python<'py>](state, icr: [f64; 2], *, speed: Option<f64> = None,
+        pivot_rate: Option<f64> = None, brake_time: Option<f64> = None)
     as "($self, state, icr, *, speed=0.0, pivot_rate=0.5, brake_time=0.0)" -> PyResult<Bound<'py, PyAny>> {
-        let pace = pace(speed, pivot_rate, brake_time)?;
+        let pace = pace(speed, pivot_rate, brake_time);
         let plan = self.core.aim_sequence(read_state(state)?, icr, pace);
         write_plan(py, &plan.map_err(raised)?)
     }
@@ -160,18 +161,20 @@ methods! { FourAxle:
         let given = items("sequence", sequence, MOST_STEPS)?;
         let steps = given.iter().map(read_step).collect::<PyResult<Vec<_>>>()?;
         let (track, end) = py.detach(|| self.core.simulate(start, &steps, dt)).map_err(raised)?;
-        let keywords = PyDict::new(py);
-        keywords.set_item("rover", &self.rover)?;
-        keywords.set_item("steps", PyTuple::new(py, given)?)?;
-        keywords.set_item("times", vector(py, track.times))?;
-        keywords.set_item("poses", array(py, &track.poses)?)?;
-        keywords.set_item("angles", array(py, &track.angles)?)?;
-        keywords.set_item("twists", array(py, &track.twists)?)?;
-        keywords.set_item("speeds", array(py, &track.speeds)?)?;
-        keywords.set_item("residual", array(py, &track.residual)?)?;
-        let ends = track.ends.into_iter().map(|row| row as i64).collect();
-        keywords.set_item("ends", vector::<i64>(py, ends))?;
-        keywords.set_item("final", write_state(py, &end)?)?;
+        let ends: Vec<i64> = track.ends.into_iter().map(|row| row as i64).collect();
+        let keywords = dict!(
+            py,
+            rover = &self.rover,
+            steps = PyTuple::new(py, given)?,
+            times = vector(py, track.times),
+            poses = array(py, &track.poses)?,
+            angles = array(py, &track.angles)?,
+            twists = array(py, &track.twists)?,
+            speeds = array(py, &track.speeds)?,
+            residual = array(py, &track.residual)?,
+            ends = vector(py, ends),
+            final = write_state(py, &end)?
+        );
         value(py, "FourAxleSimulation")?.call((), Some(&keywords))
     }
 }

@@ -3,14 +3,12 @@
 mod driving;
 mod values;
 
-use std::hash::{DefaultHasher, Hash, Hasher};
-
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_four_axle::{self as core, Brakes};
 use six_wheel_kinematics::steering::SteeringRange;
 
-use crate::classes::reduce;
+use crate::classes::hash_of_numbers;
 use crate::convert::{AnyArray, Output, Rows};
 use crate::rover::Rover;
 use crate::wheel::{steering_limit, steering_range};
@@ -56,6 +54,12 @@ impl FourAxle {
         let rover = Py::new(py, Rover::named(py, Ok(core.rover().clone()))?)?;
         Ok(Self { core, rover })
     }
+
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (hinges, axle_length, wheel_radius) = (self.hinges(py), self.axle_length(py), self.wheel_radius(py));
+        let (steering_limit, tolerance) = (self.steering_range(py), self.tolerance(py));
+        Ok(dict!(py, hinges, axle_length, wheel_radius, steering_limit, tolerance))
+    }
 }
 
 getters! { FourAxle, self, py:
@@ -78,6 +82,7 @@ getters! { FourAxle, self, py:
 
 equal_by!(FourAxle: core);
 replaceable!(FourAxle);
+pickled_by_keywords!(FourAxle: keywords);
 
 methods! { FourAxle:
     #[new]
@@ -256,21 +261,7 @@ impl FourAxle {
     }
 
     fn __hash__(&self) -> u64 {
-        let mut state = DefaultHasher::new();
-        let core = &self.core;
-        let [x, y] = core.hinges();
-        for value in [x, y, core.axle_length(), core.wheel_radius(), core.tolerance()] {
-            (value + 0.0).to_bits().hash(&mut state);
-        }
-        state.finish()
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let (py, car) = (slf.py(), slf.get());
-        let keywords = PyDict::new(py);
-        keywords.set_item("steering_limit", car.steering_range(py))?;
-        keywords.set_item("tolerance", car.tolerance(py))?;
-        let arguments = (car.hinges(py), car.axle_length(py), car.wheel_radius(py)).into_pyobject(py)?;
-        reduce(slf.as_any(), &arguments, &keywords)
+        let (core, [x, y]) = (&self.core, self.core.hinges());
+        hash_of_numbers([x, y, core.axle_length(), core.wheel_radius(), core.tolerance()])
     }
 }

@@ -5,7 +5,7 @@ use pyo3::types::PyTuple;
 use six_wheel_four_axle::{self as core, Axles, Brake, Brakes, Drives, Pace, State};
 use six_wheel_numerics::error::Error;
 
-use crate::convert::{ArgumentTypeError, Array, items, memory, number, numbers, raise, refuse};
+use crate::convert::{ArgumentTypeError, Array, choice, items, memory, number, numbers, raise, refuse};
 
 /// A class of `six_wheel.kinematics.four_axle`.
 pub fn value<'py>(py: Python<'py>, class: &str) -> PyResult<Bound<'py, PyAny>> {
@@ -42,21 +42,16 @@ pub fn drives(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<Drives> {
     Ok(drives)
 }
 
+const BRAKES: [(&str, Brake); 2] = [("locked", Brake::Locked), ("free", Brake::Free)];
+
 /// A brake by its name.
 pub fn brake(argument: &str, name: &str) -> PyResult<Brake> {
-    match name {
-        "locked" => Ok(Brake::Locked),
-        "free" => Ok(Brake::Free),
-        _ => Err(refuse(argument, "be 'locked' or 'free'", &format!("{name:?}"))),
-    }
+    choice(argument, name, |name| format!("{name:?}"), &BRAKES)
 }
 
 /// The name of a brake.
 fn brake_name(brake: Brake) -> &'static str {
-    match brake {
-        Brake::Locked => "locked",
-        Brake::Free => "free",
-    }
+    if brake == Brake::Locked { "locked" } else { "free" }
 }
 
 /// The attributes `front` and `rear`.
@@ -124,19 +119,8 @@ pub fn vector<'py, T: numpy::Element>(py: Python<'py>, values: Vec<T>) -> Bound<
 }
 
 /// The speeds of a plan, from keywords.
-pub fn pace(
-    speed: Option<&Bound<'_, PyAny>>,
-    pivot_rate: Option<&Bound<'_, PyAny>>,
-    brake_time: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Pace> {
-    let read = |argument, value: Option<&Bound<'_, PyAny>>, default| {
-        value.map_or(Ok(default), |value| number(argument, value))
-    };
-    Ok(Pace {
-        speed: read("speed", speed, 0.0)?,
-        pivot_rate: read("pivot_rate", pivot_rate, 0.5)?,
-        brake_time: read("brake_time", brake_time, 0.0)?,
-    })
+pub fn pace(speed: Option<f64>, pivot_rate: Option<f64>, brake_time: Option<f64>) -> Pace {
+    Pace { speed: speed.unwrap_or(0.0), pivot_rate: pivot_rate.unwrap_or(0.5), brake_time: brake_time.unwrap_or(0.0) }
 }
 
 /// The exception of a core error; its row is that of a sequence, however long.

@@ -1,16 +1,110 @@
-//! `six_wheel.integrate` and `six_wheel.rollout`: poses along logs of twists.
+//! Logs of twists, and poses along them: `six_wheel.integrate` and `six_wheel.rollout`.
 
 use pyo3::prelude::*;
 use six_wheel_kinematics::batch;
-use six_wheel_kinematics::table::Table;
+use six_wheel_kinematics::table::{Durations, Table};
+use six_wheel_numerics::error::Error;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_planner::Present;
 
-use super::course::Course;
 use crate::controller::limits::Limits;
-use crate::convert::{AnyArray, Blocks, Precision, Rows, compute, compute_rows, memory, number, refuse};
+use crate::convert::{
+    AnyArray, Blocks, Broadcast, Output, Precision, Rows, Scalars, compute, compute_rows, joined, joint, memory,
+    number, raise, refuse, refuse_shape, shape_text,
+};
 use crate::rover::Rover;
 use crate::workers::{any_workers, workers};
+
+/// Logs of twists, with what goes with them.
+pub struct Course<'py> {
+    argument: &'static str,
+    pub twists: Blocks<'py>,
+    dt: Scalars<'py>,
+    starts: Option<Rows<'py>>,
+    /// Steps of a log.
+    pub count: usize,
+}
+
+impl<'py> Course<'py> {
+    pub fn read(
+        argument: &'static str,
+        mut twists: Blocks<'py>,
+        dt: &Bound<'py, PyAny>,
+        start: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let Some((&count, logs)) = twists.leading().split_last() else {
+            return Err(refuse(argument, "have shape (..., n, 3)", "shape (3,)"));
+        };
+        let mut starts = start.map(|start| Rows::read("start", start, 3)).transpose()?;
+        // One start for all logs is not repeated.
+        if let Some(starts) = starts.as_mut().filter(|starts| !starts.is_single())
+            && starts.leading != logs
+        {
+            let Some(common) = joint(logs, &starts.leading) else {
+                let got = format!("leading axes {}", shape_text(&starts.leading));
+                let rule = format!("be one pose or have leading axes {}", shape_text(logs));
+                return Err(refuse("start", &rule, &got));
+            };
+            starts.spread("start", &common)?;
+            twists.spread(argument, &joined(&common, count))?;
+        }
+        let mut dt = Scalars::read("dt", dt)?;
+        dt.fit("dt", count)?;
+        Ok(Self { argument, twists, dt, starts, count })
+    }
+
+    /// Reads controls: at least one axis of rollouts before that of the steps.
+    pub fn read_controls(
+        controls: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        start: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let controls = Blocks::read("controls", controls, 3)?;
+        if controls.leading().len() < 2 {
+            return Err(refuse_shape("controls", "have shape (..., k, t, 3)", &controls.shape()));
+        }
+        Self::read("controls", controls, dt, start)
+    }
+
+    /// Leading axes of the logs.
+    pub fn logs(&self) -> &[usize] {
+        let leading = self.twists.leading();
+        &leading[..leading.len() - 1]
+    }
+
+    /// The output for the poses.
+    fn poses(
+        &self,
+        py: Python<'py>,
+        out: Option<&Bound<'py, PyAny>>,
+        precision: Option<Precision>,
+    ) -> PyResult<Output<'py>> {
+        Output::of(py, "out", out, precision, &self.poses_shape())
+    }
+
+    /// Shape of the poses.
+    pub fn poses_shape(&self) -> Vec<usize> {
+        joined(&joined(self.logs(), self.count + 1), 3)
+    }
+
+    pub fn durations(&self) -> Durations<'_> {
+        self.dt.steps().into()
+    }
+
+    /// One start for all logs, or one for each.
+    pub fn starts(&self) -> &[[f64; 3]] {
+        self.starts.as_ref().map_or(&[[0.0; 3]], Rows::triples)
+    }
+
+    /// The exception of a core error.
+    pub fn raise(&self, mut error: Error) -> PyErr {
+        if error.argument == "twists" || error.argument == "twist" {
+            error.argument = self.argument.into();
+        }
+        let leading = if error.argument == "dt" { &[self.count][..] } else { self.twists.leading() };
+        raise(error, leading)
+    }
+}
 
 functions! {
     /// Poses along a log of twists, each held over its step.
@@ -126,7 +220,7 @@ functions! {
                 &buffer
             }
         };
-        let mut poses = course.poses(py, "out", out, Precision::read(py, dtype, out)?)?;
+        let mut poses = course.poses(py, out, Precision::read(py, dtype, out)?)?;
         let workers = any_workers(threads, level)?;
         let present = Present {
             twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),
@@ -151,7 +245,7 @@ fn poses_along<'py>(
     (threads, level): (Option<i64>, Option<&str>),
 ) -> PyResult<AnyArray<'py>> {
     let precision = Precision::read(py, dtype, out)?;
-    let mut poses = course.poses(py, "out", out, precision)?;
+    let mut poses = course.poses(py, out, precision)?;
     let rows = course.twists.count();
     let workers = Workers { fresh: poses.is_unseen(), ..workers(rows, threads, level)? };
     let (twists, steps, starts) = (course.twists.table(), course.durations(), course.starts());

@@ -7,8 +7,7 @@ use six_wheel_ground_motion::{
 };
 use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
-use super::result_columns::Columns;
-use super::results::{CommandRow, GroundCommand, GroundMotion, MotionRow};
+use super::results::{Columns, CommandRow, GroundCommand, GroundMotion, MotionRow};
 use super::traction::{Traction, TractionRow};
 use crate::fastcall::{self, Answer, Arguments, Numbers, Object, float, three};
 use crate::settle::Stand;
@@ -166,7 +165,7 @@ fn forward<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, steering, speeds]: 
     };
     let workers = any_workers(None, None).ok()?;
     let prepared = &suspension.motion;
-    forward_rows(chain, prepared, &footings(stand), &readings, movings, workers);
+    forward_rows(chain, prepared, &footings(stand), &readings, movings, workers).ok()?;
     let motion = Bound::new(py, GroundMotion(Columns::Single(one))).ok()?;
     Some(motion.into_any())
 }

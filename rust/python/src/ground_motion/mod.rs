@@ -2,7 +2,6 @@
 
 mod fastcall;
 mod motion;
-mod result_columns;
 mod results;
 mod settled_pose_input;
 mod slip;

@@ -3,19 +3,14 @@
 use pyo3::prelude::*;
 use six_wheel_ground_motion::{Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows};
 
-use super::result_columns::Columns;
-use super::results::{GroundCommand, GroundMotion};
+use super::results::{Columns, GroundCommand, GroundMotion};
 use super::settled_pose_input::Stands;
-use crate::convert::{Out, Rows, compute, compute_rows, joined, number, refuse, shape_text};
+use crate::convert::{Out, Rows, choice, compute_rows, joined, number, refuse};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
 fn view(name: &str) -> PyResult<View> {
-    match name {
-        "body" => Ok(View::Body),
-        "plan" => Ok(View::Plan),
-        other => Err(refuse("view", "be 'body' or 'plan'", &format!("{other:?}"))),
-    }
+    choice("view", name, |name| format!("{name:?}"), &[("body", View::Body), ("plan", View::Plan)])
 }
 
 methods! { Suspension:
@@ -78,10 +73,7 @@ methods! { Suspension:
         };
         let count: usize = leading.iter().product();
         let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let kept = Rows::read_beside("steering", steering, steered, &leading)?;
-        if let Some(kept) = &kept {
-            kept.check_finite("steering")?;
-        }
+        let kept = Rows::read_finite_beside("steering", steering, steered, &leading)?;
         let mut how = Command { view: self::view(view)?, offset: self.motion.offset, wheel_speed: f64::INFINITY };
         if let Some(limit) = max_wheel_speed {
             how.wheel_speed = number("max_wheel_speed", limit)?;
@@ -160,15 +152,10 @@ methods! { Suspension:
         let leading = if stands.is_single() { speeds.leading.clone() } else { stands.leading().to_vec() };
         speeds.check_leading("speeds", &leading)?;
         let beside = |name: &'static str, value, width| Rows::read_beside(name, value, width, &leading);
-        let steering = beside("steering", steering, steered)?;
+        let steering = Rows::read_finite_beside("steering", steering, steered, &leading)?;
         let measured = beside("joint_rates", joint_rates, joints)?;
         let turning = beside("angular_velocity", angular_velocity, 3)?;
-        let steering_rates = beside("steering_rates", steering_rates, steered)?;
-        for (name, rows) in [("steering", &steering), ("steering_rates", &steering_rates)] {
-            if let Some(rows) = rows {
-                rows.check_finite(name)?;
-            }
-        }
+        let steering_rates = Rows::read_finite_beside("steering_rates", steering_rates, steered, &leading)?;
         let gaps =
             [("speeds", Some(&speeds)), ("joint_rates", measured.as_ref()), ("angular_velocity", turning.as_ref())];
         for (name, rows) in gaps {
@@ -194,9 +181,9 @@ methods! { Suspension:
         };
         let [twists, rates, residuals] = results.flat();
         let movings = Movings { twists: twists.as_chunks_mut().0, joint_rates: rates, residuals };
-        compute(py, count, || {
-            forward_rows(chain, &self.motion, &footings, &readings, movings, workers);
-        });
+        compute_rows(py, count, &leading, || {
+            forward_rows(chain, &self.motion, &footings, &readings, movings, workers)
+        })?;
         Ok(GroundMotion(Columns::Batch(results.finish_arrays()?)))
     }
 }
@@ -205,20 +192,14 @@ impl Suspension {
     /// One weight per wheel, or one for its rolling and one for its side slip.
     fn read_weights(&self, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
         let wheels = self.chain.wheels().len();
-        let rows = Rows::read("weights", value, wheels);
-        let rows = match rows {
+        let rows = match Rows::read("weights", value, wheels) {
             Ok(rows) if rows.leading.is_empty() => rows,
             _ => {
-                let rows = Rows::read("weights", value, 2);
-                let rule = format!("have shape ({wheels},) or ({wheels}, 2)");
-                match rows {
-                    Ok(rows) if rows.leading == [wheels] => rows,
-                    Ok(rows) => {
-                        let got = format!("shape {}", shape_text(&rows.shape()));
-                        return Err(refuse("weights", &rule, &got));
-                    }
-                    Err(error) => return Err(error),
+                let rows = Rows::read("weights", value, 2)?;
+                if rows.leading != [wheels] {
+                    return Err(rows.refuse_shape("weights", &format!("({wheels},) or ({wheels}, 2)")));
                 }
+                rows
             }
         };
         let weights = rows.flat().to_vec();

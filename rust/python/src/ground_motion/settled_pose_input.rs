@@ -5,7 +5,7 @@ use six_wheel_ground_motion::{SettledPoseInput, SettledPoses};
 use six_wheel_terrain::suspension::Chain;
 
 use crate::arguments::other_kind;
-use crate::convert::{Rows, Scalars, refuse, shape_text};
+use crate::convert::{Rows, Scalars, refuse_shape, shape_text};
 use crate::settle::Stand;
 
 /// Settled poses: the result of `settle`, or an object with the same attributes. Read once for all rows.
@@ -46,9 +46,8 @@ impl<'py> Attributes<'py> {
             if rows.leading.get(..axes) == Some(&leading[..]) {
                 return Ok(rows);
             }
-            let got = format!("shape {}", shape_text(&rows.shape()));
             let rule = format!("have leading axes {}", shape_text(&leading));
-            Err(refuse(&format!("stand.{name}"), &rule, &got))
+            Err(refuse_shape(&format!("stand.{name}"), &rule, &rows.shape()))
         };
         let scalars = |name: &str| {
             let argument = format!("stand.{name}");

@@ -1,7 +1,7 @@
 //! `Suspension.slip` and `body_slip`.
 
 use pyo3::prelude::*;
-use six_wheel_ground_motion::{SlipTest, Slips, slip_rows};
+use six_wheel_ground_motion::{SlipInput, SlipTest, Slips, slip_rows};
 
 use super::settled_pose_input::Stands;
 use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, refuse};
@@ -55,24 +55,18 @@ methods! { Suspension:
         let stands = Stands::read(chain, stand)?;
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
         let leading = stands.leading().to_vec();
-        let read = |name: &'static str, value, width| {
-            let rows = Rows::read(name, value, width)?;
-            rows.check_leading(name, &leading)?;
-            rows.check_finite(name)?;
-            PyResult::Ok(rows)
-        };
-        let speeds = read("speeds", speeds, wheels)?;
-        let twists = read("twist", twist, 6)?;
-        let rates = read("joint_rates", joint_rates, joints)?;
+        let speeds = Rows::read_finite_over("speeds", speeds, wheels, &leading)?;
+        let twists = Rows::read_finite_over("twist", twist, 6, &leading)?;
+        let rates = Rows::read_finite_over("joint_rates", joint_rates, joints, &leading)?;
         let shapes = [(); 2].map(|()| joined(&leading, wheels));
         let mut results = Out::read(out, ["ratio", "angle"])?.results(py, shapes, false)?;
         let footings = stands.footings();
         let [ratios, angles] = results.flat();
         let slips = Slips { ratios, angles };
-        let (speeds, rates) = (speeds.flat(), rates.flat());
         let twists = twists.flat().as_chunks().0;
+        let input = SlipInput { speeds: speeds.flat(), twists, joint_rates: rates.flat() };
         compute_rows(py, stands.count(), &leading, || {
-            slip_rows(chain, &footings, speeds, twists, rates, slips, workers)
+            slip_rows(chain, &self.motion, &footings, &input, slips, workers)
         })?;
         let [ratio, angle] = results.finish_arrays()?;
         Ok(WheelSlip { ratio, angle })
@@ -119,9 +113,7 @@ impl BodySlip {
     fn compensate<'py>(&self, py: Python<'py>, wanted: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
         let slip = self.slip.bind(py);
         let slips = Rows::read("slip", slip, slip.len()?)?;
-        let wanted = Rows::read("wanted", wanted, slip.len()?)?;
-        wanted.check_leading("wanted", &[])?;
-        wanted.check_finite("wanted")?;
+        let wanted = Rows::read_finite_over("wanted", wanted, slip.len()?, &[])?;
         let mut command = Output::fresh(py, &[slip.len()?])?;
         let share = if self.slipping { 1.0 } else { 0.0 };
         for (k, command) in command.flat().iter_mut().enumerate() {
@@ -166,21 +158,16 @@ functions! {
     ///
     /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
     /// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
-    pub fn body_slip[py: Python<'py>](navigated, kinematic, covariance, *, false_alarm: f64 = 0.01) -> PyResult<BodySlip> {
+    pub fn body_slip[py: Python<'py>](navigated, kinematic, covariance, *, false_alarm: f64 = 0.01)
+    -> PyResult<BodySlip> {
         let length = navigated.len().unwrap_or(0);
         if !(1..=6).contains(&length) {
             let got = navigated.repr()?.to_string();
             return Err(refuse("navigated", "hold one to six numbers", &got));
         }
-        let read = |name: &'static str, value, leading: &[usize]| {
-            let rows = Rows::read(name, value, length)?;
-            rows.check_leading(name, leading)?;
-            rows.check_finite(name)?;
-            PyResult::Ok(rows)
-        };
-        let navigated = read("navigated", navigated, &[])?;
-        let kinematic = read("kinematic", kinematic, &[])?;
-        let covariance = read("covariance", covariance, &[length])?;
+        let navigated = Rows::read_finite_over("navigated", navigated, length, &[])?;
+        let kinematic = Rows::read_finite_over("kinematic", kinematic, length, &[])?;
+        let covariance = Rows::read_finite_over("covariance", covariance, length, &[length])?;
         let mut slip = Output::fresh(py, &[length])?;
         for (k, slip) in slip.flat().iter_mut().enumerate() {
             *slip = navigated.flat()[k] - kinematic.flat()[k];

@@ -5,7 +5,7 @@ use pyo3::types::PyFloat;
 use six_wheel_ground_motion::{Drives, Driving, Lift, Turns, traction_rows};
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
-use super::result_columns::{Columns, array};
+use super::results::{Columns, array};
 use crate::convert::{Out, Rows, Scalars, compute_rows, joined, memory, refuse, scalar_or_array};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
@@ -130,20 +130,12 @@ methods! { Suspension:
         out=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<Traction> {
         let chain = &self.chain;
         let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let turning = Rows::read("angular_velocity", angular_velocity, 3)?;
+        let turning = Rows::read_finite("angular_velocity", angular_velocity, 3)?;
         let (leading, count) = (turning.leading.clone(), turning.count());
-        let angles = Rows::read("joints", joints, free)?;
-        let rates = Rows::read("joint_rates", joint_rates, free)?;
-        let present = Rows::read_beside("steering", steering, steered, &leading)?;
-        let measured = Rows::read_beside("wheel_speeds", wheel_speeds, wheels, &leading)?;
-        turning.check_finite("angular_velocity")?;
-        for (name, rows) in [("joints", &angles), ("joint_rates", &rates)] {
-            rows.check_leading(name, &leading)?;
-            rows.check_finite(name)?;
-        }
-        for (name, rows) in [("steering", &present), ("wheel_speeds", &measured)] {
-            rows.as_ref().map_or(Ok(()), |rows| rows.check_finite(name))?;
-        }
+        let angles = Rows::read_finite_over("joints", joints, free, &leading)?;
+        let rates = Rows::read_finite_over("joint_rates", joint_rates, free, &leading)?;
+        let present = Rows::read_finite_beside("steering", steering, steered, &leading)?;
+        let measured = Rows::read_finite_beside("wheel_speeds", wheel_speeds, wheels, &leading)?;
         let speed = read_speeds("speed", speed, &leading)?;
         let (curved, turn) = read_turn(curvature, yaw_rate, &leading)?;
         let lift = read_lift(lift_angle, lift_speed)?;

@@ -4,14 +4,14 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 use six_wheel_odometry::dimensions::NUMBERS;
-use six_wheel_odometry::{Deviations, Encoder as CoreEncoder};
+use six_wheel_odometry::{Deviations, Encoder as CoreEncoder, Readings, Settings};
 
-use super::values::Encoder;
+use super::values::{Encoder, Noise};
 use crate::arguments::other_kind;
-use crate::convert::{OrRaise, Rows, Scalars, items, number, refuse};
+use crate::convert::{OrRaise, Rows, Scalars, choice, items, number, refuse};
 
 /// An encoder for all joints, one per joint, or some by name.
-pub fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<CoreEncoder>> {
+fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<CoreEncoder>> {
     let Some(given) = given else { return Ok(Vec::new()) };
     let one = |item: &Bound<'_, PyAny>| {
         item.cast::<Encoder>().map(|encoder| encoder.get().0).map_err(|_| {
@@ -37,6 +37,23 @@ pub fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]
         let rule = format!("be one encoder or {}", names.len());
         Err(refuse(argument, &rule, &all.len().to_string()))
     }
+}
+
+/// The settings that all odometry has: noise, kind of readings, encoders of these wheels and steered wheels.
+pub fn settings(
+    noise: Option<Bound<'_, Noise>>,
+    readings: &str,
+    [wheel_encoders, steering_encoders]: [Option<&Bound<'_, PyAny>>; 2],
+    [wheels, steered]: [&[&str]; 2],
+) -> PyResult<Settings> {
+    let all = [("angles", Readings::Angles), ("speeds", Readings::Speeds), ("increments", Readings::Increments)];
+    Ok(Settings {
+        noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
+        readings: choice("readings", readings, |name| format!("'{name}'"), &all)?,
+        wheel_encoders: encoders("wheel_encoders", wheel_encoders, wheels)?,
+        steering_encoders: encoders("steering_encoders", steering_encoders, steered)?,
+        ..Settings::default()
+    })
 }
 
 /// A number for every wheel: all of them in their order, or some by name, the others 1.
@@ -111,18 +128,6 @@ pub fn steering_left_out<'py>(joints: usize) -> PyResult<Option<Rows<'py>>> {
     Err(refuse("steering", rule, "None"))
 }
 
-/// True if an impossible row ends the run, false if it is flagged.
-fn is_strict(errors: &str) -> PyResult<bool> {
-    match errors {
-        "raise" => Ok(true),
-        "flag" => Ok(false),
-        _ => {
-            let got = format!("'{errors}'");
-            Err(refuse("errors", "be 'flag' or 'raise'", &got))
-        }
-    }
-}
-
 /// The columns of every log: readings of wheels and steering, and their stamps.
 pub struct Columns<'py> {
     pub wheels: Rows<'py>,
@@ -140,7 +145,8 @@ impl<'py> Columns<'py> {
         errors: &str,
         widths: [usize; 2],
     ) -> PyResult<Self> {
-        let is_strict = is_strict(errors)?;
+        // An impossible row ends the run, or is flagged.
+        let is_strict = choice("errors", errors, |name| format!("'{name}'"), &[("flag", false), ("raise", true)])?;
         let wheels = Rows::read_table("wheel_angles", wheels, widths[0])?;
         let leading = wheels.leading.as_slice();
         let steering = if steering.is_none() {

@@ -1,6 +1,5 @@
 //! `six_wheel.Preintegrated`.
 
-mod columns;
 mod parts;
 
 use numpy::{PyArray1, PyArray2, ToPyArray};
@@ -8,17 +7,15 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_numerics::error::Error;
-use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, Replayed, Residual, Rules, Tangent};
+use six_wheel_odometry::preintegrated::{Column, Replayed, Residual, Rules, Tangent};
 use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 
-use super::gyroscope::Gyroscope;
-use super::input::{encoders, steering_left_out};
-use super::readings_named;
-use super::values::Noise;
+use super::input::{settings, steering_left_out};
+use super::values::{Gyroscope, Noise};
 use crate::arguments::ArgumentKind;
-use crate::convert::{OrRaise, Rows, Scalars, compute, number, raise, refuse};
+use crate::convert::{OrRaise, Rows, Scalars, choice, compute, number, raise, refuse};
 use crate::rover::Rover;
-use columns::{SLIPS, dimension};
+use parts::{NAMES, SLIPS};
 
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 /// Columns by their name.
@@ -97,19 +94,11 @@ methods! { Preintegrated:
     as "(rover, noise=None, *, gyroscope=None, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
     -> PyResult<Self> {
         let core = &rover.get().core;
-        let names = |wheels: &mut dyn Iterator<Item = usize>| -> Vec<&str> {
-            wheels.map(|i| core.wheels()[i].name.as_str()).collect()
-        };
-        let wheels = names(&mut (0..core.wheels().len()));
-        let steered = names(&mut core.steered().iter().copied());
+        let [wheels, steered] = rover.get().wheels_and_steered();
         let rules = Rules {
             settings: Settings {
-                noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
-                readings: readings_named(readings)?,
-                wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
-                steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
                 method: method.parse::<Method>().or_raise(&[])?,
-                ..Settings::default()
+                ..settings(noise, readings, [wheel_encoders, steering_encoders], [&wheels, &steered])?
             },
             gyroscope: gyroscope.map(|known| known.get().0),
             in_space,
@@ -282,15 +271,8 @@ impl Preintegrated {
     ///     ``delta exp(e)``, in axes of the body at the end; ``exp(e) delta``, at the beginning; or ``delta + e``, the
     ///     coordinates of the end seen from the beginning, as `OdometryState.covariance`.
     fn covariance_in<'py>(&mut self, py: Python<'py>, tangent: &str) -> PyResult<Matrix<'py>> {
-        let chosen = match tangent {
-            "end" => Tangent::End,
-            "begin" => Tangent::Begin,
-            "coordinates" => Tangent::Coordinates,
-            _ => {
-                let rule = "be 'end', 'begin' or 'coordinates'";
-                return Err(refuse("tangent", rule, &format!("'{tangent}'")));
-            }
-        };
+        let all = [("end", Tangent::End), ("begin", Tangent::Begin), ("coordinates", Tangent::Coordinates)];
+        let chosen = choice("tangent", tangent, |name| format!("'{name}'"), &all)?;
         if let Some(covariance) = self.core.covariance().filter(|_| tangent == "coordinates") {
             return Ok(PyArray2::from_vec2(py, &covariance.map(Vec::from))?);
         }
@@ -302,7 +284,7 @@ impl Preintegrated {
     /// `x`, `y`, `heading`, `scrub`, `trail`, `roller_angle`.
     #[getter]
     fn by_dimension<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.tables(py, DIMENSIONS.into_iter().map(dimension))
+        self.tables(py, NAMES.into_iter())
     }
 
     /// Derivatives by constant slip, dict of name to array (3 or 6, wheels): `slip`, the share of the way a wheel rolled

@@ -2,7 +2,6 @@
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_odometry::{Recording, TrackRows};
 
@@ -74,15 +73,11 @@ methods! { Odometry:
         compute_rows(py, rows, &log.wheels.leading, || core.run(recording, log.is_strict, track))?;
         drop(work);
         let finish = |out: Option<Output<'py>>| -> PyResult<Option<Array<'py>>> { out.map(Output::finish).transpose() };
-        let keywords = PyDict::new(py);
-        keywords.set_item("rover", &self.rover)?;
-        keywords.set_item("stamps", memory::array(py, log.stamps.flat(), &[rows])?)?;
-        keywords.set_item("poses", poses.finish()?)?;
-        keywords.set_item("twists", twists.finish()?)?;
-        keywords.set_item("covariances", finish(covariances)?)?;
-        keywords.set_item("residuals", finish(residuals)?)?;
-        keywords.set_item("weights", finish(weights)?)?;
-        keywords.set_item("health", PyArray1::from_vec(py, flags))?;
+        let stamps = memory::array(py, log.stamps.flat(), &[rows])?;
+        let (poses, twists, covariances) = (poses.finish()?, twists.finish()?, finish(covariances)?);
+        let (residuals, weights, health) = (finish(residuals)?, finish(weights)?, PyArray1::from_vec(py, flags));
+        let rover = &self.rover;
+        let keywords = dict!(py, rover, stamps, poses, twists, covariances, residuals, weights, health);
         build_track(&keywords, "Track")
     }
 }

@@ -5,13 +5,11 @@ pub mod state;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use six_wheel_ground_motion::spatial::{Odometry3 as Core, Recording3, Sample3, Settings3, TrackRows3};
 use six_wheel_numerics::error::Error;
 use six_wheel_odometry::Settings;
 
-use super::input::{Columns, build_track, encoders, row};
-use super::readings_named;
+use super::input::{Columns, build_track, row, settings};
 use super::values::Noise;
 use crate::convert::{OrRaise, Output, Rows, Scalars, compute_rows, memory, ready};
 use crate::state_lock::Shared;
@@ -116,17 +114,13 @@ methods! { Odometry3:
         let wheels: Vec<&str> = chain.wheels().iter().map(|wheel| &*wheel.name).collect();
         let steered: Vec<&str> = (0..chain.steering().len()).map(|joint| chain.steered_name(joint)).collect();
         let common = Settings {
-            noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
-            readings: readings_named(readings)?,
-            wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
-            steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
             slip_threshold,
             max_gap,
             max_speed,
             max_steering_rate,
             lag: lag.unwrap_or(0.0),
             history,
-            ..Settings::default()
+            ..settings(noise, readings, [wheel_encoders, steering_encoders], [&wheels, &steered])?
         };
         let usual = Settings3::default();
         let settings = Settings3 {
@@ -254,14 +248,10 @@ methods! { Odometry3:
         compute_rows(py, rows, leading, || work.run(recording, log.is_strict, track))?;
         drop(core);
         let finish = |out: Option<Output<'py>>| out.map(Output::finish).transpose();
-        let keywords = PyDict::new(py);
-        keywords.set_item("arm", &self.arm)?;
-        keywords.set_item("stamps", memory::array(py, log.stamps.flat(), &[rows])?)?;
-        keywords.set_item("poses", poses.finish()?)?;
-        keywords.set_item("twists", twists.finish()?)?;
-        keywords.set_item("covariances", finish(covariances)?)?;
-        keywords.set_item("slips", finish(slips)?)?;
-        keywords.set_item("health", PyArray1::from_vec(py, flags))?;
+        let stamps = memory::array(py, log.stamps.flat(), &[rows])?;
+        let (poses, twists, covariances) = (poses.finish()?, twists.finish()?, finish(covariances)?);
+        let (arm, slips, health) = (&self.arm, finish(slips)?, PyArray1::from_vec(py, flags));
+        let keywords = dict!(py, arm, stamps, poses, twists, covariances, slips, health);
         build_track(&keywords, "Track3")
     }
 

@@ -172,11 +172,12 @@ fn spatial<'py>(py: Python<'py>, planar: &[[f64; 3]; 3], unmeasured: f64) -> PyR
             row[i] = unmeasured;
         }
     }
-    PyArray1::from_slice(py, matrix.as_flattened()).reshape([6, 6])
+    self::matrix(py, matrix.as_flattened(), 6)
 }
 
-fn square<'py>(py: Python<'py>, matrix: &[[f64; 3]; 3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    PyArray1::from_slice(py, matrix.as_flattened()).reshape([3, 3])
+/// Numbers as a matrix of this width.
+pub fn matrix<'py>(py: Python<'py>, numbers: &[f64], width: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    PyArray1::from_slice(py, numbers).reshape([numbers.len() / width, width])
 }
 
 getters! { OdometryState, self, py:
@@ -191,10 +192,10 @@ getters! { OdometryState, self, py:
     /// The twist through a first-order filter of time constant `smoothing`, shape (3,) [m/s, m/s, rad/s].
     velocity: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.velocity);
     /// Covariance of the pose in world axes, shape (3, 3) [m², m rad, rad²].
-    covariance: PyResult<Bound<'py, PyArray2<f64>>> = square(py, &whole(self.covariance));
+    covariance: PyResult<Bound<'py, PyArray2<f64>>> = matrix(py, whole(self.covariance).as_flattened(), 3);
     /// Covariance of the twist in body axes, shape (3, 3); infinite variances where nothing is known of the twist: before
     /// the first step, and after a command or a pose from outside.
-    twist_covariance: PyResult<Bound<'py, PyArray2<f64>>> = square(py, &whole(self.twist_covariance));
+    twist_covariance: PyResult<Bound<'py, PyArray2<f64>>> = matrix(py, whole(self.twist_covariance).as_flattened(), 3);
     /// Speed at which each wheel's contact slid over the last step, shape (wheels,) [m/s].
     residual: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.residual);
     /// Flags of the sample, an `OdometryHealth`.

@@ -2,12 +2,11 @@
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyDict;
 use six_wheel_planner::Costmap as Core;
 
 use crate::arguments::ArgumentKind;
-use crate::classes::reduce;
-use crate::convert::{ArgumentTypeError, OrRaise, number, refuse, shape_text};
+use crate::convert::{ArgumentTypeError, OrRaise, number, refuse, refuse_shape};
 
 /// Costs on a grid, for a planner.
 ///
@@ -43,10 +42,7 @@ pub struct Costmap {
 
 impl ArgumentKind for Costmap {
     const KIND: &'static str = "a Costmap";
-
-    fn remedy(_: &Bound<'_, PyAny>) -> String {
-        "sw.Costmap(costs, spacing=...)".into()
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| "sw.Costmap(costs, spacing=...)".into();
 }
 
 getters! { Costmap, self, py:
@@ -66,6 +62,15 @@ getters! { Costmap, self, py:
 }
 
 replaceable!(Costmap);
+pickled_by_keywords!(Costmap: keywords);
+
+impl Costmap {
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (spacing, origin, lethal) = (self.spacing(py), self.origin(py), self.lethal(py));
+        let (values, outside, frame) = (self.values(py)?, self.outside(py), &self.frame);
+        Ok(dict!(py, values, spacing, origin, lethal, outside, frame))
+    }
+}
 
 methods! { Costmap:
     #[new]
@@ -83,7 +88,7 @@ methods! { Costmap:
         let array = array.cast_into::<PyArrayDyn<f32>>()?;
         let shape = array.shape().to_vec();
         let [rows, columns] = shape[..] else {
-            return Err(refuse("values", "have shape (rows, columns)", &format!("shape {}", shape_text(&shape))));
+            return Err(refuse_shape("values", "have shape (rows, columns)", &shape));
         };
         let pair = |argument: &str, value: &Bound<'_, PyAny>| {
             value.extract::<[f64; 2]>().map_err(|_| refuse(argument, "be two numbers", &value.to_string()))
@@ -112,18 +117,7 @@ impl Costmap {
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        (self.core.shape(), self.spacing(py), self.origin(py), &self.frame).into_pyobject(py)?.hash()
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let (py, map) = (slf.py(), slf.get());
-        let keywords = PyDict::new(py);
-        keywords.set_item("values", map.values(py)?)?;
-        keywords.set_item("spacing", map.spacing(py))?;
-        keywords.set_item("origin", map.origin(py))?;
-        keywords.set_item("lethal", map.lethal(py))?;
-        keywords.set_item("outside", map.outside(py))?;
-        keywords.set_item("frame", &map.frame)?;
-        reduce(slf.as_any(), &PyTuple::empty(py), &keywords)
+        let shape: (usize, usize) = self.core.shape().into();
+        (shape, self.spacing(py), self.origin(py), &self.frame).into_pyobject(py)?.hash()
     }
 }

@@ -79,28 +79,25 @@ pub fn read_weights(given: &Bound<'_, PyDict>) -> PyResult<Weights> {
     Ok(Weights::of(values))
 }
 
+/// Rows of two numbers, or of three; and how many they have.
+fn two_or_three<'py>(
+    read: impl Fn(&str, &Bound<'py, PyAny>, usize) -> PyResult<Rows<'py>>,
+    argument: &str,
+    value: &Bound<'py, PyAny>,
+) -> PyResult<(Rows<'py>, usize)> {
+    let two = read(argument, value, 2).map(|rows| (rows, 2));
+    two.or_else(|error| read(argument, value, 3).map(|rows| (rows, 3)).map_err(|_| error))
+}
+
 /// Points of two coordinates, of rows with two or three.
 pub fn points(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
-    match Rows::read_table(argument, value, 2) {
-        Ok(rows) => Ok(rows.flat().as_chunks().0.to_vec()),
-        Err(error) => {
-            let Ok(rows) = Rows::read_table(argument, value, 3) else { return Err(error) };
-            memory::gathered(rows.triples().iter().map(|[x, y, _]| [*x, *y]))
-        }
-    }
+    let (rows, width) = two_or_three(Rows::read_table, argument, value)?;
+    memory::gathered(rows.flat().chunks_exact(width).map(|row| [row[0], row[1]]))
 }
 
 /// A place of two coordinates, or those of a pose.
 pub fn place(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
-    let first = |rows: Rows<'_>| {
-        rows.check_leading(argument, &[])?;
-        Ok([rows.flat()[0], rows.flat()[1]])
-    };
-    match Rows::read(argument, value, 2) {
-        Ok(rows) => first(rows),
-        Err(error) => match Rows::read(argument, value, 3) {
-            Ok(rows) => first(rows),
-            Err(_) => Err(error),
-        },
-    }
+    let (row, _) = two_or_three(Rows::read, argument, value)?;
+    row.check_leading(argument, &[])?;
+    Ok([row.flat()[0], row.flat()[1]])
 }

@@ -6,13 +6,13 @@ use pyo3::types::PyTuple;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_planner::{Costs, rollout_cost};
 
-use crate::convert::{Output, Precision, Rows, compute, out_tuple, refuse};
+use crate::convert::{Precision, Results, Rows, compute, out_tuple};
 use crate::geometry::Course;
 use crate::rover::Rover;
 use crate::workers::workers;
 
-/// Fields of the result after its poses.
-const COSTS: [&str; 4] = ["wheel_speed", "steering_angle", "steering_rate", "scrub"];
+/// Fields of the result, as `out=` names them.
+const NAMES: [&str; 5] = ["out.poses", "out.wheel_speed", "out.steering_angle", "out.steering_rate", "out.scrub"];
 
 methods! { Rover:
     /// Rollouts for a sampling planner: poses, and the worst that each rollout asks of the wheels.
@@ -63,36 +63,21 @@ methods! { Rover:
         let previous = Rows::read_beside("previous", previous, self.joints(), &[])?;
         let (outs, precision) =
             (out_tuple::<5>(out, "be a RolloutCost or a tuple of its five arrays")?, Precision::read(py, dtype, out)?);
-        let mut poses = course.poses(py, "out.poses", outs[0].as_ref(), precision)?;
-        let mut costs = Vec::with_capacity(COSTS.len());
-        for (name, out) in COSTS.iter().zip(&outs[1..]) {
-            let argument = format!("out.{name}");
-            let output = Output::of(py, &argument, out.as_ref(), precision, course.logs());
-            costs.push(output?);
-        }
-        let [wheel_speed, steering_angle, steering_rate, scrub] = costs.as_mut_slice() else {
-            return Err(refuse("out", "hold five arrays", "another number"));
-        };
-        let targets = Costs {
-            wheel_speed: wheel_speed.flat(),
-            steering_angle: steering_angle.flat(),
-            steering_rate: steering_rate.flat(),
-            scrub: scrub.flat(),
-        };
+        let logs = course.logs().to_vec();
+        let shapes = [course.poses_shape(), logs.clone(), logs.clone(), logs.clone(), logs];
+        let mut results = Results::named(py, outs, NAMES, precision, shapes)?;
+        let [poses, wheel_speed, steering_angle, steering_rate, scrub] = results.flat();
+        let targets = Costs { wheel_speed, steering_angle, steering_rate, scrub };
         let rows = course.twists.count();
         let workers = Workers { fresh: out.is_none(), ..workers(rows, threads, level)? };
         let (controls, steps, starts) = (course.twists.table(), course.durations(), course.starts());
-        let (count, target) = (course.count, poses.triples());
+        let (count, target) = (course.count, poses.as_chunks_mut().0);
         let previous = previous.as_ref().map(Rows::flat);
         compute(py, rows, || {
             rollout_cost(&self.core, controls, count, steps, starts, previous, target, targets, workers)
         })
         .map_err(|error| course.raise(error))?;
-        let mut arrays = vec![poses.finish_any()?.into_any()];
-        for cost in costs {
-            arrays.push(cost.finish_any()?.into_any());
-        }
-        result(py, PyTuple::new(py, arrays)?)
+        result(py, PyTuple::new(py, results.finish_arrays()?)?)
     }
 }
 

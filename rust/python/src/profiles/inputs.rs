@@ -1,4 +1,4 @@
-//! Arguments and states that the transitions have in common.
+//! Arguments of profiles and transitions, and states that the latter have in common.
 
 use std::str::FromStr;
 
@@ -10,29 +10,13 @@ use six_wheel_kinematics::rover::Rover as CoreRover;
 use six_wheel_numerics::error::Error;
 
 use super::made::class;
-use crate::convert::{
-    Rows, Scalars, compute, memory, number, numbers, optional_number, raise, refuse, scalar_or_array,
-};
+use crate::convert::{OrRaise, Rows, Scalars, compute, memory, refuse, refuse_shape, scalar_or_array};
 use crate::rover::Rover;
-
-/// A core error without rows.
-pub fn plain(error: Error) -> PyErr {
-    raise(error, &[])
-}
 
 /// One row of numbers.
 pub fn row(argument: &str, value: &Bound<'_, PyAny>, width: usize) -> PyResult<Vec<f64>> {
     let row = Rows::read_one(argument, value, width)?;
     Ok(row.flat().iter().map(|number| number + 0.0).collect())
-}
-
-pub fn twist(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    Ok(numbers(argument, value)?.map(|number: f64| number + 0.0))
-}
-
-/// A twist as a tuple, which hashes.
-pub fn pasteable(py: Python<'_>, twist: [f64; 3]) -> PyResult<Bound<'_, PyTuple>> {
-    PyTuple::new(py, twist)
 }
 
 /// Keywords of a call, in order, without those left at their default.
@@ -44,9 +28,8 @@ impl<'py> Keywords<'py> {
     }
 
     /// A limit, infinite if not given.
-    pub fn limit(&self, argument: &str, value: Option<&Bound<'py, PyAny>>) -> PyResult<f64> {
-        let Some(value) = value else { return Ok(f64::INFINITY) };
-        let limit = number(argument, value)?;
+    pub fn limit(&self, argument: &str, limit: Option<f64>) -> PyResult<f64> {
+        let limit = limit.unwrap_or(f64::INFINITY);
         if limit != f64::INFINITY {
             self.0.set_item(argument, limit)?;
         }
@@ -60,15 +43,14 @@ impl<'py> Keywords<'py> {
         word: Option<&str>,
     ) -> PyResult<T> {
         let Some(word) = word else { return Ok(T::default()) };
-        let read = word.parse::<T>().map_err(plain)?;
+        let read = word.parse::<T>().or_raise(&[])?;
         if read != T::default() {
             self.0.set_item(argument, word)?;
         }
         Ok(read)
     }
 
-    pub fn duration(&self, value: Option<&Bound<'py, PyAny>>) -> PyResult<Option<f64>> {
-        let duration = optional_number("duration", value)?;
+    pub fn duration(&self, duration: Option<f64>) -> PyResult<Option<f64>> {
         if let Some(duration) = duration {
             self.0.set_item("duration", duration)?;
         }
@@ -125,7 +107,7 @@ pub fn states<'py>(
         }
         Ok(())
     })
-    .map_err(plain)?;
+    .or_raise(&[])?;
     let array = |values: Vec<f64>, width: usize| {
         let mut shape = times.shape.clone();
         shape.push(width);
@@ -139,4 +121,58 @@ pub fn states<'py>(
         array(accelerations, joints)?,
         scalar_or_array(py, scrubs, &times.shape)?,
     ))
+}
+
+/// One number, or one per axis.
+pub struct Values {
+    pub numbers: Vec<f64>,
+    pub is_vector: bool,
+}
+
+impl Values {
+    pub fn read(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let scalars = Scalars::read(argument, value)?;
+        match scalars.shape.as_slice() {
+            [] | [_] if !scalars.flat().is_empty() => Ok(Self {
+                numbers: memory::gathered(scalars.flat().iter().copied())?,
+                is_vector: !scalars.shape.is_empty(),
+            }),
+            shape => {
+                let rule = "be one number or have shape (axes,)";
+                Err(refuse_shape(argument, rule, shape))
+            }
+        }
+    }
+
+    pub fn or(argument: &str, value: Option<&Bound<'_, PyAny>>, default: f64) -> PyResult<Self> {
+        value.map_or_else(|| Ok(Self { numbers: vec![default], is_vector: false }), |value| Self::read(argument, value))
+    }
+
+    pub fn of_axis(&self, axis: usize) -> f64 {
+        self.numbers[if self.is_vector { axis } else { 0 }]
+    }
+
+    pub fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        // Plus zero: no minus zero.
+        let numbers: Vec<f64> = self.numbers.iter().map(|number| number + 0.0).collect();
+        if self.is_vector {
+            Ok(PyTuple::new(py, numbers)?.into_any())
+        } else {
+            Ok(numbers[0].into_pyobject(py)?.into_any())
+        }
+    }
+}
+
+/// Number of axes of arguments that are one number or one per axis, and whether any is the latter.
+pub fn axes(values: &[(&str, Values)]) -> PyResult<(usize, bool)> {
+    let mut count: Option<usize> = None;
+    for (argument, values) in values.iter().filter(|(_, values)| values.is_vector) {
+        let (known, own) = (count.unwrap_or(values.numbers.len()), values.numbers.len());
+        if known != own {
+            let rule = format!("be one number or have shape ({known},)");
+            return Err(refuse(argument, &rule, &format!("shape ({own},)")));
+        }
+        count = Some(own);
+    }
+    Ok((count.unwrap_or(1), count.is_some()))
 }

@@ -3,6 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::classes::repr_of_call;
+
 /// A function of `six_wheel.kinematics.profiles` and what it was called with.
 pub struct ConstructorCall {
     pub maker: &'static str,
@@ -19,14 +21,8 @@ pub fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
 impl ConstructorCall {
     /// The call, to be pasted back.
     pub fn repr(&self, py: Python<'_>) -> PyResult<String> {
-        let mut arguments = Vec::new();
-        for argument in self.arguments.bind(py).iter() {
-            arguments.push(argument.repr()?.to_string());
-        }
-        for (keyword, value) in self.keywords.bind(py).iter() {
-            arguments.push(format!("{keyword}={}", value.repr()?));
-        }
-        Ok(format!("profiles.{}({})", self.maker, arguments.join(", ")))
+        let call = format!("profiles.{}", self.maker);
+        repr_of_call(&call, self.arguments.bind(py), self.keywords.bind(py))
     }
 
     pub fn equals(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
@@ -47,7 +43,7 @@ impl ConstructorCall {
     }
 }
 
-/// Equality, hash and pickling by the call that made an object.
+/// Equality, hash, pickling and `replace` by the call that made an object.
 macro_rules! known_by_its_call {
     ($class: ident) => {
         #[pymethods]
@@ -63,10 +59,25 @@ macro_rules! known_by_its_call {
                 self.made.hash(py)
             }
 
-            fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+            fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyTuple>> {
                 self.made.reduce(py)
+            }
+        }
+
+        replaceable!($class);
+    };
+}
+pub(super) use known_by_its_call;
+
+/// Representation by that call.
+macro_rules! printed_by_its_call {
+    ($class: ident) => {
+        #[pymethods]
+        impl $class {
+            fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+                self.made.repr(py)
             }
         }
     };
 }
-pub(super) use known_by_its_call;
+pub(super) use printed_by_its_call;

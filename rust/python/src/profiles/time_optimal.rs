@@ -5,7 +5,7 @@ use pyo3::types::PyDict;
 use six_wheel_control::profiles::{self as core, Bounds, Moving, Synchronise};
 
 use super::Profile;
-use super::values::{Values, axes};
+use super::inputs::{Values, axes};
 use crate::convert::{OrRaise, refuse};
 
 /// Arguments by name, and as keywords where they differ from their defaults.

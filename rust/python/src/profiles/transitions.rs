@@ -3,41 +3,88 @@
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use six_wheel_control::profiles::{self as core, IcrLimits, ModuleLimits, Modules, Shape, Synchronise};
+use six_wheel_numerics::error::Error;
 
-use super::inputs::{Keywords, one_of, pasteable, plain, row, states, twist};
-use super::made::{ConstructorCall, class, known_by_its_call};
-use crate::convert::refuse;
+use super::inputs::{Keywords, one_of, row, states};
+use super::made::{ConstructorCall, class, known_by_its_call, printed_by_its_call};
+use crate::convert::{OrRaise, refuse};
 use crate::rover::Rover;
 
-macro_rules! value_methods {
-    ($class:ident) => {
-        #[pymethods]
-        impl $class {
-            /// Duration [s].
-            #[getter]
-            fn duration(&self) -> f64 {
-                self.core.duration()
-            }
+/// A transition: its class, what all of them have, and the twist that is commanded at a time, if any is.
+macro_rules! transition {
+    (
+        $(#[$doc:meta])* $class:ident;
+        $(#[$at:meta])* |$this:ident, $time:ident, $wheels:ident| $twist:expr
+    ) => {
+        $(#[$doc])*
+        #[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
+        pub struct $class {
+            core: core::$class,
+            made: ConstructorCall,
+        }
 
+        known_by_its_call!($class);
+
+        impl $class {
+            fn made(
+                core: Result<core::$class, Error>,
+                maker: &'static str,
+                arguments: Bound<'_, PyTuple>,
+                keywords: Keywords<'_>,
+            ) -> PyResult<Self> {
+                let (arguments, keywords) = (arguments.unbind(), keywords.0.unbind());
+                Ok(Self { core: core.or_raise(&[])?, made: ConstructorCall { maker, arguments, keywords } })
+            }
+        }
+
+        getters! { $class, self, py:
+            /// Duration [s].
+            duration: f64 = self.core.duration();
             /// The rover it is for.
-            #[getter]
-            fn rover(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-                Ok(self.made.arguments.bind(py).get_item(0)?.unbind())
+            rover: PyResult<Py<PyAny>> = Ok(self.made.arguments.bind(py).get_item(0)?.unbind());
+        }
+
+        methods! { $class:
+            $(#[$at])*
+            ///
+            /// Parameters
+            /// ----------
+            /// times : float or array_like, shape (...)
+            ///     [s]; before the start and after the end it holds what is there.
+            fn at[&$this, py: Python<'py>](times) -> PyResult<Bound<'py, PyAny>> {
+                states(py, $this.core.rover(), times, |$time, $wheels| $twist)
             }
         }
     };
 }
 
-/// The body's twist follows a profile; the wheels follow the twist. Made by `profiles.body_transition`.
-#[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
-pub struct BodyTransition {
-    core: core::BodyTransition,
-    made: ConstructorCall,
+transition! {
+    /// The body's twist follows a profile; the wheels follow the twist. Made by `profiles.body_transition`.
+    BodyTransition;
+    /// Twist and wheels at one time or many: a `TransitionState`.
+    |self, time, wheels| Some(self.core.at(time, wheels))
 }
 
-value_methods!(BodyTransition);
-known_by_its_call!(BodyTransition);
-replaceable!(BodyTransition);
+printed_by_its_call!(BodyTransition);
+
+transition! {
+    /// Every steering angle and wheel speed follows its own profile. Made by `profiles.module_transition`.
+    ModuleTransition;
+    /// Wheels at one time or many, and the twist that fits them best: a `TransitionState`.
+    |self, time, wheels| {
+        self.core.at(time, wheels);
+        None
+    }
+}
+
+printed_by_its_call!(ModuleTransition);
+
+transition! {
+    /// All wheels keep one centre of rotation at every instant. Made by `profiles.icr_transition`.
+    IcrTransition;
+    /// Twist and wheels at one time or many: a `TransitionState`.
+    |self, time, wheels| Some(self.core.at(time, wheels))
+}
 
 methods! { BodyTransition:
     /// From one twist to another by a profile of the body's motion, in a given time or within its limits.
@@ -71,12 +118,12 @@ methods! { BodyTransition:
     /// ValueError
     ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
     #[staticmethod]
-    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist, end_twist, duration=None, *,
-        shape: Option<&str> = None, acceleration=None, angular_acceleration=None, jerk=None, angular_jerk=None,
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3],
+        duration: Option<f64> = None, *, shape: Option<&str> = None, acceleration: Option<f64> = None,
+        angular_acceleration: Option<f64> = None, jerk: Option<f64> = None, angular_jerk: Option<f64> = None,
         synchronise: Option<&str> = None, previous=None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
-        let start = twist("start_twist", start_twist)?;
-        let end = twist("end_twist", end_twist)?;
+        let [start, end] = [start_twist, end_twist].map(|twist| twist.map(|number| number + 0.0));
         let duration = keywords.duration(duration)?;
         let shape: Shape = keywords.word("shape", shape)?;
         let linear = [keywords.limit("acceleration", acceleration)?, keywords.limit("jerk", jerk)?];
@@ -99,44 +146,10 @@ methods! { BodyTransition:
                 core::BodyTransition::within(core, ends, [linear, angular], synchronise, previous)
             }
         };
-        Ok(Self {
-            core: core.map_err(plain)?,
-            made: ConstructorCall {
-                maker: "body_transition",
-                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
-                keywords: keywords.0.unbind(),
-            },
-        })
+        let arguments = (rover, PyTuple::new(py, start)?, PyTuple::new(py, end)?).into_pyobject(py)?;
+        Self::made(core, "body_transition", arguments, keywords)
     }
 }
-
-#[pymethods]
-impl BodyTransition {
-    /// Twist and wheels at one time or many: a `TransitionState`.
-    ///
-    /// Parameters
-    /// ----------
-    /// times : float or array_like, shape (...)
-    ///     [s]; before the start and after the end it holds what is there.
-    fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        states(py, self.core.rover(), times, |time, wheels| Some(self.core.at(time, wheels)))
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        self.made.repr(py)
-    }
-}
-
-/// Every steering angle and wheel speed follows its own profile. Made by `profiles.module_transition`.
-#[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
-pub struct ModuleTransition {
-    core: core::ModuleTransition,
-    made: ConstructorCall,
-}
-
-value_methods!(ModuleTransition);
-known_by_its_call!(ModuleTransition);
-replaceable!(ModuleTransition);
 
 /// The pair (steering, speeds).
 fn modules(argument: &str, rover: &Rover, value: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<f64>)> {
@@ -184,8 +197,9 @@ methods! { ModuleTransition:
     /// ValueError
     ///     If a value is not as said, or an angle lies outside its wheel's range.
     #[staticmethod]
-    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start, end, duration=None, *, shape: Option<&str> = None,
-        steering_rate=None, steering_acceleration=None, steering_jerk=None, wheel_acceleration=None, wheel_jerk=None,
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start, end, duration: Option<f64> = None, *,
+        shape: Option<&str> = None, steering_rate: Option<f64> = None, steering_acceleration: Option<f64> = None,
+        steering_jerk: Option<f64> = None, wheel_acceleration: Option<f64> = None, wheel_jerk: Option<f64> = None,
         synchronise: Option<&str> = None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let from = modules("start", rover.get(), start)?;
@@ -211,54 +225,30 @@ methods! { ModuleTransition:
         let view = |(steering, speeds): &(Vec<f64>, Vec<f64>)| {
             PyResult::Ok((PyTuple::new(py, steering)?, PyTuple::new(py, speeds)?))
         };
-        let arguments = (&rover, view(&from)?, view(&to)?).into_pyobject(py)?.unbind();
+        let arguments = (&rover, view(&from)?, view(&to)?).into_pyobject(py)?;
         let [start, end] = [&from, &to].map(|(steering, speeds)| Modules { steering, speeds });
         let rover = &rover.get().core;
         let core = match duration {
             Some(duration) => core::ModuleTransition::shaped(rover, start, end, shape, duration),
             None => core::ModuleTransition::within(rover, start, end, &limits, synchronise),
         };
-        Ok(Self {
-            core: core.map_err(plain)?,
-            made: ConstructorCall { maker: "module_transition", arguments, keywords: keywords.0.unbind() },
-        })
+        Self::made(core, "module_transition", arguments, keywords)
     }
 }
-
-#[pymethods]
-impl ModuleTransition {
-    /// Wheels at one time or many, and the twist that fits them best: a `TransitionState`.
-    ///
-    /// Parameters
-    /// ----------
-    /// times : float or array_like, shape (...)
-    ///     [s]; before the start and after the end it holds what is there.
-    fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        states(py, self.core.rover(), times, |time, wheels| {
-            self.core.at(time, wheels);
-            None
-        })
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        self.made.repr(py)
-    }
-}
-
-/// All wheels keep one centre of rotation at every instant. Made by `profiles.icr_transition`.
-#[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
-pub struct IcrTransition {
-    core: core::IcrTransition,
-    made: ConstructorCall,
-}
-
-value_methods!(IcrTransition);
-known_by_its_call!(IcrTransition);
-replaceable!(IcrTransition);
 
 getters! { IcrTransition, self, py:
     /// Number of times the rover comes to rest on the way.
     stops: usize = self.core.stops();
+    /// Phases in the order of time, each with its action and reason: a tuple of `Phase`.
+    phases: PyResult<Bound<'py, PyTuple>> = {
+        let kind = class(py, "Phase")?;
+        let mut phases = Vec::new();
+        for phase in self.core.phases() {
+            let name = phase.action.name();
+            phases.push(kind.call1((name, phase.start, phase.duration, &phase.reason))?);
+        }
+        PyTuple::new(py, phases)
+    };
 }
 
 methods! { IcrTransition:
@@ -299,12 +289,12 @@ methods! { IcrTransition:
     /// ValueError
     ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
     #[staticmethod]
-    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist, end_twist, *, steering_rate,
-        steering_acceleration=None, steering_jerk=None, wheel_speed=None, wheel_acceleration=None, acceleration=None,
-        angular_acceleration=None, previous=None) -> PyResult<Self> {
+    fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3], *,
+        steering_rate: f64, steering_acceleration: Option<f64> = None, steering_jerk: Option<f64> = None,
+        wheel_speed: Option<f64> = None, wheel_acceleration: Option<f64> = None, acceleration: Option<f64> = None,
+        angular_acceleration: Option<f64> = None, previous=None) -> PyResult<Self> {
         let keywords = Keywords::new(py);
-        let start = twist("start_twist", start_twist)?;
-        let end = twist("end_twist", end_twist)?;
+        let [start, end] = [start_twist, end_twist].map(|twist| twist.map(|number| number + 0.0));
         let limits = IcrLimits {
             steering_rate: keywords.limit("steering_rate", Some(steering_rate))?,
             steering_acceleration: keywords.limit("steering_acceleration", steering_acceleration)?,
@@ -316,41 +306,13 @@ methods! { IcrTransition:
         };
         let previous = keywords.previous(rover.get(), previous)?;
         let core = core::IcrTransition::new(&rover.get().core, start.into(), end.into(), &limits, previous.as_deref());
-        Ok(Self {
-            core: core.map_err(plain)?,
-            made: ConstructorCall {
-                maker: "icr_transition",
-                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
-                keywords: keywords.0.unbind(),
-            },
-        })
+        let arguments = (rover, PyTuple::new(py, start)?, PyTuple::new(py, end)?).into_pyobject(py)?;
+        Self::made(core, "icr_transition", arguments, keywords)
     }
 }
 
 #[pymethods]
 impl IcrTransition {
-    /// Phases in the order of time, each with its action and reason: a tuple of `Phase`.
-    #[getter]
-    fn phases<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let kind = class(py, "Phase")?;
-        let mut phases = Vec::new();
-        for phase in self.core.phases() {
-            let name = phase.action.name();
-            phases.push(kind.call1((name, phase.start, phase.duration, &phase.reason))?);
-        }
-        PyTuple::new(py, phases)
-    }
-
-    /// Twist and wheels at one time or many: a `TransitionState`.
-    ///
-    /// Parameters
-    /// ----------
-    /// times : float or array_like, shape (...)
-    ///     [s]; before the start and after the end it holds what is there.
-    fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        states(py, self.core.rover(), times, |time, wheels| Some(self.core.at(time, wheels)))
-    }
-
     fn __repr__(&self) -> String {
         let phase = |phase: &core::Phase| format!("{} {:.4} s ({})", phase.action.name(), phase.duration, phase.reason);
         let phases: Vec<String> = self.core.phases().iter().map(phase).collect();

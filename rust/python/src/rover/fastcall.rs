@@ -71,6 +71,19 @@ fn out_rows<'a>(out: Object<'a, '_>, [joints, wheels]: [usize; 2]) -> Option<[Ro
     (!steering.overlaps(speeds)).then_some([steering, speeds])
 }
 
+/// The array of a twist: that of `out=`, apart from what is read, each with its length, or a new one.
+#[inline(always)]
+fn twist_row<'a, 'py: 'a, const N: usize>(
+    py: Python<'py>,
+    out: Option<Object<'a, 'py>>,
+    inputs: [(Option<Object<'a, 'py>>, usize); N],
+) -> Option<(Bound<'py, PyAny>, Row<'a>)> {
+    let Some(out) = out else { return fresh(py, 3) };
+    let target = Row::target(out, 3)?;
+    let mut rows = inputs.into_iter().filter_map(|(input, length)| Row::read(input?, length));
+    (!rows.any(|row| row.overlaps(target))).then(|| (out.to_owned(), target))
+}
+
 fast_method!(Forward<3>: Rover, c"forward", [c"steering", c"speeds", c"out"], 2, forward);
 
 #[inline(always)]
@@ -94,22 +107,8 @@ fn forward<'py>(this: Borrowed<'_, 'py, Rover>, [steering, speeds, out]: Argumen
     if !rover.are_plain(measured.steering) {
         return None;
     }
-    let target = match out {
-        Some(out) => {
-            let target = Row::target(out, 3)?;
-            let inputs = [steering.and_then(|object| Row::read(object, joints)), Row::read(speeds?, wheels)];
-            if inputs.into_iter().flatten().any(|input| input.overlaps(target)) {
-                return None;
-            }
-            Some((out.to_owned(), target))
-        }
-        None => None,
-    };
+    let (array, target) = twist_row(py, out, [(steering, joints), (speeds, wheels)])?;
     let twist = batch::forward_one(rover, measured, Unseen::Refuse).ok()?;
-    let (array, target) = match target {
-        Some(target) => target,
-        None => fresh(py, 3)?,
-    };
     // SAFETY: what has been read is not used any more.
     unsafe { target.numbers_mut() }.copy_from_slice(&<[f64; 3]>::from(twist));
     Some(array)
@@ -130,16 +129,7 @@ fast_method!(Project<2>: Rover, c"project", [c"twist", c"out"], 1, project);
 fn project<'py>(this: Borrowed<'_, 'py, Rover>, [twist, out]: Arguments<'_, 'py, 2>) -> Answer<'py> {
     let (py, twist) = (this.py(), twist?);
     let wanted = Twist::from(three(twist)?);
-    let (array, target) = match out {
-        Some(out) => {
-            let target = Row::target(out, 3)?;
-            if Row::read(twist, 3).is_some_and(|twist| twist.overlaps(target)) {
-                return None;
-            }
-            (out.to_owned(), target)
-        }
-        None => fresh(py, 3)?,
-    };
+    let (array, target) = twist_row(py, out, [(Some(twist), 3)])?;
     let found = batch::project_one(&this.get().core, wanted, Keep::Curvature).ok()?;
     // SAFETY: the twist has been copied, and nothing else is at work.
     unsafe { target.numbers_mut() }.copy_from_slice(&<[f64; 3]>::from(found));

@@ -31,11 +31,9 @@ result_class! {
     repr { twist residual rank sigma_min weights worst_wheel }
 }
 
-#[pymethods]
-impl TwistFit {
+getters! { TwistFit, self, py:
     /// Name of the wheel with the largest residual, None where there is none; nested lists of them for a batch.
-    #[getter]
-    fn worst_wheel(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+    worst_wheel: PyResult<Py<PyAny>> = {
         let rover = self.rover.get();
         let residual = self.residual.bind(py).cast::<PyArrayDyn<f64>>()?.try_readonly()?;
         let wheels = residual.as_slice()?.chunks_exact(rover.count());
@@ -44,7 +42,7 @@ impl TwistFit {
             memory::gathered(wheels.map(|slid| worst_wheel(slid).map_or(-1, |wheel| wheel as i64)))?,
             &self.leading,
         )
-    }
+    };
 }
 
 impl Rover {

@@ -41,13 +41,17 @@ impl Source for ReferencePoint<'_> {
     }
 }
 
-/// The columns of a log over common leading axes, in the memory of the caller.
-pub struct Tables<'py> {
-    steering: Option<Blocks<'py>>,
-    speeds: Blocks<'py>,
-    rates: Option<Blocks<'py>>,
+/// The columns of a log over common leading axes.
+pub struct Columns<T> {
+    steering: Option<T>,
+    pub speeds: T,
+    rates: Option<T>,
     leading: Vec<usize>,
 }
+
+/// Those in the memory of the caller, and those that lie row after row.
+type Tables<'py> = Columns<Blocks<'py>>;
+type Readings<'py> = Columns<Rows<'py>>;
 
 impl<'py> Tables<'py> {
     /// All of it, for the batches.
@@ -66,15 +70,9 @@ impl<'py> Tables<'py> {
             steering: flat("steering", self.steering)?,
             speeds: self.speeds.flat("speeds")?,
             rates: flat("steering_rates", self.rates)?,
+            leading: self.leading,
         })
     }
-}
-
-/// The columns of a log, row after row.
-pub struct Readings<'py> {
-    steering: Option<Rows<'py>>,
-    pub speeds: Rows<'py>,
-    rates: Option<Rows<'py>>,
 }
 
 impl Readings<'_> {

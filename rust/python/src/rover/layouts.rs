@@ -5,24 +5,16 @@ mod per_wheel;
 mod rollers;
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 use six_wheel_kinematics::layouts::SkidCentres;
 use six_wheel_kinematics::presets;
 use six_wheel_kinematics::rover::{MAX_WHEELS, Rover as Core};
 use six_wheel_kinematics::steering::SteeringRange;
 
 use super::Rover;
-use crate::convert::{Rows, memory, number, refuse, short_repr};
-use crate::wheel::steering_range;
+use crate::convert::{Rows, memory, refuse, short_repr};
+use crate::wheel::{pair_or_one, steering_range};
 use per_wheel::PerWheel;
-
-/// One radius for both sides, or one for each.
-fn radii(value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
-    match value.extract::<[Bound<'_, PyAny>; 2]>() {
-        Ok([left, right]) => Ok([number("wheel_radius[0]", &left)?, number("wheel_radius[1]", &right)?]),
-        Err(_) => Ok([number("wheel_radius", value)?; 2]),
-    }
-}
 
 /// Positions, one row per wheel.
 pub fn positions(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
@@ -165,7 +157,7 @@ methods! { Rover:
             right: icr_right,
             forward: icr_forward.unwrap_or_default(),
         };
-        let radii = radii(wheel_radius)?;
+        let radii = pair_or_one("wheel_radius", wheel_radius)?.unwrap_or_else(|one| [one; 2]);
         let Ok(per_side) = usize::try_from(wheels_per_side) else {
             let got = wheels_per_side.to_string();
             let rule = format!("be 1 to {}", MAX_WHEELS / 2);
@@ -211,7 +203,8 @@ methods! { Rover:
         names: native Option<Vec<String>> = None)
     as "(track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
     -> PyResult<Self> {
-        Self::differential(py, track_width, wheel_radius, 1, None, icr_left, icr_right, icr_forward, scrub, trail, names)
+        let (left, right, forward) = (icr_left, icr_right, icr_forward);
+        Self::differential(py, track_width, wheel_radius, 1, None, left, right, forward, scrub, trail, names)
     }
 
     /// A published rover by name; `Rover.presets` lists them.
@@ -243,10 +236,6 @@ impl Rover {
     ///     Name to source; iterates over the names.
     #[staticmethod]
     fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let sources = PyDict::new(py);
-        for preset in presets::PRESETS {
-            sources.set_item(preset.name, preset.source)?;
-        }
-        Ok(sources)
+        presets::PRESETS.iter().map(|preset| (preset.name, preset.source)).into_py_dict(py)
     }
 }

@@ -1,7 +1,6 @@
 //! `Suspension.settle` and `six_wheel.SettledPose`: chains on ground.
 
 mod fastcall;
-mod margins;
 mod stability;
 mod stand;
 
@@ -14,8 +13,7 @@ use crate::terrain::Terrain;
 use crate::workers::any_workers;
 
 pub use fastcall::install;
-pub use margins::MarginJacobian;
-pub use stability::{Feasibility, Stability};
+pub use stability::{Feasibility, MarginJacobian, Stability};
 pub use stand::Stand;
 
 /// Steering angles beside poses: none, one row for all, or one per pose.
@@ -68,7 +66,7 @@ methods! { Suspension:
     ///     If a number is not finite or a shape does not fit.
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4),
-    /// 2005, for the kinematics; the contact of circle and grid is solved over every cell (`docs/ground.md`).
+    /// 2005, for the kinematics; the contact of circle and grid is solved over every cell (`docs/explanation/settling.md`).
     fn settle[slf: &Bound<'py, Self>, py: Python<'py>](ground: Bound<'py, Terrain>, poses, steering=None, *,
         derivatives: bool = false, centre_of_mass=None, threads: Option<i64> = None, level: Option<&str> = None)
     -> PyResult<Stand> {

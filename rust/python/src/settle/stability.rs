@@ -3,14 +3,16 @@
 use pyo3::prelude::*;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::bounds::{
-    Allowed, Belly, Judge, Verdict, joint_margins, loads, margins_by_dimension, margins_by_pose, tilt, tip_over_angle,
+    self, Allowed, Belly, Judge, Verdict, joint_margins, loads, margins_by_dimension, margins_by_pose, tilt,
+    tip_over_angle,
 };
 use six_wheel_terrain::ground::Settler;
 
-use super::margins::{MarginJacobian, slopes};
 use super::stand::Stand;
-use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, number, read_point, refuse, scalar_or_array};
-use crate::suspension::{RockerBogie, Suspension};
+use crate::convert::{
+    OrRaise, Out, Results, Rows, compute_rows, joined, memory, number, read_point, refuse, scalar_or_array,
+};
+use crate::suspension::{RockerBogie, Suspension, check_map_error};
 use crate::terrain::Terrain;
 use crate::workers::{any_workers, fill_rows};
 
@@ -63,6 +65,55 @@ getters! { Feasibility, self, py:
         let reasons = module.call_method1("feasible_reasons", (&self.reason_codes,))?;
         Ok(reasons.unbind())
     };
+}
+
+result_class! {
+    /// Derivatives of margins by x, y and yaw, or by the dimensions of a rocker-bogie in the order of `SettledPose.by_dimension`, with
+    /// belly and centre of mass as they are. NaN where the rover does not stand, and of a tilt of 0.
+    pub struct MarginJacobian {
+        /// Of `Stability.tip_over_angle`, shape (..., 3) or (..., 16).
+        tip_over_angle: Py<PyAny>,
+        /// Of `Stability.clearance`, shape (..., 3) or (..., 16).
+        clearance: Py<PyAny>,
+        /// Of `Stability.joint_margins`, shape (..., joints, 3) or (..., joints, 16).
+        joint_margins: Py<PyAny>,
+        /// Of `Stability.tilt`, shape (..., 3) or (..., 16).
+        tilt: Py<PyAny>,
+    }
+    repr { tip_over_angle clearance joint_margins tilt }
+}
+
+/// By `N` numbers, row after row; None for a row without.
+pub fn slopes<const N: usize>(
+    py: Python<'_>,
+    stand: &Stand,
+    workers: Workers,
+    of: impl Fn(usize) -> Option<bounds::MarginSlopes<N>> + Sync + Send,
+) -> PyResult<Py<MarginJacobian>> {
+    let joints = stand.suspension.get().chain.joints().len();
+    let one = joined(&stand.leading, N);
+    let shapes = [one.clone(), one.clone(), joined(&joined(&stand.leading, joints), N), one];
+    let mut results = Results::fresh(py, shapes)?;
+    let [tipping, clear, turns, tilts] = results.flat();
+    let count = stand.stands.len();
+    let rows = [(tipping, N), (clear, N), (turns, joints * N), (tilts, N)];
+    fill_rows(py, workers, count, &stand.leading, rows, |k, [tipping, clear, turns, tilts]| {
+        let Some(found) = of(k) else {
+            for row in [tipping, clear, turns, tilts] {
+                row.fill(f64::NAN);
+            }
+            return Ok(());
+        };
+        tipping.copy_from_slice(&found.tip_over_angle);
+        clear.copy_from_slice(&found.clearance);
+        tilts.copy_from_slice(&found.tilt);
+        for (row, joint) in turns.chunks_exact_mut(N).zip(&found.joints) {
+            row.copy_from_slice(joint);
+        }
+        Ok(())
+    })?;
+    let [tip_over_angle, clearance, joint_margins, tilt] = results.finish_arrays()?;
+    Py::new(py, MarginJacobian { tip_over_angle, clearance, joint_margins, tilt })
 }
 
 /// Reads the limits of an object that has them as attributes, or the default ones.
@@ -126,13 +177,15 @@ methods! { RockerBogie:
         map_error: f64 = 0.0, belly: Option<(f64, f64, f64, f64)> = None, out=None, threads: Option<i64> = None)
     -> PyResult<Feasibility> {
         let this = slf.get();
-        let error = this.question(map_error, belly, None)?.error;
+        check_map_error(map_error)?;
+        this.bounds_constants(belly, None).or_raise(&[])?; // as `bounds` fails with this belly
         let allowed = allowed(py, limits)?;
         let poses = Rows::read_finite("poses", poses, 3)?;
         let workers = any_workers(threads, None)?;
         let (rows, ground, leading) = (poses.triples(), &*ground.get().0, &poses.leading);
         let settler = Settler::new(ground, this.0.chain());
-        let judge = this.belly(belly).and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, error));
+        let dimensions = this.0.dimensions();
+        let judge = this.belly(belly).and_then(|belly| Judge::new(settler, dimensions, belly, allowed, map_error));
         let judge = judge.or_raise(&[])?;
         let mut verdicts = memory::filled(Verdict::UNKNOWN, rows.len())?;
         let shapes = [(); 3].map(|()| leading.clone());

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 use six_wheel_kinematics::wheels::Direction;
@@ -75,8 +76,8 @@ impl Stand {
         output.finish()
     }
 
-    /// One number per pose.
-    fn scalars(&self, py: Python<'_>, value: impl Fn(&ground::Stand) -> f64) -> PyResult<Py<PyAny>> {
+    /// One value per pose.
+    fn scalars<T: Element>(&self, py: Python<'_>, value: impl Fn(&ground::Stand) -> T) -> PyResult<Py<PyAny>> {
         let values = memory::gathered(self.stands.iter().map(value))?;
         scalar_or_array(py, values, &self.leading)
     }
@@ -90,26 +91,44 @@ impl Stand {
         })
     }
 
-    /// Points of the rims at these contact angles.
-    fn points<'py>(&self, py: Python<'py>, at: impl Fn(&Contact) -> Direction) -> PyResult<Array<'py>> {
-        let chain = &self.suspension.get().chain;
-        self.array(py, &[self.wheels(), 3], |k, stand, row| {
+    /// An array with these last axes, a row at a time; NaN where the rover does not stand.
+    fn where_placed<'py>(
+        &self,
+        py: Python<'py>,
+        last: &[usize],
+        fill: impl Fn(&Placed<'_>, &ground::Stand, &mut [f64]),
+    ) -> PyResult<Array<'py>> {
+        self.array(py, last, |k, stand, row| {
             row.fill(f64::NAN);
-            let Some(placed) = self.placed(k) else { return };
-            for (wheel, target) in row.chunks_exact_mut(3).enumerate() {
-                let point = rim_point(chain, &placed, wheel, at(&stand.wheels[wheel]));
-                target.copy_from_slice(point.as_slice());
+            if let Some(placed) = self.placed(k) {
+                fill(&placed, stand, row);
             }
         })
+    }
+
+    /// A point per wheel.
+    fn points<'py, P: Into<[f64; 3]>>(
+        &self,
+        py: Python<'py>,
+        point: impl Fn(&Placed<'_>, &Contact, usize) -> P,
+    ) -> PyResult<Array<'py>> {
+        self.where_placed(py, &[self.wheels(), 3], |placed, stand, row| {
+            for (wheel, target) in row.as_chunks_mut().0.iter_mut().enumerate() {
+                *target = point(placed, &stand.wheels[wheel], wheel).into();
+            }
+        })
+    }
+
+    /// Points of the rims at these contact angles.
+    fn rim_points<'py>(&self, py: Python<'py>, at: impl Fn(&Contact) -> Direction) -> PyResult<Array<'py>> {
+        let chain = &self.suspension.get().chain;
+        self.points(py, |placed, contact, wheel| rim_point(chain, placed, wheel, at(contact)))
     }
 }
 
 impl ArgumentKind for Stand {
     const KIND: &'static str = "a SettledPose";
-
-    fn remedy(_: &Bound<'_, PyAny>) -> String {
-        "what settle(...) has returned".into()
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| "what settle(...) has returned".into();
 }
 
 getters! { Stand, self, py:
@@ -132,146 +151,99 @@ getters! { Stand, self, py:
     /// Contact angles of the next best contact, shape (..., wheels) [rad]; NaN unless its gap is the same to 1e-7 m.
     next_contact_angles: PyResult<Array<'py>> = self.per_wheel(py, |contact| contact.next);
     /// Points of the rims where the gaps are least, in the world, shape (..., wheels, 3) [m].
-    contacts: PyResult<Array<'py>> = self.points(py, |contact| contact.at);
+    contacts: PyResult<Array<'py>> = self.rim_points(py, |contact| contact.at);
     /// The next best contacts, shape (..., wheels, 3) [m]; NaN unless their gaps are the same to 1e-7 m.
-    next_contacts: PyResult<Array<'py>> = self.points(py, |contact| Direction::from(contact.next));
+    next_contacts: PyResult<Array<'py>> = self.rim_points(py, |contact| Direction::from(contact.next));
     /// `SettleStatus` of the pose, or an array of them: settled, at_stop, off_map, unknown_cells, not_converged.
     status: PyResult<Bound<'py, PyAny>> = {
-        let codes = self.stands.iter().map(|stand| stand.status.told() as i64);
-        let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
+        let codes = self.scalars(py, |stand| stand.status.told() as i64)?;
         py.import("six_wheel.kinematics.statuses")?.call_method1("settle_statuses", (codes,))
     };
     /// True if the rover stands: settled, or at a stop.
-    stands: PyResult<Py<PyAny>> = {
-        let stands = self.stands.iter().map(|stand| stand.status.stands());
-        scalar_or_array(py, memory::gathered(stands)?, &self.leading)
-    };
-}
-
-#[pymethods]
-impl Stand {
+    stands: PyResult<Py<PyAny>> = self.scalars(py, |stand| stand.status.stands());
     /// Reason for which the rover does not stand at the pose, or an array of reasons, shape (...); empty where it
     /// stands. Where the solution has not converged, the rover may have tipped over.
-    #[getter]
-    fn reason<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let mut words = self.stands.iter().map(|stand| stand.status.reason());
+    reason: PyResult<Bound<'py, PyAny>> = {
         if self.leading.is_empty() {
-            return Ok(PyString::new(py, words.next().unwrap_or_default()).into_any());
+            return Ok(PyString::new(py, self.stands[0].status.reason()).into_any());
         }
-        let words = words.map(|words| PyString::new(py, words).into_any().unbind());
-        scalar_or_array(py, memory::gathered(words)?, &self.leading).map(|array| array.into_bound(py))
-    }
-
+        let words = self.scalars(py, |stand| PyString::new(py, stand.status.reason()).into_any().unbind());
+        Ok(words?.into_bound(py))
+    };
     /// Steering angles that were given, shape (..., steered) [rad].
-    #[getter]
-    fn steering<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+    steering: PyResult<Array<'py>> = {
         let joints = self.suspension.get().chain.steering().len();
         self.array(py, &[joints], |k, _, row| {
             let angles = self.angles(k);
             row[..angles.len()].copy_from_slice(angles);
         })
-    }
-
+    };
     /// Free angles, shape (..., joints) [rad]: rho, beta_1, beta_2 of a rocker-bogie.
-    #[getter(joints)]
-    fn free_angles<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+    joints: PyResult<Array<'py>> = {
         let joints = self.joint_count();
-        self.array(py, &[joints], |_, stand, row| {
-            row.copy_from_slice(&stand.state[3..3 + joints]);
-        })
-    }
-
+        self.array(py, &[joints], |_, stand, row| row.copy_from_slice(&stand.state[3..3 + joints]))
+    };
     /// Stop at which each joint is, shape (..., joints): -1 the lower, 1 the upper, 0 none.
-    #[getter]
-    fn stops<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.array(py, &[self.joint_count()], |_, stand, row| {
-            for (target, stop) in row.iter_mut().zip(stand.stops) {
-                *target = f64::from(stop);
-            }
-        })
-    }
-
+    stops: PyResult<Array<'py>> = self.array(py, &[self.joint_count()], |_, stand, row| {
+        for (target, stop) in row.iter_mut().zip(stand.stops) {
+            *target = f64::from(stop);
+        }
+    });
     /// Unit normals of the ground at the contacts, in the world, shape (..., wheels, 3). On a crease the mix of
     /// both sides that is square to the rim.
-    #[getter]
-    fn normals<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.array(py, &[self.wheels(), 3], |_, stand, row| {
-            for (target, contact) in row.chunks_exact_mut(3).zip(&stand.wheels) {
-                let normal = six_wheel_terrain::terrain::normal(contact.gradient);
-                target.copy_from_slice(normal.as_slice());
-            }
-        })
-    }
-
+    normals: PyResult<Array<'py>> = self.array(py, &[self.wheels(), 3], |_, stand, row| {
+        for (target, contact) in row.as_chunks_mut().0.iter_mut().zip(&stand.wheels) {
+            *target = six_wheel_terrain::terrain::normal(contact.gradient).into();
+        }
+    });
     /// ``world_from_body``, shape (..., 4, 4): takes coordinates in the body to the world [m].
-    #[getter]
-    fn transform<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.array(py, &[4, 4], |k, _, row| {
-            row.fill(f64::NAN);
-            let Some(placed) = self.placed(k) else { return };
-            for i in 0..3 {
-                for j in 0..3 {
-                    row[4 * i + j] = placed.rotation[(i, j)];
-                }
-                row[4 * i + 3] = placed.origin[i];
+    transform: PyResult<Array<'py>> = self.where_placed(py, &[4, 4], |placed, _, row| {
+        for i in 0..3 {
+            for j in 0..3 {
+                row[4 * i + j] = placed.rotation[(i, j)];
             }
-            row[12..].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);
-        })
-    }
-
+            row[4 * i + 3] = placed.origin[i];
+        }
+        row[12..].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);
+    });
     /// Wheel centres in the world, shape (..., wheels, 3) [m].
-    #[getter]
-    fn wheel_centres<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.array(py, &[self.wheels(), 3], |k, _, row| {
-            row.fill(f64::NAN);
-            let Some(placed) = self.placed(k) else { return };
-            for (wheel, target) in row.chunks_exact_mut(3).enumerate() {
-                target.copy_from_slice(placed.wheel(wheel).centre.as_slice());
-            }
-        })
-    }
-
+    wheel_centres: PyResult<Array<'py>> = self.points(py, |placed, _, wheel| placed.wheel(wheel).centre);
     /// Derivatives of z, roll, pitch and the free angles by x, y and yaw, shape (..., 3 + joints, 3); None unless
     /// `derivatives` were asked for. Joints at stops stay there; NaN where the state is not determined.
-    #[getter]
-    fn by_pose<'py>(&self, py: Python<'py>) -> PyResult<Option<Array<'py>>> {
+    by_pose: PyResult<Option<Array<'py>>> = {
         if !self.derivatives {
             return Ok(None);
         }
         let chain = &self.suspension.get().chain;
         let count = chain.state_count();
-        let array = self.array(py, &[count, 3], |k, stand, row| {
-            row.fill(f64::NAN);
-            let found = self.placed(k).and_then(|placed| by_pose(chain, &placed, stand));
-            if let Some(found) = found {
+        let array = self.where_placed(py, &[count, 3], |placed, stand, row| {
+            if let Some(found) = by_pose(chain, placed, stand) {
                 row.copy_from_slice(&found.as_flattened()[..3 * count]);
             }
         });
         array.map(Some)
-    }
-
+    };
     /// Derivatives of the six numbers of a rocker-bogie by its dimensions, shape (..., 6, 16): by x, y and z of
     /// each vector in the order of `RockerBogie.dimensions`, and by the wheel radius; None unless `derivatives`
     /// were asked for, and for other chains.
-    #[getter]
-    fn by_dimension<'py>(&self, py: Python<'py>) -> PyResult<Option<Array<'py>>> {
+    by_dimension: PyResult<Option<Array<'py>>> = {
         let suspension = self.suspension.bind(py);
         let Ok(rover) = suspension.cast::<RockerBogie>() else { return Ok(None) };
         if !self.derivatives {
             return Ok(None);
         }
         let (chain, of) = (&suspension.get().chain, rover.get().core().dimensions());
-        let array = self.array(py, &[6, DIMENSIONS], |k, stand, row| {
-            row.fill(f64::NAN);
-            let placed = self.placed(k);
-            let found = placed.and_then(|placed| by_dimension(chain, of, &placed, stand));
-            if let Some(found) = found {
+        let array = self.where_placed(py, &[6, DIMENSIONS], |placed, stand, row| {
+            if let Some(found) = by_dimension(chain, of, placed, stand) {
                 row.copy_from_slice(found.as_flattened());
             }
         });
         array.map(Some)
-    }
+    };
+}
 
+#[pymethods]
+impl Stand {
     fn __len__(&self) -> usize {
         self.leading.first().copied().unwrap_or(1)
     }
@@ -285,7 +257,7 @@ impl Stand {
                 text(self.z(py)?)?,
                 text(self.roll(py)?)?,
                 text(self.pitch(py)?)?,
-                text(self.free_angles(py)?.into_any().unbind())?,
+                text(self.joints(py)?.into_any().unbind())?,
             ));
         }
         let mut counts = Vec::new();

@@ -5,13 +5,15 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_ground_motion::Prepared;
 use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::units;
 use six_wheel_numerics::error::Error;
-use six_wheel_terrain::suspension::{Chain, TripleBogie};
+use six_wheel_terrain::suspension::{Chain, JointRange, TripleBogie};
 
-use super::joint_range::{joint_range, steering};
 use crate::arguments::ArgumentKind;
 use crate::classes::{reduce, repr_of_call};
-use crate::convert::{OrRaise, Rows, number, refuse, shape_text};
+use crate::convert::{OrRaise, Rows, choice, refuse, shape_text};
+use crate::unit_warnings::warn_units;
+use crate::wheel::{pair_or_one, steering_range};
 
 /// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 ///
@@ -40,25 +42,38 @@ impl Suspension {
     }
 }
 
+/// Stops of a joint: one angle for both sides, a pair, or none.
+pub fn joint_range(argument: &'static str, limit: Option<&Bound<'_, PyAny>>) -> PyResult<JointRange> {
+    let Some(limit) = limit else { return Ok(JointRange::default()) };
+    let range = match pair_or_one(argument, limit)? {
+        Ok([lower, upper]) => JointRange { lower, upper },
+        Err(limit) => JointRange { lower: -limit, upper: limit },
+    };
+    range.check(argument).or_raise(&[])?;
+    Ok(range)
+}
+
+/// Range of a suspension's steered wheels, which is asked about where it is likely in degrees.
+pub fn steering(py: Python<'_>, limit: Option<&Bound<'_, PyAny>>) -> PyResult<SteeringRange> {
+    let range = steering_range(limit)?.unwrap_or_default();
+    warn_units(py, units::steering(range))?;
+    Ok(range)
+}
+
+/// A place as a tuple.
+fn place([x, y, z]: [f64; 3]) -> (f64, f64, f64) {
+    (x, y, z)
+}
+
 /// The pairs that steer.
 fn pairs(steered: &str) -> PyResult<[bool; 3]> {
-    match steered {
-        "front" => Ok([true, false, false]),
-        "corners" => Ok([true, false, true]),
-        "all" => Ok([true; 3]),
-        _ => {
-            let rule = "be 'front', 'corners' or 'all'";
-            Err(refuse("steered", rule, &format!("{steered:?}")))
-        }
-    }
+    let all = [("front", [true, false, false]), ("corners", [true, false, true]), ("all", [true; 3])];
+    choice("steered", steered, |name| format!("{name:?}"), &all)
 }
 
 impl ArgumentKind for Suspension {
     const KIND: &'static str = "a Suspension, such as a RockerBogie";
-
-    fn remedy(_: &Bound<'_, PyAny>) -> String {
-        "one like sw.RockerBogie.perseverance()".into()
-    }
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| "one like sw.RockerBogie.perseverance()".into();
 }
 
 getters! { Suspension, self, py:
@@ -117,21 +132,12 @@ methods! { Suspension:
             steering: steering(py, steering_limit)?,
             bogie_limit: joint_range("bogie_limit", bogie_limit)?,
         };
-        let arguments = PyDict::new(py);
-        let vectors = [
-            ("bogie_pivot", of.bogie_pivot),
-            ("bogie_to_front", of.bogie_to_front),
-            ("bogie_to_middle", of.bogie_to_middle),
-            ("rear_pivot", of.rear_pivot),
-            ("rear_to_wheel", of.rear_to_wheel),
-        ];
-        for (argument, [x, y, z]) in vectors {
-            arguments.set_item(argument, (x, y, z))?;
-        }
-        arguments.set_item("wheel_radius", of.wheel_radius)?;
-        arguments.set_item("steered", steered)?;
-        arguments.set_item("steering_limit", steering_limit)?;
-        arguments.set_item("bogie_limit", bogie_limit)?;
+        let vectors = [bogie_pivot, bogie_to_front, bogie_to_middle, rear_pivot, rear_to_wheel];
+        let [bogie_pivot, bogie_to_front, bogie_to_middle, rear_pivot, rear_to_wheel] = vectors.map(place);
+        let arguments = dict!(
+            py, bogie_pivot, bogie_to_front, bogie_to_middle, rear_pivot, rear_to_wheel, wheel_radius, steered,
+            steering_limit, bogie_limit
+        );
         Self::made(Chain::triple_bogie(&of), "triple_bogie", arguments)
     }
 
@@ -162,24 +168,11 @@ methods! { Suspension:
     /// ValueError
     ///     If a length is not positive or a limit makes no sense.
     #[staticmethod]
-    fn pivoting_axles[py: Python<'py>](*, wheelbase, track_width, drop, wheel_radius, steering_limit=None,
-        roll_limit=None) -> PyResult<Self> {
-        let arguments = PyDict::new(py);
-        let read = |argument: &'static str, value| {
-            let number = number(argument, value)?;
-            arguments.set_item(argument, number)?;
-            PyResult::Ok(number)
-        };
-        let chain = Chain::pivoting_axles(
-            read("wheelbase", wheelbase)?,
-            read("track_width", track_width)?,
-            read("drop", drop)?,
-            read("wheel_radius", wheel_radius)?,
-            steering(py, steering_limit)?,
-            joint_range("roll_limit", roll_limit)?,
-        );
-        arguments.set_item("steering_limit", steering_limit)?;
-        arguments.set_item("roll_limit", roll_limit)?;
+    fn pivoting_axles[py: Python<'py>](*, wheelbase: f64, track_width: f64, drop: f64, wheel_radius: f64,
+        steering_limit=None, roll_limit=None) -> PyResult<Self> {
+        let (steer, roll) = (steering(py, steering_limit)?, joint_range("roll_limit", roll_limit)?);
+        let chain = Chain::pivoting_axles(wheelbase, track_width, drop, wheel_radius, steer, roll);
+        let arguments = dict!(py, wheelbase, track_width, drop, wheel_radius, steering_limit, roll_limit);
         Self::made(chain, "pivoting_axles", arguments)
     }
 
@@ -228,13 +221,8 @@ methods! { Suspension:
             .enumerate()
             .map(|(k, (name, centre))| (name.as_str(), *centre, steered.contains(&k).then_some(range)))
             .collect();
-        let arguments = PyDict::new(py);
-        let places: Vec<(f64, f64, f64)> = rows.triples().iter().map(|&[x, y, z]| (x, y, z)).collect();
-        arguments.set_item("centres", places)?;
-        arguments.set_item("wheel_radius", wheel_radius)?;
-        arguments.set_item("names", &names)?;
-        arguments.set_item("steered", &steered)?;
-        arguments.set_item("steering_limit", steering_limit)?;
+        let centres: Vec<_> = rows.triples().iter().map(|centre| place(*centre)).collect();
+        let arguments = dict!(py, centres, wheel_radius, names = &names, steered = &steered, steering_limit);
         Self::made(Chain::rigid(&wheels, wheel_radius), "rigid", arguments)
     }
 }
@@ -248,26 +236,16 @@ impl Suspension {
     /// Source: nealseegmiller/wmrde, src/demo/zoemodel.cpp (84e1e9f), with its front axle fixed in roll.
     #[staticmethod]
     fn zoe(py: Python<'_>) -> PyResult<Self> {
-        let arguments = PyDict::new(py);
-        let numbers = [("wheelbase", 1.91), ("track_width", 1.64), ("drop", 0.119), ("wheel_radius", 0.325)];
-        for (argument, value) in numbers {
-            arguments.set_item(argument, value)?;
-        }
-        let [wheelbase, track_width, drop, wheel_radius] = numbers.map(|(_, value)| value);
-        let chain = Chain::pivoting_axles(
-            wheelbase,
-            track_width,
-            drop,
-            wheel_radius,
-            SteeringRange::default(),
-            Default::default(),
-        );
+        let (wheelbase, track_width, drop, wheel_radius) = (1.91, 1.64, 0.119, 0.325);
+        let (steer, roll) = (SteeringRange::default(), JointRange::default());
+        let chain = Chain::pivoting_axles(wheelbase, track_width, drop, wheel_radius, steer, roll);
+        let arguments = dict!(py, wheelbase, track_width, drop, wheel_radius);
         Self::made(chain, "pivoting_axles", arguments)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let Some((name, arguments)) = &self.made else { return Ok("Suspension(...)".into()) };
-        repr_of_call(&format!("Suspension.{name}"), arguments.bind(py))
+        repr_of_call(&format!("Suspension.{name}"), [], arguments.bind(py))
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {

@@ -67,15 +67,6 @@ fn sizes<'py>(py: Python<'py>, argument: &'static str, value: Option<&Bound<'py,
 /// The arrays of `out=`, in this order.
 const RESULTS: [&str; 8] = ["z", "roll", "pitch", "tilt", "clearance", "rocker", "bogies", "wheel_drop"];
 
-/// Shape of one of them.
-fn shape(leading: &[usize], k: usize) -> Vec<usize> {
-    let pairs = joined(leading, 2);
-    match RESULTS[k] {
-        "bogies" => joined(&pairs, 2),
-        _ => pairs,
-    }
-}
-
 /// The intervals of an array.
 fn pairs(values: &mut [f64]) -> &mut [[f64; 2]] {
     values.as_chunks_mut().0
@@ -84,32 +75,29 @@ fn pairs(values: &mut [f64]) -> &mut [[f64; 2]] {
 /// A belly as it is given: rear and front edge, half width and height [m].
 type Plate = (f64, f64, f64, f64);
 
-/// The options of the bounds beside the poses.
-pub struct Question<'a> {
-    pub plans: Cow<'a, [BoundsConstants]>,
-    pub error: f64,
+/// Fails unless the error of a map is a size.
+pub fn check_map_error(map_error: f64) -> PyResult<()> {
+    match map_error.is_finite() && map_error >= 0.0 {
+        true => Ok(()),
+        false => Err(refuse("map_error", "be finite and not negative", &format!("{map_error:?}"))),
+    }
 }
 
 impl RockerBogie {
-    /// Reads what concerns the rover and the map.
-    pub fn question(
+    /// The constants of the bounds for a belly and the largest angles.
+    pub fn bounds_constants(
         &self,
-        map_error: f64,
         belly: Option<Plate>,
         within: Option<(f64, f64, f64)>,
-    ) -> PyResult<Question<'_>> {
-        if !(map_error.is_finite() && map_error >= 0.0) {
-            return Err(refuse("map_error", "be finite and not negative", &format!("{map_error:?}")));
-        }
-        let plans = match (belly, within) {
+    ) -> Result<Cow<'_, [BoundsConstants]>, Error> {
+        match (belly, within) {
             (None, None) => self.usual_plans().map(Cow::Borrowed),
             (_, Some((attitude, rocker, bogie))) => {
                 let within = Within { attitude, rocker, bogie };
                 self.plan(belly, within).map(|plan| Cow::Owned(vec![plan]))
             }
             (_, None) => self.plans(belly).map(|plans| Cow::Owned(plans.into())),
-        };
-        Ok(Question { plans: plans.or_raise(&[])?, error: map_error })
+        }
     }
 
     fn plan(&self, belly: Option<Plate>, within: Within) -> Result<BoundsConstants, Error> {
@@ -186,22 +174,23 @@ methods! { RockerBogie:
     ///
     /// Source: K. Otsu, G. Matheron, S. Ghosh, O. Toupet, M. Ono, Fast approximate clearance evaluation for rovers with
     /// articulated suspension systems, Journal of Field Robotics 37(5), 2020, with another closed form
-    /// (`docs/bounds.md`).
+    /// (`docs/explanation/bounds.md`).
     fn bounds[&self, py: Python<'py>](ground: Bound<'py, Terrain>, poses, yaw_margin=None, *, position_margin=None,
         map_error: f64 = 0.0, belly: Option<(f64, f64, f64, f64)> = None, within: Option<(f64, f64, f64)> = None,
         out=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<PoseBounds> {
-        let question = self.question(map_error, belly, within)?;
+        check_map_error(map_error)?;
+        let plans = self.bounds_constants(belly, within).or_raise(&[])?;
         let mut poses = Rows::read_finite("poses", poses, 3)?;
         let mut yaw = sizes(py, "yaw_margin", yaw_margin)?;
         let mut position = sizes(py, "position_margin", position_margin)?;
         together([named("poses", &mut poses), named("yaw_margin", &mut yaw), named("position_margin", &mut position)])?;
         let leading = poses.leading.as_slice();
-        let kept = |sizes: &Scalars<'_>| memory::gathered(sizes.flat().iter().copied());
-        let (yaw, position) = (kept(&yaw)?, kept(&position)?);
+        let (yaw, position) = (yaw.flat(), position.flat());
         let workers = any_workers(threads, level)?;
         let (rows, ground) = (poses.triples(), &*ground.get().0);
         let count = rows.len();
-        let shapes = std::array::from_fn(|k| shape(leading, k));
+        let mut shapes = [(); 8].map(|()| joined(leading, 2));
+        shapes[6].push(2); // the bogies
         let mut results = Out::read(out, RESULTS)?.results(py, shapes, false)?;
         let mut sides = [memory::filled([0.0; 2], count)?, memory::filled([0.0; 2], count)?];
         let mut status = memory::filled(Knowledge::Bounded, count)?;
@@ -210,11 +199,11 @@ methods! { RockerBogie:
         let [clearance, rocker, drop] = [clearance, rocker, drop].map(pairs);
         let bogies = bogies.as_chunks_mut::<4>().0;
         compute_rows(py, count.max(ground.heights().len() / 1000), &[], || {
-            let map = Ground { pyramid: ground.pyramid()?, error: question.error };
-            let margins = Margins { yaw: &yaw, position: &position };
+            let map = Ground { pyramid: ground.pyramid()?, error: map_error };
+            let margins = Margins { yaw, position };
             let [left, right] = sides.each_mut().map(Vec::as_mut_slice);
             let blocks = [z, roll, pitch, tilt, clearance, rocker, &mut *left, &mut *right, drop];
-            core::bounds(&question.plans, map, rows, margins, blocks, &mut status, workers);
+            core::bounds(&plans, map, rows, margins, blocks, &mut status, workers);
             for ((pair, left), right) in bogies.iter_mut().zip(&*left).zip(&*right) {
                 *pair = [left[0], left[1], right[0], right[1]];
             }

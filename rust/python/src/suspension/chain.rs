@@ -7,9 +7,7 @@ use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::{self as core, FRAMES, RockerBogie as Core, WHEELS};
 
 use super::rocker_bogie::RockerBogie;
-use crate::convert::{
-    Named, Output, Rows, Scalars, compute, given, memory, named, raise, refuse, shape_text, together,
-};
+use crate::convert::{Named, Output, Rows, Scalars, compute, given, memory, named, raise, refuse_shape, together};
 use crate::workers::any_workers;
 
 /// Angles of the suspension, one row of (rho, beta_1, beta_2) per sample.
@@ -36,8 +34,7 @@ impl<'py> Joints<'py> {
         let mut joints = Self::read(rho, beta)?;
         together(joints.both())?;
         if !joints.beta.is_single() {
-            let got = format!("shape {}", shape_text(&joints.beta.shape()));
-            return Err(refuse("beta", "be one row of shape (2,)", &got));
+            return Err(refuse_shape("beta", "be one row of shape (2,)", &joints.beta.shape()));
         }
         Ok(joints.row(0))
     }

@@ -3,12 +3,11 @@
 mod base;
 mod bounds;
 mod chain;
-mod joint_range;
 mod rocker_bogie;
 mod steer;
 
 pub use base::Suspension;
-pub use bounds::PoseBounds;
+pub use bounds::{PoseBounds, check_map_error};
 pub use chain::Joints;
 pub use rocker_bogie::{Link, RockerBogie};
 pub use steer::SteeringCommand;

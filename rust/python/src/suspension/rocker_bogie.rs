@@ -8,9 +8,8 @@ use six_wheel_numerics::error::Error;
 use six_wheel_terrain::bounds::BoundsConstants;
 use six_wheel_terrain::suspension::{Bogie, Differential, Dimensions, JointRange, RockerBogie as Core, Steered};
 
-use super::base::Suspension;
-use super::joint_range::{joint_range, steering};
-use crate::classes::{reduce, repr_of_call};
+use super::base::{Suspension, joint_range, steering};
+use crate::classes::repr_of_call;
 use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
 
 /// A rover on a rocker-bogie suspension: frames and Jacobians in 3D, and the rover seen from above.
@@ -136,12 +135,48 @@ fn given<'a, 'py>(argument: &str, value: Option<&'a Bound<'py, PyAny>>) -> PyRes
 }
 
 equal_by!(RockerBogie: 0);
+pickled_by_keywords!(RockerBogie: dimensions);
 
 getters! { RockerBogie, self, py:
     /// Names of the joints, in the order of the columns of `jacobians`.
     joint_names: PyResult<Bound<'py, PyTuple>> = {
         let names = (0..self.0.joint_count()).map(|joint| self.joint_name(joint));
         PyTuple::new(py, names.collect::<Vec<_>>())
+    };
+    /// The Denavit-Hartenberg table, one row per frame, parents before children.
+    links: PyResult<Bound<'py, PyTuple>> = {
+        let table = self.0.links();
+        let links = table.map(|row| Link {
+            frame: row.frame,
+            parent: row.parent.map_or("R", |parent| table[parent].frame),
+            joint: row.joint.map(|(joint, _)| self.joint_name(joint)),
+            sign: row.joint.map_or(0.0, |(_, sign)| sign),
+            gamma: row.gamma,
+            d: row.d,
+            a: row.a,
+            alpha: row.alpha.sin.atan2(row.alpha.cos),
+        });
+        PyTuple::new(py, links)
+    };
+    /// The arguments that make this very suspension, by name.
+    dimensions: PyResult<Bound<'py, PyDict>> = {
+        let of = self.0.dimensions();
+        let arguments = PyDict::new(py);
+        for (argument, [x, y, z]) in of.vectors() {
+            arguments.set_item(argument, (x, y, z))?;
+        }
+        arguments.set_item("wheel_radius", of.wheel_radius)?;
+        arguments.set_item("steered", of.steered.name())?;
+        arguments.set_item("steering_limit", (of.steering.lower, of.steering.upper))?;
+        let limit = |range: JointRange| (!range.is_open()).then_some((range.lower, range.upper));
+        arguments.set_item("rocker_limit", limit(of.rocker_limit))?;
+        arguments.set_item("bogie_limit", limit(of.bogie_limit))?;
+        let bar = match of.differential {
+            Differential::Gear => None,
+            Differential::Bar { half_length, lever, rod } => Some((half_length, lever, rod)),
+        };
+        arguments.set_item("differential_bar", bar)?;
+        Ok(arguments)
     };
 }
 
@@ -241,45 +276,6 @@ impl RockerBogie {
         Self::named(py, Core::open_source_rover())
     }
 
-    /// The Denavit-Hartenberg table, one row per frame, parents before children.
-    #[getter]
-    fn links<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let table = self.0.links();
-        let links = table.map(|row| Link {
-            frame: row.frame,
-            parent: row.parent.map_or("R", |parent| table[parent].frame),
-            joint: row.joint.map(|(joint, _)| self.joint_name(joint)),
-            sign: row.joint.map_or(0.0, |(_, sign)| sign),
-            gamma: row.gamma,
-            d: row.d,
-            a: row.a,
-            alpha: row.alpha.sin.atan2(row.alpha.cos),
-        });
-        PyTuple::new(py, links)
-    }
-
-    /// The arguments that make this very suspension, by name.
-    #[getter]
-    fn dimensions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let of = self.0.dimensions();
-        let arguments = PyDict::new(py);
-        for (argument, [x, y, z]) in of.vectors() {
-            arguments.set_item(argument, (x, y, z))?;
-        }
-        arguments.set_item("wheel_radius", of.wheel_radius)?;
-        arguments.set_item("steered", of.steered.name())?;
-        arguments.set_item("steering_limit", (of.steering.lower, of.steering.upper))?;
-        let limit = |range: JointRange| (!range.is_open()).then_some((range.lower, range.upper));
-        arguments.set_item("rocker_limit", limit(of.rocker_limit))?;
-        arguments.set_item("bogie_limit", limit(of.bogie_limit))?;
-        let bar = match of.differential {
-            Differential::Gear => None,
-            Differential::Bar { half_length, lever, rod } => Some((half_length, lever, rod)),
-        };
-        arguments.set_item("differential_bar", bar)?;
-        Ok(arguments)
-    }
-
     /// The text of a URDF from which `load` makes a rover on this suspension, and which viewers open.
     ///
     /// Parameters
@@ -298,16 +294,11 @@ impl RockerBogie {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        repr_of_call("RockerBogie", &self.dimensions(py)?)
+        repr_of_call("RockerBogie", [], &self.dimensions(py)?)
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
         // Numbers hash in Python so that zeros of either sign hash alike.
         PyTuple::new(py, self.dimensions(py)?.values())?.hash()
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let py = slf.py();
-        reduce(slf.as_any(), &PyTuple::empty(py), &slf.get().dimensions(py)?)
     }
 }

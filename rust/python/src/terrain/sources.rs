@@ -1,7 +1,6 @@
 //! `Terrain.read` and `Terrain.yard`: ground from files and from a seed.
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use super::Terrain;
 
@@ -38,10 +37,7 @@ methods! { Terrain:
     ///     If it is no map, its coordinates are degrees, or the window is off it.
     #[staticmethod]
     fn read[](path, *, window=None, topic=None, layer=None) -> PyResult<Bound<'py, PyAny>> {
-        let options = PyDict::new(path.py());
-        for (name, value) in [("window", window), ("topic", topic), ("layer", layer)] {
-            options.set_item(name, value)?;
-        }
+        let options = dict!(path.py(), window, topic, layer);
         let module = path.py().import("six_wheel.maps")?;
         module.call_method("read", (path,), Some(&options))
     }
@@ -78,10 +74,7 @@ methods! { Terrain:
     #[staticmethod]
     fn yard[py: Python<'py>](size=None, spacing: f64 = 0.05, cover: f64 = 0.1, seed=None, *, roughness: f64 = 0.1)
     -> PyResult<Bound<'py, PyAny>> {
-        let options = PyDict::new(py);
-        options.set_item("spacing", spacing)?;
-        options.set_item("cover", cover)?;
-        options.set_item("roughness", roughness)?;
+        let options = dict!(py, spacing, cover, roughness);
         for (name, value) in [("size", size), ("seed", seed)] {
             if let Some(value) = value {
                 options.set_item(name, value)?;

@@ -7,14 +7,12 @@ use super::plan::{BoundsConstants, COUNT, Knowledge, TILT};
 use super::stand::Under;
 use crate::interval::{Interval, all};
 use crate::pyramid::{Boxes, Pyramid, nothing};
+use crate::suspension::lanes::MOST;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, ROUND, sin_cos};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
-
-/// Lanes of the widest level.
-const MOST: usize = 8;
 
 /// Widening of the intervals [m, rad]: more than the rounding errors of the kernel and of a settled pose.
 const ROUNDING: f64 = 1e-9;
@@ -122,19 +120,6 @@ fn chord(margin: f64) -> f64 {
     if margin == 0.0 { 0.0 } else { 2.0 * (0.5 * margin.min(std::f64::consts::PI)).sin() }
 }
 
-/// A number per lane, on its way between registers and memory.
-type Column = [f64; MOST];
-
-#[inline(always)]
-fn load<S: Simd>(simd: S, column: &Column) -> Lanes<S> {
-    Lanes::load(simd, S::as_simd_f64s(&column[..S::F64_LANES]).0, 0)
-}
-
-#[inline(always)]
-fn store<S: Simd>(lanes: Lanes<S>, column: &mut Column) {
-    lanes.store(S::as_mut_simd_f64s(&mut column[..S::F64_LANES]).0, 0);
-}
-
 impl BoundsRange<'_> {
     /// The poses of as many rows as there are lanes, or fewer.
     #[inline(always)]
@@ -148,7 +133,11 @@ impl BoundsRange<'_> {
                     column[lane] = value;
                 }
             }
-            [load(simd, &columns[0]), load(simd, &columns[1]), load(simd, &columns[2])]
+            [
+                Lanes::from_slice(simd, &columns[0]),
+                Lanes::from_slice(simd, &columns[1]),
+                Lanes::from_slice(simd, &columns[2]),
+            ]
         } else {
             let poses = &self.poses[rows[0]..][..S::F64_LANES];
             Lanes::unbraid(simd, poses.as_flattened())
@@ -171,7 +160,7 @@ impl BoundsRange<'_> {
         let bounded = says.below(all(simd, 0.5));
         let (unknown, more) = (all(simd, f64::NAN), all(simd, ROUNDING));
         let mut said = [0.0; MOST];
-        store(says, &mut said);
+        says.copy_to_slice(&mut said);
         let worth = said.map(|says| KNOWLEDGE[says as usize % KNOWLEDGE.len()]);
         for (row, worth) in rows.iter().zip(worth) {
             self.worth[*row] = worth;
@@ -210,7 +199,7 @@ impl BoundsRange<'_> {
             let [yaw, position] = self.margins.at(self.first + row);
             (columns[0][lane], columns[1][lane]) = (chord(yaw), position);
         }
-        [load(simd, &columns[0]), load(simd, &columns[1])]
+        [Lanes::from_slice(simd, &columns[0]), Lanes::from_slice(simd, &columns[1])]
     }
 }
 
@@ -221,13 +210,13 @@ fn within_turns<S: Vector>(simd: S, yaw: Lanes<S>) -> Lanes<S> {
         return yaw;
     }
     let mut turned = [0.0; MOST];
-    store(yaw, &mut turned);
+    yaw.copy_to_slice(&mut turned);
     for yaw in &mut turned {
         if yaw.abs() > LARGEST_ANGLE {
             *yaw %= std::f64::consts::TAU;
         }
     }
-    load(simd, &turned)
+    Lanes::from_slice(simd, &turned)
 }
 
 /// Statuses in the order of their numbers.

@@ -39,7 +39,7 @@ struct Raised<S: Simd> {
     /// Heights of B where the bogie is turned least and most [m].
     turned: Interval<S>,
     /// True if all extremes are at corners.
-    sure: Mask<S>,
+    solvable: Mask<S>,
 }
 
 impl Lever {
@@ -79,7 +79,7 @@ impl Side {
             bogie,
             rocker,
             turned: [self.bogie.below(ahead[1], bogie[1]), self.bogie.below(ahead[0], bogie[0])],
-            sure: inside(bogie, self.bogie.range) & inside(rocker, self.rocker.range),
+            solvable: inside(bogie, self.bogie.range) & inside(rocker, self.rocker.range),
         }
     }
 
@@ -133,17 +133,12 @@ impl BoundsConstants {
         [self.reduced(&wheels[0], minus(tan), inverse_cos), self.reduced(&wheels[1], tan, inverse_cos)]
     }
 
-    /// Intervals of all quantities, and what has to hold for them to be bounds.
+    /// The interval of tan(g), by contraction of `tan(g) = (E_left - E_right) / (2 y)`, and where it is proved.
     #[inline(always)]
-    pub(super) fn stand<S: Simd>(
-        &self,
-        simd: S,
-        wheels: &[[Interval<S>; 3]; 2],
-        under: Under<S>,
-    ) -> (Intervals<S>, [(Mask<S>, Knowledge); 3]) {
-        let (zero, one, half) = (all(simd, 0.0), all(simd, 1.0), all(simd, 0.5));
+    fn inclination<S: Simd>(&self, simd: S, wheels: &[[Interval<S>; 3]; 2]) -> (Interval<S>, Mask<S>) {
+        let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let mut tan = [all(simd, -STEEPEST), all(simd, STEEPEST)];
-        let mut sure = zero.at_most(one);
+        let mut proved = zero.at_most(one);
         let per_width = all(simd, 0.5 / self.lateral);
         for _ in 0..ROUNDS {
             let [left, right] = self.sides(wheels, tan);
@@ -152,43 +147,45 @@ impl BoundsConstants {
                 tan[0].max((left.axis[0] - right.axis[1]) * per_width),
                 tan[1].min((left.axis[1] - right.axis[0]) * per_width),
             ];
-            let proved = left.sure & right.sure;
+            let solvable = left.solvable & right.solvable;
             let held = narrower[0].at_most(narrower[1]);
             // No inclination of up to 30 degrees has these heights: a steeper one may have.
-            sure = sure & (held | !proved);
-            let take = proved & held;
+            proved = proved & (held | !solvable);
+            let take = solvable & held;
             tan = [take.select(narrower[0], tan[0]), take.select(narrower[1], tan[1])];
         }
+        (tan, proved)
+    }
+
+    /// Intervals of all quantities, and what has to hold for them to be bounds.
+    #[inline(always)]
+    pub(super) fn stand<S: Simd>(
+        &self,
+        simd: S,
+        wheels: &[[Interval<S>; 3]; 2],
+        under: Under<S>,
+    ) -> (Intervals<S>, [(Mask<S>, Knowledge); 3]) {
+        let (one, half) = (all(simd, 1.0), all(simd, 0.5));
+        let (tan, mut proved) = self.inclination(simd, wheels);
         let [left, right] = self.sides(wheels, tan);
         let (raised_left, raised_right) = (self.side.raise(left), self.side.raise(right));
-        sure = sure & raised_left.sure & raised_right.sure;
+        proved = proved & raised_left.solvable & raised_right.solvable;
         let [left, bogie_left] = self.side.angles(&raised_left, left[0]);
         let [right, bogie_right] = self.side.angles(&raised_right, right[0]);
 
         let inverse = both!(end in tan => one.quotient(end.mul_add(end, one).sqrt()));
-        let cos_side = even(tan, inverse, one);
         let sin_side = [tan[0] * inverse[0], tan[1] * inverse[1]];
         let slack = all(simd, self.slack);
         let lean = [(left[0] + right[0]) * half - slack, (left[1] + right[1]) * half + slack];
         let rocker = [(left[0] - right[1]) * half - slack, (left[1] - right[0]) * half + slack];
         let ends = both!(end in lean => sin_cos(simd, end));
-        let sin_lean = [ends[0].0, ends[1].0];
-        let cos_lean = even(lean, [ends[0].1, ends[1].1], one);
-        let sin_pitch = times(sin_lean, cos_side);
-        let secants = both!(sin in sin_pitch => one.quotient(complement(sin).max(all(simd, 0.03))));
-        let sin_roll = times(sin_side, even(sin_pitch, secants, one));
-        let (a, b) = (
-            even(sin_side, both!(sin in sin_side => sin * sin), zero),
-            even(sin_lean, both!(sin in sin_lean => sin * sin), zero),
-        );
-        // 1 - cos(tilt)^2, cos(tilt) = cos(g) cos(lean).
-        let tilt = [asin((one - a[0]).mul_add(b[0], a[0]).sqrt()), asin((one - a[1]).mul_add(b[1], a[1]).sqrt())];
         let posture = Posture {
             axis: both!(end in sum(raised_left.axis, raised_right.axis) => end * half),
-            sin_lean,
-            cos_lean,
-            cos_side,
+            sin_lean: [ends[0].0, ends[1].0],
+            cos_lean: even(lean, [ends[0].1, ends[1].1], one),
+            cos_side: even(tan, inverse, one),
         };
+        let (sin_pitch, sin_roll, tilt) = posture.attitude(simd, sin_side);
         let z = both!(end in self.point(&posture, 0.0, 0.0) => end + under.mean);
         let clearance = self.clearance(&posture, widest(sin_side), under);
         let roll = both!(sin in sin_roll => asin(sin));
@@ -208,7 +205,7 @@ impl BoundsConstants {
             & inside(bogie_right, self.bogie_limit);
         (
             [z, roll, pitch, tilt, clearance, rocker, bogie_left, bogie_right, drop],
-            [(sure, Knowledge::Unsolved), (boxed, Knowledge::Beyond), (free, Knowledge::AtStop)],
+            [(proved, Knowledge::Unsolved), (boxed, Knowledge::Beyond), (free, Knowledge::AtStop)],
         )
     }
 
@@ -333,4 +330,22 @@ struct Posture<S: Simd> {
     sin_lean: Interval<S>,
     cos_lean: Interval<S>,
     cos_side: Interval<S>,
+}
+
+impl<S: Simd> Posture<S> {
+    /// Sines of pitch and roll, and the tilt [rad].
+    #[inline(always)]
+    fn attitude(&self, simd: S, sin_side: Interval<S>) -> (Interval<S>, Interval<S>, Interval<S>) {
+        let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
+        let sin_pitch = times(self.sin_lean, self.cos_side);
+        let secants = both!(sin in sin_pitch => one.quotient(complement(sin).max(all(simd, 0.03))));
+        let sin_roll = times(sin_side, even(sin_pitch, secants, one));
+        let (a, b) = (
+            even(sin_side, both!(sin in sin_side => sin * sin), zero),
+            even(self.sin_lean, both!(sin in self.sin_lean => sin * sin), zero),
+        );
+        // 1 - cos(tilt)^2, cos(tilt) = cos(g) cos(lean).
+        let tilt = [asin((one - a[0]).mul_add(b[0], a[0]).sqrt()), asin((one - a[1]).mul_add(b[1], a[1]).sqrt())];
+        (sin_pitch, sin_roll, tilt)
+    }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::newton::{Hold, System, loose};
+use super::newton::{ActiveSet, NewtonSystem, free_columns};
 use super::stand::{Contact, Stand, rim_point};
 use super::touch::gap_slopes;
 use crate::suspension::{Bogie, Chain, Dimensions, MAX_FREE, MAX_STATE, Placed};
@@ -18,25 +18,25 @@ fn answer<const N: usize>(
     stand: &Stand,
     rates: impl Fn(usize, Vector3<f64>, &Contact) -> [f64; N],
 ) -> Option<[[f64; N]; MAX_STATE]> {
-    let hold = Hold {
+    let hold = ActiveSet {
         joints: std::array::from_fn(|k: usize| (k < MAX_FREE && stand.stops[k] != 0).then_some(0.0)),
         hanging: u32::from(stand.hanging),
     };
     let count = chain.state_count();
-    let mut system = System::<N>::empty();
+    let mut system = NewtonSystem::<N>::empty();
     for wheel in (0..chain.wheels().len()).filter(|&wheel| stand.touches(wheel)) {
         let contact = &stand.wheels[wheel];
         let point = rim_point(chain, placed, wheel, contact.at);
         let (_, slopes) = gap_slopes(placed, wheel, point, contact.gradient);
         let mut row = [0.0; MAX_STATE];
-        for (target, k) in row.iter_mut().zip(loose(count, &hold)) {
+        for (target, k) in row.iter_mut().zip(free_columns(count, &hold)) {
             *target = slopes[k];
         }
         system.push(row, rates(wheel, point, contact).map(|rate| -rate));
     }
     let solution = system.solve()?;
     let mut derivatives = [[0.0; N]; MAX_STATE];
-    for (value, k) in solution.iter().zip(loose(count, &hold)) {
+    for (value, k) in solution.iter().zip(free_columns(count, &hold)) {
         derivatives[k] = *value;
     }
     Some(derivatives)

@@ -13,9 +13,9 @@ use std::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::newton::{Attempt, Hold, LARGEST_ANGLE};
+use super::newton::{ActiveSet, LARGEST_ANGLE, NewtonResult};
 use super::settler::{Settler, Status};
-use super::touch::Touches;
+use super::touch::WheelContacts;
 use crate::suspension::{MAX_STATE, MAX_WHEELS, PlanPose, State};
 use crate::terrain::{Interpolation, Sample};
 
@@ -55,7 +55,7 @@ struct GapJacobian {
 }
 
 /// The ground of a pose, of any share.
-struct Growth<'a, 'b> {
+struct Homotopy<'a, 'b> {
     settler: &'b Settler<'a>,
     pose: PlanPose,
     steering: &'b [f64],
@@ -66,16 +66,16 @@ struct Growth<'a, 'b> {
 impl<'a> Settler<'a> {
     /// Settles the chain with no joint at a stop, by scaling the heights from flat ground to the map; or the status of
     /// a failure.
-    pub(crate) fn grown(&self, pose: PlanPose, steering: &[f64]) -> Result<Attempt<'a>, Status> {
+    pub(crate) fn grown(&self, pose: PlanPose, steering: &[f64]) -> Result<NewtonResult<'a>, Status> {
         let Sample::Known { height, .. } = self.ground.sample(pose.x, pose.y, Interpolation::Bilinear) else {
             return Err(Status::NotConverged);
         };
-        let growth = Growth { settler: self, pose, steering, datum: height };
+        let growth = Homotopy { settler: self, pose, steering, datum: height };
         growth.followed()
     }
 }
 
-impl<'a> Growth<'a, '_> {
+impl<'a> Homotopy<'a, '_> {
     fn count(&self) -> usize {
         self.settler.chain.state_count()
     }
@@ -86,7 +86,8 @@ impl<'a> Growth<'a, '_> {
         let (ground, chain) = (self.settler.ground, self.settler.chain);
         let state: State = std::array::from_fn(|k| point[k]);
         let over = [share, self.datum];
-        let touches = Touches::over_part(ground, chain, self.pose, &state, self.steering, over, self.settler.level)?;
+        let touches =
+            WheelContacts::over_part(ground, chain, self.pose, &state, self.steering, over, self.settler.level)?;
         let mut look = GapJacobian { gaps: SVector::zeros(), slopes: SMatrix::identity() };
         for wheel in 0..self.count().min(MAX_WHEELS) {
             let (touch, (_, slopes)) = (&touches.wheels[wheel], touches.slopes(wheel));
@@ -155,7 +156,7 @@ impl<'a> Growth<'a, '_> {
         })
     }
 
-    fn followed(&self) -> Result<Attempt<'a>, Status> {
+    fn followed(&self) -> Result<NewtonResult<'a>, Status> {
         let mut lost = Status::NotConverged;
         let share_alone = Point::ith(MAX_STATE, 1.0);
         let (mut point, look) = self.begin(&share_alone).ok_or(lost)?;
@@ -201,12 +202,12 @@ impl<'a> Growth<'a, '_> {
     }
 
     /// The end of the curve, between two points of it.
-    fn arrived(&self, before: &Point, after: &Point) -> Option<Attempt<'a>> {
+    fn arrived(&self, before: &Point, after: &Point) -> Option<NewtonResult<'a>> {
         let share = (1.0 - before[MAX_STATE]) / (after[MAX_STATE] - before[MAX_STATE]);
         let between = before.lerp(after, share);
         [between, *before, *after].iter().find_map(|point| {
             let state: State = std::array::from_fn(|k| point[k]);
-            let attempt = self.settler.close(self.pose, self.steering, state, &Hold::NONE);
+            let attempt = self.settler.close(self.pose, self.steering, state, &ActiveSet::NONE);
             let upright = |state: &State| state[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE);
             attempt.filter(|attempt| attempt.closed && upright(&attempt.state))
         })

@@ -1,15 +1,14 @@
 //! Rovers on ground: where a chain settles on a grid of heights.
 //!
-//! Rooms: [`rims`] (where wheels meet the ground, one by one and eight at once), [`plan`], [`look`] and [`batch`] (many poses at once), [`touch`] (all wheels of a chain), [`newton`] (closing the
-//! gaps), [`growth`] (where that finds nothing), [`stops`] (joints at their stops, wheels in the air), [`settle`] (the answer, with its status), [`stand`]
-//! (the answer as plain numbers), [`rows`] (many poses), [`derivatives`] (of the answer, by the pose and by dimensions).
+//! [`rims`] (the least gap of wheels), [`batch`] (a pose in every lane), [`touch`] (all wheels of one chain), [`newton`] (closing
+//! the gaps), [`growth`] (where that finds nothing), [`stops`] (joints at their stops, wheels in the air), [`settle`] (the answer,
+//! with its status), [`stand`] (the answer as numbers), [`rows`] (many poses), [`derivatives`] (of the answer, by the pose
+//! and by dimensions).
 
 mod batch;
 mod derivatives;
 mod growth;
-mod look;
 mod newton;
-mod plan;
 mod rims;
 mod rows;
 mod settle;
@@ -25,4 +24,4 @@ pub(crate) use rows::{settle_part, worth_lanes};
 pub use settler::{Settled, Settler, Status};
 pub use stand::{CONTACT, NUMBERS};
 pub use stand::{Contact, Stand, rim_point};
-pub use touch::{Touch, Touches, gap_slopes};
+pub use touch::{WheelContact, WheelContacts, gap_slopes};

@@ -1,7 +1,7 @@
 //! Closing the gaps of the wheels that touch: Newton's method with step control.
 
 use super::settler::Settler;
-use super::touch::Touches;
+use super::touch::WheelContacts;
 use crate::ground::rims::contact::RimSegment;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
 use crate::terrain::{Interpolation, Sample};
@@ -12,6 +12,9 @@ const LARGEST_TURN: f64 = 0.3;
 /// Angles beyond this are no way to stand [rad].
 pub(crate) const LARGEST_ANGLE: f64 = 1.35;
 
+/// A gap is closed if it is at most the first [m] and the second times the height: some roundings of heights of that size.
+pub(crate) const CLOSED_GAP: [f64; 2] = [2e-12, 2e-15];
+
 /// Steps of one attempt.
 const STEPS: usize = 40;
 
@@ -20,14 +23,14 @@ const STALLS: usize = 5;
 
 /// The active set: joints held at an angle, and wheels in the air.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hold {
+pub struct ActiveSet {
     /// Angles of the joints that are held.
     pub joints: [Option<f64>; MAX_FREE],
     /// Bits of the wheels that are left in the air.
     pub hanging: u32,
 }
 
-impl Hold {
+impl ActiveSet {
     /// Nothing held, nothing in the air.
     pub const NONE: Self = Self { joints: [None; MAX_FREE], hanging: 0 };
 
@@ -39,7 +42,7 @@ impl Hold {
 }
 
 /// As many equations as unknowns, of which there are at most six, and up to three right-hand sides.
-pub(crate) struct System<const RIGHT: usize> {
+pub(crate) struct NewtonSystem<const RIGHT: usize> {
     /// Rows of coefficients.
     pub rows: [[f64; MAX_STATE]; MAX_WHEELS],
     /// Right-hand sides, row by row.
@@ -48,7 +51,7 @@ pub(crate) struct System<const RIGHT: usize> {
     pub count: usize,
 }
 
-impl<const RIGHT: usize> System<RIGHT> {
+impl<const RIGHT: usize> NewtonSystem<RIGHT> {
     #[inline]
     pub fn empty() -> Self {
         Self { rows: [[0.0; MAX_STATE]; MAX_WHEELS], right: [[0.0; RIGHT]; MAX_WHEELS], count: 0 }
@@ -98,21 +101,27 @@ impl<const RIGHT: usize> System<RIGHT> {
 }
 
 /// The columns of the state that may move, in their order.
-pub(crate) fn loose(count: usize, hold: &Hold) -> impl Iterator<Item = usize> {
+pub(crate) fn free_columns(count: usize, hold: &ActiveSet) -> impl Iterator<Item = usize> {
     let joints = hold.joints;
     (0..count).filter(move |&k| k < 3 || joints[k - 3].is_none())
 }
 
+/// A state, and the largest gap of the wheels that touch there [m].
+struct Trial {
+    state: State,
+    worst: f64,
+}
+
 /// A chain that stands, or the best that an attempt came to.
-pub struct Attempt<'a> {
+pub struct NewtonResult<'a> {
     pub state: State,
-    pub touches: Touches<'a>,
+    pub touches: WheelContacts<'a>,
     pub closed: bool,
 }
 
 impl<'a> Settler<'a> {
     /// Largest gap of the wheels that touch [m]; infinite where one has no known ground.
-    fn worst(&self, touches: &Touches<'_>, hold: &Hold) -> f64 {
+    fn worst(&self, touches: &WheelContacts<'_>, hold: &ActiveSet) -> f64 {
         let wheels = (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel));
         wheels.fold(0.0, |worst: f64, wheel| {
             let gap = touches.wheels[wheel].gap.abs();
@@ -120,21 +129,27 @@ impl<'a> Settler<'a> {
         })
     }
 
-    /// Gap that counts as none [m]: some roundings of heights of this size.
+    /// Gap that counts as none [m].
     fn tolerance(&self, state: &State) -> f64 {
-        2e-12 + 2e-15 * state[0].abs()
+        CLOSED_GAP[0] + CLOSED_GAP[1] * state[0].abs()
     }
 
     /// The wheels at a state. None where the differential does not reach.
-    pub fn touches(&self, pose: PlanPose, state: &State, steering: &[f64], part: RimSegment) -> Option<Touches<'a>> {
-        let mut touches = Touches::nowhere(self.chain);
+    pub fn touches(
+        &self,
+        pose: PlanPose,
+        state: &State,
+        steering: &[f64],
+        part: RimSegment,
+    ) -> Option<WheelContacts<'a>> {
+        let mut touches = WheelContacts::nowhere(self.chain);
         self.look(&mut touches, pose, state, steering, part).map(|()| touches)
     }
 
     /// The same, written over what is there.
     fn look(
         &self,
-        touches: &mut Touches<'a>,
+        touches: &mut WheelContacts<'a>,
         pose: PlanPose,
         state: &State,
         steering: &[f64],
@@ -145,58 +160,39 @@ impl<'a> Settler<'a> {
     }
 
     /// Closes the gaps from a start. None where the differential does not reach.
-    pub fn close(&self, pose: PlanPose, steering: &[f64], start: State, hold: &Hold) -> Option<Attempt<'a>> {
+    pub fn close(&self, pose: PlanPose, steering: &[f64], start: State, hold: &ActiveSet) -> Option<NewtonResult<'a>> {
         let (mut part, mut stalls) = (RimSegment::Lower, 0);
         let mut state = start;
         for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
             *angle = held.unwrap_or(*angle);
         }
-        // Where the chain is, where it is tried, and the best trial: written over, and never moved.
-        let room = || Touches::nowhere(self.chain);
+        // Where the chain is, the best trial, and where it is tried: written over, and never moved.
+        let room = || WheelContacts::nowhere(self.chain);
         let [first, second, third] = &mut [room(), room(), room()];
-        let (mut here, mut there, mut best) = (first, second, third);
-        self.look(here, pose, &state, steering, part)?;
-        let mut worst = self.worst(here, hold);
+        let mut rooms = [first, second, third];
+        self.look(rooms[0], pose, &state, steering, part)?;
+        let mut worst = self.worst(rooms[0], hold);
         for _ in 0..STEPS {
             let tolerance = self.tolerance(&state);
             if worst <= tolerance {
                 // Only the whole rim says that nothing else touches.
-                if part == RimSegment::Lower && here.look_up(self.ground, self.chain, self.level) {
+                if part == RimSegment::Lower && rooms[0].look_up(self.ground, self.chain, self.level) {
                     part = RimSegment::Whole;
-                    worst = self.worst(here, hold);
+                    worst = self.worst(rooms[0], hold);
                 }
                 if worst <= tolerance {
-                    return Some(Attempt { state, touches: here.clone(), closed: true });
+                    return Some(NewtonResult { state, touches: rooms[0].clone(), closed: true });
                 }
             }
-            let step = worst.is_finite().then(|| self.step(here, hold)).flatten();
+            let step = worst.is_finite().then(|| self.step(rooms[0], hold)).flatten();
             let Some(step) = step else {
                 break;
             };
-            let mut found: Option<(State, f64)> = None;
-            let mut share = 1.0;
-            while share > 0.01 {
-                let mut trial = state;
-                for k in 0..MAX_STATE {
-                    trial[k] += share * step[k];
-                }
-                if trial[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE) {
-                    self.look(there, pose, &trial, steering, part)?;
-                    let size = self.worst(there, hold);
-                    if found.is_none_or(|(_, least)| size < least) {
-                        found = Some((trial, size));
-                        std::mem::swap(&mut there, &mut best);
-                    }
-                    if size < worst * (1.0 - 0.3 * share) || size <= tolerance {
-                        break;
-                    }
-                }
-                share *= 0.5;
-            }
-            let Some((trial, size)) = found else {
+            let here = Trial { state, worst };
+            let Some(trial) = self.line_search((pose, steering, part), hold, &here, &step, &mut rooms)? else {
                 break;
             };
-            if size >= worst {
+            if trial.worst >= worst {
                 if worst < 1e-10 {
                     // Rounding: there is nothing left to close.
                     return self.accept(pose, steering, state, hold);
@@ -206,34 +202,63 @@ impl<'a> Settler<'a> {
                     break;
                 }
             }
-            (state, worst) = (trial, size);
-            std::mem::swap(&mut here, &mut best);
+            (state, worst) = (trial.state, trial.worst);
+            rooms.swap(0, 1);
         }
-        Some(Attempt { state, touches: here.clone(), closed: false })
+        Some(NewtonResult { state, touches: rooms[0].clone(), closed: false })
+    }
+
+    /// The best of a step and its halves, up to the first that closes the gaps enough; its wheels are in the second of `rooms`.
+    /// None outside where the differential does not reach, None inside where every trial is at angles at which nothing stands.
+    fn line_search(
+        &self,
+        (pose, steering, part): (PlanPose, &[f64], RimSegment),
+        hold: &ActiveSet,
+        here: &Trial,
+        step: &State,
+        rooms: &mut [&mut WheelContacts<'a>; 3],
+    ) -> Option<Option<Trial>> {
+        let (mut found, mut share): (Option<Trial>, f64) = (None, 1.0);
+        while share > 0.01 {
+            let state: State = std::array::from_fn(|k| here.state[k] + share * step[k]);
+            if state[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE) {
+                self.look(rooms[2], pose, &state, steering, part)?;
+                let worst = self.worst(rooms[2], hold);
+                if found.as_ref().is_none_or(|found| worst < found.worst) {
+                    found = Some(Trial { state, worst });
+                    rooms.swap(1, 2);
+                }
+                if worst < here.worst * (1.0 - 0.3 * share) || worst <= self.tolerance(&here.state) {
+                    break;
+                }
+            }
+            share *= 0.5;
+        }
+        Some(found)
     }
 
     /// A state whose gaps are as small as rounding lets them be, looked at once more all along the rims.
-    fn accept(&self, pose: PlanPose, steering: &[f64], state: State, hold: &Hold) -> Option<Attempt<'a>> {
+    fn accept(&self, pose: PlanPose, steering: &[f64], state: State, hold: &ActiveSet) -> Option<NewtonResult<'a>> {
         let touches = self.touches(pose, &state, steering, RimSegment::Whole)?;
         let closed = self.worst(&touches, hold) < 1e-10;
-        Some(Attempt { state, touches, closed })
+        Some(NewtonResult { state, touches, closed })
     }
 
     /// Newton's step, no longer than [`LARGEST_TURN`].
-    fn step(&self, touches: &Touches<'_>, hold: &Hold) -> Option<State> {
+    fn step(&self, touches: &WheelContacts<'_>, hold: &ActiveSet) -> Option<State> {
         let count = self.chain.state_count();
-        let mut system = System::<1>::empty();
+        let mut system = NewtonSystem::<1>::empty();
         for wheel in (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel)) {
             let (_, slopes) = touches.slopes(wheel);
             let mut row = [0.0; MAX_STATE];
-            for (target, k) in row.iter_mut().zip(loose(count, hold)) {
+            for (target, k) in row.iter_mut().zip(free_columns(count, hold)) {
                 *target = slopes[k];
             }
             system.push(row, [-touches.wheels[wheel].gap]);
         }
         let solution = system.solve()?;
         let mut step = [0.0; MAX_STATE];
-        for (value, k) in solution.iter().zip(loose(count, hold)) {
+        for (value, k) in solution.iter().zip(free_columns(count, hold)) {
             step[k] = value[0];
         }
         let turn = step[1..].iter().fold(0.0, |most: f64, turn| most.max(turn.abs()));
@@ -244,7 +269,13 @@ impl<'a> Settler<'a> {
     }
 
     /// A state to start from: every wheel's centre one radius above the ground below it.
-    pub(crate) fn guess(&self, pose: PlanPose, steering: &[f64], mut state: State, hold: &Hold) -> Option<State> {
+    pub(crate) fn initial_state(
+        &self,
+        pose: PlanPose,
+        steering: &[f64],
+        mut state: State,
+        hold: &ActiveSet,
+    ) -> Option<State> {
         let count = self.chain.state_count();
         for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
             *angle = held.unwrap_or(*angle);
@@ -252,7 +283,7 @@ impl<'a> Settler<'a> {
         let mut placed = self.chain.nowhere();
         for round in 0..3 {
             placed.put(pose, &state, steering)?;
-            let mut system = System::<1>::empty();
+            let mut system = NewtonSystem::<1>::empty();
             let (mut missing, mut mean) = (0.0, 0.0);
             for wheel in (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel)) {
                 let (centre, radius) = (placed.wheel(wheel).centre, self.chain.wheels()[wheel].radius);
@@ -264,7 +295,7 @@ impl<'a> Settler<'a> {
                 mean += height + radius - centre.z;
                 let slopes = placed.point_slopes(wheel, centre);
                 let mut row = [0.0; MAX_STATE];
-                for (target, k) in row.iter_mut().zip(loose(count, hold)) {
+                for (target, k) in row.iter_mut().zip(free_columns(count, hold)) {
                     *target = slopes[3 + k].z;
                 }
                 system.push(row, [height + radius - centre.z]);
@@ -280,7 +311,7 @@ impl<'a> Settler<'a> {
             let Some(solution) = system.solve() else {
                 return Some(state);
             };
-            for (value, k) in solution.iter().zip(loose(count, hold)) {
+            for (value, k) in solution.iter().zip(free_columns(count, hold)) {
                 let limit = if k == 0 { f64::INFINITY } else { 0.4 };
                 state[k] += value[0].clamp(-limit, limit);
                 if k > 0 {

@@ -1,9 +1,9 @@
 //! Settling of a chain on the ground, and the status of a failure.
 
-use super::newton::{Attempt, Hold};
+use super::newton::{ActiveSet, NewtonResult};
 use super::settler::{Settled, Settler, Status};
 use super::stops::Stops;
-use super::touch::Touches;
+use super::touch::WheelContacts;
 use crate::suspension::{MAX_FREE, MAX_STATE, PlanPose, State};
 use six_wheel_numerics::error::{Error, finite};
 
@@ -26,10 +26,10 @@ impl<'a> Settler<'a> {
     pub(crate) fn settle_near(&self, pose: PlanPose, steering: &[f64], near: Option<State>) -> Settled<'a> {
         if self.chain.wheels().len() > self.chain.state_count() {
             // More wheels than can touch: which ones do is a question like that of stops.
-            let start = self.guess(pose, steering, [0.0; MAX_STATE], &Hold::NONE);
+            let start = self.initial_state(pose, steering, [0.0; MAX_STATE], &ActiveSet::NONE);
             return self.standing(pose, steering, &start.unwrap_or_default(), [0; MAX_FREE]);
         }
-        let near = near.and_then(|near| self.close(pose, steering, near, &Hold::NONE));
+        let near = near.and_then(|near| self.close(pose, steering, near, &ActiveSet::NONE));
         let attempt = match near.filter(|attempt| attempt.closed) {
             Some(attempt) => Ok(attempt),
             None => self.free(pose, steering),
@@ -51,7 +51,7 @@ impl<'a> Settler<'a> {
         let ranges = || self.chain.joints().iter().map(|joint| joint.range);
         let ends = ranges().any(|range| range.lower.is_finite() || range.upper.is_finite());
         let lost = matches!(reason, Status::NotConverged | Status::TipsOver);
-        let start = self.guess(pose, steering, [0.0; MAX_STATE], &Hold::NONE);
+        let start = self.initial_state(pose, steering, [0.0; MAX_STATE], &ActiveSet::NONE);
         let standing =
             start.filter(|_| ends && lost).and_then(|start| self.stand(pose, steering, &start, [0; MAX_FREE]));
         standing.map_or_else(
@@ -68,10 +68,10 @@ impl<'a> Settler<'a> {
     }
 
     /// Gaps closed with no joint at a stop, from several starts.
-    fn free(&self, pose: PlanPose, steering: &[f64]) -> Result<Attempt<'a>, Status> {
+    fn free(&self, pose: PlanPose, steering: &[f64]) -> Result<NewtonResult<'a>, Status> {
         let mut reason = Status::NotConverged;
         for number in 0..STARTS {
-            let start = self.guess(pose, steering, bent(number), &Hold::NONE);
+            let start = self.initial_state(pose, steering, bent(number), &ActiveSet::NONE);
             let Some(mut start) = start else { continue };
             if number > 0 {
                 // Elsewhere than where the first attempt went.
@@ -82,7 +82,7 @@ impl<'a> Settler<'a> {
                     *value = 0.5 * *value + bend;
                 }
             }
-            let Some(attempt) = self.close(pose, steering, start, &Hold::NONE) else {
+            let Some(attempt) = self.close(pose, steering, start, &ActiveSet::NONE) else {
                 continue;
             };
             if attempt.closed {
@@ -105,7 +105,7 @@ impl<'a> Settler<'a> {
         self.touches(pose, near, steering, part).map_or(Status::NotConverged, |touches| reason_of(&touches))
     }
 
-    fn settled(&self, attempt: Attempt<'a>, stops: Stops, hanging: u32) -> Settled<'a> {
+    fn settled(&self, attempt: NewtonResult<'a>, stops: Stops, hanging: u32) -> Settled<'a> {
         let reason = reason_of(&attempt.touches);
         if reason != Status::NotConverged {
             return self.failed(reason);
@@ -138,7 +138,7 @@ fn bent(number: usize) -> State {
 }
 
 /// Off the map, over unknown ground, or neither.
-fn reason_of(touches: &Touches<'_>) -> Status {
+fn reason_of(touches: &WheelContacts<'_>) -> Status {
     match touches.blind() {
         [_, true] => Status::OffMap,
         [true, false] => Status::UnknownCells,

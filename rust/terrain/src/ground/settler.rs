@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::touch::Touches;
+use super::touch::WheelContacts;
 use crate::suspension::{Chain, MAX_FREE, State};
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::level::Level;
@@ -88,7 +88,7 @@ pub struct Settled<'a> {
     /// State of the chain; NaN if it does not stand.
     pub state: State,
     /// Its wheels there; None where it does not stand.
-    pub touches: Option<Touches<'a>>,
+    pub touches: Option<WheelContacts<'a>>,
     /// Stops of the joints: -1 at the lower, 1 at the upper, 0 at none.
     pub stops: [i8; MAX_FREE],
     /// Bits of the wheels in the air.

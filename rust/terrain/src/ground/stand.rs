@@ -1,4 +1,4 @@
-//! Settled poses as plain numbers.
+//! Settled poses as numbers.
 
 use std::mem::offset_of;
 

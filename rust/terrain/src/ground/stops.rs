@@ -9,9 +9,9 @@
 
 use nalgebra::Vector3;
 
-use super::newton::{Attempt, Hold, System, loose};
+use super::newton::{ActiveSet, NewtonResult, NewtonSystem, free_columns};
 use super::settler::Settler;
-use super::touch::Touches;
+use super::touch::WheelContacts;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
 
 #[allow(unused_imports)] // for the documentation
@@ -34,7 +34,7 @@ pub(crate) type Stops = [i8; MAX_FREE];
 
 /// The wheels tried as hanging.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Hanging {
+enum LiftedWheels {
     /// Those that a joint at its stop would lower.
     Lowered,
     /// All, where there are several of those.
@@ -42,9 +42,9 @@ enum Hanging {
 }
 
 /// A way to stand with joints at stops or wheels in the air.
-pub struct Standing<'a> {
-    pub attempt: Attempt<'a>,
-    pub hold: Hold,
+pub struct StopCandidate<'a> {
+    pub attempt: NewtonResult<'a>,
+    pub hold: ActiveSet,
     pub stops: Stops,
     /// Smallest load of a wheel that touches, of the weight.
     pub load: f64,
@@ -54,7 +54,7 @@ pub struct Standing<'a> {
     pub open: bool,
 }
 
-impl Standing<'_> {
+impl StopCandidate<'_> {
     /// True if no stop has to pull.
     fn holds(&self) -> bool {
         self.moment >= -ROUNDING
@@ -89,13 +89,15 @@ impl<'a> Settler<'a> {
     }
 
     /// Stands with as many joints at stops and wheels in the air as it takes, near a state.
-    pub fn stand(&self, pose: PlanPose, steering: &[f64], near: &State, first: Stops) -> Option<Standing<'a>> {
-        let mut found: Option<Standing<'a>> = None;
+    pub fn stand(&self, pose: PlanPose, steering: &[f64], near: &State, first: Stops) -> Option<StopCandidate<'a>> {
+        let mut found: Option<StopCandidate<'a>> = None;
         // A joint may be past its stop only for another one that is: some of them first. Elsewhere, and with wheels
         // in the air that no stop lets hang, only where loads have to decide and do not like what was found.
-        for (starts, whose) in
-            [(parts(first), Hanging::Lowered), (self.all_stops(), Hanging::Lowered), (self.all_stops(), Hanging::Any)]
-        {
+        for (starts, whose) in [
+            (parts(first), LiftedWheels::Lowered),
+            (self.all_stops(), LiftedWheels::Lowered),
+            (self.all_stops(), LiftedWheels::Any),
+        ] {
             if found.as_ref().is_some_and(|found| !found.open) {
                 break;
             }
@@ -127,12 +129,12 @@ impl<'a> Settler<'a> {
         steering: &[f64],
         near: &State,
         stops: Stops,
-        whose: Hanging,
+        whose: LiftedWheels,
         waiting: &mut Vec<Stops>,
-    ) -> Option<Standing<'a>> {
+    ) -> Option<StopCandidate<'a>> {
         let wheels = self.chain.wheels().len();
         let in_air = (wheels + held(&stops)).checked_sub(self.chain.state_count())?;
-        let mut hold = Hold::NONE;
+        let mut hold = ActiveSet::NONE;
         for (k, joint) in self.chain.joints().iter().enumerate() {
             hold.joints[k] = match stops[k] {
                 1 => Some(joint.range.upper),
@@ -142,9 +144,9 @@ impl<'a> Settler<'a> {
         }
         let lowered = self.lowered(pose, steering, near, &stops);
         let open = lowered.count_ones() as usize > in_air;
-        let mut best: Option<Standing<'a>> = None;
+        let mut best: Option<StopCandidate<'a>> = None;
         for hanging in 0..1_u32 << wheels {
-            let may = hanging & !lowered == 0 || whose == Hanging::Any && open;
+            let may = hanging & !lowered == 0 || whose == LiftedWheels::Any && open;
             let fits = hanging.count_ones() as usize == in_air && may;
             if !fits {
                 continue;
@@ -164,7 +166,7 @@ impl<'a> Settler<'a> {
                 continue;
             }
             let [load, moment] = self.least_loads(&attempt, &hold, &stops);
-            let standing = Standing { attempt, hold, stops, load, moment, open };
+            let standing = StopCandidate { attempt, hold, stops, load, moment, open };
             if standing.is_better_than(best.as_ref()) {
                 best = Some(standing);
             }
@@ -173,12 +175,12 @@ impl<'a> Settler<'a> {
     }
 
     /// Gaps closed from a state nearby, or from a fresh guess.
-    fn attempt(&self, pose: PlanPose, steering: &[f64], near: &State, hold: &Hold) -> Option<Attempt<'a>> {
+    fn attempt(&self, pose: PlanPose, steering: &[f64], near: &State, hold: &ActiveSet) -> Option<NewtonResult<'a>> {
         let attempt = self.close(pose, steering, *near, hold)?;
         if attempt.closed {
             return Some(attempt);
         }
-        let guess = self.guess(pose, steering, [0.0; MAX_STATE], hold)?;
+        let guess = self.initial_state(pose, steering, [0.0; MAX_STATE], hold)?;
         let attempt = self.close(pose, steering, guess, hold)?;
         attempt.closed.then_some(attempt)
     }
@@ -207,7 +209,7 @@ impl<'a> Settler<'a> {
 
     /// The smallest load of a wheel that touches, of the weight, and the smallest moment of a stop [m]; minus
     /// infinity where statics does not say.
-    fn least_loads(&self, attempt: &Attempt<'a>, hold: &Hold, stops: &Stops) -> [f64; 2] {
+    fn least_loads(&self, attempt: &NewtonResult<'a>, hold: &ActiveSet, stops: &Stops) -> [f64; 2] {
         let (count, wheels) = (self.chain.state_count(), self.chain.wheels().len());
         let touches = &attempt.touches;
         let placed = &touches.placed;
@@ -221,8 +223,8 @@ impl<'a> Settler<'a> {
             lifts[touching] = std::array::from_fn(|k| slopes[3 + k].z);
             touching += 1;
         }
-        let mut system = System::<1>::empty();
-        for k in loose(count, hold) {
+        let mut system = NewtonSystem::<1>::empty();
+        for k in free_columns(count, hold) {
             let mut row = [0.0; MAX_STATE];
             for (target, lift) in row.iter_mut().zip(&lifts[..touching]) {
                 *target = lift[k];
@@ -243,7 +245,7 @@ impl<'a> Settler<'a> {
     }
 
     /// Derivatives of the height of the weight by every number of the state.
-    fn weight(&self, body: [Vector3<f64>; 3], touches: &Touches<'_>) -> [f64; MAX_STATE] {
+    fn weight(&self, body: [Vector3<f64>; 3], touches: &WheelContacts<'_>) -> [f64; MAX_STATE] {
         let wheels = self.chain.wheels().len();
         let share = 1.0 - WHEEL_WEIGHT * wheels as f64;
         let mut weight = [0.0; MAX_STATE];

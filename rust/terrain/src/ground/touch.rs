@@ -10,7 +10,7 @@ use six_wheel_numerics::simd::level::Level;
 
 /// A wheel over the ground.
 #[derive(Clone, Copy, Debug)]
-pub struct Touch {
+pub struct WheelContact {
     /// The wheel.
     pub frame: WheelFrame,
     /// Result of the search along its rim.
@@ -26,11 +26,11 @@ pub struct Touch {
 
 /// All wheels of a chain over the ground.
 #[derive(Clone, Debug)]
-pub struct Touches<'a> {
+pub struct WheelContacts<'a> {
     /// The chain where it stands.
     pub placed: Placed<'a>,
     /// Its wheels; those it does not have repeat the first.
-    pub wheels: [Touch; MAX_WHEELS],
+    pub wheels: [WheelContact; MAX_WHEELS],
 }
 
 /// Derivatives of a wheel's gap by x, y and yaw, and by z, roll, pitch and the free angles, steering held. The
@@ -58,7 +58,7 @@ fn circle(ground: &Terrain, frame: &WheelFrame, radius: f64) -> WheelCircle {
     WheelCircle { centre: [x, y, frame.centre.z], forward: in_grid(frame.forward), up: in_grid(frame.up) }
 }
 
-impl Touch {
+impl WheelContact {
     fn of(ground: &Terrain, frame: WheelFrame, radius: f64, rim: RimContact) -> Self {
         let mut touch = Self { frame, rim, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
         if let Some(least) = rim.least {
@@ -81,14 +81,19 @@ impl Touch {
     }
 }
 
-impl<'a> Touches<'a> {
+impl<'a> WheelContacts<'a> {
     /// Room for a chain over the ground.
     #[inline]
     pub fn nowhere(chain: &'a Chain) -> Self {
         let frame =
             WheelFrame { centre: Vector3::zeros(), forward: Vector3::x(), axle: Vector3::y(), up: Vector3::z() };
-        let touch =
-            Touch { frame, rim: RimContact::NOTHING, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
+        let touch = WheelContact {
+            frame,
+            rim: RimContact::NOTHING,
+            gap: f64::NAN,
+            point: frame.centre,
+            gradient: [f64::NAN; 2],
+        };
         Self { placed: chain.nowhere(), wheels: [touch; MAX_WHEELS] }
     }
 
@@ -145,7 +150,7 @@ impl<'a> Touches<'a> {
         });
         let rims = find_contacts(level, ground, &circles, count, part);
         for (k, touch) in self.wheels.iter_mut().enumerate().take(count) {
-            *touch = Touch::of(ground, frames[k], chain.wheels()[k].radius, rims[k]);
+            *touch = WheelContact::of(ground, frames[k], chain.wheels()[k].radius, rims[k]);
             touch.gap *= share;
             touch.gradient = touch.gradient.map(|slope| slope * share);
         }

@@ -9,7 +9,7 @@
 
 use std::borrow::Cow;
 
-use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use nalgebra::{Unit, Vector3};
 
 use super::dimensions::{Differential, JointRange};
 use six_wheel_kinematics::steering::SteeringRange;
@@ -83,6 +83,14 @@ pub struct Chain {
     joints: Vec<Joint>,
     steering: Vec<SteeringRange>,
     balance: Vector3<f64>,
+    /// Of every wheel: the links with free angles that carry it, innermost first, and their joints.
+    movers: Vec<Vec<(usize, usize)>>,
+    /// Of every link: the axis of its parent that is its own, if one is.
+    main_axes: Vec<Option<usize>>,
+    /// Bits of the links that steer and carry nothing but wheels.
+    knuckles: u32,
+    /// Of every wheel, straight ahead: the link that carries it, knuckles left out, and its centre there [m].
+    straight: Vec<(Option<usize>, [f64; 3])>,
 }
 
 /// Pose of the body in the plane.
@@ -146,9 +154,40 @@ impl Chain {
         for joint in &joints {
             joint.range.check("joint_limit")?;
         }
-        let mut chain = Self { parts, wheels, joints, steering, balance: Vector3::zeros() };
-        chain.balance = chain.mean_wheel();
+        let balance = Vector3::zeros();
+        let (movers, main_axes, straight, knuckles) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        let mut chain = Self { parts, wheels, joints, steering, balance, movers, main_axes, knuckles, straight };
+        chain.prepare();
         Ok(chain)
+    }
+
+    /// Fills in what follows from the lists.
+    fn prepare(&mut self) {
+        let all = 0..self.parts.len();
+        let steers = |part: &usize| matches!(self.parts[*part].turning, Turning::Steering(_));
+        let carries = |part: usize| self.parts.iter().any(|other| other.parent == Some(part));
+        self.knuckles = all.filter(steers).filter(|&part| !carries(part)).fold(0, |bits, part| bits | 1 << part);
+        let free = |part: usize| match self.parts[part].turning {
+            Turning::Free(joint) | Turning::Across(joint, _) => Some((part, joint)),
+            Turning::Steering(_) => None,
+        };
+        let is_axis = |part: &ChainLink, k: usize| (0..3).all(|i| part.axis[i] == f64::from(i == k));
+        self.main_axes = self.parts.iter().map(|part| (0..3).find(|&k| is_axis(part, k))).collect();
+        let count = self.wheels.len();
+        self.movers = (0..count).map(|wheel| self.carriers(wheel).filter_map(free).collect()).collect();
+        self.straight = self.wheels.iter().map(|wheel| self.without_knuckle(wheel)).collect();
+        self.balance = self.mean_wheel();
+    }
+
+    /// The link that carries a wheel straight ahead, and its centre there [m].
+    fn without_knuckle(&self, wheel: &Mount) -> (Option<usize>, [f64; 3]) {
+        match wheel.part.filter(|&part| self.is_knuckle(part)) {
+            Some(knuckle) => {
+                let knuckle = &self.parts[knuckle];
+                (knuckle.parent, (knuckle.origin + wheel.centre).into())
+            }
+            None => (wheel.part, wheel.centre.into()),
+        }
     }
 
     /// The parts, parents before children.
@@ -208,29 +247,28 @@ impl Chain {
         std::iter::successors(self.wheels[wheel].part, |&part| self.parts[part].parent)
     }
 
-    /// Puts the chain where a pose, a state and steering angles (all 0 if there are none) say. None where a
-    /// differential does not reach.
+    /// The links with free angles that carry a wheel, innermost first, and their joints.
     #[inline]
-    pub fn place(&self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<Placed<'_>> {
-        let mut placed = self.nowhere();
-        placed.put(pose, state, steering).map(|()| placed)
+    pub(crate) fn movers(&self, wheel: usize) -> &[(usize, usize)] {
+        &self.movers[wheel]
     }
 
-    /// Room for the chain in the world.
-    pub fn nowhere(&self) -> Placed<'_> {
-        Placed {
-            chain: self,
-            origin: Vector3::zeros(),
-            rotation: Matrix3::identity(),
-            roll_axis: Vector3::zeros(),
-            pitch_axis: Vector3::zeros(),
-            parts: [PlacedPart {
-                rotation: Matrix3::identity(),
-                origin: Vector3::zeros(),
-                axis: Vector3::zeros(),
-                slope: 0.0,
-            }; MAX_PARTS],
-        }
+    /// The axis of its parent about which a link turns, if it is one of them.
+    #[inline]
+    pub(crate) fn main_axis(&self, part: usize) -> Option<usize> {
+        self.main_axes[part]
+    }
+
+    /// True for a link that steers and carries nothing but wheels.
+    #[inline]
+    pub(crate) fn is_knuckle(&self, part: usize) -> bool {
+        self.knuckles >> part & 1 == 1
+    }
+
+    /// The link that carries a wheel, and its centre there [m]; without steering, knuckles are part of what carries them.
+    #[inline]
+    pub(crate) fn mount(&self, wheel: usize, is_steered: bool) -> (Option<usize>, [f64; 3]) {
+        if is_steered { (self.wheels[wheel].part, self.wheels[wheel].centre.into()) } else { self.straight[wheel] }
     }
 
     /// Takes the weight to act at another height of the body [m].
@@ -246,185 +284,5 @@ impl Chain {
         };
         let count = self.wheels.len();
         (0..count).map(|wheel| placed.wheel(wheel).centre).sum::<Vector3<f64>>() / count as f64
-    }
-}
-
-/// A rotation followed, in its own axes, by a turn about an axis; most turn about y or z.
-fn turned(rotation: Matrix3<f64>, axis: &Unit<Vector3<f64>>, angle: f64) -> Matrix3<f64> {
-    if angle == 0.0 {
-        return rotation;
-    }
-    let (first, second) = match axis.as_slice() {
-        [0.0, 1.0, 0.0] => (2, 0),
-        [0.0, 0.0, 1.0] => (0, 1),
-        _ => return rotation * Rotation3::from_axis_angle(axis, angle).into_inner(),
-    };
-    let (sin, cos) = angle.sin_cos();
-    let (a, b) = (rotation.column(first), rotation.column(second));
-    let mut turned = rotation;
-    turned.set_column(first, &(a * cos + b * sin));
-    turned.set_column(second, &(b * cos - a * sin));
-    turned
-}
-
-/// A part where its pose, the state and the steering put it, in world axes.
-#[derive(Clone, Copy, Debug)]
-struct PlacedPart {
-    rotation: Matrix3<f64>,
-    origin: Vector3<f64>,
-    axis: Vector3<f64>,
-    /// Derivative of its angle by the joint that turns it.
-    slope: f64,
-}
-
-/// A chain in the world.
-#[derive(Clone, Debug)]
-pub struct Placed<'a> {
-    chain: &'a Chain,
-    /// Of the body [m].
-    pub origin: Vector3<f64>,
-    /// `world_from_body`.
-    pub rotation: Matrix3<f64>,
-    /// About which roll turns the body.
-    pub roll_axis: Vector3<f64>,
-    /// About which pitch turns it.
-    pub pitch_axis: Vector3<f64>,
-    parts: [PlacedPart; MAX_PARTS],
-}
-
-/// A wheel in the world: a circle with `centre + radius (forward sin t - up cos t)`, t its contact angle.
-#[derive(Clone, Copy, Debug)]
-pub struct WheelFrame {
-    /// Its centre [m].
-    pub centre: Vector3<f64>,
-    /// Unit vector in which it rolls.
-    pub forward: Vector3<f64>,
-    /// Unit vector of its axle, to the left.
-    pub axle: Vector3<f64>,
-    /// Unit vector of its steering axis, upwards.
-    pub up: Vector3<f64>,
-}
-
-/// Derivatives of a point by x, y, yaw, z, roll, pitch and the free angles.
-pub type PointSlopes = [Vector3<f64>; 3 + MAX_STATE];
-
-impl Placed<'_> {
-    /// See [`Chain::place`].
-    pub fn put(&mut self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<()> {
-        let [z, roll, pitch, ref joints @ ..] = *state;
-        let heading = Rotation3::from_axis_angle(&Vector3::z_axis(), pose.yaw).into_inner();
-        let tilt = Rotation3::from_euler_angles(roll, pitch, 0.0).into_inner();
-        self.origin = Vector3::new(pose.x, pose.y, z);
-        self.rotation = heading * tilt;
-        // Rz Ry x, Rz y.
-        self.roll_axis = heading * Vector3::new(pitch.cos(), 0.0, -pitch.sin());
-        self.pitch_axis = heading * Vector3::y();
-        (0..self.chain.parts.len()).try_for_each(|k| self.turn(k, joints, steering))
-    }
-
-    /// Puts a part where its parent and these angles say; angles that are not there are 0. None where a differential does not reach.
-    #[inline]
-    fn turn(&mut self, k: usize, joints: &[f64], steering: &[f64]) -> Option<()> {
-        let part = &self.chain.parts[k];
-        let (rotation, origin) = self.carrier(part.parent);
-        let of = |angles: &[f64], joint: usize| angles.get(joint).copied().unwrap_or(0.0);
-        let (angle, slope) = match part.turning {
-            Turning::Free(joint) => (of(joints, joint), 1.0),
-            Turning::Across(joint, differential) => {
-                let [angle, slope] = differential.right(of(joints, joint))?;
-                (angle, slope)
-            }
-            Turning::Steering(joint) => (of(steering, joint), 1.0),
-        };
-        self.parts[k] = PlacedPart {
-            rotation: turned(rotation, &part.axis, angle),
-            origin: origin + rotation * part.origin,
-            axis: rotation * *part.axis,
-            slope,
-        };
-        Some(())
-    }
-
-    /// Steers, with the joints where they are: what no steering joint carries stays. None where a differential does not reach.
-    pub fn steer(&mut self, joints: &[f64], steering: &[f64]) -> Option<()> {
-        let mut moved = 0_u32;
-        for (k, part) in self.chain.parts.iter().enumerate() {
-            let steers = matches!(part.turning, Turning::Steering(_));
-            if steers || part.parent.is_some_and(|parent| moved >> parent & 1 == 1) {
-                moved |= 1 << k;
-                self.turn(k, joints, steering)?;
-            }
-        }
-        Some(())
-    }
-
-    fn carrier(&self, part: Option<usize>) -> (Matrix3<f64>, Vector3<f64>) {
-        part.map_or((self.rotation, self.origin), |part| (self.parts[part].rotation, self.parts[part].origin))
-    }
-
-    /// A wheel.
-    pub fn wheel(&self, wheel: usize) -> WheelFrame {
-        let mount = &self.chain.wheels[wheel];
-        let (rotation, origin) = self.carrier(mount.part);
-        WheelFrame {
-            centre: origin + rotation * mount.centre,
-            forward: rotation.column(0).into(),
-            axle: rotation.column(1).into(),
-            up: rotation.column(2).into(),
-        }
-    }
-
-    /// Rotation and origin of a part.
-    #[inline]
-    pub fn part(&self, part: usize) -> (Matrix3<f64>, Vector3<f64>) {
-        self.carrier(Some(part))
-    }
-
-    /// Derivatives of a point that is fixed to a wheel's carrier, steering held: by x, y, yaw, z, roll, pitch and
-    /// the free angles.
-    pub fn point_slopes(&self, wheel: usize, point: Vector3<f64>) -> PointSlopes {
-        let arm = point - self.origin;
-        let mut slopes = [Vector3::zeros(); 3 + MAX_STATE];
-        slopes[0] = Vector3::x();
-        slopes[1] = Vector3::y();
-        slopes[2] = Vector3::new(-arm.y, arm.x, 0.0);
-        slopes[3] = Vector3::z();
-        slopes[4] = self.roll_axis.cross(&arm);
-        slopes[5] = self.pitch_axis.cross(&arm);
-        for (joint, axis, origin) in self.free_axes(wheel) {
-            slopes[6 + joint] += axis.cross(&(point - origin));
-        }
-        slopes
-    }
-
-    /// Derivatives of a point fixed to the body by z, roll and pitch.
-    pub fn body_slopes(&self, point: Vector3<f64>) -> [Vector3<f64>; 3] {
-        let arm = point - self.origin;
-        [Vector3::z(), self.roll_axis.cross(&arm), self.pitch_axis.cross(&arm)]
-    }
-
-    /// The free angles between the body and a wheel: index, axis times the derivative of the part's angle by the
-    /// free one, and a point of the axis, in world axes.
-    pub fn free_axes(&self, wheel: usize) -> impl Iterator<Item = (usize, Vector3<f64>, Vector3<f64>)> {
-        self.turning_axes(wheel).filter_map(|(turning, axis, origin)| match turning {
-            Turning::Free(joint) | Turning::Across(joint, _) => Some((joint, axis, origin)),
-            Turning::Steering(_) => None,
-        })
-    }
-
-    /// The same for the steering angles.
-    pub fn steering_axes(&self, wheel: usize) -> impl Iterator<Item = (usize, Vector3<f64>, Vector3<f64>)> {
-        self.turning_axes(wheel).filter_map(|(turning, axis, origin)| match turning {
-            Turning::Steering(joint) => Some((joint, axis, origin)),
-            _ => None,
-        })
-    }
-
-    fn turning_axes(&self, wheel: usize) -> impl Iterator<Item = (Turning, Vector3<f64>, Vector3<f64>)> {
-        self.chain.carriers(wheel).map(|part| {
-            let placed = &self.parts[part];
-            let turning = self.chain.parts[part].turning;
-            (turning, placed.axis * placed.slope, placed.origin)
-        })
     }
 }

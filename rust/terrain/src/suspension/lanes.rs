@@ -49,7 +49,7 @@ impl Column {
     }
 }
 
-/// Angles [rad] beyond which a lane is left to the plain way: a joint that has turned a hundred times.
+/// Angles [rad] beyond which a lane is left to one pose at a time: a joint that has turned a hundred times.
 pub const LARGEST_TURN: f64 = 600.0;
 
 /// The same number in every lane.
@@ -129,12 +129,17 @@ pub struct Placing<'a, S: Simd> {
     flow: [[Lanes<S>; 3]; MOST_PARTS + 1],
 }
 
-/// Sine and cosine of the angle of a part's own, and its derivative by the free angle; NaN where a differential does
-/// not reach.
+/// Sine and cosine of the angle that a differential gives the other side, and its derivative by the angle of this one; NaN where
+/// it does not reach.
 #[inline(always)]
-fn across<S: Vector>(simd: S, differential: Differential, left: Lanes<S>, turned: Turned<S>) -> (Turned<S>, Lanes<S>) {
+pub(super) fn across<S: Vector>(
+    simd: S,
+    differential: Differential,
+    left: Lanes<S>,
+    turned: Turned<S>,
+) -> (Turned<S>, Lanes<S>) {
     if differential == Differential::Gear {
-        return ((-turned.0, turned.1), all(simd, -1.0));
+        return ((-turned.0, turned.1), Lanes::splat(simd, -1.0));
     }
     let mut columns = [Column::of(left); 3];
     for lane in 0..S::F64_LANES {

@@ -227,7 +227,10 @@ mod tests {
     use nalgebra::Matrix3;
 
     use super::*;
+    use crate::ground::{Settler, Stand, Status, settle};
     use crate::suspension::{Bogie, Differential, PlanPose, RockerBogie, Steered};
+    use crate::terrain::{Heights, Terrain};
+    use six_wheel_numerics::simd::level::Level;
 
     fn chains() -> Result<Vec<Chain>, Error> {
         let level = SteeringRange::default();
@@ -259,7 +262,69 @@ mod tests {
                 ],
                 0.1,
             )?,
+            tilted_axes()?,
         ])
+    }
+
+    /// Rockers and bogies none of whose axes is one of their parent.
+    fn tilted_axes() -> Result<Chain, Error> {
+        let part = |parent, origin: [f64; 3], axis: [f64; 3], turning| ChainLink {
+            name: "part".into(),
+            parent,
+            origin: origin.into(),
+            axis: nalgebra::Unit::new_normalize(axis.into()),
+            turning,
+        };
+        let parts = vec![
+            part(None, [0.3, 0.8, 0.9], [0.1, 1.0, 0.05], Turning::Free(0)),
+            part(None, [0.3, -0.8, 0.9], [-0.1, 1.0, -0.05], Turning::Across(0, Differential::Gear)),
+            part(Some(0), [-0.75, 0.12, -0.23], [0.0, 1.0, 0.2], Turning::Free(1)),
+            part(Some(1), [-0.75, -0.12, -0.23], [0.1, 1.0, 0.0], Turning::Free(2)),
+            part(Some(0), [0.88, 0.26, -0.63], [0.1, 0.0, 1.0], Turning::Steering(0)),
+        ];
+        let mounts = [
+            (4, [0.0; 3]),
+            (1, [0.88, -0.26, -0.63]),
+            (2, [0.45, 0.26, -0.4]),
+            (3, [0.45, -0.26, -0.4]),
+            (2, [-0.62, 0.14, -0.4]),
+            (3, [-0.62, -0.14, -0.4]),
+        ];
+        let wheel = |(part, centre): (usize, [f64; 3])| Mount {
+            name: "wheel".into(),
+            part: Some(part),
+            centre: centre.into(),
+            radius: 0.26,
+        };
+        let joint = Joint { name: "joint".into(), range: JointRange::default() };
+        let wheels = mounts.into_iter().map(wheel).collect();
+        Chain::new(parts, wheels, vec![joint.clone(), joint.clone(), joint], vec![SteeringRange::default()])
+    }
+
+    #[test]
+    fn every_chain_settles_in_lanes_as_alone() -> Result<(), Error> {
+        let heights: Vec<f32> = (0..6400_u16)
+            .map(|k| (f32::from(k % 80) * 0.31).sin() * 0.06 + (f32::from(k / 80) * 0.17).cos() * 0.1)
+            .collect();
+        let ground = Terrain::new(Heights::Single(heights.into()), 80, [0.1; 2], [0.0; 2], 0.2)?;
+        let poses: Vec<[f64; 3]> = (0..16_u8).map(|k| [1.5 + 0.2 * f64::from(k), 4.5, 0.4 * f64::from(k)]).collect();
+        for chain in chains()? {
+            let steering = vec![0.2; chain.steering().len()];
+            for level in Level::available() {
+                let settler = Settler { level, ..Settler::new(&ground, &chain) };
+                let mut stands = vec![Stand::nothing(Status::NotConverged); poses.len()];
+                settle(&settler, &poses, &steering, 1, &mut stands)?;
+                for (pose, stand) in poses.iter().zip(&stands) {
+                    let alone = Stand::of(&settler.settle((*pose).into(), &steering)?);
+                    assert_eq!(stand.status, alone.status);
+                    assert!(stand.status == Status::Settled);
+                    // Gaps close to 2e-12 m.
+                    let close = stand.state.iter().zip(alone.state).all(|(a, b)| (a - b).abs() < 1e-10);
+                    assert!(close, "{level:?} {stand:?} {alone:?}");
+                }
+            }
+        }
+        Ok(())
     }
 
     #[test]

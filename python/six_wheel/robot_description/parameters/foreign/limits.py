@@ -3,19 +3,34 @@
 import math
 from typing import Any, TypeGuard
 
-from six_wheel.robot_description.parameters.foreign.keys import (
-    ALIGNING,
-    COMMAND_TIMEOUTS,
-    LIMITS,
-    SLOWING,
-    STEERING_RANGE,
-    TIMEOUTS,
-)
+from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import GROUPS, Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
-from six_wheel.robot_description.parameters.schema import Values
 
-__all__ = ["check_limits", "is_number", "with_limits"]
+__all__ = ["LIMITS", "SLOWING", "STEERING_RANGE", "TIMEOUTS", "check_limits", "is_number", "with_limits"]
+
+# Limits of controllers that are limits here; any other limit is reported as not read.
+LIMITS = {
+    "linear.x.max_velocity": "speed",
+    "linear.x.max_acceleration": "acceleration",
+    "linear.x.max_deceleration": "deceleration",
+    "linear.x.max_jerk": "jerk",
+    "angular.z.max_velocity": "yaw_rate",
+    "angular.z.max_acceleration": "angular_acceleration",
+    "angular.z.max_deceleration": "angular_deceleration",
+    "angular.z.max_jerk": "angular_jerk",
+    "traction.max_velocity": "wheel_speed",
+    "traction.max_acceleration": "wheel_acceleration",
+    "steering.max_velocity": "steering_rate",
+    "steering.max_acceleration": "steering_acceleration",
+}
+# Until Jazzy the deceleration was the smallest acceleration.
+SLOWING = {"linear.x.min_acceleration": "deceleration", "angular.z.min_acceleration": "angular_deceleration"}
+TIMEOUTS = ("cmd_vel_timeout", "cmd_timeout", "reference_timeout")
+COMMAND_TIMEOUTS = frozenset({"cmd_vel_timeout", "cmd_timeout"})
+"""Those of which 0 means never; a reference with 0 counts for one cycle."""
+ALIGNING = "reduce_wheel_speed_until_steering_reached"
+STEERING_RANGE = ("steering.min_position", "steering.max_position")
 
 
 def with_limits(section: Section, values: Values, second: float = 1.0) -> Values:

@@ -5,34 +5,22 @@ Their keys changed names between distributions, and some of the older names say 
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from six_wheel._core import Rover, Wheel
 from six_wheel.robot_description.joint_names import said_by
-from six_wheel.robot_description.parameters.foreign.keys import (
-    DRIVES,
-    FRONT_RADIUS,
-    FRONT_TRACK,
-    RADIUS,
-    STEERING_RANGE,
-    STEERS,
-    TRACK,
-    AckermannSteering,
-    BicycleSteering,
-    TricycleSteering,
-    given,
-    is_set,
-)
-from six_wheel.robot_description.parameters.foreign.limits import check_limits, with_limits
+from six_wheel.robot_description.parameters.foreign.limits import STEERING_RANGE, with_limits
+from six_wheel.robot_description.parameters.foreign.names import is_set
 from six_wheel.robot_description.parameters.joints import JointList
+from six_wheel.robot_description.parameters.key_types import Values, as_argument
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
-from six_wheel.robot_description.parameters.schema import Values, as_argument, keys_of, shown
+from six_wheel.robot_description.parameters.schema import shown
 
 __all__ = [
-    "STEERED_STATES",
-    "TRICYCLE_TRACK",
+    "DRIVES",
+    "STEERS",
     "ackermann_steering",
     "bicycle_steering",
     "check_steering",
@@ -45,20 +33,13 @@ __all__ = [
     "with_steering_range",
 ]
 
-_DESCRIPTIONS = {
-    key: str(info.description)
-    for schema in (BicycleSteering, TricycleSteering, AckermannSteering)
-    for key, info in keys_of(schema).items()
-}
-
-TRICYCLE_TRACK = ("traction_track_width", "wheel_track")
-
-STEERED_STATES = {
-    "traction_joints_names": "traction_joints_state_names",
-    "steering_joints_names": "steering_joints_state_names",
-    "rear_wheels_names": "rear_wheels_state_names",
-    "front_wheels_names": "front_wheels_state_names",
-}
+# Names that changed between distributions, the newer one first.
+DRIVES = ("traction_joints_names", "rear_wheels_names")
+STEERS = ("steering_joints_names", "front_wheels_names")
+TRACK = ("traction_track_width", "rear_wheel_track", "wheel_track")
+FRONT_TRACK = ("steering_track_width", "front_wheel_track")
+RADIUS = ("traction_wheels_radius", "rear_wheels_radius", "traction_wheel_radius", "rear_wheel_radius")
+FRONT_RADIUS = ("steering_wheels_radius", "front_wheels_radius", "front_wheel_radius")
 
 
 # Layouts.
@@ -149,7 +130,9 @@ def _drives_steered(values: Values) -> bool:
 
 
 def _given(values: Values, *keys: str) -> Any:
-    return given(values, *_older(keys, values))
+    """The value of the first of these keys that is set: 0, NaN and [] are what ROS 2 declares for none."""
+    known = _older(keys, values)
+    return next((values[key] for key in known if key in values and is_set(values[key])), None)
 
 
 def _older(keys: tuple[str, ...], values: Values) -> tuple[str, ...]:
@@ -222,19 +205,19 @@ def steered_wheel(values: Values, rover: Rover) -> list[JointList]:
 
 
 def check_steering(
-    radii: tuple[str, ...], tracks: tuple[str, ...] = (), front: tuple[str, ...] = ()
+    form: Mapping[str, Any], descriptions: Mapping[str, str]
 ) -> Callable[[Section, Values, Report, Report], None]:
-    """The rules of the steering controllers, whose names changed between distributions."""
+    """The rules of the steering controllers, whose names changed between distributions.
+
+    `form` has the names of `radii`, `tracks` and `front_tracks`.
+    """
+    radii, tracks, front = (tuple(form.get(name, ())) for name in ("radii", "tracks", "front_tracks"))
 
     def check(section: Section, values: Values, error: Report, warning: Report) -> None:
-        check_limits(section, values, error, warning)
         _say_behind(section, values, warning)
         if "steering_limit" not in section.data:
-            message = "the file has no range of the steering: 90 degrees to both sides are assumed"
-            warning(
-                section.line_of(("wheelbase",)), ("wheelbase",), message, "add steering_limit, in radians"
-            )
-        alone = tracks == TRICYCLE_TRACK and _drives_steered(values)
+            _say_range(section, warning)
+        alone = "one_joint_without_track" in form and _drives_steered(values)
         for keys, needed in (
             (DRIVES, True),
             (STEERS, True),
@@ -242,13 +225,17 @@ def check_steering(
             (tracks, not alone),
             (front, False),
         ):
-            _check_names(section, values, error, _older(keys, values), needed=needed)
+            _check_names(section, values, error, _older(keys, values), descriptions, needed=needed)
 
     return check
 
 
+def _say_range(section: Section, warning: Report) -> None:
+    message = "the file has no range of the steering: 90 degrees to both sides are assumed"
+    warning(section.line_of(("wheelbase",)), ("wheelbase",), message, "add steering_limit, in radians")
+
+
 def check_tricycle(section: Section, values: Values, error: Report, warning: Report) -> None:
-    check_limits(section, values, error, warning)
     _say_behind(section, values, warning)
     if "track_width" not in section.data:
         message = (
@@ -258,10 +245,10 @@ def check_tricycle(section: Section, values: Values, error: Report, warning: Rep
         warning(section.line_of(("wheelbase",)), ("wheelbase",), message, remedy)
     limit = _steering_range(values)
     if limit is None and "steering_limit" not in section.data:
-        message = "the file has no range of the steering: 90 degrees to both sides are assumed"
-        warning(section.line_of(("wheelbase",)), ("wheelbase",), message, "add steering_limit, in radians")
+        _say_range(section, warning)
     if limit is not None:
-        at = (next(key for key in STEERING_RANGE[::-1] if is_set(values.get(key))),)
+        given = [key for key in STEERING_RANGE[::-1] if key in values]
+        at = (next((key for key in given if is_set(values[key])), given[0]),)
         try:
             Wheel("front", 0.0, 0.0, radius=1.0, steered=True, steering_limit=limit)
         except ValueError as refused:
@@ -285,16 +272,22 @@ def _say_behind(section: Section, values: Values, warning: Report) -> None:
 
 
 def _check_names(
-    section: Section, values: Values, error: Report, keys: tuple[str, ...], *, needed: bool
+    section: Section,
+    values: Values,
+    error: Report,
+    keys: tuple[str, ...],
+    descriptions: Mapping[str, str],
+    *,
+    needed: bool,
 ) -> None:
     """Of several names for one thing one is given, or they say the same."""
     named = [key for key in keys if is_set(section.data.get(key))]
     present = [key for key in keys if key in section.data]
     if needed and keys and not present:
-        at, description = (keys[0],), _DESCRIPTIONS[keys[0]]
+        at, description = (keys[0],), descriptions[keys[0]]
         error(section.line, at, f"{keys[0]} is missing", f"add {keys[0]}, {description}")
     elif needed and present and not named and present[0] in values:
-        at, description = (present[0],), _DESCRIPTIONS[present[0]]
+        at, description = (present[0],), descriptions[present[0]]
         message = f"{present[0]} must be set, got {shown(values[present[0]])}"
         error(section.line_of(at), at, message, f"it is {description}")
     both = [key for key in named if key in values]

@@ -71,3 +71,32 @@ fn what_is_not_a_number_stays_so_and_infinity_is_no_odd_one_out() {
         assert_eq!(found[1..], [[0.5, 2.0], [0.0, f64::INFINITY], [1.0 / 3.0, 3.0]]);
     }
 }
+
+/// Doubles numbers, and writes as many of them as there are lanes of two registers.
+struct Double<'a, T>(&'a [T], &'a mut [T]);
+
+impl<T: Float> Kernel for Double<'_, T> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) -> usize {
+        (Lanes::<S, T, 2>::from_slice(simd, self.0) * 2.0).copy_to_slice(self.1);
+        Lanes::<S, T, 2>::lanes()
+    }
+}
+
+#[test]
+fn registers_in_lockstep_hold_successive_numbers_of_a_slice() {
+    let numbers: Vec<f32> = (1..=40).map(|k| k as f32).collect();
+    for level in Level::available() {
+        for count in [0, 1, 16, 17, 40] {
+            let mut found = [0.0; 40];
+            let lanes = level.run_any(Double(&numbers[..count], &mut found));
+            // Only whole registers are read.
+            let whole = count.min(lanes) / (lanes / 2) * (lanes / 2);
+            for (k, value) in found.iter().enumerate() {
+                assert_eq!(*value, if k < whole { 2.0 * numbers[k] } else { 0.0 }, "{level:?} {count} {k}");
+            }
+        }
+    }
+}

@@ -6,9 +6,13 @@ use pyo3::types::PyDict;
 use six_wheel_odometry::preintegrated::space::Motion3;
 use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, PLANE, Replayed};
 
-use super::columns::{BIAS, SLIPS, dimension};
 use super::{Core, Matrix, Named, Preintegrated};
 use crate::convert::{OrRaise, Rows, Scalars, compute, numbers, raise, refuse};
+
+/// Names of [`DIMENSIONS`], as of `TwistJacobian`.
+pub const NAMES: [&str; 7] = ["radius", "x", "y", "heading", "scrub", "trail", "roller_angle"];
+pub const SLIPS: [&str; 2] = ["slip", "side_slip"];
+const BIAS: &str = "gyroscope_bias";
 
 impl Preintegrated {
     pub(super) fn with(&self, core: Core, py: Python<'_>) -> Self {
@@ -42,8 +46,8 @@ impl Preintegrated {
             "side_slip" => each(&Column::SideSlip),
             BIAS => Some(vec![Column::Bias]),
             _ => {
-                let quantity = DIMENSIONS.into_iter().find(|&one| dimension(one) == name)?;
-                each(&|wheel| Column::Dimension(quantity, wheel))
+                let place = NAMES.iter().position(|known| *known == name)?;
+                each(&|wheel| Column::Dimension(DIMENSIONS[place], wheel))
             }
         }
     }
@@ -106,8 +110,7 @@ impl Preintegrated {
         for (name, values) in changes {
             let name: String = name.extract()?;
             let Some(columns) = self.columns(&name) else {
-                let known: Vec<_> = DIMENSIONS.map(dimension).to_vec();
-                let all = [known, SLIPS.to_vec(), vec![BIAS]].concat().join(", ");
+                let all = [&NAMES[..], &SLIPS, &[BIAS]].concat().join(", ");
                 let rule = format!("name some of {all}");
                 return Err(refuse("changes", &rule, &format!("'{name}'")));
             };

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use six_wheel_ground_motion::spatial::{Attitude, Pose3, attitude};
 use six_wheel_odometry::preintegrated::space::Motion3;
 
-use crate::convert::{OrRaise, Rows, Scalars, refuse, shape_text};
+use crate::convert::{OrRaise, Rows, Scalars, refuse_shape};
 
 /// Places of x, y and yaw among six numbers.
 const PLAN: [usize; 3] = [0, 1, 5];
@@ -14,11 +14,7 @@ pub fn attitude_of(value: &Bound<'_, PyAny>) -> PyResult<Attitude> {
     let numbers = Scalars::read("attitude", value)?;
     match numbers.shape.as_slice() {
         [2..=4] => attitude(numbers.flat()).or_raise(&[]),
-        shape => {
-            let rule = "have shape (2,), (3,) or (4,)";
-            let got = format!("shape {}", shape_text(shape));
-            Err(refuse("attitude", rule, &got))
-        }
+        shape => Err(refuse_shape("attitude", "have shape (2,), (3,) or (4,)", shape)),
     }
 }
 
@@ -27,14 +23,9 @@ pub fn attitudes<'py>(value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<
     let shape = Scalars::read("attitude", value)?.shape;
     let width = match shape.as_slice() {
         [_, width @ 2..=4] => *width,
-        _ => {
-            let rule = "have shape (n, 2), (n, 3) or (n, 4)";
-            let got = format!("shape {}", shape_text(&shape));
-            return Err(refuse("attitude", rule, &got));
-        }
+        _ => return Err(refuse_shape("attitude", "have shape (n, 2), (n, 3) or (n, 4)", &shape)),
     };
-    let rows = Rows::read("attitude", value, width)?;
-    rows.check_leading("attitude", leading)?;
+    let rows = Rows::read_over("attitude", value, width, leading)?;
     Ok((rows, width))
 }
 
@@ -50,10 +41,7 @@ pub fn pose(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Pose3>
             let motion = Motion3::from_matrix(argument, &matrix);
             Ok(Pose3::of(&motion.or_raise(&[])?))
         }
-        (shape, _) => {
-            let got = format!("shape {}", shape_text(shape));
-            Err(refuse(argument, "have shape (6,), (4, 4) or (3,)", &got))
-        }
+        (shape, _) => Err(refuse_shape(argument, "have shape (6,), (4, 4) or (3,)", shape)),
     }
 }
 
@@ -69,11 +57,7 @@ pub fn covariance(value: Option<&Bound<'_, PyAny>>, others: f64) -> PyResult<[[f
         [6, 6] => (&all[..], true),
         [3] => (&PLAN[..], false),
         [3, 3] => (&PLAN[..], true),
-        shape => {
-            let rule = "have shape (6,), (6, 6), (3,) or (3, 3)";
-            let got = format!("shape {}", shape_text(shape));
-            return Err(refuse("covariance", rule, &got));
-        }
+        shape => return Err(refuse_shape("covariance", "have shape (6,), (6, 6), (3,) or (3, 3)", shape)),
     };
     if places.len() == 3 {
         for k in [2, 3, 4] {

@@ -1,13 +1,13 @@
 //! `six_wheel.Odometry3State`.
 
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 use six_wheel_ground_motion::spatial::{Odometry3, Pose3};
 use six_wheel_kinematics::estimate::worst_wheel;
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
-use super::super::state::Short;
+use super::super::state::{Short, matrix};
 use crate::suspension::Suspension;
 
 type Vector<'py> = Bound<'py, PyArray1<f64>>;
@@ -54,10 +54,6 @@ impl Odometry3State {
 /// Speed at which a contact slides [m/s]: `hypot(along, aside)`, or `|aside|` of a wheel without an encoder.
 fn sliding(along: f64, aside: f64) -> f64 {
     if along.is_nan() { aside.abs() } else { along.hypot(aside) }
-}
-
-fn matrix<'py>(py: Python<'py>, numbers: &[f64], width: usize) -> PyResult<Matrix<'py>> {
-    PyArray1::from_slice(py, numbers).reshape([numbers.len() / width, width])
 }
 
 getters! { Odometry3State, self, py:

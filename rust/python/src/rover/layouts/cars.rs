@@ -4,7 +4,6 @@ use pyo3::prelude::*;
 use six_wheel_kinematics::layouts::Drive;
 use six_wheel_kinematics::rover::Rover as Core;
 use six_wheel_kinematics::steering::SteeringRange;
-use six_wheel_numerics::error::Error;
 
 use super::per_wheel::PerWheel;
 use crate::convert::OrRaise;
@@ -12,19 +11,6 @@ use crate::rover::Rover;
 
 fn drive(name: &str) -> PyResult<Drive> {
     name.parse::<Drive>().or_raise(&[])
-}
-
-impl Rover {
-    /// A layout with a wheelbase, a track width and a wheel radius.
-    fn car(
-        py: Python<'_>,
-        [base, track, radius]: [f64; 3],
-        driven: &str,
-        given: &PerWheel<'_, '_>,
-        layout: impl FnOnce(f64, f64, f64, SteeringRange, Drive) -> Result<Core, Error>,
-    ) -> PyResult<Self> {
-        given.fit(py, layout(base, track, radius, SteeringRange::default(), drive(driven)?))
-    }
 }
 
 methods! { Rover:
@@ -56,13 +42,13 @@ methods! { Rover:
     /// ValueError
     ///     If a length or the limit is not finite and positive.
     #[staticmethod]
-    fn ackermann[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None, driven: &str = "rear",
-        scrub=None, trail=None, names: native Option<Vec<String>> = None)
+    fn ackermann[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None,
+        driven: &str = "rear", scrub=None, trail=None, names: native Option<Vec<String>> = None)
     as "(wheelbase, track_width, wheel_radius, *, steering_limit=None, driven='rear', scrub=0.0, trail=0.0, names=None)"
     -> PyResult<Self> {
-        let lengths = [wheelbase, track_width, wheel_radius];
         let given = PerWheel { steering_limit, scrub, trail, names };
-        Self::car(py, lengths, driven, &given, Core::ackermann)
+        let (driven, range) = (drive(driven)?, SteeringRange::default());
+        given.fit(py, Core::ackermann(wheelbase, track_width, wheel_radius, range, driven))
     }
 
     /// A tricycle: one steered front wheel, two fixed rear wheels, origin between the rear ones.
@@ -91,13 +77,13 @@ methods! { Rover:
     /// ValueError
     ///     If a length or the limit is not finite and positive.
     #[staticmethod]
-    fn tricycle[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None, driven: &str = "front",
-        scrub=None, trail=None, names: native Option<Vec<String>> = None)
+    fn tricycle[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None,
+        driven: &str = "front", scrub=None, trail=None, names: native Option<Vec<String>> = None)
     as "(wheelbase, track_width, wheel_radius, *, steering_limit=None, driven='front', scrub=0.0, trail=0.0, names=None)"
     -> PyResult<Self> {
-        let lengths = [wheelbase, track_width, wheel_radius];
         let given = PerWheel { steering_limit, scrub, trail, names };
-        Self::car(py, lengths, driven, &given, Core::tricycle)
+        let (driven, range) = (drive(driven)?, SteeringRange::default());
+        given.fit(py, Core::tricycle(wheelbase, track_width, wheel_radius, range, driven))
     }
 
     /// A bicycle: a steered front wheel, a fixed rear wheel, origin at the rear one.

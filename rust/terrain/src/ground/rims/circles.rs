@@ -32,7 +32,7 @@ pub(crate) const FAR: f64 = 1e30;
 #[inline(always)]
 pub(crate) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; RIMS] {
     let mut values = [0.0; RIMS];
-    lanes.store(S::as_mut_simd_f64s(&mut values).0, 0);
+    lanes.copy_to_slice(&mut values);
     values
 }
 
@@ -82,10 +82,10 @@ fn singles<S: Vector>(simd: S, ground: &Terrain, place: Lanes<S>) -> [Lanes<S>; 
         }
     }
     [
-        Lanes::load(simd, S::as_simd_f64s(&corners[0]).0, 0),
-        Lanes::load(simd, S::as_simd_f64s(&corners[1]).0, 0),
-        Lanes::load(simd, S::as_simd_f64s(&corners[2]).0, 0),
-        Lanes::load(simd, S::as_simd_f64s(&corners[3]).0, 0),
+        Lanes::from_slice(simd, &corners[0]),
+        Lanes::from_slice(simd, &corners[1]),
+        Lanes::from_slice(simd, &corners[2]),
+        Lanes::from_slice(simd, &corners[3]),
     ]
 }
 
@@ -158,9 +158,9 @@ impl<S: Vector> RimLanes<S> {
         let zero = Lanes::splat(simd, 0.0);
         let mut rims = Self { centre: [zero; 3], forward: [zero; 3], up: [zero; 3] };
         for k in 0..3 {
-            rims.centre[k] = Lanes::load(simd, S::as_simd_f64s(&columns[k]).0, 0);
-            rims.forward[k] = Lanes::load(simd, S::as_simd_f64s(&columns[3 + k]).0, 0);
-            rims.up[k] = Lanes::load(simd, S::as_simd_f64s(&columns[6 + k]).0, 0);
+            rims.centre[k] = Lanes::from_slice(simd, &columns[k]);
+            rims.forward[k] = Lanes::from_slice(simd, &columns[3 + k]);
+            rims.up[k] = Lanes::from_slice(simd, &columns[6 + k]);
         }
         rims
     }

@@ -1,10 +1,11 @@
 //! Contacts of the wheels of one pose with the ground: a wheel in every lane.
 //!
 //! Input: circles over a grid of heights. Output: for every circle the least vertical distance from the ground, exactly, the next
-//! best contact if it is as near, and what ground under it is not known. [`super::search`] walks along the rims.
+//! best contact if it is as near, and what ground under it is not known. [`super::walk`] walks along the rims.
 
 use super::circles::{FAR, RIMS, RimLanes, WheelCircle, both, spread};
-use super::search::{AngleInterval, GapMinimum, find_min_gap};
+use super::interval::{AngleInterval, GapMinimum};
+use super::walk::find_min_gap;
 use crate::terrain::Terrain;
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -192,7 +193,7 @@ pub(crate) fn upper_half_matters(ground: &Terrain, circle: &WheelCircle, gap: f6
 mod tests {
     use std::sync::Arc;
 
-    use super::super::search::TIE;
+    use super::super::interval::TIE;
     use super::*;
     use crate::terrain::Heights;
     use six_wheel_numerics::error::Error;

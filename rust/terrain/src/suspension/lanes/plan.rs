@@ -1,6 +1,6 @@
 //! Constants of a chain for lanes.
 
-use crate::suspension::chain::{Chain, MAX_FREE, Turning};
+use crate::suspension::chain::{Chain, MAX_FREE, Mount, Turning};
 use crate::suspension::dimensions::Differential;
 
 /// Parts with free angles at most: one on either side for each of them.
@@ -61,7 +61,26 @@ impl ChainConstants {
             order: (0..chain.joints().len()).collect(),
             centred: 0,
         };
-        // The frame that a part is, or for one that steers that of its parent, with its origin there.
+        let frames = plan.add_links(chain)?;
+        for wheel in chain.wheels() {
+            let (limb, knuckle) = wheel.part.map_or((0, None), |k| frames[k]);
+            plan.add_wheel(wheel, limb, knuckle);
+        }
+        let moves = |joint: usize| move |wheel: &&Wheel| wheel.moved >> joint & 1 == 1;
+        let wheels = &plan.wheels;
+        plan.order.sort_by_key(|joint| wheels.iter().filter(moves(*joint)).count());
+        for joint in 0..chain.steering().len() {
+            let own = wheels.iter().filter(|wheel| wheel.steering == Some(joint));
+            let [ahead, left] =
+                own.fold([0.0; 2], |[ahead, left], wheel| [ahead + wheel.offset[0], left + wheel.offset[1]]);
+            plan.centred |= u32::from(ahead == 0.0 && left == 0.0) << joint;
+        }
+        Some(plan)
+    }
+
+    /// Adds the links with free angles. Returns the frame that every part is, or for one that steers that of its parent, with
+    /// its origin there.
+    fn add_links(&mut self, chain: &Chain) -> Option<Vec<(usize, Option<Knuckle>)>> {
         let mut frames: Vec<(usize, Option<Knuckle>)> = Vec::new();
         for part in chain.parts() {
             let (parent, knuckle) = part.parent.map_or((0, None), |k| frames[k]);
@@ -80,46 +99,27 @@ impl ChainConstants {
                 Turning::Free(joint) => (joint, None),
                 Turning::Across(joint, differential) => (joint, Some(differential)),
             };
-            let carrier = parent.checked_sub(1).map(|k: usize| plan.parts[k].plane);
+            let carrier = parent.checked_sub(1).map(|k: usize| self.parts[k].plane);
             if plane > 1 || carrier.is_some_and(|its| its != plane) {
                 return None;
             }
-            plan.parts.push(Link { parent, origin, plane, joint, across });
-            frames.push((plan.parts.len(), None));
+            self.parts.push(Link { parent, origin, plane, joint, across });
+            frames.push((self.parts.len(), None));
         }
-        if plan.parts.len() > MOST_PARTS {
-            return None;
-        }
-        for wheel in chain.wheels() {
-            let (limb, knuckle) = wheel.part.map_or((0, None), |k| frames[k]);
-            let (pivot, offset, steering) = match knuckle {
-                Some((pivot, joint)) => (pivot, wheel.centre.into(), Some(joint)),
-                None => (wheel.centre.into(), [0.0; 3], None),
-            };
-            let parents = |&limb: &usize| Some(plan.parts[limb - 1].parent).filter(|&k| k > 0);
-            let carriers = std::iter::successors(Some(limb).filter(|&k| k > 0), parents);
-            let movers: Vec<usize> = carriers.map(|limb| limb - 1).collect();
-            let bit = |part: &usize| 1 << plan.parts[*part].joint;
-            plan.wheels.push(Wheel {
-                limb,
-                pivot,
-                offset,
-                radius: wheel.radius,
-                steering,
-                moved: movers.iter().map(bit).fold(0, std::ops::BitOr::bitor),
-                movers,
-            });
-        }
-        let moves = |joint: usize| move |wheel: &&Wheel| wheel.moved >> joint & 1 == 1;
-        let wheels = &plan.wheels;
-        plan.order.sort_by_key(|joint| wheels.iter().filter(moves(*joint)).count());
-        for joint in 0..chain.steering().len() {
-            let own = wheels.iter().filter(|wheel| wheel.steering == Some(joint));
-            let [ahead, left] =
-                own.fold([0.0; 2], |[ahead, left], wheel| [ahead + wheel.offset[0], left + wheel.offset[1]]);
-            plan.centred |= u32::from(ahead == 0.0 && left == 0.0) << joint;
-        }
-        Some(plan)
+        (self.parts.len() <= MOST_PARTS).then_some(frames)
+    }
+
+    /// Adds a wheel.
+    fn add_wheel(&mut self, wheel: &Mount, limb: usize, knuckle: Option<Knuckle>) {
+        let (pivot, offset, steering) = match knuckle {
+            Some((pivot, joint)) => (pivot, wheel.centre.into(), Some(joint)),
+            None => (wheel.centre.into(), [0.0; 3], None),
+        };
+        let parents = |&limb: &usize| Some(self.parts[limb - 1].parent).filter(|&k| k > 0);
+        let carriers = std::iter::successors(Some(limb).filter(|&k| k > 0), parents);
+        let movers: Vec<usize> = carriers.map(|limb| limb - 1).collect();
+        let moved = movers.iter().fold(0, |bits, part| bits | 1 << self.parts[*part].joint);
+        self.wheels.push(Wheel { limb, pivot, offset, radius: wheel.radius, steering, moved, movers });
     }
 
     /// Number of wheels.

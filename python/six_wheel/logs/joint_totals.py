@@ -1,0 +1,84 @@
+"""Angles of joints from the readings of their encoders, chunk after chunk."""
+
+import math
+from collections.abc import Mapping
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Encoder
+
+__all__ = ["Encoders", "Integral", "Total", "encoder_of"]
+
+Floats = NDArray[np.float64]
+Encoders: TypeAlias = "Encoder | Mapping[str, Encoder] | None"
+
+
+def encoder_of(name: str, encoders: Encoders, wheel: str, needed: bool) -> Encoder | None:
+    """The encoder of a wheel.
+
+    Raises
+    ------
+    ValueError
+        If one is needed and there is none.
+    """
+    found = encoders.get(wheel) if isinstance(encoders, Mapping) else encoders
+    if found is None and needed:
+        raise ValueError(f"{name} must say how many ticks a turn of {wheel} has, got none")
+    return found
+
+
+class Total:
+    """The angle of a joint from the readings of its encoder, from one chunk to the next."""
+
+    def __init__(self, encoder: Encoder | None, increments: bool, absolute: bool = False) -> None:
+        self._encoder, self._increments, self._absolute = encoder, increments, absolute
+        self._counts, self._last = 0.0, math.nan
+
+    @property
+    def counts(self) -> bool:
+        """True if the encoder has a whole number of counts per turn."""
+        resolution = None if self._encoder is None else self._encoder.resolution
+        return resolution is not None and resolution % 1.0 == 0.0
+
+    def advance(self, readings: Floats, stamps: Floats) -> Floats:
+        """Angles (n,) [rad]."""
+        encoder = self._encoder
+        if encoder is None and not self._increments:
+            return readings
+        encoder = encoder or Encoder()
+        if first := math.isnan(self._last):
+            # A wheel has turned since anywhere: from zero on no digit is lost to a large count.
+            self._counts = self._first(encoder, readings[0]) if self._absolute else 0.0
+        steps = readings.copy() if self._increments else np.diff(readings, prepend=self._last)
+        if first:
+            steps[0] = 0.0  # turned before the log begins
+        if encoder.modulus is not None:
+            steps -= encoder.modulus * np.round(steps / encoder.modulus)
+        counts = self._counts + np.cumsum(steps)
+        self._counts, self._last = float(counts[-1]), float(readings[-1])
+        return counts * encoder.angle_per_count + (encoder.offset if self._absolute else 0.0)
+
+    @staticmethod
+    def _first(encoder: Encoder, reading: float) -> float:
+        """The counts to begin with: an absolute counter that starts over has no turns to tell."""
+        if encoder.modulus is None:
+            return reading
+        zero = encoder.offset / encoder.angle_per_count
+        return reading - encoder.modulus * round((reading + zero) / encoder.modulus)
+
+
+class Integral:
+    """The angle of a wheel from its rate, from one chunk to the next."""
+
+    def __init__(self) -> None:
+        self._sum, self._last = 0.0, (math.nan, math.nan)
+
+    def advance(self, readings: Floats, stamps: Floats) -> Floats:
+        """Angles (n,) [rad]. A measured rate is that of an instant: from one to the next their mean holds."""
+        rate, stamp = (readings[0], stamps[0]) if math.isnan(self._last[0]) else self._last
+        held = np.concatenate([[rate], readings])
+        totals: Floats = self._sum + np.cumsum((held[1:] + held[:-1]) / 2 * np.diff(stamps, prepend=stamp))
+        self._sum, self._last = float(totals[-1]), (float(readings[-1]), float(stamps[-1]))
+        return totals

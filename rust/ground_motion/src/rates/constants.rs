@@ -1,0 +1,107 @@
+//! Constants of a chain for the rates that follow the ground.
+
+use six_wheel_terrain::suspension::lanes::ChainConstants;
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+
+/// Columns of the planar motion: `vx, vy, wz`.
+pub(crate) const PLAN: [usize; 3] = [0, 1, 5];
+
+/// Rates that the ground decides: `vz, wx, wy` and the free angles.
+pub(crate) const FOLLOWING: [usize; 3 + MAX_FREE] = [2, 3, 4, 6, 7, 8];
+
+/// Most unknowns: rates that follow the ground.
+pub(crate) const UNKNOWNS: usize = FOLLOWING.len();
+
+/// Elimination order of the rates that follow the ground, for as many rates as wheels that all touch: each rate by the
+/// equation of the wheel in which it has the largest part on level ground.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PivotOrder {
+    /// The wheels, in the order of the rates.
+    pub wheels: [usize; UNKNOWNS],
+    /// Bits of the equations after one's own that have a rate, when those before it are gone.
+    pub others: [u32; UNKNOWNS],
+}
+
+impl PivotOrder {
+    /// Of the vertical velocities of all wheels on level ground per rate, and bits of the rates that move each. None where
+    /// two rates do the same there.
+    pub fn new(rise: [[f64; UNKNOWNS]; UNKNOWNS], bits: [u32; UNKNOWNS]) -> Option<Self> {
+        let mut rows: [_; UNKNOWNS] = std::array::from_fn(|wheel| (wheel, rise[wheel]));
+        let mut others = [0; UNKNOWNS];
+        for j in 0..UNKNOWNS {
+            let size = |k: &usize| rows[*k].1[j].abs();
+            let pivot = (j..UNKNOWNS).max_by(|a, b| size(a).total_cmp(&size(b)))?;
+            rows.swap(j, pivot);
+            let (_, from) = rows[j];
+            for (_, row) in &mut rows[j + 1..] {
+                let share = row[j] / from[j];
+                (j..UNKNOWNS).for_each(|k| row[k] -= share * from[k]);
+            }
+        }
+        let wheels = rows.map(|(wheel, _)| wheel);
+        let mut bits = wheels.map(|wheel| bits[wheel]);
+        for j in 0..UNKNOWNS {
+            for k in j + 1..UNKNOWNS {
+                if bits[k] >> j & 1 == 1 {
+                    others[j] |= 1 << k;
+                    bits[k] |= bits[j];
+                }
+            }
+        }
+        Some(Self { wheels, others })
+    }
+}
+
+/// Constants of a chain for the rates that follow the ground.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MotionConstants {
+    /// Number of wheels, and of free angles.
+    pub wheels: usize,
+    pub joints: usize,
+    /// Of every wheel [m].
+    pub radii: [f64; MAX_WHEELS],
+    /// The free angles, those first that move few wheels.
+    order: [usize; MAX_FREE],
+    /// Bits of the free angles that may move each wheel.
+    moved: [u32; MAX_WHEELS],
+    /// None unless there are as many rates as wheels.
+    pub pivot_order: Option<PivotOrder>,
+}
+
+impl MotionConstants {
+    /// Of any chain of so many wheels and free angles: each of these may move every wheel.
+    pub fn dense(wheels: usize, joints: usize, radii: [f64; MAX_WHEELS]) -> Self {
+        let order = std::array::from_fn(|joint| joint);
+        Self { wheels, joints, radii, order, moved: [u32::MAX; MAX_WHEELS], pivot_order: None }
+    }
+
+    /// Of a chain whose rows go into lanes.
+    pub fn new(chain: &Chain, plan: &ChainConstants) -> Self {
+        let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
+        let mut radii = [1.0; MAX_WHEELS];
+        for (radius, wheel) in radii.iter_mut().zip(chain.wheels()) {
+            *radius = wheel.radius;
+        }
+        let mut constants = Self::dense(wheels, joints, radii);
+        constants.order[..joints].copy_from_slice(plan.order());
+        for wheel in 0..wheels {
+            constants.moved[wheel] = plan.moved(wheel);
+        }
+        if [joints + 3, wheels] == [UNKNOWNS; 2] {
+            let rise = std::array::from_fn(|wheel| plan.rise(wheel));
+            constants.pivot_order = PivotOrder::new(rise, std::array::from_fn(|wheel| plan.parts_in(wheel)));
+        }
+        constants
+    }
+
+    /// The free angles, those first that move few wheels.
+    pub fn order(&self) -> &[usize] {
+        &self.order[..self.joints.min(MAX_FREE)]
+    }
+
+    /// True if a rate may move a wheel: those of the body do.
+    #[inline(always)]
+    pub fn moves(&self, column: usize, wheel: usize) -> bool {
+        column < 6 || self.moved[wheel % MAX_WHEELS] >> (column - 6) & 1 == 1
+    }
+}

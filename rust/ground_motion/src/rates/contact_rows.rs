@@ -1,0 +1,123 @@
+//! Contacts in lanes: velocities of the touching points as functions of the rates.
+
+use crate::contact::COLUMNS;
+use crate::lanes::columns::inverse_length;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::suspension::MAX_WHEELS;
+use six_wheel_terrain::suspension::lanes::{Placing, Turned, Vectors, all, along, cross, dot, less};
+
+/// Derivatives of a velocity by the rates, in lanes.
+pub(crate) type Row<S> = [Lanes<S>; COLUMNS];
+
+/// Velocity of a wheel's touching point along the normal, along the rim and to the left [m/s], as a function of the rates.
+#[derive(Clone, Copy)]
+pub(crate) struct Contact<S: Vector> {
+    /// By the rates. Along the rim that is `v_c . T - r w . axle`: the rim of a wheel that does not turn against its link.
+    pub rows: [Row<S>; 3],
+    /// The same that the rate of its own steering adds [m/s].
+    pub swivel: [Lanes<S>; 3],
+}
+
+/// Contacts of all wheels.
+pub(crate) type Contacts<S> = [Contact<S>; MAX_WHEELS];
+
+impl<S: Vector> Contact<S> {
+    /// A contact whose point never moves.
+    #[inline(always)]
+    pub fn zero(simd: S) -> Self {
+        Self { rows: [[all(simd, 0.0); COLUMNS]; 3], swivel: [all(simd, 0.0); 3] }
+    }
+}
+
+/// Tangent and contact point of a wheel.
+#[derive(Clone, Copy)]
+pub(crate) struct RimPoint<S: Vector> {
+    pub tangent: Vectors<S>,
+    pub point: Vectors<S>,
+}
+
+impl<S: Vector> RimPoint<S> {
+    /// At a contact angle t, of a wheel with this centre that is turned about its steering axis: the tangent is
+    /// `T = h cos t + u sin t`, the point `c + r (h sin t - u cos t)`.
+    #[inline(always)]
+    pub fn new(
+        placing: &Placing<'_, S>,
+        wheel: usize,
+        centre: Vectors<S>,
+        radius: Lanes<S>,
+        steered: Option<Turned<S>>,
+        (sin, cos): Turned<S>,
+    ) -> Self {
+        let zero = all(sin.simd(), 0.0);
+        let limb = placing.limb(wheel);
+        let (mut tangent, mut spoke) = ([cos, zero, sin], [sin, zero, -cos]);
+        if let Some((s, c)) = steered {
+            (tangent, spoke) = ([cos * c, cos * s, sin], [sin * c, sin * s, -cos]);
+        }
+        Self { tangent: limb.out(tangent), point: along(centre, radius, limb.out(spoke)) }
+    }
+}
+
+/// Derivatives by the rates of the velocities of a point of a wheel's carrier along some directions: the direction d for
+/// the velocity of the body, `p x d` for its rotation, `(axis x arm) . d` for each free angle.
+#[inline(always)]
+pub(crate) fn velocity_rows<S: Vector, const N: usize>(
+    placing: &Placing<'_, S>,
+    wheel: usize,
+    point: Vectors<S>,
+    directions: [Vectors<S>; N],
+    rows: &mut [Row<S>; N],
+) {
+    for (row, direction) in rows.iter_mut().zip(directions) {
+        row[..3].copy_from_slice(&direction);
+        row[3..6].copy_from_slice(&cross(point, direction));
+    }
+    let mut filled = 0_u32;
+    for &mover in placing.movers(wheel) {
+        let (joint, moved) = placing.swing(mover, point);
+        let again = filled >> joint & 1 == 1;
+        filled |= 1 << joint;
+        for (row, direction) in rows.iter_mut().zip(directions) {
+            let along = placing.swung(mover, moved, direction);
+            row[6 + joint] = if again { row[6 + joint] + along } else { along };
+        }
+    }
+}
+
+/// Velocity of a point along some directions per rate of the wheel's own steering [m/rad].
+#[inline(always)]
+pub(crate) fn steering_velocity<S: Vector>(
+    simd: S,
+    placing: &Placing<'_, S>,
+    wheel: usize,
+    point: Vectors<S>,
+    directions: [Vectors<S>; 3],
+) -> [Lanes<S>; 3] {
+    let limb = placing.limb(wheel);
+    let [ahead, left, _] = limb.own(less(point, placing.pivot(simd, wheel)));
+    let moved = limb.out([-left, ahead, all(simd, 0.0)]);
+    let [normal, ahead, left] = directions;
+    [dot(moved, normal), dot(moved, ahead), dot(moved, left)]
+}
+
+/// The sign bit where the side of the rim that touches is the far one, seen from the plane on which it stands, of a wheel
+/// with the plane's normal along its forward and upward axes: that of a wheel that leans far, on the edge of something
+/// steeper than it.
+#[inline(always)]
+pub(crate) fn rim_side<S: Vector>([ahead, up]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> Lanes<S> {
+    let zero = all(sin.simd(), 0.0);
+    // The spoke points along the normal.
+    (up * cos).below(ahead * sin).select(-zero, zero)
+}
+
+/// Sine and cosine of the contact angle of a wheel on a plane, on this side of its rim, from the plane's normal along its
+/// forward and upward axes. A wheel that lies flat touches anywhere.
+#[inline(always)]
+pub(crate) fn angle_on_plane<S: Vector>([ahead, up]: [Lanes<S>; 2], side: Lanes<S>) -> Turned<S> {
+    let simd = side.simd();
+    let square = ahead.mul_add(ahead, up * up);
+    let inverse = inverse_length(simd, square).flip(side);
+    let flat = square.at_most(all(simd, 0.0));
+    (-(ahead * inverse), flat.select(all(simd, 1.0), up * inverse))
+}

@@ -1,0 +1,151 @@
+//! Command of a wheel from the velocity of its centre, and the vertical speed of the body.
+
+use crate::driving::Lift;
+use crate::lanes::columns::{angle_of, is_number, mask, polar};
+use crate::rates::constants::MotionConstants;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::suspension::MAX_WHEELS;
+use six_wheel_terrain::suspension::lanes::all;
+
+/// Velocities across the link above which a wheel is off the ground.
+#[derive(Clone, Copy)]
+pub(crate) struct LiftLimits {
+    /// [m/s]
+    speed: f64,
+    /// Square of the steepest slope.
+    square: f64,
+}
+
+impl LiftLimits {
+    pub fn new(lift: Lift) -> Self {
+        let slope = lift.slope();
+        Self { speed: lift.speed, square: slope * slope }
+    }
+}
+
+/// The velocity of a wheel's centre along and across its link, but for the body's vertical speed.
+#[derive(Clone, Copy)]
+pub(crate) struct CentreVelocity<S: Vector> {
+    pub along: Lanes<S>,
+    pub across: Lanes<S>,
+    /// Both velocities per vertical speed of the body [1].
+    pub vertical: [Lanes<S>; 2],
+    /// Rate of the link about the axle [rad/s].
+    pub turn: Lanes<S>,
+    /// One over the wheel's radius [1/m].
+    pub inverse_radius: Lanes<S>,
+}
+
+/// Command of a wheel.
+pub(crate) struct WheelCommand<S: Vector> {
+    /// [rad/s]
+    pub speed: Lanes<S>,
+    /// [rad]
+    pub contact_angle: Lanes<S>,
+    /// Lanes in which the joints lift or drop the wheel as no ground would.
+    pub lifted: Mask<S>,
+}
+
+impl<S: Vector> CentreVelocity<S> {
+    #[inline(always)]
+    fn at(&self, vertical: Lanes<S>) -> [Lanes<S>; 2] {
+        [self.vertical[0].mul_add(vertical, self.along), self.vertical[1].mul_add(vertical, self.across)]
+    }
+
+    /// The vertical speed at which the centre moves along its link [m/s].
+    #[inline(always)]
+    pub fn closing_speed(&self, simd: S) -> Lanes<S> {
+        all(simd, 0.0) - self.across.quotient(self.vertical[1])
+    }
+
+    /// The command at this vertical speed, for the commanded velocity of the centre in plan: the wheel rolls along the
+    /// velocity of its centre, forwards or backwards, whichever is along its link.
+    #[inline(always)]
+    pub fn command(&self, simd: S, vertical: Lanes<S>, [x, y]: [Lanes<S>; 2], lift: LiftLimits) -> WheelCommand<S> {
+        let velocity = self.at(vertical);
+        let [_, across] = velocity;
+        let rolled = polar(velocity);
+        // Squares: a root takes as long as the rest of it.
+        let slope = all(simd, lift.square) * x.mul_add(x, y * y);
+        WheelCommand {
+            speed: rolled.length.flip(rolled.sign) * self.inverse_radius - self.turn,
+            contact_angle: angle_of(simd, rolled.turned),
+            lifted: all(simd, lift.speed).below(across.abs()) & slope.below(across * across),
+        }
+    }
+}
+
+/// The median over the wheels of the vertical speed at which a wheel moves along its link [m/s]: least in the sum of what
+/// they move across, and unmoved by two wheels on rocks. NaN where one of them is.
+#[inline(always)]
+pub(super) fn median_closing_speed<S: Vector>(simd: S, centres: &[CentreVelocity<S>]) -> Lanes<S> {
+    let zero = all(simd, 0.0);
+    let mut speeds = [zero; MAX_WHEELS];
+    let mut sum = zero;
+    for (speed, centre) in speeds.iter_mut().zip(centres) {
+        *speed = centre.closing_speed(simd);
+        sum = sum + *speed;
+    }
+    let count = centres.len().min(MAX_WHEELS);
+    // The smallest to the front, so far as it takes.
+    for k in 0..=count / 2 {
+        for i in k + 1..count {
+            let (a, b) = (speeds[k], speeds[i]);
+            speeds[k] = a.min(b);
+            speeds[i] = a.max(b);
+        }
+    }
+    let middle = count / 2;
+    let median = match count % 2 {
+        1 => speeds[middle],
+        _ => all(simd, 0.5) * (speeds[(middle + MAX_WHEELS - 1) % MAX_WHEELS] + speeds[middle]),
+    };
+    is_number(sum).select(median, sum)
+}
+
+/// Steps of Gauss and Newton.
+const STEPS: usize = 20;
+
+/// Step below which the vertical speed is found [m/s].
+const FOUND: f64 = 1e-15;
+
+/// Added to the sum of squared derivatives: on level ground the rolling speeds do not depend on the vertical one.
+const DAMPING: f64 = 1e-3;
+
+/// The vertical speed that fits the measured speeds of the wheels best, by damped Gauss-Newton steps from a start [m/s];
+/// lanes that have found theirs wait for the others.
+#[inline(always)]
+pub(super) fn fitted_vertical_speed<S: Vector>(
+    simd: S,
+    constants: &MotionConstants,
+    centres: &[CentreVelocity<S>],
+    measured: &[Lanes<S>; MAX_WHEELS],
+    start: Lanes<S>,
+) -> Lanes<S> {
+    let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
+    let mut vertical = start;
+    let mut open = mask(simd, true);
+    for _ in 0..STEPS {
+        let (mut slope, mut square) = (zero, all(simd, DAMPING));
+        for ((centre, measured), radius) in centres.iter().zip(measured).zip(constants.radii) {
+            let [along, across] = centre.at(vertical);
+            let speed = along.mul_add(along, across * across).sqrt();
+            let [ahead, up] = centre.vertical;
+            let moves = zero.below(speed);
+            let inverse = one.quotient(moves.select(speed, one));
+            let derivative = along.mul_add(ahead, across * up) * inverse;
+            let rolled = (all(simd, radius) * (*measured + centre.turn)).abs();
+            let missing = moves.select(rolled - speed, zero);
+            slope = derivative.mul_add(missing, slope);
+            square = moves.select(derivative, zero).mul_add(derivative, square);
+        }
+        let step = slope.quotient(square);
+        vertical = open.select(vertical + step, vertical);
+        open = open & all(simd, FOUND).at_most(step.abs());
+        if !open.any() {
+            break;
+        }
+    }
+    vertical
+}

@@ -1,0 +1,128 @@
+//! Angles of steering joints inside their ranges, and the errors of those that have none.
+
+use std::f64::consts::PI;
+
+use crate::lanes::columns::{Span, direction_of, mask};
+use six_wheel_kinematics::steering::{ANGLE_TOLERANCE, SteeringRange};
+use six_wheel_numerics::error::{Error, ErrorKind, number};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::suspension::lanes::{Column, Turned, all};
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
+
+/// Angle of a joint, and the lanes in which it has none.
+#[derive(Clone, Copy)]
+pub(crate) struct JointAngle<S: Vector> {
+    /// Rotation from the axes in which the wheels are given.
+    pub turned: Turned<S>,
+    pub angle: Lanes<S>,
+    /// Lanes in which its wheels slip at every angle.
+    pub(super) slips: Mask<S>,
+    /// Lanes in which neither the angle nor that half a turn from it is inside the range.
+    outside: Mask<S>,
+}
+
+impl<S: Vector> JointAngle<S> {
+    /// An angle that is given.
+    #[inline(always)]
+    pub fn given(simd: S, angle: Lanes<S>, from: Lanes<S>) -> Self {
+        let no = mask(simd, false);
+        Self { turned: direction_of(simd, angle - from), angle, slips: no, outside: no }
+    }
+
+    /// An angle with this rotation, or half a turn from it, inside a range.
+    #[inline(always)]
+    pub fn in_range(simd: S, range: SteeringRange, angle: Lanes<S>, turned: Turned<S>) -> Self {
+        let half = all(simd, PI);
+        let (lower, upper) = (all(simd, range.lower), all(simd, range.upper));
+        let (least, most) = (all(simd, range.lower - ANGLE_TOLERANCE), all(simd, range.upper + ANGLE_TOLERANCE));
+        let (back, on) = (angle - half, angle + half);
+        let stays = least.at_most(angle) & angle.at_most(most);
+        let goes_back = least.at_most(back) & back.at_most(most);
+        let goes_on = least.at_most(on) & on.at_most(most);
+        let found = stays.select(angle, goes_back.select(back, on)).max(lower).min(upper);
+        let flip = stays.select(all(simd, 0.0), all(simd, -0.0));
+        let outside = !(stays | goes_back | goes_on);
+        // What is outside stays as it was, for the message.
+        let angle = outside.select(angle, found);
+        Self { turned: (turned.0.flip(flip), turned.1.flip(flip)), angle, slips: mask(simd, false), outside }
+    }
+
+    /// Lanes in which there is no angle.
+    #[inline(always)]
+    pub fn failed(&self) -> Mask<S> {
+        self.slips | self.outside
+    }
+
+    /// This in some lanes, the other in the rest.
+    #[inline(always)]
+    pub(super) fn where_in(self, lanes: Mask<S>, other: Self) -> Self {
+        Self {
+            turned: (lanes.select(self.turned.0, other.turned.0), lanes.select(self.turned.1, other.turned.1)),
+            angle: lanes.select(self.angle, other.angle),
+            slips: (self.slips & lanes) | (other.slips & !lanes),
+            outside: (self.outside & lanes) | (other.outside & !lanes),
+        }
+    }
+}
+
+/// Fails if a joint has no angle in one of these lanes, for the first of the rows from `first` on.
+#[inline(always)]
+pub(crate) fn check<S: Vector>(
+    simd: S,
+    chain: &Chain,
+    span: Span,
+    angles: &[Option<JointAngle<S>>; MAX_WHEELS],
+    touching: &[Lanes<S>; MAX_WHEELS],
+    known: Mask<S>,
+) -> Result<(), Error> {
+    let mut failed = mask(simd, false);
+    for angle in angles.iter().flatten() {
+        failed = failed | angle.failed();
+    }
+    if !(failed & known).any() {
+        return Ok(());
+    }
+    let mut failures = [[Column::ZERO; 3]; MAX_WHEELS];
+    let mut touches = [Column::ZERO; MAX_WHEELS];
+    for k in 0..MAX_WHEELS {
+        touches[k] = Column::of(touching[k]);
+        if let Some(angle) = &angles[k] {
+            let (one, zero) = (all(simd, 1.0), all(simd, 0.0));
+            let truths = [angle.slips & known, angle.outside & known];
+            failures[k] = [
+                Column::of(truths[0].select(one, zero)),
+                Column::of(truths[1].select(one, zero)),
+                Column::of(angle.angle),
+            ];
+        }
+    }
+    refusal(chain, span, &failures, &touches).map_or(Ok(()), Err)
+}
+
+/// Error of the first row in which a joint has no angle, with the name of its first wheel, of those that touch if one does.
+/// Of each joint the lanes in which its wheels slip at every angle, those in which its angle is out of range, and the angle.
+#[cold]
+fn refusal(chain: &Chain, span: Span, failures: &[[Column; 3]], touching: &[Column; MAX_WHEELS]) -> Option<Error> {
+    for lane in 0..span.count {
+        for (joint, [slips, outside, angle]) in failures.iter().enumerate() {
+            let of = |wheel: &usize| chain.steering_joint(*wheel) == Some(joint);
+            let wheels = (0..chain.wheels().len()).filter(of);
+            let first = wheels.clone().find(|wheel| touching[*wheel].0[lane] > 0.0);
+            let Some(wheel) = first.or(wheels.min()) else { continue };
+            let name = &chain.wheels()[wheel].name;
+            let error = if slips.0[lane] > 0.0 {
+                let rule = format!("let {name} roll at some angle");
+                Error::value("command", rule, "one at which it slips at any")
+            } else if outside.0[lane] > 0.0 {
+                let SteeringRange { lower, upper } = chain.steering()[joint];
+                let rule = format!("let {name} steer within ({lower:?}, {upper:?})");
+                Error::value("command", rule, number(angle.0[lane]))
+            } else {
+                continue;
+            };
+            return Some(error.of_kind(ErrorKind::Infeasible).at_row(span.first + lane));
+        }
+    }
+    None
+}

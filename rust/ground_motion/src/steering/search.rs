@@ -1,0 +1,291 @@
+//! Angles of steered wheels: the root of the sideways velocity of what a joint steers ([`SideSlip`]), inside the range of
+//! the joint.
+//!
+//! Newton's method, with the second derivative, starts where the touching points go; where its steps do not shrink the root
+//! is bracketed. Half a turn from a root is one too, but for wheels beside their axis.
+
+use std::f64::consts::PI;
+
+use super::joint_angle::JointAngle;
+use super::side_slip::{SideSlip, WheelAxes};
+use crate::lanes::columns::{angle_of, direction_of, mask, polar, roots};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::direction;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::suspension::MAX_WHEELS;
+use six_wheel_terrain::suspension::lanes::{ChainConstants, Turned, Vectors, all};
+
+/// Steps after which a root is bracketed instead.
+const MAX_NEWTON_STEPS: usize = 12;
+
+/// Newton's method is accepted while `|step_k| <= 0.5 |step_(k-1)|`, with `|step_0| = 0.5` rad.
+const MIN_STEP_REDUCTION: f64 = 0.5;
+
+/// A step shorter than this [rad] is the last one: its square is what it leaves.
+const CONVERGED_STEP: f64 = 1e-8;
+
+/// The same where the second derivative is known too: its cube is what it leaves.
+const CONVERGED_BENT_STEP: f64 = 2e-6;
+
+/// Rounding of a sine, as a share of the speeds it is made of, and of an angle [rad].
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Derivatives below this share of the speeds they are made of are those of a nearly double root.
+const FLAT: f64 = 0.02;
+
+/// Steps of a search for a bracket, over half a turn to either side.
+const BRACKET_STEPS: u32 = 48;
+
+/// Halvings and Newton steps inside a bracket: twice what an interval of doubles takes.
+const HALVINGS: usize = 128;
+
+/// Steered wheels in their axes, and their joints.
+pub(crate) struct SteeringInput<'a, S: Vector> {
+    pub plan: &'a ChainConstants,
+    /// Range of every joint.
+    pub ranges: &'a [SteeringRange],
+    /// Of every wheel, at the angles `from` of the joints [rad].
+    pub axes: &'a [WheelAxes<S>],
+    pub from: &'a [Lanes<S>; MAX_WHEELS],
+    /// Angles of joints whose wheels rest [rad].
+    pub held: &'a [Lanes<S>; MAX_WHEELS],
+    /// 1 where a wheel touches.
+    pub touching: &'a [Lanes<S>; MAX_WHEELS],
+    /// Lanes that need angles.
+    pub known: Mask<S>,
+}
+
+/// Turns every joint to where the touching points of its wheels go, forwards or backwards, whichever is nearer to `from`;
+/// None for joints without a wheel.
+#[inline(always)]
+pub(crate) fn steer<S: Vector>(simd: S, input: &SteeringInput<'_, S>) -> [Option<JointAngle<S>>; MAX_WHEELS] {
+    let slip = SideSlip::new(simd, input.plan, input.axes, input.touching);
+    let no = mask(simd, false);
+    let zero = all(simd, 0.0);
+    let straight = (zero, all(simd, 1.0));
+    let mut searches = [RootSearch::new(simd, straight, no); MAX_WHEELS];
+    let mut rests = [no; MAX_WHEELS];
+    for (k, (search, joint)) in searches.iter_mut().zip(&slip.joints).enumerate() {
+        if joint.any() {
+            let start = polar(joint.velocity);
+            rests[k] = start.is_zero;
+            *search = RootSearch::new(simd, start.turned, input.known & !start.is_zero);
+            if joint.is_offset {
+                search.start = angle_of(simd, start.turned);
+            }
+        }
+    }
+    let mut angles = [None; MAX_WHEELS];
+    // Half a turn from a root there need not be another one: then it is looked for from there.
+    for _ in 0..2 {
+        find_roots(simd, &slip, &mut searches);
+        let (mut again, mut any) = ([no; MAX_WHEELS], no);
+        for (k, (angle, search)) in angles.iter_mut().zip(&searches).enumerate() {
+            let joint = &slip.joints[k];
+            if !joint.any() {
+                continue;
+            }
+            let (root, turned) = search.root(simd, joint.is_offset);
+            let asked = input.from[k] + root;
+            let mut found = JointAngle::in_range(simd, input.ranges[k], asked, turned);
+            found.slips = search.failed;
+            if rests[k].any() {
+                let held = input.held[k];
+                let turned = direction_of(simd, held - input.from[k]);
+                found = JointAngle::in_range(simd, input.ranges[k], held, turned).where_in(rests[k], found);
+            }
+            if let Some(before) = angle {
+                found = found.where_in(search.wanted, *before);
+            }
+            *angle = Some(found);
+            if joint.is_offset {
+                let stays = (found.angle - asked).abs().at_most(zero);
+                again[k] = search.wanted & !(stays | found.failed());
+                any = any | again[k];
+            }
+        }
+        if !any.any() {
+            break;
+        }
+        for (k, (angle, search)) in angles.iter().zip(&mut searches).enumerate() {
+            if let Some(angle) = angle {
+                *search = RootSearch::new(simd, angle.turned, again[k]);
+                search.start = angle.angle - input.from[k];
+            }
+        }
+    }
+    angles
+}
+
+/// Roots of the sideways velocities of all joints: Newton's method, then brackets.
+#[inline(always)]
+fn find_roots<S: Vector>(simd: S, slip: &SideSlip<'_, S>, searches: &mut [RootSearch<S>; MAX_WHEELS]) {
+    for _ in 0..MAX_NEWTON_STEPS {
+        let mut open = mask(simd, false);
+        for (k, search) in searches.iter_mut().enumerate() {
+            if search.open.any() {
+                let joint = &slip.joints[k];
+                let last = if joint.is_offset { CONVERGED_STEP } else { CONVERGED_BENT_STEP };
+                search.step(simd, slip.at(simd, k, search.turned), joint.size, last);
+                open = open | search.open;
+            }
+        }
+        if !open.any() {
+            break;
+        }
+    }
+    for (k, search) in searches.iter_mut().enumerate() {
+        let lost = search.failed | search.open;
+        if lost.any() {
+            search.bracket(simd, slip, k, lost);
+        }
+    }
+}
+
+/// Search for the root of one joint.
+#[derive(Clone, Copy)]
+struct RootSearch<S: Vector> {
+    /// Angle of the start, of wheels beside their axis [rad], and its direction.
+    start: Lanes<S>,
+    from: Turned<S>,
+    turned: Turned<S>,
+    /// Length of the last step [rad].
+    last: Lanes<S>,
+    /// Lanes that are searched, those in which the root is not found yet, and those in which there is none.
+    wanted: Mask<S>,
+    open: Mask<S>,
+    failed: Mask<S>,
+    /// Lanes in which the root was bracketed, and the root [rad].
+    bracketed: Mask<S>,
+    root: Lanes<S>,
+}
+
+impl<S: Vector> RootSearch<S> {
+    #[inline(always)]
+    fn new(simd: S, from: Turned<S>, wanted: Mask<S>) -> Self {
+        let (zero, no) = (all(simd, 0.0), mask(simd, false));
+        Self {
+            start: zero,
+            from,
+            turned: from,
+            last: all(simd, 0.5),
+            wanted,
+            open: wanted,
+            failed: no,
+            bracketed: no,
+            root: zero,
+        }
+    }
+
+    /// A step of Newton's method where it is open; lanes that have found their root wait for the others, so that no lane
+    /// depends on another.
+    #[inline(always)]
+    fn step(&mut self, simd: S, [value, by, bend]: Vectors<S>, size: Lanes<S>, last: f64) {
+        let inverse = all(simd, 1.0).quotient(by);
+        let newton = -(value * inverse);
+        let step = (bend * inverse * (newton * newton)).mul_add(all(simd, -0.5), newton);
+        let length = step.abs();
+        let is_root = value.abs().at_most(all(simd, ROUNDING) * size);
+        let shrinks = length.at_most(all(simd, MIN_STEP_REDUCTION) * self.last);
+        let is_steep = (all(simd, FLAT) * size).below(by.abs());
+        let shortest = is_steep.select(all(simd, last), all(simd, ROUNDING));
+        let moves = self.open & shrinks & !is_root;
+        self.failed = self.failed | (self.open & !(shrinks | is_root));
+        self.open = moves & shortest.below(length);
+        self.last = length;
+        let (sin, cos) = self.turned;
+        let (s, c) = (step.mul_add(cos, sin), cos - step * sin);
+        let [inverse, _] = roots(simd, step.mul_add(step, all(simd, 1.0)));
+        self.turned = (moves.select(s * inverse, sin), moves.select(c * inverse, cos));
+    }
+
+    /// The angle of the root from where the search began, and its direction: for wheels on their axis that of a quarter
+    /// turn at most.
+    #[inline(always)]
+    fn root(&self, simd: S, is_offset: bool) -> (Lanes<S>, Turned<S>) {
+        let (sin, cos) = self.turned;
+        if !is_offset {
+            let behind = cos.sign();
+            let turned = (sin.flip(behind), cos.flip(behind));
+            return (angle_of(simd, turned), turned);
+        }
+        let (s, c) = self.from;
+        let step = (sin * c - cos * s, cos.mul_add(c, sin * s));
+        (self.bracketed.select(self.root, self.start + angle_of(simd, step)), self.turned)
+    }
+
+    /// The root nearest to the start, by looking to either side of it. Half a turn from an angle the sign is the other but
+    /// for wheels beside their axis: only those may have none.
+    #[inline(always)]
+    fn bracket(&mut self, simd: S, slip: &SideSlip<'_, S>, joint: usize, lost: Mask<S>) {
+        let zero = all(simd, 0.0);
+        let start = match slip.joints[joint].is_offset {
+            true => self.start,
+            false => angle_of(simd, self.from),
+        };
+        let [value, ..] = slip.at(simd, joint, direction(simd, start));
+        let mut ends = [zero.below(value); 2];
+        let (mut near, mut far, mut rises) = (start, start, ends[0]);
+        let mut open = lost;
+        for step in 1..=BRACKET_STEPS {
+            for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+                let width = sign * PI / f64::from(BRACKET_STEPS);
+                let [from, to] = [step - 1, step].map(|k| start + all(simd, width * f64::from(k)));
+                let [value, ..] = slip.at(simd, joint, direction(simd, to));
+                let found = zero.below(value);
+                let differs = open & ((found & !*end) | (*end & !found));
+                (near, far) = (differs.select(from, near), differs.select(to, far));
+                rises = (differs & *end) | (rises & !differs);
+                open = open & !differs;
+                *end = found;
+            }
+            if !open.any() {
+                break;
+            }
+        }
+        self.failed = open;
+        self.bracketed = lost & !open;
+        self.root = inside(simd, slip, joint, [near, far], rises, self.bracketed);
+        let (sin, cos) = direction(simd, self.root);
+        let (s, c) = self.turned;
+        self.turned = (self.bracketed.select(sin, s), self.bracketed.select(cos, c));
+    }
+}
+
+/// The root between two angles at which the sign differs, positive at the near one where `positive`: Newton's method where
+/// it more than halves the interval, halves elsewhere.
+#[inline(always)]
+fn inside<S: Vector>(
+    simd: S,
+    slip: &SideSlip<'_, S>,
+    joint: usize,
+    [mut near, mut far]: [Lanes<S>; 2],
+    positive: Mask<S>,
+    mut open: Mask<S>,
+) -> Lanes<S> {
+    let (zero, half) = (all(simd, 0.0), all(simd, 0.5));
+    let mut angle = half * (near + far);
+    let mut before = (far - near).abs();
+    let mut last = before;
+    for _ in 0..HALVINGS {
+        let [value, by, _] = slip.at(simd, joint, direction(simd, angle));
+        open = open & !value.abs().at_most(zero);
+        let above = zero.below(value);
+        let is_near = (above & positive) | !(above | positive);
+        near = (open & is_near).select(angle, near);
+        far = (open & !is_near).select(angle, far);
+        let newton = angle - value.quotient(by);
+        let fits = ((newton - near) * (newton - far)).below(zero);
+        let halves = (newton - angle).abs().at_most(half * before);
+        let next = (fits & halves).select(newton, half * (near + far));
+        before = last;
+        last = (next - angle).abs();
+        angle = open.select(next, angle);
+        open = open & all(simd, 2.0 * f64::EPSILON).below(last);
+        if !open.any() {
+            break;
+        }
+    }
+    angle
+}

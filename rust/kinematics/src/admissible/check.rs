@@ -1,0 +1,159 @@
+//! Checks of single twists, and what a twist that fails them fails at.
+
+use crate::geometry::Twist;
+use crate::kernels::cone::{AdmissibleCone, Rates, SLIP_TOLERANCE};
+use crate::rover_data::RoverData;
+use six_wheel_numerics::error::{Error, ErrorKind, finite, numbers, radians, short};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::vector::Vector;
+
+/// Cause that keeps a rover from a twist.
+#[derive(Clone, Copy, Debug)]
+enum InfeasibilityCause {
+    /// The unsteered wheels of a bank slide sideways [m/s].
+    Slip { bank: usize, slip: f64 },
+    /// A wheel cannot steer to where it has to be, and slides sideways at the end of its range [rad, m/s].
+    Range { wheel: usize, angle: f64, slip: f64 },
+}
+
+/// One twist, in every lane.
+struct JudgeOne<'a> {
+    cone: &'a AdmissibleCone,
+    twist: [f64; 3],
+    rates: &'a [f64],
+}
+
+/// Decision on one twist.
+struct Judged {
+    is_possible: bool,
+    is_valid: bool,
+}
+
+impl Kernel for JudgeOne<'_> {
+    type Output = Judged;
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) -> Judged {
+        let twist = self.twist.map(|part| Lanes::splat(simd, part));
+        let judged = self.cone.judge(simd, twist, Rates::Row(self.rates));
+        Judged { is_possible: judged.is_possible.any(), is_valid: judged.is_valid.any() }
+    }
+}
+
+/// The first cause that keeps a rover from a twist, by the operations that decided that there is one.
+struct FindCause<'a>(JudgeOne<'a>);
+
+impl Kernel for FindCause<'_> {
+    type Output = Option<InfeasibilityCause>;
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) -> Self::Output {
+        let JudgeOne { cone, twist: [vx, vy, omega], rates } = self.0;
+        let twist = [vx + 0.0, vy, omega].map(|part| Lanes::splat(simd, part));
+        let rates = Rates::Row(rates);
+        let tolerance = cone.fastest(simd, twist, rates).0 * Lanes::splat(simd, SLIP_TOLERANCE);
+        let slides = |slip: Lanes<S>| -> bool {
+            let is_within: Mask<S> = slip.at_most(tolerance);
+            !is_within.any()
+        };
+        for bank in 0..cone.banks.len() {
+            let slip = cone.bank_slip(simd, bank, twist);
+            if slides(slip) {
+                return Some(InfeasibilityCause::Slip { bank, slip: slip.last(simd) });
+            }
+        }
+        for limited in &cone.limited {
+            let [angle, slip] = limited.slip(simd, twist, rates);
+            if slides(slip) {
+                let (angle, slip) = (angle.last(simd), slip.last(simd));
+                return Some(InfeasibilityCause::Range { wheel: limited.wheel, angle, slip });
+            }
+        }
+        None
+    }
+}
+
+impl AdmissibleCone {
+    fn judge_one(&self, twist: Twist, rates: Option<&[f64]>) -> Judged {
+        Level::Scalar.run_any(self.one(twist, rates))
+    }
+
+    fn one<'a>(&'a self, twist: Twist, rates: Option<&'a [f64]>) -> JudgeOne<'a> {
+        JudgeOne { cone: self, twist: twist.into(), rates: rates.unwrap_or_default() }
+    }
+
+    /// Fails unless the rover can make the twist: finite, without side slip, inside the steering ranges.
+    pub fn check(&self, rover: &RoverData, twist: Twist, steering_rates: Option<&[f64]>) -> Result<(), Error> {
+        let judged = self.judge_one(twist, steering_rates);
+        if judged.is_possible {
+            return Ok(());
+        }
+        valid(twist, judged.is_valid)?;
+        match Level::Scalar.run_any(FindCause(self.one(twist, steering_rates))) {
+            Some(cause) => Err(infeasibility_error(rover, cause, twist)),
+            None => Ok(()),
+        }
+    }
+
+    /// Fails unless the twist and every wheel speed are finite.
+    pub fn check_speeds(&self, twist: Twist) -> Result<(), Error> {
+        valid(twist, self.judge_one(twist, None).is_valid)
+    }
+
+    /// True if the rover can make a twist. Fails if it is not finite.
+    #[inline]
+    pub fn admissible(&self, twist: Twist) -> Result<bool, Error> {
+        let judged = self.judge_one(twist, None);
+        if !judged.is_valid {
+            valid(twist, false)?;
+        }
+        Ok(judged.is_possible)
+    }
+
+    /// The same, a twist that is not finite being impossible.
+    pub(crate) fn is_possible(&self, twist: Twist) -> bool {
+        self.judge_one(twist, None).is_possible
+    }
+}
+
+/// Fails unless a twist and its wheel speeds are finite.
+fn valid(twist: Twist, is_valid: bool) -> Result<(), Error> {
+    if is_valid {
+        return Ok(());
+    }
+    finite("twist", &<[f64; 3]>::from(twist))?;
+    Err(infeasible("keep every wheel speed finite", twist).of_kind(ErrorKind::Value))
+}
+
+fn infeasibility_error(rover: &RoverData, cause: InfeasibilityCause, twist: Twist) -> Error {
+    let rule = match cause {
+        InfeasibilityCause::Slip { bank, slip } => {
+            let names: Vec<_> =
+                rover.banks[bank].wheels.iter().map(|&i| format!("{:?}", rover.wheels()[i].name)).collect();
+            format!(
+                "let the unsteered wheels {} roll without side slip (they would slide at {} m/s; \
+                 project() finds a twist that does not)",
+                names.join(", "),
+                short(slip)
+            )
+        }
+        InfeasibilityCause::Range { wheel, angle, slip } => {
+            let wheel = &rover.wheels()[wheel];
+            let range = wheel.steering().unwrap_or_default();
+            format!(
+                "let wheel {:?} steer within {range} (at {} it would slide at {} m/s; \
+                 project() finds a twist that does not)",
+                wheel.name,
+                radians(angle),
+                short(slip)
+            )
+        }
+    };
+    infeasible(rule, twist)
+}
+
+/// A failure at a motion that the rover cannot make.
+pub(crate) fn infeasible(rule: impl Into<String>, twist: Twist) -> Error {
+    Error::value("twist", rule, numbers(&<[f64; 3]>::from(twist))).of_kind(ErrorKind::Infeasible)
+}

@@ -1,0 +1,71 @@
+//! Direction ties: wheels whose two solutions are about equally near roll the same way.
+//!
+//! They keep their own solutions if they agree and stand still. Otherwise they roll as they roll already, by the sign of the sum
+//! of their present speeds, or where that is 0 the way that is shorter for all of them together.
+
+use pulp::Simd;
+
+use crate::steering::ANGLE_TOLERANCE;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+
+/// Lanes in which wheels of a tie have a common direction, and those where that is backwards.
+pub type CommonDirection<S> = Option<[Mask<S>; 2]>;
+
+/// Two solutions of a wheel that are about equally near.
+#[derive(Clone, Copy)]
+pub struct DirectionTie<S: Simd> {
+    /// True where they are.
+    pub is_tie: Mask<S>,
+    /// True where the wheel on its own rolls backwards.
+    pub is_backwards: Mask<S>,
+    /// Difference by which the solution backwards is nearer [rad].
+    pub lead: Lanes<S>,
+}
+
+/// Sums over the wheels of a direction tie.
+#[derive(Clone, Copy)]
+pub struct DirectionVotes<S: Simd> {
+    /// Number of wheels that roll forwards on their own.
+    pub forwards: Lanes<S>,
+    /// Number of wheels that roll backwards on their own.
+    pub backwards: Lanes<S>,
+    /// Difference by which the solutions backwards are nearer [rad].
+    pub lead: Lanes<S>,
+    /// Present speeds [rad/s].
+    pub speed: Lanes<S>,
+}
+
+impl<S: Simd> DirectionVotes<S> {
+    /// No wheels.
+    #[inline(always)]
+    pub fn none(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        Self { forwards: zero, backwards: zero, lead: zero, speed: zero }
+    }
+
+    /// With one wheel more, and its present speed [rad/s].
+    #[inline(always)]
+    #[must_use]
+    pub fn with(self, tie: &DirectionTie<S>, speed: Lanes<S>) -> Self {
+        let simd = speed.simd();
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let counted = |mask: Mask<S>, number: Lanes<S>| mask.select(number, zero);
+        Self {
+            forwards: self.forwards + counted(tie.is_tie & !tie.is_backwards, one),
+            backwards: self.backwards + counted(tie.is_tie & tie.is_backwards, one),
+            lead: self.lead + counted(tie.is_tie, tie.lead),
+            speed: self.speed + counted(tie.is_tie, speed),
+        }
+    }
+
+    /// Lanes with a common direction, and those where it is backwards.
+    #[inline(always)]
+    pub fn common_direction(&self, simd: S) -> [Mask<S>; 2] {
+        let zero = Lanes::splat(simd, 0.0);
+        let is_rolling = zero.below(self.speed.abs());
+        let differ = zero.below(self.forwards * self.backwards);
+        let is_shorter = Lanes::splat(simd, ANGLE_TOLERANCE).below(self.lead);
+        let to_back = (is_rolling & self.speed.below(zero)) | (!is_rolling & is_shorter);
+        [is_rolling | differ, to_back]
+    }
+}

@@ -1,0 +1,218 @@
+//! The nearest twist that a rover can make, in every lane.
+
+use super::cone::{AdmissibleCone, Rates, dot};
+use crate::admissible::Keep;
+use crate::admissible::check::infeasible;
+use crate::admissible::faces::{AGREED, Face, Faces, VANISHED, components};
+use crate::geometry::Twist;
+use six_wheel_numerics::error::{Error, ErrorKind};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::vector::Vector;
+
+/// A twist in every lane.
+type TwistLanes<S> = [Lanes<S>; 3];
+
+/// Constants of a rover for projections.
+#[derive(Clone, Copy)]
+pub(crate) struct Projection<'a> {
+    pub cone: &'a AdmissibleCone,
+    pub faces: &'a Faces,
+    pub keep: Keep,
+    /// Root mean square distance of the pivots from their centre [m].
+    pub size: f64,
+}
+
+/// Twists of the admissible set.
+struct Found<S: Vector> {
+    twist: TwistLanes<S>,
+    /// True where there is one.
+    is_found: Mask<S>,
+}
+
+impl Projection<'_> {
+    /// The nearest twist to one; an admissible one is unchanged.
+    pub fn of(&self, twist: Twist) -> Result<Twist, Error> {
+        match Level::Scalar.run_any(ProjectOne { projection: *self, twist: twist.into() }) {
+            Some(found) => Ok(found.into()),
+            None => Err(self.error(twist)),
+        }
+    }
+
+    /// The failure of a twist that has no projection.
+    #[cold]
+    fn error(&self, twist: Twist) -> Error {
+        if let Err(error) = self.cone.check_speeds(twist) {
+            return error;
+        }
+        let kept = if self.keep == Keep::Speed { "speed" } else { "yaw rate" };
+        let one = ProjectOne { projection: *self, twist: twist.into() };
+        if Level::Scalar.run_any(HasPoint(one)) {
+            // Squares of very large twists are not finite.
+            let rule = "be small enough for a possible twist beside it";
+            return infeasible(rule, twist).of_kind(ErrorKind::Value);
+        }
+        infeasible(format!("have a possible twist of the same {kept} beside it"), twist)
+    }
+
+    /// The projection of every lane, and the lanes that have one that is finite.
+    #[inline(always)]
+    pub fn lanes<S: Vector>(&self, simd: S, wanted: TwistLanes<S>) -> (TwistLanes<S>, Mask<S>) {
+        let judged = self.cone.judge(simd, wanted, Rates::Row(&[]));
+        let is_open = judged.is_valid & !judged.is_possible;
+        if !is_open.any() {
+            return (wanted, judged.is_possible);
+        }
+        let Found { twist, is_found } = self.beyond(simd, wanted, is_open);
+        let largest = Lanes::splat(simd, f64::MAX);
+        let mut is_finite = is_found;
+        for part in twist {
+            is_finite = is_finite & part.abs().at_most(largest);
+        }
+        let projected = [0, 1, 2].map(|k: usize| judged.is_possible.select(wanted[k], twist[k]));
+        (projected, judged.is_possible | is_finite)
+    }
+
+    /// The nearest points of lanes that are not admissible themselves.
+    #[inline(always)]
+    fn beyond<S: Vector>(&self, simd: S, wanted: TwistLanes<S>, is_open: Mask<S>) -> Found<S> {
+        let mut found = self.nearest(simd, self.keep, wanted, is_open);
+        let rest = is_open & !found.is_found;
+        if self.keep != Keep::Curvature || !rest.any() {
+            return found;
+        }
+        // Scaled so that neither the forward speed nor the yaw rate exceeds the wanted one.
+        let nearest = self.nearest(simd, Keep::Nearest, wanted, rest);
+        let share = |k: usize| {
+            let (found, wanted) = (nearest.twist[k].abs(), wanted[k].abs());
+            let one = Lanes::splat(simd, 1.0);
+            found.at_most(wanted).select(one, wanted.quotient(found))
+        };
+        let scale = share(0).min(share(2));
+        for (part, nearest) in found.twist.iter_mut().zip(nearest.twist) {
+            *part = found.is_found.select(*part, nearest * scale);
+        }
+        found.is_found = found.is_found | nearest.is_found;
+        found
+    }
+
+    /// The nearest points of the admissible set that keep what is to be kept, in the lanes that are `asked` for.
+    #[inline(always)]
+    fn nearest<S: Vector>(&self, simd: S, keep: Keep, wanted: TwistLanes<S>, asked: Mask<S>) -> Found<S> {
+        let splat = |number| Lanes::splat(simd, number);
+        let zero = splat(0.0);
+        let [mut size, mut still] = [zero; 2];
+        for row in &self.faces.size {
+            let part = dot(simd, row, wanted);
+            size = size.max(part.abs());
+            still = still + part * part;
+        }
+        let (mut best, mut is_found) = (zero, zero.below(zero));
+        let mut found = [zero; 3];
+        for face in self.faces.of(keep) {
+            let mut distance = zero;
+            for row in &face.miss {
+                let part = dot(simd, row, wanted);
+                distance = distance + part * part;
+            }
+            let is_nearer = asked & (!is_found | distance.below(best));
+            if !is_nearer.any() {
+                continue;
+            }
+            let (point, is_admissible) = self.point(simd, face, keep, wanted, size);
+            let is_nearer = is_nearer & is_admissible;
+            best = is_nearer.select(distance, best);
+            is_found = is_found | is_nearer;
+            for (found, point) in found.iter_mut().zip(point) {
+                *found = is_nearer.select(point, *found);
+            }
+        }
+        // To stand still keeps what is zero.
+        let mut stands = asked & (!is_found | still.below(best));
+        for &k in components(keep) {
+            stands = stands & wanted[k].abs().at_most(zero);
+        }
+        let mut vanishes = zero.at_most(zero);
+        for (part, length) in found.iter().zip(self.lengths(simd)) {
+            vanishes = vanishes & (part.abs() * length).at_most(size * splat(VANISHED));
+        }
+        found = found.map(|part| (stands | vanishes).select(zero, part));
+        for &k in components(keep) {
+            found[k] = wanted[k];
+        }
+        Found { twist: found, is_found: is_found | stands }
+    }
+
+    /// The nearest point of a face, and the lanes in which it is admissible and keeps what is to be kept.
+    #[inline(always)]
+    fn point<S: Vector>(
+        &self,
+        simd: S,
+        face: &Face,
+        keep: Keep,
+        wanted: TwistLanes<S>,
+        size: Lanes<S>,
+    ) -> (TwistLanes<S>, Mask<S>) {
+        let zero = Lanes::splat(simd, 0.0);
+        let mut point = [zero; 3];
+        for [direction, row] in &face.span {
+            let share = dot(simd, row, wanted);
+            for (part, along) in point.iter_mut().zip(direction) {
+                *part = *part + share * Lanes::splat(simd, *along);
+            }
+        }
+        let mut is_admissible = zero.at_most(zero);
+        if face.bound {
+            for &k in components(keep) {
+                let off = (point[k] - wanted[k]).abs();
+                is_admissible = is_admissible & off.at_most(size * Lanes::splat(simd, AGREED));
+            }
+        }
+        if !face.open.is_empty() {
+            // The rest of a component that vanishes is rounding, and rounding has no direction.
+            for (part, length) in point.iter_mut().zip(self.lengths(simd)) {
+                let vanishes = (part.abs() * length).at_most(size * Lanes::splat(simd, VANISHED));
+                *part = vanishes.select(zero, *part);
+            }
+            is_admissible = is_admissible & self.cone.judge_joints(simd, point, &face.open);
+        }
+        (point, is_admissible)
+    }
+
+    /// Lengths that make speeds of the parts of a twist [1, 1, m].
+    #[inline(always)]
+    fn lengths<S: Vector>(&self, simd: S) -> TwistLanes<S> {
+        [Lanes::splat(simd, 1.0), Lanes::splat(simd, 1.0), Lanes::splat(simd, self.size)]
+    }
+}
+
+/// One twist, in every lane.
+struct ProjectOne<'a> {
+    projection: Projection<'a>,
+    twist: [f64; 3],
+}
+
+impl Kernel for ProjectOne<'_> {
+    type Output = Option<[f64; 3]>;
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) -> Self::Output {
+        let wanted = self.twist.map(|part| Lanes::splat(simd, part));
+        let (found, is_found) = self.projection.lanes(simd, wanted);
+        is_found.any().then(|| found.map(|part| part.last(simd)))
+    }
+}
+
+/// True if there is a projection, finite or not.
+struct HasPoint<'a>(ProjectOne<'a>);
+
+impl Kernel for HasPoint<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) -> bool {
+        let wanted = self.0.twist.map(|part| Lanes::splat(simd, part));
+        let zero = Lanes::splat(simd, 0.0);
+        self.0.projection.beyond(simd, wanted, zero.at_most(zero)).is_found.any()
+    }
+}

@@ -1,0 +1,243 @@
+//! Threads that stay: they wait, parked, for the next batch, since starting one takes as long as some thousand rows.
+//!
+//! There is one pool in a process, as large as the most helpers any call asked for, and no larger than the machine. It works
+//! for one caller at a time; a call that comes meanwhile does its work alone. A fork leaves threads behind: the child finds
+//! a pool of another process, and makes its own without looking at what that one holds.
+//!
+//! Not rayon: a scope waits for helpers that have not begun, which on a machine with other work is milliseconds for a batch
+//! of a fifth of one, and it allocates at every call.
+
+use std::any::Any;
+use std::hint::spin_loop;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::process;
+use std::ptr;
+use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Time for which a thread looks for more work before it parks: a batch is checked and then solved, and waking up in
+/// between takes longer than this.
+const PATIENCE: Duration = Duration::from_micros(30);
+
+/// Work of all threads at once, each until there is nothing left to do.
+type Task = &'static (dyn Fn() + Sync);
+
+/// The task, and the threads at it.
+#[derive(Default)]
+struct State {
+    /// True while it works for a caller.
+    busy: bool,
+    task: Option<Task>,
+    /// Threads that may still begin.
+    places: usize,
+    /// Threads at work.
+    running: usize,
+    /// Threads of the pool, and those of them that are parked.
+    threads: usize,
+    parked: usize,
+    /// Payload of a panic in one of them.
+    panic: Option<Box<dyn Any + Send>>,
+}
+
+struct ThreadPool {
+    process: u32,
+    state: Mutex<State>,
+    /// Tasks so far, for threads that look without the lock.
+    tasks: AtomicUsize,
+    begun: Condvar,
+    /// A thread has started, or the last one has finished its task.
+    changed: Condvar,
+}
+
+/// Helpers beyond the machine's cores do nothing sooner, and as they stay, their stacks would keep what memory there is.
+fn most_threads() -> usize {
+    static MOST: OnceLock<usize> = OnceLock::new();
+    *MOST.get_or_init(|| thread::available_parallelism().map_or(1, |cores| cores.get() - 1))
+}
+
+impl ThreadPool {
+    /// The pool of this process.
+    fn here() -> &'static Self {
+        static POOL: AtomicPtr<ThreadPool> = AtomicPtr::new(ptr::null_mut());
+        let process = process::id();
+        let found = POOL.load(Ordering::Acquire);
+        // SAFETY: what is stored there came from a box that is never freed.
+        if let Some(pool) = unsafe { found.as_ref() }
+            && pool.process == process
+        {
+            return pool;
+        }
+        let new = Box::into_raw(Box::new(Self {
+            process,
+            state: Mutex::default(),
+            tasks: AtomicUsize::new(0),
+            begun: Condvar::new(),
+            changed: Condvar::new(),
+        }));
+        // The pool that is stored first serves all; one without threads is not worth freeing.
+        let stored = POOL.compare_exchange(found, new, Ordering::AcqRel, Ordering::Acquire);
+        // SAFETY: as above, whichever of the two it is.
+        unsafe { &*stored.map_or_else(|other| other, |_| new) }
+    }
+
+    /// No thread panics while it holds the lock: the state is whole in any case.
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The life of a thread.
+    fn serve(&self) {
+        let mut state = self.lock();
+        state.threads += 1;
+        self.changed.notify_one();
+        loop {
+            if let Some(task) = state.task
+                && state.places > 0
+            {
+                state.places -= 1;
+                state.running += 1;
+                drop(state);
+                let done = catch_unwind(AssertUnwindSafe(task));
+                state = self.lock();
+                state.panic = done.err().or(state.panic.take());
+                state.running -= 1;
+                if state.running == 0 {
+                    self.changed.notify_one();
+                }
+                continue;
+            }
+            let seen = self.tasks.load(Ordering::Relaxed);
+            drop(state);
+            let idle_since = Instant::now();
+            while self.tasks.load(Ordering::Relaxed) == seen && idle_since.elapsed() < PATIENCE {
+                spin_loop();
+            }
+            state = self.lock();
+            if self.tasks.load(Ordering::Relaxed) == seen {
+                state.parked += 1;
+                state = wait(&self.begun, state);
+                state.parked -= 1;
+            }
+        }
+    }
+
+    /// Starts threads until there are so many, or no more can start. Each has arrived on return, and has taken all the
+    /// memory it ever will.
+    fn grow<'a>(&'static self, mut state: MutexGuard<'a, State>, wanted: usize) -> MutexGuard<'a, State> {
+        while state.threads < wanted {
+            let before = state.threads;
+            drop(state);
+            let started = thread::Builder::new().name("six_wheel".to_owned()).spawn(|| self.serve());
+            state = self.lock();
+            if started.is_err() {
+                break;
+            }
+            while state.threads == before {
+                state = wait(&self.changed, state);
+            }
+        }
+        state
+    }
+}
+
+fn wait<'a, T>(signal: &Condvar, guard: MutexGuard<'a, T>) -> MutexGuard<'a, T> {
+    signal.wait(guard).unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Does a task here and, at the same time, in so many other threads at most; all are done with it on return. A task ends
+/// when there is nothing left to do, so it does not matter how many join in, or when.
+pub(crate) fn run(helpers: usize, task: &(dyn Fn() + Sync)) {
+    let helpers = helpers.min(most_threads());
+    if helpers == 0 {
+        return task();
+    }
+    let pool = ThreadPool::here();
+    let mut state = pool.lock();
+    if state.busy {
+        drop(state);
+        return task();
+    }
+    state.busy = true;
+    state = pool.grow(state, helpers);
+    // SAFETY: the task is taken back below, on every way out of here, and no thread is at it any more by then.
+    state.task = Some(unsafe { std::mem::transmute::<&(dyn Fn() + Sync), Task>(task) });
+    state.places = helpers;
+    pool.tasks.fetch_add(1, Ordering::Relaxed);
+    let parked = state.parked;
+    drop(state);
+    for _ in 0..helpers.min(parked) {
+        pool.begun.notify_one();
+    }
+    let done = catch_unwind(AssertUnwindSafe(task));
+    let mut state = pool.lock();
+    (state.task, state.places) = (None, 0);
+    while state.running > 0 {
+        state = wait(&pool.changed, state);
+    }
+    state.busy = false;
+    let panic = done.err().or(state.panic.take());
+    drop(state);
+    if let Some(panic) = panic {
+        resume_unwind(panic);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Counts to 1000 by whoever is there.
+    fn count(helpers: usize) -> usize {
+        let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        run(helpers, &|| {
+            while next.fetch_add(1, Ordering::Relaxed) < 1000 {
+                done.fetch_add(1, Ordering::Relaxed);
+            }
+        });
+        done.into_inner()
+    }
+
+    #[test]
+    fn all_is_done_on_return_however_many_there_are() {
+        for helpers in [0, 1, 3, 7, 2] {
+            for _ in 0..200 {
+                assert_eq!(count(helpers), 1000);
+            }
+        }
+    }
+
+    #[test]
+    fn several_callers_and_callers_within_a_task_all_get_their_work_done() {
+        thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| (0..100).for_each(|_| assert_eq!(count(3), 1000)));
+            }
+        });
+        let inner = AtomicUsize::new(0);
+        run(2, &|| {
+            inner.fetch_add(count(2), Ordering::Relaxed);
+        });
+        assert_eq!(inner.into_inner() % 1000, 0);
+    }
+
+    #[test]
+    fn a_panic_reaches_the_caller_and_the_pool_goes_on() {
+        for _ in 0..20 {
+            let caller = thread::current().id();
+            let (begun, there) = (AtomicUsize::new(0), AtomicUsize::new(0));
+            let panicked = catch_unwind(AssertUnwindSafe(|| {
+                run(1, &|| {
+                    begun.fetch_add(1, Ordering::Relaxed);
+                    if thread::current().id() != caller {
+                        there.fetch_add(1, Ordering::Relaxed);
+                        resume_unwind(Box::new("a helper's"));
+                    }
+                });
+            }));
+            assert_eq!(panicked.is_err(), there.into_inner() > 0);
+            assert_eq!(count(2), 1000);
+        }
+    }
+}

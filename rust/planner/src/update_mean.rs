@@ -1,0 +1,109 @@
+//! Results of a cycle: the path of the new mean, and the first command.
+
+use super::mppi::Mppi;
+use crate::motion::limits::{RoverLimits, Stuck};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS};
+use six_wheel_numerics::threads::workers::Workers;
+
+impl Mppi {
+    /// Holds its position.
+    pub(crate) fn hold_position(&mut self, stuck: Stuck) {
+        let steps = self.options.horizon;
+        let outcome = &mut self.outcome;
+        outcome.stuck = Some(stuck);
+        outcome.twist = [0.0; 3];
+        outcome.steering.clone_from(&self.situation.1);
+        outcome.speeds.clear();
+        outcome.speeds.resize(self.rover.wheels().len(), 0.0);
+        outcome.twists.clear();
+        outcome.twists.resize(steps, [0.0; 3]);
+        outcome.poses.clear();
+        outcome.poses.resize(steps + 1, self.situation.0);
+        (outcome.cost, outcome.effective) = (0.0, 0.0);
+        self.costs.clear();
+        self.state.controls.fill([0.0; 3]);
+        self.state.cycle = self.state.cycle.wrapping_add(1);
+    }
+
+    /// Computes the path of the new mean, and the first command.
+    pub(crate) fn update_mean(&mut self, workers: Workers) {
+        let free = self.bounds.free;
+        let to = [&mut self.motions[..], &mut self.places];
+        self.engine.nominal(&self.input.initial, &self.mean, workers.level, to);
+        for (control, mean) in self.state.controls.iter_mut().zip(self.mean.chunks_exact(free)) {
+            *control = self.bounds.twist(mean);
+        }
+        let outcome = &mut self.outcome;
+        let dt = self.options.dt;
+        to_world(
+            &self.bounds,
+            &self.motions,
+            &self.places,
+            self.situation.0,
+            dt,
+            &mut outcome.twists,
+            &mut outcome.poses,
+        );
+        let first = self.input.fixed;
+        outcome.twist = outcome.twists[first];
+        outcome.steering.clone_from(&self.situation.1);
+        outcome.speeds.clear();
+        outcome.speeds.resize(self.rover.wheels().len(), 0.0);
+        let moving = |twist: &&[f64; 3]| twist.iter().any(|part| *part != 0.0);
+        if let Some(next) = outcome.twists[first..].iter().find(moving) {
+            let mut angles = [0.0; MAX_WHEELS];
+            let mut speeds = [0.0; MAX_WHEELS];
+            let joints = outcome.steering.len();
+            let inputs = Inputs { previous: Some(&self.situation.1), ..Inputs::default() };
+            let goes = Twist::from(*next);
+            self.rover.solve(goes, inputs, &mut angles[..joints], &mut speeds[..outcome.speeds.len()]);
+            let stands = outcome.twist.iter().all(|part| *part == 0.0);
+            // Where they were a little off, they come back no faster than they may.
+            let most = self.bounds.limits.steering_rate * dt;
+            for (to, angle) in outcome.steering.iter_mut().zip(angles) {
+                *to += (angle - *to).clamp(-most, most);
+            }
+            if !stands {
+                outcome.speeds.copy_from_slice(&speeds[..self.rover.wheels().len()]);
+            }
+        }
+        self.state.steering.clone_from(&outcome.steering);
+        self.state.progress = self.input.progress;
+        self.state.cycle = self.state.cycle.wrapping_add(1);
+    }
+
+    /// Poses and motions of a rollout that was recorded: `horizon + 1` and `horizon` rows.
+    pub fn recorded(&mut self, rollout: usize, poses: &mut Vec<[f64; 3]>, twists: &mut Vec<[f64; 3]>) {
+        self.engine.recorded(rollout, [&mut self.motions, &mut self.places]);
+        to_world(&self.bounds, &self.motions, &self.places, self.situation.0, self.options.dt, twists, poses);
+    }
+
+    /// The controls of one rollout of the last cycle, in body axes.
+    pub fn wishes(&mut self, rollout: usize, to: &mut Vec<[f64; 3]>) {
+        self.engine.controls(rollout, &mut self.motions);
+        to.clear();
+        to.extend(self.motions.chunks_exact(self.bounds.free).map(|control| self.bounds.twist(control)));
+    }
+}
+
+/// Motions and places to twists and poses in the world.
+fn to_world(
+    bounds: &RoverLimits,
+    motions: &[f64],
+    places: &[f64],
+    start: [f64; 3],
+    dt: f64,
+    twists: &mut Vec<[f64; 3]>,
+    poses: &mut Vec<[f64; 3]>,
+) {
+    twists.clear();
+    twists.extend(motions.chunks_exact(bounds.free).map(|motion| bounds.twist(motion)));
+    poses.clear();
+    poses.push(start);
+    let mut yaw = start[2];
+    for (twist, place) in twists.iter().zip(places.chunks_exact(2)) {
+        yaw += twist[2] * dt;
+        poses.push([start[0] + place[0], start[1] + place[1], yaw]);
+    }
+}

@@ -1,0 +1,394 @@
+//! A look at the rims of poses in lanes: gaps, what else is near, and the system of Newton's step.
+
+use super::solve::Rows;
+use crate::ground::rims::circles::{FAR, Point, RIMS, RimLanes, cells, floor, spread};
+use crate::ground::rims::interval::{AngleInterval, GapMinimum};
+use crate::ground::rims::walk::find_min_gap;
+use crate::suspension::kinematics::{ChainAngles, LinkPoses, WheelPose};
+use crate::suspension::lanes::{Turned, Vectors, sum};
+use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS};
+use crate::terrain::Terrain;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::direction;
+use six_wheel_numerics::simd::vector::Vector;
+
+/// [`RimScan::clear`] where the upper halves were left out and may matter.
+pub(crate) const UPPER: f64 = -1.0;
+
+/// Height above the gap up to which other minima along the rim are kept [m].
+pub(crate) const MARGIN: f64 = 1e-4;
+
+/// Between points of [`SAMPLES`] [rad].
+const BETWEEN: f64 = 0.22;
+
+/// Sines and cosines of so many times [`BETWEEN`], up to 5 to either side.
+const SAMPLES: [[f64; 2]; 11] = {
+    let (step, mut samples) = ([0.218_229_623_080_869_32, 0.975_897_449_330_605_5], [[0.0, 1.0]; 11]);
+    let mut k = 6;
+    while k < 11 {
+        let [sin, cos] = samples[k - 1];
+        samples[k] = [sin * step[1] + cos * step[0], cos * step[1] - sin * step[0]];
+        samples[10 - k] = [-samples[k][0], samples[k][1]];
+        k += 1;
+    }
+    samples
+};
+
+/// Poses in the axes of the grid [m], in lanes, with their states.
+pub(crate) struct Here<S: Vector> {
+    pub origin: [Lanes<S>; 2],
+    pub yaw: Turned<S>,
+    pub state: [Lanes<S>; MAX_STATE],
+    /// None where all angles are 0.
+    pub steering: Option<[Turned<S>; MAX_WHEELS]>,
+    /// Sine and cosine of the last contact angles.
+    pub contacts: [[Lanes<S>; 2]; MAX_WHEELS],
+}
+
+/// Part of the rims to search.
+pub(crate) enum Extent<S: Vector> {
+    /// All of the lower halves that may touch.
+    Whole,
+    /// The same, and the upper halves.
+    Both,
+    /// So far to either side of the last contacts [rad].
+    Near(Lanes<S>),
+    /// About the lowest gaps of some points of the rims.
+    Sampled,
+}
+
+/// Result of a search along the rims.
+pub(crate) struct RimScan<S: Vector> {
+    pub rows: Rows<S>,
+    pub found: [GapMinimum<S>; MAX_WHEELS],
+    pub worst: Lanes<S>,
+    /// Smallest height of other minima along the rims above the gap, up to [`MARGIN`] [m]; below 0 if it is not known.
+    pub clear: Lanes<S>,
+    /// True if every rim has a contact there.
+    pub touches: Mask<S>,
+}
+
+impl<S: Vector> Here<S> {
+    /// The chain at these states.
+    #[inline(always)]
+    pub fn poses<'a>(&self, simd: S, chain: &'a Chain) -> LinkPoses<'a, S> {
+        LinkPoses::new(simd, chain, &ChainAngles::of_state(simd, self.yaw, &self.state, self.steering.as_ref()))
+    }
+
+    /// Looks at all rims.
+    #[inline(always)]
+    pub fn look(&self, simd: S, chain: &Chain, ground: &Terrain, extent: &Extent<S>) -> RimScan<S> {
+        let zero = Lanes::splat(simd, 0.0);
+        let spacing = ground.spacing();
+        let per_metre = [Lanes::splat(simd, 1.0 / spacing[0]), Lanes::splat(simd, 1.0 / spacing[1])];
+        let poses = self.poses(simd, chain);
+        let mut scan = RimScan {
+            rows: [([zero; MAX_STATE], zero); MAX_WHEELS],
+            found: [GapMinimum::none(simd); MAX_WHEELS],
+            worst: zero,
+            clear: Lanes::splat(simd, FAR),
+            touches: poses.reaches,
+        };
+        let near = match extent {
+            Extent::Whole | Extent::Both => None,
+            Extent::Near(reach) => Some(direction(simd, *reach)),
+            Extent::Sampled => Some(direction(simd, Lanes::splat(simd, BETWEEN))),
+        };
+        for (wheel, mount) in chain.wheels().iter().enumerate().take(MAX_WHEELS) {
+            let at = poses.wheel(simd, wheel);
+            let radius = Lanes::splat(simd, mount.radius);
+            let rims = self.rims(&at, radius, per_metre);
+            let last = match extent {
+                Extent::Sampled => sampled(simd, ground, &rims),
+                _ => self.contacts[wheel],
+            };
+            let (interval, covers) = match near {
+                None => whole_rims(simd, ground, &rims, last),
+                Some(turned) => (short_look(simd, last, turned), zero.below(zero)),
+            };
+            let (found, covers) = halves(simd, ground, rims, interval, covers, matches!(extent, Extent::Both));
+            let gradient = [found.slope[0] * per_metre[0], found.slope[1] * per_metre[1]];
+            let mut spoke: Vectors<S> = [zero; 3];
+            for (k, spoke) in spoke.iter_mut().enumerate() {
+                *spoke = (at.forward[k] * found.at[0] - at.up[k] * found.at[1]) * radius;
+            }
+            let point = sum(at.centre, spoke);
+            scan.rows[wheel] = (poses.gap_slopes(simd, wheel, point, gradient), -found.gap);
+            scan.worst = scan.worst.max(found.gap.abs());
+            let clear = covers.select(found.others - found.gap, Lanes::splat(simd, UPPER));
+            scan.clear = scan.clear.min(clear);
+            scan.touches = scan.touches & found.gap.abs().below(Lanes::splat(simd, 0.5 * FAR));
+            scan.found[wheel] = found;
+        }
+        scan
+    }
+
+    /// The circles of a wheel, in columns, rows and metres.
+    #[inline(always)]
+    fn rims(&self, at: &WheelPose<S>, radius: Lanes<S>, per_metre: [Lanes<S>; 2]) -> RimLanes<S> {
+        let scale = [radius * per_metre[0], radius * per_metre[1], radius];
+        let mut rims = RimLanes {
+            centre: [
+                (self.origin[0] + at.centre[0]) * per_metre[0],
+                (self.origin[1] + at.centre[1]) * per_metre[1],
+                self.state[0] + at.centre[2],
+            ],
+            forward: at.forward,
+            up: at.up,
+        };
+        for (k, scale) in scale.into_iter().enumerate() {
+            rims.forward[k] = rims.forward[k] * scale;
+            rims.up[k] = rims.up[k] * scale;
+        }
+        rims
+    }
+}
+
+/// The least gap along an interval; where the upper halves are searched too, they are among the others. Also whether nothing is
+/// left out that matters.
+#[inline(always)]
+fn halves<S: Vector>(
+    simd: S,
+    ground: &Terrain,
+    mut rims: RimLanes<S>,
+    mut interval: AngleInterval<S>,
+    mut covers: Mask<S>,
+    both: bool,
+) -> (GapMinimum<S>, Mask<S>) {
+    let mut found = GapMinimum::none(simd);
+    for half in 0..1 + usize::from(both) {
+        let part = find_min_gap(simd, ground, &rims, &interval);
+        if half == 0 {
+            found = part;
+        } else {
+            found.others = found.others.min(part.gap).min(part.others);
+            covers = Lanes::splat(simd, 0.0).below(Lanes::splat(simd, 1.0));
+        }
+        // Turned over, its upper half is the lower one.
+        rims.turn_over();
+        interval = AngleInterval::lower(simd);
+    }
+    (found, covers)
+}
+
+/// The point with the lowest gap of some of every rim.
+#[inline(always)]
+fn sampled<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>) -> [Lanes<S>; 2] {
+    let (mut best, mut at) = (Lanes::splat(simd, FAR), [Lanes::splat(simd, 0.0); 2]);
+    for point in &SAMPLES {
+        let [sin, cos] = [Lanes::splat(simd, point[0]), Lanes::splat(simd, point[1])];
+        let gap = gap(simd, ground, rims, [sin, cos]);
+        let better = gap.below(best);
+        best = better.select(gap, best);
+        at = [better.select(sin, at[0]), better.select(cos, at[1])];
+    }
+    at
+}
+
+/// The gap at a point of every rim.
+#[inline(always)]
+fn gap<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, [sin, cos]: [Lanes<S>; 2]) -> Lanes<S> {
+    let mut at = rims.centre;
+    for (k, at) in at.iter_mut().enumerate() {
+        *at = *at + (rims.forward[k] * sin - rims.up[k] * cos);
+    }
+    let (column, row) = (floor(simd, at[0]), floor(simd, at[1]));
+    let cell = cells(simd, ground, column, row);
+    let (a, b) = (at[0] - column, at[1] - row);
+    at[2] - (cell.h00 + cell.along * a + (cell.across + cell.twist * a) * b)
+}
+
+/// Interval of directions about the last contact.
+#[inline(always)]
+fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> AngleInterval<S> {
+    let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let (low, high) = ([s * cos - c * sin, c * cos + s * sin], [s * cos + c * sin, c * cos - s * sin]);
+    let (starts, ends) = (zero.below(low[1]), zero.below(high[1]));
+    AngleInterval {
+        start: [starts.select(low[0], -unit), starts.select(low[1], zero)],
+        end: [ends.select(high[0], unit), ends.select(high[1], zero)],
+        margin: Lanes::splat(simd, MARGIN),
+        is_closed: false,
+        is_exact: false,
+    }
+}
+
+/// All of the rims that may be as near to the ground as the last contact is, and whether that leaves out their upper
+/// halves: a point that is higher above the highest ground around is not.
+#[inline(always)]
+fn whole_rims<S: Vector>(
+    simd: S,
+    ground: &Terrain,
+    rims: &RimLanes<S>,
+    last: [Lanes<S>; 2],
+) -> (AngleInterval<S>, Mask<S>) {
+    let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let margin = Lanes::splat(simd, MARGIN);
+    let gap = gap(simd, ground, rims, last);
+    // Over ground that is not known it says nothing.
+    let far = Lanes::splat(simd, FAR);
+    let gap = gap.at_most(far).select(gap, far) + margin + margin;
+    let size = (rims.forward[2] * rims.forward[2] + rims.up[2] * rims.up[2]).sqrt();
+    let inverse = unit.quotient(size);
+    let (cos, sin) = (rims.up[2] * inverse, -(rims.forward[2] * inverse));
+    let [rear, front] = tops(simd, ground, rims, &rims.point(sin, cos));
+    let mut interval = AngleInterval { margin, is_closed: false, ..AngleInterval::lower(simd) };
+    // So far from the lowest point its height is what counts: cosine and sine of the angle.
+    let near = ((rims.centre[2] - front - gap) * inverse).min(unit);
+    let far = (unit - near * near).max(zero).sqrt();
+    let end = [sin * near + cos * far, cos * near - sin * far];
+    let ends = zero.below(near) & zero.below(end[1]);
+    interval.end = [ends.select(end[0], unit), ends.select(end[1], zero)];
+    let near = ((rims.centre[2] - rear - gap) * inverse).min(unit);
+    let far = (unit - near * near).max(zero).sqrt();
+    let start = [sin * near - cos * far, cos * near + sin * far];
+    let starts = zero.below(near) & zero.below(start[1]);
+    interval.start = [starts.select(start[0], -unit), starts.select(start[1], zero)];
+    (interval, starts & ends)
+}
+
+/// The highest ground beside what of the rims lies behind and before their lowest points; infinity where it is not
+/// known.
+#[inline(always)]
+fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, lowest: &Point<S>) -> [Lanes<S>; 2] {
+    let zero = Lanes::splat(simd, 0.0);
+    let [mut rear, mut front] = [[[zero; 2]; 2]; 2];
+    for k in 0..2 {
+        // Turned on by an angle from the lowest point it is tangent sin + spoke cos, with the cosine of either sign.
+        let (ahead, aside) = (lowest.tangent[k], lowest.spoke[k].abs());
+        let (low, high) = (ahead.min(zero) - aside, ahead.max(zero) + aside);
+        rear[0][k] = floor(simd, rims.centre[k] - high);
+        rear[1][k] = floor(simd, rims.centre[k] - low);
+        front[0][k] = floor(simd, rims.centre[k] + low);
+        front[1][k] = floor(simd, rims.centre[k] + high);
+    }
+    [top(simd, ground, rear), top(simd, ground, front)]
+}
+
+/// The highest ground over boxes from cell to cell; infinity where it is not known.
+#[inline(always)]
+fn top<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) -> Lanes<S> {
+    let (zero, far) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, f64::INFINITY));
+    let [rows, columns] = ground.shape();
+    let last = [Lanes::splat(simd, columns as f64 - 2.0), Lanes::splat(simd, rows as f64 - 2.0)];
+    // False where a number is none.
+    let on_map = zero.at_most(low[0])
+        & zero.at_most(low[1])
+        & high[0].at_most(last[0])
+        & high[1].at_most(last[1])
+        & low[0].at_most(high[0])
+        & low[1].at_most(high[1]);
+    if let Some(pyramid) = ground.known_pyramid() {
+        let low = [on_map.select(low[0], zero), on_map.select(low[1], zero)];
+        let high = [on_map.select(high[0], zero), on_map.select(high[1], zero)];
+        // SAFETY: they are whole, in order and on the map, or the first cell.
+        let (extremes, fits) = unsafe { pyramid.around([low, high]) };
+        let [_, minus_highest] = extremes.unpair();
+        return (on_map & fits).select(-minus_highest, far);
+    }
+    let inside = spread(on_map.select(Lanes::splat(simd, 1.0), zero));
+    let (x0, y0, x1, y1) = (spread(low[0]), spread(low[1]), spread(high[0]), spread(high[1]));
+    let mut top = [f64::INFINITY; RIMS];
+    for lane in 0..S::F64_LANES {
+        if inside[lane] > 0.0 {
+            let ends = [[x0[lane], y0[lane]], [x1[lane], y1[lane]]];
+            let [first, last] = ends.map(|end| end.map(|cell| cell as usize));
+            top[lane] = ground.highest(first, last);
+        }
+    }
+    Lanes::from_slice(simd, &top)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::terrain::Heights;
+    use six_wheel_numerics::error::Error;
+    use six_wheel_numerics::simd::level::{Kernel, Level};
+
+    /// A circle over a grid, its axes times its radius, and the angle of its last contact.
+    #[derive(Clone, Copy)]
+    struct Case {
+        centre: [f64; 3],
+        forward: [f64; 3],
+        up: [f64; 3],
+        last: f64,
+    }
+
+    struct WholeRims<'a>(&'a Terrain, Case);
+
+    impl Kernel for WholeRims<'_> {
+        type Output = ([f64; 2], bool);
+
+        /// The angles at which the interval begins and ends, and whether it leaves out the upper half.
+        #[inline(always)]
+        fn run<S: Vector>(self, simd: S) -> Self::Output {
+            let Case { centre, forward, up, last } = self.1;
+            let all = |numbers: [f64; 3]| numbers.map(|number| Lanes::splat(simd, number));
+            let rims = RimLanes { centre: all(centre), forward: all(forward), up: all(up) };
+            let (sin, cos) = last.sin_cos();
+            let last = [Lanes::splat(simd, sin), Lanes::splat(simd, cos)];
+            let (interval, covers) = whole_rims(simd, self.0, &rims, last);
+            let angle = |[sin, cos]: [Lanes<S>; 2]| spread(sin)[0].atan2(spread(cos)[0]);
+            ([angle(interval.start), angle(interval.end)], covers.any())
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_is_higher_than_the_last_contact() -> Result<(), Error> {
+        let mut seed = 1_u64;
+        let mut random = move |low: f64, high: f64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            low + (high - low) * (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (mut cut, mut whole) = (0, 0);
+        for _ in 0..3000 {
+            let hole = random(-1.0, 1.0) > 0.0;
+            let heights = (0..144).map(|_| match random(0.0, 1.0) {
+                x if x < 0.03 && hole => f64::NAN,
+                x if x < 0.2 => 0.5,
+                x => 0.1 * x,
+            });
+            let heights = Heights::Double(Arc::new(heights.collect()));
+            let ground = Terrain::new(heights, 12, [1.0, 1.0], [0.0, 0.0], 0.0)?;
+            let ((sy, cy), (sp, cp)) = (random(-4.0, 4.0).sin_cos(), random(-0.9, 0.9).sin_cos());
+            let (sr, cr) = random(-0.5, 0.5).sin_cos();
+            let (across, radius) = (random(0.5, 3.0), 0.3);
+            let axis = |x: f64, y: f64, z: f64| [across * x, across * y, radius * z];
+            let case = Case {
+                centre: [random(3.0, 8.0), random(3.0, 8.0), random(0.3, 1.2)],
+                forward: axis(cy * cp, sy * cp, -sp),
+                up: axis(cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr),
+                last: random(-1.5, 1.5),
+            };
+            let gap = |angle: f64| {
+                let (sin, cos) = angle.sin_cos();
+                let [x, y, z] = [0, 1, 2].map(|k| case.centre[k] + case.forward[k] * sin - case.up[k] * cos);
+                let cell = ground.cell(x as usize, y as usize);
+                z - cell.height(x.fract(), y.fract())
+            };
+            let last = gap(case.last);
+            if last > 0.0 {
+                ground.pyramid()?;
+            }
+            for level in Level::available() {
+                let ([start, end], covers) = level.run_any(WholeRims(&ground, case));
+                for k in -628..=628 {
+                    let angle = f64::from(k) * 0.005;
+                    let inside = start - 1e-9 <= angle && angle <= end + 1e-9;
+                    let upper = angle.cos() < 0.0;
+                    if inside || upper && !covers {
+                        continue;
+                    }
+                    cut += 1;
+                    assert!(gap(angle) > last + MARGIN, "{start} {end} {angle}");
+                }
+                whole += usize::from(last.is_nan());
+            }
+        }
+        assert!(cut > 100_000 && whole > 10);
+        Ok(())
+    }
+}

@@ -1,0 +1,169 @@
+//! Numbers of the poses that are settled together, and the way from and to registers.
+
+use super::look::Here;
+use super::solve::PivotOrder;
+use crate::ground::rims::circles::{FAR, RIMS, spread};
+use crate::ground::settler::Settler;
+use crate::ground::stand::Stand;
+use crate::suspension::{MAX_STATE, MAX_WHEELS, State};
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::vector::Vector;
+
+/// Nearest and farthest that a short look goes beyond the last contact [rad].
+pub(super) const LOOK: [f64; 2] = [0.02, 0.3];
+
+/// Poses that are worked on together: their numbers stay in the second-level cache.
+pub(super) const CHUNK: usize = 512;
+
+/// Rounds after which a pose is left to [`Settler::settle_near`].
+pub(super) const ROUNDS: u8 = 24;
+
+/// State of the solution for a pose.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum SolveState {
+    /// It is not near: its next look is about the lowest of some points.
+    Far,
+    /// Its next look goes along whole rims, as far as they may touch.
+    Whole,
+    /// It is there, and what the upper halves do is not known.
+    Both,
+    /// It is nearly there, and nothing else is near.
+    Sure,
+    /// Its next look is a short one.
+    Short,
+}
+
+/// States in which a pose is looked at.
+pub(super) const LOOKS: [SolveState; 4] = [SolveState::Far, SolveState::Whole, SolveState::Short, SolveState::Both];
+
+/// Numbers of the poses, column by column.
+pub(super) mod column {
+    use crate::suspension::{MAX_STATE, MAX_WHEELS};
+
+    pub const X: usize = 0;
+    pub const Y: usize = 1;
+    pub const SIN: usize = 2;
+    pub const COS: usize = 3;
+    /// Largest gap of the last round [m].
+    pub const WORST: usize = 4;
+    /// Share of the step that is taken.
+    pub const SHARE: usize = 5;
+    /// Range of the next short look to either side of the last contacts [rad].
+    pub const LOOK: usize = 6;
+    pub const STATE: usize = 7;
+    /// Sine and cosine of the contact angle of every wheel.
+    pub const CONTACT: usize = STATE + MAX_STATE;
+    /// Of every steering angle.
+    pub const STEERING: usize = CONTACT + 2 * MAX_WHEELS;
+    pub const COUNT: usize = STEERING + 2 * MAX_WHEELS;
+}
+
+/// Poses on their way.
+pub(super) struct PoseBatch {
+    pub columns: [[f64; CHUNK]; column::COUNT],
+    pub rounds: [u8; CHUNK],
+    pub states: [SolveState; CHUNK],
+}
+
+/// Number of rounds of a pose whose gaps are closed: nothing else touches, or something else may.
+pub(super) const DONE: u8 = u8::MAX;
+pub(super) const LEFT: u8 = DONE - 1;
+
+/// A row for [`Settler::settle_near`], and where its gaps are closed if nothing else touches there.
+pub(crate) type Left = (usize, Option<State>);
+
+/// Poses that one thread settles.
+pub(super) struct SettleRange<'a, 'b> {
+    pub settler: &'a Settler<'b>,
+    pub order: &'a PivotOrder,
+    pub poses: &'a [[f64; 3]],
+    pub steering: &'a dyn Fn(usize) -> [f64; MAX_WHEELS],
+    pub steered: bool,
+    pub stands: &'a mut [Stand],
+    /// Rows for [`Settler::settle_near`].
+    pub left: &'a mut Vec<Left>,
+}
+
+/// A number of so many rows.
+#[inline(always)]
+pub(super) fn gather<S: Vector>(simd: S, column: &[f64; CHUNK], rows: &[u16]) -> Lanes<S> {
+    let mut values = [0.0; RIMS];
+    for lane in 0..S::F64_LANES {
+        values[lane] = column[rows[lane.min(rows.len() - 1)] as usize % CHUNK];
+    }
+    Lanes::from_slice(simd, &values)
+}
+
+/// Writes a number of so many rows.
+#[inline(always)]
+pub(super) fn scatter<S: Vector>(column: &mut [f64; CHUNK], rows: &[u16], lanes: Lanes<S>) {
+    let values = spread(lanes);
+    for (&row, value) in rows.iter().zip(values) {
+        column[row as usize % CHUNK] = value;
+    }
+}
+
+impl SettleRange<'_, '_> {
+    pub(super) fn begin(&self, batch: &mut PoseBatch, first: usize, count: usize) {
+        let ground = self.settler.ground;
+        let turn = ground.turn();
+        for row in 0..count {
+            let [x, y, yaw] = self.poses[first + row];
+            let [x0, y0] = ground.origin();
+            let place = ground.grid_axes([x - x0, y - y0]);
+            let (sin, cos) = yaw.sin_cos();
+            let heading = [sin * turn.cos - cos * turn.sin, cos * turn.cos + sin * turn.sin];
+            let numbers = [place[0], place[1], heading[0], heading[1], FAR, 1.0, LOOK[1]];
+            for (column, number) in batch.columns.iter_mut().zip(numbers) {
+                column[row] = number;
+            }
+            if self.steered {
+                for (joint, angle) in (self.steering)(first + row).into_iter().enumerate() {
+                    let (sin, cos) = angle.sin_cos();
+                    batch.columns[column::STEERING + 2 * joint][row] = sin;
+                    batch.columns[column::STEERING + 2 * joint + 1][row] = cos;
+                }
+            }
+        }
+        batch.columns[column::STATE..column::CONTACT].as_flattened_mut().fill(0.0);
+        for wheel in 0..MAX_WHEELS {
+            batch.columns[column::CONTACT + 2 * wheel].fill(0.0);
+            batch.columns[column::CONTACT + 2 * wheel + 1].fill(1.0);
+        }
+        batch.rounds.fill(0);
+        batch.states.fill(SolveState::Far);
+    }
+
+    #[inline(always)]
+    pub(super) fn here<S: Vector>(&self, simd: S, batch: &PoseBatch, rows: &[u16]) -> Here<S> {
+        let columns = &batch.columns;
+        let zero = Lanes::splat(simd, 0.0);
+        let mut here = Here {
+            origin: [gather(simd, &columns[column::X], rows), gather(simd, &columns[column::Y], rows)],
+            yaw: (gather(simd, &columns[column::SIN], rows), gather(simd, &columns[column::COS], rows)),
+            state: [zero; MAX_STATE],
+            steering: None,
+            contacts: [[zero; 2]; MAX_WHEELS],
+        };
+        for (k, contact) in here.contacts.iter_mut().enumerate() {
+            *contact = [
+                gather(simd, &columns[column::CONTACT + 2 * k], rows),
+                gather(simd, &columns[column::CONTACT + 2 * k + 1], rows),
+            ];
+        }
+        for (k, number) in here.state.iter_mut().enumerate() {
+            *number = gather(simd, &columns[column::STATE + k], rows);
+        }
+        if self.steered {
+            let mut steering = [(zero, zero); MAX_WHEELS];
+            for (k, turned) in steering.iter_mut().enumerate() {
+                *turned = (
+                    gather(simd, &columns[column::STEERING + 2 * k], rows),
+                    gather(simd, &columns[column::STEERING + 2 * k + 1], rows),
+                );
+            }
+            here.steering = Some(steering);
+        }
+        here
+    }
+}

@@ -1,0 +1,234 @@
+//! A round of Newton's method for as many poses as there are lanes.
+
+use super::look::{Extent, Here, MARGIN, RimScan, UPPER};
+use super::poses::{DONE, LEFT, LOOK, PoseBatch, ROUNDS, SettleRange, SolveState, column, gather, scatter};
+use super::solve::solve;
+use crate::ground::newton::CLOSED_GAP;
+use crate::ground::rims::circles::{FAR, RIMS, spread};
+use crate::ground::rims::contact::booleans;
+use crate::ground::rims::interval::TIE;
+use crate::ground::settler::Status;
+use crate::ground::stand::{Contact, Stand};
+use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS};
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
+
+/// Largest turn of a step, and largest angle on the way [rad].
+const LARGEST_TURN: f64 = 0.25;
+const LARGEST_ANGLE: f64 = 1.3;
+
+/// Gap below which whole rims are looked at once more [m].
+const NEARLY: f64 = 2e-6;
+
+/// Turn of a step above which they are [rad].
+const FAR_AWAY: f64 = 0.06;
+
+/// A way shorter than this share of [`MARGIN`] brings nothing else to the ground, on slopes up to 9.
+const SHORT: f64 = 0.1;
+
+/// Shorter arms than this have the points of a rim [m]: from a turn to a way.
+const ARM: f64 = 3.0;
+
+/// Newton's step, as far as it is taken.
+struct NewtonStep<S: Vector> {
+    /// The state after it.
+    state: [Lanes<S>; MAX_STATE],
+    /// Share of the whole step that is taken, and its largest turn [rad].
+    share: Lanes<S>,
+    turn: Lanes<S>,
+    /// True where the gaps are closed, where the step is a number, and where nothing else can come to the ground on the way.
+    is_closed: Mask<S>,
+    is_finite: Mask<S>,
+    is_short: Mask<S>,
+}
+
+impl SettleRange<'_, '_> {
+    /// A round of Newton's method for as many poses as there are lanes, or fewer.
+    #[inline(always)]
+    pub(super) fn round<S: Vector>(
+        &mut self,
+        simd: S,
+        batch: &mut PoseBatch,
+        first: usize,
+        rows: &[u16],
+        state: SolveState,
+    ) {
+        let here = self.here(simd, batch, rows);
+        let extent = match state {
+            SolveState::Far => Extent::Sampled,
+            SolveState::Whole => Extent::Whole,
+            SolveState::Both => Extent::Both,
+            SolveState::Sure | SolveState::Short => Extent::Near(gather(simd, &batch.columns[column::LOOK], rows)),
+        };
+        let mut scan = here.look(simd, self.settler.chain, self.settler.ground, &extent);
+        let whole = solve(simd, self.order, &mut scan.rows);
+        let step = self.step(simd, batch, rows, &here, &scan, &whole);
+        let (goes_on, settles) = self.next_states(simd, batch, rows, state, &scan, &step);
+        if settles {
+            self.write_settled(batch, first, rows, &here, &scan);
+        }
+        let goes_on = Lanes::splat(simd, 0.0).below(Lanes::from_slice(simd, &goes_on));
+        for (k, number) in step.state.into_iter().enumerate() {
+            let number = goes_on.select(number, here.state[k]);
+            scatter(&mut batch.columns[column::STATE + k], rows, number);
+        }
+        for wheel in 0..self.settler.chain.wheels().len() {
+            for k in 0..2 {
+                let number = goes_on.select(scan.found[wheel].at[k], here.contacts[wheel][k]);
+                scatter(&mut batch.columns[column::CONTACT + 2 * wheel + k], rows, number);
+            }
+        }
+    }
+
+    /// The step with its control: half of the last share where gaps have grown, twice as much elsewhere.
+    #[inline(always)]
+    fn step<S: Vector>(
+        &self,
+        simd: S,
+        batch: &PoseBatch,
+        rows: &[u16],
+        here: &Here<S>,
+        scan: &RimScan<S>,
+        whole: &[Lanes<S>; MAX_STATE],
+    ) -> NewtonStep<S> {
+        let zero = Lanes::splat(simd, 0.0);
+        let mut turn = whole[1].abs();
+        for number in &whole[2..] {
+            turn = turn.max(number.abs());
+        }
+        let (before, last) =
+            (gather(simd, &batch.columns[column::WORST], rows), gather(simd, &batch.columns[column::SHARE], rows));
+        let (half, double) = (Lanes::splat(simd, 0.5), Lanes::splat(simd, 2.0));
+        let share = before
+            .below(scan.worst)
+            .select((last * half).max(Lanes::splat(simd, 0.25)), (last * double).min(Lanes::splat(simd, 1.0)));
+        let most = Lanes::splat(simd, LARGEST_TURN);
+        let scale = share * most.quotient(turn.max(most));
+        let way = whole[0].abs() + turn * Lanes::splat(simd, ARM);
+        let limit = Lanes::splat(simd, LARGEST_ANGLE);
+        let mut state = here.state;
+        state[0] = scale.mul_add(whole[0], state[0]);
+        for k in 1..MAX_STATE {
+            state[k] = scale.mul_add(whole[k], state[k]).min(limit).max(-limit);
+        }
+        let [absolute, relative] = [Lanes::splat(simd, CLOSED_GAP[0]), Lanes::splat(simd, CLOSED_GAP[1])];
+        NewtonStep {
+            state,
+            share,
+            turn: turn * scale,
+            is_closed: scan.worst.at_most(here.state[0].abs().mul_add(relative, absolute)),
+            // Also false where a number is not.
+            is_finite: zero.at_most(way) & way.below(Lanes::splat(simd, FAR)),
+            is_short: way.below(Lanes::splat(simd, SHORT * MARGIN)),
+        }
+    }
+
+    /// Puts every pose in its next state. Returns 1 for the poses that take their step, and true if one has settled.
+    #[inline(always)]
+    fn next_states<S: Vector>(
+        &self,
+        simd: S,
+        batch: &mut PoseBatch,
+        rows: &[u16],
+        state: SolveState,
+        scan: &RimScan<S>,
+        step: &NewtonStep<S>,
+    ) -> ([f64; RIMS], bool) {
+        let whole = matches!(state, SolveState::Whole | SolveState::Both);
+        let moves = booleans(simd, scan.touches & step.is_finite);
+        let (closed, near) = (booleans(simd, step.is_closed), booleans(simd, step.is_short));
+        let (clear, worst) = (spread(scan.clear), spread(scan.worst));
+        let (turn, share) = (spread(step.turn), spread(step.share));
+        let (mut goes_on, mut settles) = ([0.0; RIMS], false);
+        for (lane, &row) in rows.iter().enumerate() {
+            let row = row as usize;
+            batch.rounds[row] += 1;
+            if !moves[lane] {
+                if whole {
+                    batch.rounds[row] = ROUNDS;
+                }
+                batch.states[row] = SolveState::Whole;
+                continue;
+            }
+            if closed[lane] {
+                if state == SolveState::Whole && clear[lane] == UPPER {
+                    batch.states[row] = SolveState::Both;
+                } else if whole && clear[lane] <= TIE {
+                    batch.rounds[row] = LEFT;
+                } else if whole || batch.states[row] == SolveState::Sure {
+                    batch.rounds[row] = DONE;
+                } else {
+                    batch.states[row] = SolveState::Whole;
+                }
+                settles |= batch.rounds[row] >= LEFT;
+                continue;
+            }
+            goes_on[lane] = 1.0;
+            batch.columns[column::WORST][row] = worst[lane];
+            batch.columns[column::SHARE][row] = share[lane];
+            batch.columns[column::LOOK][row] = (LOOK[0] + 2.0 * turn[lane]).min(LOOK[1]);
+            let stays = batch.states[row] == SolveState::Sure && near[lane];
+            let becomes = whole && clear[lane] > MARGIN && near[lane];
+            batch.states[row] = if stays || becomes {
+                SolveState::Sure
+            } else if turn[lane] > FAR_AWAY {
+                SolveState::Far
+            } else if !whole && worst[lane] < NEARLY {
+                SolveState::Whole
+            } else {
+                SolveState::Short
+            };
+        }
+        (goes_on, settles)
+    }
+
+    /// Writes lanes that have just settled; those with a joint past its stop, and those that something else may hold, are left.
+    #[inline(always)]
+    fn write_settled<S: Vector>(
+        &mut self,
+        batch: &PoseBatch,
+        first: usize,
+        rows: &[u16],
+        here: &Here<S>,
+        scan: &RimScan<S>,
+    ) {
+        let mut states = [[0.0; RIMS]; MAX_STATE];
+        for (numbers, lanes) in states.iter_mut().zip(here.state) {
+            *numbers = spread(lanes);
+        }
+        let mut contacts = [[[0.0; RIMS]; 5]; MAX_WHEELS];
+        for (numbers, found) in contacts.iter_mut().zip(&scan.found) {
+            let ([sin, cos], [along, across]) = (found.at, found.slope);
+            for (number, lanes) in numbers.iter_mut().zip([found.gap, sin, cos, along, across]) {
+                *number = spread(lanes);
+            }
+        }
+        let ground = self.settler.ground;
+        let [dx, dy] = ground.spacing();
+        for (lane, &row) in rows.iter().enumerate() {
+            let rounds = batch.rounds[row as usize];
+            if rounds < LEFT {
+                continue;
+            }
+            let (row, state) = (first + row as usize, states.map(|numbers| numbers[lane]));
+            if rounds == LEFT || self.settler.past(&state) != [0; MAX_FREE] {
+                self.left.push((row, Some(state)));
+                continue;
+            }
+            let stand = &mut self.stands[row];
+            *stand = Stand::nothing(Status::Settled);
+            stand.state = state;
+            let wheels = stand.wheels.iter_mut().zip(&contacts);
+            for (contact, numbers) in wheels.take(self.settler.chain.wheels().len()) {
+                let [gap, sin, cos, along, across] = numbers.map(|numbers| numbers[lane]);
+                *contact = Contact {
+                    gap,
+                    at: Direction { sin, cos },
+                    gradient: ground.world_axes([along / dx, across / dy]),
+                    next: f64::NAN,
+                };
+            }
+        }
+    }
+}

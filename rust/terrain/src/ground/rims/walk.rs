@@ -1,0 +1,301 @@
+//! The least gap of rims along an interval of contact angles: a rim in every lane.
+//!
+//! All lanes walk in lockstep from one end of the interval to the other, each from cell to cell of its own. Over one cell the gap
+//! is a trigonometric polynomial of second degree in the contact angle. Its second derivative over an arc is bounded by its
+//! values at the ends and a bound of the fourth. Where it is positive there is at most one minimum inside, a [`Candidate`]; where
+//! it is negative the minimum is an end; on a crease between two cells the gap may fall from both sides. Where its sign may
+//! change, a first walk takes a lower bound of the gap. If that is not above the least gap, a second walk halves such arcs, so
+//! that a dip and a hump in one cell are both seen.
+//!
+//! Directions are pairs `(sin t, cos t)`; no angle is computed.
+
+use super::arcs::{Arc, ArcEnd, NextEnd, Search, Walk};
+use super::candidate::Candidate;
+use super::circles::{FAR, Point, RimLanes, both, cells};
+use super::interval::{AngleInterval, GapMinimum, TIE};
+use crate::terrain::Terrain;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
+
+/// Arcs shorter than this are points [rad].
+const POINT: f64 = 1e-14;
+
+/// Arcs shorter than this are not halved [rad]: the gap inside differs from that at their ends by 1e-17 m or so.
+const SHORTEST_ARC: f64 = 1e-8;
+
+/// Steps of the first and of the second walk at most. Under a rim that crosses more than some hundred lines of the grid, heights
+/// no longer describe what the wheel stands on: it is unknown ground.
+const STEPS: [usize; 2] = [108, 4096];
+
+/// The least gap of every rim along an interval.
+#[inline(always)]
+pub(crate) fn find_min_gap<S: Vector>(
+    simd: S,
+    ground: &Terrain,
+    rims: &RimLanes<S>,
+    interval: &AngleInterval<S>,
+) -> GapMinimum<S> {
+    let search = Search::new(simd, ground, rims, interval);
+    let far = Lanes::splat(simd, FAR);
+    let mut found = GapMinimum::none(simd);
+    let (mut ceiling, mut open) = (far, Lanes::splat(simd, 0.0).below(far));
+    for halves in [false, true] {
+        let walked = search.walk(ceiling, halves);
+        found = if halves { GapMinimum::pick(open, &walked, &found) } else { walked };
+        let lowest = (found.gap + Lanes::splat(simd, TIE)).min(far);
+        open = open & found.unresolved.below(far) & found.unresolved.at_most(lowest);
+        if !interval.is_exact || !open.any() {
+            break;
+        }
+        ceiling = found.gap;
+    }
+    found.others = found.others.min(found.unresolved).min(found.next_gap);
+    found
+}
+
+impl<S: Vector> Search<'_, S> {
+    /// The end of known ground before an arc: of a closed interval the gap is taken to fall towards it, of an open one to rise.
+    #[inline(always)]
+    fn edge(&self) -> ArcEnd<S> {
+        let zero = self.all(0.0);
+        let rise = if self.interval.is_closed { f64::NEG_INFINITY } else { f64::INFINITY };
+        ArcEnd { gap: self.all(FAR), rise: self.all(rise), slope: [zero; 2] }
+    }
+
+    /// Walks from one end of the interval to the other.
+    #[inline(always)]
+    fn walk(&self, ceiling: Lanes<S>, halves: bool) -> GapMinimum<S> {
+        let (zero, unit, far) = (self.all(0.0), self.all(1.0), self.all(FAR));
+        let start = self.rims.point(self.interval.start[0], self.interval.start[1]);
+        let [cell, sign] = self.cell_at(&start);
+        let mut walk = Walk {
+            found: GapMinimum::none(self.simd),
+            ceiling,
+            candidates: [Candidate::none(self.simd); 2],
+            active: zero.below(unit),
+            start,
+            cell,
+            sign,
+            limit: [self.all(2.0), zero],
+            is_found_again: unit.below(zero),
+            before: self.edge(),
+        };
+        let mut first = far;
+        for step in 0..STEPS[usize::from(halves)] {
+            let left = self.step(&mut walk, halves);
+            if step == 0 {
+                first = left;
+            }
+            if !walk.active.any() {
+                break;
+            }
+        }
+        walk.found.unknown = walk.found.unknown | walk.active;
+        for k in 0..2 {
+            let candidate = walk.candidates[k];
+            self.polish(&mut walk, &candidate);
+        }
+        let last = walk.before;
+        if self.interval.is_closed {
+            // The gap falls towards the end, or the half circle ends at once.
+            let falls = last.gap.below(far) & last.rise.at_most(zero);
+            walk.found.offer(self.interval.is_closed, falls, last.gap, self.interval.end, last.slope);
+        } else {
+            walk.found.others = first.min(last.gap);
+        }
+        walk.found.others = (walk.found.unknown | walk.found.outside).select(-far, walk.found.others);
+        walk.found
+    }
+
+    /// One arc of every rim; the gap where it begins, [`FAR`] over unknown ground.
+    #[inline(always)]
+    fn step(&self, walk: &mut Walk<S>, halves: bool) -> Lanes<S> {
+        let (simd, rims) = (self.simd, self.rims);
+        let cell = cells(simd, self.ground, walk.cell[0], walk.cell[1]);
+        let mut next = self.next_end(walk, halves);
+        let from = both!(k, rims.centre[k] - walk.cell[k]);
+        let left = rims.derivatives(&cell, from, &walk.start);
+        let right = rims.derivatives(&cell, from, &next.end);
+        // Unknown or off the map: NaN.
+        let known = cell.twist.at_most(self.all(FAR));
+        // The arc ends in its cell unless rounding has led the walk astray.
+        let strays = both!(k, {
+            let place = from[k] + next.end.spoke[k];
+            self.all(0.5 + 1e-9).below((place - self.all(0.5)).abs())
+        });
+        let strays = walk.active & (strays[0] | strays[1]);
+        let turn = next.end.sin * walk.start.cos - next.end.cos * walk.start.sin;
+        let is_long = walk.active & self.all(POINT).below(turn);
+        let arc = self.arc(&cell, from, [left, right], turn);
+        let mut real = is_long & known;
+        let may_hold = real & arc.may_dip & arc.bound.at_most(walk.ceiling + self.interval.margin);
+        let lost = is_long & !known & !(strays & !walk.is_found_again);
+        if (lost | strays).any() {
+            self.leave_known_ground(walk, lost);
+            if !halves {
+                walk.found.unresolved = strays.select(-self.all(FAR), walk.found.unresolved);
+            }
+        }
+        let unclear = may_hold & !arc.is_convex;
+        if halves {
+            let halved = unclear & self.all(SHORTEST_ARC).below(arc.length);
+            let again = halved | (strays & !walk.is_found_again);
+            real = real & !again;
+            self.retry(walk, &mut next, halved, again & !halved);
+        } else {
+            // Parabolas from its ends say how low the gap may be inside.
+            let bent = arc.length * arc.least_curvature * self.all(0.5);
+            let low = (left.rise + bent)
+                .mul_add(arc.length, left.gap)
+                .max((bent - right.rise).mul_add(arc.length, right.gap))
+                .max(arc.bound);
+            walk.found.unresolved = unclear.select(walk.found.unresolved.min(low), walk.found.unresolved);
+        }
+        self.keep_candidate(walk, &arc, may_hold & arc.is_convex & real, halves);
+        self.keep_crease(walk, &arc, real);
+        self.advance(walk, &next, real, &arc);
+        known.select(left.gap, self.all(FAR))
+    }
+
+    /// Keeps a convex arc at whose ends the gap falls inwards, if it may hold the least gap: the two lowest are looked at in the
+    /// end, others at once if arcs are halved.
+    #[inline(always)]
+    fn keep_candidate(&self, walk: &mut Walk<S>, arc: &Arc<S>, mask: Mask<S>, halves: bool) {
+        let (zero, unit, far) = (self.all(0.0), self.all(1.0), self.all(FAR));
+        let Arc { left, right, .. } = arc;
+        let dips = left.rise.below(zero) & zero.below(right.rise);
+        // Parabolas through both ends, bent as little as the gap is anywhere on the arc, are below it.
+        let (bend, turn) = (arc.least_curvature.max(self.all(1e-12)), dips.select(left.rise - right.rise, -unit));
+        let inverse = unit.quotient(bend * turn);
+        let depth = turn * inverse * self.all(-0.5);
+        let bound = (left.rise * left.rise)
+            .mul_add(depth, left.gap)
+            .max((right.rise * right.rise).mul_add(depth, right.gap))
+            .max(arc.bound);
+        let candidate = Candidate {
+            bound,
+            sin: walk.start.sin,
+            cos: walk.start.cos,
+            length: arc.length,
+            share: left.rise * bend * inverse,
+            column: walk.cell[0],
+            row: walk.cell[1],
+        };
+        let mask = mask & dips & bound.at_most(walk.ceiling + self.interval.margin);
+        let [lowest, second] = walk.candidates;
+        let is_lowest = mask & bound.below(lowest.bound);
+        let is_second = mask & !is_lowest & bound.below(second.bound);
+        let is_kept = is_lowest | is_second;
+        let dropped = is_kept.select(second.bound, mask.select(bound, far));
+        if !halves {
+            walk.found.unresolved = walk.found.unresolved.min(dropped);
+        } else if dropped.below(far).any() {
+            let other = Candidate::pick(is_kept, &second, &candidate);
+            self.polish(walk, &Candidate { bound: dropped, ..other });
+        }
+        walk.candidates[1] = Candidate::pick(is_lowest, &lowest, &Candidate::pick(is_second, &candidate, &second));
+        walk.candidates[0] = Candidate::pick(is_lowest, &candidate, &lowest);
+    }
+
+    /// Takes in the minimum of a candidate that may be the least.
+    #[inline(always)]
+    fn polish(&self, walk: &mut Walk<S>, candidate: &Candidate<S>) {
+        // Where there is no candidate there is no arc either, however far the least gap is.
+        let wanted =
+            candidate.bound.below(self.all(FAR)) & candidate.bound.at_most(walk.ceiling + self.interval.margin);
+        if !wanted.any() {
+            return;
+        }
+        let (at, minimum) = candidate.minimum(self.simd, self.ground, self.rims);
+        walk.found.offer(self.interval.is_closed, wanted, minimum.gap, [at.sin, at.cos], minimum.slope);
+        walk.ceiling = walk.ceiling.min(walk.found.gap);
+    }
+
+    /// Takes in the crease between the last arc and this one, if the gap falls towards it from both sides.
+    #[inline(always)]
+    fn keep_crease(&self, walk: &mut Walk<S>, arc: &Arc<S>, mask: Mask<S>) {
+        let (zero, unit) = (self.all(0.0), self.all(1.0));
+        let (rise, slope) = (walk.before.rise, walk.before.slope);
+        let falls = mask & rise.at_most(zero) & zero.at_most(arc.left.rise);
+        let turned = arc.left.rise - rise;
+        let bends = zero.below(turned);
+        // The mix of both slopes that is square to the rim; 0 at the edge of known ground.
+        let share = bends.select(arc.left.rise.quotient(bends.select(turned, unit)), self.all(0.5));
+        let mix = both!(k, share * slope[k] + (unit - share) * arc.left.slope[k]);
+        walk.found.offer(self.interval.is_closed, falls, arc.left.gap, [walk.start.sin, walk.start.cos], mix);
+        walk.ceiling = walk.ceiling.min(walk.found.gap);
+    }
+
+    /// Notes unknown ground, and takes in the point where it begins, if the gap falls towards it.
+    #[inline(always)]
+    fn leave_known_ground(&self, walk: &mut Walk<S>, mask: Mask<S>) {
+        let (zero, cell, before) = (self.all(0.0), walk.cell, walk.before);
+        let [rows, columns] = self.ground.shape();
+        let last = [self.all(columns as f64 - 2.0), self.all(rows as f64 - 2.0)];
+        let on_map =
+            zero.at_most(cell[0]) & zero.at_most(cell[1]) & cell[0].at_most(last[0]) & cell[1].at_most(last[1]);
+        walk.found.unknown = walk.found.unknown | (mask & on_map);
+        walk.found.outside = walk.found.outside | (mask & !on_map);
+        if self.interval.is_closed {
+            let falls = mask & before.gap.below(self.all(FAR)) & before.rise.at_most(zero);
+            walk.found.offer(
+                self.interval.is_closed,
+                falls,
+                before.gap,
+                [walk.start.sin, walk.start.cos],
+                before.slope,
+            );
+            walk.ceiling = walk.ceiling.min(walk.found.gap);
+        }
+        let edge = self.edge();
+        walk.before = ArcEnd {
+            gap: mask.select(edge.gap, before.gap),
+            rise: mask.select(edge.rise, before.rise),
+            slope: both!(k, mask.select(edge.slope[k], before.slope[k])),
+        };
+    }
+
+    /// Begins an arc again: up to its middle, or from the cell that is just ahead where rounding had led astray.
+    #[inline(always)]
+    fn retry(&self, walk: &mut Walk<S>, next: &mut NextEnd<S>, halved: Mask<S>, strays: Mask<S>) {
+        walk.limit = [self.all(2.0), self.all(0.0)];
+        let again = halved | strays;
+        if !again.any() {
+            return;
+        }
+        let (start, end) = (&walk.start, &next.end);
+        let (sin, cos) = (start.sin + end.sin, start.cos + end.cos);
+        let scale = self.all(1.0).quotient((sin * sin + cos * cos).sqrt());
+        walk.limit = [halved.select(sin * scale, walk.limit[0]), halved.select(cos * scale, walk.limit[1])];
+        let on = self.all(1e-7);
+        let ahead = self.rims.point(on.mul_add(start.cos, start.sin), start.cos - on * start.sin);
+        let [cell, sign] = self.cell_at(&ahead);
+        walk.cell = both!(k, strays.select(cell[k], walk.cell[k]));
+        walk.sign = both!(k, strays.select(sign[k], walk.sign[k]));
+        walk.is_found_again = walk.is_found_again | strays;
+        next.end = Point::pick(again, start, end);
+        next.splits = next.splits | again;
+        next.is_last = next.is_last & !again;
+    }
+
+    /// Goes on to the next arc.
+    #[inline(always)]
+    fn advance(&self, walk: &mut Walk<S>, next: &NextEnd<S>, real: Mask<S>, arc: &Arc<S>) {
+        let before = walk.before;
+        walk.before = ArcEnd {
+            gap: real.select(arc.right.gap, before.gap),
+            rise: real.select(arc.right.rise, before.rise),
+            slope: both!(k, real.select(arc.right.slope[k], before.slope[k])),
+        };
+        walk.active = walk.active & !next.is_last;
+        let moves = !next.splits;
+        let crosses = [moves & next.by_x, moves & !next.by_x];
+        for k in 0..2 {
+            let turns = crosses[k] & next.turns[k];
+            let passes = crosses[k] & !next.turns[k];
+            walk.cell[k] = passes.select(walk.cell[k] + walk.sign[k], walk.cell[k]);
+            walk.sign[k] = turns.select(-walk.sign[k], walk.sign[k]);
+        }
+        walk.start = next.end;
+    }
+}

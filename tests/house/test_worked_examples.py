@@ -1,0 +1,117 @@
+"""The worked examples typed again: in an empty folder, and with a built wheel in an empty environment."""
+
+import doctest
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "tutorials" / "worked_examples.md"
+LOOSE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+BUILT = os.environ.get("WHEEL")  # the path of a built wheel
+
+
+@dataclass
+class Typed:
+    """A line, or lines of Python, at a line of the page, and the answer."""
+
+    line: int
+    text: str
+    answer: list[str] = field(default_factory=list)
+
+
+def typed() -> Iterator[Typed]:
+    """What the page types: shell lines, and each block of Python as one."""
+    inside, one = False, None
+    for number, line in enumerate(PAGE.read_text(encoding="utf-8").splitlines(), 1):
+        if line.startswith("```"):
+            inside, one = line == "```console", (yield from _done(one))
+        elif not inside:
+            continue
+        elif line.startswith("$ "):
+            yield from _done(one)
+            one = Typed(number, line[2:])
+        elif one is None:
+            one = Typed(number, line + "\n")
+        elif one.text.startswith(">>>"):
+            one.text += line + "\n"
+        else:
+            one.answer.append(line)
+
+
+def _done(one: Typed | None) -> Iterator[Typed]:
+    if one is not None:
+        yield one
+
+
+SESSION = list(typed())
+
+
+def test_the_page_has_five_examples():
+    heads = re.findall(r"^## (.*)$", PAGE.read_text(encoding="utf-8"), re.M)
+    assert len(heads) == 5
+    assert len(SESSION) > 15
+
+
+def shell(one: Typed, folder: Path, python: str) -> None:
+    words = shlex.split(one.text)
+    assert words[0] == "six-wheel", f"line {one.line} of {PAGE.name}"
+    done = subprocess.run(
+        [python, "-m", "six_wheel", *words[1:]], cwd=folder, capture_output=True, text=True, timeout=120,
+        env={**os.environ, "COLUMNS": "160"},
+    )  # fmt: skip
+    assert done.returncode == 0, f"line {one.line} of {PAGE.name}: {done.stderr}"
+    want = "\n".join(one.answer) + "\n"
+    got = done.stdout or "\n"
+    assert doctest.OutputChecker().check_output(want, got, LOOSE), f"line {one.line} of {PAGE.name}:\n{got}"
+
+
+def test_the_examples_in_an_empty_folder(tmp_path, monkeypatch):
+    for needed in ("typer", "yaml", "matplotlib", "scipy", "rich", "pyarrow", "pydantic"):
+        pytest.importorskip(needed)
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for one in SESSION[3:]:  # what installs comes first
+        if not one.text.startswith(">>>"):
+            shell(one, tmp_path, sys.executable)
+            continue
+        test = doctest.DocTestParser().get_doctest(one.text, names, PAGE.name, str(PAGE), one.line - 1)
+        report: list[str] = []
+        runner = doctest.DocTestRunner(verbose=False, optionflags=LOOSE)
+        result = runner.run(test, out=report.append, clear_globs=False)
+        names = test.globs
+        assert result.failed == 0, "".join(report)
+
+
+@pytest.mark.skipif(BUILT is None, reason="WHEEL=PATH says which built wheel is to be installed")
+def test_a_wheel_in_an_empty_environment(tmp_path):
+    subprocess.run([sys.executable, "-m", "venv", str(tmp_path / "fresh")], check=True, timeout=300)
+    python = str(tmp_path / "fresh" / "bin" / "python")
+    install = [
+        python,
+        "-m",
+        "pip",
+        "install",
+        "-q",
+        f"six-wheel[cli] @ {Path(str(BUILT)).resolve().as_uri()}",
+    ]
+    subprocess.run(install, check=True, timeout=900)
+    session = "\n".join(one.text for one in SESSION[3:] if one.text.startswith(">>>"))
+    (tmp_path / "session.txt").write_text(session, encoding="utf-8")
+    for one in SESSION[3:]:
+        if not one.text.startswith(">>>"):
+            shell(one, tmp_path, python)
+    code = (
+        f"import doctest, sys; sys.exit(doctest.testfile('session.txt', False, optionflags={LOOSE}).failed)"
+    )
+    done = subprocess.run(
+        [python, "-I", "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stdout

@@ -1,0 +1,14 @@
+"""Rovers that many tests drive, each said once."""
+
+import six_wheel as sw
+
+SIX_SIZES = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15}
+"""Dimensions [m] of `SIX_WHEELS`."""
+SIX_WHEELS = sw.Rover.six_wheel(**SIX_SIZES)
+CART = sw.Rover.differential(0.5, 0.1)
+PAIR = sw.Rover.differential(0.4, 0.1)
+SMALL_PAIR = sw.Rover.differential(0.2, 0.042)
+THREE_AXLES = sw.Rover.differential(0.5, 0.1, wheels_per_side=3, wheelbase=0.8)
+CAR = sw.Rover.ackermann(2.0, 1.2, 0.3, steering_limit=0.6)
+TRICYCLE = sw.Rover.tricycle(1.0, 0.8, 0.2)
+MECANUM = sw.Rover.mecanum(0.3, 0.2, 0.1)
