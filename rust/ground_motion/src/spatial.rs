@@ -9,6 +9,7 @@
 
 mod correct;
 mod noise;
+mod readings;
 mod sample;
 pub mod settings;
 mod site;
@@ -16,7 +17,6 @@ mod spread;
 mod state;
 mod step;
 mod tolerant;
-mod way;
 
 use std::sync::Arc;
 
@@ -26,11 +26,11 @@ use sample::Read;
 pub use sample::{Attitude, OVERTURNED, Recording3, Sample3, attitude};
 pub use settings::Settings3;
 use six_wheel_numerics::error::{Error, finite, number, numbers};
-use six_wheel_odometry::Suspect;
+use six_wheel_odometry::SkippedRows;
 use six_wheel_odometry::health::{Health, Refusal};
 use six_wheel_odometry::history::History;
+use six_wheel_odometry::increments::{Counts, add_increments, check_rim_speed, check_steering_rate};
 use six_wheel_odometry::recording::Sample;
-use six_wheel_odometry::settings::Readings;
 use six_wheel_odometry::state::check_pose;
 use six_wheel_terrain::suspension::{Chain, MAX_STATE, MAX_WHEELS, PlanPose};
 use six_wheel_terrain::terrain::Terrain;
@@ -51,7 +51,7 @@ pub struct Odometry3 {
     slip: [[f64; 2]; MAX_WHEELS],
     health: Health,
     history: History<StepReadings3, State, PoseMeasurement3>,
-    suspect: Suspect,
+    skipped: SkippedRows,
 }
 
 impl Odometry3 {
@@ -65,20 +65,20 @@ impl Odometry3 {
             let centres = (0..wheels).map(|wheel| placed.wheel(wheel).centre.norm());
             centres.fold(0.0, f64::max)
         });
-        let doubt = settings.centre_deviation(reach);
+        let centre_deviation = settings.centre_deviation(reach);
         let mut radii = [0.0; MAX_WHEELS];
         for (radius, wheel) in radii.iter_mut().zip(chain.wheels()) {
             *radius = wheel.radius;
         }
         Ok(Self {
-            fixed: Fixed { chain, ground, settings, radii, doubt },
+            fixed: Fixed { chain, ground, settings, radii, centre_deviation },
             reference: None,
             state: State::new(Pose3::default(), Matrix6::zeros()),
             noise: StepNoise::none(),
             slip: [[0.0; 2]; MAX_WHEELS],
             health: Health::GOOD,
             history,
-            suspect: Suspect::new(wheels, joints),
+            skipped: SkippedRows::new(wheels, joints),
         })
     }
 
@@ -157,7 +157,7 @@ impl Odometry3 {
         self.slip = [[0.0; 2]; MAX_WHEELS];
         self.health = Health::GOOD;
         self.history.clear();
-        self.suspect.clear();
+        self.skipped.clear();
         Ok(())
     }
 
@@ -191,7 +191,7 @@ impl Odometry3 {
             | Health::GAP.when(is_gap)
             | Health::UNSETTLED.when(!taken.settled);
         self.reference = Some(after);
-        self.suspect.clear();
+        self.skipped.clear();
         // Without memory for one more sample the oldest makes room.
         let _ = self.history.make_room(after.stamp);
         let readings = StepReadings3 { read: after, turned };
@@ -255,26 +255,13 @@ impl Odometry3 {
     /// Rotations of wheels and angles of steering joints since the reference [rad]; true if a counter started over.
     fn difference(&self, sample: &Sample3<'_>, before: &Read, dt: f64) -> ([f64; MAX_WHEELS], [f64; MAX_WHEELS], bool) {
         let settings = &self.fixed.settings.common;
-        let (mut turned, mut angles, mut wrapped) = ([0.0; MAX_WHEELS], before.angles, false);
-        for (wheel, reading) in sample.wheels.iter().enumerate() {
-            let encoder = settings.wheel_encoder(wheel);
-            let counts = match settings.readings {
-                Readings::Angles => {
-                    let (counts, over) = encoder.difference(before.wheels[wheel], *reading);
-                    wrapped |= over;
-                    counts
-                }
-                Readings::Speeds => f64::midpoint(before.wheels[wheel], *reading) * dt,
-                Readings::Increments => reading + self.suspect.owed(wheel),
-            };
-            turned[wheel] = counts * encoder.angle_per_count();
-        }
-        for (joint, reading) in sample.steering.iter().enumerate() {
-            let encoder = settings.steering_encoder(joint);
-            let (counts, over) = encoder.difference(before.steering[joint], *reading);
-            wrapped |= over;
-            angles[joint] += counts * encoder.angle_per_count();
-        }
+        let (mut turned, mut angles) = ([0.0; MAX_WHEELS], before.angles);
+        let before = Counts {
+            wheels: &before.wheels[..sample.wheels.len()],
+            steering: &before.steering[..sample.steering.len()],
+        };
+        let after = Counts { wheels: sample.wheels, steering: sample.steering };
+        let wrapped = add_increments(settings, &self.skipped, [before, after], dt, &mut turned, &mut angles);
         (turned, angles, wrapped)
     }
 
@@ -287,28 +274,10 @@ impl Odometry3 {
         dt: f64,
     ) -> Result<(), Error> {
         let Fixed { chain, settings, .. } = &self.fixed;
-        if let Some(limit) = settings.common.max_speed {
-            for (wheel, mount) in chain.wheels().iter().enumerate() {
-                let encoder = settings.common.wheel_encoder(wheel);
-                let owed = self.suspect.owed(wheel) * encoder.angle_per_count();
-                let speed = mount.radius * (turned[wheel] - owed) / dt;
-                if speed.abs() > limit {
-                    let rule = format!("keep {} at a rim speed of {limit} m/s at most", mount.name);
-                    return Err(Error::value("wheel_angles", rule, number(speed)));
-                }
-            }
-        }
-        if let Some(limit) = settings.common.max_steering_rate {
-            for joint in 0..chain.steering().len() {
-                let rate = (angles[joint] - before[joint]) / dt;
-                if rate.abs() > limit {
-                    let name = chain.steered_name(joint);
-                    let rule = format!("keep {name} at a steering rate of {limit} rad/s at most");
-                    return Err(Error::value("steering", rule, number(rate)));
-                }
-            }
-        }
-        Ok(())
+        let wheels = chain.wheels().iter().zip(turned).map(|(mount, turned)| (&*mount.name, mount.radius, *turned));
+        check_rim_speed(&settings.common, &self.skipped, dt, wheels)?;
+        let joints = (0..chain.steering().len()).map(|k| (chain.steered_name(k), before[k], angles[k]));
+        check_steering_rate(&settings.common, dt, joints)
     }
 
     /// The planar part of a sample, for what is remembered of one that was left out.

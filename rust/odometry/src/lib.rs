@@ -1,13 +1,13 @@
 //! Dead reckoning that knows its error, in the plane, and factors of it for graphs.
 
-pub(crate) mod covariance;
 pub mod health;
 pub mod history;
 pub(crate) mod log;
 pub mod motion;
 mod planar;
 pub mod preintegrated;
-pub mod recording;
+mod propagation;
+mod samples;
 pub mod settings;
 pub mod state;
 pub(crate) mod step;
@@ -15,9 +15,11 @@ pub(crate) mod uncertainty;
 
 pub use health::Health;
 pub use planar::Odometry;
-pub use planar::Suspect;
 pub use preintegrated::Preintegrated;
-pub use recording::{Recording, Sample, TrackRows};
+pub use propagation::pose_gain;
+pub use samples::recording::{Recording, Sample, TrackRows};
+pub use samples::skipped_rows::SkippedRows;
+pub use samples::{increments, recording};
 pub use settings::dimensions::{self, Deviations};
 pub use settings::encoder::{self, Encoder};
 pub use settings::gyroscope::{self, Gyroscope};

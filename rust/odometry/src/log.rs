@@ -19,7 +19,7 @@ use lagged_column::{LEAD, row};
 pub(crate) use scratch::BlockScratch;
 use world::{add_covariance, world_step};
 
-use crate::covariance::{Covariance3, lane};
+use crate::propagation::covariance::{Covariance3, lane};
 use crate::state::State;
 use crate::step::StepConstants;
 use crate::uncertainty::StepNoise;

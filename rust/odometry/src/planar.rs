@@ -7,15 +7,14 @@
 mod correct;
 mod direct;
 mod rows;
-mod suspect;
-mod take;
 mod tolerant;
+mod update;
 
-pub use self::suspect::Suspect;
-use crate::covariance::Covariance3;
 use crate::health::Health;
 use crate::history::{History, Snapshot};
 use crate::motion::Motion;
+use crate::propagation::covariance::Covariance3;
+use crate::samples::skipped_rows::SkippedRows;
 use crate::settings::{Readings, Settings};
 use crate::state::{OVERHEAD, State, check_covariance, check_pose};
 use crate::step::{Workspace, shared_readings};
@@ -90,7 +89,7 @@ pub struct Odometry {
     pub(crate) history: History<StepReadings, State, PoseMeasurement>,
     /// Stamp of the last command, if no sample came since.
     pub(crate) commanded: Option<f64>,
-    pub(crate) suspect: Suspect,
+    pub(crate) skipped: SkippedRows,
 }
 
 impl Odometry {
@@ -100,7 +99,7 @@ impl Odometry {
         let from_rates = settings.readings == Readings::Speeds;
         let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
         let shared = shared_readings(&rover, from_rates);
-        let mut uncertainty = Uncertainty::new(shared, settings.constant_errors());
+        let mut uncertainty = Uncertainty::new(shared, settings.constant_error_count());
         uncertainty.bias = settings.gyroscope.map(|known| known.at_start());
         let state = State { walk: Walk::new([0.0; 3]), twist: Twist::ZERO, velocity: None, uncertainty };
         let reference = ReferenceSample {
@@ -114,7 +113,7 @@ impl Odometry {
         Ok(Self {
             history: History::new(&settings).filled(&StepReadings::new(wheels, joints), &state),
             commanded: None,
-            suspect: Suspect::new(wheels, joints),
+            skipped: SkippedRows::new(wheels, joints),
             reference,
             state,
             residual: vec![0.0; wheels],
@@ -182,8 +181,8 @@ impl Odometry {
             [f64::INFINITY, 0.0, 0.0, f64::INFINITY, 0.0, f64::INFINITY]
         } else {
             let mut total = self.work.noise.total();
-            for lasting in &self.work.noise.lasting {
-                total.add(&(*lasting).into(), 1.0);
+            for error in &self.work.noise.constant_errors {
+                total.add(&(*error).into(), 1.0);
             }
             let total = match total.may_be_negative() {
                 true => total.without_negative(),
@@ -248,13 +247,13 @@ impl Odometry {
         self.reference.yaw_rate = None;
         self.state.twist = Twist::ZERO;
         self.state.velocity = None;
-        self.state.uncertainty.let_go();
+        self.state.uncertainty.release_shared_readings();
         self.residual.fill(0.0);
         self.work.fit.weights.fill(1.0);
         self.health = Health::GOOD;
         self.history.clear();
         self.commanded = None;
-        self.suspect.clear();
+        self.skipped.clear();
     }
 
     /// Open loop: the rover is taken to have held a commanded twist since the last stamp. The next sample is a
@@ -289,12 +288,12 @@ impl Odometry {
             bias_variance: 0.0,
         };
         self.work.advance(&self.rover, &self.settings, motion, HUGE, Some(&mut self.state), &mut [])?;
-        self.state.uncertainty.let_go();
+        self.state.uncertainty.release_shared_readings();
         self.residual.fill(0.0);
         self.reference.known = false;
         self.reference.angles.copy_from_slice(&steering);
         self.reference.yaw_rate = None;
-        self.suspect.clear();
+        self.skipped.clear();
         self.history.clear();
         self.commanded = Some(stamp);
         self.health = Health::GAP.when(self.settings.max_gap.is_some_and(|gap| dt > gap));

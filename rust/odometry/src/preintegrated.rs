@@ -13,10 +13,10 @@ pub mod space;
 use nalgebra::{Matrix6, Vector6};
 
 use super::planar::Odometry;
-use super::recording::{Recording, Sample};
 use super::settings::gyroscope::Gyroscope;
 pub use super::settings::quantities::{Column, DIMENSIONS};
 use super::settings::{Readings, Settings};
+use crate::samples::recording::{Recording, Sample};
 pub use replay::Replayed;
 use six_wheel_kinematics::geometry::Pose;
 use six_wheel_kinematics::rover::Rover;

@@ -168,7 +168,7 @@ impl Settings {
     }
 
     /// Number of errors that stay the same all along: those of the dimensions, then the gyroscope's scale.
-    pub(crate) fn constant_errors(&self) -> usize {
+    pub(crate) fn constant_error_count(&self) -> usize {
         self.dimensions.len() + usize::from(self.scale_noise() > 0.0)
     }
 

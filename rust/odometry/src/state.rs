@@ -29,8 +29,8 @@ impl Snapshot for State {
     }
 
     fn heap_size(&self) -> usize {
-        let Uncertainty { carried, lasting, .. } = &self.uncertainty;
-        size_of_val(carried.as_slice()) + size_of_val(lasting.as_slice()) + 2 * OVERHEAD
+        let Uncertainty { carried, constant_errors, .. } = &self.uncertainty;
+        size_of_val(carried.as_slice()) + size_of_val(constant_errors.as_slice()) + 2 * OVERHEAD
     }
 }
 

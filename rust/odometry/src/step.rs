@@ -5,17 +5,16 @@
 //! ([`fit`]). From there on every step is the same:
 //!
 //! ```text
-//! d, cov(d) by the wheels, fused with the yaw increment of a gyroscope         (fusion.rs)
-//! x' = x ⊕ d,   e' = F e + L e_d                                               (arc.rs)
+//! d, cov(d) by the wheels, fused with the yaw increment of a gyroscope         (propagation)
+//! x' = x ⊕ d,   e' = F e + L e_d                                               (propagation)
 //! ```
 //!
 //! One sample has the wheels in the lanes of a register (here), a log successive steps ([`crate::log`]). Both evaluate the
 //! same functions, and add up the wheels in the same order, so they come to the same bits on every level.
 
-pub(crate) mod arc;
 mod constants;
 mod fit;
-pub(crate) mod fusion;
+mod input;
 pub(crate) mod sums;
 pub(crate) mod terms;
 pub(crate) mod wheels;
@@ -23,16 +22,17 @@ pub(crate) mod wheels;
 use nalgebra::Vector3;
 use pulp::Scalar;
 
-use self::arc::{Arc, StepJacobian, propagate_error};
 pub(crate) use self::constants::{StepConstants, StepScratch};
 pub(crate) use self::fit::{WheelFit, shared_readings};
-use self::fusion::{GyroscopeIncrement, KalmanGain, remaining_covariance, remaining_error};
+pub(crate) use self::input::{StepInput, StepOutput, WheelInput};
 use self::sums::{
     excess_covariance, propagate_columns, shared_covariance, sum_displacement, sum_noise, write_residuals,
 };
 use self::terms::{NoiseTerms, gyroscope_deviation};
-use crate::covariance::{Covariance3, lane, numbers};
 use crate::motion::Motion;
+use crate::propagation::arc::{Arc, StepJacobian, propagate_error};
+use crate::propagation::covariance::{Covariance3, lane, numbers};
+use crate::propagation::fusion::{GyroscopeIncrement, KalmanGain, remaining_covariance, remaining_error};
 use crate::settings::{Readings, Settings};
 use crate::state::State;
 use crate::uncertainty::{StepNoise, Uncertainty};
@@ -55,45 +55,6 @@ pub(crate) struct Workspace {
     pub gain: [f64; 3],
 }
 
-/// Rotations of the wheels in a step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum WheelInput<'a> {
-    /// Running totals of wheels and joints at both ends, and the angles of the joints at the start [rad].
-    Totals { wheels: [&'a [f64]; 2], steering: [&'a [f64]; 2], angles: &'a [f64] },
-    /// Rotations of the wheels, and the angles of the joints at both ends [rad].
-    Rotations { turned: &'a [f64], steering: [&'a [f64]; 2] },
-    /// Those that [`WheelFit::solve`] has solved.
-    Fitted,
-}
-
-/// Input of a step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct StepInput<'a> {
-    pub settings: &'a Settings,
-    pub wheels: WheelInput<'a>,
-    /// Duration [s].
-    pub dt: f64,
-    /// True if rotations are means of rates at both ends, which other steps share.
-    pub from_rates: bool,
-    /// Yaw increment of a gyroscope, less that by its bias [rad].
-    pub gyro_turn: Option<f64>,
-    /// Variance of that bias [rad²/s²].
-    pub bias_variance: f64,
-    /// Bound of the displacement and its variances.
-    pub bound: f64,
-}
-
-/// Output of a step. Nothing but the angles changes where it fails.
-#[derive(Debug)]
-pub(crate) struct StepOutput<'a> {
-    /// Steering angles at the end, of [`WheelInput::Totals`] [rad].
-    pub angles: &'a mut [f64],
-    /// Speed at which each contact slid [m/s]; may be empty.
-    pub residual: &'a mut [f64],
-    /// None: it stays.
-    pub state: Option<&'a mut State>,
-}
-
 impl Workspace {
     pub fn new(rover: &Rover, settings: &Settings) -> Self {
         let shared = shared_readings(rover, settings.readings == Readings::Speeds);
@@ -103,7 +64,7 @@ impl Workspace {
             noise: StepNoise {
                 own: Covariance3::default(),
                 ends: Covariance3::default(),
-                lasting: vec![[0.0; 3]; settings.constant_errors()],
+                constant_errors: vec![[0.0; 3]; settings.constant_error_count()],
             },
             displacement: [0.0; 3],
             gain: [0.0; 3],
@@ -191,7 +152,8 @@ impl Kernel for Step<'_, '_> {
         if settings.inflate {
             own = own.and(excess_covariance(&work.constants, is_fitted, &work.fit.weights));
         }
-        let shared = shared_covariance(simd, work, is_fitted, &terms);
+        let fitted = is_fitted.then_some(&work.fit);
+        let shared = shared_covariance(simd, &work.constants, fitted, &terms);
         let mut step = BodyStep {
             displacement: lane(displacement),
             own: own.lane(),
@@ -262,8 +224,9 @@ fn propagate<S: Vector>(
     let (by, lever) = (&jacobian.by_displacement, jacobian.yaw_lever());
     let uncertainty = &mut state.uncertainty;
     let gain = step.gyroscope.map(|gyroscope| gyroscope.gain);
-    let is_fitted = matches!(input.wheels, WheelInput::Fitted);
-    let mut whole = propagate_columns(simd, work, is_fitted, terms, &mut uncertainty.carried, &jacobian, gain).lane();
+    let fitted = matches!(input.wheels, WheelInput::Fitted).then_some(&work.fit);
+    let carried = &mut uncertainty.carried;
+    let mut whole = propagate_columns(simd, &work.constants, fitted, terms, carried, &jacobian, gain).lane();
     let mut open = step.shared[1];
     if let Some(column) = uncertainty.carried.last_mut()
         && (step.gyroscope.is_some() || *column != [0.0; 3])
@@ -286,7 +249,7 @@ fn propagate<S: Vector>(
     let settled = uncertainty.settled.lane().propagate(lever).and(added);
     uncertainty.settle(settled.total(), open.displacement_image(by).total());
     uncertainty.propagate_yaw_offset(lever);
-    if !uncertainty.lasting.is_empty() {
+    if !uncertainty.constant_errors.is_empty() {
         propagate_constant_errors(work, input, gain, &jacobian, uncertainty);
     }
     let displacement = numbers(step.displacement);
@@ -303,7 +266,7 @@ fn propagate_constant_errors(
     jacobian: &StepJacobian<Scalar>,
     uncertainty: &mut Uncertainty,
 ) {
-    let errors = &mut work.noise.lasting;
+    let errors = &mut work.noise.constant_errors;
     errors.copy_from_slice(&work.fit.constant_errors);
     if let Some(gain) = gain {
         for error in errors.iter_mut() {
@@ -317,8 +280,8 @@ fn propagate_constant_errors(
             *by_scale = Vector3::from(numbers(gain)).scale(turn).into();
         }
     }
-    for (lasting, error) in uncertainty.lasting.iter_mut().zip(errors) {
-        lasting.pose = numbers(jacobian.propagate(lane(lasting.pose.into()), lane(*error))).into();
+    for (pose_error, error) in uncertainty.constant_errors.iter_mut().zip(errors) {
+        pose_error.pose = numbers(jacobian.propagate(lane(pose_error.pose.into()), lane(*error))).into();
     }
 }
 

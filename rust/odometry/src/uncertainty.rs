@@ -10,7 +10,7 @@
 //! carried' = L new
 //! ```
 //!
-//! What dimensions are off by enters every step: it has columns too, which are never settled (`lasting`).
+//! What dimensions are off by enters every step: it has columns too, which are never settled (`constant_errors`).
 
 mod correction;
 
@@ -19,9 +19,9 @@ use std::ops::{Add, Mul, Sub};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Scalar;
 
-use super::covariance::{Covariance3, lane, numbers};
-use super::step::arc::propagate_error;
-use super::step::fusion::bias_covariance_increment;
+use crate::propagation::arc::propagate_error;
+use crate::propagation::covariance::{Covariance3, lane, numbers};
+use crate::propagation::fusion::bias_covariance_increment;
 use six_wheel_numerics::simd::lanes::Lanes;
 
 /// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is negative.
@@ -48,7 +48,7 @@ pub(crate) struct StepNoise {
     /// The same of readings that other steps share, as if those at its two ends erred on their own.
     pub ends: Covariance3,
     /// Per error that stays the same all along: what it makes of the displacement.
-    pub lasting: Vec<[f64; 3]>,
+    pub constant_errors: Vec<[f64; 3]>,
 }
 
 impl StepNoise {
@@ -62,7 +62,7 @@ impl StepNoise {
     #[inline]
     pub fn clear(&mut self) {
         (self.own, self.ends) = (Covariance3::default(), Covariance3::default());
-        self.lasting.fill([0.0; 3]);
+        self.constant_errors.fill([0.0; 3]);
     }
 }
 
@@ -110,7 +110,7 @@ impl Bias {
 
 /// Error of a pose by one deviation of the dimensions, and of the zero of a yaw sensor that was read there.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Lasting {
+pub(crate) struct ConstantError {
     pub pose: Vector3<f64>,
     pub yaw_zero: f64,
 }
@@ -120,7 +120,7 @@ pub(crate) struct Lasting {
 pub(crate) struct Uncertainty {
     pub settled: Covariance3,
     pub carried: Vec<[f64; 3]>,
-    pub lasting: Vec<Lasting>,
+    pub constant_errors: Vec<ConstantError>,
     /// Sum over the columns of their products with themselves.
     open: Covariance3,
     pub yaw_offset: Option<YawOffset>,
@@ -132,7 +132,7 @@ impl Uncertainty {
         Self {
             settled: Covariance3::default(),
             carried: vec![[0.0; 3]; shared_readings],
-            lasting: vec![Lasting::default(); deviations],
+            constant_errors: vec![ConstantError::default(); deviations],
             open: Covariance3::default(),
             yaw_offset: None,
             bias: None,
@@ -143,7 +143,7 @@ impl Uncertainty {
     pub fn copy_from(&mut self, other: &Self) {
         self.settled = other.settled;
         self.carried.copy_from_slice(&other.carried);
-        self.lasting.copy_from_slice(&other.lasting);
+        self.constant_errors.copy_from_slice(&other.constant_errors);
         self.open = other.open;
         self.yaw_offset = other.yaw_offset;
         self.bias = other.bias;
@@ -153,7 +153,7 @@ impl Uncertainty {
     pub fn set(&mut self, covariance: Matrix3<f64>) {
         self.settled = Covariance3::of(&covariance);
         self.close();
-        self.lasting.fill(Lasting::default());
+        self.constant_errors.fill(ConstantError::default());
         self.yaw_offset = None;
         if let Some(bias) = &mut self.bias {
             bias.cross = Vector3::zeros();
@@ -161,7 +161,7 @@ impl Uncertainty {
     }
 
     /// No reading before is shared with a step to come.
-    pub fn let_go(&mut self) {
+    pub fn release_shared_readings(&mut self) {
         self.settled.add_assign(&self.open);
         self.close();
         self.yaw_offset = None;
@@ -176,8 +176,8 @@ impl Uncertainty {
     #[inline]
     pub fn covariance(&self) -> Covariance3 {
         let mut covariance = self.settled.and(self.open);
-        for lasting in &self.lasting {
-            covariance.add(&lasting.pose, 1.0);
+        for error in &self.constant_errors {
+            covariance.add(&error.pose, 1.0);
         }
         covariance
     }
@@ -199,7 +199,7 @@ impl Uncertainty {
     }
 
     /// True if the error of a gyroscope's last reading still counts.
-    pub fn leans_on_gyroscope(&self) -> bool {
+    pub fn has_gyroscope_error(&self) -> bool {
         self.carried.last() != Some(&[0.0; 3])
     }
 

@@ -17,7 +17,7 @@ impl Fixed {
     fn correct_with_pose(&self, state: &mut State, read: &Read, seen: &PoseMeasurement3) {
         let PoseMeasurement3 { pose, covariance } = seen;
         let keeps = match read.attitude {
-            Some(_) => state.upright(),
+            Some(_) => state.tilt_free_projection(),
             None => Matrix6::identity(),
         };
         let here = state.pose().motion();

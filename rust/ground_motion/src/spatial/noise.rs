@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix6, Vector3, Vector6};
 
+use super::readings::{StepReadings, TiltPair, WheelMotion};
 use super::spread::{Columns, GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, whole};
-use super::way::{Tilt, Way, WheelMotion};
 use crate::MEMORY;
 use six_wheel_odometry::motion::{ROUNDING, SUSPICIOUS};
 use six_wheel_odometry::settings::Readings as Kind;
@@ -11,145 +11,189 @@ use six_wheel_terrain::suspension::MAX_WHEELS;
 
 /// Elimination of the yaw: derivatives of a displacement by something that the yaw, and with it the measured turn,
 /// depends on as well.
-struct Closing {
+struct YawClosure {
     /// Of the displacement by the yaw that it does not measure itself.
     by_yaw: Vector6<f64>,
     /// Derivative of the yaw equation by the yaw: the vertical part of the turn less that of the displacement.
-    spread: f64,
+    slope: f64,
     up: Vector3<f64>,
 }
 
-impl Closing {
-    fn of(told: &WheelMotion, tilt: &Tilt) -> Self {
+impl YawClosure {
+    fn new(motion: &WheelMotion, tilt: &TiltPair) -> Self {
         let up = tilt.up;
         let by_yaw = match tilt.yaw {
             Some(_) => Vector6::zeros(),
             None => {
-                let [by_x, by_y] = told.response.by_tilting.map(Vector6::from);
+                let [by_x, by_y] = motion.response.by_tilting.map(Vector6::from);
                 by_x * up.x + by_y * up.y
             }
         };
-        Self { spread: up.z - by_yaw[5], by_yaw, up }
+        Self { slope: up.z - by_yaw[5], by_yaw, up }
     }
 
     /// The displacement's derivative, given that at a held yaw, and that of the measured turn.
-    fn close(&self, by: Vector6<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
-        let yaw = (by[5] - turn.z) / self.spread;
+    fn eliminate_yaw(&self, by: Vector6<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
+        let yaw = (by[5] - turn.z) / self.slope;
         let moved = by + self.by_yaw * yaw;
         let about = turn + self.up * yaw;
         whole(&Vector3::new(moved[0], moved[1], moved[2]), &about)
     }
 }
 
-/// Fills in what the displacement may be off by. Whether a contact slid further than that explains.
-pub(crate) fn errors(way: &Way<'_>, told: &WheelMotion, tilt: Option<&Tilt>, into: &mut StepNoise) -> bool {
-    let noise = &way.settings.common.noise;
-    let (chain, response) = (way.chain, &told.response);
-    let count = chain.wheels().len();
-    let sharing = noise.sharing(way.dt);
-    let reading_variance = sharing * (noise.speed * way.dt).powi(2);
-    let steering_deviation = sharing.sqrt() * noise.steering;
-    let from_rates = way.settings.common.readings == Kind::Speeds;
-    let closing = tilt.map(|tilt| Closing::of(told, tilt));
-    let still = Vector3::zeros();
-    let close = |by: [f64; 6]| match &closing {
-        Some(closing) => closing.close(Vector6::from(by), &still),
-        None => Vector6::from(by),
-    };
-    let doubt = match tilt.is_some() || way.after.joints.iter().any(|joint| !joint.is_nan()) {
-        true => way.doubt,
-        false => 0.0,
-    };
-    let ways: [[f64; 2]; MAX_WHEELS] = std::array::from_fn(|wheel| {
-        let [along, aside] = told.slid[wheel];
-        let rolled = way.radii[wheel] * way.turned[wheel];
-        [along + if rolled.is_nan() { 0.0 } else { rolled }, aside]
-    });
-    let furthest = ways[..count].iter().fold(0.0_f64, |most, [ahead, _]| most.max(ahead.abs()));
-    let mut slips = false;
-    let mut steering = [Vector6::zeros(); MAX_WHEELS];
-    for (wheel, &[ahead, left]) in ways.iter().enumerate().take(count) {
-        let [along_slid, aside] = told.slid[wheel];
-        if aside.is_nan() {
-            continue; // in the air
+/// A step with the terms of its noise.
+struct NoisyStep<'a> {
+    step: &'a StepReadings<'a>,
+    motion: &'a WheelMotion,
+    closure: Option<YawClosure>,
+    /// Variance of the distance that a wheel rolled, as read [m²].
+    reading_variance: f64,
+    /// Deviation of a steering angle [rad].
+    steering_deviation: f64,
+    /// Deviation of the distance that a wheel's centre moved across the ground, where that was measured [m].
+    centre_deviation: f64,
+    /// Distance of every contact along its rim and to its left [m].
+    distances: [[f64; 2]; MAX_WHEELS],
+}
+
+impl<'a> NoisyStep<'a> {
+    fn new(step: &'a StepReadings<'a>, motion: &'a WheelMotion, tilt: Option<&TiltPair>) -> Self {
+        let noise = &step.settings.common.noise;
+        let sharing = noise.sharing(step.dt);
+        let is_measured = tilt.is_some() || step.after.joints.iter().any(|joint| !joint.is_nan());
+        Self {
+            closure: tilt.map(|tilt| YawClosure::new(motion, tilt)),
+            reading_variance: sharing * (noise.speed * step.dt).powi(2),
+            steering_deviation: sharing.sqrt() * noise.steering,
+            centre_deviation: if is_measured { step.centre_deviation } else { 0.0 },
+            distances: std::array::from_fn(|wheel| {
+                let [along, aside] = motion.slid[wheel];
+                let rolled = step.radii[wheel] * step.turned[wheel];
+                [along + if rolled.is_nan() { 0.0 } else { rolled }, aside]
+            }),
+            step,
+            motion,
         }
-        let radius = way.radii[wheel];
-        let read = !along_slid.is_nan();
+    }
+
+    /// Derivative of the displacement by something on which the measured turn does not depend, given that at a held yaw.
+    fn eliminate_yaw(&self, by: [f64; 6]) -> Vector6<f64> {
+        match &self.closure {
+            Some(closure) => closure.eliminate_yaw(Vector6::from(by), &Vector3::zeros()),
+            None => Vector6::from(by),
+        }
+    }
+
+    /// Adds the errors of a wheel. Returns its derivative by a steering angle, and true if it slid further than the noise
+    /// and the rounding of the farthest distance explain; none in the air.
+    fn add_wheel(&self, wheel: usize, farthest: f64, errors: &mut StepNoise) -> Option<(Vector6<f64>, bool)> {
+        let Self { step, motion, distances, .. } = self;
+        let (noise, response) = (&step.settings.common.noise, &motion.response);
+        let [[ahead, left], [along_slid, aside]] = [distances[wheel], motion.slid[wheel]];
+        if aside.is_nan() {
+            return None;
+        }
+        let is_read = !along_slid.is_nan();
         let distance = ahead.hypot(left);
-        // The noise of a slope stays the same over the way it is averaged over.
-        let climbed = told.slopes[wheel].powi(2) * distance * way.doubt / MEMORY;
+        // The noise of a slope stays the same over the distance it is averaged over.
+        let climbed = motion.slopes[wheel].powi(2) * distance * step.centre_deviation / MEMORY;
         let along = noise.slip * noise.slip * distance + climbed;
         let across = noise.side_slip * noise.side_slip * distance;
-        let by_way = close(response.by_speed[wheel]) / radius;
-        let by_side = close(response.by_side[wheel]);
-        let own = match from_rates {
-            true => {
-                let half = by_way * (reading_variance.sqrt() / 2.0);
-                (into.old[RATES + wheel], into.new[RATES + wheel]) = (half, half);
-                along
-            }
-            false => along + reading_variance,
-        };
-        into.own += by_way * by_way.transpose() * own + by_side * by_side.transpose() * across;
-        let mut variance = across + doubt * doubt;
-        if read {
-            variance += along + reading_variance;
+        let by_distance = self.eliminate_yaw(response.by_speed[wheel]) / step.radii[wheel];
+        let by_side = self.eliminate_yaw(response.by_side[wheel]);
+        let mut own = along + self.reading_variance;
+        if step.settings.common.readings == Kind::Speeds {
+            let half = by_distance * (self.reading_variance.sqrt() / 2.0);
+            (errors.old[RATES + wheel], errors.new[RATES + wheel]) = (half, half);
+            own = along;
         }
-        if let Some(joint) = told.contacts.wheels[wheel].steering {
-            // A steering angle turns the rim towards its left.
-            let tilted = told.at[wheel].cos;
-            steering[joint] += (by_side * ahead - by_way * left) * tilted;
-            variance += (steering_deviation * ahead).powi(2);
+        errors.own += by_distance * by_distance.transpose() * own + by_side * by_side.transpose() * across;
+        let mut variance = across + self.centre_deviation * self.centre_deviation;
+        if is_read {
+            variance += along + self.reading_variance;
         }
-        let slid = if read { along_slid.hypot(aside) } else { aside.abs() };
-        let bound = match way.settings.common.slip_threshold {
-            Some(threshold) => threshold * way.dt,
-            None => SUSPICIOUS * variance.sqrt() + ROUNDING * furthest,
+        if motion.contacts.wheels[wheel].steering.is_some() {
+            variance += (self.steering_deviation * ahead).powi(2);
+        }
+        let slid = if is_read { along_slid.hypot(aside) } else { aside.abs() };
+        let bound = match step.settings.common.slip_threshold {
+            Some(threshold) => threshold * step.dt,
+            None => SUSPICIOUS * variance.sqrt() + ROUNDING * farthest,
         };
-        slips |= slid > bound;
+        // A steering angle turns the rim towards its left.
+        let by_angle = (by_side * ahead - by_distance * left) * motion.at[wheel].cos;
+        Some((by_angle, slid > bound))
     }
-    for (joint, by_angle) in steering[..chain.steering().len()].iter().enumerate() {
-        let half = by_angle * (steering_deviation / 2.0);
-        let change = close(response.by_steering_rate[joint]) * steering_deviation;
-        (into.old[STEERING + joint], into.new[STEERING + joint]) = (half - change, half + change);
+
+    /// Adds the errors of the tilt as measured at both ends.
+    fn add_tilt(&self, tilt: &TiltPair, closure: &YawClosure, turn: &Vector3<f64>, errors: &mut StepNoise) {
+        let [by_x, by_y] = self.motion.response.by_tilting.map(Vector6::from);
+        let [old, new] = tilt.by_ends(turn, self.step);
+        let deviation = self.step.settings.attitude_noise;
+        let moved = |by: Vector3<f64>| closure.eliminate_yaw(by_x * by.x + by_y * by.y, &by) * deviation;
+        for axis in 0..2 {
+            errors.old[TILT + axis] = moved(old[axis]);
+            errors.new[TILT + axis] = moved(new[axis]);
+        }
+    }
+}
+
+/// Fills in the errors of the displacement. Returns true if a contact slid further than they explain.
+pub(crate) fn displacement_errors(
+    step: &StepReadings<'_>,
+    motion: &WheelMotion,
+    tilt: Option<&TiltPair>,
+    errors: &mut StepNoise,
+) -> bool {
+    let noisy = NoisyStep::new(step, motion, tilt);
+    let (chain, response) = (step.chain, &motion.response);
+    let count = chain.wheels().len();
+    let farthest = noisy.distances[..count].iter().fold(0.0_f64, |most, [ahead, _]| most.max(ahead.abs()));
+    let mut slips = false;
+    let mut by_steering = [Vector6::zeros(); MAX_WHEELS];
+    for wheel in 0..count {
+        let Some((by_angle, slides)) = noisy.add_wheel(wheel, farthest, errors) else { continue };
+        slips |= slides;
+        if let Some(joint) = motion.contacts.wheels[wheel].steering {
+            by_steering[joint] += by_angle;
+        }
+    }
+    for (joint, by_angle) in by_steering[..chain.steering().len()].iter().enumerate() {
+        let half = by_angle * (noisy.steering_deviation / 2.0);
+        let change = noisy.eliminate_yaw(response.by_steering_rate[joint]) * noisy.steering_deviation;
+        (errors.old[STEERING + joint], errors.new[STEERING + joint]) = (half - change, half + change);
     }
     for joint in 0..chain.joints().len() {
-        let by = close(response.by_joint_rate[joint]) * way.settings.joint_noise;
-        (into.old[JOINTS + joint], into.new[JOINTS + joint]) = (-by, by);
+        let by = noisy.eliminate_yaw(response.by_joint_rate[joint]) * step.settings.joint_noise;
+        (errors.old[JOINTS + joint], errors.new[JOINTS + joint]) = (-by, by);
     }
-    if let (Some(tilt), Some(closing), Some(turn)) = (tilt, &closing, &told.turn) {
-        let [by_x, by_y] = response.by_tilting.map(Vector6::from);
-        let [old, new] = tilt.by_ends(turn, way);
-        let moved = |by: Vector3<f64>| closing.close(by_x * by.x + by_y * by.y, &by) * way.settings.attitude_noise;
-        for axis in 0..2 {
-            into.old[TILT + axis] = moved(old[axis]);
-            into.new[TILT + axis] = moved(new[axis]);
-        }
+    if let (Some(tilt), Some(closure), Some(turn)) = (tilt, &noisy.closure, &motion.turn) {
+        noisy.add_tilt(tilt, closure, turn, errors);
     }
     slips
 }
 
 /// Corrects the displacement by a gyroscope, or by the yaw of an attitude: the turn is the mean of both, weighted by
 /// their noise.
-pub(crate) fn share(
-    way: &Way<'_>,
-    told: &WheelMotion,
-    tilt: Option<&Tilt>,
+pub(crate) fn fuse_yaw_increment(
+    step: &StepReadings<'_>,
+    motion: &WheelMotion,
+    tilt: Option<&TiltPair>,
     noise: &mut StepNoise,
 ) -> Option<Vector6<f64>> {
     let known = tilt.and_then(|tilt| tilt.yaw.map(|yaw| tilt.turn(yaw).z));
-    let turn = match (way.after.yaw_rate, known) {
-        (Some(rate), _) => f64::midpoint(way.before.yaw_rate.unwrap_or(rate), rate) * way.dt,
+    let turn = match (step.after.yaw_rate, known) {
+        (Some(rate), _) => f64::midpoint(step.before.yaw_rate.unwrap_or(rate), rate) * step.dt,
         (None, Some(turn)) => turn,
         (None, None) => return None,
     };
-    let told_by = &way.settings.common.noise;
+    let deviations = &step.settings.common.noise;
     // The reading at each end counts for half the step.
-    let deviation = told_by.yaw_rate * told_by.sharing(way.dt).sqrt() * way.dt / 2.0;
+    let deviation = deviations.yaw_rate * deviations.sharing(step.dt).sqrt() * step.dt / 2.0;
     let of_wheels = StepNoise { own: noise.own, old: wheels_only(&noise.old), new: wheels_only(&noise.new) };
     let total = of_wheels.total();
-    let spread = total[(5, 5)] + 2.0 * deviation * deviation;
-    let mut gain = if spread > 0.0 { total.column(5) / spread } else { Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 1.0) };
+    let variance = total[(5, 5)] + 2.0 * deviation * deviation;
+    let mut gain = if variance > 0.0 { total.column(5) / variance } else { Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 1.0) };
     if let Some(tilt) = tilt {
         // Tilt at the ends is as it was measured: the body turns about the vertical.
         gain[3] = gain[5] * tilt.up.x / tilt.up.z;
@@ -161,10 +205,10 @@ pub(crate) fn share(
     }
     noise.own = rest * noise.own * rest.transpose();
     // The yaw of an attitude turns with its tilt.
-    let by_tilt = match (tilt, &told.turn, way.after.yaw_rate) {
+    let by_tilt = match (tilt, &motion.turn, step.after.yaw_rate) {
         (Some(tilt), Some(turn), None) => {
-            let [old, new] = tilt.by_ends(turn, way);
-            [old, new].map(|ends| ends.map(|by| by.z * way.settings.attitude_noise))
+            let [old, new] = tilt.by_ends(turn, step);
+            [old, new].map(|ends| ends.map(|by| by.z * step.settings.attitude_noise))
         }
         _ => [[0.0; 2]; 2],
     };
@@ -177,10 +221,10 @@ pub(crate) fn share(
         }
         columns[GYROSCOPE] = gain * deviation;
     }
-    Some(gain * (turn - told.twist[5]))
+    Some(gain * (turn - motion.twist[5]))
 }
 
-/// Columns of what the wheels err by.
+/// Columns of readings of the wheels.
 fn wheels_only(columns: &Columns) -> Columns {
     let mut wheels = *columns;
     wheels[JOINTS..].fill(Vector6::zeros());

@@ -8,7 +8,7 @@ use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, PlanPose};
 use six_wheel_terrain::terrain::{Terrain, normal};
 
 /// Source of the contacts of a step.
-pub(crate) enum Site<'a> {
+pub(crate) enum ContactSource<'a> {
     /// From the joints.
     Unmapped,
     /// From a settled pose.

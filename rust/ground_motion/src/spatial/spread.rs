@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
 
-use six_wheel_numerics::jacobi::Jacobi;
+use six_wheel_odometry::pose_gain::PoseGain;
 use six_wheel_odometry::preintegrated::space::{Motion3, left_jacobian};
 use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
@@ -67,12 +67,12 @@ pub(crate) struct Errors {
 }
 
 /// Derivatives of the end of a step by its start and by its displacement.
-struct Answer {
-    way: Vector3<f64>,
+struct StepJacobian3 {
+    shift: Vector3<f64>,
     by_displacement: Matrix6<f64>,
 }
 
-impl Answer {
+impl StepJacobian3 {
     /// A step of this tangent from a start with this rotation.
     fn new(start: &UnitQuaternion<f64>, tangent: &Vector6<f64>) -> Self {
         let body = Motion3::exp(tangent).translation;
@@ -80,18 +80,18 @@ impl Answer {
         let turn = *start.to_rotation_matrix().matrix();
         let mut by_displacement = Matrix6::zeros();
         for k in 0..6 {
-            let (way, about) = parts(&jacobian.column(k).into_owned());
+            let (shift, about) = parts(&jacobian.column(k).into_owned());
             // Seen from the end: what turns at the start swings it.
-            let end = turn * (way + about.cross(&body));
+            let end = turn * (shift + about.cross(&body));
             by_displacement.set_column(k, &whole(&end, &(turn * about)));
         }
-        Self { way: turn * body, by_displacement }
+        Self { shift: turn * body, by_displacement }
     }
 
     /// Error at the end that an error of the start causes.
     fn carry(&self, error: &Vector6<f64>) -> Vector6<f64> {
-        let (way, about) = parts(error);
-        whole(&(way + about.cross(&self.way)), &about)
+        let (shift, about) = parts(error);
+        whole(&(shift + about.cross(&self.shift)), &about)
     }
 }
 
@@ -99,8 +99,8 @@ fn parts(error: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (Vector3::new(error[0], error[1], error[2]), Vector3::new(error[3], error[4], error[5]))
 }
 
-pub(crate) fn whole(way: &Vector3<f64>, about: &Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(way.x, way.y, way.z, about.x, about.y, about.z)
+pub(crate) fn whole(shift: &Vector3<f64>, about: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(shift.x, shift.y, shift.z, about.x, about.y, about.z)
 }
 
 impl Errors {
@@ -132,9 +132,9 @@ impl Errors {
 
     /// Goes along one step.
     pub fn propagate(&mut self, start: &UnitQuaternion<f64>, tangent: &Vector6<f64>, noise: &StepNoise) {
-        let step = Answer::new(start, tangent);
+        let step = StepJacobian3::new(start, tangent);
         let mut by_start = Matrix6::identity();
-        let swing = -step.way.cross_matrix();
+        let swing = -step.shift.cross_matrix();
         by_start.fixed_view_mut::<3, 3>(0, 3).copy_from(&swing);
         let by = &step.by_displacement;
         self.settled = by_start * self.settled * by_start.transpose() + by * noise.own * by.transpose();
@@ -157,31 +157,11 @@ impl Errors {
     }
 
     /// A pose from outside with this covariance, infinite where it says nothing: by how much its innovation moves
-    /// the pose. `seen` is how what is measured answers to an error, `keeps` what the pose may be moved in.
-    pub fn correct(&mut self, measured: &Matrix6<f64>, seen: &Matrix6<f64>, keeps: &Matrix6<f64>) -> Matrix6<f64> {
-        let mut known = Matrix6::zeros();
-        let mut noise = *measured;
-        for k in 0..6 {
-            if measured[(k, k)].is_finite() {
-                known[(k, k)] = 1.0;
-            } else {
-                noise.row_mut(k).fill(0.0);
-                noise.column_mut(k).fill(0.0);
-            }
-        }
-        let seen = known * seen;
-        let across = self.covariance() * seen.transpose();
-        let spread = seen * across + noise + (Matrix6::identity() - known);
-        let gain = if noise == Matrix6::zeros() {
-            // Taken at its word: the pose is what is measured, and the rest follows as far as it is tied to it.
-            spread.cholesky().map_or(known, |spread| across * spread.inverse())
-        } else {
-            let bound = f64::EPSILON * spread.amax();
-            across * Jacobi::new(&spread).inverse(bound)
-        };
+    /// the pose. `by_error` is the derivative of the measurement by an error, `keeps` projects to what may be moved.
+    pub fn correct(&mut self, measured: &Matrix6<f64>, by_error: &Matrix6<f64>, keeps: &Matrix6<f64>) -> Matrix6<f64> {
+        let PoseGain { gain, by_error, noise } = PoseGain::new(&self.covariance(), by_error, measured);
         let gain = keeps * gain;
-        let rest = Matrix6::identity() - gain * seen;
-        self.map(&rest);
+        self.map(&(Matrix6::identity() - gain * by_error));
         self.settled += gain * noise * gain.transpose();
         gain
     }

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix6, RowVector6, UnitQuaternion, Vector3, Vector6};
 
+use super::readings::StepReadings;
 use super::sample::{Read, tilting_axes};
 use super::settings::Settings3;
-use super::site::{Place, Site};
+use super::site::{ContactSource, Place};
 use super::spread::{Errors, StepNoise, TILT, whole};
-use super::step::{displace, halfway, middle_angles};
-use super::way::Way;
+use super::step::{displace, half_displacement, middle_angles};
 use six_wheel_kinematics::geometry::{Sum, Walk, wrap_angle};
 use six_wheel_numerics::error::{Error, ErrorKind, HUGE, number, numbers};
 use six_wheel_odometry::health::{Health, Refusal};
@@ -73,7 +73,7 @@ pub(crate) struct Fixed {
     pub settings: Settings3,
     pub radii: [f64; MAX_WHEELS],
     /// Standard deviation of the distance that a wheel's centre moves across the ground over one step [m].
-    pub doubt: f64,
+    pub centre_deviation: f64,
 }
 
 /// State that changes from sample to sample, and that a late pose rewinds.
@@ -120,7 +120,7 @@ impl Snapshot for State {
 }
 
 /// Result of a step.
-pub(crate) struct Taken {
+pub(crate) struct StepResult {
     pub noise: StepNoise,
     /// Distance that every contact slid along its rim and to the left [m].
     pub slid: [[f64; 2]; MAX_WHEELS],
@@ -172,7 +172,7 @@ impl State {
     }
 
     /// Projection that keeps place and yaw of a pose, and nothing of its tilt.
-    pub fn upright(&self) -> Matrix6<f64> {
+    pub fn tilt_free_projection(&self) -> Matrix6<f64> {
         let mut keeps = Matrix6::zeros();
         for k in 0..3 {
             keeps[(k, k)] = 1.0;
@@ -189,7 +189,7 @@ impl State {
         self.walk.turn(turn);
     }
 
-    /// Turns to a rotation, its yaw the short way round.
+    /// Turns to a rotation, its yaw the short readings round.
     fn face(&mut self, rotation: &UnitQuaternion<f64>) {
         let (roll, pitch, yaw) = rotation.euler_angles();
         (self.roll, self.pitch) = (roll, pitch);
@@ -207,7 +207,7 @@ impl Fixed {
         match self.stand(state, read, ground) {
             Ok(()) => Ok(()),
             // Off the map what was measured will do.
-            Err(_) if self.is_told(read) => Ok(()),
+            Err(_) if self.has_tilt_and_joints(read) => Ok(()),
             Err(status) => {
                 let PlanPose { x, y, .. } = state.plan();
                 let value = format!("{} at x {}, y {}", status.name(), number(x), number(y));
@@ -217,7 +217,7 @@ impl Fixed {
     }
 
     /// True if attitude and joints are measured, so that they give the contacts without a map.
-    fn is_told(&self, read: &Read) -> bool {
+    fn has_tilt_and_joints(&self, read: &Read) -> bool {
         let joints = &read.joints[..self.chain.joints().len()];
         read.attitude.is_some() && joints.iter().all(|joint| !joint.is_nan())
     }
@@ -227,7 +227,7 @@ impl Fixed {
         let Some(attitude) = read.attitude else {
             return;
         };
-        state.errors.map(&state.upright());
+        state.errors.map(&state.tilt_free_projection());
         (state.roll, state.pitch) = (attitude.roll, attitude.pitch);
         let axes = tilting_axes(state.walk.heading.value(), state.pitch);
         for (k, axis) in axes.into_iter().enumerate() {
@@ -276,13 +276,13 @@ impl Fixed {
         turned: &[f64; MAX_WHEELS],
         dt: f64,
         state: &mut State,
-    ) -> Result<Taken, Refusal> {
+    ) -> Result<StepResult, Refusal> {
         let slopes = state.slopes;
-        let way = Way {
+        let readings = StepReadings {
             chain: &self.chain,
             settings: &self.settings,
             radii: &self.radii,
-            doubt: self.doubt,
+            centre_deviation: self.centre_deviation,
             slopes: &slopes,
             before,
             after,
@@ -292,14 +292,14 @@ impl Fixed {
         let start = state.rotation();
         let place = match &self.ground {
             None => None,
-            Some(ground) => match self.middle(state, &way, ground) {
+            Some(ground) => match self.middle(state, &readings, ground) {
                 Ok(place) => Some(place),
-                Err(_) if self.is_told(before) && self.is_told(after) => None,
+                Err(_) if self.has_tilt_and_joints(before) && self.has_tilt_and_joints(after) => None,
                 Err(status) => return Err(off_ground(state, status)),
             },
         };
-        let site = place.as_ref().map_or(Site::Unmapped, Site::Ground);
-        let step = displace(&way, &site).map_err(|error| {
+        let site = place.as_ref().map_or(ContactSource::Unmapped, ContactSource::Ground);
+        let step = displace(&readings, &site).map_err(|error| {
             let flag = match error.kind {
                 ErrorKind::Underdetermined => Health::UNDETERMINED,
                 _ => Health::NOT_FINITE,
@@ -327,20 +327,20 @@ impl Fixed {
             None => true,
             Some(ground) => self.stand(state, after, ground).is_ok() && place.is_some(),
         };
-        Ok(Taken { noise: step.noise, slid: step.slid, slips: step.slips, settled })
+        Ok(StepResult { noise: step.noise, slid: step.slid, slips: step.slips, settled })
     }
 
     /// Settled pose in the middle of a step.
-    fn middle(&self, state: &State, way: &Way<'_>, ground: &Terrain) -> Result<Place, Status> {
-        let as_before = || Vector6::from(state.twist) * (way.dt * 0.5);
-        let ahead = state.place.as_ref().and_then(|place| halfway(way, place));
+    fn middle(&self, state: &State, readings: &StepReadings<'_>, ground: &Terrain) -> Result<Place, Status> {
+        let as_before = || Vector6::from(state.twist) * (readings.dt * 0.5);
+        let ahead = state.place.as_ref().and_then(|place| half_displacement(readings, place));
         let half = Motion3::exp(&ahead.unwrap_or_else(as_before));
         let start = state.rotation();
         let shift = start * half.translation;
         let (_, _, yaw) = (start * half.rotation).euler_angles();
         let plan = state.plan();
         let pose = PlanPose { x: plan.x + shift.x, y: plan.y + shift.y, yaw };
-        Place::find(&self.chain, ground, pose, &middle_angles(way))
+        Place::find(&self.chain, ground, pose, &middle_angles(readings))
     }
 }
 

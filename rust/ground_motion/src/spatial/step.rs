@@ -5,20 +5,20 @@
 
 use nalgebra::Vector6;
 
-use super::noise::{errors, share};
-use super::site::{Place, Site};
+use super::noise::{displacement_errors, fuse_yaw_increment};
+use super::readings::{StepReadings, TiltPair, WheelMotion};
+use super::site::{ContactSource, Place};
 use super::spread::StepNoise;
-use super::way::{Tilt, Way, WheelMotion};
 use crate::{COLUMNS, Climb, Contacts, Found, Readings, Row, Unmapped};
 use six_wheel_kinematics::geometry::sinc;
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::error::{Error, ErrorKind, numbers};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
-/// Rounds in which turn, contacts and way are found together.
+/// Rounds in which turn, contacts and displacement are solved for together.
 const ROUNDS: usize = 12;
 
-/// Change of way [m] and turn [rad] at which they are found.
+/// Change of displacement [m] and turn [rad] at which they are solved.
 const FOUND: f64 = 1e-14;
 
 /// Result of a step.
@@ -37,23 +37,23 @@ pub(crate) struct Step {
 }
 
 /// The displacement over one step.
-pub(crate) fn displace(way: &Way<'_>, site: &Site<'_>) -> Result<Step, Error> {
+pub(crate) fn displace(step: &StepReadings<'_>, site: &ContactSource<'_>) -> Result<Step, Error> {
     let huge = || {
         let rule = "be small enough for a finite pose and covariance";
-        let count = way.chain.wheels().len();
-        Error::value("wheel_angles", rule, numbers(&way.turned[..count]))
+        let count = step.chain.wheels().len();
+        Error::value("wheel_angles", rule, numbers(&step.turned[..count]))
     };
-    let mut read = way.turned.iter().chain(&way.after.angles);
+    let mut read = step.turned.iter().chain(&step.after.angles);
     if !read.all(|value| value.abs() < HUGE || value.is_nan()) {
         return Err(huge());
     }
-    let tilt = Tilt::of(way);
-    let told = wheel_motion(way, site, tilt.as_ref())?;
+    let tilt = TiltPair::of(step);
+    let motion = wheel_motion(step, site, tilt.as_ref())?;
     let mut noise = StepNoise::none();
-    let slips = errors(way, &told, tilt.as_ref(), &mut noise);
-    let mut tangent = Vector6::from(told.twist);
-    let mut yaw = told.yaw;
-    if let Some(change) = share(way, &told, tilt.as_ref(), &mut noise) {
+    let slips = displacement_errors(step, &motion, tilt.as_ref(), &mut noise);
+    let mut tangent = Vector6::from(motion.twist);
+    let mut yaw = motion.yaw;
+    if let Some(change) = fuse_yaw_increment(step, &motion, tilt.as_ref(), &mut noise) {
         tangent += change;
         if let Some(tilt) = &tilt {
             yaw += (tangent[5] - tilt.turn(yaw).z) / tilt.up.z;
@@ -65,11 +65,11 @@ pub(crate) fn displace(way: &Way<'_>, site: &Site<'_>) -> Result<Step, Error> {
     }
     let finite = tangent.iter().all(|part| part.abs() < HUGE)
         && noise.own.iter().all(|part| part.abs() < HUGE)
-        && tangent.iter().all(|part| (part / way.dt).is_finite());
+        && tangent.iter().all(|part| (part / step.dt).is_finite());
     if !finite {
         return Err(huge());
     }
-    Ok(Step { tangent, yaw: tilt.map(|_| yaw), noise, slid: told.slid, slips, slopes: told.slopes })
+    Ok(Step { tangent, yaw: tilt.map(|_| yaw), noise, slid: motion.slid, slips, slopes: motion.slopes })
 }
 
 /// Input of a step for the motion on the ground: rates over the whole of it, angles in its middle.
@@ -88,11 +88,11 @@ struct Input {
 
 impl Input {
     /// A pivot whose wheel steers by `d` meanwhile goes along an arc in body axes, whose chord is `sin(d/2) / (d/2)` of
-    /// the way the wheel rolled, as in the plane.
-    fn of(way: &Way<'_>) -> Self {
-        let chain = way.chain;
+    /// the distance that the wheel rolled, as in the plane.
+    fn of(step: &StepReadings<'_>) -> Self {
+        let chain = step.chain;
         let mut input = Self {
-            speeds: *way.turned,
+            speeds: *step.turned,
             angles: [0.0; MAX_WHEELS],
             swivels: [0.0; MAX_WHEELS],
             joints: [0.0; MAX_FREE],
@@ -103,13 +103,13 @@ impl Input {
         };
         let mut chords = [1.0; MAX_WHEELS];
         for (joint, share) in chords.iter_mut().enumerate().take(input.steered) {
-            let (first, last) = (way.before.angles[joint], way.after.angles[joint]);
+            let (first, last) = (step.before.angles[joint], step.after.angles[joint]);
             *share = sinc((last - first) / 2.0);
             input.swivels[joint] = (last - first) * *share;
             input.angles[joint] = f64::midpoint(first, last);
         }
         for joint in 0..input.free {
-            let (first, last) = (way.before.joints[joint], way.after.joints[joint]);
+            let (first, last) = (step.before.joints[joint], step.after.joints[joint]);
             input.turned[joint] = last - first;
             input.joints[joint] = f64::midpoint(first, last);
         }
@@ -136,16 +136,16 @@ impl Input {
     }
 
     /// Constants of the contacts at a site.
-    fn stand<'a>(&self, chain: &'a Chain, site: &Site<'_>) -> Result<Underfoot<'a>, Error> {
-        let underfoot = match site {
-            Site::Unmapped => {
+    fn stand<'a>(&self, chain: &'a Chain, site: &ContactSource<'_>) -> Result<SiteConstants<'a>, Error> {
+        let constants = match site {
+            ContactSource::Unmapped => {
                 let steering = &self.angles[..self.steered];
-                Unmapped::new(chain, self.joints(), steering).map(Underfoot::Unmapped)
+                Unmapped::new(chain, self.joints(), steering).map(SiteConstants::Unmapped)
             }
-            Site::Ground(place) => {
+            ContactSource::Ground(place) => {
                 let contacts = Contacts::new(chain, &place.footing());
                 contacts.map(|contacts| {
-                    Underfoot::Ground(Found {
+                    SiteConstants::Ground(Found {
                         contacts: contacts.sharing_sides(),
                         at: place.stand.wheels.map(|contact| contact.at),
                         slopes: [0.0; MAX_WHEELS],
@@ -153,70 +153,79 @@ impl Input {
                 })
             }
         };
-        underfoot.ok_or_else(|| {
+        constants.ok_or_else(|| {
             let rule = "be within reach of the differential, with wheels that stand in no line";
             Error::value("joints", rule, numbers(self.joints()))
         })
     }
 
     /// The contacts there, sides shared, as far as the motion is known.
-    fn contacts(&self, way: &Way<'_>, underfoot: &Underfoot<'_>, motion: Option<&Row>) -> Found {
-        match underfoot {
-            Underfoot::Unmapped(unmapped) => {
-                let climb = Climb { motion, turned: &self.speeds[..self.wheels], slopes: way.slopes, doubt: way.doubt };
-                let found = unmapped.contacts(way.chain, &climb);
+    fn contacts(&self, step: &StepReadings<'_>, constants: &SiteConstants<'_>, motion: Option<&Row>) -> Found {
+        match constants {
+            SiteConstants::Unmapped(unmapped) => {
+                let climb = Climb {
+                    motion,
+                    turned: &self.speeds[..self.wheels],
+                    slopes: step.slopes,
+                    doubt: step.centre_deviation,
+                };
+                let found = unmapped.contacts(step.chain, &climb);
                 Found { contacts: found.contacts.sharing_sides(), ..found }
             }
-            Underfoot::Ground(found) => *found,
+            SiteConstants::Ground(found) => *found,
         }
     }
 }
 
 /// The part of a site's contacts that is known before the motion.
 #[allow(clippy::large_enum_variant)] // one per step, on the stack
-enum Underfoot<'a> {
+enum SiteConstants<'a> {
     Unmapped(Unmapped<'a>),
     Ground(Found),
 }
 
 /// Displacement of the first half of a step from a settled start, in axes of its body.
-pub(crate) fn halfway(way: &Way<'_>, start: &Place) -> Option<Vector6<f64>> {
-    let input = Input::of(way);
-    let underfoot = input.stand(way.chain, &Site::Ground(start)).ok()?;
-    let found = input.contacts(way, &underfoot, None);
-    let half = Vector6::from(found.contacts.forward(&input.readings(None), way.radii).twist) * 0.5;
+pub(crate) fn half_displacement(step: &StepReadings<'_>, start: &Place) -> Option<Vector6<f64>> {
+    let input = Input::of(step);
+    let constants = input.stand(step.chain, &ContactSource::Ground(start)).ok()?;
+    let found = input.contacts(step, &constants, None);
+    let half = Vector6::from(found.contacts.forward(&input.readings(None), step.radii).twist) * 0.5;
     half.iter().all(|part| part.is_finite()).then_some(half)
 }
 
 /// Steering angles in the middle of a step.
-pub(crate) fn middle_angles(way: &Way<'_>) -> [f64; MAX_WHEELS] {
-    Input::of(way).angles
+pub(crate) fn middle_angles(step: &StepReadings<'_>) -> [f64; MAX_WHEELS] {
+    Input::of(step).angles
 }
 
 /// The motion of the wheels. With measured tilt the yaw is what makes the body turn about its own z axis as the wheels
 /// say; without a map contacts are where the wheels go.
-fn wheel_motion(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<WheelMotion, Error> {
-    let input = Input::of(way);
-    let underfoot = input.stand(way.chain, site)?;
+fn wheel_motion(
+    step: &StepReadings<'_>,
+    site: &ContactSource<'_>,
+    tilt: Option<&TiltPair>,
+) -> Result<WheelMotion, Error> {
+    let input = Input::of(step);
+    let constants = input.stand(step.chain, site)?;
     let mut yaw = tilt.and_then(|tilt| tilt.yaw).unwrap_or(0.0);
     let mut rates: Option<Row> = None;
     let mut round = 0;
     loop {
         let turn = tilt.map(|tilt| tilt.turn(yaw));
-        let Found { contacts, at, slopes } = input.contacts(way, &underfoot, rates.as_ref());
+        let Found { contacts, at, slopes } = input.contacts(step, &constants, rates.as_ref());
         let body = turn.map(|turn| [turn.x, turn.y, f64::NAN]);
         let readings = input.readings(body.as_ref());
-        let moving = contacts.forward(&readings, way.radii);
+        let moving = contacts.forward(&readings, step.radii);
         if moving.twist.iter().any(|rate| rate.is_nan()) {
             let rule = "determine the motion, with attitude and joints";
-            let value = numbers(&way.turned[..input.wheels]);
+            let value = numbers(&step.turned[..input.wheels]);
             return Err(Error::value("wheel_angles", rule, value).of_kind(ErrorKind::Underdetermined));
         }
         let mut now = [0.0; COLUMNS];
         now[..6].copy_from_slice(&moving.twist);
         now[6..].copy_from_slice(&moving.joint_rates);
         let mut missing: f64 = 0.0;
-        if let (Some(Tilt { up, yaw: None, .. }), Some(turn)) = (tilt, turn) {
+        if let (Some(TiltPair { up, yaw: None, .. }), Some(turn)) = (tilt, turn) {
             missing = now[5] - turn.z;
             yaw += missing / up.z;
         }
@@ -225,8 +234,8 @@ fn wheel_motion(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<W
             pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
         };
         let change = match site {
-            Site::Unmapped => rates.as_ref().map_or(f64::INFINITY, apart),
-            Site::Ground(_) => 0.0,
+            ContactSource::Unmapped => rates.as_ref().map_or(f64::INFINITY, apart),
+            ContactSource::Ground(_) => 0.0,
         };
         rates = Some(now);
         round += 1;
@@ -235,7 +244,7 @@ fn wheel_motion(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<W
                 twist: moving.twist,
                 turn,
                 yaw,
-                response: contacts.response(&readings, way.radii),
+                response: contacts.response(&readings, step.radii),
                 contacts,
                 at,
                 slopes,

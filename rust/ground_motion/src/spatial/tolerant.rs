@@ -32,14 +32,14 @@ impl Odometry3 {
 
     fn skip_row(&mut self, sample: Sample3<'_>, refusal: &Refusal) -> Health {
         let flag = refusal.flag;
-        if self.suspect.precedes(flag, sample.stamp)
+        if self.skipped.precedes(flag, sample.stamp)
             && let Some(health) = self.restart(sample, flag)
         {
             return health;
         }
         let readings = self.fixed.settings.common.readings;
         let plain = Self::plain(&sample);
-        self.suspect.leave_out(flag, &plain, readings);
+        self.skipped.leave_out(flag, &plain, readings);
         flag
     }
 
@@ -49,12 +49,12 @@ impl Odometry3 {
         let mut moved = before;
         if flag == Health::BACKWARDS {
             // The clock was set back: the row left out and this one take a step each.
-            moved.stamp = 2.0 * self.suspect.stamp - sample.stamp;
+            moved.stamp = 2.0 * self.skipped.stamp - sample.stamp;
         } else {
-            moved.stamp = self.suspect.stamp;
+            moved.stamp = self.skipped.stamp;
             moved.yaw_rate = None;
-            moved.wheels[..sample.wheels.len()].copy_from_slice(&self.suspect.wheels);
-            for (joint, reading) in self.suspect.steering.iter().enumerate() {
+            moved.wheels[..sample.wheels.len()].copy_from_slice(&self.skipped.wheels);
+            for (joint, reading) in self.skipped.steering.iter().enumerate() {
                 moved.steering[joint] = *reading;
                 let encoder = self.fixed.settings.common.steering_encoder(joint);
                 moved.angles[joint] = encoder.first_angle(*reading);

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::scratch::BlockScratch;
-use crate::covariance::Covariance3;
-use crate::recording::TrackRows;
+use crate::propagation::covariance::Covariance3;
+use crate::samples::recording::TrackRows;
 use crate::settings::Settings;
 use crate::uncertainty::{ROUNDING, rounded};
 use six_wheel_numerics::simd::lanes::Lanes;
@@ -28,7 +28,7 @@ pub(crate) struct LogBlock {
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
     pub slips: Column,
-    /// Gyroscope of every step, in the fields of [`GyroscopeIncrement`](crate::step::fusion::GyroscopeIncrement), where
+    /// Gyroscope of every step, in the fields of [`GyroscopeIncrement`](crate::propagation::fusion::GyroscopeIncrement), where
     /// one is fused.
     pub is_read: Column,
     pub turn: Column,

@@ -1,7 +1,7 @@
 //! A sample of running totals from which a step is made without looking at every reading.
 
 use super::Odometry;
-use crate::recording::Sample;
+use crate::samples::recording::Sample;
 use crate::settings::gyroscope;
 use crate::step::{StepInput, StepOutput, WheelInput};
 use six_wheel_numerics::error::HUGE;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::Odometry;
 use crate::health::Health;
 use crate::log::{BlockScratch, LogBlock, LogIntegrator, Rows};
-use crate::recording::{Recording, TrackRows};
+use crate::samples::recording::{Recording, TrackRows};
 use crate::settings::gyroscope;
 
 /// Rows of a log that are worth a register.
@@ -34,7 +34,7 @@ impl Odometry {
         let mut end = recording.until_yaw(first, scratch.rows());
         let uncertainty = &self.state.uncertainty;
         let has_gyroscope =
-            recording.yaw_rates.is_some() || uncertainty.bias.is_some() || uncertainty.leans_on_gyroscope();
+            recording.yaw_rates.is_some() || uncertainty.bias.is_some() || uncertainty.has_gyroscope_error();
         if has_gyroscope {
             end = self.load_gyroscope_rows(recording, first..end, block);
         }

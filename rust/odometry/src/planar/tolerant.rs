@@ -1,12 +1,12 @@
 //! Whole logs as they are: rows that cannot be are left out and flagged, the rows after them are not lost.
 //!
-//! Running totals make good for a row left out by themselves, increments are owed to the next row. A clock or a
+//! Running totals make good for a row left out by themselves, increments are pending to the next row. A clock or a
 //! counter that goes on from another value for good is followed from the second such row on.
 
 use super::Odometry;
 use crate::health::{Health, Refusal};
 use crate::log::LogBlock;
-use crate::recording::{Recording, Sample, TrackRows};
+use crate::samples::recording::{Recording, Sample, TrackRows};
 use six_wheel_numerics::error::{Error, ErrorKind};
 
 /// Rows that are taken in one by one before registers of rows are tried again.
@@ -25,13 +25,13 @@ impl Odometry {
 
     fn skip_or_restart(&mut self, sample: Sample<'_>, refusal: &Refusal) -> Health {
         let flag = refusal.flag;
-        if self.suspect.precedes(flag, sample.stamp)
+        if self.skipped.precedes(flag, sample.stamp)
             && let Some(health) = self.restart(sample, flag)
         {
             return health;
         }
         let readings = self.settings.readings;
-        self.suspect.leave_out(flag, &sample, readings);
+        self.skipped.leave_out(flag, &sample, readings);
         flag
     }
 
@@ -40,14 +40,14 @@ impl Odometry {
         let before = self.reference.clone();
         if flag == Health::BACKWARDS {
             // The clock was set back: the row left out and this one take a step each.
-            self.reference.stamp = 2.0 * self.suspect.stamp - sample.stamp;
+            self.reference.stamp = 2.0 * self.skipped.stamp - sample.stamp;
             self.commanded = None;
         } else {
-            let suspect = self.suspect.clone();
+            let skipped = self.skipped.clone();
             self.refer_to(&Sample {
-                steering: &suspect.steering,
-                wheels: &suspect.wheels,
-                stamp: suspect.stamp,
+                steering: &skipped.steering,
+                wheels: &skipped.wheels,
+                stamp: skipped.stamp,
                 yaw: None,
                 yaw_rate: None,
             });

@@ -6,8 +6,8 @@ use crate::settings::encoder::Encoder;
 use crate::settings::{Readings, Settings};
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_kinematics::kernels::readings::LARGEST_ROVER;
-use six_wheel_kinematics::wheel_lanes::{Eight, GROUP, level, order};
 use six_wheel_kinematics::rover::{Mount, Rover};
+use six_wheel_kinematics::wheel_lanes::{Eight, GROUP, level, order};
 use six_wheel_kinematics::wheels::Pivot;
 use six_wheel_numerics::simd::level::Level;
 
@@ -104,7 +104,7 @@ impl StepConstants {
         let castors = || rover.wheels().iter().any(|wheel| wheel.pivot == Pivot::Castor);
         let has_constant_solution = settings.method == Method::LeastSquares
             && settings.readings != Readings::Speeds
-            && settings.constant_errors() == 0
+            && settings.constant_error_count() == 0
             && rover.reading_bound <= LARGEST_ROVER;
         let solution = rover.solution.filter(|_| has_constant_solution);
         let mut constants = Self {

@@ -3,14 +3,15 @@
 //! Every sum has [`PARTS`] parts, one for every lane of the level with most lanes: wheels whose places differ by a multiple of
 //! it are in the same part. The parts are added in the same order on every level.
 
-use super::arc::StepJacobian;
 use super::constants::{StepConstants, StepScratch};
-use super::fusion::{KalmanGain, remaining_error};
+use super::fit::WheelFit;
+use super::input::WheelInput;
 use super::terms::NoiseTerms;
 use super::wheels::{LaneSource, Register, accumulate_displacement, accumulate_noise, steering_error};
-use super::{WheelInput, Workspace};
-use crate::covariance::Covariance3;
 use crate::motion::{ROUNDING, SUSPICIOUS};
+use crate::propagation::arc::StepJacobian;
+use crate::propagation::covariance::Covariance3;
+use crate::propagation::fusion::{KalmanGain, remaining_error};
 use nalgebra::Vector3;
 use pulp::Scalar;
 use six_wheel_kinematics::wheel_lanes::{Eight, GROUP, padded};
@@ -204,11 +205,11 @@ pub(crate) fn excess_covariance(constants: &StepConstants, is_fitted: bool, weig
 #[inline(always)]
 pub(crate) fn shared_covariance<S: Vector>(
     simd: S,
-    work: &Workspace,
-    is_fitted: bool,
+    constants: &StepConstants,
+    fitted: Option<&WheelFit>,
     terms: &NoiseTerms<S>,
 ) -> [Covariance3; 2] {
-    if is_fitted {
+    if let Some(fit) = fitted {
         let sum = |columns: &[[f64; 3]]| {
             let mut sum = Covariance3::default();
             for column in columns {
@@ -216,10 +217,10 @@ pub(crate) fn shared_covariance<S: Vector>(
             }
             sum
         };
-        return [sum(&work.fit.old), sum(&work.fit.new)];
+        return [sum(&fit.old), sum(&fit.new)];
     }
     let mut sums = [Covariance3::zero(simd); PARTS];
-    for (group, scratch) in work.constants.groups.iter().zip(&work.constants.scratch) {
+    for (group, scratch) in constants.groups.iter().zip(&constants.scratch) {
         for k in 0..group.steered.div_ceil(S::F64_LANES) {
             let sum = &mut sums[part::<S>(k)];
             *sum = sum.and_square(steering_error(simd, (group, Register(simd, k)), terms, (scratch, k)));
@@ -233,8 +234,8 @@ pub(crate) fn shared_covariance<S: Vector>(
 #[inline(always)]
 pub(crate) fn propagate_columns<S: Vector>(
     simd: S,
-    work: &Workspace,
-    is_fitted: bool,
+    constants: &StepConstants,
+    fitted: Option<&WheelFit>,
     terms: &NoiseTerms<S>,
     carried: &mut [[f64; 3]],
     jacobian: &StepJacobian<Scalar>,
@@ -249,11 +250,11 @@ pub(crate) fn propagate_columns<S: Vector>(
     let mut sums = [Covariance3::zero(simd); PARTS];
     let width = 3 * S::F64_LANES;
     let mut columns = carried.as_flattened_mut().chunks_exact_mut(width);
-    if is_fitted {
-        let read = [&work.fit.old, &work.fit.new].map(|all| all.as_flattened().chunks_exact(width));
+    if let Some(fit) = fitted {
+        let read = [&fit.old, &fit.new].map(|all| all.as_flattened().chunks_exact(width));
         let [old, new] = read;
         // The last column is the gyroscope's: a register of its own on a level of one lane.
-        let shared = (work.fit.old.len() - 1) / S::F64_LANES;
+        let shared = (fit.old.len() - 1) / S::F64_LANES;
         for (k, (columns, (old, new))) in columns.zip(old.zip(new)).enumerate().take(shared) {
             let [old, new] = [Lanes::unbraid(simd, old), Lanes::unbraid(simd, new)];
             let sum = &mut sums[part::<S>(k)];
@@ -261,7 +262,7 @@ pub(crate) fn propagate_columns<S: Vector>(
         }
         return total(sums);
     }
-    for (group, scratch) in work.constants.groups.iter().zip(&work.constants.scratch) {
+    for (group, scratch) in constants.groups.iter().zip(&constants.scratch) {
         for k in 0..group.steered.div_ceil(S::F64_LANES) {
             let Some(columns) = columns.next() else { break };
             let half = steering_error(simd, (group, Register(simd, k)), terms, (scratch, k));

@@ -6,7 +6,7 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;
 
 use crate::log::LogBlock;
-use crate::recording::{Recording, Sample, TrackRows};
+use crate::samples::recording::{Recording, Sample, TrackRows};
 use crate::{Gyroscope, Noise, Odometry, Settings};
 
 /// Readings of a drive in which nothing has to be checked, with a step that turns far.

@@ -8,11 +8,11 @@
 //! cov(d) = Σ A_i A_iᵀ var(s_i) + B_i B_iᵀ var(slip across) + (B_i s_i) (B_i s_i)ᵀ var(steering angle)
 //! ```
 
-use super::arc::chord_ratio;
 use super::constants::{Group, StepScratch, Triple, WheelRows};
 use super::terms::{LARGEST_ROTATION, NoiseTerms, ROUNDED_DOWN};
-use crate::covariance::Covariance3;
 use crate::motion::SUSPICIOUS;
+use crate::propagation::arc::chord_ratio;
+use crate::propagation::covariance::Covariance3;
 use six_wheel_kinematics::angles::sin_cos_any;
 use six_wheel_kinematics::wheel_lanes::Eight;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};

@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Uncertainty, YawOffset};
-use crate::covariance::Covariance3;
-use six_wheel_numerics::jacobi::Jacobi;
+use crate::propagation::covariance::Covariance3;
+use crate::propagation::pose_gain::PoseGain;
 
 impl Uncertainty {
     /// Corrects the bias by a reading at rest. Returns the correction of the pose, whose error correlates with that of
@@ -33,17 +33,17 @@ impl Uncertainty {
         let cross = -self.settled.with_z();
         let variance = variance + self.settled.zz();
         self.yaw_offset = Some(YawOffset { value, variance, cross });
-        for lasting in &mut self.lasting {
-            lasting.yaw_zero = -lasting.pose.z;
+        for error in &mut self.constant_errors {
+            error.yaw_zero = -error.pose.z;
         }
     }
 
     /// Corrects by a reading of the yaw sensor with this variance. Returns the gain of the pose by the innovation.
     pub fn correct_yaw(&mut self, offset: YawOffset, variance: f64) -> Vector3<f64> {
         let (mut cross, mut of_zero) = (offset.cross, offset.variance);
-        for lasting in &self.lasting {
-            cross += lasting.pose * lasting.yaw_zero;
-            of_zero += lasting.yaw_zero * lasting.yaw_zero;
+        for error in &self.constant_errors {
+            cross += error.pose * error.yaw_zero;
+            of_zero += error.yaw_zero * error.yaw_zero;
         }
         let along = self.covariance().with_z() + cross;
         let spread = along.z + cross.z + of_zero + variance;
@@ -51,8 +51,8 @@ impl Uncertainty {
         let rest = Matrix3::identity() - gain * Vector3::z().transpose();
         let mixed = rest * offset.cross * gain.transpose();
         self.multiply(&rest);
-        for lasting in &mut self.lasting {
-            lasting.pose -= gain * lasting.yaw_zero;
+        for error in &mut self.constant_errors {
+            error.pose -= gain * error.yaw_zero;
         }
         let settled = self.settled.matrix() - (mixed + mixed.transpose());
         self.settled = Covariance3::of(&settled);
@@ -64,27 +64,9 @@ impl Uncertainty {
     /// Corrects by a pose from outside with this covariance, infinite where the pose is unknown. Returns the gain of
     /// the pose by the innovation.
     pub fn correct(&mut self, measured: &Matrix3<f64>) -> Matrix3<f64> {
-        let mut known = Matrix3::zeros();
-        let mut noise = *measured;
-        for i in 0..3 {
-            if measured[(i, i)].is_finite() {
-                known[(i, i)] = 1.0;
-            } else {
-                noise.row_mut(i).fill(0.0);
-                noise.column_mut(i).fill(0.0);
-            }
-        }
-        let covariance = self.covariance().matrix();
-        let unknown = Matrix3::identity() - known;
-        let spread = known * (covariance + noise) * known + unknown;
-        let gain = if noise == Matrix3::zeros() {
-            // Taken at its word: the pose is what is measured, and the rest follows as far as it is tied to it.
-            spread.cholesky().map_or(known, |spread| covariance * known * spread.inverse())
-        } else {
-            covariance * known * Jacobi::new(&spread).inverse(f64::EPSILON * spread.amax())
-        };
-        let rest = Matrix3::identity() - gain * known;
-        self.multiply(&rest);
+        let PoseGain { gain, by_error, noise } =
+            PoseGain::new(&self.covariance().matrix(), &Matrix3::identity(), measured);
+        self.multiply(&(Matrix3::identity() - gain * by_error));
         self.settled.add_assign(&Covariance3::of(&noise).image(&gain));
         gain
     }
@@ -96,8 +78,8 @@ impl Uncertainty {
         for column in &mut self.carried {
             *column = (rest * Vector3::from(*column)).into();
         }
-        for lasting in &mut self.lasting {
-            lasting.pose = rest * lasting.pose;
+        for error in &mut self.constant_errors {
+            error.pose = rest * error.pose;
         }
         if let Some(offset) = &mut self.yaw_offset {
             offset.cross = rest * offset.cross;

@@ -192,7 +192,8 @@ mod tests {
 
     #[test]
     fn factors_are_the_same_on_both_sides_of_their_bounds() {
-        let near = [0.249_999_999, 0.25, 0.250_000_001, std::f64::consts::FRAC_PI_4, 0.785_398_2, 1e9, 1.1e9];
+        let eighth = std::f64::consts::FRAC_PI_4;
+        let near = [0.249_999_999, 0.25, 0.250_000_001, eighth, eighth.next_up(), 1e9, 1.1e9];
         for half in [0.0, 1e-300, 1e-8, 0.1, 3.0, -0.2].into_iter().chain(near) {
             let arc = Arc::new(Scalar, lane(half));
             for chord in [arc.chord, chord_ratio(Scalar, lane(half))] {

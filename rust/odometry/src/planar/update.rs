@@ -3,7 +3,8 @@
 use super::{Odometry, StepReadings};
 use crate::health::{Health, Refusal};
 use crate::motion::Motion;
-use crate::recording::Sample;
+use crate::samples::increments::{Counts, add_increments, check_rim_speed, check_steering_rate};
+use crate::samples::recording::Sample;
 use crate::settings::Readings;
 use crate::settings::gyroscope;
 use crate::settings::gyroscope::{LIKELY, STANDING};
@@ -93,7 +94,7 @@ impl Odometry {
         if let Some(yaw) = sample.yaw {
             self.state.correct_yaw(yaw, self.settings.noise.yaw);
         }
-        self.suspect.clear();
+        self.skipped.clear();
         self.commanded = None;
         let (angles, turned) = (&self.reference.angles, &self.turned);
         let make = || StepReadings { angles: angles.clone(), turned: turned.clone(), yaw: sample.yaw, gyro_turn };
@@ -139,55 +140,21 @@ impl Odometry {
     /// Writes the rotations of wheels and the angles of joints since the reference [rad]. Returns true if a counter
     /// started over.
     pub(crate) fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
-        let mut wrapped = false;
-        let pairs = self.reference.wheels.iter().zip(sample.wheels);
-        for (i, ((before, after), turned)) in pairs.zip(&mut self.turned).enumerate() {
-            let encoder = self.settings.wheel_encoder(i);
-            let counts = match self.settings.readings {
-                Readings::Angles => {
-                    let (counts, over) = encoder.difference(*before, *after);
-                    wrapped |= over;
-                    counts
-                }
-                Readings::Speeds => f64::midpoint(*before, *after) * dt,
-                Readings::Increments => *after + self.suspect.owed(i),
-            };
-            *turned = counts * encoder.angle_per_count();
-        }
-        let pairs = self.reference.steering.iter().zip(sample.steering);
-        for (joint, ((before, after), angle)) in pairs.zip(&mut self.angles).enumerate() {
-            let encoder = self.settings.steering_encoder(joint);
-            let (counts, over) = encoder.difference(*before, *after);
-            wrapped |= over;
-            *angle = self.reference.angles[joint] + counts * encoder.angle_per_count();
-        }
-        wrapped
+        let Self { settings, skipped, reference, turned, angles, .. } = self;
+        angles.copy_from_slice(&reference.angles);
+        let before = Counts { wheels: &reference.wheels, steering: &reference.steering };
+        let after = Counts { wheels: sample.wheels, steering: sample.steering };
+        add_increments(settings, skipped, [before, after], dt, turned, angles)
     }
 
     /// Fails if the rover would have moved faster than it can.
     fn check_jump(&self, dt: f64) -> Result<(), Error> {
-        if let Some(limit) = self.settings.max_speed {
-            for (i, wheel) in self.rover.wheels().iter().enumerate() {
-                let owed = self.suspect.owed(i) * self.settings.wheel_encoder(i).angle_per_count();
-                let speed = wheel.radius * (self.turned[i] - owed) / dt;
-                if speed.abs() > limit {
-                    let rule = format!("keep {} at a rim speed of {limit} m/s at most", wheel.name);
-                    return Err(Error::value("wheel_angles", rule, number(speed)));
-                }
-            }
-        }
-        if let Some(limit) = self.settings.max_steering_rate {
-            let joints = self.angles.iter().zip(&self.reference.angles);
-            for ((after, before), &wheel) in joints.zip(self.rover.steered()) {
-                let rate = (after - before) / dt;
-                if rate.abs() > limit {
-                    let name = &self.rover.wheels()[wheel].name;
-                    let rule = format!("keep {name} at a steering rate of {limit} rad/s at most");
-                    return Err(Error::value("steering", rule, number(rate)));
-                }
-            }
-        }
-        Ok(())
+        let Self { rover, settings, skipped, reference, turned, angles, .. } = self;
+        let wheels = rover.wheels().iter().zip(turned);
+        check_rim_speed(settings, skipped, dt, wheels.map(|(wheel, turned)| (&*wheel.name, wheel.radius, *turned)))?;
+        let names = rover.steered().iter().map(|&wheel| &*rover.wheels()[wheel].name);
+        let joints = names.zip(reference.angles.iter().zip(angles));
+        check_steering_rate(settings, dt, joints.map(|(name, (before, after))| (name, *before, *after)))
     }
 
     /// True if wheels and gyroscope agree that the rover stands: no wheel rolls, and the reading of the gyroscope may

@@ -5,8 +5,8 @@
 
 use pulp::Simd;
 
-use crate::covariance::Covariance3;
-use crate::step::arc::propagate_error;
+use crate::propagation::arc::propagate_error;
+use crate::propagation::covariance::Covariance3;
 use six_wheel_numerics::simd::lanes::Lanes;
 
 /// Measurement of a gyroscope in a step.

@@ -9,12 +9,12 @@ use six_wheel_kinematics::wheels::Direction;
 use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
 /// One step: what was read at its ends.
-pub(crate) struct Way<'a> {
+pub(crate) struct StepReadings<'a> {
     pub chain: &'a Chain,
     pub settings: &'a Settings3,
     pub radii: &'a [f64; MAX_WHEELS],
     /// Standard deviation of the distance that a wheel's centre moves across the ground [m].
-    pub doubt: f64,
+    pub centre_deviation: f64,
     /// Climb of every wheel against the plane of all, as a sine.
     pub slopes: &'a [f64; MAX_WHEELS],
     pub before: &'a Read,
@@ -26,7 +26,7 @@ pub(crate) struct Way<'a> {
 
 /// Tilt at both ends of a step.
 #[derive(Clone, Copy)]
-pub(crate) struct Tilt {
+pub(crate) struct TiltPair {
     pub ends: [UnitQuaternion<f64>; 2],
     /// Change of the yaw by the attitudes [rad].
     pub yaw: Option<f64>,
@@ -34,9 +34,9 @@ pub(crate) struct Tilt {
     pub up: Vector3<f64>,
 }
 
-impl Tilt {
-    pub fn of(way: &Way<'_>) -> Option<Self> {
-        let (first, last) = (way.before.attitude?, way.after.attitude?);
+impl TiltPair {
+    pub fn of(step: &StepReadings<'_>) -> Option<Self> {
+        let (first, last) = (step.before.attitude?, step.after.attitude?);
         let ends = [first.tilt(), last.tilt()];
         let up = ends.map(|tilt| tilt.inverse() * Vector3::z());
         let yaw = first.yaw.zip(last.yaw);
@@ -55,8 +55,8 @@ impl Tilt {
     }
 
     /// Derivatives of the turn by roll and pitch at the start and at the end, at a constant change of the yaw.
-    pub fn by_ends(&self, turn: &Vector3<f64>, way: &Way<'_>) -> [[Vector3<f64>; 2]; 2] {
-        let rolls = [way.before, way.after].map(|read| read.attitude.map_or(0.0, |one| one.roll));
+    pub fn by_ends(&self, turn: &Vector3<f64>, step: &StepReadings<'_>) -> [[Vector3<f64>; 2]; 2] {
+        let rolls = [step.before, step.after].map(|read| read.attitude.map_or(0.0, |one| one.roll));
         let axes = rolls.map(|roll| {
             let (sin, cos) = roll.sin_cos();
             [Vector3::x(), Vector3::new(0.0, cos, -sin)]

@@ -1,7 +1,7 @@
 //! Memory of the rows of a log that were left out.
 
 use crate::health::Health;
-use crate::recording::Sample;
+use crate::samples::recording::Sample;
 use crate::settings::Readings;
 
 /// Record of rows that were left out, kept until a row is taken in again.
@@ -9,12 +9,12 @@ use crate::settings::Readings;
 /// - `flag` is [`Health::BACKWARDS`] or [`Health::JUMP`] if a row was left out for that since the last good one, and
 ///   then `stamp`, `wheels` and `steering` are the readings of the last such row; otherwise it is [`Health::GOOD`] and
 ///   they mean nothing.
-/// - `owed` is not zero only where the readings are increments: the sum of those in rows left out because of their
+/// - `pending` is not zero only where the readings are increments: the sum of those in rows left out because of their
 ///   stamps, which did happen and belong to the next step. In running totals the next row contains them.
 /// - Both are cleared by every row taken in ([`Self::clear`]); `marked` says that there is anything to clear, so that a
 ///   good row after a good row pays one comparison.
 #[derive(Clone, Debug)]
-pub struct Suspect {
+pub struct SkippedRows {
     /// The reason for which the last row was left out.
     pub flag: Health,
     /// [s]
@@ -24,11 +24,11 @@ pub struct Suspect {
     /// As the encoders count.
     pub steering: Vec<f64>,
     /// As the encoders count, one per wheel.
-    owed: Vec<f64>,
+    pending: Vec<f64>,
     marked: bool,
 }
 
-impl Suspect {
+impl SkippedRows {
     /// No row was left out yet.
     pub fn new(wheels: usize, joints: usize) -> Self {
         Self {
@@ -36,7 +36,7 @@ impl Suspect {
             stamp: 0.0,
             wheels: vec![0.0; wheels],
             steering: vec![0.0; joints],
-            owed: vec![0.0; wheels],
+            pending: vec![0.0; wheels],
             marked: false,
         }
     }
@@ -47,14 +47,14 @@ impl Suspect {
         if self.marked {
             self.marked = false;
             self.flag = Health::GOOD;
-            self.owed.fill(0.0);
+            self.pending.fill(0.0);
         }
     }
 
     /// Increment of a wheel in the rows left out since the last good one, as its encoder counts.
     #[inline]
-    pub fn owed(&self, wheel: usize) -> f64 {
-        self.owed[wheel]
+    pub fn pending_increment(&self, wheel: usize) -> f64 {
+        self.pending[wheel]
     }
 
     /// True if a refused row may go on from the one that was left out before it for the same reason.
@@ -74,8 +74,8 @@ impl Suspect {
         }
         if readings == Readings::Increments && (flag == Health::BACKWARDS || flag == Health::DUPLICATE) {
             self.marked = true;
-            for (owed, increment) in self.owed.iter_mut().zip(sample.wheels) {
-                *owed += increment;
+            for (pending, increment) in self.pending.iter_mut().zip(sample.wheels) {
+                *pending += increment;
             }
         }
     }

@@ -1,0 +1,6 @@
+//! Equations by which errors propagate through a step, in every lane.
+
+pub(crate) mod arc;
+pub(crate) mod covariance;
+pub(crate) mod fusion;
+pub mod pose_gain;

@@ -1,0 +1,5 @@
+//! Samples as they are read: one or all of a log, their increments, and those that were left out.
+
+pub mod increments;
+pub mod recording;
+pub mod skipped_rows;
