@@ -15,7 +15,11 @@ use super::values::{Gyroscope, Noise};
 use crate::arguments::ArgumentKind;
 use crate::convert::{OrRaise, Rows, Scalars, choice, compute, number, raise, refuse};
 use crate::rover::Rover;
-use parts::{NAMES, SLIPS};
+
+/// Names of the dimensions of wheels, as of `TwistJacobian`, in the order of `DIMENSIONS`; of constant slip; of the bias.
+const NAMES: [&str; 7] = ["radius", "x", "y", "heading", "scrub", "trail", "roller_angle"];
+const SLIPS: [&str; 2] = ["slip", "side_slip"];
+const BIAS: &str = "gyroscope_bias";
 
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 /// Columns by their name.

@@ -6,13 +6,8 @@ use pyo3::types::PyDict;
 use six_wheel_odometry::preintegrated::space::Motion3;
 use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, PLANE, Replayed};
 
-use super::{Core, Matrix, Named, Preintegrated};
+use super::{BIAS, Core, Matrix, NAMES, Named, Preintegrated, SLIPS};
 use crate::convert::{OrRaise, Rows, Scalars, compute, numbers, raise, refuse};
-
-/// Names of [`DIMENSIONS`], as of `TwistJacobian`.
-pub const NAMES: [&str; 7] = ["radius", "x", "y", "heading", "scrub", "trail", "roller_angle"];
-pub const SLIPS: [&str; 2] = ["slip", "side_slip"];
-const BIAS: &str = "gyroscope_bias";
 
 impl Preintegrated {
     pub(super) fn with(&self, core: Core, py: Python<'_>) -> Self {
