@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from six_wheel.robot_description.parameters.foreign.forms import FOREIGN, WELL_KNOWN
+from six_wheel.robot_description.parameters.foreign.formats import FOREIGN, WELL_KNOWN
 from six_wheel.robot_description.parameters.foreign.limits import LIMITS, SLOWING, TIMEOUTS
 from six_wheel.robot_description.parameters.key_types import Common, keys_of
 from six_wheel.robot_description.parameters.schema import Form
