@@ -23,7 +23,7 @@ use crate::uncertainty::{
 };
 pub(crate) use plan::StepConstants;
 use plan::StepScratch;
-use six_wheel_kinematics::wheel_lanes::{Eight, GROUP, padded};
+use six_wheel_kinematics::kernels::wheel_lanes::{Eight, GROUP, padded};
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;

@@ -29,7 +29,7 @@ use crate::uncertainty::{
     Bias, GyroscopeIncrement, StepJacobian, StepNoise, bias_covariance, fused_displacement, gain, propagate_error,
     remaining_covariance, remaining_error,
 };
-use six_wheel_kinematics::wheel_lanes::GROUP;
+use six_wheel_kinematics::kernels::wheel_lanes::GROUP;
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;

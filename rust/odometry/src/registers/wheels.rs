@@ -4,7 +4,7 @@ use super::plan::{Group, StepScratch, Triple};
 use super::terms::{LARGEST_STEP, NoiseTerms, SURELY};
 use crate::arithmetic::Arithmetic;
 use crate::motion::SUSPICIOUS;
-use six_wheel_kinematics::wheel_lanes::Eight;
+use six_wheel_kinematics::kernels::wheel_lanes::Eight;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
 use six_wheel_numerics::simd::vector::Vector;

@@ -73,7 +73,14 @@ pub(crate) fn reduce_lanes<S: Vector>(simd: S, angle: Lanes<S>) -> Lanes<S> {
 /// Sine and cosine of angles of any size.
 #[inline(always)]
 pub(crate) fn sin_cos_any<S: Vector>(simd: S, angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
-    sin_cos(simd, map_beyond(simd, angle, LARGEST_ANGLE, same_direction))
+    let is_near = angle.abs().at_most(Lanes::splat(simd, LARGEST_ANGLE));
+    let (sin, cos) = sin_cos(simd, angle);
+    if !(!is_near).any() {
+        return (sin, cos);
+    }
+    let (far_sin, far_cos) =
+        (map_beyond(simd, angle, LARGEST_ANGLE, f64::sin), map_beyond(simd, angle, LARGEST_ANGLE, f64::cos));
+    (is_near.select(sin, far_sin), is_near.select(cos, far_cos))
 }
 
 #[cfg(test)]

@@ -3,12 +3,12 @@
 use std::array;
 
 use super::constants::{InverseConstants, WheelGroup};
-use crate::kernels::cone::AdmissibleCone;
-use crate::kernels::direction_votes::{CommonDirection, DirectionTie, DirectionVotes};
+use crate::admissible::cone::AdmissibleCone;
 use crate::kernels::safe_range::{MAX_SQUARABLE, MIN_SQUARABLE};
-use crate::kernels::steered_wheel::{SAFE_OVERSHOOT, WheelQuery};
+use crate::kernels::steered::direction_votes::{CommonDirection, DirectionTie, DirectionVotes};
+use crate::kernels::steered::wheel::{SAFE_OVERSHOOT, WheelQuery};
+use crate::kernels::wheel_lanes::{Eight, GROUP, padded};
 use crate::rover_data::{Inputs, MAX_WHEELS};
-use crate::wheel_lanes::{Eight, GROUP, padded};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
