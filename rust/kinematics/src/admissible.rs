@@ -5,17 +5,20 @@
 //! range. The admissible set is their intersection: a union of polyhedral cones.
 
 pub(crate) mod check;
+pub mod cone;
 pub(crate) mod faces;
 mod keep;
+pub(crate) mod projection;
+pub(crate) mod rows;
 #[cfg(test)]
 pub(crate) mod tests;
 
 use nalgebra::Vector3;
 
 pub use self::keep::Keep;
+use crate::admissible::cone::AdmissibleCone;
+pub use crate::admissible::cone::SLIP_TOLERANCE;
 use crate::geometry::Twist;
-use crate::kernels::cone::AdmissibleCone;
-pub use crate::kernels::cone::SLIP_TOLERANCE;
 use crate::rover_data::RoverData;
 use crate::steering::SteeringRange;
 use crate::wheels::{Direction, Wheel};

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use nalgebra::{Vector2, Vector3};
 
-pub use crate::accumulate::{Sum, Walk};
-pub use crate::angles::wrap_angle;
-use crate::kernels::se2::Map;
+pub use crate::se2::accumulate::{Sum, Walk};
+pub use crate::se2::angles::wrap_angle;
+use crate::se2::maps::Map;
 use six_wheel_numerics::error::{Error, number};
 use six_wheel_numerics::sizes::longest;
 

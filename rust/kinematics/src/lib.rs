@@ -15,24 +15,22 @@
 //! derivatives), [`rover`] (the data with the constants of its kernels), [`layouts`] and [`presets`] (named vehicles),
 //! [`mobility`] (rank of the constraints), [`units`] (numbers that cannot be metres and radians), [`batch`] (whole arrays).
 
-pub mod accumulate;
 pub mod admissible;
-pub mod angles;
 pub mod batch;
 pub mod estimate;
 pub mod geometry;
+pub mod inverse;
 pub mod kernels;
 pub mod layouts;
 pub mod mobility;
-pub mod one_row;
 pub mod pose_logs;
 pub mod presets;
 pub mod rover;
 pub mod rover_data;
+pub mod se2;
 pub mod steering;
 pub mod table;
 pub mod units;
-pub mod wheel_lanes;
 pub mod wheels;
 
 pub use admissible::Keep;

@@ -4,14 +4,14 @@ use std::ops::Deref;
 use std::sync::OnceLock;
 
 use crate::admissible::Keep;
+use crate::admissible::cone::AdmissibleCone;
 use crate::admissible::faces::Faces;
+use crate::admissible::projection::Projection;
 use crate::estimate::gradients::Gradients;
 use crate::estimate::sensitivity::Quantity;
 use crate::geometry::Twist;
-use crate::kernels::cone::AdmissibleCone;
-use crate::kernels::inverse::constants::InverseConstants;
-use crate::kernels::projection::Projection;
-use crate::one_row::forward;
+use crate::inverse::constants::InverseConstants;
+use crate::kernels::forward_row::ForwardConstants;
 pub use crate::rover_data::{Bank, Inputs, MAX_WHEELS, Mount, RoverData};
 use crate::units;
 use crate::wheels::Wheel;
@@ -30,7 +30,7 @@ pub struct Rover {
     /// Constants of the inverse kinematics.
     pub inverse_constants: InverseConstants,
     /// Constants of the kernel of one call, where there is one.
-    pub(crate) forward_constants: Option<forward::ForwardConstants>,
+    pub(crate) forward_constants: Option<ForwardConstants>,
     min_radius: f64,
     spin_radius: f64,
     /// The admissible twists.
@@ -66,7 +66,7 @@ impl Rover {
         Ok(Self {
             plain_angle: units::plain_angle(&data),
             inverse_constants: InverseConstants::new(&data),
-            forward_constants: forward::ForwardConstants::new(&data),
+            forward_constants: ForwardConstants::new(&data),
             min_radius,
             spin_radius,
             cone,

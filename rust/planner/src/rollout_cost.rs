@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use six_wheel_kinematics::batch::poses::{Buffers, Journey};
 use six_wheel_kinematics::geometry::{Steps, Twist};
-use six_wheel_kinematics::kernels::inverse::constants::{InverseConstants, WheelKind};
+use six_wheel_kinematics::inverse::constants::{InverseConstants, WheelKind};
 use six_wheel_kinematics::kernels::safe_range::is_in_safe_range;
-use six_wheel_kinematics::kernels::steered_wheel::SteeredConstants;
+use six_wheel_kinematics::kernels::steered::wheel::SteeredConstants;
 use six_wheel_kinematics::pose_logs::integrate::Place;
 use six_wheel_kinematics::pose_logs::logs::{Logs, Watch, side_by_side};
 use six_wheel_kinematics::pose_logs::tile::{LANES, PerStep, STEPS, WIDTH};

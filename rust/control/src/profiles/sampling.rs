@@ -8,7 +8,7 @@ use super::optimal::time_optimal;
 use super::{Profile, Shape, linear};
 use six_wheel_kinematics::estimate::{Measured, Method, Unseen};
 use six_wheel_kinematics::geometry::Twist;
-use six_wheel_kinematics::kernels::steered_wheel::castor_rim_speed;
+use six_wheel_kinematics::kernels::steered::wheel::castor_rim_speed;
 use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS, Mount, Rover};
 use six_wheel_kinematics::steering::ANGLE_TOLERANCE;
 use six_wheel_kinematics::wheels::Direction;

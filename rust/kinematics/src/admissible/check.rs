@@ -1,7 +1,7 @@
 //! Checks of single twists, and what a twist that fails them fails at.
 
+use crate::admissible::cone::{AdmissibleCone, Rates, SLIP_TOLERANCE};
 use crate::geometry::Twist;
-use crate::kernels::cone::{AdmissibleCone, Rates, SLIP_TOLERANCE};
 use crate::rover_data::RoverData;
 use six_wheel_numerics::error::{Error, ErrorKind, finite, numbers, radians, short};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};

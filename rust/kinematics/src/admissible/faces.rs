@@ -10,7 +10,7 @@
 use nalgebra::{Cholesky, Matrix3, Vector3};
 
 use super::keep::Keep;
-use crate::kernels::cone::AdmissibleCone;
+use crate::admissible::cone::AdmissibleCone;
 use crate::rover_data::RoverData;
 use six_wheel_numerics::jacobi::Jacobi;
 

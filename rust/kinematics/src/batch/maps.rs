@@ -1,7 +1,7 @@
 //! Maps between twists and poses, row by row.
 
 use crate::geometry::Steps;
-pub use crate::kernels::se2::Map;
+pub use crate::se2::maps::Map;
 use six_wheel_numerics::error::{Error, finite};
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use super::blocks::BLOCK_ROWS;
-use crate::accumulate::{Bound, Walk};
 use crate::geometry::{Steps, Twist};
 use crate::pose_logs::integrate::{LARGEST_TOTAL, follow, place};
 use crate::pose_logs::logs::Logs;
 use crate::rover::Rover;
+use crate::se2::accumulate::{Bound, Walk};
 use crate::table::{Durations, Table};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;

@@ -1,8 +1,8 @@
 //! Admissible twists, and the nearest ones to any others.
 
 use crate::admissible::Keep;
+use crate::admissible::rows::{JudgeRange, ProjectRange};
 use crate::geometry::Twist;
-use crate::kernels::admissible::{JudgeRange, ProjectRange};
 use crate::kernels::safe_range::MAX_SQUARABLE;
 use crate::rover::Rover;
 use six_wheel_numerics::error::Error;

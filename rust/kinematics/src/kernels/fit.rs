@@ -5,10 +5,9 @@
 #[cfg(test)]
 mod tests;
 
-use super::cone::dot;
-use super::inverse::rows::load;
 use super::readings::{self, FitColumns, Rows, solve_block};
 use super::robust::{self, Block, EARLY, LATE};
+use super::row::{dot, load};
 use crate::estimate::{Fit, Measured, Method, Reading, Unseen};
 use crate::rover_data::{MAX_WHEELS, RoverData};
 use crate::table::{Log, row_mut};

@@ -1,19 +1,15 @@
 //! Kernels over whole registers of rows, one file per quantity, the same for every level.
 
-pub(crate) mod admissible;
-pub mod cone;
-pub mod direction_votes;
 pub mod fit;
 pub(crate) mod forward;
-pub mod inverse;
-pub(crate) mod projection;
+pub(crate) mod forward_row;
 pub mod readings;
 pub(crate) mod robust;
+pub mod row;
 pub mod safe_range;
-pub mod se2;
 pub(crate) mod sensitivity;
-pub mod steered_constants;
-pub mod steered_wheel;
+pub mod steered;
+pub mod wheel_lanes;
 
 #[cfg(test)]
 mod tests;

@@ -10,6 +10,9 @@ use six_wheel_numerics::simd::vector::Vector;
 pub(crate) const MIN_SQUARABLE: f64 = 1e-100;
 pub(crate) const MAX_SQUARABLE: f64 = 1e100;
 
+/// Powers of two that bring smaller and larger numbers into that range.
+pub(crate) const SCALE: [f64; 2] = [f64::from_bits((1023 + 600) << 52), f64::from_bits((1023 - 600) << 52)];
+
 /// Sizes of rovers with which that holds at every pivot.
 pub(crate) const SAFE_LENGTHS: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 

@@ -1,12 +1,12 @@
 //! Results are the same whether they are stored past the caches or not.
 
-use crate::accumulate::Walk;
 use crate::estimate::Unseen;
 use crate::geometry::Steps;
 use crate::kernels::forward;
 use crate::pose_logs::integrate;
 use crate::presets::preset;
 use crate::rover::Inputs;
+use crate::se2::accumulate::Walk;
 use crate::table::Log;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;

@@ -2,10 +2,10 @@
 
 use super::logs::Logs;
 use super::tile::LANES;
-use crate::accumulate::{Sum, Walk};
-use crate::angles::{reduce_lanes, sin_cos_any};
 use crate::geometry::Steps;
-use crate::kernels::se2::sinc;
+use crate::se2::accumulate::{Sum, Walk};
+use crate::se2::angles::{reduce_lanes, sin_cos_any};
+use crate::se2::maps::sinc;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::polynomials::{direction, sinc_of_square};

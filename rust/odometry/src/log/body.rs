@@ -11,7 +11,7 @@ use crate::step::StepConstants;
 use crate::step::sums::{PARTS, add_parts};
 use crate::step::terms::{NoiseTerms, gyroscope_deviation};
 use crate::step::wheels::{Broadcast, LaneSource, Register, accumulate_displacement, accumulate_noise, steering_error};
-use six_wheel_kinematics::wheel_lanes::GROUP;
+use six_wheel_kinematics::kernels::wheel_lanes::GROUP;
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;

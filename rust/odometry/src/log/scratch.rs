@@ -2,7 +2,7 @@
 
 use super::lagged_column::{LEAD, LaggedColumn};
 use crate::step::{StepConstants, StepScratch};
-use six_wheel_kinematics::wheel_lanes::GROUP;
+use six_wheel_kinematics::kernels::wheel_lanes::GROUP;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::weave::{BLOCK, Column};
 

@@ -10,7 +10,7 @@ use crate::propagation::covariance::Covariance3;
 use crate::propagation::fusion::bias_covariance_increment;
 use crate::step::StepConstants;
 use crate::step::sums::{PARTS, add_parts};
-use six_wheel_kinematics::wheel_lanes::GROUP;
+use six_wheel_kinematics::kernels::wheel_lanes::GROUP;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::polynomials::sin_cos;
 use six_wheel_numerics::simd::vector::Vector;

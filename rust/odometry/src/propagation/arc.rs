@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use six_wheel_kinematics::angles::sin_cos_any;
+use six_wheel_kinematics::se2::angles::sin_cos_any;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::polynomials::{horner, sinc_of_square, taylor};
 use six_wheel_numerics::simd::vector::Vector;

@@ -6,8 +6,8 @@ use crate::settings::encoder::Encoder;
 use crate::settings::{Readings, Settings};
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_kinematics::kernels::readings::LARGEST_ROVER;
+use six_wheel_kinematics::kernels::wheel_lanes::{Eight, GROUP, level, order};
 use six_wheel_kinematics::rover::{Mount, Rover};
-use six_wheel_kinematics::wheel_lanes::{Eight, GROUP, level, order};
 use six_wheel_kinematics::wheels::Pivot;
 use six_wheel_numerics::simd::level::Level;
 

@@ -11,9 +11,9 @@ use crate::uncertainty::COLUMNS;
 use six_wheel_kinematics::estimate::sensitivity::{Linearised, Quantity};
 use six_wheel_kinematics::estimate::{Measured, Method, Reading, Unseen};
 use six_wheel_kinematics::geometry::sinc;
+use six_wheel_kinematics::kernels::wheel_lanes::GROUP;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_kinematics::rover_data::RoverData;
-use six_wheel_kinematics::wheel_lanes::GROUP;
 use six_wheel_numerics::error::Error;
 
 /// Readings whose errors two steps share: steering angles, wheel rates and, at the end, the gyroscope. Those of joints and

@@ -14,7 +14,7 @@ use crate::propagation::covariance::Covariance3;
 use crate::propagation::fusion::{KalmanGain, remaining_error};
 use nalgebra::Vector3;
 use pulp::Scalar;
-use six_wheel_kinematics::wheel_lanes::{Eight, GROUP, padded};
+use six_wheel_kinematics::kernels::wheel_lanes::{Eight, GROUP, padded};
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
 

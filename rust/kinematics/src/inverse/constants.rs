@@ -1,10 +1,10 @@
 //! The constants of a rover for the inverse kinematics.
 
 use crate::kernels::safe_range::has_safe_lengths;
-use crate::kernels::steered_constants::{Features, SteeredConstants, SteeredWheel};
+use crate::kernels::steered::constants::{Features, SteeredConstants, SteeredWheel};
+use crate::kernels::wheel_lanes::{Eight, GROUP, level, order};
 use crate::rover_data::{Mount, RoverData};
 use crate::steering::SteeringRange;
-use crate::wheel_lanes::{Eight, GROUP, level, order};
 use crate::wheels::{REST, Wheel};
 use pulp::Simd;
 use six_wheel_numerics::simd::lanes::Lanes;

@@ -9,12 +9,12 @@
 use nalgebra::Vector3;
 use pulp::Simd;
 
-use super::safe_range::{distant_pivots, has_safe_lengths, is_in_safe_range};
-use super::steered_wheel::{SAFE_OVERSHOOT, SteeredConstants, WheelQuery};
+use crate::kernels::row::dot;
+use crate::kernels::safe_range::{MIN_SQUARABLE, SCALE, distant_pivots, has_safe_lengths, is_in_safe_range};
+use crate::kernels::steered::wheel::{SAFE_OVERSHOOT, SteeredConstants, WheelQuery};
 use crate::rover_data::RoverData;
 use crate::wheels::Direction;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
-pub use six_wheel_numerics::simd::vec3::row_times as dot;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::weave::Column;
 
@@ -195,8 +195,12 @@ impl AdmissibleCone {
         if !(!is_clear).any() {
             return Admissibility { is_possible: yes, is_valid: is_clear };
         }
+        // Slips and speeds grow with the twist: those of tiny ones keep their digits.
         let [vx, vy, omega] = twist;
-        let twist = [vx + zero, vy, omega];
+        let is_tiny = (vx.abs() + vy.abs() + omega.abs()).below(Lanes::splat(simd, MIN_SQUARABLE));
+        let one = Lanes::splat(simd, 1.0);
+        let scale = if rates.are_given() { one } else { is_tiny.select(Lanes::splat(simd, SCALE[0]), one) };
+        let twist = [vx * scale + zero, vy * scale, omega * scale];
         let (fastest, is_valid) = self.fastest(simd, twist, rates);
         let tolerance = fastest * Lanes::splat(simd, SLIP_TOLERANCE);
         let mut is_possible = is_valid;

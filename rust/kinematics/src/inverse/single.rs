@@ -1,12 +1,12 @@
 //! One row of the inverse kinematics: the lanes of a register are the wheels, the steered ones first.
 
 use super::constants::{InverseConstants, WheelGroup};
-use crate::kernels::cone::AdmissibleCone;
-use crate::kernels::direction_votes::{CommonDirection, DirectionTie, DirectionVotes};
+use crate::admissible::cone::AdmissibleCone;
 use crate::kernels::safe_range::{MAX_SQUARABLE, MIN_SQUARABLE};
-use crate::kernels::steered_wheel::{SAFE_OVERSHOOT, WheelQuery};
+use crate::kernels::steered::direction_votes::{CommonDirection, DirectionTie, DirectionVotes};
+use crate::kernels::steered::wheel::{SAFE_OVERSHOOT, WheelQuery};
+use crate::kernels::wheel_lanes::{Eight, GROUP, padded};
 use crate::rover_data::{Inputs, MAX_WHEELS};
-use crate::wheel_lanes::{Eight, GROUP, padded};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{Kernel, Level, run_rarely};
 use six_wheel_numerics::simd::vector::Vector;

@@ -9,7 +9,7 @@
 //! (E. Eade, Lie Groups for 2D and 3D Transformations, 2017, sec. 5.) The chord of an arc leaves at half its turn, so that
 //! nothing cancels as the yaw goes to 0, unlike in (1 - cos yaw) / yaw.
 
-use crate::angles::{sin_cos_any, wrap_lanes};
+use crate::se2::angles::{sin_cos_any, wrap_lanes};
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;

@@ -3,8 +3,8 @@
 use crate::estimate::Measured;
 use crate::geometry::Twist;
 use crate::kernels::readings::{LARGEST_ROVER, LARGEST_SPEED};
+use crate::kernels::wheel_lanes::{Eight, GROUP, level, order, padded};
 use crate::rover_data::{Mount, RoverData};
-use crate::wheel_lanes::{Eight, GROUP, level, order, padded};
 use crate::wheels::Wheel;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};

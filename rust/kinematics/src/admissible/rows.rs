@@ -1,8 +1,8 @@
 //! Admissibility of twists, and the nearest admissible ones, block by block.
 
 use super::cone::{AdmissibleCone, Rates};
-use super::inverse::rows::load;
 use super::projection::Projection;
+use crate::kernels::row::load;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;

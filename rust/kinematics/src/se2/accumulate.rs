@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use six_wheel_numerics::error::{Error, finite, numbers};
 
-use crate::angles::wrap_angle;
+use crate::se2::angles::wrap_angle;
 
 /// A sum that carries its own rounding error along (Kahan's sum in Knuth's form, without a branch).
 #[derive(Clone, Copy, Debug)]

@@ -1,10 +1,11 @@
 //! Inverse kinematics of many rows: the lanes of a register are rows.
 
 use super::constants::{InverseConstants, WheelKind};
-use crate::kernels::cone::{AdmissibleCone, Rates, dot};
-use crate::kernels::direction_votes::{CommonDirection, DirectionTie, DirectionVotes};
+use crate::admissible::cone::{AdmissibleCone, Rates};
+use crate::kernels::row::{dot, load};
 use crate::kernels::safe_range::{MAX_SQUARABLE, MIN_SQUARABLE, all_within};
-use crate::kernels::steered_wheel::WheelQuery;
+use crate::kernels::steered::direction_votes::{CommonDirection, DirectionTie, DirectionVotes};
+use crate::kernels::steered::wheel::WheelQuery;
 use crate::rover_data::{Inputs, RoverData};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Lanes;
@@ -308,12 +309,6 @@ impl Kernel for SolveBlock<'_, '_> {
             }
         }
     }
-}
-
-/// A register of twists.
-#[inline(always)]
-pub(crate) fn load<S: Vector>(simd: S, columns: &[Column; 3], k: usize) -> [Lanes<S>; 3] {
-    [columns[0].load(simd, k), columns[1].load(simd, k), columns[2].load(simd, k)]
 }
 
 /// The rows of a block out of those of a batch.

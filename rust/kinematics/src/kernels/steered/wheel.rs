@@ -16,9 +16,11 @@ use std::f64::consts::{PI, TAU};
 
 use pulp::Simd;
 
+use super::constants::MAX_NEAR_INCREMENT;
+pub use super::constants::{SAFE_OVERSHOOT, SteeredConstants, SteeredWheel};
 use super::direction_votes::{CommonDirection, DirectionTie};
-pub use super::steered_constants::{MAX_NEAR_INCREMENT, SAFE_OVERSHOOT, SteeredConstants, SteeredWheel};
 use crate::geometry::Twist;
+use crate::kernels::safe_range::{MAX_SQUARABLE, MIN_SQUARABLE, SCALE};
 use crate::rover_data::Mount;
 use crate::steering::ANGLE_TOLERANCE;
 use crate::wheels::{Direction, REST, Wheel};
@@ -30,10 +32,6 @@ use six_wheel_numerics::simd::vector::Vector;
 /// A wheel whose two solutions differ by less than this is a direction tie, so that angles on either side of a quarter
 /// turn do not split the rover [rad].
 const TIE_DIFFERENCE: f64 = 10.0 * PI / 180.0;
-
-/// Velocities whose squares neither overflow nor lose digits [m/s], and the power of two that others are scaled by.
-const SQUARABLE: [f64; 2] = [1e-100, 1e100];
-const SCALE: [f64; 2] = [f64::from_bits((1023 + 600) << 52), f64::from_bits((1023 - 600) << 52)];
 
 /// Input of the wheel equation.
 #[derive(Clone, Copy)]
@@ -214,7 +212,7 @@ impl<S: Simd> SteeredWheel<S> {
         let splat = |number| Lanes::splat(simd, number);
         let (zero, one) = (splat(0.0), splat(1.0));
         let size = x.abs().max(y.abs());
-        let (is_small, is_large) = (size.below(splat(SQUARABLE[0])), splat(SQUARABLE[1]).below(size));
+        let (is_small, is_large) = (size.below(splat(MIN_SQUARABLE)), splat(MAX_SQUARABLE).below(size));
         let scale = is_small.select(splat(SCALE[0]), is_large.select(splat(SCALE[1]), one));
         let unscale = is_small.select(splat(SCALE[1]), is_large.select(splat(SCALE[0]), one));
 
@@ -286,7 +284,7 @@ impl<S: Simd> SteeredWheel<S> {
     }
 }
 
-/// What both solutions have in common, scaled by a power of two.
+/// The part that both solutions have in common, scaled by a power of two.
 struct Rolling<S: Simd> {
     /// Speed of the contact along the wheel, either way.
     speed: Lanes<S>,

@@ -1,10 +1,12 @@
 //! The nearest twist that a rover can make, in every lane.
 
-use super::cone::{AdmissibleCone, Rates, dot};
+use super::cone::{AdmissibleCone, Rates};
 use crate::admissible::Keep;
 use crate::admissible::check::infeasible;
 use crate::admissible::faces::{AGREED, Face, Faces, VANISHED, components};
 use crate::geometry::Twist;
+use crate::kernels::row::dot;
+use crate::kernels::safe_range::{MIN_SQUARABLE, SCALE};
 use six_wheel_numerics::error::{Error, ErrorKind};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{Kernel, Level};
@@ -76,6 +78,21 @@ impl Projection<'_> {
     /// The nearest points of lanes that are not admissible themselves.
     #[inline(always)]
     fn beyond<S: Vector>(&self, simd: S, wanted: TwistLanes<S>, is_open: Mask<S>) -> Found<S> {
+        // The projection grows with the twist: squares of tiny ones keep their digits.
+        let [vx, vy, omega] = wanted.map(Lanes::abs);
+        let is_tiny = (vx + vy + omega).below(Lanes::splat(simd, MIN_SQUARABLE));
+        if !is_tiny.any() {
+            return self.nearest_scaled(simd, wanted, is_open);
+        }
+        let factor = |number| is_tiny.select(Lanes::splat(simd, number), Lanes::splat(simd, 1.0));
+        let (scale, unscale) = (factor(SCALE[0]), factor(SCALE[1]));
+        let Found { twist, is_found } = self.nearest_scaled(simd, wanted.map(|part| part * scale), is_open);
+        Found { twist: twist.map(|part| part * unscale), is_found }
+    }
+
+    /// The nearest points of lanes that are not admissible themselves and not tiny.
+    #[inline(always)]
+    fn nearest_scaled<S: Vector>(&self, simd: S, wanted: TwistLanes<S>, is_open: Mask<S>) -> Found<S> {
         let mut found = self.nearest(simd, self.keep, wanted, is_open);
         let rest = is_open & !found.is_found;
         if self.keep != Keep::Curvature || !rest.any() {
@@ -107,7 +124,12 @@ impl Projection<'_> {
             size = size.max(part.abs());
             still = still + part * part;
         }
-        let (mut best, mut is_found) = (zero, zero.below(zero));
+        // To stand still keeps what is zero, and is as near as its distance is finite.
+        let mut may_stand = asked;
+        for &k in components(keep) {
+            may_stand = may_stand & wanted[k].abs().at_most(zero);
+        }
+        let (mut best, mut is_found) = (still, may_stand & still.at_most(splat(f64::MAX)));
         let mut found = [zero; 3];
         for face in self.faces.of(keep) {
             let mut distance = zero;
@@ -127,20 +149,15 @@ impl Projection<'_> {
                 *found = is_nearer.select(point, *found);
             }
         }
-        // To stand still keeps what is zero.
-        let mut stands = asked & (!is_found | still.below(best));
-        for &k in components(keep) {
-            stands = stands & wanted[k].abs().at_most(zero);
-        }
         let mut vanishes = zero.at_most(zero);
         for (part, length) in found.iter().zip(self.lengths(simd)) {
             vanishes = vanishes & (part.abs() * length).at_most(size * splat(VANISHED));
         }
-        found = found.map(|part| (stands | vanishes).select(zero, part));
+        found = found.map(|part| vanishes.select(zero, part));
         for &k in components(keep) {
             found[k] = wanted[k];
         }
-        Found { twist: found, is_found: is_found | stands }
+        Found { twist: found, is_found: is_found | may_stand }
     }
 
     /// The nearest point of a face, and the lanes in which it is admissible and keeps what is to be kept.

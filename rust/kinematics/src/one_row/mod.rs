@@ -1,3 +1,0 @@
-//! One row at a time: the lanes of a register are the wheels.
-
-pub(crate) mod forward;
