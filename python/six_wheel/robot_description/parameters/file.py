@@ -34,7 +34,7 @@ from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import check_keys, form_of, section_of
-from six_wheel.robot_description.parameters.foreign.forms import FOREIGN
+from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN
 from six_wheel.robot_description.parameters.foreign.yagsl import gather_modules
 from six_wheel.robot_description.parameters.joints import JointList, wheels_of_joints
 from six_wheel.robot_description.parameters.key_types import NONE_WORDS, LimitKeys, Values

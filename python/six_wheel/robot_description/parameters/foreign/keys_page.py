@@ -6,8 +6,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from six_wheel.robot_description.parameters.foreign.forms import FOREIGN, WELL_KNOWN
 from six_wheel.robot_description.parameters.foreign.limits import LIMITS, SLOWING, TIMEOUTS
+from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN, WELL_KNOWN
 from six_wheel.robot_description.parameters.key_types import Common, keys_of
 from six_wheel.robot_description.parameters.schema import Form
 from six_wheel.robot_description.parameters.vehicle_types import OWN_KEYS
