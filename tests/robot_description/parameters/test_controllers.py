@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel.robot_description.parameters import ParameterFileError, read_parameters
-from six_wheel.robot_description.parameters.foreign.formats import FOREIGN
+from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN
 
 DATA = Path(__file__).parent / "data"
 NAMES = [form.name for form in FOREIGN[:8]]  # those of ros2_controllers

@@ -3,7 +3,7 @@
 import re
 from typing import Any
 
-from six_wheel.robot_description.parameters.foreign.formats import FOREIGN, WELL_KNOWN
+from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN, WELL_KNOWN
 from six_wheel.robot_description.parameters.foreign.steering import DRIVES, STEERS
 from six_wheel.robot_description.parameters.key_types import Common, keys_of
 from six_wheel.robot_description.parameters.ros_node_parameters import (

@@ -19,8 +19,7 @@ which stays as the controller needs it::
 
     wheel_of_joint: {motor_3: middle_left}
 
-or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is in
-``docs/reference/parameter_keys.md``.
+or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is in ``docs/parameter_files.md``.
 """
 
 import os
@@ -35,7 +34,7 @@ from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import check_keys, form_of, section_of
-from six_wheel.robot_description.parameters.foreign.formats import FOREIGN
+from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN
 from six_wheel.robot_description.parameters.foreign.yagsl import gather_modules
 from six_wheel.robot_description.parameters.joints import JointList, wheels_of_joints
 from six_wheel.robot_description.parameters.key_types import NONE_WORDS, LimitKeys, Values

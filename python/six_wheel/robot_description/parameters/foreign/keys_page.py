@@ -6,15 +6,15 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from six_wheel.robot_description.parameters.foreign.formats import FOREIGN, WELL_KNOWN
 from six_wheel.robot_description.parameters.foreign.limits import LIMITS, SLOWING, TIMEOUTS
+from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN, WELL_KNOWN
 from six_wheel.robot_description.parameters.key_types import Common, keys_of
 from six_wheel.robot_description.parameters.schema import Form
 from six_wheel.robot_description.parameters.vehicle_types import OWN_KEYS
 
 __all__ = ["page"]
 
-HEAD = """# Keys of ros2_controllers, PathPlanner, YAGSL and others
+HEAD = """# Keys of others
 
 Which keys of whose parameter files `six-wheel` reads. This page is made by `python docs/keys.py` from the
 tables by which files are read, and a test keeps the two equal.
