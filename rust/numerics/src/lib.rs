@@ -1,8 +1,9 @@
 //! Numbers in registers, small matrices, threads and errors: what every formula of six_wheel is made of.
 //!
-//! It knows no rover. [`simd`] holds registers of every instruction set and their functions, [`weave`] and [`stream`] the
+//! It knows no rover. [`simd`] holds registers of every instruction set and their functions, [`columns`] and [`stream`] the
 //! way between rows in memory and columns of registers, [`threads`] the share of work of every thread.
 
+pub mod columns;
 pub mod error;
 pub mod jacobi;
 pub mod least_squares;
@@ -11,4 +12,3 @@ pub mod simd;
 pub mod sizes;
 pub mod stream;
 pub mod threads;
-pub mod weave;

@@ -35,7 +35,7 @@ impl Kernel for SumOfSizes<'_> {
             sums[0] = sums[0] + Lanes::load(simd, left, k).abs();
         }
         let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-        sum.total() + rest.iter().map(|value| value.abs()).sum::<f64>()
+        sum.sum() + rest.iter().map(|value| value.abs()).sum::<f64>()
     }
 }
 
@@ -62,20 +62,20 @@ impl Kernel for Extremes<'_> {
     fn run<S: Vector>(self, simd: S) -> Self::Output {
         let (registers, rest) = S::as_simd_f64s(self.0);
         let (zero, endless) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, f64::INFINITY));
-        let mut finite = [zero.below(endless); ABREAST];
+        let mut finite = [zero.lt(endless); ABREAST];
         let (mut least, mut most) = ([endless; ABREAST], [zero; ABREAST]);
         let (whole, left) = registers.as_chunks::<ABREAST>();
         for registers in whole {
             for j in 0..ABREAST {
                 let values = Lanes::load(simd, registers, j);
-                finite[j] = finite[j] & values.abs().below(endless);
+                finite[j] = finite[j] & values.abs().lt(endless);
                 least[j] = least[j].min(values);
                 most[j] = most[j].max(values);
             }
         }
         for k in 0..left.len() {
             let values = Lanes::load(simd, left, k);
-            finite[0] = finite[0] & values.abs().below(endless);
+            finite[0] = finite[0] & values.abs().lt(endless);
             least[0] = least[0].min(values);
             most[0] = most[0].max(values);
         }

@@ -1,7 +1,7 @@
 //! Writing past the caches: a batch larger than they are would fetch every line of its output only to overwrite
 //! it, and push out what it is about to read.
 
-use super::weave::BLOCK;
+use super::columns::BLOCK;
 use crate::simd::vector::Vector;
 
 /// Numbers of a line of the caches.
@@ -22,16 +22,16 @@ pub fn is_large(numbers: usize) -> bool {
 /// Asks for the rows a few blocks after these, part `k` of them: left to itself, the processor starts anew at every
 /// page, and it can wait for some lines only at a time.
 #[inline(always)]
-pub fn fetch_ahead<S: Vector>(simd: S, rows: &[f64], k: usize, parts: usize) {
+pub fn prefetch_ahead<S: Vector>(simd: S, rows: &[f64], k: usize, parts: usize) {
     let part = rows.len() / parts;
     let first = rows.as_ptr().wrapping_add(AHEAD * rows.len() + k * part);
     for line in 0..part.div_ceil(LINE) {
-        simd.fetch(first.wrapping_add(line * LINE));
+        simd.prefetch(first.wrapping_add(line * LINE));
     }
 }
 
 /// Numbers that wait at most: a block of rows of up to eight, and what is left of a line.
-const ROOM: usize = 8 * BLOCK + LINE;
+const CAPACITY: usize = 8 * BLOCK + LINE;
 
 /// Target of the rows that a kernel writes, one piece after the other, of at most `ROOM - LINE` numbers.
 #[allow(clippy::large_enum_variant)] // on the stack of the kernel, one per array; a box would be an allocation
@@ -39,15 +39,15 @@ pub enum Output<'a, S: Vector> {
     /// Straight into the array.
     Direct(&'a mut [f64]),
     /// Past the caches.
-    Past(Stream<'a, S>),
+    NonTemporal(NonTemporalStore<'a, S>),
 }
 
 impl<'a, S: Vector> Output<'a, S> {
     /// Pieces are of so many numbers at most.
     #[inline(always)]
-    pub fn new(simd: S, target: &'a mut [f64], piece: usize, past: bool) -> Self {
-        if past && S::STREAMS && piece + LINE <= ROOM {
-            Self::Past(Stream::new(simd, target))
+    pub fn new(simd: S, target: &'a mut [f64], piece: usize, non_temporal: bool) -> Self {
+        if non_temporal && S::STREAMS && piece + LINE <= CAPACITY {
+            Self::NonTemporal(NonTemporalStore::new(simd, target))
         } else {
             Self::Direct(target)
         }
@@ -63,16 +63,16 @@ impl<'a, S: Vector> Output<'a, S> {
                 *target = rest;
                 next
             }
-            Self::Past(stream) => stream.next(count),
+            Self::NonTemporal(stream) => stream.next(count),
         }
     }
 }
 
 #[repr(align(64))]
-struct Buffer([f64; ROOM]);
+struct Buffer([f64; CAPACITY]);
 
 /// Numbers on their way, in whole lines: a line written in two pieces costs more than it saves.
-pub struct Stream<'a, S: Vector> {
+pub struct NonTemporalStore<'a, S: Vector> {
     simd: S,
     /// Part of the array that is not written yet.
     target: &'a mut [f64],
@@ -82,11 +82,11 @@ pub struct Stream<'a, S: Vector> {
     end: usize,
 }
 
-impl<'a, S: Vector> Stream<'a, S> {
+impl<'a, S: Vector> NonTemporalStore<'a, S> {
     #[inline(always)]
     fn new(simd: S, target: &'a mut [f64]) -> Self {
         let first = target.as_ptr().addr() / size_of::<f64>() % LINE;
-        Self { simd, target, buffer: Buffer([0.0; ROOM]), first, end: first }
+        Self { simd, target, buffer: Buffer([0.0; CAPACITY]), first, end: first }
     }
 
     #[inline(always)]
@@ -132,12 +132,12 @@ impl<'a, S: Vector> Stream<'a, S> {
     }
 }
 
-impl<S: Vector> Drop for Stream<'_, S> {
+impl<S: Vector> Drop for NonTemporalStore<'_, S> {
     #[inline(always)]
     fn drop(&mut self) {
         self.send();
         let (numbers, target) = self.take(self.end - self.first);
         target.copy_from_slice(numbers);
-        self.simd.fence();
+        self.simd.store_fence();
     }
 }

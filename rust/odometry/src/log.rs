@@ -23,9 +23,9 @@ use crate::propagation::covariance::{Covariance3, lane};
 use crate::state::State;
 use crate::step::StepConstants;
 use crate::uncertainty::StepNoise;
+use six_wheel_numerics::columns::BLOCK;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::weave::BLOCK;
 
 /// Goes over the places of the wheels in parts, as the lanes of a sample's registers do, `$of` each group; `$done` after each
 /// part.

@@ -199,7 +199,7 @@ impl<R: Float> CostTerms<'_, R> {
         let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let zero = number(0.0);
         let weight = number(self.weights.map * self.dt);
-        let mut hit = zero.below(zero);
+        let mut hit = zero.lt(zero);
         let mut worst_of_all = zero;
         let lethal = number(map.lethal().unwrap_or(f64::INFINITY));
         for step in track.chunks_exact(TRACK * BLOCK) {
@@ -216,7 +216,7 @@ impl<R: Float> CostTerms<'_, R> {
                 let value = self.between(simd, map, px, py);
                 worst_of_all = if k == 0 { value } else { worst_of_all.max(value) };
             }
-            hit = hit | !worst_of_all.below(lethal);
+            hit = hit | !worst_of_all.lt(lethal);
             sum = worst_of_all.mul_add(weight, sum);
         }
         hit.select(sum + self.weights.collision, sum)
@@ -243,7 +243,7 @@ impl<R: Float> CostTerms<'_, R> {
         let high = tx.mul_add(high[1] - high[0], high[0]);
         let mut value = ty.mul_add(high - low, low);
         if let Some(outside) = map.outside() {
-            let beyond = fx.below(zero) | fy.below(zero) | right.below(fx) | top.below(fy);
+            let beyond = fx.lt(zero) | fy.lt(zero) | right.lt(fx) | top.lt(fy);
             value = beyond.select(number(outside), value);
         }
         value
@@ -287,7 +287,7 @@ impl<R: Float> CostTerms<'_, R> {
             sum = (across * across).mul_add(askew, sum);
             let (beyond, aside) = (wanted - place, dx * ty - dy * tx);
             let mut off = aside.abs();
-            let is_beyond = zero.below(beyond.abs());
+            let is_beyond = zero.lt(beyond.abs());
             if is_beyond.any() {
                 let [_, root] = aside.mul_add(aside, beyond * beyond).roots();
                 off = is_beyond.select(root, off);

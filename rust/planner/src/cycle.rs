@@ -1,7 +1,7 @@
 //! Input and output of a cycle, and the state kept from one to the next.
 
 use super::costmap::Costmap;
-use crate::motion::limits::Stuck;
+use crate::motion::limits::ImmobileReason;
 
 /// All that a planner remembers from one cycle to the next.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub struct State {
 
 /// Input of a cycle.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Situation<'a> {
+pub struct CycleInput<'a> {
     /// x, y, yaw [m, m, rad].
     pub pose: [f64; 3],
     /// In body axes [m/s, m/s, rad/s].
@@ -37,7 +37,7 @@ pub struct Situation<'a> {
 
 /// Output of a cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outcome {
+pub struct CycleOutput {
     /// The motion to command now [m/s, m/s, rad/s].
     pub twist: [f64; 3],
     /// Angles of its joints after this step [rad], and speeds of its wheels [rad/s].
@@ -53,5 +53,5 @@ pub struct Outcome {
     /// Effective number of rollouts: one over the sum of the squared weights.
     pub effective: f64,
     /// Reason for which the rover stays, if it has to.
-    pub stuck: Option<Stuck>,
+    pub stuck: Option<ImmobileReason>,
 }

@@ -138,7 +138,7 @@ impl<R: Float, const M: usize> RolloutEngine for SampledRollouts<R, M> {
             tracks: tracks.next().unwrap_or_default(),
             scratch,
         });
-        workers.each(tasks, |task| {
+        workers.for_each(tasks, |task| {
             workers.level.run_any(task);
             Ok(())
         })
@@ -159,7 +159,7 @@ impl<R: Float, const M: usize> RolloutEngine for SampledRollouts<R, M> {
         let parts = self.controls.chunks(part * row).zip(self.shares.chunks(part * BLOCK));
         let parts = parts.zip(self.sums.chunks_exact_mut(row));
         let tasks = parts.map(|((controls, shares), sums)| WeightedSum { controls, shares, sums });
-        workers.each(tasks, |task| {
+        workers.for_each(tasks, |task| {
             workers.level.run_any(task);
             Ok(())
         })?;

@@ -25,8 +25,8 @@ mod update_mean;
 
 pub use cost::Weights;
 pub use costmap::Costmap;
-pub use cycle::{Outcome, Situation, State};
-pub use motion::limits::Stuck;
+pub use cycle::{CycleInput, CycleOutput, State};
+pub use motion::limits::ImmobileReason;
 pub use mppi::Mppi;
 pub use options::{Options, Precision};
 pub use rollout::{Present, rollout};

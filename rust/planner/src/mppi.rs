@@ -1,7 +1,7 @@
 //! A sampling planner: the rollouts of a cycle, their weights and what follows from them.
 
 use super::cost::Path;
-use super::cycle::{Outcome, Situation, State};
+use super::cycle::{CycleInput, CycleOutput, State};
 use super::engine::{MppiConstants, RolloutEngine, SampledRollouts};
 use super::kernels::RolloutInput;
 use super::options::{Options, Precision, not_negative};
@@ -32,7 +32,7 @@ pub struct Mppi {
     pub(crate) mean: Vec<f64>,
     pub(crate) motions: Vec<f64>,
     pub(crate) places: Vec<f64>,
-    pub(crate) outcome: Outcome,
+    pub(crate) outcome: CycleOutput,
 }
 
 impl Mppi {
@@ -73,7 +73,7 @@ impl Mppi {
             mean: vec![0.0; count],
             motions: vec![0.0; count],
             places: vec![0.0; 2 * options.horizon],
-            outcome: Outcome::default(),
+            outcome: CycleOutput::default(),
             options,
         };
         planner.reset();
@@ -144,7 +144,7 @@ impl Mppi {
     }
 
     /// Drives the rollouts of a cycle. What the planner remembers stays as it is until [`Self::weigh`].
-    pub fn roll(&mut self, situation: Situation<'_>, workers: Workers) -> Result<(), Error> {
+    pub fn roll(&mut self, situation: CycleInput<'_>, workers: Workers) -> Result<(), Error> {
         finite("state.pose", &situation.pose)?;
         finite("state.twist", &situation.twist)?;
         finite("state.steering", situation.steering.unwrap_or_default())?;
@@ -180,7 +180,7 @@ impl Mppi {
 
     /// Weighs the rollouts, with costs from elsewhere added, and moves on. Fails, and stays as it was, if one of those
     /// costs is not a number.
-    pub fn weigh(&mut self, extra: Option<&[f64]>, workers: Workers) -> Result<&Outcome, Error> {
+    pub fn weigh(&mut self, extra: Option<&[f64]>, workers: Workers) -> Result<&CycleOutput, Error> {
         let samples = self.options.samples;
         if let Some(extra) = extra {
             if extra.len() != samples {

@@ -1,6 +1,6 @@
 //! Input of the rollouts of a cycle.
 
-use super::cycle::Situation;
+use super::cycle::CycleInput;
 use super::kernels::RolloutInput;
 use super::mppi::Mppi;
 use crate::motion::limits::RoverLimits;
@@ -44,7 +44,7 @@ impl Mppi {
     }
 
     /// The mean moved on by a step, and everything else rollouts start from.
-    pub(crate) fn prepare(&mut self, situation: &Situation<'_>) {
+    pub(crate) fn prepare(&mut self, situation: &CycleInput<'_>) {
         let (bounds, options, input) = (&self.bounds, &self.options, &mut self.input);
         let limits = &bounds.limits;
         let free = bounds.free;

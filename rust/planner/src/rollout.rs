@@ -51,7 +51,7 @@ pub fn rollout(
     let follow = if bounds.free == 2 { drive::<2> } else { drive::<3> };
     let share = workers.share_of_logs(poses.len() / (count + 1), count);
     let parts = poses.chunks_mut(share * (count + 1)).enumerate();
-    workers.each(parts, |(k, poses)| {
+    workers.for_each(parts, |(k, poses)| {
         let first = k * share;
         let start = |k: usize| starts[if starts.len() == 1 { 0 } else { first + k }];
         for (k, poses) in poses.chunks_exact_mut(count + 1).enumerate() {

@@ -96,11 +96,11 @@ pub fn rollout_cost<'a>(
     journey.largest = if plan.is_some() { LARGEST_TOTAL } else { -1.0 };
     let share = workers.share_of_logs(logs, count);
     if !fresh {
-        workers.each((0..logs).step_by(share), |first| journey.check(level, first..logs.min(first + share)))?;
+        workers.for_each((0..logs).step_by(share), |first| journey.check(level, first..logs.min(first + share)))?;
     }
     let targets = poses.chunks_mut(share * (count + 1));
     let targets = targets.zip(costs.pieces(share)).enumerate();
-    workers.each(targets, |(k, (poses, mut costs))| {
+    workers.for_each(targets, |(k, (poses, mut costs))| {
         let buffers = &mut Buffers::default();
         let block = journey.block();
         let blocks = poses.chunks_mut(block * (count + 1));
@@ -195,7 +195,7 @@ impl Kernel for RolloutCostKernel<'_> {
         let zero = Lanes::splat(simd, 0.0);
         let count = self.logs.count;
         let rollouts = self.poses.len() / (count + 1);
-        let place = Place { logs: self.logs, poses: self.poses, past: false };
+        let place = Place { logs: self.logs, poses: self.poses, non_temporal: false };
         place.run(simd);
         for first in (0..rollouts).step_by(S::F64_LANES) {
             let mut demands = WheelDemands {
@@ -204,7 +204,7 @@ impl Kernel for RolloutCostKernel<'_> {
                 held: [simd.splat_f64s(0.0); MAX_WHEELS],
                 counts: self.previous.is_some(),
                 worst: [zero; 4],
-                sure: zero.at_most(zero),
+                sure: zero.le(zero),
             };
             for (held, previous) in demands.held.iter_mut().zip(self.previous.unwrap_or_default()) {
                 *held = simd.splat_f64s(*previous);
@@ -252,7 +252,7 @@ impl<S: Vector> Watch<S> for WheelDemands<'_, S> {
     fn tile(&mut self, simd: S, twists: &[S::f64s; WIDTH], dts: &PerStep<S>) {
         let mut per_dts = *dts;
         for (t, per_dt) in per_dts.iter_mut().enumerate() {
-            *per_dt = Lanes::splat(simd, 1.0).quotient(*per_dt);
+            *per_dt = Lanes::splat(simd, 1.0) / (*per_dt);
             self.sure = self.sure & is_in_safe_range(simd, twist(simd, twists, t));
         }
         for bank in self.banks {
@@ -328,22 +328,22 @@ impl<S: Vector> WheelDemands<'_, S> {
         for t in 0..STEPS {
             let (x, y) = (xs[t], ys[t]);
             let rests = wheel.is_at_rest(twist(simd, twists, t));
-            let wanted = steep.register(t).flip(y.sign()).flip(x.sign());
+            let wanted = steep.register(t).xor_sign(y.sign_bit()).xor_sign(x.sign_bit());
             let mut angle = wanted.max(lower).min(upper);
             let over = (wanted - angle).abs();
             // Going backwards, the wheel would miss the one end or the other.
             let (below, above) = (back_to_lower - wanted, wanted - back_to_upper);
             let backwards = below.min(above);
-            let clear = ambiguous.below((backwards - over).abs());
+            let clear = ambiguous.lt((backwards - over).abs());
             self.sure = self.sure & (rests | clear);
             if !SYMMETRIC {
-                let end = below.below(above).select(lower, upper);
-                angle = backwards.below(over).select(end, angle);
+                let end = below.lt(above).select(lower, upper);
+                angle = backwards.lt(over).select(end, angle);
             }
-            let at_upper = middle.below(angle);
+            let at_upper = middle.lt(angle);
             let sin = at_upper.select(number(upper_end.sin), number(lower_end.sin));
             let cos = at_upper.select(number(upper_end.cos), number(lower_end.cos));
-            let misses = zero.below(over) & !rests;
+            let misses = zero.lt(over) & !rests;
             let slip = misses.select((cos * y - sin * x).abs(), zero);
             slips = slips.max(slip);
             let rolls = cos * x + sin * y;

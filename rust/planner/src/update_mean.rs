@@ -1,14 +1,14 @@
 //! Results of a cycle: the path of the new mean, and the first command.
 
 use super::mppi::Mppi;
-use crate::motion::limits::{RoverLimits, Stuck};
+use crate::motion::limits::{ImmobileReason, RoverLimits};
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS};
 use six_wheel_numerics::threads::workers::Workers;
 
 impl Mppi {
     /// Holds its position.
-    pub(crate) fn hold_position(&mut self, stuck: Stuck) {
+    pub(crate) fn hold_position(&mut self, stuck: ImmobileReason) {
         let steps = self.options.horizon;
         let outcome = &mut self.outcome;
         outcome.stuck = Some(stuck);
@@ -80,7 +80,7 @@ impl Mppi {
     }
 
     /// The controls of one rollout of the last cycle, in body axes.
-    pub fn wishes(&mut self, rollout: usize, to: &mut Vec<[f64; 3]>) {
+    pub fn controls(&mut self, rollout: usize, to: &mut Vec<[f64; 3]>) {
         self.engine.controls(rollout, &mut self.motions);
         to.clear();
         to.extend(self.motions.chunks_exact(self.bounds.free).map(|control| self.bounds.twist(control)));

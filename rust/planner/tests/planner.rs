@@ -11,7 +11,7 @@ use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_planner::{Costmap, Mppi, Options, Precision, Situation};
+use six_wheel_planner::{Costmap, CycleInput, Mppi, Options, Precision};
 
 static TAKEN: AtomicUsize = AtomicUsize::new(0);
 
@@ -67,13 +67,13 @@ fn cycles_after_the_first_take_no_memory() -> Result<(), Error> {
             let mut planner = Mppi::new(&rover, limits, options)?;
             let workers = Workers { level: Level::best(), threads, fresh: false };
             let mut cycle = |k: usize| -> Result<(), Error> {
-                let situation = Situation {
+                let situation = CycleInput {
                     pose: [0.05 * k as f64, 0.0, 0.1],
                     twist: [0.5, 0.0, 0.0],
                     costmap: Some(&map),
                     path: Some(&path),
                     record,
-                    ..Situation::default()
+                    ..CycleInput::default()
                 };
                 planner.roll(situation, workers)?;
                 planner.weigh(Some(&extra), workers).map(|_| ())

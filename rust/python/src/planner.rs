@@ -8,7 +8,7 @@ mod rollout;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
-use six_wheel_planner::{Mppi as Core, Options, Precision, Situation, State, Weights};
+use six_wheel_planner::{CycleInput, Mppi as Core, Options, Precision, State, Weights};
 
 use crate::controller::limits::Limits;
 use crate::convert::{Array, OrRaise, Output, Rows, compute_rows, number, one_row, out_tuple, refuse};
@@ -117,7 +117,7 @@ getters! { Mppi, self, py:
         let mut core = self.core.lock(py)?;
         let mut wishes = Vec::new();
         for (k, rows) in output.triples().chunks_exact_mut(steps).enumerate() {
-            core.wishes(k, &mut wishes);
+            core.controls(k, &mut wishes);
             rows.copy_from_slice(&wishes);
         }
         output.finish()
@@ -225,7 +225,7 @@ methods! { Mppi:
         check_frame(costmap.as_ref(), frame.or(seen.frame.as_deref()))?;
         let mut outputs = self.outputs(py, out)?;
         let workers = any_workers(threads, level)?;
-        let situation = Situation {
+        let situation = CycleInput {
             pose: pose.triples()[0],
             twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),
             steering: steering.as_ref().map(Rows::flat),

@@ -61,7 +61,7 @@ pub(super) fn times<S: Simd>([low, high]: Interval<S>, [least, most]: Interval<S
 /// interval, and at 0.
 #[inline(always)]
 pub(super) fn even<S: Simd>([low, high]: Interval<S>, [a, b]: Interval<S>, middle: Lanes<S>) -> Interval<S> {
-    let around = (low * high).below(all(low.simd(), 0.0));
+    let around = (low * high).lt(all(low.simd(), 0.0));
     let (least, most) = (a.min(b), a.max(b));
     [around.select(least.min(middle), least), around.select(most.max(middle), most)]
 }
@@ -70,7 +70,7 @@ pub(super) fn even<S: Simd>([low, high]: Interval<S>, [a, b]: Interval<S>, middl
 #[inline(always)]
 pub(super) fn inside<S: Simd>([low, high]: Interval<S>, [least, most]: [f64; 2]) -> Mask<S> {
     let simd = low.simd();
-    all(simd, least).at_most(low) & high.at_most(all(simd, most))
+    all(simd, least).le(low) & high.le(all(simd, most))
 }
 
 /// Arc sine, of numbers beyond 1 that of 1.
@@ -79,7 +79,7 @@ pub(super) fn asin<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     let (simd, one) = (x.simd(), all(x.simd(), 1.0));
     let size = x.abs().min(one);
     let cos = (one - size) * (one + size);
-    angle(simd, cos.sqrt(), size).flip(x.sign())
+    angle(simd, cos.sqrt(), size).xor_sign(x.sign_bit())
 }
 
 /// The other side of the unit circle: the cosine of a sine, or the sine of a cosine.

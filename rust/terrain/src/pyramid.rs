@@ -123,7 +123,7 @@ impl Pyramid {
         // The smallest power of two that is half of one more.
         let most = all(simd, f64::from(1 << (LEVELS - 1)));
         let size = long.max(one).power().min(most);
-        let fits = long.below(size + size);
+        let fits = long.lt(size + size);
         let count = all(simd, (self.cells[0] * self.cells[1]) as f64);
         let level = size.exponent().mul_add(count, all(simd, ZEROTH));
         let columns = all(simd, self.cells[0] as f64);
@@ -173,12 +173,12 @@ impl Pyramid {
             )
         };
         let span = span.least_pairs(a.least_pairs(b)).least_pairs(c.least_pairs(d));
-        let longer = boxes.on_map & (size + size).below(long);
+        let longer = boxes.on_map & (size + size).lt(long);
         if !longer.any() {
             return span;
         }
         // One more in the middle of both long sides, unless that is not enough either.
-        let wide = height.below(width);
+        let wide = height.lt(width);
         let middle = [wide.select((x + size).min(end[0]), x), wide.select(y, (y + size).min(end[1]))];
         let other = [wide.select(middle[0], end[0]), wide.select(end[1], middle[1])];
         let [first, last] =
@@ -186,7 +186,7 @@ impl Pyramid {
         // SAFETY: as above.
         let (a, b) = unsafe { (first.pairs(&self.windows), last.pairs(&self.windows)) };
         let span = span.least_pairs(a.least_pairs(b));
-        let large = (size + size).below(short) | ((size + size) + size).below(long);
+        let large = (size + size).lt(short) | ((size + size) + size).lt(long);
         if !(boxes.on_map & large).any() {
             return span;
         }
@@ -198,12 +198,12 @@ impl Pyramid {
             loop {
                 // SAFETY: as above.
                 span = span.least_pairs(unsafe { (first + column).pairs(&self.windows) });
-                if !(boxes.on_map & column.below(end[0])).any() {
+                if !(boxes.on_map & column.lt(end[0])).any() {
                     break;
                 }
                 column = (column + size).min(end[0]);
             }
-            if !(boxes.on_map & row.below(end[1])).any() {
+            if !(boxes.on_map & row.lt(end[1])).any() {
                 return span;
             }
             row = (row + size).min(end[1]);
@@ -248,11 +248,11 @@ mod tests {
         fn run<S: Vector>(self, simd: S) -> [f64; 2] {
             let Self(pyramid, ends) = self;
             let [first, last] = ends.map(|end| end.map(|cell| all(simd, cell)));
-            let on_map = all(simd, 0.0).at_most(all(simd, 0.0));
+            let on_map = all(simd, 0.0).le(all(simd, 0.0));
             let boxes = Boxes { first, last, on_map };
             // SAFETY: the test asks for boxes of the map.
             let span = unsafe { pyramid.spans(&boxes, nothing(simd)) };
-            span.unpair().map(|end| end.last(simd))
+            span.deinterleave2().map(|end| end.last(simd))
         }
     }
 

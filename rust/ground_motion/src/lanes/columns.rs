@@ -21,7 +21,7 @@ impl Span {
         let mut lanes = [all(simd, 0.0); W];
         let rows = &rows[self.first * width..];
         if W == 3 && width == 3 && self.count == S::F64_LANES {
-            let three = Lanes::unbraid(simd, rows);
+            let three = Lanes::deinterleave3(simd, rows);
             lanes.copy_from_slice(&three);
             return lanes;
         }
@@ -67,7 +67,7 @@ impl Span {
     pub fn write<S: Vector, const W: usize>(self, simd: S, lanes: &[Lanes<S>; W], width: usize, rows: &mut [f64]) {
         let rows = &mut rows[self.first * width..];
         if W == 3 && width == 3 && self.count == S::F64_LANES {
-            Lanes::braid([lanes[0], lanes[1 % W], lanes[2 % W]], rows);
+            Lanes::interleave3([lanes[0], lanes[1 % W], lanes[2 % W]], rows);
             return;
         }
         let whole = self.count == S::F64_LANES;
@@ -118,13 +118,13 @@ pub(crate) fn truths<S: Simd>(simd: S, mask: Mask<S>) -> [bool; MOST] {
 #[inline(always)]
 pub(crate) fn mask<S: Simd>(simd: S, truth: bool) -> Mask<S> {
     let zero = all(simd, 0.0);
-    if truth { zero.at_most(zero) } else { zero.below(zero) }
+    if truth { zero.le(zero) } else { zero.lt(zero) }
 }
 
 /// Lanes in which a number is not NaN.
 #[inline(always)]
 pub(crate) fn is_number<S: Simd>(number: Lanes<S>) -> Mask<S> {
-    number.at_most(number)
+    number.le(number)
 }
 
 /// Angles [rad], less whole turns where they are beyond [`LARGEST_TURN`].
@@ -134,7 +134,7 @@ pub(crate) fn wrap_far<S: Vector, const N: usize>(simd: S, mut angles: [Lanes<S>
     for angle in &angles {
         largest = angle.abs().max(largest);
     }
-    if all(simd, LARGEST_TURN).below(largest).any() {
+    if all(simd, LARGEST_TURN).lt(largest).any() {
         for angle in &mut angles {
             let mut column = Column::of(*angle);
             for value in column.0[..S::F64_LANES].iter_mut().filter(|value| value.abs() > LARGEST_TURN) {
@@ -191,14 +191,14 @@ pub(crate) fn polar<S: Vector>([mut ahead, mut left]: [Lanes<S>; 2]) -> Polar<S>
     let simd = ahead.simd();
     let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
     let size = ahead.abs() + left.abs();
-    let is_zero = size.at_most(zero);
+    let is_zero = size.le(zero);
     let mut square = ahead.mul_add(ahead, left * left);
     let mut unit = one;
-    let fits = all(simd, ROOTS[0]).at_most(square) & square.at_most(all(simd, ROOTS[1]));
+    let fits = all(simd, ROOTS[0]).le(square) & square.le(all(simd, ROOTS[1]));
     let scaled = !(fits | is_zero);
     if scaled.any() {
         unit = scaled.select(size, one);
-        (ahead, left) = (ahead.quotient(unit), left.quotient(unit));
+        (ahead, left) = (ahead / unit, left / unit);
         square = ahead.mul_add(ahead, left * left);
     }
     let [inverse, _] = roots(simd, is_zero.select(one, square));
@@ -206,13 +206,13 @@ pub(crate) fn polar<S: Vector>([mut ahead, mut left]: [Lanes<S>; 2]) -> Polar<S>
     // The rounding of the root is added back.
     let rest = (-near).mul_add(near, square);
     let length = rest.mul_add(inverse * all(simd, 0.5), near) * unit;
-    let sign = ahead.below(zero).select(all(simd, -0.0), zero);
-    let turned = (left.flip(sign) * inverse, is_zero.select(one, ahead.flip(sign) * inverse));
+    let sign = ahead.lt(zero).select(all(simd, -0.0), zero);
+    let turned = (left.xor_sign(sign) * inverse, is_zero.select(one, ahead.xor_sign(sign) * inverse));
     Polar { length, sign, turned, is_zero }
 }
 
 /// The angle of a direction that does not point backwards [rad].
 #[inline(always)]
 pub(crate) fn angle_of<S: Simd>(simd: S, (sin, cos): Turned<S>) -> Lanes<S> {
-    angle(simd, cos.abs(), sin.abs()).flip(sin.sign())
+    angle(simd, cos.abs(), sin.abs()).xor_sign(sin.sign_bit())
 }

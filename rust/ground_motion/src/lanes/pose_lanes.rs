@@ -36,7 +36,7 @@ impl<S: Vector> Touching<S> {
         if !self.all {
             let zero = all(simd, 0.0);
             for number in &mut numbers {
-                *number = zero.below(self.wheels[wheel]).select(*number, zero);
+                *number = zero.lt(self.wheels[wheel]).select(*number, zero);
             }
         }
         numbers
@@ -78,7 +78,7 @@ impl<S: Vector> PoseLanes<S> {
             steers: false,
             at: [(zero, one); MAX_WHEELS],
             normals: [[zero; 3]; MAX_WHEELS],
-            touching: Touching { wheels: [zero; MAX_WHEELS], all: true, nowhere: zero.at_most(zero) },
+            touching: Touching { wheels: [zero; MAX_WHEELS], all: true, nowhere: zero.le(zero) },
             stopped: [zero; MAX_FREE],
             any_stopped: false,
         }
@@ -115,15 +115,15 @@ impl<S: Vector> PoseLanes<S> {
     #[inline(always)]
     fn read_contacts(&mut self, simd: S, chain: &Chain, source: &PoseSource<'_>, axes: [Vectors<S>; 3]) -> Mask<S> {
         let (zero, one, hanging) = (all(simd, 0.0), all(simd, 1.0), all(simd, HANGING));
-        let mut hangs = zero.below(zero);
-        (self.touching.all, self.touching.nowhere) = (true, zero.at_most(zero));
+        let mut hangs = zero.lt(zero);
+        (self.touching.all, self.touching.nowhere) = (true, zero.le(zero));
         for wheel in 0..chain.wheels().len().min(MAX_WHEELS) {
             let (gap, at, upwards) = source.contact(simd, wheel);
-            let touches = gap.abs().at_most(hanging);
+            let touches = gap.abs().le(hanging);
             self.touching.wheels[wheel] = touches.select(one, zero);
             self.touching.all &= !(!touches).any();
             self.touching.nowhere = self.touching.nowhere & !touches;
-            hangs = hangs | hanging.below(gap);
+            hangs = hangs | hanging.lt(gap);
             self.at[wheel] = at;
             let normal = match upwards {
                 NormalSource::Normal(normal) => normal,
@@ -146,7 +146,7 @@ impl<S: Vector> PoseLanes<S> {
         for (k, joint) in joints.iter().enumerate().take(MAX_FREE) {
             let lower = all(simd, joint.range.lower + STOPPED);
             let upper = all(simd, joint.range.upper - STOPPED);
-            let stopped = hangs & (angles[k].at_most(lower) | upper.at_most(angles[k]));
+            let stopped = hangs & (angles[k].le(lower) | upper.le(angles[k]));
             self.stopped[k] = stopped.select(one, zero);
             self.any_stopped |= stopped.any();
         }
@@ -159,10 +159,10 @@ fn normal<S: Vector>(simd: S, [mut x, mut y]: [Lanes<S>; 2]) -> Vectors<S> {
     let one = all(simd, 1.0);
     let mut z = one;
     let mut square = x.mul_add(x, y.mul_add(y, one));
-    let steep = all(simd, STEEP).below(square);
+    let steep = all(simd, STEEP).lt(square);
     if steep.any() {
         let size = steep.select(x.abs().max(y.abs()), one);
-        (x, y, z) = (x.quotient(size), y.quotient(size), one.quotient(size));
+        (x, y, z) = (x / size, y / size, one / size);
         square = x.mul_add(x, y.mul_add(y, z * z));
     }
     let [inverse, _] = roots(simd, square);

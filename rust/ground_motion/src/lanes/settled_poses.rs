@@ -142,7 +142,7 @@ impl<'a> PoseSource<'a> {
                         // Fetched beforehand: a settled pose is several lines, and eight of them more than the processor follows.
                         let ahead = AHEAD * S::F64_LANES * size_of::<Stand>();
                         for k in (0..NUMBERS).step_by(MOST) {
-                            simd.fetch(numbers.as_ptr().wrapping_add(k).wrapping_byte_add(ahead));
+                            simd.prefetch(numbers.as_ptr().wrapping_add(k).wrapping_byte_add(ahead));
                         }
                     }
                 }

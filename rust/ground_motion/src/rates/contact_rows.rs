@@ -108,7 +108,7 @@ pub(crate) fn steering_velocity<S: Vector>(
 pub(crate) fn rim_side<S: Vector>([ahead, up]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> Lanes<S> {
     let zero = all(sin.simd(), 0.0);
     // The spoke points along the normal.
-    (up * cos).below(ahead * sin).select(-zero, zero)
+    (up * cos).lt(ahead * sin).select(-zero, zero)
 }
 
 /// Sine and cosine of the contact angle of a wheel on a plane, on this side of its rim, from the plane's normal along its
@@ -117,7 +117,7 @@ pub(crate) fn rim_side<S: Vector>([ahead, up]: [Lanes<S>; 2], (sin, cos): Turned
 pub(crate) fn angle_on_plane<S: Vector>([ahead, up]: [Lanes<S>; 2], side: Lanes<S>) -> Turned<S> {
     let simd = side.simd();
     let square = ahead.mul_add(ahead, up * up);
-    let inverse = inverse_length(simd, square).flip(side);
-    let flat = square.at_most(all(simd, 0.0));
+    let inverse = inverse_length(simd, square).xor_sign(side);
+    let flat = square.le(all(simd, 0.0));
     (-(ahead * inverse), flat.select(all(simd, 1.0), up * inverse))
 }

@@ -65,7 +65,7 @@ pub(crate) fn fit<S: Vector, const RIGHT: usize>(
     }
     let mut residuals = [nan; 3 * MAX_WHEELS];
     for (wheel, [roll, side]) in sliding.iter().enumerate().take(constants.wheels) {
-        let touches = zero.below(touching.wheels[wheel]) & determined;
+        let touches = zero.lt(touching.wheels[wheel]) & determined;
         let Contact { rows, swivel } = &contacts[wheel];
         let mut lift = swivel[0];
         for (part, rate) in rows[0].iter().zip(rates) {

@@ -71,7 +71,7 @@ impl<S: Vector> DenseLeastSquares<S> {
         }
         let zero = all(simd, 0.0);
         for (row, touching) in self.rows.iter_mut().zip(touching.wheels).take(constants.wheels) {
-            let touches = zero.below(touching);
+            let touches = zero.lt(touching);
             for cell in &mut row[..width] {
                 *cell = touches.select(*cell, zero);
             }
@@ -111,7 +111,7 @@ impl<S: Vector> DenseLeastSquares<S> {
             let (from, after) = rows.split_at_mut(j + 1);
             let from = &from[j];
             pivoted = pivoted * from[j];
-            inverses[j] = one.quotient(from[j]);
+            inverses[j] = one / from[j];
             for k in j + 1..UNKNOWNS {
                 if order.others[j] >> k & 1 == 0 {
                     continue;
@@ -134,9 +134,9 @@ impl<S: Vector> DenseLeastSquares<S> {
                 solution[j][k] = rest * inverses[j];
             }
         }
-        let independent = (all(simd, RANK_TOLERANCE) * product).below(pivoted * pivoted);
-        let even = (all(simd, COLUMN_TOLERANCE) * longest).below(shortest);
-        (solution, independent & even & largest.below(all(simd, PIVOT_GROWTH_LIMIT)))
+        let independent = (all(simd, RANK_TOLERANCE) * product).lt(pivoted * pivoted);
+        let even = (all(simd, COLUMN_TOLERANCE) * longest).lt(shortest);
+        (solution, independent & even & largest.lt(all(simd, PIVOT_GROWTH_LIMIT)))
     }
 
     /// Solves for the first `used` unknowns in least squares, by Householder reflections of the equations that have one. They
@@ -152,7 +152,7 @@ impl<S: Vector> DenseLeastSquares<S> {
         for j in 0..used {
             let Some((pivot, image)) = self.reflect::<RIGHT>(simd, j, used, left) else {
                 // No equation has the unknown.
-                return ([[zero; RIGHT]; UNKNOWNS], zero.below(zero));
+                return ([[zero; RIGHT]; UNKNOWNS], zero.lt(zero));
             };
             left &= !(1 << pivot);
             (pivots[j], images[j]) = (pivot, image);
@@ -161,7 +161,7 @@ impl<S: Vector> DenseLeastSquares<S> {
         let mut solution = [[zero; RIGHT]; UNKNOWNS];
         for j in (0..used).rev() {
             let (cells, bits) = (&self.rows[pivots[j]], self.bits[pivots[j]]);
-            let inverse = all(simd, 1.0).quotient(images[j]);
+            let inverse = all(simd, 1.0) / images[j];
             for k in 0..RIGHT {
                 let mut rest = cells[used + k];
                 for i in j + 1..used {
@@ -172,7 +172,7 @@ impl<S: Vector> DenseLeastSquares<S> {
                 solution[j][k] = rest * inverse;
             }
         }
-        (solution, (all(simd, DEPENDENT) * most).below(least))
+        (solution, (all(simd, DEPENDENT) * most).lt(least))
     }
 
     /// Reflects those of the equations that are left and have unknown `j`, so that only the first of them has it. Returns
@@ -198,11 +198,11 @@ impl<S: Vector> DenseLeastSquares<S> {
         }
         self.bits[pivot] = bits;
         let size = square.sqrt();
-        let image = zero.below(head).select(-size, size);
+        let image = zero.lt(head).select(-size, size);
         // v = column - image e_j, and v . v / 2 = image (image - head).
         let half = image * (image - head);
-        let empty = square.at_most(zero);
-        let inverse = empty.select(zero, one.quotient(empty.select(one, half)));
+        let empty = square.le(zero);
+        let inverse = empty.select(zero, one / empty.select(one, half));
         let lead = head - image;
         for k in j + 1..used + RIGHT {
             if k < used && bits >> k & 1 == 0 {
@@ -270,20 +270,20 @@ impl<S: Vector> NormalEquations<S> {
         let one = all(simd, 1.0);
         let [a, b, c, d, e, f] = self.cells;
         let [x, y, z] = self.right;
-        let first = one.quotient(a);
+        let first = one / a;
         let (ba, ca) = (b * first, c * first);
         let (d2, e2) = ((-ba).mul_add(b, d), (-ba).mul_add(c, e));
-        let second = one.quotient(d2);
+        let second = one / d2;
         let ed = e2 * second;
         let f2 = (-ed).mul_add(e2, (-ca).mul_add(c, f));
         let y2 = (-ba).mul_add(x, y);
         let z2 = (-ed).mul_add(y2, (-ca).mul_add(x, z));
-        let turn = z2.quotient(f2);
+        let turn = z2 / f2;
         let aside = (-ed).mul_add(turn, y2 * second);
         let ahead = (-ca).mul_add(turn, (-ba).mul_add(aside, x * first));
-        let upright = (all(simd, UPRIGHT) * d * f).below(d2 * f2);
+        let upright = (all(simd, UPRIGHT) * d * f).lt(d2 * f2);
         let (shortest, longest) = (a.min(d).min(f), a.max(d).max(f));
-        let even = (all(simd, COLUMN_TOLERANCE) * longest).below(shortest);
+        let even = (all(simd, COLUMN_TOLERANCE) * longest).lt(shortest);
         ([ahead, aside, turn], upright & even)
     }
 }
@@ -307,8 +307,8 @@ impl<S: Vector> PlanarTriangle<S> {
         let mut row = [a * scale, b * scale, c * scale, -(left * scale)];
         for (k, from) in self.0.iter_mut().enumerate() {
             let length = from[k].mul_add(from[k], row[k] * row[k]).sqrt();
-            let empty = length.at_most(zero);
-            let inverse = one.quotient(empty.select(one, length));
+            let empty = length.le(zero);
+            let inverse = one / empty.select(one, length);
             let (cos, sin) = (empty.select(one, from[k] * inverse), empty.select(zero, row[k] * inverse));
             for i in k..4 {
                 let (up, down) = (from[i], row[i]);

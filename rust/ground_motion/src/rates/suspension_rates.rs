@@ -78,7 +78,7 @@ impl<S: Vector> SuspensionRates<S> {
             spread: [[zero; 3]; UNKNOWNS],
             free: [one; 3],
             offset: [zero; COLUMNS],
-            determined: zero.at_most(zero),
+            determined: zero.le(zero),
         };
         if RIGHT != 3 {
             for (value, known) in rates.offset.iter_mut().zip(known) {
@@ -124,16 +124,16 @@ impl<S: Vector> SuspensionRates<S> {
     ) -> Solution<S, RIGHT> {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let (wheels, unknown) = (constants.wheels.min(MAX_WHEELS), &self.unknown[..self.count.min(UNKNOWNS)]);
-        let mut eliminated = zero.below(zero);
+        let mut eliminated = zero.lt(zero);
         let mut solution = [[zero; RIGHT]; UNKNOWNS];
         if let Some(order) = constants.pivot_order.as_ref().filter(|_| self.count == UNKNOWNS) {
-            let mut square = zero.at_most(zero);
+            let mut square = zero.le(zero);
             for touching in &touching.wheels[..wheels] {
-                square = square & one.at_most(*touching);
+                square = square & one.le(*touching);
             }
             for column in unknown {
                 if let KnownRate::Somewhere(here, _) = known[*column] {
-                    square = square & here.at_most(zero);
+                    square = square & here.le(zero);
                 }
             }
             if square.any() {
@@ -205,7 +205,7 @@ impl<S: Vector> SuspensionRates<S> {
         for column in &self.unknown[..self.count] {
             missing = missing + known[*column].unknown(simd);
         }
-        all(simd, wheels as f64).at_most(missing)
+        all(simd, wheels as f64).le(missing)
     }
 
     /// Derivatives of a wheel's velocity along `direction` by the planar motion, and what is left without that motion.

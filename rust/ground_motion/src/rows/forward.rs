@@ -135,7 +135,7 @@ impl InLanes<'_, ForwardRange<'_>> {
             angles = given.read::<S, MAX_WHEELS>(simd, steering, steered);
             steers = true;
             for (angle, settled) in angles.iter().zip(poses.steering).take(steered) {
-                moved = moved | !(*angle - settled).abs().at_most(all(simd, 0.0));
+                moved = moved | !(*angle - settled).abs().le(all(simd, 0.0));
             }
         }
         let any_moved = moved.any();
@@ -222,7 +222,7 @@ impl InLanes<'_, ForwardRange<'_>> {
         }
         if poses.any_stopped {
             for k in 0..free {
-                let stopped = zero.below(poses.stopped[k]);
+                let stopped = zero.lt(poses.stopped[k]);
                 known[6 + k] = match known[6 + k] {
                     KnownRate::Nowhere => KnownRate::Somewhere(poses.stopped[k], zero),
                     KnownRate::Everywhere(rate) => KnownRate::Everywhere(stopped.select(zero, rate)),

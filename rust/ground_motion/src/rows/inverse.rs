@@ -270,7 +270,7 @@ impl InLanes<'_, InverseRange<'_>> {
         let mut moved = mask(simd, false);
         for (angle, present) in angles.iter().zip(poses.steering) {
             if let Some(angle) = angle {
-                moved = moved | !(angle.angle - present).abs().at_most(zero);
+                moved = moved | !(angle.angle - present).abs().le(zero);
             }
         }
         let (mut speeds, mut fastest) = ([zero; MAX_WHEELS], zero);
@@ -288,7 +288,7 @@ impl InLanes<'_, InverseRange<'_>> {
             fastest = is_number(speeds[wheel]).select(speeds[wheel].abs(), zero).max(fastest);
         }
         let limit = all(simd, self.range.command.wheel_speed);
-        (speeds, limit.below(fastest).select(limit.quotient(fastest), one))
+        (speeds, limit.lt(fastest).select(limit / fastest, one))
     }
 
     #[inline(always)]
@@ -304,7 +304,7 @@ impl InLanes<'_, InverseRange<'_>> {
         let simd = scale.simd();
         let zero = all(simd, 0.0);
         // NaN where nothing is known.
-        let nothing = !scale.at_most(scale);
+        let nothing = !scale.le(scale);
         let (mut steers, mut turns) = (*angles, *speeds);
         for k in 0..MAX_WHEELS {
             steers[k] = nothing.select(scale, angles[k]);
@@ -339,7 +339,7 @@ fn seen_from_above<S: Vector>(
     let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
     let ((sr, cr), (sp, cp)) = (poses.roll, poses.pitch);
     let level = [[cp, sp * sr, sp * cr], [zero, cr, -sr]];
-    let inverse = one.quotient(cp);
+    let inverse = one / cp;
     let turning = [sr * inverse, cr * inverse];
     // Of vx, vy, vz, wy and wz, by the planar motion.
     let mut spread = [[zero; 3]; COLUMNS];

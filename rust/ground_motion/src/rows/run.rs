@@ -73,7 +73,7 @@ pub(crate) fn run_rows<R: Rows + Send>(
         let count = share.min(rows - first);
         InLanes { chain, plan, motion, first, count, range: range(count) }
     });
-    workers.each(ranges, |range| workers.level.run_any(range))
+    workers.for_each(ranges, |range| workers.level.run_any(range))
 }
 
 /// The first `count` elements of a slice, which keeps the others.

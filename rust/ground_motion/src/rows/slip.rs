@@ -105,9 +105,9 @@ impl InLanes<'_, SlipRange<'_>> {
             let aside = dot(slide, cross(poses.normals[wheel], touch.tangent));
             // The rim turns with the encoder and with the link.
             let rim = radius * (speeds[wheel] + dot(turn, axle));
-            let touches = zero.below(poses.touching.wheels[wheel]);
-            let turns = touches & zero.below(rim.abs());
-            ratios[wheel] = turns.select(one - ahead.quotient(rim), nan);
+            let touches = zero.lt(poses.touching.wheels[wheel]);
+            let turns = touches & zero.lt(rim.abs());
+            ratios[wheel] = turns.select(one - (ahead / rim), nan);
             angles[wheel] = touches.select(angle_of(simd, polar([ahead, aside]).turned), nan);
             reach = reach + centre[0];
         }

@@ -157,7 +157,7 @@ impl Kernel for OneRow<'_, '_> {
         }
         let [speeds, contact_angles, lifted, steering] = numbers;
         let is_finite = speeds[..wheels].iter().all(|speed| speed.is_finite());
-        if !is_finite || zero.below(refused).any() {
+        if !is_finite || zero.lt(refused).any() {
             return false;
         }
         let drives = self.drives;
@@ -234,7 +234,7 @@ impl OneRow<'_, '_> {
         let down = swings[1].mul_add(arm[0], swings[0].mul_add(leg[0], pitch * x));
         let up = roll.mul_add(y, -down);
         let aside = in_plan[1] - roll * z;
-        let steered = zero.below(register(simd, &chain.steers, k));
+        let steered = zero.lt(register(simd, &chain.steers, k));
         let to = polar([c2 * in_plan[0], in_plan[1]]);
         let steering = JointAngle::in_range(simd, chain.range, angle_of(simd, to.turned), to.turned);
         let (ss, cs) = (steered.select(steering.turned.0, zero), steered.select(steering.turned.1, one));

@@ -56,7 +56,7 @@ impl<S: Vector> CentreVelocity<S> {
     /// The vertical speed at which the centre moves along its link [m/s].
     #[inline(always)]
     pub fn closing_speed(&self, simd: S) -> Lanes<S> {
-        all(simd, 0.0) - self.across.quotient(self.vertical[1])
+        all(simd, 0.0) - (self.across / self.vertical[1])
     }
 
     /// The command at this vertical speed, for the commanded velocity of the centre in plan: the wheel rolls along the
@@ -69,9 +69,9 @@ impl<S: Vector> CentreVelocity<S> {
         // Squares: a root takes as long as the rest of it.
         let slope = all(simd, lift.square) * x.mul_add(x, y * y);
         WheelCommand {
-            speed: rolled.length.flip(rolled.sign) * self.inverse_radius - self.turn,
+            speed: rolled.length.xor_sign(rolled.sign) * self.inverse_radius - self.turn,
             contact_angle: angle_of(simd, rolled.turned),
-            lifted: all(simd, lift.speed).below(across.abs()) & slope.below(across * across),
+            lifted: all(simd, lift.speed).lt(across.abs()) & slope.lt(across * across),
         }
     }
 }
@@ -132,17 +132,17 @@ pub(super) fn fitted_vertical_speed<S: Vector>(
             let [along, across] = centre.at(vertical);
             let speed = along.mul_add(along, across * across).sqrt();
             let [ahead, up] = centre.vertical;
-            let moves = zero.below(speed);
-            let inverse = one.quotient(moves.select(speed, one));
+            let moves = zero.lt(speed);
+            let inverse = one / moves.select(speed, one);
             let derivative = along.mul_add(ahead, across * up) * inverse;
             let rolled = (all(simd, radius) * (*measured + centre.turn)).abs();
             let missing = moves.select(rolled - speed, zero);
             slope = derivative.mul_add(missing, slope);
             square = moves.select(derivative, zero).mul_add(derivative, square);
         }
-        let step = slope.quotient(square);
+        let step = slope / square;
         vertical = open.select(vertical + step, vertical);
-        open = open & all(simd, FOUND).at_most(step.abs());
+        open = open & all(simd, FOUND).le(step.abs());
         if !open.any() {
             break;
         }

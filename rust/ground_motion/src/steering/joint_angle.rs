@@ -37,15 +37,15 @@ impl<S: Vector> JointAngle<S> {
         let (lower, upper) = (all(simd, range.lower), all(simd, range.upper));
         let (least, most) = (all(simd, range.lower - ANGLE_TOLERANCE), all(simd, range.upper + ANGLE_TOLERANCE));
         let (back, on) = (angle - half, angle + half);
-        let stays = least.at_most(angle) & angle.at_most(most);
-        let goes_back = least.at_most(back) & back.at_most(most);
-        let goes_on = least.at_most(on) & on.at_most(most);
+        let stays = least.le(angle) & angle.le(most);
+        let goes_back = least.le(back) & back.le(most);
+        let goes_on = least.le(on) & on.le(most);
         let found = stays.select(angle, goes_back.select(back, on)).max(lower).min(upper);
         let flip = stays.select(all(simd, 0.0), all(simd, -0.0));
         let outside = !(stays | goes_back | goes_on);
         // What is outside stays as it was, for the message.
         let angle = outside.select(angle, found);
-        Self { turned: (turned.0.flip(flip), turned.1.flip(flip)), angle, slips: mask(simd, false), outside }
+        Self { turned: (turned.0.xor_sign(flip), turned.1.xor_sign(flip)), angle, slips: mask(simd, false), outside }
     }
 
     /// Lanes in which there is no angle.

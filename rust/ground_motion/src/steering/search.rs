@@ -100,7 +100,7 @@ pub(crate) fn steer<S: Vector>(simd: S, input: &SteeringInput<'_, S>) -> [Option
             }
             *angle = Some(found);
             if joint.is_offset {
-                let stays = (found.angle - asked).abs().at_most(zero);
+                let stays = (found.angle - asked).abs().le(zero);
                 again[k] = search.wanted & !(stays | found.failed());
                 any = any | again[k];
             }
@@ -182,17 +182,17 @@ impl<S: Vector> RootSearch<S> {
     /// depends on another.
     #[inline(always)]
     fn step(&mut self, simd: S, [value, by, bend]: Vectors<S>, size: Lanes<S>, last: f64) {
-        let inverse = all(simd, 1.0).quotient(by);
+        let inverse = all(simd, 1.0) / by;
         let newton = -(value * inverse);
         let step = (bend * inverse * (newton * newton)).mul_add(all(simd, -0.5), newton);
         let length = step.abs();
-        let is_root = value.abs().at_most(all(simd, ROUNDING) * size);
-        let shrinks = length.at_most(all(simd, MIN_STEP_REDUCTION) * self.last);
-        let is_steep = (all(simd, FLAT) * size).below(by.abs());
+        let is_root = value.abs().le(all(simd, ROUNDING) * size);
+        let shrinks = length.le(all(simd, MIN_STEP_REDUCTION) * self.last);
+        let is_steep = (all(simd, FLAT) * size).lt(by.abs());
         let shortest = is_steep.select(all(simd, last), all(simd, ROUNDING));
         let moves = self.open & shrinks & !is_root;
         self.failed = self.failed | (self.open & !(shrinks | is_root));
-        self.open = moves & shortest.below(length);
+        self.open = moves & shortest.lt(length);
         self.last = length;
         let (sin, cos) = self.turned;
         let (s, c) = (step.mul_add(cos, sin), cos - step * sin);
@@ -206,8 +206,8 @@ impl<S: Vector> RootSearch<S> {
     fn root(&self, simd: S, is_offset: bool) -> (Lanes<S>, Turned<S>) {
         let (sin, cos) = self.turned;
         if !is_offset {
-            let behind = cos.sign();
-            let turned = (sin.flip(behind), cos.flip(behind));
+            let behind = cos.sign_bit();
+            let turned = (sin.xor_sign(behind), cos.xor_sign(behind));
             return (angle_of(simd, turned), turned);
         }
         let (s, c) = self.from;
@@ -225,7 +225,7 @@ impl<S: Vector> RootSearch<S> {
             false => angle_of(simd, self.from),
         };
         let [value, ..] = slip.at(simd, joint, direction(simd, start));
-        let mut ends = [zero.below(value); 2];
+        let mut ends = [zero.lt(value); 2];
         let (mut near, mut far, mut rises) = (start, start, ends[0]);
         let mut open = lost;
         for step in 1..=BRACKET_STEPS {
@@ -233,7 +233,7 @@ impl<S: Vector> RootSearch<S> {
                 let width = sign * PI / f64::from(BRACKET_STEPS);
                 let [from, to] = [step - 1, step].map(|k| start + all(simd, width * f64::from(k)));
                 let [value, ..] = slip.at(simd, joint, direction(simd, to));
-                let found = zero.below(value);
+                let found = zero.lt(value);
                 let differs = open & ((found & !*end) | (*end & !found));
                 (near, far) = (differs.select(from, near), differs.select(to, far));
                 rises = (differs & *end) | (rises & !differs);
@@ -270,19 +270,19 @@ fn inside<S: Vector>(
     let mut last = before;
     for _ in 0..HALVINGS {
         let [value, by, _] = slip.at(simd, joint, direction(simd, angle));
-        open = open & !value.abs().at_most(zero);
-        let above = zero.below(value);
+        open = open & !value.abs().le(zero);
+        let above = zero.lt(value);
         let is_near = (above & positive) | !(above | positive);
         near = (open & is_near).select(angle, near);
         far = (open & !is_near).select(angle, far);
-        let newton = angle - value.quotient(by);
-        let fits = ((newton - near) * (newton - far)).below(zero);
-        let halves = (newton - angle).abs().at_most(half * before);
+        let newton = angle - (value / by);
+        let fits = ((newton - near) * (newton - far)).lt(zero);
+        let halves = (newton - angle).abs().le(half * before);
         let next = (fits & halves).select(newton, half * (near + far));
         before = last;
         last = (next - angle).abs();
         angle = open.select(next, angle);
-        open = open & all(simd, 2.0 * f64::EPSILON).below(last);
+        open = open & all(simd, 2.0 * f64::EPSILON).lt(last);
         if !open.any() {
             break;
         }

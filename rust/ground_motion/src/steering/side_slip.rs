@@ -93,7 +93,7 @@ impl<'a, S: Vector> SideSlipFunction<'a, S> {
     #[inline(always)]
     fn new(simd: S, axes: &'a WheelAxes<S>, counts: Lanes<S>) -> Self {
         let (normal, velocity) = (axes.normal, axes.velocity);
-        let rim = scaled(cross(normal, axes.turn), all(simd, axes.radius).flip(axes.side));
+        let rim = scaled(cross(normal, axes.turn), all(simd, axes.radius).xor_sign(axes.side));
         let along = scaled(normal, dot(normal, velocity));
         Self { axes, rim, slide: less(velocity, along), counts }
     }
@@ -196,7 +196,7 @@ impl<'a, S: Vector> SideSlip<'a, S> {
             let Some(joint) = plan.steering(wheel).map(|joint| joint % MAX_WHEELS) else {
                 continue;
             };
-            let counts = zero.below(touches[joint]).select(touching[wheel], one);
+            let counts = zero.lt(touches[joint]).select(touching[wheel], one);
             let its = SideSlipFunction::new(simd, axes, counts);
             let [ahead, left] = its.velocity(simd);
             let joint = &mut slip.joints[joint];

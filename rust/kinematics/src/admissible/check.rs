@@ -54,7 +54,7 @@ impl Kernel for FindCause<'_> {
         let rates = Rates::Row(rates);
         let tolerance = cone.fastest(simd, twist, rates).0 * Lanes::splat(simd, SLIP_TOLERANCE);
         let slides = |slip: Lanes<S>| -> bool {
-            let is_within: Mask<S> = slip.at_most(tolerance);
+            let is_within: Mask<S> = slip.le(tolerance);
             !is_within.any()
         };
         for bank in 0..cone.banks.len() {

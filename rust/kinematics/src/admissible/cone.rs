@@ -14,9 +14,9 @@ use crate::kernels::safe_range::{MIN_SQUARABLE, SCALE, distant_pivots, has_safe_
 use crate::kernels::steered::wheel::{SAFE_OVERSHOOT, SteeredConstants, WheelQuery};
 use crate::rover_data::RoverData;
 use crate::wheels::Direction;
+use six_wheel_numerics::columns::Column;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::weave::Column;
 
 /// Side slip that passes as rounding, as a share of the fastest pivot's speed: 1 nm per metre driven.
 pub const SLIP_TOLERANCE: f64 = 1e-9;
@@ -134,7 +134,7 @@ impl AdmissibleCone {
         if !(self.banks.is_empty() && self.limited.is_empty()) {
             let none = self.clear_slips(simd, twist)[0];
             for bank in 0..self.banks.len() {
-                yes = yes & self.bank_slip(simd, bank, twist).at_most(none);
+                yes = yes & self.bank_slip(simd, bank, twist).le(none);
             }
             for wheel in &self.limited {
                 yes = yes & wheel.is_clearly_within(simd, twist, rates, none);
@@ -164,7 +164,7 @@ impl AdmissibleCone {
     #[inline(always)]
     fn safe_lanes<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
         let zero = Lanes::splat(simd, 0.0);
-        if self.is_safe { is_in_safe_range(simd, twist) } else { zero.below(zero) }
+        if self.is_safe { is_in_safe_range(simd, twist) } else { zero.lt(zero) }
     }
 
     /// Yes in the lanes where that is clear, no where that is, elsewhere the decision by definition. Of the ranges, those of
@@ -179,12 +179,12 @@ impl AdmissibleCone {
         joints: Option<&[usize]>,
     ) -> Admissibility<S> {
         let zero = Lanes::splat(simd, 0.0);
-        let mut no = zero.below(zero);
+        let mut no = zero.lt(zero);
         // With rates contacts may be faster than the bound.
         if !rates.are_given() {
             let some = self.clear_slips(simd, twist)[1];
             for bank in 0..self.banks.len() {
-                no = no | some.below(self.bank_slip(simd, bank, twist));
+                no = no | some.lt(self.bank_slip(simd, bank, twist));
             }
             for wheel in self.limited.iter().filter(|wheel| joints.is_none_or(|joints| joints.contains(&wheel.joint))) {
                 no = no | wheel.is_clearly_outside(simd, twist, some);
@@ -197,7 +197,7 @@ impl AdmissibleCone {
         }
         // Slips and speeds grow with the twist: those of tiny ones keep their digits.
         let [vx, vy, omega] = twist;
-        let is_tiny = (vx.abs() + vy.abs() + omega.abs()).below(Lanes::splat(simd, MIN_SQUARABLE));
+        let is_tiny = (vx.abs() + vy.abs() + omega.abs()).lt(Lanes::splat(simd, MIN_SQUARABLE));
         let one = Lanes::splat(simd, 1.0);
         let scale = if rates.are_given() { one } else { is_tiny.select(Lanes::splat(simd, SCALE[0]), one) };
         let twist = [vx * scale + zero, vy * scale, omega * scale];
@@ -205,10 +205,10 @@ impl AdmissibleCone {
         let tolerance = fastest * Lanes::splat(simd, SLIP_TOLERANCE);
         let mut is_possible = is_valid;
         for bank in 0..self.banks.len() {
-            is_possible = is_possible & self.bank_slip(simd, bank, twist).at_most(tolerance);
+            is_possible = is_possible & self.bank_slip(simd, bank, twist).le(tolerance);
         }
         for wheel in &self.limited {
-            is_possible = is_possible & wheel.slip(simd, twist, rates)[1].at_most(tolerance);
+            is_possible = is_possible & wheel.slip(simd, twist, rates)[1].le(tolerance);
         }
         Admissibility { is_possible: yes | (!no & is_possible), is_valid: is_clear | is_valid }
     }
@@ -220,7 +220,7 @@ impl AdmissibleCone {
         if !self.banks.is_empty() {
             let none = self.clear_slips(simd, twist)[0];
             for bank in 0..self.banks.len() {
-                roll = roll & self.bank_slip(simd, bank, twist).at_most(none);
+                roll = roll & self.bank_slip(simd, bank, twist).le(none);
             }
         }
         roll
@@ -262,10 +262,10 @@ impl AdmissibleCone {
             fastest = fastest.max(ux.abs() + uy.abs() + splat(*offset) * turn_rate);
         }
         let largest = splat(f64::MAX);
-        let is_finite = vx.abs().at_most(largest) & vy.abs().at_most(largest) & omega.abs().at_most(largest);
+        let is_finite = vx.abs().le(largest) & vy.abs().le(largest) & omega.abs().le(largest);
         // Twice: the length of a velocity against its larger component.
-        let speed = (fastest + fastest).quotient(splat(self.min_radius));
-        (fastest, is_finite & speed.at_most(largest))
+        let speed = (fastest + fastest) / splat(self.min_radius);
+        (fastest, is_finite & speed.le(largest))
     }
 }
 
@@ -281,7 +281,7 @@ impl LimitedWheel {
         let angle = wheel.solve(simd, &query, &first, None).angle;
         let slip = wheel.side_slip(simd, &query, &first, angle).abs();
         let [lower, upper] = wheel.range;
-        let is_at_end = angle.at_most(lower) | upper.at_most(angle);
+        let is_at_end = angle.le(lower) | upper.le(angle);
         let slip = if self.wedge.is_none() { slip } else { is_at_end.select(slip, Lanes::splat(simd, 0.0)) };
         [angle, slip]
     }
@@ -290,7 +290,7 @@ impl LimitedWheel {
     #[inline(always)]
     fn is_clearly_within<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>, none: Lanes<S>) -> Mask<S> {
         match &self.wedge {
-            Some(wedge) => wedge.overshoot(simd, twist).at_most(none),
+            Some(wedge) => wedge.overshoot(simd, twist).le(none),
             None => self.has_solution_in_range(simd, twist, rates),
         }
     }
@@ -299,8 +299,8 @@ impl LimitedWheel {
     #[inline(always)]
     fn is_clearly_outside<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], some: Lanes<S>) -> Mask<S> {
         match &self.wedge {
-            Some(wedge) => some.below(wedge.overshoot(simd, twist)),
-            None => some.below(some),
+            Some(wedge) => some.lt(wedge.overshoot(simd, twist)),
+            None => some.lt(some),
         }
     }
 
@@ -318,8 +318,8 @@ impl LimitedWheel {
         let none = along * splat(SAFE_OVERSHOOT * SAFE_OVERSHOOT);
         let slip = |end: Direction| (y * splat(end.cos) - x * splat(end.sin)) - side;
         let [first, last] = [slip(self.constants.ends[0]), slip(self.constants.ends[1])];
-        let is_held = (first * last).below(splat(0.0)) | (first * first).at_most(none) | (last * last).at_most(none);
-        is_held & (splat(MIN_ALONG * MIN_ALONG) * square).at_most(along) & !wheel.is_at_rest(twist)
+        let is_held = (first * last).lt(splat(0.0)) | (first * first).le(none) | (last * last).le(none);
+        is_held & (splat(MIN_ALONG * MIN_ALONG) * square).le(along) & !wheel.is_at_rest(twist)
     }
 }
 

@@ -69,7 +69,7 @@ impl Projection<'_> {
         let largest = Lanes::splat(simd, f64::MAX);
         let mut is_finite = is_found;
         for part in twist {
-            is_finite = is_finite & part.abs().at_most(largest);
+            is_finite = is_finite & part.abs().le(largest);
         }
         let projected = [0, 1, 2].map(|k: usize| judged.is_possible.select(wanted[k], twist[k]));
         (projected, judged.is_possible | is_finite)
@@ -80,7 +80,7 @@ impl Projection<'_> {
     fn beyond<S: Vector>(&self, simd: S, wanted: TwistLanes<S>, is_open: Mask<S>) -> Found<S> {
         // The projection grows with the twist: squares of tiny ones keep their digits.
         let [vx, vy, omega] = wanted.map(Lanes::abs);
-        let is_tiny = (vx + vy + omega).below(Lanes::splat(simd, MIN_SQUARABLE));
+        let is_tiny = (vx + vy + omega).lt(Lanes::splat(simd, MIN_SQUARABLE));
         if !is_tiny.any() {
             return self.nearest_scaled(simd, wanted, is_open);
         }
@@ -103,7 +103,7 @@ impl Projection<'_> {
         let share = |k: usize| {
             let (found, wanted) = (nearest.twist[k].abs(), wanted[k].abs());
             let one = Lanes::splat(simd, 1.0);
-            found.at_most(wanted).select(one, wanted.quotient(found))
+            found.le(wanted).select(one, wanted / found)
         };
         let scale = share(0).min(share(2));
         for (part, nearest) in found.twist.iter_mut().zip(nearest.twist) {
@@ -127,9 +127,9 @@ impl Projection<'_> {
         // To stand still keeps what is zero, and is as near as its distance is finite.
         let mut may_stand = asked;
         for &k in components(keep) {
-            may_stand = may_stand & wanted[k].abs().at_most(zero);
+            may_stand = may_stand & wanted[k].abs().le(zero);
         }
-        let (mut best, mut is_found) = (still, may_stand & still.at_most(splat(f64::MAX)));
+        let (mut best, mut is_found) = (still, may_stand & still.le(splat(f64::MAX)));
         let mut found = [zero; 3];
         for face in self.faces.of(keep) {
             let mut distance = zero;
@@ -137,7 +137,7 @@ impl Projection<'_> {
                 let part = dot(simd, row, wanted);
                 distance = distance + part * part;
             }
-            let is_nearer = asked & (!is_found | distance.below(best));
+            let is_nearer = asked & (!is_found | distance.lt(best));
             if !is_nearer.any() {
                 continue;
             }
@@ -149,9 +149,9 @@ impl Projection<'_> {
                 *found = is_nearer.select(point, *found);
             }
         }
-        let mut vanishes = zero.at_most(zero);
+        let mut vanishes = zero.le(zero);
         for (part, length) in found.iter().zip(self.lengths(simd)) {
-            vanishes = vanishes & (part.abs() * length).at_most(size * splat(VANISHED));
+            vanishes = vanishes & (part.abs() * length).le(size * splat(VANISHED));
         }
         found = found.map(|part| vanishes.select(zero, part));
         for &k in components(keep) {
@@ -178,17 +178,17 @@ impl Projection<'_> {
                 *part = *part + share * Lanes::splat(simd, *along);
             }
         }
-        let mut is_admissible = zero.at_most(zero);
+        let mut is_admissible = zero.le(zero);
         if face.bound {
             for &k in components(keep) {
                 let off = (point[k] - wanted[k]).abs();
-                is_admissible = is_admissible & off.at_most(size * Lanes::splat(simd, AGREED));
+                is_admissible = is_admissible & off.le(size * Lanes::splat(simd, AGREED));
             }
         }
         if !face.open.is_empty() {
             // The rest of a component that vanishes is rounding, and rounding has no direction.
             for (part, length) in point.iter_mut().zip(self.lengths(simd)) {
-                let vanishes = (part.abs() * length).at_most(size * Lanes::splat(simd, VANISHED));
+                let vanishes = (part.abs() * length).le(size * Lanes::splat(simd, VANISHED));
                 *part = vanishes.select(zero, *part);
             }
             is_admissible = is_admissible & self.cone.judge_joints(simd, point, &face.open);
@@ -230,6 +230,6 @@ impl Kernel for HasPoint<'_> {
     fn run<S: Vector>(self, simd: S) -> bool {
         let wanted = self.0.twist.map(|part| Lanes::splat(simd, part));
         let zero = Lanes::splat(simd, 0.0);
-        self.0.projection.beyond(simd, wanted, zero.at_most(zero)).is_found.any()
+        self.0.projection.beyond(simd, wanted, zero.le(zero)).is_found.any()
     }
 }

@@ -3,11 +3,11 @@
 use super::cone::{AdmissibleCone, Rates};
 use super::projection::Projection;
 use crate::kernels::row::load;
+use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_columns, transpose_to_rows};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::weave::{BLOCK, Column, unweave, weave};
 
 /// Decides for each twist if it is possible. Fails at the first one that is not finite.
 pub(crate) struct JudgeRange<'a> {
@@ -26,8 +26,8 @@ impl Kernel for JudgeRange<'_> {
         let mut yes = Column::ZERO;
         let blocks = self.twists.chunks(BLOCK).zip(self.answers.chunks_mut(BLOCK));
         for (block, (rows, answers)) in blocks.enumerate() {
-            unweave(simd, rows.as_flattened(), &mut twists);
-            let mut are_valid = zero.at_most(zero);
+            transpose_to_columns(simd, rows.as_flattened(), &mut twists);
+            let mut are_valid = zero.le(zero);
             for k in 0..rows.len().div_ceil(S::F64_LANES) {
                 let judged = self.cone.judge(simd, load(simd, &twists, k), Rates::Row(&[]));
                 are_valid = are_valid & judged.is_valid;
@@ -63,8 +63,8 @@ impl Kernel for ProjectRange<'_> {
         let [mut wanted, mut found] = [[Column::ZERO; 3]; 2];
         let blocks = self.twists.chunks(BLOCK).zip(self.projected.chunks_mut(BLOCK));
         for (block, (rows, targets)) in blocks.enumerate() {
-            unweave(simd, rows.as_flattened(), &mut wanted);
-            let mut are_found = zero.at_most(zero);
+            transpose_to_columns(simd, rows.as_flattened(), &mut wanted);
+            let mut are_found = zero.le(zero);
             for k in 0..rows.len().div_ceil(S::F64_LANES) {
                 let (twist, is_found) = self.projection.lanes(simd, load(simd, &wanted, k));
                 are_found = are_found & is_found;
@@ -72,7 +72,7 @@ impl Kernel for ProjectRange<'_> {
                     column.store(k, part);
                 }
             }
-            weave(simd, &found, targets.as_flattened_mut());
+            transpose_to_rows(simd, &found, targets.as_flattened_mut());
             if (!are_found).any() {
                 for (k, twist) in rows.iter().enumerate() {
                     self.projection.of((*twist).into()).map_err(|error| error.at_row(block * BLOCK + k))?;

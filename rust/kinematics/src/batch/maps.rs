@@ -24,7 +24,7 @@ pub fn map(
 ) -> Result<(), Error> {
     let Workers { level, .. } = workers.here();
     let share = workers.share(targets.len());
-    workers.each(targets.chunks_mut(share).enumerate(), |(k, targets)| {
+    workers.for_each(targets.chunks_mut(share).enumerate(), |(k, targets)| {
         let rows = k * share..k * share + targets.len();
         let second = second.get(rows.clone()).unwrap_or_default();
         let (first, steps) = (&first[rows.clone()], steps.of(rows));
@@ -76,10 +76,10 @@ impl Kernel for MapRange<'_> {
             };
             let mapped = self.map.lanes(simd, first, second, dt);
             if targets.len() == size {
-                Lanes::braid(mapped, targets.as_flattened_mut());
+                Lanes::interleave3(mapped, targets.as_flattened_mut());
             } else {
                 let mut numbers = [0.0; 3 * MAX_LANES];
-                Lanes::braid(mapped, &mut numbers);
+                Lanes::interleave3(mapped, &mut numbers);
                 let targets = targets.as_flattened_mut();
                 targets.copy_from_slice(&numbers[..targets.len()]);
             }
@@ -92,11 +92,11 @@ impl Kernel for MapRange<'_> {
 fn load<S: Vector>(simd: S, rows: &[[f64; 3]]) -> [Lanes<S>; 3] {
     let numbers = rows.as_flattened();
     if rows.len() == S::F64_LANES {
-        return Lanes::unbraid(simd, numbers);
+        return Lanes::deinterleave3(simd, numbers);
     }
     let mut padded = [0.0; 3 * MAX_LANES];
     padded[..numbers.len()].copy_from_slice(numbers);
-    Lanes::unbraid(simd, &padded)
+    Lanes::deinterleave3(simd, &padded)
 }
 
 /// A register of durations; 1 s where there are none.

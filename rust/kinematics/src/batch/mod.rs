@@ -8,7 +8,7 @@
 //! 2. It has the constants of the rover: what a formula needs to know of it, as numbers.
 //! 3. [`Level::run_any`] enters a function that is compiled once per set of instructions, with a token `S`
 //!    that proves the processor has them. Everything below it is `#[inline(always)]`.
-//! 4. A **formula** ([`crate::kernels`], one file a job) takes 64 rows at a time apart (`weave.rs`): row after row in
+//! 4. A **formula** ([`crate::kernels`], one file a job) takes 64 rows at a time apart (`columns.rs`): row after row in
 //!    memory becomes one column per number, so that a register holds the same number of 4 or 8 successive rows.
 //! 5. It computes with `Lanes`, a register with the operators of a number (`simd/lanes.rs`), and functions of
 //!    `simd/polynomials.rs`. There are no branches on a lane: a `Mask` selects, and a part of a formula that no lane of a

@@ -39,7 +39,7 @@ pub struct Journey<'a> {
     /// Rover whose wheel speeds have to be finite too.
     pub rover: Option<&'a Rover>,
     /// True if poses of a log on its own are written past the caches.
-    pub past: bool,
+    pub non_temporal: bool,
 }
 
 /// Memory of one thread for what has to be read.
@@ -63,7 +63,7 @@ impl<'a> Journey<'a> {
             longest: steps.check(count, BLOCK_ROWS)?,
             largest: LARGEST_TOTAL,
             rover: None,
-            past: false,
+            non_temporal: false,
         })
     }
 
@@ -204,13 +204,13 @@ impl<'a> Journey<'a> {
         for (k, poses) in poses.chunks_mut(BLOCK_ROWS).enumerate() {
             let (twists, steps) = self.piece(log, k * BLOCK_ROWS, buffers);
             if checked || bound.holds(level, twists) {
-                follow(level, twists, steps, poses, self.past, &mut walk);
+                follow(level, twists, steps, poses, self.non_temporal, &mut walk);
                 continue;
             }
             self.check_steps(log, buffers)?;
             checked = true;
             let (twists, steps) = self.piece(log, k * BLOCK_ROWS, buffers);
-            follow(level, twists, steps, poses, self.past, &mut walk);
+            follow(level, twists, steps, poses, self.non_temporal, &mut walk);
         }
         Ok(())
     }
@@ -249,17 +249,17 @@ pub fn integrate<'a>(
 ) -> Result<(), Error> {
     let Workers { level, fresh, .. } = workers.here();
     let journey = Journey {
-        past: is_large(poses.as_flattened().len()),
+        non_temporal: is_large(poses.as_flattened().len()),
         ..Journey::new(twists.into(), count, steps.into(), starts)?
     };
     let logs = poses.len() / (count + 1);
     let share = workers.share_of_logs(logs, count);
     if !fresh {
         let shares = (0..logs).step_by(share);
-        workers.each(shares, |first| journey.check(level, first..logs.min(first + share)))?;
+        workers.for_each(shares, |first| journey.check(level, first..logs.min(first + share)))?;
     }
     let targets = poses.chunks_mut(share * (count + 1)).enumerate();
-    workers.each(targets, |(k, poses)| {
+    workers.for_each(targets, |(k, poses)| {
         let buffers = &mut Buffers::default();
         let first = k * share;
         if count > SHORT_LOG {
@@ -275,7 +275,7 @@ pub fn integrate<'a>(
             if fresh {
                 journey.check(level, logs.clone())?;
             }
-            place(level, journey.logs(logs, buffers), poses, journey.past);
+            place(level, journey.logs(logs, buffers), poses, journey.non_temporal);
         }
         Ok(())
     })

@@ -40,7 +40,7 @@ struct Commands<'a> {
     twists: Table<'a>,
     beside: Beside<'a>,
     /// True if the outputs are written past the caches.
-    past: bool,
+    non_temporal: bool,
 }
 
 impl<'a> Commands<'a> {
@@ -70,7 +70,7 @@ impl<'a> Commands<'a> {
     fn solve(&self, twists: &[[f64; 3]], inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
         let (rover, level) = (self.rover, self.level);
         if twists.len() >= FEW {
-            return rover.inverse_constants.solve_rows(level, twists, inputs, steering, speeds, self.past);
+            return rover.inverse_constants.solve_rows(level, twists, inputs, steering, speeds, self.non_temporal);
         }
         let level = if level == Level::Scalar { level } else { rover.inverse_constants.level };
         let joints = rover.steered().len();
@@ -96,12 +96,12 @@ pub fn inverse<'a>(
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let (count, beside) = (speeds.len() / wheels, inputs.into());
     let commands =
-        Commands { rover, level, twists: twists.into(), beside, past: is_large(steering.len() + speeds.len()) };
+        Commands { rover, level, twists: twists.into(), beside, non_temporal: is_large(steering.len() + speeds.len()) };
     let share = workers.share(count);
     let (twists, beside) = (Some(commands.twists), commands.beside);
     let block = block_of(share, [twists, beside.previous, beside.previous_speeds, beside.steering_rates]);
     if !fresh {
-        workers.each((0..count).step_by(share), |first| {
+        workers.for_each((0..count).step_by(share), |first| {
             let buffers = &mut Default::default();
             for rows in blocks(first..count.min(first + share), block) {
                 let (twists, inputs) = commands.rows(rows.clone(), buffers);
@@ -114,7 +114,7 @@ pub fn inverse<'a>(
     // A rover without steered wheels has no columns to cut.
     let mut steering = steering.chunks_mut((share * joints).max(1));
     let targets = speeds.chunks_mut(share * wheels).map(|speeds| (steering.next().unwrap_or_default(), speeds));
-    workers.each(targets.enumerate(), |(k, (steering, speeds))| {
+    workers.for_each(targets.enumerate(), |(k, (steering, speeds))| {
         let buffers = &mut Default::default();
         let first = k * share;
         for rows in blocks(first..first + speeds.len() / wheels, block) {
@@ -138,7 +138,7 @@ struct Reports<'a> {
     readings: Readings<'a>,
     unseen: Unseen,
     /// True if the outputs are written past the caches.
-    past: bool,
+    non_temporal: bool,
 }
 
 impl<'a> Reports<'a> {
@@ -173,7 +173,7 @@ impl<'a> Reports<'a> {
 
     fn solve(&self, log: Log<'_>, twists: &mut [[f64; 3]]) -> Result<(), Error> {
         if let Some(plan) = &self.plan {
-            return plan.solve(self.level, log, self.unseen, twists, self.past);
+            return plan.solve(self.level, log, self.unseen, twists, self.non_temporal);
         }
         for (k, twist) in twists.iter_mut().enumerate() {
             let measured = log.row(self.rover, k);
@@ -200,7 +200,7 @@ pub fn forward<'a>(
         level,
         readings,
         unseen,
-        past: is_large(twists.as_flattened().len()),
+        non_temporal: is_large(twists.as_flattened().len()),
     };
     let share = workers.share(count);
     let tables = [Some(readings.steering), Some(readings.speeds), readings.steering_rates];
@@ -210,7 +210,7 @@ pub fn forward<'a>(
         checked.map_err(|error| error.below(rows.start))
     };
     if !fresh {
-        workers.each((0..count).step_by(share), |first| {
+        workers.for_each((0..count).step_by(share), |first| {
             let buffers = &mut Default::default();
             for rows in blocks(first..count.min(first + share), block) {
                 let log = reports.rows(rows.clone(), buffers);
@@ -220,7 +220,7 @@ pub fn forward<'a>(
         })?;
     }
     let block = if fresh { block.min(BLOCK_ROWS) } else { block };
-    workers.each(twists.chunks_mut(share).enumerate(), |(k, twists)| {
+    workers.for_each(twists.chunks_mut(share).enumerate(), |(k, twists)| {
         let buffers = &mut Default::default();
         for (b, twists) in twists.chunks_mut(block).enumerate() {
             let first = k * share + b * block;

@@ -18,7 +18,7 @@ pub fn fill<const N: usize>(
     value: impl Fn(usize) -> [f64; N] + Sync,
 ) -> Result<(), Error> {
     let share = workers.share(targets.len());
-    workers.each(targets.chunks_mut(share).enumerate(), |(k, targets)| {
+    workers.for_each(targets.chunks_mut(share).enumerate(), |(k, targets)| {
         for (row, target) in targets.iter_mut().enumerate() {
             *target = value(k * share + row);
         }
@@ -44,7 +44,7 @@ pub fn fit(
     let slips = fits.residual.chunks_mut(share * wheels);
     let says = fits.weights.chunks_mut(share * wheels);
     let parts = twists.zip(fits.sigmas.chunks_mut(share)).zip(slips).zip(says);
-    workers.each(parts.enumerate(), |(k, ((((twists, ranks), sigmas), residual), weights))| {
+    workers.for_each(parts.enumerate(), |(k, ((((twists, ranks), sigmas), residual), weights))| {
         let count = twists.len();
         let log = log.rows(rover, k * share..k * share + count);
         let failed = |error: Error| error.below(k * share);
@@ -97,7 +97,7 @@ pub fn sensitivity(
             (twists, parts.collect::<Vec<_>>())
         })
         .collect();
-    workers.each(jobs.into_iter().enumerate(), |(k, (twists, mut targets))| {
+    workers.for_each(jobs.into_iter().enumerate(), |(k, (twists, mut targets))| {
         let log = log.rows(rover, k * share..k * share + twists.len());
         let failed = |error: Error| error.below(k * share);
         if let Some(plan) = &plan {

@@ -14,7 +14,7 @@ use six_wheel_numerics::threads::workers::Workers;
 pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool], workers: Workers) -> Result<(), Error> {
     let share = workers.share(twists.len());
     let jobs = twists.chunks(share).zip(answers.chunks_mut(share));
-    workers.each(jobs.enumerate(), |(k, (twists, answers))| {
+    workers.for_each(jobs.enumerate(), |(k, (twists, answers))| {
         let judged = JudgeRange { cone: &rover.cone, twists, answers };
         workers.here().level.run_any(judged).map_err(|error| error.below(k * share))
     })
@@ -31,12 +31,12 @@ pub fn project(
 ) -> Result<(), Error> {
     let (share, here) = (workers.share(twists.len()), workers.here());
     if !workers.fresh {
-        workers.each(twists.chunks(share).enumerate(), |(k, twists)| {
+        workers.for_each(twists.chunks(share).enumerate(), |(k, twists)| {
             check(rover, twists, keep, here).map_err(|error| error.below(k * share))
         })?;
     }
     let jobs = twists.chunks(share).zip(projected.chunks_mut(share));
-    workers.each(jobs.enumerate(), |(k, (twists, projected))| {
+    workers.for_each(jobs.enumerate(), |(k, (twists, projected))| {
         project_rows(rover, twists, keep, projected, here).map_err(|error| error.below(k * share))
     })
 }

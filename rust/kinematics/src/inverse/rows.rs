@@ -7,12 +7,12 @@ use crate::kernels::safe_range::{MAX_SQUARABLE, MIN_SQUARABLE, all_within};
 use crate::kernels::steered::direction_votes::{CommonDirection, DirectionTie, DirectionVotes};
 use crate::kernels::steered::wheel::WheelQuery;
 use crate::rover_data::{Inputs, RoverData};
+use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_columns, transpose_to_rows, with_columns};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level, run_rarely};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::stream::{Output, fetch_ahead};
-use six_wheel_numerics::weave::{BLOCK, Column, unweave, weave, with_columns};
+use six_wheel_numerics::stream::{Output, prefetch_ahead};
 
 /// Fails at the first row that the rover cannot make; rows of the error count from `first`.
 pub(crate) fn check(
@@ -51,24 +51,24 @@ impl Kernel for CheckRange<'_> {
         for (b, rows) in self.twists.chunks(BLOCK).enumerate() {
             let first = b * BLOCK;
             let of = |values, width| block(values, width, first, rows.len());
-            let mut passes = zero.at_most(zero);
+            let mut passes = zero.le(zero);
             for values in [of(previous, joints), of(previous_speeds, wheels), of(steering_rates, joints)] {
                 if !all_within(simd, values, f64::MAX) {
-                    passes = zero.below(zero);
+                    passes = zero.lt(zero);
                 }
             }
             if !self.rates.is_empty() {
-                unweave(simd, of(steering_rates, joints), self.rates);
+                transpose_to_columns(simd, of(steering_rates, joints), self.rates);
             }
-            fetch_ahead(simd, rows.as_flattened(), 0, 1);
+            prefetch_ahead(simd, rows.as_flattened(), 0, 1);
             if rows.len() == BLOCK {
                 let groups = rows.as_flattened().chunks_exact(3 * S::F64_LANES);
                 for (k, rows) in groups.enumerate() {
                     let rates = Rates::Columns(self.rates, k);
-                    passes = passes & self.cone.judge(simd, Lanes::unbraid(simd, rows), rates).is_possible;
+                    passes = passes & self.cone.judge(simd, Lanes::deinterleave3(simd, rows), rates).is_possible;
                 }
             } else {
-                unweave(simd, rows.as_flattened(), &mut columns);
+                transpose_to_columns(simd, rows.as_flattened(), &mut columns);
                 for k in 0..rows.len().div_ceil(S::F64_LANES) {
                     let rates = Rates::Columns(self.rates, k);
                     passes = passes & self.cone.judge(simd, load(simd, &columns, k), rates).is_possible;
@@ -98,13 +98,13 @@ impl InverseConstants {
         inputs: Inputs<'_>,
         steering: &mut [f64],
         speeds: &mut [f64],
-        past: bool,
+        non_temporal: bool,
     ) {
         let joints = |given: Option<&[f64]>| given.map_or(0, |_| self.joints);
         let rolling = inputs.previous_speeds.map_or(0, |_| self.wheels.len());
         let beside = joints(inputs.previous) + joints(inputs.steering_rates) + rolling;
         with_columns(self.joints + self.wheels.len() + beside, |columns| {
-            level.run_any(SolveRange { constants: self, twists, inputs, steering, speeds, past, columns });
+            level.run_any(SolveRange { constants: self, twists, inputs, steering, speeds, non_temporal, columns });
         });
     }
 }
@@ -115,7 +115,7 @@ struct SolveRange<'a> {
     inputs: Inputs<'a>,
     steering: &'a mut [f64],
     speeds: &'a mut [f64],
-    past: bool,
+    non_temporal: bool,
     /// One per steering angle, one per speed, and one per number of the inputs.
     columns: &'a mut [Column],
 }
@@ -149,24 +149,24 @@ impl Kernel for SolveRange<'_> {
             previous_speeds: rolling,
             rates,
         };
-        let output = |target, width| Output::new(simd, target, width * BLOCK, self.past);
+        let output = |target, width| Output::new(simd, target, width * BLOCK, self.non_temporal);
         let mut all_steering = output(self.steering, joints);
         let mut all_speeds = output(self.speeds, wheels);
         for (b, rows) in self.twists.chunks(BLOCK).enumerate() {
             let of = |values, width| block(values, width, b * BLOCK, rows.len());
-            fetch_ahead(simd, rows.as_flattened(), 0, 1);
-            unweave(simd, rows.as_flattened(), &mut input.twists);
-            unweave(simd, of(previous, joints), input.previous);
-            unweave(simd, of(previous_speeds, wheels), input.previous_speeds);
-            unweave(simd, of(steering_rates, joints), input.rates);
+            prefetch_ahead(simd, rows.as_flattened(), 0, 1);
+            transpose_to_columns(simd, rows.as_flattened(), &mut input.twists);
+            transpose_to_columns(simd, of(previous, joints), input.previous);
+            transpose_to_columns(simd, of(previous_speeds, wheels), input.previous_speeds);
+            transpose_to_columns(simd, of(steering_rates, joints), input.rates);
             let registers = rows.len().div_ceil(S::F64_LANES);
             input.prepare(simd, constants, registers);
             let mut block = SolveBlock { constants, input: &input, steering, speeds, registers };
             if !block.first_solutions(simd) {
                 run_rarely(simd, block);
             }
-            weave(simd, steering, all_steering.next(rows.len() * joints));
-            weave(simd, speeds, all_speeds.next(rows.len() * wheels));
+            transpose_to_rows(simd, steering, all_steering.next(rows.len() * joints));
+            transpose_to_rows(simd, speeds, all_speeds.next(rows.len() * wheels));
         }
     }
 }
@@ -182,7 +182,7 @@ impl InputColumns<'_> {
             self.twists[0].store(k, vx + Lanes::splat(simd, 0.0));
             let (linear, omega) = (vx.abs() + vy.abs(), omega.abs());
             let size = linear + omega;
-            let is_safe = min.at_most(size) & size.at_most(max);
+            let is_safe = min.le(size) & size.le(max);
             let rounding = linear * share + omega * arm;
             self.rounding.store(k, is_safe.select(rounding, Lanes::splat(simd, f64::INFINITY)));
         }
@@ -222,7 +222,7 @@ impl SolveBlock<'_, '_> {
     fn first_solutions<S: Vector>(&mut self, simd: S) -> bool {
         let Self { constants, input, ref mut steering, ref mut speeds, registers } = *self;
         let zero = Lanes::splat(simd, 0.0);
-        let mut are_final = zero.at_most(zero);
+        let mut are_final = zero.le(zero);
         let mut joint = 0;
         for ((kind, per_radius), speeds) in constants.wheels.iter().zip(speeds.iter_mut()) {
             let per_radius = Lanes::splat(simd, *per_radius);

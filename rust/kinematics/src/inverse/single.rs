@@ -107,7 +107,7 @@ impl InverseRow<'_> {
         for (lanes, row) in given.iter_mut().zip([self.inputs.previous, self.inputs.steering_rates]) {
             if let Some(row) = row {
                 let numbers = padded(simd, row.get(register * S::F64_LANES..).unwrap_or_default());
-                is_finite = is_finite & numbers.abs().at_most(Lanes::splat(simd, f64::MAX));
+                is_finite = is_finite & numbers.abs().le(Lanes::splat(simd, f64::MAX));
                 *lanes = Some(numbers);
             }
         }
@@ -205,7 +205,7 @@ impl RowOfBothSolutions<'_> {
                 if (is_steered & !first.is_final).any() {
                     let motion = wheels.solve(simd, &query, &first, common);
                     (angle, rim_speed) = (motion.angle, motion.rim_speed);
-                    is_safe = is_safe & (motion.overshoot.at_most(splat(SAFE_OVERSHOOT)) | !is_steered);
+                    is_safe = is_safe & (motion.overshoot.le(splat(SAFE_OVERSHOOT)) | !is_steered);
                     let DirectionTie { is_tie, is_backwards, lead } = motion.tie;
                     if common.is_none() && (is_tie & is_steered).any() {
                         results.has_ties = true;
@@ -238,7 +238,7 @@ impl RowOfBothSolutions<'_> {
         let mut votes = DirectionVotes::none(simd);
         let InverseRow { constants, inputs, .. } = &self.0;
         for (joint, &i) in constants.order.iter().enumerate().take(constants.joints) {
-            let is_true = |mark: f64| splat(0.0).below(splat(mark));
+            let is_true = |mark: f64| splat(0.0).lt(splat(mark));
             let (is_tie, is_backwards) = (is_true(marks[joint]), is_true(backwards[joint]));
             let tie = DirectionTie { is_tie, is_backwards, lead: splat(leads[joint]) };
             let speed = inputs.previous_speeds.map_or(0.0, |speeds| speeds[i]);
@@ -251,13 +251,13 @@ impl RowOfBothSolutions<'_> {
 #[inline(always)]
 fn all_true<S: Vector>(simd: S) -> Mask<S> {
     let zero = Lanes::splat(simd, 0.0);
-    zero.at_most(zero)
+    zero.le(zero)
 }
 
 /// Lanes of register `k` with a steered wheel.
 #[inline(always)]
 fn is_steered<S: Vector>(simd: S, group: &WheelGroup, k: usize) -> Mask<S> {
-    Lanes::splat(simd, 0.0).below(load(simd, &group.is_steered, k))
+    Lanes::splat(simd, 0.0).lt(load(simd, &group.is_steered, k))
 }
 
 /// Register `k` of the numbers of a group.

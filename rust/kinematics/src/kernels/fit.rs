@@ -11,11 +11,11 @@ use super::row::{dot, load};
 use crate::estimate::{Fit, Measured, Method, Reading, Unseen};
 use crate::rover_data::{MAX_WHEELS, RoverData};
 use crate::table::{Log, row_mut};
+use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_rows, with_columns};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::weave::{BLOCK, Column, weave, with_columns};
 
 /// Constants of a rover and a method for the kernel.
 pub(crate) struct FitConstants<'a> {
@@ -155,9 +155,9 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
             }
             plan.results::<S, ROBUST>(simd, &now.kept, &mut twists, residuals);
             let target = self.fits.twists[at.clone()].as_flattened_mut();
-            weave(simd, &twists, target);
-            weave(simd, residuals, &mut self.fits.residual[of_wheels.clone()]);
-            weave(simd, now.weights, &mut self.fits.weights[of_wheels]);
+            transpose_to_rows(simd, &twists, target);
+            transpose_to_rows(simd, residuals, &mut self.fits.residual[of_wheels.clone()]);
+            transpose_to_rows(simd, now.weights, &mut self.fits.weights[of_wheels]);
             self.fits.ranks[at.clone()].fill(plan.rank as i64);
             self.fits.sigmas[at].copy_from_slice(&sigmas.0[..count]);
             let mut doubts = (0..count).filter(|k| !sure && now.kept.doubts.0[*k] != 0.0);

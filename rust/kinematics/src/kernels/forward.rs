@@ -7,13 +7,13 @@ use super::readings::{FitColumns, LARGEST_SPEED, solve, solve_block};
 use super::safe_range::all_within;
 use crate::estimate::Unseen;
 use crate::table::Log;
+use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_columns, transpose_to_rows, with_columns};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::polynomials::LARGEST_ANGLE;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::stream::{Output, fetch_ahead};
-use six_wheel_numerics::weave::{BLOCK, Column, unweave, weave, with_columns};
+use six_wheel_numerics::stream::{Output, prefetch_ahead};
 
 impl ForwardConstants<'_> {
     /// Fails at the first row that cannot be read.
@@ -34,10 +34,10 @@ impl ForwardConstants<'_> {
         log: Log<'_>,
         unseen: Unseen,
         twists: &mut [[f64; 3]],
-        past: bool,
+        non_temporal: bool,
     ) -> Result<(), Error> {
         with_columns(self.joints + self.wheels.len() + self.rates(log), |columns| {
-            let solve = Solve { plan: self, log, unseen, twists, past, columns };
+            let solve = Solve { plan: self, log, unseen, twists, non_temporal, columns };
             level.run_any(solve)
         })
     }
@@ -65,15 +65,15 @@ impl Kernel for Check<'_> {
             let speeds = &log.speeds[first * wheels..end * wheels];
             let rates = log.steering_rates.unwrap_or_default();
             let rates = rates.get(first * joints..end * joints).unwrap_or_default();
-            fetch_ahead(simd, steering, 0, 1);
-            fetch_ahead(simd, speeds, 0, 1);
+            prefetch_ahead(simd, steering, 0, 1);
+            prefetch_ahead(simd, speeds, 0, 1);
             let mut pass = all_within(simd, steering, LARGEST_ANGLE / 2.0)
                 && all_within(simd, speeds, LARGEST_SPEED)
                 && all_within(simd, rates, LARGEST_SPEED);
             if pass && !self.steering.is_empty() {
-                unweave(simd, steering, self.steering);
+                transpose_to_columns(simd, steering, self.steering);
                 let one = Lanes::splat(simd, 1.0);
-                let mut determined = one.at_most(one);
+                let mut determined = one.le(one);
                 for k in 0..BLOCK / S::F64_LANES {
                     let (_, surely) = solve(simd, plan.normal(simd, self.steering, k), [one; 3]);
                     determined = determined & surely;
@@ -102,7 +102,7 @@ struct Solve<'a> {
     log: Log<'a>,
     unseen: Unseen,
     twists: &'a mut [[f64; 3]],
-    past: bool,
+    non_temporal: bool,
     /// One per steering angle, one per speed, and one per rate that matters.
     columns: &'a mut [Column],
 }
@@ -117,14 +117,14 @@ impl Kernel for Solve<'_> {
         let mut kept = FitColumns::new(&mut []);
         let count = self.twists.len();
         let numbers = self.twists.as_flattened_mut();
-        let mut output = Output::new(simd, numbers, 3 * BLOCK, self.past);
+        let mut output = Output::new(simd, numbers, 3 * BLOCK, self.non_temporal);
         for first in (0..count).step_by(BLOCK) {
             let end = count.min(first + BLOCK);
             let log = log.rows(plan.rover, first..end);
             let heard = plan.load_readings(simd, log, self.columns);
             let usual = solve_block::<S, false>(simd, plan, heard, &mut twists, &mut kept, log);
             let rows = output.next(3 * (end - first));
-            weave(simd, &twists, rows);
+            transpose_to_rows(simd, &twists, rows);
             if usual {
                 continue;
             }

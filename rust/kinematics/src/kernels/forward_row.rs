@@ -94,7 +94,7 @@ impl Kernel for Row<'_> {
         let zero = Lanes::splat(simd, 0.0);
         let largest_angle = Lanes::splat(simd, LARGEST_ANGLE / 2.0);
         let largest_speed = Lanes::splat(simd, LARGEST_SPEED);
-        let mut usual = zero.at_most(zero);
+        let mut usual = zero.le(zero);
         let [mut x, mut y, mut z] = [zero; 3];
         let mut steering = measured.steering.chunks(S::F64_LANES);
         let mut order = plan.order.chunks(S::F64_LANES);
@@ -107,14 +107,14 @@ impl Kernel for Row<'_> {
                     *place = measured.speeds.get(i).copied().unwrap_or(f64::NAN);
                 }
                 let speed = Lanes::load(simd, S::as_simd_f64s(&room).0, 0);
-                usual = usual & speed.abs().at_most(largest_speed);
+                usual = usual & speed.abs().le(largest_speed);
                 let [along, across, moment] = &group.row;
                 x = speed.mul_add(load(along), x);
                 y = speed.mul_add(load(across), y);
                 z = speed.mul_add(load(moment), z);
                 if k * S::F64_LANES < group.steered {
                     let angle = padded(simd, steering.next().unwrap_or_default());
-                    usual = usual & angle.abs().at_most(largest_angle);
+                    usual = usual & angle.abs().le(largest_angle);
                     let (sin, cos) = sin_cos(simd, angle + load(&group.heading));
                     let rim_speed = speed * load(&group.radius);
                     let (u, v) = (rim_speed * cos, rim_speed * sin);
@@ -128,7 +128,7 @@ impl Kernel for Row<'_> {
         if (!usual).any() {
             return None;
         }
-        let [x, y, z] = [x.total(), y.total(), z.total()];
+        let [x, y, z] = [x.sum(), y.sum(), z.sum()];
         let twist = plan.solution.map(|[a, b, c]| z.mul_add(c, y.mul_add(b, x * a)));
         Some(Twist::from(twist))
     }

@@ -9,11 +9,11 @@ use nalgebra::{Matrix3, Vector3};
 use crate::rover_data::{Mount, RoverData};
 use crate::table::Log;
 use crate::wheels::Wheel;
+use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_columns};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::stream::fetch_ahead;
-use six_wheel_numerics::weave::{BLOCK, Column, unweave};
+use six_wheel_numerics::stream::prefetch_ahead;
 
 /// Speeds up to here surely make a finite twist [rad/s]. NaN, of a wheel without encoder, is not one.
 pub(crate) const LARGEST_SPEED: f64 = 1e100;
@@ -201,10 +201,10 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
     let splat = |number| Lanes::splat(simd, number);
     let (zero, one) = (splat(0.0), splat(1.0));
     let [largest_angle, largest_speed] = [LARGEST_ANGLE / 2.0, LARGEST_SPEED].map(|largest| splat(largest * largest));
-    let mut all: Mask<S> = zero.at_most(zero);
+    let mut all: Mask<S> = zero.le(zero);
     for k in 0..BLOCK / S::F64_LANES {
-        fetch_ahead(simd, log.steering, k, BLOCK / S::F64_LANES);
-        fetch_ahead(simd, log.speeds, k, BLOCK / S::F64_LANES);
+        prefetch_ahead(simd, log.steering, k, BLOCK / S::F64_LANES);
+        prefetch_ahead(simd, log.speeds, k, BLOCK / S::F64_LANES);
         let [mut x, mut y, mut z] = [zero; 3];
         // Sums of squares say as well whether all are of a usual size, or one of them is not a number.
         let [mut angles, mut rates, mut rolling] = [zero; 3];
@@ -265,7 +265,7 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
                 kept.seen[i][1].store(k, v);
             }
         }
-        let mut usual = rates.at_most(largest_speed) & angles.at_most(largest_angle);
+        let mut usual = rates.le(largest_speed) & angles.le(largest_angle);
         let mut unknowns = [zero; 3];
         if let Some(rows) = &plan.solution
             && CENTRED
@@ -299,10 +299,10 @@ impl ForwardConstants<'_> {
     pub fn load_readings<'c, S: Vector>(&self, simd: S, log: Log<'_>, columns: &'c mut [Column]) -> ReadingColumns<'c> {
         let (steering, rest) = columns.split_at_mut(self.joints);
         let (speeds, rates) = rest.split_at_mut(self.wheels.len());
-        unweave(simd, log.steering, steering);
-        unweave(simd, log.speeds, speeds);
+        transpose_to_columns(simd, log.steering, steering);
+        transpose_to_columns(simd, log.speeds, speeds);
         if !rates.is_empty() {
-            unweave(simd, log.steering_rates.unwrap_or_default(), rates);
+            transpose_to_columns(simd, log.steering_rates.unwrap_or_default(), rates);
         }
         ReadingColumns { steering, speeds, rates }
     }
@@ -377,10 +377,10 @@ pub(crate) fn solve<S: Vector>(
     let (xx, xy, xz) = (d * f - e * e, c * e - b * f, b * e - c * d);
     let (yy, yz, zz) = (a * f - c * c, b * c - a * e, a * d - b * b);
     let whole = a * xx + b * xy + c * xz;
-    let share = Lanes::splat(simd, 1.0).quotient(whole);
+    let share = Lanes::splat(simd, 1.0) / whole;
     let unknowns =
         [(xx * x + xy * y + xz * z) * share, (xy * x + yy * y + yz * z) * share, (xz * x + yz * y + zz * z) * share];
     // The pivots, times those before them.
-    let sure = least.below(a) & (least * a).below(zz) & (least * zz).below(whole);
+    let sure = least.lt(a) & (least * a).lt(zz) & (least * zz).lt(whole);
     (unknowns, sure)
 }

@@ -11,9 +11,9 @@ pub(crate) use self::block::{Block, MOST, RobustConstants};
 use self::rounds::IrlsIterations;
 use super::readings::FitColumns;
 use crate::estimate::{NOISE, ROUNDS};
+use six_wheel_numerics::columns::{BLOCK, Column};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::weave::{BLOCK, Column};
 
 /// Rounds after which the rows that have not settled yet try a leap, and are put together anew: some take ten times as many
 /// as most. After the first ones, those of many blocks go on together.
@@ -60,7 +60,7 @@ impl<'a> Block<'a> {
         for k in 0..count.div_ceil(S::F64_LANES) {
             let rolling = self.kept.rolling.load(simd, k);
             self.least.store(k, rolling * share);
-            let sure = rolling.at_most(zero) | (tiny.at_most(rolling) & rolling.at_most(huge));
+            let sure = rolling.le(zero) | (tiny.le(rolling) & rolling.le(huge));
             let doubts = sure.select(self.kept.doubts.load(simd, k), one);
             self.kept.doubts.store(k, doubts);
         }
@@ -121,7 +121,7 @@ impl<'a> Block<'a> {
                 ];
                 let pair = &mut pair[..1 + usize::from(more > 0)];
                 for _ in 0..*phase {
-                    let mut active = zero.below(zero);
+                    let mut active = zero.lt(zero);
                     for rounds in &mut *pair {
                         rounds.round::<false>(simd, plan);
                         active = active | rounds.active;
@@ -162,7 +162,7 @@ impl<'a> Block<'a> {
     #[inline(always)]
     pub fn finish<S: Vector>(&mut self, simd: S, plan: &RobustConstants, count: usize, sigmas: &mut Column) -> bool {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        let mut all = zero.at_most(zero);
+        let mut all = zero.le(zero);
         for k in 0..count.div_ceil(S::F64_LANES) {
             let mut weights = [zero; MOST];
             for (weight, column) in weights.iter_mut().zip(self.weights.iter()) {
@@ -170,7 +170,7 @@ impl<'a> Block<'a> {
             }
             let (least, exact) = smallest(simd, plan, &weights);
             sigmas.store(k, least.sqrt());
-            let sure = exact & self.kept.doubts.load(simd, k).at_most(zero);
+            let sure = exact & self.kept.doubts.load(simd, k).le(zero);
             self.kept.doubts.store(k, sure.select(zero, one));
             all = all & sure;
         }
@@ -204,12 +204,12 @@ fn smallest<S: Vector>(simd: S, plan: &RobustConstants, weights: &[Lanes<S>; MOS
         [a, d, b, c, e] = turned(simd, [a, d, b, c, e]);
         [a, f, c, b, e] = turned(simd, [a, f, c, b, e]);
         [d, f, e, b, c] = turned(simd, [d, f, e, b, c]);
-        if !enough.below(b.abs().max(c.abs()).max(e.abs())).any() {
+        if !enough.lt(b.abs().max(c.abs()).max(e.abs())).any() {
             break;
         }
     }
     let (least, most) = (a.min(d).min(f), a.max(d).max(f));
-    (least, (most * splat(PLAIN_BELOW)).below(least))
+    (least, (most * splat(PLAIN_BELOW)).lt(least))
 }
 
 /// Turns two axes until their product vanishes: their squares, the product, their products with the third one.
@@ -219,9 +219,9 @@ fn turned<S: Vector>(simd: S, [p, q, pq, pr, qr]: [Lanes<S>; 5]) -> [Lanes<S>; 5
     let (apart, twice) = (q - p, pq + pq);
     let length = apart.mul_add(apart, twice * twice).sqrt();
     let under = apart.abs() + length;
-    let nothing = under.at_most(zero);
-    let tangent = twice.quotient(nothing.select(one, under)).flip(apart.sign());
-    let cos = one.quotient(tangent.mul_add(tangent, one).sqrt());
+    let nothing = under.le(zero);
+    let tangent = (twice / nothing.select(one, under)).xor_sign(apart.sign_bit());
+    let cos = one / tangent.mul_add(tangent, one).sqrt();
     let sin = tangent * cos;
     let moved = tangent * pq;
     [p - moved, q + moved, zero, cos * pr - sin * qr, sin * pr + cos * qr]

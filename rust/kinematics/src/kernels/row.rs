@@ -1,9 +1,9 @@
 //! Rows of three numbers in every lane.
 
+use six_wheel_numerics::columns::Column;
 use six_wheel_numerics::simd::lanes::Lanes;
 pub use six_wheel_numerics::simd::vec3::row_times as dot;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::weave::Column;
 
 /// A register of twists.
 #[inline(always)]

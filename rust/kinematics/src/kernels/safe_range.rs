@@ -26,8 +26,8 @@ fn size<S: Simd>([vx, vy, omega]: [Lanes<S>; 3]) -> Lanes<S> {
 #[inline(always)]
 pub fn is_in_safe_range<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
     let size = size(twist);
-    let is_zero = size.at_most(Lanes::splat(simd, 0.0));
-    size.at_most(Lanes::splat(simd, MAX_SQUARABLE)) & (is_zero | Lanes::splat(simd, MIN_SQUARABLE).at_most(size))
+    let is_zero = size.le(Lanes::splat(simd, 0.0));
+    size.le(Lanes::splat(simd, MAX_SQUARABLE)) & (is_zero | Lanes::splat(simd, MIN_SQUARABLE).le(size))
 }
 
 /// True if the squares of a wheel's sizes neither overflow nor lose digits.
@@ -67,7 +67,7 @@ pub(crate) fn all_within<S: Vector>(simd: S, values: &[f64], largest: f64) -> bo
         let value = Lanes::load(simd, singles, k);
         sums[0] = value.mul_add(value, sums[0]);
     }
-    let sum = ((sums[0] + sums[1]) + (sums[2] + sums[3])).total();
+    let sum = ((sums[0] + sums[1]) + (sums[2] + sums[3])).sum();
     let sum = sum + rest.iter().map(|value| value * value).sum::<f64>();
     sum <= (largest * largest).min(f64::MAX)
 }

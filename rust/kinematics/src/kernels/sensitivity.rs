@@ -8,12 +8,12 @@ use crate::estimate::gradients::{GIVEN, Gradients, PRODUCTS, Sum};
 use crate::estimate::sensitivity::Quantity;
 use crate::rover_data::{Mount, RoverData};
 use crate::table::{Log, row_mut};
+use six_wheel_numerics::columns::{BLOCK, Column, transpose_tiles_to_rows, transpose_to_rows};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::sin_cos;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::weave::{BLOCK, Column, weave, weave_tiles};
 
 /// Registers in lockstep.
 const QUAD: usize = 4;
@@ -56,7 +56,7 @@ impl Kernel for SensitivityQuery<'_, '_> {
             if !all_within(simd, rates, readings::LARGEST_SPEED) {
                 (usual, kept.doubts) = (false, Column([1.0; BLOCK]));
             }
-            weave(simd, &twists, self.twists[first..end].as_flattened_mut());
+            transpose_to_rows(simd, &twists, self.twists[first..end].as_flattened_mut());
             for quad in (0..BLOCK / S::F64_LANES).step_by(QUAD) {
                 let rows = first + quad * S::F64_LANES..end.min(first + (quad + QUAD) * S::F64_LANES);
                 if rows.is_empty() {
@@ -83,7 +83,7 @@ impl Kernel for SensitivityQuery<'_, '_> {
                     }
                     let (derivatives, width) = (&derivatives[..3 * width], 3 * width);
                     let rows = &mut target[rows.start * width..rows.end * width];
-                    weave_tiles(simd, derivatives, rows);
+                    transpose_tiles_to_rows(simd, derivatives, rows);
                 }
             }
             for k in (0..end - first).filter(|k| !usual && kept.doubts.0[*k] != 0.0) {

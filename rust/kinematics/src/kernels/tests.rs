@@ -22,19 +22,19 @@ fn numbers(count: usize) -> Vec<f64> {
 /// at; nothing beside it is touched.
 fn is_the_same(count: usize, mut write: impl FnMut(&mut [f64], bool)) {
     for first in 0..LINE {
-        let [mut direct, mut past] = [vec![f64::MAX; count + 2 * LINE], vec![f64::MAX; count + 2 * LINE]];
+        let [mut direct, mut non_temporal] = [vec![f64::MAX; count + 2 * LINE], vec![f64::MAX; count + 2 * LINE]];
         // Both at the same place of a line.
         let place = |values: &[f64]| (LINE - values.as_ptr().addr() / size_of::<f64>() % LINE) % LINE + first;
-        let (from, to) = (place(&direct), place(&past));
+        let (from, to) = (place(&direct), place(&non_temporal));
         let margin = |values: &[f64], at: usize| {
             let beside = values.iter().enumerate().filter(|(k, _)| !(at..at + count).contains(k));
             beside.filter(|(_, value)| **value == f64::MAX).count()
         };
         write(&mut direct[from..from + count], false);
-        write(&mut past[to..to + count], true);
-        assert_eq!(margin(&past, to), 2 * LINE, "beside");
+        write(&mut non_temporal[to..to + count], true);
+        assert_eq!(margin(&non_temporal, to), 2 * LINE, "beside");
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-        assert_eq!(bits(&direct[from..from + count]), bits(&past[to..to + count]), "{first}");
+        assert_eq!(bits(&direct[from..from + count]), bits(&non_temporal[to..to + count]), "{first}");
     }
 }
 
@@ -55,7 +55,7 @@ fn rows_are_the_same_past_the_caches() -> Result<(), Error> {
         for level in Level::available().into_iter() {
             {
                 let mut others = vec![0.0; wheels * count];
-                is_the_same(joints * count, |steering, past| {
+                is_the_same(joints * count, |steering, non_temporal| {
                     let inputs = Inputs::default();
                     rover.inverse_constants.solve_rows(
                         level,
@@ -63,19 +63,26 @@ fn rows_are_the_same_past_the_caches() -> Result<(), Error> {
                         inputs,
                         steering,
                         &mut others,
-                        past,
+                        non_temporal,
                     );
                 });
                 let mut others = vec![0.0; joints * count];
-                is_the_same(wheels * count, |speeds, past| {
+                is_the_same(wheels * count, |speeds, non_temporal| {
                     let inputs = Inputs::default();
-                    rover.inverse_constants.solve_rows(level, twists.as_chunks().0, inputs, &mut others, speeds, past);
+                    rover.inverse_constants.solve_rows(
+                        level,
+                        twists.as_chunks().0,
+                        inputs,
+                        &mut others,
+                        speeds,
+                        non_temporal,
+                    );
                 });
             }
             if let Some(plan) = forward::ForwardConstants::new(&rover) {
-                is_the_same(3 * count, |twists, past| {
+                is_the_same(3 * count, |twists, non_temporal| {
                     let twists = twists.as_chunks_mut().0;
-                    let solved = plan.solve(level, log, Unseen::Refuse, twists, past);
+                    let solved = plan.solve(level, log, Unseen::Refuse, twists, non_temporal);
                     assert!(solved.is_ok());
                 });
             }
@@ -90,10 +97,10 @@ fn poses_are_the_same_past_the_caches() {
         let twists = numbers(3 * count);
         let (twists, steps) = (twists.as_chunks().0, Steps::Constant(0.7));
         for level in Level::available().into_iter() {
-            is_the_same(3 * count, |poses, past| {
+            is_the_same(3 * count, |poses, non_temporal| {
                 let walk = &mut Walk::new([1.0, 2.0, 3.0]);
                 let poses = poses.as_chunks_mut().0;
-                integrate::follow(level, twists, steps, poses, past, walk);
+                integrate::follow(level, twists, steps, poses, non_temporal, walk);
             });
         }
     }

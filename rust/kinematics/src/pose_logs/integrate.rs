@@ -10,7 +10,7 @@ use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::polynomials::{direction, sinc_of_square};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::stream::{Output, fetch_ahead};
+use six_wheel_numerics::stream::{Output, prefetch_ahead};
 
 /// Registers of steps in lockstep: their sums are short chains that wait for each other.
 const ABREAST: usize = 4;
@@ -27,17 +27,17 @@ pub(crate) fn follow(
     twists: &[[f64; 3]],
     steps: Steps<'_>,
     poses: &mut [[f64; 3]],
-    past: bool,
+    non_temporal: bool,
     walk: &mut Walk,
 ) {
-    level.run_any(PoseIntegrator { twists, steps, poses, past, walk });
+    level.run_any(PoseIntegrator { twists, steps, poses, non_temporal, walk });
 }
 
 struct PoseIntegrator<'a> {
     twists: &'a [[f64; 3]],
     steps: Steps<'a>,
     poses: &'a mut [[f64; 3]],
-    past: bool,
+    non_temporal: bool,
     walk: &'a mut Walk,
 }
 
@@ -47,14 +47,14 @@ impl Kernel for PoseIntegrator<'_> {
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) {
         let room = 3 * ABREAST * S::F64_LANES;
-        let mut output = Output::new(simd, self.poses.as_flattened_mut(), room, self.past);
+        let mut output = Output::new(simd, self.poses.as_flattened_mut(), room, self.non_temporal);
         along(simd, self.twists, self.steps, &mut output, self.walk);
     }
 }
 
 /// Whole logs that have been checked: their starts, and one pose after every step.
-pub(crate) fn place(level: Level, logs: Logs<'_>, poses: &mut [[f64; 3]], past: bool) {
-    level.run_any(Place { logs, poses, past });
+pub(crate) fn place(level: Level, logs: Logs<'_>, poses: &mut [[f64; 3]], non_temporal: bool) {
+    level.run_any(Place { logs, poses, non_temporal });
 }
 
 /// The kernel of poses along whole logs, one log in every lane.
@@ -64,7 +64,7 @@ pub struct Place<'a> {
     /// Their starts, and one pose after every step.
     pub poses: &'a mut [[f64; 3]],
     /// True where poses are written past the caches.
-    pub past: bool,
+    pub non_temporal: bool,
 }
 
 impl Kernel for Place<'_> {
@@ -75,7 +75,7 @@ impl Kernel for Place<'_> {
         let Logs { count, steps, starts, .. } = self.logs;
         let room = 3 * ABREAST * S::F64_LANES;
         let logs = self.poses.len() / (count + 1);
-        let mut output = Output::new(simd, self.poses.as_flattened_mut(), room, self.past);
+        let mut output = Output::new(simd, self.poses.as_flattened_mut(), room, self.non_temporal);
         let mut walk = Walk::new(starts[0]);
         let first = walk;
         for log in 0..logs {
@@ -103,7 +103,7 @@ fn along<S: Vector>(simd: S, twists: &[[f64; 3]], steps: Steps<'_>, output: &mut
         let steps = steps.of(first..first + size);
         let poses = output.next(3 * size);
         if size == many {
-            fetch_ahead(simd, twists.as_flattened(), 0, 1);
+            prefetch_ahead(simd, twists.as_flattened(), 0, 1);
             step_lanes::<S, ABREAST>(simd, twists.as_flattened(), steps, poses, walk);
         } else if size == few {
             step_lanes::<S, 1>(simd, twists.as_flattened(), steps, poses, walk);
@@ -153,14 +153,14 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
     let width = 3 * S::F64_LANES;
     let zero = Lanes::splat(simd, 0.0);
     let largest = Lanes::splat(simd, LARGEST_HALF_TURN);
-    let mut near = zero.at_most(zero);
+    let mut near = zero.le(zero);
     let [mut ahead, mut left, mut turns, mut halves] = [[zero; N]; 4];
     let [mut headings, mut squares] = [Lanes::<S, f64, N>::constant(simd, 0.0); 2];
     let heading = Sums::splat(simd, &walk.heading);
     // Sums of the turns, and of the turns without whole ones.
     let [mut turned, mut rotated] = [zero; 2];
     for m in 0..N {
-        let [vx, vy, omega] = Lanes::unbraid(simd, &twists[width * m..]);
+        let [vx, vy, omega] = Lanes::deinterleave3(simd, &twists[width * m..]);
         let dt = match steps {
             Steps::Constant(dt) => Lanes::splat(simd, dt),
             Steps::Each(dts) => Lanes::load(simd, S::as_simd_f64s(dts).0, m),
@@ -168,7 +168,7 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
         (ahead[m], left[m]) = (vx * dt, vy * dt);
         let turn = omega * dt;
         let half = turn * Lanes::splat(simd, 0.5);
-        near = near & half.abs().at_most(largest);
+        near = near & half.abs().le(largest);
         halves[m] = half;
         squares.set_register(m, half * half);
         let upto = prefix_sums(simd, turn);
@@ -178,11 +178,11 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
             let (turn, half) = (reduce_lanes(simd, turn), reduce_lanes(simd, half));
             let upto = prefix_sums(simd, turn);
             headings.set_register(m, heading.beyond((rotated + upto) - (turn - half)));
-            rotated = rotated + upto.spread(simd);
+            rotated = rotated + upto.broadcast_last(simd);
         } else {
             headings.set_register(m, heading.beyond(turns[m] - half));
         }
-        turned = turned + upto.spread(simd);
+        turned = turned + upto.broadcast_last(simd);
     }
     if !FAR && (!near).any() {
         return false;
@@ -192,7 +192,7 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
     if FAR {
         for m in 0..N {
             let chord = sinc(simd, halves[m], sin_cos_any(simd, halves[m]).0);
-            length.set_register(m, halves[m].abs().at_most(largest).select(length.register(m), chord));
+            length.set_register(m, halves[m].abs().le(largest).select(length.register(m), chord));
         }
     } else {
         rotated = turned;
@@ -205,9 +205,9 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
         let easts = prefix_sums(simd, cos * ahead - sin * left);
         let norths = prefix_sums(simd, sin.mul_add(ahead, cos * left));
         let pose = [x.beyond(east + easts), y.beyond(north + norths), yaw.beyond(turns[m])];
-        Lanes::braid(pose, &mut poses[width * m..]);
-        east = east + easts.spread(simd);
-        north = north + norths.spread(simd);
+        Lanes::interleave3(pose, &mut poses[width * m..]);
+        east = east + easts.broadcast_last(simd);
+        north = north + norths.broadcast_last(simd);
     }
     walk.turn_by(turned.last(simd), rotated.last(simd));
     walk.shift(east.last(simd), north.last(simd));

@@ -39,7 +39,7 @@ pub fn wrap_angle(angle: f64) -> f64 {
 /// Applies a function to the lanes with numbers beyond `largest`, and to NaN.
 #[inline(always)]
 fn map_beyond<S: Vector>(simd: S, lanes: Lanes<S>, largest: f64, function: impl Fn(f64) -> f64) -> Lanes<S> {
-    if !(!lanes.abs().at_most(Lanes::splat(simd, largest))).any() {
+    if !(!lanes.abs().le(Lanes::splat(simd, largest))).any() {
         return lanes;
     }
     let mut numbers = [0.0; MAX_LANES];

@@ -79,8 +79,8 @@ fn rotate<S: Vector>((sin, cos): (Lanes<S>, Lanes<S>), [x, y]: [Lanes<S>; 2]) ->
 #[inline(always)]
 pub(crate) fn sinc<S: Vector>(simd: S, x: Lanes<S>, sin: Lanes<S>) -> Lanes<S> {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let is_zero = x.abs().at_most(zero);
-    is_zero.select(one, sin.quotient(is_zero.select(one, x)))
+    let is_zero = x.abs().le(zero);
+    is_zero.select(one, sin / is_zero.select(one, x))
 }
 
 #[inline(always)]
@@ -101,7 +101,7 @@ fn log<S: Vector>(simd: S, [x, y, yaw]: Row<S>, dt: Lanes<S>) -> Row<S> {
     let (sin, cos) = sin_cos_any(simd, half);
     let length = sinc(simd, half, sin) * dt;
     let [vx, vy] = rotate((-sin, cos), [x, y]);
-    [vx.quotient(length), vy.quotient(length), yaw.quotient(dt)]
+    [vx / length, vy / length, yaw / dt]
 }
 
 #[inline(always)]

@@ -136,8 +136,6 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     every_register! {
         /// `self * factor + term`, rounded once.
         mul_add(factor, term) = mul_add;
-        /// `self / divisor`
-        quotient(divisor) = div;
         /// Square root.
         sqrt() = sqrt;
         /// The larger of two numbers, neither of them NaN.
@@ -145,14 +143,14 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
         /// The smaller of two numbers, neither of them NaN.
         min(other) = min;
         /// Minus the number where `sign` has its sign bit set.
-        flip(sign) = xor;
+        xor_sign(sign) = xor;
     }
 
     comparison! {
         /// False where either is NaN.
-        below = less;
+        lt = less;
         /// False where either is NaN.
-        at_most = less_equal;
+        le = less_equal;
     }
 
     /// Absolute value.
@@ -166,7 +164,7 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
 
     /// The sign bit, on a zero.
     #[inline(always)]
-    pub fn sign(mut self) -> Self {
+    pub fn sign_bit(mut self) -> Self {
         let bit = T::splat(self.simd, T::from_f64(-0.0));
         for_each!(k: { self.values[k] = T::and(self.simd, self.values[k], bit); });
         self
@@ -190,7 +188,7 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
         let integers = Self::constant(self.simd, T::INTEGERS);
         let near = (self + integers) - integers;
         let one = Self::constant(self.simd, 1.0);
-        self.below(near).select(near - one, near)
+        self.lt(near).select(near - one, near)
     }
 
     /// A whole number as [`Float::to_index`] takes it.
@@ -209,7 +207,7 @@ impl<S: Vector, T: Float, const N: usize> Lanes<S, T, N> {
         for k in 0..N {
             [inverse.values[k], root.values[k]] = T::roots(self.simd, self.values[k]);
         }
-        let odd = self.below(number(1e-30)) | number(1e36).below(self);
+        let odd = self.lt(number(1e-30)) | number(1e36).lt(self);
         if !T::EXACT_ROOTS && odd.any() {
             let exact = self.sqrt();
             root = odd.select(exact, root);
@@ -298,7 +296,7 @@ impl<S: Simd, T: Float, const N: usize> Neg for Lanes<S, T, N> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        self.flip(Self::constant(self.simd, -0.0))
+        self.xor_sign(Self::constant(self.simd, -0.0))
     }
 }
 

@@ -43,7 +43,7 @@ impl Level {
     /// True if this machine has it.
     #[inline]
     pub fn is_here(self) -> bool {
-        self == Self::Scalar || self.run(Nothing).is_some()
+        self == Self::Scalar || self.run(Probe).is_some()
     }
 
     /// The levels this machine has, best last.
@@ -168,9 +168,9 @@ impl FromStr for Level {
 }
 
 /// A kernel that only asks whether the level is there.
-struct Nothing;
+struct Probe;
 
-impl Kernel for Nothing {
+impl Kernel for Probe {
     type Output = ();
 
     fn run<S: Vector>(self, _: S) {}

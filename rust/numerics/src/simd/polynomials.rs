@@ -114,7 +114,7 @@ pub fn angle<S: Simd, T: Float, const N: usize>(simd: S, x: Lanes<S, T, N>, y: L
     let number = |value: f64| Lanes::constant(simd, value);
     let (large, small) = (x.max(y), x.min(y));
     // Counted from 0, an eighth or a quarter turn, whichever is nearest: one division for all three.
-    let eighth = (large * number(TAN_EIGHTH)).below(small);
+    let eighth = (large * number(TAN_EIGHTH)).lt(small);
     let over = eighth.select(small - large, small);
     let under = eighth.select(small + large, large);
     let t = over / under;
@@ -123,7 +123,7 @@ pub fn angle<S: Simd, T: Float, const N: usize>(simd: S, x: Lanes<S, T, N>, y: L
     let from = eighth.select(number(FRAC_PI_4), number(0.0));
     let near = from + rest;
     let from_quarter = number(FRAC_PI_2) - near;
-    x.below(y).select(from_quarter, near)
+    x.lt(y).select(from_quarter, near)
 }
 
 /// Sine and cosine of angles up to [`LARGEST_ANGLE`] to either side; up to 1e4 rad in single precision.
@@ -174,7 +174,7 @@ fn in_quarter<S: Simd, T: Float, const N: usize>(
     let (minus, zero) = (Lanes::constant(simd, -0.0), Lanes::constant(simd, 0.0));
     let sign = half.select(minus, zero);
     let crossed = odd.select(minus, zero);
-    (odd.select(cos, sin).flip(sign), odd.select(sin, cos).flip(sign).flip(crossed))
+    (odd.select(cos, sin).xor_sign(sign), odd.select(sin, cos).xor_sign(sign).xor_sign(crossed))
 }
 
 /// Cosine of an angle up to pi/4, given its square: what `1 - z / 2` rounds away is added back.

@@ -22,10 +22,10 @@ pub trait Vector: Simd {
     fn unzip(self, registers: [Self::f64s; 2]) -> [Self::f64s; 2];
 
     /// `a0 a1 .., b0 b1 .., c0 c1 ..` to `a0 b0 c0 a1 b1 c1 ..`.
-    fn braid(self, registers: [Self::f64s; 3]) -> [Self::f64s; 3];
+    fn interleave3(self, registers: [Self::f64s; 3]) -> [Self::f64s; 3];
 
-    /// The reverse of [`Self::braid`].
-    fn unbraid(self, registers: [Self::f64s; 3]) -> [Self::f64s; 3];
+    /// The reverse of [`Self::interleave3`].
+    fn deinterleave3(self, registers: [Self::f64s; 3]) -> [Self::f64s; 3];
 
     /// Every `F64_LANES` of these registers are the rows of a square, and become its columns.
     fn transpose(self, registers: [Self::f64s; 8]) -> [Self::f64s; 8];
@@ -37,7 +37,7 @@ pub trait Vector: Simd {
     fn last(self, register: Self::f64s) -> f64;
 
     /// The last lane in every lane.
-    fn spread(self, register: Self::f64s) -> Self::f64s;
+    fn broadcast_last(self, register: Self::f64s) -> Self::f64s;
 
     /// True if [`Self::stream`] goes past the caches.
     const STREAMS: bool = false;
@@ -47,7 +47,7 @@ pub trait Vector: Simd {
     /// # Safety
     ///
     /// `target` begins where a register may be stored whole, at a multiple of its size, and nobody looks at it
-    /// before this thread has called [`Self::fence`].
+    /// before this thread has called [`Self::store_fence`].
     #[inline(always)]
     unsafe fn stream(self, target: &mut Self::f64s, register: Self::f64s) {
         *target = register;
@@ -55,7 +55,7 @@ pub trait Vector: Simd {
 
     /// Waits until what [`Self::stream`] wrote is there for all to see.
     #[inline(always)]
-    fn fence(self) {}
+    fn store_fence(self) {}
 
     /// Numbers of a table at whole places; at its nearest end where there is none, NaN from an empty one.
     fn gather(self, table: &[f64], places: Self::f64s) -> Self::f64s;
@@ -125,11 +125,11 @@ pub trait Vector: Simd {
     fn least_pairs(self, a: Self::f64s, b: Self::f64s) -> Self::f64s;
 
     /// The first numbers of the pairs and the second ones.
-    fn unpair(self, pairs: Self::f64s) -> [Self::f64s; 2];
+    fn deinterleave2(self, pairs: Self::f64s) -> [Self::f64s; 2];
 
     /// Asks for the line of an address, which need not be one.
     #[inline(always)]
-    fn fetch(self, _: *const f64) {}
+    fn prefetch(self, _: *const f64) {}
 
     /// Values of a grid, row after row, at whole places `[x, y]` that are in it with their neighbours: of each place
     /// and the next one in its row, and the two above.

@@ -3,9 +3,9 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::pool;
+use crate::columns::BLOCK;
 use crate::error::Error;
 use crate::simd::level::Level;
-use crate::weave::BLOCK;
 
 /// Rows under which no thread waits for another: waking one takes as long as some hundred to some thousand rows.
 const WORTH_A_THREAD: usize = 20_000;
@@ -89,7 +89,7 @@ impl Workers {
             });
             (first..end, parts)
         });
-        self.each(jobs, |(places, mut parts)| {
+        self.for_each(jobs, |(places, mut parts)| {
             for (k, place) in places.enumerate() {
                 let outputs = parts.each_mut();
                 row(place, outputs.map(|(part, width)| &mut part[k * *width..][..*width]))?;
@@ -99,13 +99,13 @@ impl Workers {
     }
 
     /// Does every job with as many threads as there are to be.
-    pub fn each<J: Send>(
+    pub fn for_each<J: Send>(
         self,
         jobs: impl Iterator<Item = J> + Send,
         work: impl Fn(J) -> Result<(), Error> + Sync,
     ) -> Result<(), Error> {
         let jobs_at_most = jobs.size_hint().1.unwrap_or(usize::MAX);
-        shared_out(self.thread_count().min(jobs_at_most), jobs, work)
+        share_jobs(self.thread_count().min(jobs_at_most), jobs, work)
     }
 }
 
@@ -114,17 +114,17 @@ impl Workers {
 const MOST_HELPERS: usize = 63;
 
 /// Does every job, here and in as many other threads as there are jobs for, up to [`MOST_HELPERS`].
-pub fn each<J: Send>(
+pub fn for_each<J: Send>(
     jobs: impl Iterator<Item = J> + Send,
     work: impl Fn(J) -> Result<(), Error> + Sync,
 ) -> Result<(), Error> {
     let jobs_at_most = jobs.size_hint().1.unwrap_or(usize::MAX);
-    shared_out(jobs_at_most.min(MOST_HELPERS + 1), jobs, work)
+    share_jobs(jobs_at_most.min(MOST_HELPERS + 1), jobs, work)
 }
 
 /// Does every job by so many threads at most, this one among them: jobs are handed out one by one to whoever is
 /// there. The failure of the first job that fails.
-fn shared_out<J: Send>(
+fn share_jobs<J: Send>(
     threads: usize,
     jobs: impl Iterator<Item = J> + Send,
     work: impl Fn(J) -> Result<(), Error> + Sync,
@@ -185,7 +185,7 @@ mod tests {
         for count in [0, 1, 2, 7, 1000] {
             let mut done = vec![0; count];
             let workers = Workers { threads: 3, ..Workers::PLAIN };
-            let result = workers.each(done.iter_mut().enumerate(), |(number, times)| {
+            let result = workers.for_each(done.iter_mut().enumerate(), |(number, times)| {
                 *times += 1;
                 match number {
                     5 | 900 => Err(Error::value("job", "work", number.to_string())),

@@ -7,10 +7,10 @@ use crate::propagation::covariance::Covariance3;
 use crate::samples::recording::TrackRows;
 use crate::settings::Settings;
 use crate::uncertainty::{ROUNDING, rounded};
+use six_wheel_numerics::columns::{Column, transpose_to_rows};
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::weave::{Column, weave};
 
 /// Rows of a log, with the one before them.
 #[derive(Clone, Copy)]
@@ -128,17 +128,17 @@ impl Kernel for Write<'_, '_> {
     fn run<S: Vector>(self, simd: S) {
         let Self { block, scratch, rows, wheels, track } = self;
         let poses = track.poses[rows.clone()].as_flattened_mut();
-        weave(simd, &block.poses, poses);
-        weave(simd, &block.twists, track.twists[rows.clone()].as_flattened_mut());
+        transpose_to_rows(simd, &block.poses, poses);
+        transpose_to_rows(simd, &block.twists, track.twists[rows.clone()].as_flattened_mut());
         if let Some(residuals) = &mut track.residuals {
             let residuals = &mut residuals[rows.start * wheels..rows.end * wheels];
-            weave(simd, &scratch.wheels, residuals);
+            transpose_to_rows(simd, &scratch.wheels, residuals);
         }
         if let Some(covariances) = &mut track.covariances {
             for k in 0..rows.len().div_ceil(S::F64_LANES) {
                 report_covariance(simd, k, rows.len(), block);
             }
-            weave(simd, &block.covariances, covariances[rows].as_flattened_mut());
+            transpose_to_rows(simd, &block.covariances, covariances[rows].as_flattened_mut());
         }
     }
 }
@@ -150,9 +150,9 @@ fn report_covariance<S: Vector>(simd: S, k: usize, rows: usize, block: &mut LogB
     let rounding = Lanes::splat(simd, ROUNDING);
     let covariance = rounded(Covariance3::from(settled).and(open.into()), rounding);
     let zero = Lanes::splat(simd, 0.0);
-    let mut negative = zero.below(zero);
+    let mut negative = zero.lt(zero);
     for minor in covariance.minors() {
-        negative = negative | minor.below(zero);
+        negative = negative | minor.lt(zero);
     }
     let [xx, xy, xz, yy, yz, zz] = covariance.into();
     store([xx, xy, xz, xy, yy, yz, xz, yz, zz], &mut block.covariances, k);

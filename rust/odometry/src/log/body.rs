@@ -52,18 +52,18 @@ pub(crate) fn body_step<S: Vector>(
         [own, open] = fuse_gyroscope(simd, rows, [own, open], &mut displacement, k, scratch, block);
     }
     let [x, y, yaw] = displacement;
-    let twist = [x.quotient(dt), y.quotient(dt), yaw.quotient(dt)];
-    let mut is_fine = is_fine & splat(f64::MIN_POSITIVE).at_most(dt) & dt.at_most(splat(f64::MAX));
+    let twist = [x / dt, y / dt, yaw / dt];
+    let mut is_fine = is_fine & splat(f64::MIN_POSITIVE).le(dt) & dt.le(splat(f64::MAX));
     for (part, rate) in displacement.into_iter().zip(twist) {
-        is_fine = is_fine & part.abs().below(splat(HUGE)) & rate.abs().at_most(splat(f64::MAX));
+        is_fine = is_fine & part.abs().lt(splat(HUGE)) & rate.abs().le(splat(f64::MAX));
     }
     for variance in own.and(open.and(open)).diagonal() {
-        is_fine = is_fine & variance.abs().below(splat(HUGE));
+        is_fine = is_fine & variance.abs().lt(splat(HUGE));
     }
     if (!is_fine).any() {
         return false;
     }
-    let per_second = splat(1.0).quotient(dt);
+    let per_second = splat(1.0) / dt;
     for (g, group) in constants.groups.iter().enumerate() {
         for place in 0..group.count {
             let slid = Register(simd, 0).of(&scratch.places[g * GROUP + place].slid);
@@ -123,7 +123,7 @@ fn sum_displacement<S: Vector>(
 ) -> ([Lanes<S>; 3], Mask<S>) {
     let zero = Lanes::splat(simd, 0.0);
     let joints = scratch.joints.len() / 2;
-    let mut is_fine = zero.at_most(zero);
+    let mut is_fine = zero.le(zero);
     let mut sum = [zero; 3];
     in_parts!(
         constants,
@@ -160,7 +160,7 @@ fn sum_noise<S: Vector>(
     scratch: &mut BlockScratch,
 ) -> (Covariance3<Lanes<S>>, Mask<S>) {
     let zero = Lanes::splat(simd, 0.0);
-    let mut suspects = zero.below(zero);
+    let mut suspects = zero.lt(zero);
     let mut sum = Covariance3::zero(simd);
     in_parts!(
         constants,
@@ -220,11 +220,11 @@ fn beyond_rounding<S: Vector>(simd: S, scratch: &BlockScratch, suspects: Mask<S>
     for place in &scratch.places {
         furthest = furthest.max(here.of(&place.rolled).abs());
     }
-    let mut slips = furthest.below(furthest);
+    let mut slips = furthest.lt(furthest);
     for place in &scratch.places {
         let explained = splat(SUSPICIOUS) * here.of(&place.variance).sqrt();
         let bound = explained + splat(ROUNDING) * furthest;
-        slips = slips | bound.below(here.of(&place.slid));
+        slips = slips | bound.lt(here.of(&place.slid));
     }
     slips & suspects
 }

@@ -1,8 +1,8 @@
 //! The rows of a log as columns of steps.
 
 use super::{BlockScratch, LogBlock, Rows};
+use six_wheel_numerics::columns::transpose_to_columns;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::weave::unweave;
 
 /// Splits rows into columns of steps: counts of wheels, middle angles and increments of joints [rad], durations [s].
 #[inline(always)]
@@ -26,7 +26,7 @@ pub(crate) fn split_columns<S: Vector>(
     for (counts, (before, after)) in flat.iter_mut().zip(pairs) {
         *counts = after - before;
     }
-    unweave(simd, flat, &mut scratch.wheels);
+    transpose_to_columns(simd, flat, &mut scratch.wheels);
     let joints = angles.len();
     let (middles, increments) = scratch.flat[..2 * count * joints].split_at_mut(count * joints);
     let mut joint = 0;
@@ -40,8 +40,8 @@ pub(crate) fn split_columns<S: Vector>(
         };
     }
     let (middle, increment) = scratch.joints.split_at_mut(joints);
-    unweave(simd, middles, middle);
-    unweave(simd, increments, increment);
+    transpose_to_columns(simd, middles, middle);
+    transpose_to_columns(simd, increments, increment);
 }
 
 /// Middle angles, increments and angles of `N` joints from this one on, one row after the other. Returns N.

@@ -1,8 +1,8 @@
 //! Columns of a block that begin with the row before it.
 
+use six_wheel_numerics::columns::BLOCK;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::weave::BLOCK;
 
 /// Places before a column, of which the last one holds the row before the first.
 pub(crate) const LEAD: usize = 8;

@@ -3,8 +3,8 @@
 use super::lagged_column::{LEAD, LaggedColumn};
 use crate::step::{StepConstants, StepScratch};
 use six_wheel_kinematics::kernels::wheel_lanes::GROUP;
+use six_wheel_numerics::columns::{BLOCK, Column};
 use six_wheel_numerics::simd::level::Level;
-use six_wheel_numerics::weave::{BLOCK, Column};
 
 /// Memory of a block per wheel and joint. Written by every block before it is read, but for the row before it in
 /// `ends`, which comes from the state.

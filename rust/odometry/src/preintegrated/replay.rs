@@ -202,7 +202,7 @@ impl Sums {
         for ((old, new), carried) in columns.zip(&mut self.carried) {
             add(carried, by_wheels * Vector3::from(*old), by_wheels * Vector3::from(*new));
         }
-        let reading = by_plane * gain * gyroscope_deviation(settings, Lanes::splat(Scalar, dt)).total();
+        let reading = by_plane * gain * gyroscope_deviation(settings, Lanes::splat(Scalar, dt)).sum();
         add(&mut self.carried[gyroscope], reading, reading);
         let linearised = work.fit.linearised(rover, settings.method);
         for (column, sum) in &mut self.columns {

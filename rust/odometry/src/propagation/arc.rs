@@ -46,15 +46,15 @@ impl<S: Vector> Arc<S> {
             sin: half * chord,
             cos: horner(simd, COSINE, square),
         };
-        let is_large = !half.abs().below(Lanes::splat(simd, SMALL_TURN));
+        let is_large = !half.abs().lt(Lanes::splat(simd, SMALL_TURN));
         if !is_large.any() {
             return small;
         }
         let (sin, cos) = sin_cos_any(simd, half);
-        let chord = sin.quotient(half);
+        let chord = sin / half;
         Self {
             chord: is_large.select(chord, small.chord),
-            chord_derivative: is_large.select((cos - chord).quotient(half), small.chord_derivative),
+            chord_derivative: is_large.select((cos - chord) / half, small.chord_derivative),
             sin: is_large.select(sin, small.sin),
             cos: is_large.select(cos, small.cos),
         }
@@ -65,12 +65,12 @@ impl<S: Vector> Arc<S> {
 #[inline(always)]
 pub(crate) fn chord_ratio<S: Vector>(simd: S, half: Lanes<S>) -> Lanes<S> {
     let chord = sinc_of_square(simd, half * half);
-    let is_large = !half.abs().at_most(Lanes::splat(simd, std::f64::consts::FRAC_PI_4));
+    let is_large = !half.abs().le(Lanes::splat(simd, std::f64::consts::FRAC_PI_4));
     if !is_large.any() {
         return chord;
     }
     let (sin, _) = sin_cos_any(simd, half);
-    is_large.select(sin.quotient(half), chord)
+    is_large.select(sin / half, chord)
 }
 
 /// Derivatives of the end of a step with respect to its start and to its displacement in body axes.

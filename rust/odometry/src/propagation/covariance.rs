@@ -200,7 +200,7 @@ pub(crate) fn lane<const N: usize>(numbers: [f64; N]) -> [Lanes<Scalar>; N] {
 pub(crate) fn numbers<const N: usize>(lanes: [Lanes<Scalar>; N]) -> [f64; N] {
     let mut numbers = [0.0; N];
     for (number, lane) in numbers.iter_mut().zip(lanes) {
-        *number = lane.total();
+        *number = lane.sum();
     }
     numbers
 }
@@ -257,7 +257,7 @@ impl<S: Simd> Covariance3<Lanes<S>> {
     #[inline(always)]
     pub fn total(self) -> Covariance3 {
         let Self { xx, xy, xz, yy, yz, zz } = self;
-        Covariance3::from([xx.total(), xy.total(), xz.total(), yy.total(), yz.total(), zz.total()])
+        Covariance3::from([xx.sum(), xy.sum(), xz.sum(), yy.sum(), yz.sum(), zz.sum()])
     }
 
     /// `F S Fᵀ`, `F = [[1, 0, x], [0, 1, y], [0, 0, 1]]`: the covariance at the end of a step by that at its start.
@@ -290,11 +290,11 @@ mod tests {
         let lever = [0.4, -0.9];
         let swing = Matrix3::new(1.0, 0.0, lever[0], 0.0, 1.0, lever[1], 0.0, 0.0, 1.0);
         assert!(
-            (covariance.lane().propagate(lane(lever)).total().matrix() - covariance.image(&swing).matrix()).amax()
+            (covariance.lane().propagate(lane(lever)).sum().matrix() - covariance.image(&swing).matrix()).amax()
                 < 1e-14
         );
         let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.0, 0.0, 1.0);
-        let moved = covariance.lane().displacement_image(&[lane([1.0, 0.2, -0.4]), lane([0.5, -1.0, 0.3])]).total();
+        let moved = covariance.lane().displacement_image(&[lane([1.0, 0.2, -0.4]), lane([0.5, -1.0, 0.3])]).sum();
         assert!((moved.matrix() - covariance.image(&a).matrix()).amax() < 1e-14);
         assert_eq!(Covariance3::of(&covariance.matrix()), covariance);
     }

@@ -35,11 +35,11 @@ impl<S: Simd> GyroscopeIncrement<S> {
         let (read, zero) = (self.is_read, splat(0.0));
         let both_ends = splat(2.0) * (self.deviation * self.deviation);
         let variance = z + both_ends + self.bias_variance * (dt * dt);
-        let is_noisy = zero.below(variance);
+        let is_noisy = zero.lt(variance);
         [
-            is_noisy.select((x * read).quotient(variance), zero),
-            is_noisy.select((y * read).quotient(variance), zero),
-            is_noisy.select((z * read).quotient(variance), read),
+            is_noisy.select((x * read) / variance, zero),
+            is_noisy.select((y * read) / variance, zero),
+            is_noisy.select((z * read) / variance, read),
         ]
     }
 

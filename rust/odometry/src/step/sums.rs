@@ -92,7 +92,7 @@ pub(crate) fn sum_displacement<S: Vector>(
     angles: &mut [f64],
 ) -> Option<[f64; 3]> {
     let zero = Lanes::splat(simd, 0.0);
-    let mut is_fine = zero.at_most(zero);
+    let mut is_fine = zero.le(zero);
     let mut sums = [[zero; 3]; PARTS];
     let mut joint = 0;
     for (group, scratch) in constants.groups.iter().zip(&mut constants.scratch) {
@@ -134,7 +134,7 @@ pub(crate) fn sum_displacement<S: Vector>(
         return None;
     }
     let sum = if S::F64_LANES < PARTS { add_parts(sums, PARTS / S::F64_LANES) } else { sums[0] };
-    Some([sum[0].total(), sum[1].total(), sum[2].total()])
+    Some([sum[0].sum(), sum[1].sum(), sum[2].sum()])
 }
 
 /// Covariance of the displacement by what errs in this step alone, and true if a wheel slid further than the noise
@@ -150,7 +150,7 @@ pub(crate) fn sum_noise<S: Vector>(
     let zero = Lanes::splat(simd, 0.0);
     let displacement = [Lanes::splat(simd, x), Lanes::splat(simd, y), Lanes::splat(simd, yaw)];
     let mut sums = [Covariance3::zero(simd); PARTS];
-    let mut suspects = zero.below(zero);
+    let mut suspects = zero.lt(zero);
     let StepConstants { groups, fitted, scratch, .. } = constants;
     for ((group, fitted), scratch) in groups.iter().zip(fitted).zip(&mut *scratch) {
         let rows = if is_fitted { &*fitted } else { &group.constant };
@@ -243,9 +243,8 @@ pub(crate) fn propagate_columns<S: Vector>(
 ) -> Covariance3 {
     let propagate = Propagate {
         jacobian: jacobian.broadcast(Scalar, simd),
-        gain: gain.map(|[x, y, z]| {
-            [Lanes::splat(simd, x.total()), Lanes::splat(simd, y.total()), Lanes::splat(simd, z.total())]
-        }),
+        gain: gain
+            .map(|[x, y, z]| [Lanes::splat(simd, x.sum()), Lanes::splat(simd, y.sum()), Lanes::splat(simd, z.sum())]),
     };
     let mut sums = [Covariance3::zero(simd); PARTS];
     let width = 3 * S::F64_LANES;
@@ -256,7 +255,7 @@ pub(crate) fn propagate_columns<S: Vector>(
         // The last column is the gyroscope's: a register of its own on a level of one lane.
         let shared = (fit.old.len() - 1) / S::F64_LANES;
         for (k, (columns, (old, new))) in columns.zip(old.zip(new)).enumerate().take(shared) {
-            let [old, new] = [Lanes::unbraid(simd, old), Lanes::unbraid(simd, new)];
+            let [old, new] = [Lanes::deinterleave3(simd, old), Lanes::deinterleave3(simd, new)];
             let sum = &mut sums[part::<S>(k)];
             *sum = sum.and_square(propagate.column(simd, [old, new], columns));
         }
@@ -285,8 +284,8 @@ impl<S: Vector> Propagate<S> {
         if let Some(gain) = self.gain {
             [old, new] = [remaining_error(gain, old), remaining_error(gain, new)];
         }
-        let whole = self.jacobian.propagate(Lanes::unbraid(simd, columns), old);
-        Lanes::braid(self.jacobian.displacement_error(new), columns);
+        let whole = self.jacobian.propagate(Lanes::deinterleave3(simd, columns), old);
+        Lanes::interleave3(self.jacobian.displacement_error(new), columns);
         whole
     }
 }
@@ -299,7 +298,7 @@ pub(crate) fn write_residuals<S: Vector>(simd: S, constants: &StepConstants, dt:
     for (group, scratch) in constants.groups.iter().zip(&constants.scratch) {
         for k in 0..group.registers(S::F64_LANES) {
             let slid = Register(simd, k).of(&scratch.slid);
-            let speed = if per_second.is_finite() { slid * rate } else { slid.quotient(duration) };
+            let speed = if per_second.is_finite() { slid * rate } else { slid / duration };
             let mut speeds: Eight = [0.0; GROUP];
             speed.store(S::as_mut_simd_f64s(&mut speeds).0, 0);
             let wheels = &group.wheels[k * S::F64_LANES..][..S::F64_LANES];

@@ -41,7 +41,7 @@ impl<S: Simd> NoiseTerms<S> {
         let (reading_variance, deviation) = match noise.period {
             None => (read * read, steering),
             Some(period) => {
-                let sharing = splat(period).quotient(dt);
+                let sharing = splat(period) / dt;
                 (sharing * (read * read), sharing.sqrt() * steering)
             }
         };
@@ -71,6 +71,6 @@ pub(crate) fn gyroscope_deviation<S: Simd>(settings: &Settings, dt: Lanes<S>) ->
     let half = splat(0.5 * settings.rate_noise()) * dt;
     match settings.noise.period {
         None => half,
-        Some(period) => half * splat(period).quotient(dt).sqrt(),
+        Some(period) => half * (splat(period) / dt).sqrt(),
     }
 }

@@ -73,12 +73,12 @@ pub(crate) fn accumulate_displacement<S: Vector, P: LaneSource<S>>(
     let splat = |number| Lanes::splat(simd, number);
     let [most_rolled, most_steered] = terms.checked_above;
     let mut rolled = turned * pick.of(&group.radius);
-    let mut is_fine = rolled.abs().at_most(most_rolled) & turned.abs().at_most(splat(LARGEST_ROTATION));
+    let mut is_fine = rolled.abs().le(most_rolled) & turned.abs().le(splat(LARGEST_ROTATION));
     let [along, across] = &group.shares;
     let mut shares = [pick.three(along), pick.three(across)];
     let mut measured = [rolled, splat(0.0)];
     if let Some([middle, increment]) = joint {
-        is_fine = is_fine & increment.abs().at_most(most_steered);
+        is_fine = is_fine & increment.abs().le(most_steered);
         // A pivot whose wheel turns by `increment` meanwhile goes along an arc in body axes, of which this is the chord.
         rolled = rolled * chord_ratio(simd, increment * splat(0.5));
         let (sin, cos) = sin_cos_any(simd, middle + pick.of(&group.heading));
@@ -137,8 +137,8 @@ pub(crate) fn accumulate_noise<S: Vector, P: LaneSource<S>>(
     store([slid], std::array::from_mut(&mut scratch.slid), k);
     store([variance], std::array::from_mut(&mut scratch.variance), k);
     match terms.slip_bound {
-        Some(bound) => bound.below(slid),
-        None => (variance * splat(ROUNDED_DOWN * SUSPICIOUS * SUSPICIOUS)).below(square),
+        Some(bound) => bound.lt(slid),
+        None => (variance * splat(ROUNDED_DOWN * SUSPICIOUS * SUSPICIOUS)).lt(square),
     }
 }
 

@@ -129,7 +129,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         for (part, length) in wanted.iter().zip(self.lengths) {
             size = part.abs().mul_add(Reg::splat(simd, length), size);
         }
-        let rests = size.below(number(REST));
+        let rests = size.lt(number(REST));
         let mut motion = wanted;
         for part in &mut motion {
             *part = rests.select(zero, *part);
@@ -176,7 +176,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         let mut worst = largest(simd, &self.speeding, &change);
         if let Some(slowing) = &self.slowing {
             let [after, now] = [value(simd, &self.metric, &control), value(simd, &self.metric, &before)];
-            worst = after.below(now).select(largest(simd, slowing, &change), worst);
+            worst = after.lt(now).select(largest(simd, slowing, &change), worst);
         }
         let share = unit_scale(simd, worst);
         let mut wanted = control;

@@ -19,9 +19,9 @@ impl<R: Float, const M: usize> Model<R, M> {
             // Counted from the first end on, and up to the second one.
             let from = area(simd, &z, ends[0]);
             let to = zero - area(simd, &z, ends[1]);
-            let within = zero.below(from * to);
+            let within = zero.lt(from * to);
             let [near, far] = [Reg::splat(simd, per_length[0]), Reg::splat(simd, per_length[1])];
-            let first = (from.abs() * near).below(to.abs() * far);
+            let first = (from.abs() * near).lt(to.abs() * far);
             let part = first.select(share(simd, &z, shares[0]), share(simd, &z, shares[1]));
             for k in 0..2 {
                 let end = first.select(Reg::splat(simd, ends[0][k]), Reg::splat(simd, ends[1][k]));
@@ -34,17 +34,17 @@ impl<R: Float, const M: usize> Model<R, M> {
         for (part, inside) in agrees.iter_mut().zip(projection.inside) {
             *part = Reg::splat(simd, inside);
         }
-        let side = inner(&low, &agrees).sign();
+        let side = inner(&low, &agrees).sign_bit();
         for part in &mut agrees {
-            *part = part.flip(side);
+            *part = part.xor_sign(side);
         }
-        let (mut outside, mut need) = (zero.below(zero), zero);
+        let (mut outside, mut need) = (zero.lt(zero), zero);
         for range in &projection.ranges {
             let Wheel { along, across } = &range.wheel;
             let (along, across) = (times(simd, along, &z), times(simd, across, &z).abs());
             let (sin, cos) = (Reg::splat(simd, range.sin), Reg::splat(simd, range.cos));
-            outside = outside | (along.abs() * sin).below(across * cos);
-            let ahead = along.flip(side) * Reg::splat(simd, range.sense);
+            outside = outside | (along.abs() * sin).lt(across * cos);
+            let ahead = along.xor_sign(side) * Reg::splat(simd, range.sense);
             let short = (across * cos) - ahead * sin;
             need = need.max(short * Reg::splat(simd, range.per_margin));
         }
@@ -87,29 +87,29 @@ impl<R: Float, const M: usize> Model<R, M> {
             let (bx, by) = (times(simd, &joint.along, &wanted), times(simd, &joint.across, &wanted));
             let ahead = ax * bx;
             (least, most) = (least.min(ahead), most.max(ahead));
-            side = ahead.sign();
-            let along = ay.mul_add(by, ahead).flip(side);
+            side = ahead.sign_bit();
+            let along = ay.mul_add(by, ahead).xor_sign(side);
             let across = (ax * by - ay * bx).abs();
             let square = ay.mul_add(ay, ax * ax).max(tiny);
             let more = across.mul_add(per_turn, zero - along);
-            let worse = (need * square).below(more * part);
+            let worse = (need * square).lt(more * part);
             (need, part) = (worse.select(more, need), worse.select(square, part));
         }
         let kept = need / part;
-        let same = zero.below(least) | most.below(zero) | rests;
+        let same = zero.lt(least) | most.lt(zero) | rests;
         let mut turned = wanted;
         for k in 0..M {
-            turned[k] = before[k].flip(side).mul_add(kept, wanted[k]);
+            turned[k] = before[k].xor_sign(side).mul_add(kept, wanted[k]);
         }
         let low = metric_times(simd, &self.metric, &turned);
         let share = inner(&low, &wanted).max(zero) / inner(&low, &turned).max(tiny);
-        let late = zero.below(kept) & !rests;
+        let late = zero.lt(kept) & !rests;
         for k in 0..M {
             motion[k] = late.select(turned[k] * share, motion[k]);
             state.setpoint[k] = rests.select(before[k], turned[k]);
         }
-        let busy = zero.below(state.busy);
-        let is_free = state.busy.below(zero);
+        let busy = zero.lt(state.busy);
+        let is_free = state.busy.lt(zero);
         let apart = !same | busy | is_free;
         if apart.any() {
             let why = [rests, same, busy, is_free];
@@ -137,7 +137,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         for part in state.motion {
             speed = speed.max(part.abs());
         }
-        let moves = zero.below(speed);
+        let moves = zero.lt(speed);
         let begins = (is_free | (!same & !moves)) & !busy & !rests;
         let brakes = !same & moves & !busy & !is_free;
         let forms = self.slowing.as_ref().unwrap_or(&self.speeding);

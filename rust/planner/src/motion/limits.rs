@@ -49,7 +49,7 @@ pub(crate) struct DirectionGap {
 
 /// Reason for which a rover stays in place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stuck {
+pub enum ImmobileReason {
     /// No motion lets all its wheels roll.
     Rover,
     /// A steered wheel has no angle within the steering limit.
@@ -81,7 +81,7 @@ pub(crate) struct RoverLimits {
     /// Squared speeds at which fixed wheels slide [m²/s²].
     pub slips: Vec<Form>,
     pub limits: Limits,
-    pub stuck: Option<Stuck>,
+    pub stuck: Option<ImmobileReason>,
 }
 
 impl RoverLimits {
@@ -204,7 +204,7 @@ impl RoverLimits {
                 continue;
             };
             let Some((middle, half)) = window(range, limits.steering_limit) else {
-                self.stuck = Some(Stuck::SteeringLimit);
+                self.stuck = Some(ImmobileReason::SteeringLimit);
                 continue;
             };
             let Direction { sin, cos } = Direction::from(wheel.heading + middle);
@@ -244,7 +244,7 @@ impl RoverLimits {
             let only = direction(angle(first), size);
             let slides = |row: &Vec<f64>| inner_product(row, &only).abs() > AT_AN_END;
             if others.iter().any(slides) || self.beyond(&only) > AT_AN_END {
-                self.stuck = Some(Stuck::Rover);
+                self.stuck = Some(ImmobileReason::Rover);
             } else {
                 self.gaps.push(self.gap([only, only.map(|part| -part)]));
             }
@@ -279,7 +279,7 @@ impl RoverLimits {
         };
         let allowed: Vec<usize> = (0..count).filter(is_allowed).collect();
         if allowed.is_empty() {
-            self.stuck = Some(Stuck::Rover);
+            self.stuck = Some(ImmobileReason::Rover);
             return;
         }
         for (place, &k) in allowed.iter().enumerate().filter(|(_, k)| !open[**k]) {
@@ -331,7 +331,7 @@ impl RoverLimits {
         }
         self.inside = best.1;
         if self.inside.is_none() {
-            self.stuck = Some(Stuck::Rover);
+            self.stuck = Some(ImmobileReason::Rover);
         }
     }
 

@@ -132,7 +132,7 @@ fn normal<S: Simd>(simd: S, a: RandomWords<S>, b: RandomWords<S>) -> [Lanes<S, f
     let square = x * x;
     let sin = horner(simd, SIN, square) * x;
     let cos = horner(simd, COS, square);
-    let radius = radius.flip(b.and(0x8000_0000).real());
+    let radius = radius.xor_sign(b.and(0x8000_0000).real());
     let swap = b.has(1 << 30);
     [radius * swap.select(cos, sin), radius * swap.select(sin, cos)]
 }

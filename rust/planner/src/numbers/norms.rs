@@ -105,7 +105,7 @@ const CLOSE: f64 = 1e-12;
 pub(crate) fn unit_scale<S: Vector, R: Float>(simd: S, square: Reg<S, R>) -> Reg<S, R> {
     let one = Reg::constant(simd, 1.0);
     let [share, _] = square.max(one).roots();
-    square.below(Reg::constant(simd, 1.0 + CLOSE)).select(one, share)
+    square.lt(Reg::constant(simd, 1.0 + CLOSE)).select(one, share)
 }
 
 #[inline(always)]

@@ -2,7 +2,7 @@
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use six_wheel_planner::{Outcome, State, Stuck};
+use six_wheel_planner::{CycleOutput, ImmobileReason, State};
 
 use crate::convert::{Array, Output};
 
@@ -33,7 +33,7 @@ result_class! {
 impl MppiPlan {
     pub(super) fn of(
         py: Python<'_>,
-        outcome: &Outcome,
+        outcome: &CycleOutput,
         state: &State,
         [steering, speeds]: [Array<'_>; 2],
     ) -> PyResult<Self> {
@@ -48,8 +48,8 @@ impl MppiPlan {
             effective_samples: outcome.effective,
             reason: match outcome.stuck {
                 None => "",
-                Some(Stuck::Rover) => "no motion lets all wheels of this rover roll",
-                Some(Stuck::SteeringLimit) => "a steered wheel has no angle within steering_limit",
+                Some(ImmobileReason::Rover) => "no motion lets all wheels of this rover roll",
+                Some(ImmobileReason::SteeringLimit) => "a steered wheel has no angle within steering_limit",
             },
         })
     }

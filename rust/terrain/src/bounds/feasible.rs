@@ -10,7 +10,7 @@ use crate::suspension::{Dimensions, MAX_WHEELS};
 use six_wheel_numerics::error::{Error, number};
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_numerics::threads::workers::each;
+use six_wheel_numerics::threads::workers::for_each;
 
 /// Limits of an admissible pose: largest sizes of angles [rad], least clearance and largest drop of a wheel [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -229,7 +229,7 @@ impl<'a> Judge<'a> {
         let share = poses.len().div_ceil(workers.threads.max(1)).max(64);
         let parts = poses.chunks(share).zip(verdicts.chunks_mut(share));
         let lanes = worth_lanes(poses.len());
-        each(parts, |(poses, verdicts)| {
+        for_each(parts, |(poses, verdicts)| {
             self.some(ground, poses, verdicts, lanes, workers.level);
             Ok(())
         })

@@ -72,7 +72,7 @@ pub fn bounds(
         worth,
     });
     // A job does not fail.
-    let _ = workers.each(jobs, |job| {
+    let _ = workers.for_each(jobs, |job| {
         workers.level.run_any(job);
         Ok(())
     });
@@ -140,10 +140,10 @@ impl BoundsRange<'_> {
             ]
         } else {
             let poses = &self.poses[rows[0]..][..S::F64_LANES];
-            Lanes::unbraid(simd, poses.as_flattened())
+            Lanes::deinterleave3(simd, poses.as_flattened())
         };
         let (zero, far) = (all(simd, 0.0), all(simd, FAR));
-        let near = pose[0].abs().below(far) & pose[1].abs().below(far);
+        let near = pose[0].abs().lt(far) & pose[1].abs().lt(far);
         let yaw = within_turns(simd, pose[2]);
         let [chord, margin] = self.spread(simd, rows);
         let pose = [near.select(pose[0], zero), near.select(pose[1], zero), yaw];
@@ -157,7 +157,7 @@ impl BoundsRange<'_> {
         }
         says = seen.known.select(says, code(simd, Knowledge::UnknownCells));
         says = (seen.on_map & near).select(says, code(simd, Knowledge::OffMap));
-        let bounded = says.below(all(simd, 0.5));
+        let bounded = says.lt(all(simd, 0.5));
         let (unknown, more) = (all(simd, f64::NAN), all(simd, ROUNDING));
         let mut said = [0.0; MOST];
         says.copy_to_slice(&mut said);
@@ -206,7 +206,7 @@ impl BoundsRange<'_> {
 /// Angles of which sines and cosines can be had.
 #[inline(always)]
 fn within_turns<S: Vector>(simd: S, yaw: Lanes<S>) -> Lanes<S> {
-    if !all(simd, LARGEST_ANGLE).below(yaw.abs()).any() {
+    if !all(simd, LARGEST_ANGLE).lt(yaw.abs()).any() {
         return yaw;
     }
     let mut turned = [0.0; MOST];
@@ -280,7 +280,7 @@ impl<S: Vector> Place<S> {
         let (hx, hy) = (all(simd, patch.half[0]), all(simd, patch.half[1]));
         let reach = all(simd, patch.reach);
         let (zero, less, round) = (all(simd, 0.0), all(simd, 0.5), all(simd, ROUND));
-        let mut on_map = zero.at_most(zero);
+        let mut on_map = zero.le(zero);
         let [mut first, mut last] = [self.origin; 2];
         for axis in 0..2 {
             let (ahead, left) = (self.ahead[axis], self.left[axis]);
@@ -288,7 +288,7 @@ impl<S: Vector> Place<S> {
             let margin = self.chord[axis].mul_add(reach, self.margin[axis]);
             let half = ahead.abs().mul_add(hx, left.abs().mul_add(hy, margin));
             let (low, high) = (middle - half, middle + half);
-            on_map = on_map & zero.at_most(low) & high.at_most(all(simd, self.cells[axis]));
+            on_map = on_map & zero.le(low) & high.le(all(simd, self.cells[axis]));
             // Rounded to the nearest whole number; on a line of the grid either cell has it.
             let end = all(simd, self.cells[axis] - 1.0);
             first[axis] = ((low - less).max(zero).min(end) + round) - round;
@@ -309,9 +309,9 @@ impl<S: Vector> Place<S> {
             span = more;
             *on_map = *on_map & here;
         }
-        let [lowest, minus_highest] = span.unpair();
+        let [lowest, minus_highest] = span.deinterleave2();
         let (zero, error) = (all(simd, 0.0), all(simd, ground.error));
-        let here = all(simd, f64::NEG_INFINITY).below(lowest);
+        let here = all(simd, f64::NEG_INFINITY).lt(lowest);
         *known = *known & here;
         [here.select(lowest, zero) - error, here.select(-minus_highest, zero) + error]
     }
@@ -330,7 +330,7 @@ struct Seen<S: Vector> {
 impl<S: Vector> Seen<S> {
     #[inline(always)]
     fn new(simd: S, plan: &BoundsConstants, ground: Ground<'_>, place: &Place<S>) -> Self {
-        let yes = all(simd, 0.0).at_most(all(simd, 0.0));
+        let yes = all(simd, 0.0).le(all(simd, 0.0));
         let (mut on_map, mut known) = (yes, yes);
         let mut wheels = [[[all(simd, 0.0); 2]; 3]; 2];
         let mut sum = all(simd, 0.0);

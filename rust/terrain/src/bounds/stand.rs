@@ -138,7 +138,7 @@ impl BoundsConstants {
     fn inclination<S: Simd>(&self, simd: S, wheels: &[[Interval<S>; 3]; 2]) -> (Interval<S>, Mask<S>) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let mut tan = [all(simd, -STEEPEST), all(simd, STEEPEST)];
-        let mut proved = zero.at_most(one);
+        let mut proved = zero.le(one);
         let per_width = all(simd, 0.5 / self.lateral);
         for _ in 0..ROUNDS {
             let [left, right] = self.sides(wheels, tan);
@@ -148,7 +148,7 @@ impl BoundsConstants {
                 tan[1].min((left.axis[1] - right.axis[0]) * per_width),
             ];
             let solvable = left.solvable & right.solvable;
-            let held = narrower[0].at_most(narrower[1]);
+            let held = narrower[0].le(narrower[1]);
             // No inclination of up to 30 degrees has these heights: a steeper one may have.
             proved = proved & (held | !solvable);
             let take = solvable & held;
@@ -173,7 +173,7 @@ impl BoundsConstants {
         let [left, bogie_left] = self.side.angles(&raised_left, left[0]);
         let [right, bogie_right] = self.side.angles(&raised_right, right[0]);
 
-        let inverse = both!(end in tan => one.quotient(end.mul_add(end, one).sqrt()));
+        let inverse = both!(end in tan => one / end.mul_add(end, one).sqrt());
         let sin_side = [tan[0] * inverse[0], tan[1] * inverse[1]];
         let slack = all(simd, self.slack);
         let lean = [(left[0] + right[0]) * half - slack, (left[1] + right[1]) * half + slack];
@@ -319,7 +319,7 @@ impl VisibilityBox {
         let (sunk, leaned) = (one - complement(pitch), one - complement(roll));
         let ahead = moved[0] + x * sunk + pitch * (y * roll + height);
         let aside = y * leaned + (height + all(simd, self.radius)) * roll;
-        ahead.at_most(all(simd, self.room[0])) & aside.at_most(all(simd, self.room[1]))
+        ahead.le(all(simd, self.room[0])) & aside.le(all(simd, self.room[1]))
     }
 }
 
@@ -338,7 +338,7 @@ impl<S: Simd> Posture<S> {
     fn attitude(&self, simd: S, sin_side: Interval<S>) -> (Interval<S>, Interval<S>, Interval<S>) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let sin_pitch = times(self.sin_lean, self.cos_side);
-        let secants = both!(sin in sin_pitch => one.quotient(complement(sin).max(all(simd, 0.03))));
+        let secants = both!(sin in sin_pitch => one / complement(sin).max(all(simd, 0.03)));
         let sin_roll = times(sin_side, even(sin_pitch, secants, one));
         let (a, b) = (
             even(sin_side, both!(sin in sin_side => sin * sin), zero),

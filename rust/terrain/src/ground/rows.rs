@@ -5,7 +5,7 @@ use super::settler::Settler;
 use super::stand::Stand;
 use crate::suspension::MAX_WHEELS;
 use six_wheel_numerics::error::{Error, finite};
-use six_wheel_numerics::threads::workers::each;
+use six_wheel_numerics::threads::workers::for_each;
 
 /// Poses from which it is worth to start a thread: some ten microseconds each.
 const WORTH_A_THREAD: usize = 64;
@@ -44,7 +44,7 @@ pub fn settle(
     let lanes = worth_lanes(poses.len());
     let share = poses.len().div_ceil(threads.max(1)).max(WORTH_A_THREAD);
     let parts = poses.chunks(share).zip(stands.chunks_mut(share));
-    each(parts.enumerate(), |(k, (poses, stands))| {
+    for_each(parts.enumerate(), |(k, (poses, stands))| {
         let angles = |row: usize| angles(k * share + row);
         settle_part(settler, poses, &angles, lanes, stands);
         Ok(())

@@ -167,7 +167,7 @@ impl<'a, S: Vector> LinkPoses<'a, S> {
             pitch_axis: [-sy, cy, zero],
             links: [body; MAX_PARTS],
             axes: [[zero; 3]; MAX_PARTS],
-            reaches: zero.at_most(zero),
+            reaches: zero.le(zero),
         };
         for (k, link) in chain.parts().iter().enumerate().take(MAX_PARTS) {
             if !poses.is_steered && chain.is_knuckle(k) {
@@ -181,7 +181,7 @@ impl<'a, S: Vector> LinkPoses<'a, S> {
             parent.carry(simd, (link, chain.main_axis(k)), turned, &mut rest[0], &mut axis);
             if let Turning::Across(..) = link.turning {
                 axis = scaled(axis, slope);
-                poses.reaches = poses.reaches & slope.at_most(slope);
+                poses.reaches = poses.reaches & slope.le(slope);
             }
             poses.axes[k] = axis;
         }

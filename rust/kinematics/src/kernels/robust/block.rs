@@ -3,7 +3,7 @@
 use crate::kernels::readings;
 use crate::kernels::readings::{FitColumns, Rows, products};
 use crate::rover_data::RoverData;
-use six_wheel_numerics::weave::{BLOCK, Column};
+use six_wheel_numerics::columns::{BLOCK, Column};
 
 /// Lanes at most.
 pub(crate) const LANES: usize = 8;

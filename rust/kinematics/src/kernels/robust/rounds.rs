@@ -3,9 +3,9 @@
 use super::block::{Block, LANES, MOST, RobustConstants};
 use crate::estimate::{MEDIANS, SETTLED};
 use crate::kernels::readings::solve;
+use six_wheel_numerics::columns::{BLOCK, Column};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_numerics::weave::{BLOCK, Column};
 
 /// Change of the weights from which on Newton's method is tried, and its rounds at most.
 const NEAR: f64 = 0.1;
@@ -80,9 +80,9 @@ impl<S: Vector> IrlsIterations<S> {
             least: gathered(simd, &rows.least, chosen),
             scale: gathered(simd, &rows.scale, chosen),
             change: zero,
-            held: zero.below(zero),
-            active: order.below(Lanes::splat(simd, count as f64)),
-            sure: zero.at_most(zero),
+            held: zero.lt(zero),
+            active: order.lt(Lanes::splat(simd, count as f64)),
+            sure: zero.le(zero),
         };
         for (unknown, column) in rounds.unknowns.iter_mut().zip(&rows.kept.unknowns) {
             *unknown = gathered(simd, column, chosen);
@@ -131,14 +131,14 @@ impl<S: Vector> IrlsIterations<S> {
         }
         let noise = (median * splat(MEDIANS * MEDIANS)).max(self.least);
         // The first one starts at the largest residual.
-        let first = splat(f64::MAX).below(self.scale);
+        let first = splat(f64::MAX).lt(self.scale);
         self.scale = first.select(sorted[count - 1].max(self.least), self.scale);
         let before = self.scale;
         self.scale = before.min(noise.max(before * splat(0.25)));
-        self.held = before.at_most(self.scale);
+        self.held = before.le(self.scale);
         // Lanes in which nothing disagrees are not weighed.
-        let active = self.active & zero.below(self.scale);
-        let per_square = one.quotient(self.scale);
+        let active = self.active & zero.lt(self.scale);
+        let per_square = one / self.scale;
         // One over each of the ratios, from one over their product.
         let (mut ratios, mut products) = ([one; MOST], [one; MOST]);
         let mut product = one;
@@ -147,7 +147,7 @@ impl<S: Vector> IrlsIterations<S> {
             products[i] = product;
             product = product * ratios[i];
         }
-        let mut rest = one.quotient(product);
+        let mut rest = one / product;
         let mut change = zero;
         let (mut normal, mut right) = ([zero; 6], [zero; 3]);
         for (i, wheel) in plan.wheels.iter().enumerate().rev() {
@@ -182,14 +182,14 @@ impl<S: Vector> IrlsIterations<S> {
         for (unknown, solved) in self.unknowns.iter_mut().zip(solved) {
             *unknown = active.select(solved, *unknown);
         }
-        self.active = active & self.sure & splat(SETTLED).below(change);
+        self.active = active & self.sure & splat(SETTLED).lt(change);
     }
     /// Rounds of Newton's method, which end where all the `left` rounds would: at this scale they come nearer to one twist
     /// by a matrix, whose power says by how much. Where that is not far enough, or the scale would not stay, nothing is
     /// changed.
     #[inline(always)]
     pub fn newton_iterations(&mut self, simd: S, plan: &RobustConstants, left: usize) {
-        let near = self.change.below(Lanes::splat(simd, NEAR));
+        let near = self.change.lt(Lanes::splat(simd, NEAR));
         let trusted = self.active & self.held & near & self.comes_near(simd, plan, left);
         if !trusted.any() {
             return;
@@ -220,7 +220,7 @@ impl<S: Vector> IrlsIterations<S> {
     fn comes_near(&self, simd: S, plan: &RobustConstants, left: usize) -> Mask<S> {
         let splat = |number| Lanes::splat(simd, number);
         let zero = splat(0.0);
-        let per_square = splat(4.0).quotient(self.scale);
+        let per_square = splat(4.0) / self.scale;
         let (mut normal, mut follow) = ([zero; 6], [zero; 6]);
         for (i, wheel) in plan.wheels.iter().enumerate() {
             let weight = self.weights[i];
@@ -232,7 +232,7 @@ impl<S: Vector> IrlsIterations<S> {
         }
         let [a, b, c, d, e, f] = follow;
         let mut step = [[zero; 3]; 3];
-        let mut sure = zero.at_most(zero);
+        let mut sure = zero.le(zero);
         for (column, right) in step.iter_mut().zip([[a, b, c], [b, d, e], [c, e, f]]) {
             let (solved, determined) = solve(simd, normal, right);
             (*column, sure) = (solved, sure & determined);
@@ -252,11 +252,11 @@ impl<S: Vector> IrlsIterations<S> {
             }
         }
         let Some([x, y, z]) = power else {
-            return zero.below(zero);
+            return zero.lt(zero);
         };
         // Eigenvalues of what pulls are at least 0: their sum bounds the largest.
         let most = x[0] + y[1] + z[2];
-        sure & (self.change * most).below(splat(SURELY_SETTLED))
+        sure & (self.change * most).lt(splat(SURELY_SETTLED))
     }
 }
 

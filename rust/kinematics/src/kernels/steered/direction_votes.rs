@@ -62,10 +62,10 @@ impl<S: Simd> DirectionVotes<S> {
     #[inline(always)]
     pub fn common_direction(&self, simd: S) -> [Mask<S>; 2] {
         let zero = Lanes::splat(simd, 0.0);
-        let is_rolling = zero.below(self.speed.abs());
-        let differ = zero.below(self.forwards * self.backwards);
-        let is_shorter = Lanes::splat(simd, ANGLE_TOLERANCE).below(self.lead);
-        let to_back = (is_rolling & self.speed.below(zero)) | (!is_rolling & is_shorter);
+        let is_rolling = zero.lt(self.speed.abs());
+        let differ = zero.lt(self.forwards * self.backwards);
+        let is_shorter = Lanes::splat(simd, ANGLE_TOLERANCE).lt(self.lead);
+        let to_back = (is_rolling & self.speed.lt(zero)) | (!is_rolling & is_shorter);
         [is_rolling | differ, to_back]
     }
 }

@@ -110,7 +110,7 @@ impl<S: Simd> SteeredWheel<S> {
         let [x, y] = self.body_velocity(twist);
         let [vx, vy, omega] = twist.map(Lanes::abs);
         let terms = vx + vy + omega * (self.pivot[0].abs() + self.pivot[1].abs());
-        x.abs().max(y.abs()).at_most(Lanes::splat(vx.simd(), REST) * terms)
+        x.abs().max(y.abs()).le(Lanes::splat(vx.simd(), REST) * terms)
     }
 
     /// The solution in the half plane in which the pivot moves.
@@ -119,14 +119,14 @@ impl<S: Simd> SteeredWheel<S> {
         let [x, y] = self.velocity(query.twist);
         let (along, across) = (x.abs(), y.abs());
         let zero = Lanes::splat(simd, 0.0);
-        let pivot_heading = angle(simd, along, across).flip(y.sign()).flip(x.sign()) + zero;
+        let pivot_heading = angle(simd, along, across).xor_sign(y.sign_bit()).xor_sign(x.sign_bit()) + zero;
         let mut angle = pivot_heading;
-        let mut is_final = query.rounding.below(along.max(across));
-        let is_within = |[lower, upper]: [Lanes<S>; 2]| lower.at_most(pivot_heading) & pivot_heading.at_most(upper);
+        let mut is_final = query.rounding.lt(along.max(across));
+        let is_within = |[lower, upper]: [Lanes<S>; 2]| lower.le(pivot_heading) & pivot_heading.le(upper);
         if let Some(previous) = query.previous {
             angle = self.clip(angle);
-            let is_near = (pivot_heading - angle).abs().at_most(Lanes::splat(simd, SAFE_OVERSHOOT))
-                & (angle - self.clip(previous)).abs().at_most(Lanes::splat(simd, MAX_NEAR_INCREMENT));
+            let is_near = (pivot_heading - angle).abs().le(Lanes::splat(simd, SAFE_OVERSHOOT))
+                & (angle - self.clip(previous)).abs().le(Lanes::splat(simd, MAX_NEAR_INCREMENT));
             is_final = is_final & (is_within(self.single_range) | is_near);
         } else {
             is_final = is_final & is_within(self.near_range);
@@ -134,12 +134,12 @@ impl<S: Simd> SteeredWheel<S> {
                 angle = self.clip(angle);
             }
         }
-        let mut rim_speed = x.mul_add(x, y * y).sqrt().flip(x.sign());
+        let mut rim_speed = x.mul_add(x, y * y).sqrt().xor_sign(x.sign_bit());
         if self.features.has_scrub {
             rim_speed = rim_speed - self.scrub * self.turn_rate(query);
         }
         if self.features.has_trail {
-            is_final = is_final & self.trail.abs().at_most(zero);
+            is_final = is_final & self.trail.abs().le(zero);
         }
         FirstSolution { velocity: [x, y], pivot_heading, angle, rim_speed, is_final }
     }
@@ -166,10 +166,10 @@ impl<S: Simd> SteeredWheel<S> {
 
         let lead = forwards.increment - backwards.increment;
         let further = backwards.excess - forwards.excess;
-        let is_as_far = further.abs().at_most(zero);
-        let mut is_backwards = further.below(zero) | (is_as_far & splat(ANGLE_TOLERANCE).below(lead));
-        let are_inside = forwards.excess.at_most(zero) & backwards.excess.at_most(zero);
-        let is_tie = are_inside & lead.abs().below(splat(TIE_DIFFERENCE)) & !is_at_rest;
+        let is_as_far = further.abs().le(zero);
+        let mut is_backwards = further.lt(zero) | (is_as_far & splat(ANGLE_TOLERANCE).lt(lead));
+        let are_inside = forwards.excess.le(zero) & backwards.excess.le(zero);
+        let is_tie = are_inside & lead.abs().lt(splat(TIE_DIFFERENCE)) & !is_at_rest;
         let tie = DirectionTie { is_tie, is_backwards, lead };
         if let Some([is_common, to_back]) = common {
             let is_common = is_tie & is_common;
@@ -178,7 +178,7 @@ impl<S: Simd> SteeredWheel<S> {
 
         let angle = is_backwards.select(backwards.angle, forwards.angle);
         let overshoot = is_backwards.select(backwards.overshoot, forwards.overshoot);
-        let rolled = is_at_rest.select(zero, speed.flip(is_backwards.select(splat(-0.0), zero)));
+        let rolled = is_at_rest.select(zero, speed.xor_sign(is_backwards.select(splat(-0.0), zero)));
         WheelMotion {
             angle: is_at_rest.select(held, angle),
             rim_speed: self.without_scrub(rolled, turn_rate) * unscale,
@@ -193,7 +193,7 @@ impl<S: Simd> SteeredWheel<S> {
         let zero = Lanes::splat(simd, 0.0);
         let query = WheelQuery { twist, rounding: zero, previous: None, rate: None };
         let Rolling { speed, turn_rate, unscale, .. } = self.rolling(simd, &query, self.velocity(twist));
-        let rolled = self.is_at_rest(twist).select(zero, speed.flip(self.trail.sign()));
+        let rolled = self.is_at_rest(twist).select(zero, speed.xor_sign(self.trail.sign_bit()));
         self.without_scrub(rolled, turn_rate) * unscale
     }
 
@@ -212,7 +212,7 @@ impl<S: Simd> SteeredWheel<S> {
         let splat = |number| Lanes::splat(simd, number);
         let (zero, one) = (splat(0.0), splat(1.0));
         let size = x.abs().max(y.abs());
-        let (is_small, is_large) = (size.below(splat(MIN_SQUARABLE)), splat(MAX_SQUARABLE).below(size));
+        let (is_small, is_large) = (size.lt(splat(MIN_SQUARABLE)), splat(MAX_SQUARABLE).lt(size));
         let scale = is_small.select(splat(SCALE[0]), is_large.select(splat(SCALE[1]), one));
         let unscale = is_small.select(splat(SCALE[1]), is_large.select(splat(SCALE[0]), one));
 
@@ -222,16 +222,17 @@ impl<S: Simd> SteeredWheel<S> {
             speed: square.sqrt(),
             turn_rate,
             trail_angle: zero,
-            is_solvable: zero.at_most(zero),
-            is_forwards: zero.at_most(x),
+            is_solvable: zero.le(zero),
+            is_forwards: zero.le(x),
             unscale,
         };
         if self.features.has_trail {
             let side = self.trail * turn_rate;
             let along = (-side).mul_add(side, square);
             rolling.speed = along.max(zero).sqrt();
-            rolling.trail_angle = angle(simd, rolling.speed, side.abs()).flip(side.sign()).flip(x.sign());
-            rolling.is_solvable = zero.at_most(along) & (zero.below(square) | side.abs().at_most(zero));
+            rolling.trail_angle =
+                angle(simd, rolling.speed, side.abs()).xor_sign(side.sign_bit()).xor_sign(x.sign_bit());
+            rolling.is_solvable = zero.le(along) & (zero.lt(square) | side.abs().le(zero));
         }
         rolling
     }
@@ -248,16 +249,16 @@ impl<S: Simd> SteeredWheel<S> {
         let splat = |number| Lanes::splat(simd, number);
         let [lower, upper] = self.range;
         let (tolerance, turn, round) = (splat(ANGLE_TOLERANCE), splat(TAU), splat(ROUND));
-        let turns = ((held - angle).quotient(turn) + round) - round;
+        let turns = (((held - angle) / turn) + round) - round;
         let near = angle + turn * turns;
         let (above, below) = (near - upper, lower - near);
-        let is_above = tolerance.below(above);
-        let is_outside = is_above | tolerance.below(below);
+        let is_above = tolerance.lt(above);
+        let is_outside = is_above | tolerance.lt(below);
         let turned = is_above.select(near - turn, near + turn);
         // A range narrower than a turn may hold neither: then the nearer end decides.
         let beyond = is_above.select(lower - turned, turned - upper);
         let short = is_above.select(above, below);
-        let angle = (is_outside & beyond.at_most(tolerance.max(short))).select(turned, near);
+        let angle = (is_outside & beyond.le(tolerance.max(short))).select(turned, near);
         let clipped = self.clip(angle);
         let overshoot = (angle - clipped).abs();
         Candidate {

@@ -25,7 +25,7 @@ impl<S: Simd> Lanes<S> {
 
     /// The sum over all lanes.
     #[inline(always)]
-    pub fn total(self) -> f64 {
+    pub fn sum(self) -> f64 {
         self.simd.reduce_sum_f64s(self.values[0])
     }
 }
@@ -61,18 +61,18 @@ impl<S: Vector> Lanes<S> {
 
     /// Rows of three numbers, as many as there are lanes, to their columns; 0 where there are fewer.
     #[inline(always)]
-    pub fn unbraid(simd: S, rows: &[f64]) -> [Self; 3] {
+    pub fn deinterleave3(simd: S, rows: &[f64]) -> [Self; 3] {
         match S::as_simd_f64s(rows).0 {
-            [a, b, c, ..] => simd.unbraid([*a, *b, *c]).map(|value| Self { simd, values: [value] }),
+            [a, b, c, ..] => simd.deinterleave3([*a, *b, *c]).map(|value| Self { simd, values: [value] }),
             _ => [Self::splat(simd, 0.0); 3],
         }
     }
 
-    /// The reverse of [`Self::unbraid`].
+    /// The reverse of [`Self::deinterleave3`].
     #[inline(always)]
-    pub fn braid([x, y, z]: [Self; 3], rows: &mut [f64]) {
+    pub fn interleave3([x, y, z]: [Self; 3], rows: &mut [f64]) {
         if let [a, b, c, ..] = S::as_mut_simd_f64s(rows).0 {
-            [*a, *b, *c] = x.simd.braid([x.values[0], y.values[0], z.values[0]]);
+            [*a, *b, *c] = x.simd.interleave3([x.values[0], y.values[0], z.values[0]]);
         }
     }
 
@@ -163,10 +163,10 @@ impl<S: Vector> Lanes<S> {
         self.with(self.simd.least_pairs(self.values[0], other.values[0]))
     }
 
-    /// [`Vector::unpair`].
+    /// [`Vector::deinterleave2`].
     #[inline(always)]
-    pub fn unpair(self) -> [Self; 2] {
-        let [first, second] = self.simd.unpair(self.values[0]);
+    pub fn deinterleave2(self) -> [Self; 2] {
+        let [first, second] = self.simd.deinterleave2(self.values[0]);
         [self.with(first), self.with(second)]
     }
 
@@ -180,8 +180,8 @@ impl<S: Vector> Lanes<S> {
 
     /// The last lane in every lane.
     #[inline(always)]
-    pub fn spread(self, simd: S) -> Self {
-        self.with(simd.spread(self.values[0]))
+    pub fn broadcast_last(self, simd: S) -> Self {
+        self.with(simd.broadcast_last(self.values[0]))
     }
 
     /// The last lane.

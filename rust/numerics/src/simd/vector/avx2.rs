@@ -68,7 +68,7 @@ impl Vector for V3 {
     }
 
     #[inline(always)]
-    fn braid(self, [a, b, c]: [f64x4; 3]) -> [f64x4; 3] {
+    fn interleave3(self, [a, b, c]: [f64x4; 3]) -> [f64x4; 3] {
         let (a, b, c) = (cast(a), cast(b), cast(c));
         let ab = self.avx._mm256_unpacklo_pd(a, b); // a0 b0 a2 b2
         let bc = self.avx._mm256_unpackhi_pd(b, c); // b1 c1 b3 c3
@@ -81,7 +81,7 @@ impl Vector for V3 {
     }
 
     #[inline(always)]
-    fn unbraid(self, [first, second, third]: [f64x4; 3]) -> [f64x4; 3] {
+    fn deinterleave3(self, [first, second, third]: [f64x4; 3]) -> [f64x4; 3] {
         let (first, second, third) = (cast(first), cast(second), cast(third));
         let ab = halves::<LOW_HIGH>(self, first, second); // a0 b0 a2 b2
         let ca = halves::<HIGH_LOW>(self, first, third); // c0 a1 c2 a3
@@ -118,7 +118,7 @@ impl Vector for V3 {
     }
 
     #[inline(always)]
-    fn spread(self, register: f64x4) -> f64x4 {
+    fn broadcast_last(self, register: f64x4) -> f64x4 {
         cast(self.avx2._mm256_permute4x64_pd::<0xFF>(cast(register)))
     }
 
@@ -132,7 +132,7 @@ impl Vector for V3 {
     }
 
     #[inline(always)]
-    fn fence(self) {
+    fn store_fence(self) {
         self.sse._mm_sfence();
     }
 
@@ -198,7 +198,7 @@ impl Vector for V3 {
     }
 
     #[inline(always)]
-    fn unpair(self, pairs: f64x4) -> [f64x4; 2] {
+    fn deinterleave2(self, pairs: f64x4) -> [f64x4; 2] {
         let (low, high) =
             (self.avx._mm256_castps256_ps128(cast(pairs)), self.avx._mm256_extractf128_ps::<1>(cast(pairs)));
         [
@@ -217,7 +217,7 @@ impl Vector for V3 {
     }
 
     #[inline(always)]
-    fn fetch(self, address: *const f64) {
+    fn prefetch(self, address: *const f64) {
         self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
     }
 

@@ -38,7 +38,7 @@ impl Vector for V4 {
     }
 
     #[inline(always)]
-    fn braid(self, [a, b, c]: [f64x8; 3]) -> [f64x8; 3] {
+    fn interleave3(self, [a, b, c]: [f64x8; 3]) -> [f64x8; 3] {
         let first = pick(self, [a, b], [0, 8, 0, 1, 9, 0, 2, 10]);
         let second = pick(self, [a, b], [0, 3, 11, 0, 4, 12, 0, 5]);
         let third = pick(self, [a, b], [13, 0, 6, 14, 0, 7, 15, 0]);
@@ -50,7 +50,7 @@ impl Vector for V4 {
     }
 
     #[inline(always)]
-    fn unbraid(self, [a, b, c]: [f64x8; 3]) -> [f64x8; 3] {
+    fn deinterleave3(self, [a, b, c]: [f64x8; 3]) -> [f64x8; 3] {
         let first = pick(self, [a, b], [0, 3, 6, 9, 12, 15, 0, 0]);
         let second = pick(self, [a, b], [1, 4, 7, 10, 13, 0, 0, 0]);
         let third = pick(self, [a, b], [2, 5, 8, 11, 14, 0, 0, 0]);
@@ -105,7 +105,7 @@ impl Vector for V4 {
     }
 
     #[inline(always)]
-    fn spread(self, register: f64x8) -> f64x8 {
+    fn broadcast_last(self, register: f64x8) -> f64x8 {
         pick(self, [register, register], [7; 8])
     }
 
@@ -119,7 +119,7 @@ impl Vector for V4 {
     }
 
     #[inline(always)]
-    fn fence(self) {
+    fn store_fence(self) {
         self.sse._mm_sfence();
     }
 
@@ -195,7 +195,7 @@ impl Vector for V4 {
     }
 
     #[inline(always)]
-    fn unpair(self, pairs: f64x8) -> [f64x8; 2] {
+    fn deinterleave2(self, pairs: f64x8) -> [f64x8; 2] {
         let simd = self.avx512f;
         let first = simd._mm512_cvtepi64_epi32(cast(pairs));
         let second = simd._mm512_cvtepi64_epi32(simd._mm512_srli_epi64::<32>(cast(pairs)));
@@ -212,7 +212,7 @@ impl Vector for V4 {
     }
 
     #[inline(always)]
-    fn fetch(self, address: *const f64) {
+    fn prefetch(self, address: *const f64) {
         self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
     }
 

@@ -17,12 +17,12 @@ impl Vector for Neon {
     }
 
     #[inline(always)]
-    fn braid(self, [a, b, c]: [f64x2; 3]) -> [f64x2; 3] {
+    fn interleave3(self, [a, b, c]: [f64x2; 3]) -> [f64x2; 3] {
         [f64x2(a.0, b.0), f64x2(c.0, a.1), f64x2(b.1, c.1)]
     }
 
     #[inline(always)]
-    fn unbraid(self, [a, b, c]: [f64x2; 3]) -> [f64x2; 3] {
+    fn deinterleave3(self, [a, b, c]: [f64x2; 3]) -> [f64x2; 3] {
         [f64x2(a.0, b.1), f64x2(a.1, c.0), f64x2(b.0, c.1)]
     }
 
@@ -44,7 +44,7 @@ impl Vector for Neon {
     }
 
     #[inline(always)]
-    fn spread(self, register: f64x2) -> f64x2 {
+    fn broadcast_last(self, register: f64x2) -> f64x2 {
         f64x2(register.1, register.1)
     }
 
@@ -73,7 +73,7 @@ impl Vector for Neon {
     }
 
     #[inline(always)]
-    fn unpair(self, pairs: f64x2) -> [f64x2; 2] {
+    fn deinterleave2(self, pairs: f64x2) -> [f64x2; 2] {
         let ([a, c], [b, d]) = (of_pair(pairs.0), of_pair(pairs.1));
         [f64x2(a.into(), b.into()), f64x2(c.into(), d.into())]
     }

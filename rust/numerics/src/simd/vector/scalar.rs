@@ -16,12 +16,12 @@ impl Vector for Scalar {
     }
 
     #[inline(always)]
-    fn braid(self, registers: [f64; 3]) -> [f64; 3] {
+    fn interleave3(self, registers: [f64; 3]) -> [f64; 3] {
         registers
     }
 
     #[inline(always)]
-    fn unbraid(self, registers: [f64; 3]) -> [f64; 3] {
+    fn deinterleave3(self, registers: [f64; 3]) -> [f64; 3] {
         registers
     }
 
@@ -41,7 +41,7 @@ impl Vector for Scalar {
     }
 
     #[inline(always)]
-    fn spread(self, register: f64) -> f64 {
+    fn broadcast_last(self, register: f64) -> f64 {
         register
     }
 
@@ -67,7 +67,7 @@ impl Vector for Scalar {
     }
 
     #[inline(always)]
-    fn unpair(self, pair: f64) -> [f64; 2] {
+    fn deinterleave2(self, pair: f64) -> [f64; 2] {
         of_pair(pair).map(f64::from)
     }
 }

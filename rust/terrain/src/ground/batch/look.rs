@@ -104,7 +104,7 @@ impl<S: Vector> Here<S> {
             };
             let (interval, covers) = match near {
                 None => whole_rims(simd, ground, &rims, last),
-                Some(turned) => (short_look(simd, last, turned), zero.below(zero)),
+                Some(turned) => (short_look(simd, last, turned), zero.lt(zero)),
             };
             let (found, covers) = halves(simd, ground, rims, interval, covers, matches!(extent, Extent::Both));
             let gradient = [found.slope[0] * per_metre[0], found.slope[1] * per_metre[1]];
@@ -117,7 +117,7 @@ impl<S: Vector> Here<S> {
             scan.worst = scan.worst.max(found.gap.abs());
             let clear = covers.select(found.others - found.gap, Lanes::splat(simd, UPPER));
             scan.clear = scan.clear.min(clear);
-            scan.touches = scan.touches & found.gap.abs().below(Lanes::splat(simd, 0.5 * FAR));
+            scan.touches = scan.touches & found.gap.abs().lt(Lanes::splat(simd, 0.5 * FAR));
             scan.found[wheel] = found;
         }
         scan
@@ -162,7 +162,7 @@ fn halves<S: Vector>(
             found = part;
         } else {
             found.others = found.others.min(part.gap).min(part.others);
-            covers = Lanes::splat(simd, 0.0).below(Lanes::splat(simd, 1.0));
+            covers = Lanes::splat(simd, 0.0).lt(Lanes::splat(simd, 1.0));
         }
         // Turned over, its upper half is the lower one.
         rims.turn_over();
@@ -178,7 +178,7 @@ fn sampled<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>) -> [Lanes<S
     for point in &SAMPLES {
         let [sin, cos] = [Lanes::splat(simd, point[0]), Lanes::splat(simd, point[1])];
         let gap = gap(simd, ground, rims, [sin, cos]);
-        let better = gap.below(best);
+        let better = gap.lt(best);
         best = better.select(gap, best);
         at = [better.select(sin, at[0]), better.select(cos, at[1])];
     }
@@ -203,7 +203,7 @@ fn gap<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, [sin, cos]: [La
 fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> AngleInterval<S> {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let (low, high) = ([s * cos - c * sin, c * cos + s * sin], [s * cos + c * sin, c * cos - s * sin]);
-    let (starts, ends) = (zero.below(low[1]), zero.below(high[1]));
+    let (starts, ends) = (zero.lt(low[1]), zero.lt(high[1]));
     AngleInterval {
         start: [starts.select(low[0], -unit), starts.select(low[1], zero)],
         end: [ends.select(high[0], unit), ends.select(high[1], zero)],
@@ -227,9 +227,9 @@ fn whole_rims<S: Vector>(
     let gap = gap(simd, ground, rims, last);
     // Over ground that is not known it says nothing.
     let far = Lanes::splat(simd, FAR);
-    let gap = gap.at_most(far).select(gap, far) + margin + margin;
+    let gap = gap.le(far).select(gap, far) + margin + margin;
     let size = (rims.forward[2] * rims.forward[2] + rims.up[2] * rims.up[2]).sqrt();
-    let inverse = unit.quotient(size);
+    let inverse = unit / size;
     let (cos, sin) = (rims.up[2] * inverse, -(rims.forward[2] * inverse));
     let [rear, front] = tops(simd, ground, rims, &rims.point(sin, cos));
     let mut interval = AngleInterval { margin, is_closed: false, ..AngleInterval::lower(simd) };
@@ -237,12 +237,12 @@ fn whole_rims<S: Vector>(
     let near = ((rims.centre[2] - front - gap) * inverse).min(unit);
     let far = (unit - near * near).max(zero).sqrt();
     let end = [sin * near + cos * far, cos * near - sin * far];
-    let ends = zero.below(near) & zero.below(end[1]);
+    let ends = zero.lt(near) & zero.lt(end[1]);
     interval.end = [ends.select(end[0], unit), ends.select(end[1], zero)];
     let near = ((rims.centre[2] - rear - gap) * inverse).min(unit);
     let far = (unit - near * near).max(zero).sqrt();
     let start = [sin * near - cos * far, cos * near + sin * far];
-    let starts = zero.below(near) & zero.below(start[1]);
+    let starts = zero.lt(near) & zero.lt(start[1]);
     interval.start = [starts.select(start[0], -unit), starts.select(start[1], zero)];
     (interval, starts & ends)
 }
@@ -272,18 +272,18 @@ fn top<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) ->
     let [rows, columns] = ground.shape();
     let last = [Lanes::splat(simd, columns as f64 - 2.0), Lanes::splat(simd, rows as f64 - 2.0)];
     // False where a number is none.
-    let on_map = zero.at_most(low[0])
-        & zero.at_most(low[1])
-        & high[0].at_most(last[0])
-        & high[1].at_most(last[1])
-        & low[0].at_most(high[0])
-        & low[1].at_most(high[1]);
+    let on_map = zero.le(low[0])
+        & zero.le(low[1])
+        & high[0].le(last[0])
+        & high[1].le(last[1])
+        & low[0].le(high[0])
+        & low[1].le(high[1]);
     if let Some(pyramid) = ground.known_pyramid() {
         let low = [on_map.select(low[0], zero), on_map.select(low[1], zero)];
         let high = [on_map.select(high[0], zero), on_map.select(high[1], zero)];
         // SAFETY: they are whole, in order and on the map, or the first cell.
         let (extremes, fits) = unsafe { pyramid.around([low, high]) };
-        let [_, minus_highest] = extremes.unpair();
+        let [_, minus_highest] = extremes.deinterleave2();
         return (on_map & fits).select(-minus_highest, far);
     }
     let inside = spread(on_map.select(Lanes::splat(simd, 1.0), zero));

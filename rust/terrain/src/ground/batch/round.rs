@@ -68,7 +68,7 @@ impl SettleRange<'_, '_> {
         if settles {
             self.write_settled(batch, first, rows, &here, &scan);
         }
-        let goes_on = Lanes::splat(simd, 0.0).below(Lanes::from_slice(simd, &goes_on));
+        let goes_on = Lanes::splat(simd, 0.0).lt(Lanes::from_slice(simd, &goes_on));
         for (k, number) in step.state.into_iter().enumerate() {
             let number = goes_on.select(number, here.state[k]);
             scatter(&mut batch.columns[column::STATE + k], rows, number);
@@ -101,10 +101,10 @@ impl SettleRange<'_, '_> {
             (gather(simd, &batch.columns[column::WORST], rows), gather(simd, &batch.columns[column::SHARE], rows));
         let (half, double) = (Lanes::splat(simd, 0.5), Lanes::splat(simd, 2.0));
         let share = before
-            .below(scan.worst)
+            .lt(scan.worst)
             .select((last * half).max(Lanes::splat(simd, 0.25)), (last * double).min(Lanes::splat(simd, 1.0)));
         let most = Lanes::splat(simd, LARGEST_TURN);
-        let scale = share * most.quotient(turn.max(most));
+        let scale = share * (most / turn.max(most));
         let way = whole[0].abs() + turn * Lanes::splat(simd, ARM);
         let limit = Lanes::splat(simd, LARGEST_ANGLE);
         let mut state = here.state;
@@ -117,10 +117,10 @@ impl SettleRange<'_, '_> {
             state,
             share,
             turn: turn * scale,
-            is_closed: scan.worst.at_most(here.state[0].abs().mul_add(relative, absolute)),
+            is_closed: scan.worst.le(here.state[0].abs().mul_add(relative, absolute)),
             // Also false where a number is not.
-            is_finite: zero.at_most(way) & way.below(Lanes::splat(simd, FAR)),
-            is_short: way.below(Lanes::splat(simd, SHORT * MARGIN)),
+            is_finite: zero.le(way) & way.lt(Lanes::splat(simd, FAR)),
+            is_short: way.lt(Lanes::splat(simd, SHORT * MARGIN)),
         }
     }
 

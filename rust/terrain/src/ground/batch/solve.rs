@@ -41,13 +41,13 @@ pub(crate) fn solve<S: Vector>(simd: S, order: &PivotOrder, rows: &mut Rows<S>) 
         left &= !(1 << pivot);
         let rest = those & left;
         for row in (0..order.wheels).filter(|row| rest >> row & 1 == 1) {
-            let larger = rows[pivot].0[*column].abs().below(rows[row].0[*column].abs());
+            let larger = rows[pivot].0[*column].abs().lt(rows[row].0[*column].abs());
             for k in 0..MAX_STATE {
                 exchange(larger, rows, [pivot, row], |row| &mut row.0[k]);
             }
             exchange(larger, rows, [pivot, row], |row| &mut row.1);
         }
-        let inverse = Lanes::splat(simd, 1.0).quotient(rows[pivot].0[*column]);
+        let inverse = Lanes::splat(simd, 1.0) / rows[pivot].0[*column];
         for row in (0..order.wheels).filter(|row| rest >> row & 1 == 1) {
             let factor = -(rows[row].0[*column] * inverse);
             for (after, _) in &order.columns[step + 1..] {
@@ -62,7 +62,7 @@ pub(crate) fn solve<S: Vector>(simd: S, order: &PivotOrder, rows: &mut Rows<S>) 
         for (after, _) in &order.columns[step + 1..] {
             right = right - row[*after] * solution[*after];
         }
-        solution[*column] = right.quotient(row[*column]);
+        solution[*column] = right / row[*column];
     }
     solution
 }

@@ -87,8 +87,8 @@ impl<'a, S: Vector> Search<'a, S> {
         }
         let lines = both!(k, {
             // Along a line of the grid there is none to cross.
-            let across = Lanes::splat(simd, 1e-12).below(size[k]);
-            let inverse = across.select(unit.quotient(across.select(size[k], unit)), zero);
+            let across = Lanes::splat(simd, 1e-12).lt(size[k]);
+            let inverse = across.select(unit / across.select(size[k], unit), zero);
             [inverse, rims.forward[k] * inverse, rims.up[k] * inverse]
         });
         Self { simd, ground, rims, interval, size, lines }
@@ -106,9 +106,9 @@ impl<'a, S: Vector> Search<'a, S> {
         let cell = both!(k, floor(self.simd, self.rims.centre[k] + at.spoke[k]));
         let sign = both!(k, {
             // Where it turns just there, the direction that it then takes.
-            let rests = at.tangent[k].abs().at_most(zero);
+            let rests = at.tangent[k].abs().le(zero);
             let way = rests.select(-at.spoke[k], at.tangent[k]);
-            way.below(zero).select(-unit, unit)
+            way.lt(zero).select(-unit, unit)
         });
         [cell, sign]
     }
@@ -118,14 +118,14 @@ impl<'a, S: Vector> Search<'a, S> {
     pub(super) fn crossing(&self, axis: usize, walk: &Walk<S>) -> (Lanes<S>, Lanes<S>, Mask<S>) {
         let (zero, one) = (self.all(0.0), self.all(1.0));
         let (sign, [inverse, p, q]) = (walk.sign[axis], self.lines[axis]);
-        let ahead = zero.below(sign).select(one, zero);
+        let ahead = zero.lt(sign).select(one, zero);
         let line = (walk.cell[axis] + ahead) - self.rims.centre[axis];
         let w = line * inverse;
-        let turns = one.at_most(w * sign);
+        let turns = one.le(w * sign);
         let w = turns.select(sign, w);
         let v = sign * (one - w * w).max(zero).sqrt();
         let (sin, cos) = (w * p + v * q, v * p - w * q);
-        (zero.below(cos).select(sin, self.all(2.0)), cos, turns)
+        (zero.lt(cos).select(sin, self.all(2.0)), cos, turns)
     }
 
     /// The end of the next arc: the next line of the grid, half a radian on, the limit, or the end of the interval.
@@ -133,23 +133,23 @@ impl<'a, S: Vector> Search<'a, S> {
     pub(super) fn next_end(&self, walk: &Walk<S>, halves: bool) -> NextEnd<S> {
         let start = &walk.start;
         let [x, y] = both!(k, self.crossing(k, walk));
-        let by_x = x.0.below(y.0);
+        let by_x = x.0.lt(y.0);
         let (mut sin, mut cos) = (by_x.select(x.0, y.0), by_x.select(x.1, y.1));
         // Rounding may put a crossing before the last one.
-        let back = sin.below(start.sin);
+        let back = sin.lt(start.sin);
         (sin, cos) = (back.select(start.sin, sin), back.select(start.cos, cos));
         let [half_sin, half_cos] = LONGEST_ARC.map(|value| self.all(value));
         let (on_sin, on_cos) =
             (start.sin * half_cos + start.cos * half_sin, start.cos * half_cos - start.sin * half_sin);
-        let mut splits = on_sin.below(sin) & self.all(0.0).below(on_cos);
+        let mut splits = on_sin.lt(sin) & self.all(0.0).lt(on_cos);
         (sin, cos) = (splits.select(on_sin, sin), splits.select(on_cos, cos));
         if halves {
-            let limited = walk.limit[0].below(sin);
+            let limited = walk.limit[0].lt(sin);
             (sin, cos) = (limited.select(walk.limit[0], sin), limited.select(walk.limit[1], cos));
             splits = splits | limited;
         }
         let end = self.interval.end;
-        let is_last = end[0].at_most(sin);
+        let is_last = end[0].le(sin);
         (sin, cos) = (is_last.select(end[0], sin), is_last.select(end[1], cos));
         NextEnd { end: self.rims.point(sin, cos), is_last, splits, by_x, turns: [x.2, y.2] }
     }
@@ -175,11 +175,11 @@ impl<'a, S: Vector> Search<'a, S> {
         let least_curvature = left.curvature.min(right.curvature) - slack;
         let most_curvature = left.curvature.max(right.curvature) + slack;
         let bound = left.gap.min(right.gap) - most_curvature.max(zero) * eighth;
-        let is_convex = zero.at_most(least_curvature);
+        let is_convex = zero.le(least_curvature);
         // Where the gap rises or falls all along there is nothing inside.
         let bent = length * least_curvature;
-        let is_steady = zero.below(left.rise + bent) | (right.rise - bent).below(zero);
-        let may_dip = zero.below(most_curvature) & (is_convex | !is_steady);
+        let is_steady = zero.lt(left.rise + bent) | (right.rise - bent).lt(zero);
+        let may_dip = zero.lt(most_curvature) & (is_convex | !is_steady);
         Arc { left, right, length, bound, least_curvature, may_dip, is_convex }
     }
 }

@@ -67,26 +67,26 @@ impl<S: Vector> Candidate<S> {
         let (mut low, mut high) = (zero, self.length);
         let mut angle = self.length * self.share;
         let (mut at, mut step) = ([self.sin, self.cos], zero);
-        let mut near = unit.below(zero);
+        let mut near = unit.lt(zero);
         for _ in 0..STEPS {
             let square = angle * angle;
             let sin = angle * series(simd, square, [6.0, 20.0, 42.0]);
             let cos = series(simd, square, [2.0, 12.0, 30.0, 56.0]);
             at = turned(simd, [self.sin, self.cos], [sin, cos]);
             let gap = rims.derivatives(&cell, from, &rims.point(at[0], at[1]));
-            let falls = gap.rise.at_most(zero);
+            let falls = gap.rise.le(zero);
             low = falls.select(angle, low);
             high = falls.select(high, angle);
-            let inverse = unit.quotient(gap.curvature);
+            let inverse = unit / gap.curvature;
             step = gap.rise * inverse;
             step = step * (step * inverse).mul_add(gap.third * half, unit);
-            near = step.abs().below(Lanes::splat(simd, CLOSE));
-            let found = near | (high - low).below(Lanes::splat(simd, 1e-14));
+            near = step.abs().lt(Lanes::splat(simd, CLOSE));
+            let found = near | (high - low).lt(Lanes::splat(simd, 1e-14));
             if !(!found).any() {
                 break;
             }
             let next = angle - step;
-            let inside = low.at_most(next) & next.at_most(high);
+            let inside = low.le(next) & next.le(high);
             let next = inside.select(next, (low + high) * half);
             angle = found.select(angle, next);
         }

@@ -41,7 +41,7 @@ pub(crate) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; RIMS] {
 pub(crate) fn floor<S: Vector>(simd: S, x: Lanes<S>) -> Lanes<S> {
     let round = Lanes::splat(simd, ROUND);
     let near = (x + round) - round;
-    x.below(near).select(near - Lanes::splat(simd, 1.0), near)
+    x.lt(near).select(near - Lanes::splat(simd, 1.0), near)
 }
 
 /// Cells of the lanes.
@@ -59,7 +59,7 @@ pub(crate) fn cells<S: Vector>(simd: S, ground: &Terrain, column: Lanes<S>, row:
     let [rows, columns] = ground.shape();
     let zero = Lanes::splat(simd, 0.0);
     let last = [Lanes::splat(simd, columns as f64 - 2.0), Lanes::splat(simd, rows as f64 - 2.0)];
-    let inside = zero.at_most(column) & zero.at_most(row) & column.at_most(last[0]) & row.at_most(last[1]);
+    let inside = zero.le(column) & zero.le(row) & column.le(last[0]) & row.le(last[1]);
     let place = row.mul_add(Lanes::splat(simd, columns as f64), column);
     let [h00, h10, h01, h11] = match ground.heights() {
         Heights::Double(heights) => place.square(heights, columns),

@@ -67,8 +67,8 @@ impl<S: Vector> GapMinimum<S> {
             next_at: at,
             others: far,
             unresolved: far,
-            unknown: unit.below(zero),
-            outside: unit.below(zero),
+            unknown: unit.lt(zero),
+            outside: unit.lt(zero),
         }
     }
 
@@ -98,8 +98,8 @@ impl<S: Vector> GapMinimum<S> {
         at: [Lanes<S>; 2],
         slope: [Lanes<S>; 2],
     ) {
-        let is_least = mask & gap.below(self.gap);
-        let is_next = mask & gap.below(self.next_gap);
+        let is_least = mask & gap.lt(self.gap);
+        let is_next = mask & gap.lt(self.next_gap);
         self.next_gap = is_least.select(self.gap, is_next.select(gap, self.next_gap));
         if is_closed {
             self.next_at = both!(k, is_least.select(self.at[k], is_next.select(at[k], self.next_at[k])));

@@ -38,12 +38,12 @@ pub(crate) fn find_min_gap<S: Vector>(
     let search = Search::new(simd, ground, rims, interval);
     let far = Lanes::splat(simd, FAR);
     let mut found = GapMinimum::none(simd);
-    let (mut ceiling, mut open) = (far, Lanes::splat(simd, 0.0).below(far));
+    let (mut ceiling, mut open) = (far, Lanes::splat(simd, 0.0).lt(far));
     for halves in [false, true] {
         let walked = search.walk(ceiling, halves);
         found = if halves { GapMinimum::pick(open, &walked, &found) } else { walked };
         let lowest = (found.gap + Lanes::splat(simd, TIE)).min(far);
-        open = open & found.unresolved.below(far) & found.unresolved.at_most(lowest);
+        open = open & found.unresolved.lt(far) & found.unresolved.le(lowest);
         if !interval.is_exact || !open.any() {
             break;
         }
@@ -72,12 +72,12 @@ impl<S: Vector> Search<'_, S> {
             found: GapMinimum::none(self.simd),
             ceiling,
             candidates: [Candidate::none(self.simd); 2],
-            active: zero.below(unit),
+            active: zero.lt(unit),
             start,
             cell,
             sign,
             limit: [self.all(2.0), zero],
-            is_found_again: unit.below(zero),
+            is_found_again: unit.lt(zero),
             before: self.edge(),
         };
         let mut first = far;
@@ -98,7 +98,7 @@ impl<S: Vector> Search<'_, S> {
         let last = walk.before;
         if self.interval.is_closed {
             // The gap falls towards the end, or the half circle ends at once.
-            let falls = last.gap.below(far) & last.rise.at_most(zero);
+            let falls = last.gap.lt(far) & last.rise.le(zero);
             walk.found.offer(self.interval.is_closed, falls, last.gap, self.interval.end, last.slope);
         } else {
             walk.found.others = first.min(last.gap);
@@ -117,18 +117,18 @@ impl<S: Vector> Search<'_, S> {
         let left = rims.derivatives(&cell, from, &walk.start);
         let right = rims.derivatives(&cell, from, &next.end);
         // Unknown or off the map: NaN.
-        let known = cell.twist.at_most(self.all(FAR));
+        let known = cell.twist.le(self.all(FAR));
         // The arc ends in its cell unless rounding has led the walk astray.
         let strays = both!(k, {
             let place = from[k] + next.end.spoke[k];
-            self.all(0.5 + 1e-9).below((place - self.all(0.5)).abs())
+            self.all(0.5 + 1e-9).lt((place - self.all(0.5)).abs())
         });
         let strays = walk.active & (strays[0] | strays[1]);
         let turn = next.end.sin * walk.start.cos - next.end.cos * walk.start.sin;
-        let is_long = walk.active & self.all(POINT).below(turn);
+        let is_long = walk.active & self.all(POINT).lt(turn);
         let arc = self.arc(&cell, from, [left, right], turn);
         let mut real = is_long & known;
-        let may_hold = real & arc.may_dip & arc.bound.at_most(walk.ceiling + self.interval.margin);
+        let may_hold = real & arc.may_dip & arc.bound.le(walk.ceiling + self.interval.margin);
         let lost = is_long & !known & !(strays & !walk.is_found_again);
         if (lost | strays).any() {
             self.leave_known_ground(walk, lost);
@@ -138,7 +138,7 @@ impl<S: Vector> Search<'_, S> {
         }
         let unclear = may_hold & !arc.is_convex;
         if halves {
-            let halved = unclear & self.all(SHORTEST_ARC).below(arc.length);
+            let halved = unclear & self.all(SHORTEST_ARC).lt(arc.length);
             let again = halved | (strays & !walk.is_found_again);
             real = real & !again;
             self.retry(walk, &mut next, halved, again & !halved);
@@ -163,10 +163,10 @@ impl<S: Vector> Search<'_, S> {
     fn keep_candidate(&self, walk: &mut Walk<S>, arc: &Arc<S>, mask: Mask<S>, halves: bool) {
         let (zero, unit, far) = (self.all(0.0), self.all(1.0), self.all(FAR));
         let Arc { left, right, .. } = arc;
-        let dips = left.rise.below(zero) & zero.below(right.rise);
+        let dips = left.rise.lt(zero) & zero.lt(right.rise);
         // Parabolas through both ends, bent as little as the gap is anywhere on the arc, are below it.
         let (bend, turn) = (arc.least_curvature.max(self.all(1e-12)), dips.select(left.rise - right.rise, -unit));
-        let inverse = unit.quotient(bend * turn);
+        let inverse = unit / (bend * turn);
         let depth = turn * inverse * self.all(-0.5);
         let bound = (left.rise * left.rise)
             .mul_add(depth, left.gap)
@@ -181,15 +181,15 @@ impl<S: Vector> Search<'_, S> {
             column: walk.cell[0],
             row: walk.cell[1],
         };
-        let mask = mask & dips & bound.at_most(walk.ceiling + self.interval.margin);
+        let mask = mask & dips & bound.le(walk.ceiling + self.interval.margin);
         let [lowest, second] = walk.candidates;
-        let is_lowest = mask & bound.below(lowest.bound);
-        let is_second = mask & !is_lowest & bound.below(second.bound);
+        let is_lowest = mask & bound.lt(lowest.bound);
+        let is_second = mask & !is_lowest & bound.lt(second.bound);
         let is_kept = is_lowest | is_second;
         let dropped = is_kept.select(second.bound, mask.select(bound, far));
         if !halves {
             walk.found.unresolved = walk.found.unresolved.min(dropped);
-        } else if dropped.below(far).any() {
+        } else if dropped.lt(far).any() {
             let other = Candidate::pick(is_kept, &second, &candidate);
             self.polish(walk, &Candidate { bound: dropped, ..other });
         }
@@ -201,8 +201,7 @@ impl<S: Vector> Search<'_, S> {
     #[inline(always)]
     fn polish(&self, walk: &mut Walk<S>, candidate: &Candidate<S>) {
         // Where there is no candidate there is no arc either, however far the least gap is.
-        let wanted =
-            candidate.bound.below(self.all(FAR)) & candidate.bound.at_most(walk.ceiling + self.interval.margin);
+        let wanted = candidate.bound.lt(self.all(FAR)) & candidate.bound.le(walk.ceiling + self.interval.margin);
         if !wanted.any() {
             return;
         }
@@ -216,11 +215,11 @@ impl<S: Vector> Search<'_, S> {
     fn keep_crease(&self, walk: &mut Walk<S>, arc: &Arc<S>, mask: Mask<S>) {
         let (zero, unit) = (self.all(0.0), self.all(1.0));
         let (rise, slope) = (walk.before.rise, walk.before.slope);
-        let falls = mask & rise.at_most(zero) & zero.at_most(arc.left.rise);
+        let falls = mask & rise.le(zero) & zero.le(arc.left.rise);
         let turned = arc.left.rise - rise;
-        let bends = zero.below(turned);
+        let bends = zero.lt(turned);
         // The mix of both slopes that is square to the rim; 0 at the edge of known ground.
-        let share = bends.select(arc.left.rise.quotient(bends.select(turned, unit)), self.all(0.5));
+        let share = bends.select(arc.left.rise / bends.select(turned, unit), self.all(0.5));
         let mix = both!(k, share * slope[k] + (unit - share) * arc.left.slope[k]);
         walk.found.offer(self.interval.is_closed, falls, arc.left.gap, [walk.start.sin, walk.start.cos], mix);
         walk.ceiling = walk.ceiling.min(walk.found.gap);
@@ -232,12 +231,11 @@ impl<S: Vector> Search<'_, S> {
         let (zero, cell, before) = (self.all(0.0), walk.cell, walk.before);
         let [rows, columns] = self.ground.shape();
         let last = [self.all(columns as f64 - 2.0), self.all(rows as f64 - 2.0)];
-        let on_map =
-            zero.at_most(cell[0]) & zero.at_most(cell[1]) & cell[0].at_most(last[0]) & cell[1].at_most(last[1]);
+        let on_map = zero.le(cell[0]) & zero.le(cell[1]) & cell[0].le(last[0]) & cell[1].le(last[1]);
         walk.found.unknown = walk.found.unknown | (mask & on_map);
         walk.found.outside = walk.found.outside | (mask & !on_map);
         if self.interval.is_closed {
-            let falls = mask & before.gap.below(self.all(FAR)) & before.rise.at_most(zero);
+            let falls = mask & before.gap.lt(self.all(FAR)) & before.rise.le(zero);
             walk.found.offer(
                 self.interval.is_closed,
                 falls,
@@ -265,7 +263,7 @@ impl<S: Vector> Search<'_, S> {
         }
         let (start, end) = (&walk.start, &next.end);
         let (sin, cos) = (start.sin + end.sin, start.cos + end.cos);
-        let scale = self.all(1.0).quotient((sin * sin + cos * cos).sqrt());
+        let scale = self.all(1.0) / (sin * sin + cos * cos).sqrt();
         walk.limit = [halved.select(sin * scale, walk.limit[0]), halved.select(cos * scale, walk.limit[1])];
         let on = self.all(1e-7);
         let ahead = self.rims.point(on.mul_add(start.cos, start.sin), start.cos - on * start.sin);

@@ -48,25 +48,25 @@ pub fn with_columns<T>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T
     } else if count <= FEW {
         work(&mut [Column::ZERO; FEW][..count])
     } else if count <= SOME {
-        with_room::<T, SOME>(count, work)
+        with_stack::<T, SOME>(count, work)
     } else {
-        with_room::<T, { MAX_COLUMNS }>(count, work)
+        with_stack::<T, { MAX_COLUMNS }>(count, work)
     }
 }
 
 #[inline(never)] // for its large frame
-fn with_room<T, const N: usize>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
+fn with_stack<T, const N: usize>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
     work(&mut [Column::ZERO; N][..count])
 }
 
 /// Registers of rows into one register per column, group by group. A macro, because a closure may be left
 /// to call.
-macro_rules! unweave_groups {
-    ($S: ident, $rows: ident, $columns: ident, $width: literal, |$group: ident| $apart: expr) => {{
+macro_rules! to_columns_groups {
+    ($S: ident, $rows: ident, $columns: ident, $width: literal, |$group: ident| $deinterleaved: expr) => {{
         let groups = $S::as_simd_f64s($rows).0.as_chunks::<$width>().0;
         for (k, $group) in groups.iter().enumerate() {
             let $group = *$group;
-            let registers = $apart;
+            let registers = $deinterleaved;
             for j in 0..$width {
                 $S::as_mut_simd_f64s(&mut $columns[j].0).0[k] = registers[j];
             }
@@ -75,49 +75,49 @@ macro_rules! unweave_groups {
 }
 
 /// One register per column into registers of rows, group by group.
-macro_rules! weave_groups {
-    ($S: ident, $columns: ident, $rows: ident, $width: literal, |$group: ident| $together: expr) => {{
+macro_rules! to_rows_groups {
+    ($S: ident, $columns: ident, $rows: ident, $width: literal, |$group: ident| $interleaved: expr) => {{
         let groups = $S::as_mut_simd_f64s($rows).0.as_chunks_mut::<$width>().0;
         for (k, rows) in groups.iter_mut().enumerate() {
             let mut $group = [$S::as_simd_f64s(&$columns[0].0).0[k]; $width];
             for j in 1..$width {
                 $group[j] = $S::as_simd_f64s(&$columns[j].0).0[k];
             }
-            *rows = $together;
+            *rows = $interleaved;
         }
     }};
 }
 
 /// Takes rows apart. Rows that are missing become zero.
 #[inline(always)]
-pub fn unweave<S: Vector>(simd: S, rows: &[f64], columns: &mut [Column]) {
+pub fn transpose_to_columns<S: Vector>(simd: S, rows: &[f64], columns: &mut [Column]) {
     let width = columns.len();
     let whole = rows.len() == width * BLOCK;
     match width {
-        3 if whole => unweave_groups!(S, rows, columns, 3, |group| simd.unbraid(group)),
-        4 if whole => unweave_groups!(S, rows, columns, 4, |group| apart_4(simd, group)),
-        6 if whole => unweave_groups!(S, rows, columns, 6, |group| apart_6(simd, group)),
-        8 if whole => unweave_groups!(S, rows, columns, 8, |group| apart_8(simd, group)),
-        _ => unweave_singly(rows, columns),
+        3 if whole => to_columns_groups!(S, rows, columns, 3, |group| simd.deinterleave3(group)),
+        4 if whole => to_columns_groups!(S, rows, columns, 4, |group| deinterleave4(simd, group)),
+        6 if whole => to_columns_groups!(S, rows, columns, 6, |group| deinterleave6(simd, group)),
+        8 if whole => to_columns_groups!(S, rows, columns, 8, |group| deinterleave8(simd, group)),
+        _ => to_columns_singly(rows, columns),
     }
 }
 
 /// Puts rows together, as many as there is room for.
 #[inline(always)]
-pub fn weave<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
+pub fn transpose_to_rows<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
     let width = columns.len();
     let whole = rows.len() == width * BLOCK;
     match width {
-        3 if whole => weave_groups!(S, columns, rows, 3, |group| simd.braid(group)),
-        4 if whole => weave_groups!(S, columns, rows, 4, |group| together_4(simd, group)),
-        6 if whole => weave_groups!(S, columns, rows, 6, |group| together_6(simd, group)),
-        _ => weave_tiles(simd, columns, rows),
+        3 if whole => to_rows_groups!(S, columns, rows, 3, |group| simd.interleave3(group)),
+        4 if whole => to_rows_groups!(S, columns, rows, 4, |group| interleave4(simd, group)),
+        6 if whole => to_rows_groups!(S, columns, rows, 6, |group| interleave6(simd, group)),
+        _ => transpose_tiles_to_rows(simd, columns, rows),
     }
 }
 
 /// Puts rows of any width together, as many as there is room for, by squares of eight columns.
 #[inline(always)]
-pub fn weave_tiles<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
+pub fn transpose_tiles_to_rows<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
     let (width, lanes) = (columns.len(), S::F64_LANES);
     for (k, rows) in rows.chunks_mut((width * lanes).max(1)).enumerate() {
         if width < TILE || rows.len() < width * lanes {
@@ -145,36 +145,36 @@ pub fn weave_tiles<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
 // Interleaving 2 m columns is zipping column j with column j + m, and then interleaving m pairs.
 
 #[inline(always)]
-fn together_4<S: Vector>(simd: S, [a, b, c, d]: [S::f64s; 4]) -> [S::f64s; 4] {
+fn interleave4<S: Vector>(simd: S, [a, b, c, d]: [S::f64s; 4]) -> [S::f64s; 4] {
     let ([a, c], [b, d]) = (simd.zip([a, c]), simd.zip([b, d]));
     let ([first, second], [third, fourth]) = (simd.zip([a, b]), simd.zip([c, d]));
     [first, second, third, fourth]
 }
 
 #[inline(always)]
-fn apart_4<S: Vector>(simd: S, [first, second, third, fourth]: [S::f64s; 4]) -> [S::f64s; 4] {
+fn deinterleave4<S: Vector>(simd: S, [first, second, third, fourth]: [S::f64s; 4]) -> [S::f64s; 4] {
     let ([a, b], [c, d]) = (simd.unzip([first, second]), simd.unzip([third, fourth]));
     let ([a, c], [b, d]) = (simd.unzip([a, c]), simd.unzip([b, d]));
     [a, b, c, d]
 }
 
 #[inline(always)]
-fn together_6<S: Vector>(simd: S, [a, b, c, d, e, f]: [S::f64s; 6]) -> [S::f64s; 6] {
+fn interleave6<S: Vector>(simd: S, [a, b, c, d, e, f]: [S::f64s; 6]) -> [S::f64s; 6] {
     let ([a, d], [b, e], [c, f]) = (simd.zip([a, d]), simd.zip([b, e]), simd.zip([c, f]));
-    let ([a, b, c], [d, e, f]) = (simd.braid([a, b, c]), simd.braid([d, e, f]));
+    let ([a, b, c], [d, e, f]) = (simd.interleave3([a, b, c]), simd.interleave3([d, e, f]));
     [a, b, c, d, e, f]
 }
 
 #[inline(always)]
-fn apart_6<S: Vector>(simd: S, [a, b, c, d, e, f]: [S::f64s; 6]) -> [S::f64s; 6] {
-    let ([a, b, c], [d, e, f]) = (simd.unbraid([a, b, c]), simd.unbraid([d, e, f]));
+fn deinterleave6<S: Vector>(simd: S, [a, b, c, d, e, f]: [S::f64s; 6]) -> [S::f64s; 6] {
+    let ([a, b, c], [d, e, f]) = (simd.deinterleave3([a, b, c]), simd.deinterleave3([d, e, f]));
     let ([a, d], [b, e], [c, f]) = (simd.unzip([a, d]), simd.unzip([b, e]), simd.unzip([c, f]));
     [a, b, c, d, e, f]
 }
 
 #[inline(always)]
-fn apart_8<S: Vector>(simd: S, [a, b, c, d, e, f, g, h]: [S::f64s; 8]) -> [S::f64s; 8] {
-    let ([a, b, c, d], [e, f, g, h]) = (apart_4(simd, [a, b, c, d]), apart_4(simd, [e, f, g, h]));
+fn deinterleave8<S: Vector>(simd: S, [a, b, c, d, e, f, g, h]: [S::f64s; 8]) -> [S::f64s; 8] {
+    let ([a, b, c, d], [e, f, g, h]) = (deinterleave4(simd, [a, b, c, d]), deinterleave4(simd, [e, f, g, h]));
     let ([a, e], [b, f]) = (simd.unzip([a, e]), simd.unzip([b, f]));
     let ([c, g], [d, h]) = (simd.unzip([c, g]), simd.unzip([d, h]));
     [a, b, c, d, e, f, g, h]
@@ -182,7 +182,7 @@ fn apart_8<S: Vector>(simd: S, [a, b, c, d, e, f, g, h]: [S::f64s; 8]) -> [S::f6
 
 /// Number by number: widths without shuffles, and the last rows.
 #[inline(always)]
-fn unweave_singly(rows: &[f64], columns: &mut [Column]) {
+fn to_columns_singly(rows: &[f64], columns: &mut [Column]) {
     let width = columns.len();
     for (j, column) in columns.iter_mut().enumerate() {
         *column = Column::ZERO;
