@@ -1,12 +1,12 @@
 //! Wheels to twist: the rows of every wheel, stacked and solved by least squares.
 
 pub(crate) mod gradients;
+mod readings;
 pub mod sensitivity;
-
-use std::str::FromStr;
 
 use nalgebra::{Matrix3, Vector3};
 
+pub use self::readings::{Fit, Measured, Method, Reading, Unseen};
 use crate::geometry::Twist;
 use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 use crate::wheels::{Direction, Pivot};
@@ -35,104 +35,6 @@ pub(crate) const ROUNDS: usize = 100;
 pub fn worst_wheel(residuals: &[f64]) -> Option<usize> {
     let largest = residuals.iter().copied().fold(0.0, f64::max);
     residuals.iter().position(|residual| *residual == largest && largest > 0.0)
-}
-
-/// Method by which the wheels' readings are weighted against each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Every wheel alike.
-    LeastSquares,
-    /// The unsteered wheels alone.
-    MiddleWheels,
-    /// Iteratively re-weighted: a wheel that disagrees with the others loses its say.
-    Robust,
-}
-
-impl FromStr for Method {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        match name {
-            "least_squares" => Ok(Self::LeastSquares),
-            "middle_wheels" => Ok(Self::MiddleWheels),
-            "robust" => Ok(Self::Robust),
-            _ => {
-                let rule = "be 'least_squares', 'middle_wheels' or 'robust'";
-                Err(Error::value("method", rule, format!("{name:?}")))
-            }
-        }
-    }
-}
-
-/// Treatment of a motion that no reading sees.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Unseen {
-    /// It is an error.
-    #[default]
-    Refuse,
-    /// It is taken to be zero, about the middle of the wheels.
-    Zero,
-}
-
-/// Result of a fit beside the residuals and weights.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fit {
-    /// The estimate.
-    pub twist: Twist,
-    /// Number of independent directions of the twist that the readings determine.
-    pub rank: usize,
-    /// Smallest singular value of the stacked, weighted rows.
-    pub sigma_min: f64,
-}
-
-/// Both rows of one wheel with their right-hand sides.
-#[derive(Clone, Copy, Debug)]
-pub struct Reading {
-    /// Rolling row.
-    pub rolling: Vector3<f64>,
-    /// Side-slip row.
-    pub side_slip: Vector3<f64>,
-    /// Right-hand side of the rolling row [m/s].
-    pub rolled: f64,
-    /// Right-hand side of the side-slip row [m/s].
-    pub slipped: f64,
-}
-
-impl Reading {
-    /// Rows of a wheel that measures nothing.
-    pub const NONE: Self = Self {
-        rolling: Vector3::new(0.0, 0.0, 0.0),
-        side_slip: Vector3::new(0.0, 0.0, 0.0),
-        rolled: 0.0,
-        slipped: 0.0,
-    };
-
-    /// Length of the two residuals: how fast the contact slides under this twist [m/s].
-    #[inline]
-    pub fn residual(&self, twist: &Vector3<f64>) -> f64 {
-        let along = self.rolling.dot(twist) - self.rolled;
-        let across = self.side_slip.dot(twist) - self.slipped;
-        along.hypot(across)
-    }
-}
-
-/// Readings of the wheels at one instant.
-#[derive(Clone, Copy, Debug)]
-pub struct Measured<'a> {
-    /// Angles of the steered wheels [rad].
-    pub steering: &'a [f64],
-    /// Speeds of all wheels [rad/s]. NaN where a passive wheel has no encoder.
-    pub speeds: &'a [f64],
-    /// Rates of the steered wheels [rad/s]; they matter to wheels with scrub or trail.
-    pub steering_rates: Option<&'a [f64]>,
-}
-
-impl Measured<'_> {
-    /// True if every wheel has a reading.
-    #[inline]
-    pub fn is_complete(&self) -> bool {
-        self.speeds.iter().all(|speed| !speed.is_nan())
-    }
 }
 
 impl RoverData {

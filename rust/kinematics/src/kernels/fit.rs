@@ -233,7 +233,7 @@ impl FitConstants<'_> {
         for k in 0..BLOCK / S::F64_LANES {
             let unknowns = load(simd, &kept.unknowns, k);
             if ROBUST {
-                let parts = self.forward.unshifted(simd, unknowns);
+                let parts = self.forward.unshifted(unknowns);
                 for (column, part) in twists.iter_mut().zip(parts) {
                     column.store(k, part);
                 }

@@ -199,7 +199,7 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
     log: Log<'_>,
 ) -> bool {
     let splat = |number| Lanes::splat(simd, number);
-    let (zero, one) = (splat(0.0), splat(1.0));
+    let zero = splat(0.0);
     let [largest_angle, largest_speed] = [LARGEST_ANGLE / 2.0, LARGEST_SPEED].map(|largest| splat(largest * largest));
     let mut all: Mask<S> = zero.le(zero);
     for k in 0..BLOCK / S::F64_LANES {
@@ -237,13 +237,13 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
                     if let Some(offset) = offset
                         && !CENTRED
                     {
-                        arm = offset.swung(simd, arm, offset.shares, (sin, cos));
+                        arm = offset.swung(arm, offset.shares, (sin, cos));
                         add_moments(&mut normal, arm);
                         if let Some(rate) = heard.rates.get(joint) {
                             let rate = rate.load(simd, k);
                             rates = rate.mul_add(rate, rates);
                             // The contact goes round the steering axis.
-                            let [x, y] = offset.swung(simd, [zero; 2], offset.lengths, (sin, cos));
+                            let [x, y] = offset.swung([zero; 2], offset.lengths, (sin, cos));
                             (u, v) = (u + y * rate, v - x * rate);
                         }
                     }
@@ -265,32 +265,51 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
                 kept.seen[i][1].store(k, v);
             }
         }
-        let mut usual = rates.le(largest_speed) & angles.le(largest_angle);
-        let mut unknowns = [zero; 3];
-        if let Some(rows) = &plan.solution
-            && CENTRED
-        {
-            for (unknown, [a, b, c]) in unknowns.iter_mut().zip(rows) {
-                let sum = y.mul_add(splat(*b), x * splat(*a));
-                *unknown = z.mul_add(splat(*c), sum);
-            }
-        } else {
-            let (solved, determined) = solve(simd, normal, [x, y, z]);
-            (unknowns, usual) = (solved, usual & determined);
-        }
         if KEEP {
-            for (column, unknown) in kept.unknowns.iter_mut().zip(unknowns) {
-                column.store(k, unknown);
-            }
             kept.rolling.store(k, rolling);
         }
-        for (column, part) in twists.iter_mut().zip(plan.unshifted(simd, unknowns)) {
-            column.store(k, part);
-        }
-        kept.doubts.store(k, usual.select(zero, one));
-        all = all & usual;
+        let is_safe = rates.le(largest_speed) & angles.le(largest_angle);
+        all = all & store_twist::<S, KEEP, CENTRED>(simd, plan, (normal, [x, y, z]), is_safe, k, twists, kept);
     }
     !(!all).any()
+}
+
+/// Solves the normal equations of register `k` and stores the twists, and for fits what they go on from. Returns the lanes that
+/// are solved.
+#[inline(always)]
+fn store_twist<S: Vector, const KEEP: bool, const CENTRED: bool>(
+    simd: S,
+    plan: &ForwardConstants<'_>,
+    (normal, [x, y, z]): ([Lanes<S>; 6], [Lanes<S>; 3]),
+    is_safe: Mask<S>,
+    k: usize,
+    twists: &mut [Column; 3],
+    kept: &mut FitColumns<'_>,
+) -> Mask<S> {
+    let splat = |number| Lanes::splat(simd, number);
+    let mut unknowns = [splat(0.0); 3];
+    let mut is_solved = is_safe;
+    if let Some(rows) = &plan.solution
+        && CENTRED
+    {
+        for (unknown, [a, b, c]) in unknowns.iter_mut().zip(rows) {
+            let sum = y.mul_add(splat(*b), x * splat(*a));
+            *unknown = z.mul_add(splat(*c), sum);
+        }
+    } else {
+        let (solved, determined) = solve(simd, normal, [x, y, z]);
+        (unknowns, is_solved) = (solved, is_safe & determined);
+    }
+    if KEEP {
+        for (column, unknown) in kept.unknowns.iter_mut().zip(unknowns) {
+            column.store(k, unknown);
+        }
+    }
+    for (column, part) in twists.iter_mut().zip(plan.unshifted(unknowns)) {
+        column.store(k, part);
+    }
+    kept.doubts.store(k, is_solved.select(splat(0.0), splat(1.0)));
+    is_solved
 }
 
 impl ForwardConstants<'_> {
@@ -324,7 +343,7 @@ impl ForwardConstants<'_> {
                 let angle = steering[joint].load(simd, k) + splat(heading);
                 let [along, across] = &wheel.rows;
                 let arm = [splat(across[2]), splat(-along[2])];
-                let arm = offset.swung(simd, arm, offset.shares, sin_cos(simd, angle));
+                let arm = offset.swung(arm, offset.shares, sin_cos(simd, angle));
                 add_moments(&mut normal, arm);
             }
             joint += 1;
@@ -334,11 +353,9 @@ impl ForwardConstants<'_> {
 
     /// [`Rover::unshifted`] in every lane.
     #[inline(always)]
-    pub fn unshifted<S: Vector>(&self, simd: S, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-        let omega = z * Lanes::splat(simd, 1.0 / self.rover.size);
-        let (cx, cy) = (self.rover.centre.x, self.rover.centre.y);
-        let (cx, cy) = (Lanes::splat(simd, cx), Lanes::splat(simd, cy));
-        [x + omega * cy, y - omega * cx, omega]
+    pub fn unshifted<S: Vector>(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let omega = z * (1.0 / self.rover.size);
+        [x + omega * self.rover.centre.y, y - omega * self.rover.centre.x, omega]
     }
 }
 
@@ -347,13 +364,11 @@ impl Offset {
     #[inline(always)]
     fn swung<S: Vector>(
         &self,
-        simd: S,
         [x, y]: [Lanes<S>; 2],
-        by: [f64; 2],
+        [scrub, trail]: [f64; 2],
         (sin, cos): (Lanes<S>, Lanes<S>),
     ) -> [Lanes<S>; 2] {
-        let (scrub, trail) = (Lanes::splat(simd, by[0]), Lanes::splat(simd, by[1]));
-        [x - scrub * sin - trail * cos, y + scrub * cos - trail * sin]
+        [x - sin * scrub - cos * trail, y + cos * scrub - sin * trail]
     }
 }
 
@@ -365,14 +380,14 @@ fn add_moments<S: Vector>(normal: &mut [Lanes<S>; 6], [x, y]: [Lanes<S>; 2]) {
     normal[5] = x.mul_add(x, y.mul_add(y, normal[5]));
 }
 
-/// The solution of normal equations `00 01 02 11 12 22`, and where they surely have one.
+/// The solution of normal equations `00 01 02 11 12 22`, and where their pivots are large enough.
 #[inline(always)]
 pub(crate) fn solve<S: Vector>(
     simd: S,
     [a, b, c, d, e, f]: [Lanes<S>; 6],
     [x, y, z]: [Lanes<S>; 3],
 ) -> ([Lanes<S>; 3], Mask<S>) {
-    let least = (a + d + f) * Lanes::splat(simd, DETERMINED);
+    let least = (a + d + f) * DETERMINED;
     // By minors, so that there is one division.
     let (xx, xy, xz) = (d * f - e * e, c * e - b * f, b * e - c * d);
     let (yy, yz, zz) = (a * f - c * c, b * c - a * e, a * d - b * b);
@@ -381,6 +396,5 @@ pub(crate) fn solve<S: Vector>(
     let unknowns =
         [(xx * x + xy * y + xz * z) * share, (xy * x + yy * y + yz * z) * share, (xz * x + yz * y + zz * z) * share];
     // The pivots, times those before them.
-    let sure = least.lt(a) & (least * a).lt(zz) & (least * zz).lt(whole);
-    (unknowns, sure)
+    (unknowns, least.lt(a) & (least * a).lt(zz) & (least * zz).lt(whole))
 }

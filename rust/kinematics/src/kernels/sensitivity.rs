@@ -178,7 +178,7 @@ fn invert<S: Vector>(
         let mut unit = [one, zero, zero];
         for column in inverse.as_chunks_mut::<3>().0 {
             let (unknowns, _) = solve(simd, normal, unit);
-            for (place, number) in column.iter_mut().zip(plan.unshifted(simd, unknowns)) {
+            for (place, number) in column.iter_mut().zip(plan.unshifted(unknowns)) {
                 place.store(k, number);
             }
             let [x, y, z] = unit;

@@ -290,11 +290,11 @@ mod tests {
         let lever = [0.4, -0.9];
         let swing = Matrix3::new(1.0, 0.0, lever[0], 0.0, 1.0, lever[1], 0.0, 0.0, 1.0);
         assert!(
-            (covariance.lane().propagate(lane(lever)).sum().matrix() - covariance.image(&swing).matrix()).amax()
+            (covariance.lane().propagate(lane(lever)).total().matrix() - covariance.image(&swing).matrix()).amax()
                 < 1e-14
         );
         let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.0, 0.0, 1.0);
-        let moved = covariance.lane().displacement_image(&[lane([1.0, 0.2, -0.4]), lane([0.5, -1.0, 0.3])]).sum();
+        let moved = covariance.lane().displacement_image(&[lane([1.0, 0.2, -0.4]), lane([0.5, -1.0, 0.3])]).total();
         assert!((moved.matrix() - covariance.image(&a).matrix()).amax() < 1e-14);
         assert_eq!(Covariance3::of(&covariance.matrix()), covariance);
     }
