@@ -177,7 +177,11 @@ impl<'a> Reports<'a> {
         }
         for (k, twist) in twists.iter_mut().enumerate() {
             let measured = log.row(self.rover, k);
-            *twist = single::forward_one(self.rover, measured, self.unseen)?.into();
+            // A few rows at the scalar level are those of `Rover::fit`, to the bit.
+            *twist = match self.level {
+                Level::Scalar => self.rover.forward(measured, self.unseen)?.into(),
+                _ => single::forward_one(self.rover, measured, self.unseen)?.into(),
+            };
         }
         Ok(())
     }
