@@ -128,6 +128,7 @@ profiling: $(VENV)/installed ## the installed module with names and lines for pe
 lint: $(VENV)/installed ## what has to be clean before a change lands
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
+	$(BIN)/python -m tests.house.structure
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff format --check --line-length 80 $(PAGES)
