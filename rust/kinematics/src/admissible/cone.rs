@@ -195,11 +195,11 @@ impl AdmissibleCone {
         if !(!is_clear).any() {
             return Admissibility { is_possible: yes, is_valid: is_clear };
         }
-        // Slips and speeds grow with the twist: those of tiny ones keep their digits.
+        // Slips and speeds grow with the twist, where no joint turns: those of tiny ones keep their digits.
         let [vx, vy, omega] = twist;
         let is_tiny = (vx.abs() + vy.abs() + omega.abs()).lt(Lanes::splat(simd, MIN_SQUARABLE));
-        let one = Lanes::splat(simd, 1.0);
-        let scale = if rates.are_given() { one } else { is_tiny.select(Lanes::splat(simd, SCALE[0]), one) };
+        let is_tiny = is_tiny & rates.largest(simd).le(zero);
+        let scale = is_tiny.select(Lanes::splat(simd, SCALE[0]), Lanes::splat(simd, 1.0));
         let twist = [vx * scale + zero, vy * scale, omega * scale];
         let (fastest, is_valid) = self.fastest(simd, twist, rates);
         let tolerance = fastest * Lanes::splat(simd, SLIP_TOLERANCE);

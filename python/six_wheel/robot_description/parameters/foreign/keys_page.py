@@ -14,7 +14,7 @@ from six_wheel.robot_description.parameters.vehicle_types import OWN_KEYS
 
 __all__ = ["page"]
 
-HEAD = """# Keys of others
+HEAD = """# Keys of ros2_controllers, PathPlanner, YAGSL and others
 
 Which keys of whose parameter files `six-wheel` reads. This page is made by `python docs/keys.py` from the
 tables by which files are read, and a test keeps the two equal.
