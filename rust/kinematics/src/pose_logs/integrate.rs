@@ -190,9 +190,9 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
     let (sin, cos) = direction(simd, headings);
     let mut length = sinc_of_square(simd, squares);
     if FAR {
-        for m in 0..N {
-            let chord = sinc(simd, halves[m], sin_cos_any(simd, halves[m]).0);
-            length.set_register(m, halves[m].abs().le(largest).select(length.register(m), chord));
+        for (m, half) in halves.into_iter().enumerate() {
+            let chord = sinc(simd, half, sin_cos_any(simd, half).0);
+            length.set_register(m, half.abs().le(largest).select(length.register(m), chord));
         }
     } else {
         rotated = turned;

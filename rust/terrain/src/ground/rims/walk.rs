@@ -287,10 +287,9 @@ impl<S: Vector> Search<'_, S> {
         };
         walk.active = walk.active & !next.is_last;
         let moves = !next.splits;
-        let crosses = [moves & next.by_x, moves & !next.by_x];
-        for k in 0..2 {
-            let turns = crosses[k] & next.turns[k];
-            let passes = crosses[k] & !next.turns[k];
+        for (k, crosses) in [moves & next.by_x, moves & !next.by_x].into_iter().enumerate() {
+            let turns = crosses & next.turns[k];
+            let passes = crosses & !next.turns[k];
             walk.cell[k] = passes.select(walk.cell[k] + walk.sign[k], walk.cell[k]);
             walk.sign[k] = turns.select(-walk.sign[k], walk.sign[k]);
         }
