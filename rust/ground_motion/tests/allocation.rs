@@ -105,7 +105,7 @@ fn one_call_takes_no_memory() -> Result<(), Error> {
     Ok(())
 }
 
-/// What a batch takes does not grow with its rows: its plan, at the vector levels.
+/// What a batch takes does not grow with its rows: its constants.
 #[test]
 fn a_batch_takes_no_memory_for_its_rows() -> Result<(), Error> {
     for level in Level::available() {
@@ -124,9 +124,6 @@ fn a_batch_takes_no_memory_for_its_rows() -> Result<(), Error> {
                 [inverse, forward]
             });
             assert_eq!(counts[0], counts[1], "{level:?}");
-            if level == Level::Scalar {
-                assert_eq!(counts[0], [0, 0]);
-            }
         }
     }
     Ok(())

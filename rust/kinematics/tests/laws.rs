@@ -71,7 +71,7 @@ proptest! {
             prop_assert_eq!(&speeds[6 * k..6 * k + 6], &rates);
             let one = if rows < 8 {
                 let measured = Measured { steering: &angles, speeds: &rates, steering_rates: None };
-                batch::forward_one(&rover, measured, Unseen::Refuse)?.into()
+                rover.forward(measured, Unseen::Refuse)?.into()
             } else {
                 let (angles, rates) = (angles.repeat(8), rates.repeat(8));
                 let log = Log { steering: &angles, speeds: &rates, steering_rates: None };
