@@ -73,7 +73,7 @@ def test_an_import_upwards_or_in_a_circle_breaks_the_contract(tmp_path: Path) ->
     assert subprocess.run(command, check=False, **how).returncode == 0
     for low, high in (
         ("kinematics/odometry/tracks", "cli import names"),
-        ("logs/columns", "logs import bags"),
+        ("logs/tables", "logs import bags"),
     ):
         with (tmp_path / f"six_wheel/{low}.py").open("a", encoding="utf-8") as file:
             file.write(f"\n\ndef later() -> None:\n    from six_wheel.{high}  # lazily\n")

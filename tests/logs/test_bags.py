@@ -24,10 +24,10 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.logs import JointLog, read_truth
 from six_wheel.logs.bags.joint_bag import JOINT_STATE
 from six_wheel.logs.bags.messages import POSES
-from six_wheel.logs.columns import TableError
 from six_wheel.simulation.drive import Loop, drive
 from tests.rovers import CART
 from tests.rovers import SIX_WHEELS as ROVER

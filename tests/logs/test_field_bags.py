@@ -15,8 +15,8 @@ pytest.importorskip("pyarrow")
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.logs import JointLog, read_truth
-from six_wheel.logs.columns import TableError
 from six_wheel.logs.detect_reader import LogOptions, read_log
 from tests.logs.test_bags import CART, START, STORE, TYPES, header, joints, states, write
 

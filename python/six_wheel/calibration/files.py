@@ -17,9 +17,9 @@ from six_wheel.calibration.run_calibration import calibrate
 from six_wheel.kinematics.odometry.dead_reckoning import dead_reckon
 from six_wheel.kinematics.odometry.dimensions import FRAME
 from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
+from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.poses import Floats, joined
 from six_wheel.log_odometry.evaluation.paths import align
-from six_wheel.logs.columns import TableError
 from six_wheel.logs.detect_reader import AnyLog, LogOptions, logs_in, read_log
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.writing import replacing

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Odometry, Rover
+from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.odometry.tracks import ROUNDING, OdometryHealth, Track
 from six_wheel.kinematics.poses import Floats, joined
 from six_wheel.log_odometry.evaluation.paths import absolute_error, align, evaluate
@@ -21,7 +22,6 @@ from six_wheel.log_odometry.evaluation.slip import lost_stretches, reach
 from six_wheel.log_odometry.recording import TrackRecord
 from six_wheel.log_odometry.results import Count, Reckoned, Settings
 from six_wheel.log_odometry.slip import SlipSum
-from six_wheel.logs.columns import TableError
 from six_wheel.logs.detect_reader import AnyLog, LogOptions, corrections, open_log
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.joints import JointRows

@@ -1,8 +1,7 @@
 """Readers and writers of logs: tables, bags and recordings; the format of a file is detected.
 
-`columns` says what a header means; `tables` reads commands, `joints` readings and `ground_truth` where it
-was, from tables (`skip_bad_rows` goes on after a bad one) or `bags`; `gyroscope` is rates in either;
-`recordings` are logs in memory, `optiodom` an example of a reader; `detect_reader` opens any of them;
+`tables` reads commands, `joints` readings and `ground_truth` where it was, from tables (`skip_bad_rows` goes
+on after a bad one) or `bags`; `gyroscope` is rates in either; `recordings` are logs in memory, `optiodom` an example of a reader; `detect_reader` opens any of them;
 `writing` replaces files. `mcap` has the records of a run.
 """
 
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.logs.columns import TableError
+    from six_wheel.kinematics.odometry.headers.columns import TableError
     from six_wheel.logs.detect_reader import LogOptions, open_log, read_log
     from six_wheel.logs.ground_truth import read_truth
     from six_wheel.logs.joints import JointLog, JointRows
@@ -40,13 +39,11 @@ __getattr__, __dir__ = attach(
     __name__,
     {
         "bags": (),
-        "columns": ("TableError",),
-        "joint_columns": (),
         "joints": ("JointLog", "JointRows"),
         "detect_reader": ("LogOptions", "open_log", "read_log"),
         "optiodom": (),
         "recordings": ("WheelLog", "GroundTruth"),
-        "tables": ("Chunk", "CommandTable", "RowError"),
+        "tables": ("Chunk", "CommandTable", "RowError", "TableError"),
         "skip_bad_rows": (),
         "ground_truth": ("read_truth",),
         "mcap": (),

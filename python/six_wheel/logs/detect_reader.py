@@ -14,13 +14,13 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from six_wheel._core import Encoder, Rover
+from six_wheel.kinematics.odometry.headers.columns import TableError
+from six_wheel.kinematics.odometry.headers.joint_columns import Reading
 from six_wheel.kinematics.odometry.tabular_input import is_table, table
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
-from six_wheel.logs.columns import TableError
 from six_wheel.logs.ground_truth import read_truth
-from six_wheel.logs.joint_columns import Reading
 from six_wheel.logs.joint_sources import JointSource
 from six_wheel.logs.joints import JointLog, JointRows
 from six_wheel.logs.recordings import GroundTruth, WheelLog

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.kinematics.odometry.headers.columns import TIME, Column, TableError, find_columns
+from six_wheel.kinematics.odometry.headers.joint_columns import position_columns, truth_columns
 from six_wheel.logs.bags.bag_files import is_bag
-from six_wheel.logs.columns import TIME, Column, TableError, find_columns
-from six_wheel.logs.joint_columns import position_columns, truth_columns
 from six_wheel.logs.skip_bad_rows import Findings, Sieve, Source, TolerantTable, seconds_since
 
 __all__ = ["TRUTH", "has_headings", "poses_of", "read_truth"]

@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.odometry.headers.columns import Column, Unit
+from six_wheel.kinematics.odometry.headers.joint_columns import JointColumns, Reading, joint_columns
 from six_wheel.logs.bags.bag_files import is_bag
-from six_wheel.logs.columns import Column, Unit
 from six_wheel.logs.ground_truth import TRUTH
 from six_wheel.logs.gyroscope.rates import RATES, upward
 from six_wheel.logs.gyroscope.sources import rate_table
-from six_wheel.logs.joint_columns import JointColumns, Reading, joint_columns
 from six_wheel.logs.skip_bad_rows import Source, TolerantTable
 
 __all__ = ["JointSource"]

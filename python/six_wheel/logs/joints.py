@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.logs.columns import TableError
+from six_wheel.kinematics.odometry.headers.columns import TableError
+from six_wheel.kinematics.odometry.headers.joint_columns import Reading
 from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
 from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of
 from six_wheel.logs.gyroscope.sources import readings_of
-from six_wheel.logs.joint_columns import Reading
 from six_wheel.logs.joint_sources import JointSource
 from six_wheel.logs.joint_totals import Encoders, Integral, Total, encoder_of
 from six_wheel.logs.recordings import GroundTruth, WheelLog

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.logs.columns import Column, TableError, Unit, is_number
+from six_wheel.kinematics.odometry.headers.columns import Column, TableError, Unit, is_number
 from six_wheel.logs.tables import LATEST_SECOND, RowError, Table
 
 if TYPE_CHECKING:

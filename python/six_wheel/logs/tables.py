@@ -1,7 +1,7 @@
 """Tables, CSV or Parquet, read in chunks; command tables, checked row by row.
 
 A command table has one row per command: a time, `vx`, `vy` (optional, 0 without it) and `omega`. Its columns
-are found by their headers, in the spellings of `_columns.QUANTITIES`, and a header may state its unit:
+are found by their headers, in the spellings of `headers.columns.QUANTITIES`, and a header may state its unit:
 ``time_ns``, ``vx [mm/s]``, ``yaw_rate_deg_s``. Rows are counted from 1, lines as an editor counts them. Needs
 pyarrow.
 """
@@ -19,7 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.kinematics.errors import FileError
-from six_wheel.logs.columns import TIME_UNITS, Column, TableError, find_columns, is_number
+from six_wheel.kinematics.odometry.headers.columns import (
+    TIME_UNITS,
+    Column,
+    TableError,
+    find_columns,
+    is_number,
+)
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -10,7 +10,7 @@ from glob import escape
 from pathlib import Path
 from typing import Any, Self
 
-from six_wheel.logs.columns import TableError
+from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.logs.tables import table_format
 
 __all__ = ["TableWriter", "remove_leftovers", "replacing"]

@@ -15,7 +15,7 @@ pa = pytest.importorskip("pyarrow")
 csv = pytest.importorskip("pyarrow.csv")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from six_wheel.logs.columns import TableError  # noqa: E402
+from six_wheel.kinematics.odometry.headers.columns import TableError  # noqa: E402
 from six_wheel.simulation.drive import (  # noqa: E402
     ControlledDrive,
     Loop,

@@ -12,13 +12,12 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.kinematics.odometry.headers.rate_columns import ABOUT_Z, AXES, RATES
+
 __all__ = ["AXES", "LONGEST_GAP", "RATES", "Passing", "Turning", "about_z", "edges_of", "upward"]
 
 Floats = NDArray[np.float64]
 
-AXES = ("x", "y", "z")
-ABOUT_Z = "rate"  # of the rover itself, however the sensor sits
-RATES = (ABOUT_Z, *(f"rate {axis}" for axis in AXES))
 LONGEST_GAP = 0.5  # [s] between two readings, across which nothing is known
 
 

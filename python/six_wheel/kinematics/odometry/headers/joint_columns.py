@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
 from six_wheel._core import Rover
-from six_wheel.logs.columns import (
+from six_wheel.kinematics.odometry.headers.columns import (
     BRACKETS,
     TIME,
     Column,
@@ -23,7 +23,7 @@ from six_wheel.logs.columns import (
     unit,
     words,
 )
-from six_wheel.logs.gyroscope.sources import rate_columns
+from six_wheel.kinematics.odometry.headers.rate_columns import rate_columns
 
 Reading: TypeAlias = Literal["angle", "speed", "ticks"]
 READINGS: tuple[Reading, ...] = get_args(Reading)

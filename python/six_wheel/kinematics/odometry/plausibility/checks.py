@@ -1,0 +1,361 @@
+"""All checks of a log, chunk by chunk, at little cost.
+
+Sums telescope: a jump in one row shows in the difference over a stretch of rows. So a clean log is judged by
+few of its rows, and only a stretch that is odd is read row by row.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Rover
+from six_wheel.kinematics.odometry.plausibility.jumps import Jumps, find_jumps, may_jump
+from six_wheel.kinematics.odometry.plausibility.motion import (
+    STRETCH,
+    check_motion,
+    check_steering,
+    degrees,
+)
+from six_wheel.kinematics.odometry.plausibility.proposals import (
+    Column,
+    ImplausibleReadingError,
+    at_its_word,
+    columns,
+    encoders,
+    max_speed,
+    number,
+    rows,
+    stamp_unit,
+)
+from six_wheel.kinematics.odometry.plausibility.stamps import check_clock, check_origin
+from six_wheel.kinematics.odometry.plausibility.whole_numbers import (
+    all_whole,
+    check_counts,
+    check_increments,
+    check_increments_as_totals,
+)
+
+__all__ = ["ReadingChecks", "Readings"]
+
+Floats = NDArray[np.float64]
+
+SAMPLE = 4096  # rows in a row that are read closely for what only neighbours tell
+LONG_GAP = 1.0  # [s] in which rates tell nothing
+STUCK_ROWS = 50  # of a log in which a wheel does not move
+STUCK_TURN = 4.0 * math.pi  # [rad] that another one turns meanwhile
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Description of the readings of a log, and which of it somebody said.
+
+    Attributes
+    ----------
+    rover : Rover
+    kind : str
+        ``"angles"``, ``"ticks"``, ``"speeds"`` or ``"increments"``.
+    wheels, steering : sequence of Column
+        In the rover's order, with an empty header for a wheel without one.
+    time : str
+        Header of the stamps.
+    named : bool
+        Whether columns have headers that can be mapped.
+    clock_stated, wheels_stated, steering_stated : bool
+        Whether the log or its owner says in which unit they are.
+    wraps, steering_wraps : bool
+        Whether encoders say where counters start over.
+    counts_unknown : bool
+        Whether readings are counts and nobody says of how many a turn has.
+    turn : float or None
+        Counts of a turn.
+    increments_stated : bool
+        Whether it is said that rows are totals, or that they are not.
+    max_speed, max_gap : float or None
+        Bounds of the owner [m/s], [s].
+    first_row : int
+        Number of the first row.
+    """
+
+    rover: Rover
+    kind: str = "angles"
+    wheels: Sequence[Column] = ()
+    steering: Sequence[Column] = ()
+    time: str = "stamps"
+    named: bool = False
+    clock_stated: bool = False
+    wheels_stated: bool = False
+    steering_stated: bool = False
+    wraps: bool = False
+    steering_wraps: bool = False
+    counts_unknown: bool = False
+    turn: float | None = None
+    increments_stated: bool = False
+    max_speed: float | None = None
+    max_gap: float | None = None
+    first_row: int = 1
+
+
+@dataclass
+class ReadingChecks:
+    """Checks of the rows of a log as they come.
+
+    Parameters
+    ----------
+    readings : Readings
+    warn : callable
+        Called with a line for what can be read but not be trusted.
+    """
+
+    readings: Readings
+    warn: Callable[[str], None]
+    _rows: int = 0
+    _last: tuple[float, Floats, Floats, Floats | None] | None = None
+    _spans: list[tuple[Floats, Floats]] = field(default_factory=list)
+    _clock_known: bool = False
+    _looked: bool = False
+
+    def take(
+        self,
+        stamps: Floats,
+        raw: Floats,
+        angles: Floats | None,
+        steering: Floats | None,
+        numbers: NDArray[np.int64] | None = None,
+    ) -> None:
+        """Check consecutive rows.
+
+        Parameters
+        ----------
+        stamps : array, shape (n,)
+            Seconds.
+        raw : array, shape (n, wheels)
+            As the log has them, in radians or counts.
+        angles : array, shape (n, wheels), or None
+            Running totals [rad]; None if only `raw` tells.
+        steering : array, shape (n, steered wheels), or None
+            As the log has them.
+        numbers : array, shape (n,), optional
+            Of the rows.
+
+        Raises
+        ------
+        ImplausibleReadingError
+            If readings cannot be meant as they are read.
+        """
+        if not len(stamps):
+            return
+        known = self.readings
+        if not self._rows and not known.clock_stated:
+            check_origin(float(stamps[0]), known.time, self._row(0, numbers))
+        chosen = self._stretches(stamps)
+        self._look(raw, steering, numbers)
+        self._check_jumps(stamps, raw, steering, chosen, numbers)
+        if angles is not None:
+            self._check_motion(stamps, angles, steering, chosen, numbers)
+        if known.kind == "speeds":
+            self._check_gaps(stamps, raw, numbers)
+        self._rows += len(stamps)
+        whole = raw if angles is None else angles
+        last = None if steering is None else steering[-1]
+        self._last = (float(stamps[-1]), raw[-1].copy(), whole[-1].copy(), last)
+
+    def finish(self) -> None:
+        """Check the log as a whole.
+
+        Raises
+        ------
+        ImplausibleReadingError
+            If a wheel never moves while others do.
+        """
+        known = self.readings
+        if self._rows < STUCK_ROWS or not self._spans or known.kind == "increments":
+            return
+        spans = [np.array(each) for each in zip(*self._spans, strict=True)]
+        with np.errstate(invalid="ignore"):
+            moved = np.nanmax(spans[1], axis=0, initial=-np.inf) - np.nanmin(spans[0], axis=0, initial=np.inf)
+        heard = np.isfinite(moved)
+        if not heard.any():
+            return
+        fastest = int(np.argmax(np.where(heard, moved, -1.0)))
+        for place, wheel in enumerate(known.rover.wheels):
+            if (
+                heard[place]
+                and moved[place] == 0.0
+                and moved[fastest] > STUCK_TURN
+                and not wheel.roller_angle
+            ):
+                header = known.wheels[place].header
+                what = (
+                    f'"{header}" stands still in all {self._rows} rows while "{known.wheels[fastest].header}"'
+                )
+                rest = f"{at_its_word().option} takes it as it is"
+                remedy = "is its encoder connected?"
+                if known.named and heard.sum() > 2:
+                    remedy += f" Without it: give {columns({header: ''})};"
+                raise ImplausibleReadingError(
+                    f"{what} turns {moved[fastest]:.4g} rad: {remedy} {rest} ({at_its_word().argument})"
+                )
+
+    def _row(self, place: int, numbers: NDArray[np.int64] | None) -> int:
+        """The number of a row of this chunk."""
+        return self.readings.first_row + self._rows + place if numbers is None else int(numbers[place])
+
+    def _stretches(self, stamps: Floats) -> NDArray[np.int64]:
+        """Rows about `STRETCH` apart, the first and the last among them."""
+        few = stamps[: SAMPLE // 4]
+        steps = np.diff(few)
+        steps = steps[steps > 0.0]
+        period = float(np.median(steps)) if len(steps) else STRETCH
+        width = max(1, min(round(STRETCH / period) if period < STRETCH else 1, max(1, len(stamps) // 8)))
+        chosen = np.arange(0, len(stamps), width)
+        return chosen if chosen[-1] == len(stamps) - 1 else np.append(chosen, len(stamps) - 1)
+
+    def _look(self, raw: Floats, steering: Floats | None, numbers: NDArray[np.int64] | None) -> None:
+        """Counts and increments under another name, by rows that follow one another."""
+        known = self.readings
+        if self._looked:
+            return
+        self._looked = len(raw) >= SAMPLE // 4
+        piece, row = raw[:SAMPLE], self._row(0, numbers)
+        if known.kind in ("angles", "speeds") and not known.wheels_stated:
+            check_counts(piece if known.kind == "angles" else piece[:0], known.wheels, row)
+        if steering is not None and not known.steering_stated:
+            check_counts(steering[:SAMPLE], known.steering, row, steering=True)
+        if not known.increments_stated and not known.wraps:
+            # Quicker rows hold fewer counts each: more of them show the motion.
+            for column, readings in zip(known.wheels, raw[: 4 * SAMPLE].T, strict=True):
+                if known.kind in ("angles", "ticks"):
+                    check_increments_as_totals(readings, column, row)
+                elif known.kind == "increments":
+                    check_increments(readings, column, row)
+
+    def _check_jumps(
+        self,
+        stamps: Floats,
+        raw: Floats,
+        steering: Floats | None,
+        chosen: NDArray[np.int64],
+        numbers: NDArray[np.int64] | None,
+    ) -> None:
+        known = self.readings
+        if known.kind in ("angles", "ticks") and not known.wraps:
+            self._check_columns(raw, known.wheels, chosen, numbers, steering=False)
+        if steering is not None and not known.steering_wraps:
+            self._check_columns(steering, known.steering, chosen, numbers, steering=True)
+
+    def _check_columns(
+        self,
+        values: Floats,
+        named: Sequence[Column],
+        chosen: NDArray[np.int64],
+        numbers: NDArray[np.int64] | None,
+        steering: bool,
+    ) -> None:
+        before = None
+        if self._last is not None:
+            before = self._last[3] if steering else self._last[1]
+        for place, column in enumerate(named):
+            samples = values[chosen, place]
+            if before is not None:
+                samples = np.concatenate((before[place : place + 1], samples))
+            if not may_jump(samples, np.diff(samples)):
+                continue
+            whole = values[:, place]
+            if before is not None:
+                whole = np.concatenate((before[place : place + 1], whole))
+            turns = [self.readings.turn] if self.readings.turn else []
+            found = find_jumps(whole, turns, all_whole(samples))
+            if found is not None and (not steering or found.wraps_at is not None):
+                shift = 0 if before is None else 1
+                at = [self._row(int(k) - shift, numbers) for k in found.rows]
+                raise ImplausibleReadingError(self._jumping(column, found, at, steering))
+
+    def _jumping(self, column: Column, found: Jumps, at: Sequence[int], steering: bool) -> str:
+        """The line about a column that jumps."""
+        known = self.readings
+        steps = f"from {number(found.before)} to {number(found.after)}"
+        if found.wraps_at is not None:
+            counts = known.counts_unknown and not steering
+            proposal = encoders(wraps_at=found.wraps_at, counts=counts, steering=steering)
+            what = f'"{column.header}" wraps at {number(found.wraps_at)} in {rows(at)} ({steps})'
+            return f"{what}: give {proposal}"
+        what = f'"{column.header}" was set anew in {rows(at)} ({steps})'
+        return f"{what}: give {max_speed(10.0)}; a step beyond it counts as none"
+
+    def _check_motion(
+        self,
+        stamps: Floats,
+        angles: Floats,
+        steering: Floats | None,
+        chosen: NDArray[np.int64],
+        numbers: NDArray[np.int64] | None,
+    ) -> None:
+        known = self.readings
+        times, turned = stamps[chosen], angles[chosen]
+        if self._last is not None:
+            times = np.concatenate(([self._last[0]], times))
+            turned = np.vstack((self._last[2], turned))
+        with np.errstate(invalid="ignore"):
+            low, high = np.fmin.reduce(turned, axis=0), np.fmax.reduce(turned, axis=0)
+        self._spans.append((low, high))
+        periods = np.diff(times)
+        later = periods > 0.0
+        if not later.any():
+            return
+        rates = np.diff(turned, axis=0)[later] / periods[later][:, None]
+        ends = chosen[-len(periods) :][later]
+        radii = np.array([wheel.radius for wheel in known.rover.wheels])
+        rims = np.nan_to_num(np.abs(rates) * radii).max(axis=1)
+        if not known.clock_stated and not self._clock_known:
+            check_clock(stamps[:SAMPLE], rims, known.kind == "speeds", known.time, self._row(0, numbers))
+            self._clock_known = bool(rims.any())
+        middles = None
+        if steering is not None:
+            middles = steering[ends]
+            if not known.steering_stated:
+                check_steering(known.rover, middles, known.steering, self._row(0, numbers), known.named)
+        found = check_motion(known.rover, rates, middles, periods[later], known.max_speed)
+        if found is not None:
+            stretch, wheel, figure = found
+            raise ImplausibleReadingError(
+                self._impossible(wheel, figure, self._row(int(ends[stretch]), numbers), rates)
+            )
+
+    def _impossible(self, wheel: int, figure: str, row: int, rates: Floats) -> str:
+        """The line about a wheel that does what none can."""
+        known, column = self.readings, self.readings.wheels[wheel]
+        what = f'"{column.header}" {figure} in row {row}'
+        rest = f"{at_its_word().option} ({at_its_word().argument}) takes them as they are"
+        if known.kind in ("ticks", "increments"):
+            guess = "are there as many counts in a turn, and are its stamps seconds?"
+            return f"{what}: {guess} Give --resolution COUNTS, or {stamp_unit('ms')}; {rest}"
+        proposal = degrees(known.wheels, known.kind == "speeds", known.named)
+        more = "" if known.clock_stated else f", or {stamp_unit('ms').option}"
+        guess = "degrees, or counts, or stamps in another unit?"
+        counts = f"--resolution COUNTS{more}"
+        return f"{what}: {guess} Give {proposal}; for others {counts}; {rest}"
+
+    def _check_gaps(self, stamps: Floats, rates: Floats, numbers: NDArray[np.int64] | None) -> None:
+        """Warns of long times without rates while wheels turn."""
+        if self._last is not None:
+            stamps = np.concatenate(([self._last[0]], stamps))
+            rates = np.vstack((self._last[1], rates))
+        shift = 0 if self._last is None else 1
+        steps = np.diff(stamps)
+        if not len(steps):
+            return
+        usual = float(np.median(steps))
+        long = np.flatnonzero(steps > max(LONG_GAP, 10.0 * usual, self.readings.max_gap or 0.0))
+        fastest = float(np.nanmax(np.abs(rates), initial=0.0))
+        for place in long.tolist():
+            turning = float(np.nanmax(np.abs(rates[place : place + 2]), initial=0.0))
+            if turning > 0.05 * fastest:
+                row = self._row(place + 1 - shift, numbers)
+                what = (
+                    f"{steps[place]:.3g} s without rates before row {row}, with wheels at {turning:.3g} rad/s"
+                )
+                self.warn(f"{what}: the path across is a guess; max_gap={steps[place] + 0.1:.1f} accepts it")
+                return
