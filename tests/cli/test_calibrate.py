@@ -16,7 +16,8 @@ pytest.importorskip("scipy")
 import six_wheel as sw
 from six_wheel.calibration import Estimate, cross_validation
 from six_wheel.calibration.files import calibrate_files, interval
-from six_wheel.logs.detect_reader import LogOptions, example_run
+from six_wheel.logs.detect_reader import example_run
+from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.optiodom import example
 from six_wheel.robot_description.parameters import read_parameters
 from tests.calibration.drives import drive as wandering

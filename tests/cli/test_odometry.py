@@ -16,7 +16,7 @@ pytest.importorskip("pyarrow")
 import six_wheel as sw
 from six_wheel.log_odometry.run_log import reckon
 from six_wheel.log_odometry.slip import SlipSum
-from six_wheel.logs.detect_reader import LogOptions
+from six_wheel.logs.log_options import LogOptions
 from tests.cli_runs import Run
 from tests.odometry_logs import drive
 from tests.optiodom_data import FOLDER, REQUIRED, RUNS

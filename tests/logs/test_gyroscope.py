@@ -25,8 +25,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from six_wheel.kinematics.odometry.headers.rate_columns import rate_columns
 from six_wheel.log_odometry import Settings
 from six_wheel.logs import JointLog, TableError, read_log
-from six_wheel.logs.detect_reader import LogOptions
 from six_wheel.logs.gyroscope.rates import Passing, Turning, edges_of, upward
+from six_wheel.logs.log_options import LogOptions
 from six_wheel.simulation import write_log
 from tests.cli_runs import Run
 from tests.rovers import CART

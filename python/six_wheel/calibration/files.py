@@ -20,7 +20,8 @@ from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
 from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.poses import Floats, joined
 from six_wheel.log_odometry.evaluation.paths import align
-from six_wheel.logs.detect_reader import AnyLog, LogOptions, logs_in, read_log
+from six_wheel.logs.detect_reader import AnyLog, logs_in, read_log
+from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.writing import replacing
 from six_wheel.parallel import Journal

@@ -8,7 +8,7 @@ import typer
 from six_wheel.cli.shared import Chosen, Reading, choose
 
 if TYPE_CHECKING:
-    from six_wheel.logs.detect_reader import LogOptions
+    from six_wheel.logs.log_options import LogOptions
 
 TruthOption = Annotated[
     Path | None,
@@ -53,7 +53,7 @@ class LogReading(NamedTuple):
     def options(self, chosen: Chosen) -> "LogOptions":
         """Options for reading a log: those of the parameter file, overridden by the arguments."""
         from six_wheel._core import Encoder
-        from six_wheel.logs.detect_reader import LogOptions
+        from six_wheel.logs.log_options import LogOptions
 
         said = chosen.parameters
         counts = {key: getattr(self, key) for key in ("resolution", "gear", "modulus")}

@@ -17,7 +17,8 @@ from six_wheel._core import Rover, __version__
 from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.log_odometry.results import Settings
 from six_wheel.log_odometry.run_log import reckon
-from six_wheel.logs.detect_reader import LogOptions, logs_in
+from six_wheel.logs.detect_reader import logs_in
+from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.tables import table_format
 from six_wheel.logs.writing import remove_leftovers
 from six_wheel.parallel import Failure, Journal, spread

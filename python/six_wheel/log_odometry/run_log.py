@@ -22,9 +22,10 @@ from six_wheel.log_odometry.evaluation.slip import lost_stretches, reach
 from six_wheel.log_odometry.recording import TrackRecord
 from six_wheel.log_odometry.results import Count, Reckoned, Settings
 from six_wheel.log_odometry.slip import SlipSum
-from six_wheel.logs.detect_reader import AnyLog, LogOptions, corrections, open_log
+from six_wheel.logs.detect_reader import AnyLog, open_log
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.joints import JointRows
+from six_wheel.logs.log_options import LogOptions, corrections
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import TableWriter, replacing

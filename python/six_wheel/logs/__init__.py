@@ -1,7 +1,8 @@
 """Readers and writers of logs: tables, bags and recordings; the format of a file is detected.
 
 `tables` reads commands, `joints` readings and `ground_truth` where it was, from tables (`skip_bad_rows` goes
-on after a bad one) or `bags`; `gyroscope` is rates in either; `recordings` are logs in memory, `optiodom` an example of a reader; `detect_reader` opens any of them;
+on after a bad one) or `bags`; `gyroscope` is rates in either; `log_options` says what a log does not state;
+`recordings` are logs in memory, `optiodom` an example of a reader; `detect_reader` opens any of them;
 `writing` replaces files. `mcap` has the records of a run.
 """
 
@@ -11,9 +12,10 @@ from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
     from six_wheel.kinematics.odometry.headers.columns import TableError
-    from six_wheel.logs.detect_reader import LogOptions, open_log, read_log
+    from six_wheel.logs.detect_reader import open_log, read_log
     from six_wheel.logs.ground_truth import read_truth
     from six_wheel.logs.joints import JointLog, JointRows
+    from six_wheel.logs.log_options import LogOptions
     from six_wheel.logs.recordings import GroundTruth, WheelLog
     from six_wheel.logs.tables import Chunk, CommandTable, RowError
     from six_wheel.logs.writing import TableWriter, replacing
@@ -40,7 +42,8 @@ __getattr__, __dir__ = attach(
     {
         "bags": (),
         "joints": ("JointLog", "JointRows"),
-        "detect_reader": ("LogOptions", "open_log", "read_log"),
+        "detect_reader": ("open_log", "read_log"),
+        "log_options": ("LogOptions",),
         "optiodom": (),
         "recordings": ("WheelLog", "GroundTruth"),
         "tables": ("Chunk", "CommandTable", "RowError", "TableError"),

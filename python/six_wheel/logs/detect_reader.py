@@ -5,8 +5,8 @@ A format of one's own is a function that makes a `WheelLog` and its entry in `RE
 
 import difflib
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any, Self, TypeAlias
@@ -17,12 +17,12 @@ from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.odometry.headers.joint_columns import Reading
 from six_wheel.kinematics.odometry.tabular_input import is_table, table
-from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.joint_sources import JointSource
 from six_wheel.logs.joints import JointLog, JointRows
+from six_wheel.logs.log_options import LogOptions, corrections, encoders_of
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Findings
 from six_wheel.logs.tables import FORMATS
@@ -30,10 +30,8 @@ from six_wheel.logs.tables import FORMATS
 __all__ = [
     "READERS",
     "AnyLog",
-    "LogOptions",
     "Reader",
     "as_logs",
-    "corrections",
     "example_run",
     "log_format",
     "log_formats",
@@ -43,8 +41,6 @@ __all__ = [
     "read_log",
 ]
 
-# Of the keys of encoders those that hold for angles too, however they were read.
-CORRECTIONS = frozenset({"scale", "steering_gain"})
 ENDINGS = ", ".join([*FORMATS, *BAGS])
 AnyLog: TypeAlias = "JointLog | WholeLog"
 
@@ -82,40 +78,6 @@ READERS: dict[str, Reader] = {"optiodom": Reader(lambda path: metadata_of(path) 
 def log_formats() -> tuple[str, ...]:
     """Names of all formats."""
     return ("table", "bag", *READERS)
-
-
-@dataclass(frozen=True)
-class LogOptions:
-    """Options for what a log does not state; see `JointLog`. Encoders, truth and gyroscope have a parameter
-    file's keys; `frame` is its base_frame_id."""
-
-    format: str | None = None
-    reading: Reading | None = None
-    encoders: Mapping[str, Any] = field(default_factory=dict)
-    steering_encoders: Mapping[str, Any] = field(default_factory=dict)
-    columns: Mapping[str, str] = field(default_factory=dict)
-    topics: Sequence[str] = ()
-    truth_topic: str | None = None
-    truth: Mapping[str, float] = field(default_factory=dict)
-    gyroscope: Mapping[str, Any] = field(default_factory=dict)
-    frame: str = ""
-
-    @property
-    def sensor(self) -> Floats:
-        """Pose in the body of the point that the truth follows: x, y, yaw (3,) [m, m, rad]."""
-        return np.array([self.truth.get(axis, 0.0) for axis in ("x", "y", "yaw")])
-
-    def of_body(self, truth: GroundTruth) -> GroundTruth:
-        """The truth of the body itself, in the clock of the log, by the key ``truth`` of a parameter file.
-
-        Positions alone stay those of the sensor: without a heading none tells where the body is.
-        """
-        sensor = self.sensor
-        offset = self.truth.get("time_offset", 0.0)
-        if not (sensor.any() or offset):
-            return truth
-        poses = joined(truth.poses, inverse(sensor)) if truth.has_headings else truth.poses
-        return replace(truth, stamps=truth.stamps - offset, poses=poses)
 
 
 def metadata_of(path: Path) -> Path | None:
@@ -229,33 +191,6 @@ TICKS = {
     "wheel": ("the wheels are", "--resolution, or encoders.resolution"),
     "steering": ("the steering is", "steering_encoders.resolution"),
 }
-
-
-def encoders_of(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str, Encoder]:
-    """Encoders by wheel, from the keys of a parameter file; none if these say nothing about them."""
-    if not values.keys() - CORRECTIONS:
-        return {}
-    joints = rover.traction_joints if part == "wheel" else rover.steering_joints
-    wheels = rover.wheel_names if part == "wheel" else rover.steered_names
-    turned = {joints.get(name, name) for name in values.get("reversed", ())}
-    offsets = {joints.get(name, name): offset for name, offset in values.get("offsets", {}).items()}
-    resolution, gear, modulus = (values.get(key) for key in ("resolution", "gear", "modulus"))
-    return {
-        wheel: Encoder(
-            resolution,
-            gear=(1.0 if gear is None else gear) * (-1.0 if wheel in turned else 1.0),
-            modulus=modulus,
-            offset=offsets.get(wheel, 0.0),
-        )
-        for wheel in wheels
-    }
-
-
-def corrections(rover: Rover, values: Mapping[str, Any]) -> tuple[Floats, float]:
-    """Factors for the steering angles (steered wheels,) and for the wheels' angles."""
-    gains = values.get("steering_gain", {})
-    named = {rover.steering_joints.get(name, name): gain for name, gain in gains.items()}
-    return np.array([named.get(wheel, 1.0) for wheel in rover.steered_names]), values.get("scale", 1.0)
 
 
 def _instead_of(path: Path) -> str:

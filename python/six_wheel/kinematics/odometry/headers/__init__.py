@@ -1,3 +1,3 @@
-"""Headers of tables: `columns` finds the quantity and unit of each, `joint_columns` those of wheels and joints and
-of the truth, `rate_columns` those of a gyroscope.
+"""Headers of tables: `columns` finds the quantity and unit of each, `joint_columns` those of wheels, joints and
+the truth, `rate_columns` those of a gyroscope.
 """
