@@ -45,3 +45,7 @@ class FileError(ValueError):
 
 class SuspiciousUnitsWarning(UserWarning):
     """A number that cannot be a rover's in metres or radians; its text says what may have been meant."""
+
+
+class SuspiciousReadingsWarning(UserWarning):
+    """Readings of a log that can be read but hardly are what they seem to be."""

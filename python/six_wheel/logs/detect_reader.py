@@ -5,17 +5,19 @@ A format of one's own is a function that makes a `WheelLog` and its entry in `RE
 
 import difflib
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
-from typing import Any, Self, TypeAlias
+from typing import Any, NoReturn, Self, TypeAlias
 
 import numpy as np
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.odometry.headers.joint_columns import Reading
+from six_wheel.kinematics.odometry.plausibility.checks import ReadingChecks
+from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError, encoders
 from six_wheel.kinematics.odometry.tabular_input import is_table, table
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
@@ -25,7 +27,7 @@ from six_wheel.logs.joints import JointLog, JointRows
 from six_wheel.logs.log_options import LogOptions, corrections, encoders_of
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Findings
-from six_wheel.logs.tables import FORMATS
+from six_wheel.logs.tables import READ
 
 __all__ = [
     "READERS",
@@ -41,7 +43,7 @@ __all__ = [
     "read_log",
 ]
 
-ENDINGS = ", ".join([*FORMATS, *BAGS])
+ENDINGS = ", ".join([*READ, *BAGS])
 AnyLog: TypeAlias = "JointLog | WholeLog"
 
 
@@ -104,7 +106,7 @@ def log_format(path: Path) -> str:
             return name
     if is_bag(path):
         return "bag"
-    if path.suffix.lower() in FORMATS:
+    if path.suffix.lower() in READ:
         return "table"
     raise TableError(f'{path}: a log must be a bag\'s folder or end in {ENDINGS}, got "{path.suffix}"')
 
@@ -134,7 +136,7 @@ def _is_log(path: Path) -> bool:
     if path.is_dir():
         return (path / "metadata.yaml").exists()
     inside_bag = (path.parent / "metadata.yaml").exists()
-    named = path.suffix.lower() in {*FORMATS, *BAGS} or any(one.claims(path) for one in READERS.values())
+    named = path.suffix.lower() in {*READ, *BAGS} or any(one.claims(path) for one in READERS.values())
     return named and not inside_bag and not path.name.startswith(".") and not path.stem.endswith("_metadata")
 
 
@@ -152,7 +154,7 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
     if kind in READERS:
         return WholeLog(path, rover, kind)
     if is_bag(path) != (kind == "bag"):
-        of_table = f"a file ending in {' or '.join(FORMATS)}"
+        of_table = f"a file ending in {' or '.join(READ)}"
         what = "a folder or .mcap or .db3 file" if kind == "bag" else of_table
         raise TableError(f"{path}: the format {kind} is {what}")
     return _joint_log(path, rover, options)
@@ -165,16 +167,23 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     Messages have no units: there a resolution says that they are counts.
     """
     columns, topics = options.columns or None, options.topics or None
-    source = JointSource(path, rover, options.reading, columns, topics, options.gyroscope, options.frame)
+    source = JointSource(
+        path,
+        rover,
+        options.reading,
+        columns,
+        topics,
+        options.gyroscope,
+        options.frame,
+        options.stamp_unit,
+    )
     counts = {"wheel": source.reading == "ticks", "steering": bool(source.counted)}
     found: dict[str, dict[str, Encoder]] = {"wheel": {}, "steering": {}}
     try:
         for part, keys in (("wheel", options.encoders), ("steering", options.steering_encoders)):
             counted = "resolution" in keys
             if counts[part] and not counted:
-                what, keys_of_it = TICKS[part]
-                rule = f"{what} in ticks, and how many a turn has must be said"
-                raise TableError(f"{path}: {rule}; give {keys_of_it} in the parameter file")
+                _refuse_counts(source, part, keys)
             # Speeds are those of the joints: of wheels there is nothing to count, nor are angles turned.
             meant = counts[part] or source.bagged if counted else source.reading != "speed"
             if meant and not (part == "wheel" and source.reading == "speed"):
@@ -182,15 +191,40 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     except BaseException:
         source.close()
         raise
-    increments = options.encoders.get("per_sample", False) and bool(found["wheel"])
-    return JointLog.of_source(source, found["wheel"] or None, found["steering"] or None, increments)
+    increments = options.encoders.get("per_sample")
+    increments = increments if found["wheel"] or source.reading == "angle" else None
+    bounds = {"max_speed": options.max_speed, "max_gap": options.max_gap}
+    wheels, steering = found["wheel"] or None, found["steering"] or None
+    return JointLog.of_source(source, wheels, steering, increments, options.plausibility, bounds)
 
 
-# What is in ticks, and where their number is said.
-TICKS = {
-    "wheel": ("the wheels are", "--resolution, or encoders.resolution"),
-    "steering": ("the steering is", "steering_encoders.resolution"),
-}
+def _refuse_counts(source: JointSource, part: str, keys: Mapping[str, Any]) -> NoReturn:
+    """Counts of which nobody says how many a turn has; where they wrap is said with it."""
+    of_steering = part == "steering"
+    what = "the steering is" if of_steering else "the wheels are"
+    known = replace(
+        source.describe(None, None, keys.get("per_sample")), clock_stated=True, wraps="modulus" in keys
+    )
+    checks = ReadingChecks(known, lambda line: None)
+    wheels = source.rover.steered_names if of_steering else source.rover.wheel_names
+    names = [f"{part} {wheel}" for wheel in wheels]
+    try:
+        for batch in source.rows.batches(CHUNK):
+            values = [batch.values.get(name, np.full(len(batch), np.nan)) for name in names]
+            raw = np.stack(values, axis=1)
+            stamps = np.arange(len(batch), dtype=float)
+            if of_steering:
+                checks.take(stamps, np.zeros((len(batch), 0)), None, raw, batch.rows)
+            else:
+                checks.take(stamps, raw, None, None, batch.rows)
+    except ImplausibleReadingError as error:
+        raise TableError(f"{source.path}: {error}; COUNTS are those of a turn") from None
+    proposal = encoders(counts=True, steering=of_steering)
+    rule = f"{what} in ticks, and how many a turn has must be said"
+    raise TableError(f"{source.path}: {rule}: give {proposal}")
+
+
+CHUNK = 200_000  # rows
 
 
 def _instead_of(path: Path) -> str:

@@ -7,10 +7,14 @@ from typing import Any
 from six_wheel._core import Rover
 from six_wheel.kinematics.odometry.headers.columns import Column, Unit
 from six_wheel.kinematics.odometry.headers.joint_columns import JointColumns, Reading, joint_columns
-from six_wheel.logs.bags.bag_files import is_bag
+from six_wheel.kinematics.odometry.headers.renamed import Columns
+from six_wheel.kinematics.odometry.plausibility.checks import Readings
+from six_wheel.kinematics.odometry.plausibility.proposals import Column as Label
+from six_wheel.logs.bags.bag_files import Topics, is_bag
 from six_wheel.logs.ground_truth import TRUTH
 from six_wheel.logs.gyroscope.rates import RATES, upward
 from six_wheel.logs.gyroscope.sources import rate_table
+from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.skip_bad_rows import Source, TolerantTable
 
 __all__ = ["JointSource"]
@@ -35,6 +39,8 @@ class JointSource:
         Steered wheels whose angle is read in ticks.
     turned : frozenset of str
         Names whose column has the sign of a reversed joint.
+    columns : mapping
+        Column by name, of a table.
     stated : bool
         True if the log states the unit of its times.
     has_rates : bool
@@ -47,17 +53,19 @@ class JointSource:
         path: Path,
         rover: Rover,
         reading: Reading | None = None,
-        columns: Mapping[str, str] | None = None,
-        topics: Sequence[str] | None = None,
+        columns: Columns | None = None,
+        topics: Topics | None = None,
         gyroscope: Mapping[str, Any] | None = None,
         frame: str = "",
+        stamp_unit: str | None = None,
     ) -> None:
-        self.path, self.rover = path, rover
+        self.path, self.rover, self._stamp_unit = path, rover, stamp_unit
         self.gyroscope = dict(gyroscope or {})
         self.up = upward(*(self.gyroscope.get(turn, 0.0) for turn in ("roll", "pitch")))
         self.warnings: list[str] = []
         self.stated, self.has_rates = True, False
         self.counted: set[str] = set()
+        self.columns: Mapping[str, Column] = {}
         self.turned: frozenset[str] = frozenset()
         self.rows: Source
         self.rates: Source | None = None
@@ -72,24 +80,63 @@ class JointSource:
         """Unit of the stamps."""
         return self.rows.time_unit
 
+    def describe(
+        self, wheels: Encoders, steering: Encoders, increments: bool | None, **bounds: Any
+    ) -> Readings:
+        """The readings as the checks of their plausibility have to know them."""
+
+        def columns_of(part: str, wheels: Sequence[str]) -> list[Label]:
+            known = {name: column.header for name, column in self.columns.items()}
+            return [
+                Label(known.get(f"{part} {wheel}", wheel if self.bagged else ""), wheel) for wheel in wheels
+            ]
+
+        def stated(part: str, encoders: Encoders) -> bool:
+            there = [column for name, column in self.columns.items() if name.startswith(part)]
+            return encoders is not None or (bool(there) and all(column.stated for column in there))
+
+        def wraps(encoders: Encoders) -> bool:
+            each = encoders.values() if isinstance(encoders, Mapping) else [encoders]
+            return any(encoder is not None and encoder.modulus is not None for encoder in each)
+
+        each = list(wheels.values()) if isinstance(wheels, Mapping) else [wheels]
+        kinds = {"angle": "angles", "speed": "speeds", "ticks": "ticks"}
+        return Readings(
+            self.rover,
+            kind="increments" if increments else kinds[self.reading],
+            wheels=columns_of("wheel", self.rover.wheel_names),
+            steering=columns_of("steering", self.rover.steered_names),
+            time=self.columns["time"].header if self.columns else "stamps",
+            named=not self.bagged,
+            clock_stated=self.stated,
+            wheels_stated=self.reading == "ticks" or stated("wheel", wheels),
+            steering_stated=stated("steering", steering),
+            wraps=wraps(wheels),
+            steering_wraps=wraps(steering),
+            counts_unknown=self.reading == "ticks" and not each[0],
+            turn=each[0].resolution if each and each[0] is not None else None,
+            increments_stated=increments is not None,
+            **bounds,
+        )
+
     def close(self) -> None:
         """Close the file."""
         self.rows.close()
         if self.rates is not None:
             self.rates.close()
 
-    def _open_table(self, reading: Reading | None, columns: Mapping[str, str] | None) -> list[str]:
+    def _open_table(self, reading: Reading | None, columns: Columns | None) -> list[str]:
         """Wheels with a motor but without a column, once the table is open."""
         found: list[JointColumns] = []
 
         def find(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
-            found.append(joint_columns(headers, self.rover, reading, field_units))
+            found.append(joint_columns(headers, self.rover, reading, field_units, self._stamp_unit))
             return dict(found[-1].columns)
 
         table = TolerantTable(self.path, find, columns, (*TRUTH, *RATES))
         joints = found[-1]
         self.rows, self.reading, self.names = table, joints.reading, list(joints.columns)
-        self.stated = joints.columns["time"].stated
+        self.columns, self.stated = joints.columns, table.stated
         self.turned = joints.reversed
         columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_names}
         self.counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
@@ -98,7 +145,7 @@ class JointSource:
             self.rates, self.has_rates = rate_table(self.path, columns), False
         return list(joints.silent)
 
-    def _open_bag(self, reading: Reading | None, topics: Sequence[str] | None, frame: str) -> list[str]:
+    def _open_bag(self, reading: Reading | None, topics: Topics | None, frame: str) -> list[str]:
         """Wheels with a motor but without a joint state, once the bag is open."""
         from six_wheel.logs.bags.imu_bag import RateBag
         from six_wheel.logs.bags.joint_bag import JointBag

@@ -32,8 +32,15 @@ def encoder_of(name: str, encoders: Encoders, wheel: str, needed: bool) -> Encod
 class Total:
     """The angle of a joint from the readings of its encoder, from one chunk to the next."""
 
-    def __init__(self, encoder: Encoder | None, increments: bool, absolute: bool = False) -> None:
+    def __init__(
+        self,
+        encoder: Encoder | None,
+        increments: bool,
+        absolute: bool = False,
+        longest: float | None = None,
+    ) -> None:
         self._encoder, self._increments, self._absolute = encoder, increments, absolute
+        self._longest, self._stamp = longest, math.nan  # rate beyond which a step is none [rad/s]
         self._counts, self._last = 0.0, math.nan
 
     @property
@@ -45,7 +52,7 @@ class Total:
     def advance(self, readings: Floats, stamps: Floats) -> Floats:
         """Angles (n,) [rad]."""
         encoder = self._encoder
-        if encoder is None and not self._increments:
+        if encoder is None and not self._increments and self._longest is None:
             return readings
         encoder = encoder or Encoder()
         if first := math.isnan(self._last):
@@ -56,6 +63,10 @@ class Total:
             steps[0] = 0.0  # turned before the log begins
         if encoder.modulus is not None:
             steps -= encoder.modulus * np.round(steps / encoder.modulus)
+        if self._longest is not None:
+            rates = np.abs(steps * encoder.angle_per_count)
+            steps[rates > self._longest * np.diff(stamps, prepend=self._stamp)] = 0.0
+            self._stamp = float(stamps[-1])
         counts = self._counts + np.cumsum(steps)
         self._counts, self._last = float(counts[-1]), float(readings[-1])
         return counts * encoder.angle_per_count + (encoder.offset if self._absolute else 0.0)

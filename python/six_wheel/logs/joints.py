@@ -17,6 +17,10 @@ from numpy.typing import NDArray
 from six_wheel._core import Rover
 from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.odometry.headers.joint_columns import Reading
+from six_wheel.kinematics.odometry.headers.renamed import Columns
+from six_wheel.kinematics.odometry.plausibility.checks import ReadingChecks
+from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError
+from six_wheel.logs.bags.bag_files import Topics
 from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
 from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of
 from six_wheel.logs.gyroscope.sources import readings_of
@@ -78,17 +82,28 @@ class JointLog:
         What the wheels' columns hold if their headers do not say, and what to take where there are several.
     wheel_encoders, steering_encoders : Encoder or mapping of wheel to Encoder, optional
         For readings that are no running total in radians; needed for ticks.
-    increments : bool
-        Whether a row holds what a wheel has turned since the row before, and not the total.
-    columns : mapping, optional
-        Header to the header it should be read as, such as ``{"encL": "left [ticks]"}``.
-    topics : sequence of str, optional
-        Topics of a bag that hold joint states.
+    increments : bool, optional
+        Whether a row holds what a wheel has turned since the row before, and not the total; False by default,
+        and then asked about where the readings look like that.
+    columns : mapping or sequence of str, optional
+        Header to the header it should be read as, such as ``{"encL": "left [ticks]"}``; or the names of all
+        columns in order, of a table without a header line.
+    topics : sequence of str or mapping, optional
+        Topics of a bag that hold joint states; or topics of numbers with what they are, such as
+        ``{"/left/velocity": "left [rad/s]"}``.
     gyroscope : mapping, optional
         The key ``gyroscope`` of a parameter file: how the sensor sits (`roll`, `pitch`), what its readings
         are to be multiplied by (`scale`), its clock (`time_offset`), its `topic`.
     frame : str
         The rover's own frame in the transforms of a bag, beside base_link and base_footprint.
+    stamp_unit : {"s", "ms", "us", "ns"}, optional
+        Unit of the times, whatever their header says.
+    plausibility : bool, default True
+        Whether readings that no rover has are refused.
+    max_speed : float, optional
+        Fastest rim [m/s]: a longer step counts as none.
+    max_gap : float, optional
+        Time without rates that is all right [s].
 
     Attributes
     ----------
@@ -120,36 +135,58 @@ class JointLog:
         reading: Reading | None = None,
         wheel_encoders: Encoders = None,
         steering_encoders: Encoders = None,
-        increments: bool = False,
-        columns: Mapping[str, str] | None = None,
-        topics: Sequence[str] | None = None,
+        increments: bool | None = None,
+        columns: Columns | None = None,
+        topics: Topics | None = None,
         gyroscope: Mapping[str, Any] | None = None,
         frame: str = "",
+        stamp_unit: str | None = None,
+        plausibility: bool = True,
+        max_speed: float | None = None,
+        max_gap: float | None = None,
     ) -> None:
-        source = JointSource(Path(path), rover, reading, columns, topics, gyroscope, frame)
-        self._count(source, wheel_encoders, steering_encoders, increments)
+        source = JointSource(Path(path), rover, reading, columns, topics, gyroscope, frame, stamp_unit)
+        bounds = {"max_speed": max_speed, "max_gap": max_gap}
+        self._count(source, wheel_encoders, steering_encoders, increments, plausibility, bounds)
 
     @classmethod
     def of_source(
-        cls, source: JointSource, wheel_encoders: Encoders, steering_encoders: Encoders, increments: bool
+        cls,
+        source: JointSource,
+        wheel_encoders: Encoders,
+        steering_encoders: Encoders,
+        increments: bool | None,
+        plausibility: bool,
+        bounds: Mapping[str, float | None],
     ) -> Self:
         """The log of an open source, whose readings the encoders make angles."""
         log = cls.__new__(cls)
-        log._count(source, wheel_encoders, steering_encoders, increments)
+        log._count(source, wheel_encoders, steering_encoders, increments, plausibility, bounds)
         return log
 
     def _count(
-        self, source: JointSource, wheel_encoders: Encoders, steering_encoders: Encoders, increments: bool
+        self,
+        source: JointSource,
+        wheel_encoders: Encoders,
+        steering_encoders: Encoders,
+        increments: bool | None,
+        plausibility: bool,
+        bounds: Mapping[str, float | None],
     ) -> None:
         self._source, self.path, self.rover = source, source.path, source.rover
+        self._bounds = bounds
         self.reading, self.findings, self.warnings = source.reading, source.rows.findings, source.warnings
         speeds, ticks, counted = self.reading == "speed", self.reading == "ticks", source.counted
         try:
+            known = source.describe(wheel_encoders, steering_encoders, increments, **bounds)
+            self._checks = ReadingChecks(known, self._warn) if plausibility else None
             if speeds and (wheel_encoders is not None or increments):
                 rule = "wheel_encoders and increments must be left out where wheels are read as speeds"
                 raise ValueError(rule)
             self._wheels = {
-                wheel: Integral() if speeds else Total(encoder, increments)
+                wheel: Integral()
+                if speeds
+                else Total(encoder, bool(increments), longest=self._longest(wheel))
                 for wheel in self.rover.wheel_names
                 if f"wheel {wheel}" in source.names
                 for encoder in [encoder_of("wheel_encoders", wheel_encoders, wheel, ticks)]
@@ -166,6 +203,15 @@ class JointLog:
         first = next((name for name in source.names if name.startswith("wheel ")), "")
         total = self._wheels.get(first.removeprefix("wheel "))
         self._counter = first if source.bagged and isinstance(total, Total) and total.counts else ""
+
+    def _longest(self, wheel: str) -> float | None:
+        """Rate of a wheel beyond which a step is none [rad/s]."""
+        bound = self._bounds.get("max_speed")
+        radius = next(each.radius for each in self.rover.wheels if each.name == wheel)
+        return None if bound is None else bound / radius
+
+    def _warn(self, line: str) -> None:
+        self.warnings.append(f"{self.path}: {line}")
 
     def __enter__(self) -> Self:
         return self
@@ -221,6 +267,8 @@ class JointLog:
             held = rows
         if held is not None and turning is not None:
             yield _with_rates(held, turning, before, None)
+        if self._checks is not None:
+            self._refuse(self._checks.finish)
         if first:
             flaw = f"; {self.findings.listed[0]}" if self.findings.listed else ""
             raise TableError(
@@ -278,7 +326,10 @@ class JointLog:
             rates = None if parts[0].yaw_rate is None else np.concatenate([p.yaw_rate for p in parts])
             heard = rates is not None and bool(np.isfinite(rates).any())
             rates = rates if heard else None
-            return WheelLog(stamps, steering, angles, known, self.path.stem, session, yaw_rate=rates)
+            name = self.path.stem
+            return WheelLog(
+                stamps, steering, angles, known, name, session, yaw_rate=rates, plausibility=False
+            )
         except TableError:
             raise
         except ValueError as error:
@@ -288,6 +339,8 @@ class JointLog:
         stamps = seconds_since(self.origin, batch.time, self._source.time_unit)
         for name in self._source.turned:
             np.negative(batch.values[name], out=batch.values[name])
+        raw = self._columns_of(batch, "wheel", self.rover.wheel_names) if self._checks is not None else None
+        joints = self._columns_of(batch, "steering", self.rover.steered_names) if raw is not None else None
         if self._counter and np.any(batch.values[self._counter] % 1.0 != 0.0):
             rule = "joint states are counts where encoders have a resolution, and these are no whole numbers"
             self.warnings.append(f"{self.path}: {rule}: leave it out if they are in radians")
@@ -299,6 +352,9 @@ class JointLog:
         for k, wheel in enumerate(self.rover.wheel_names):
             if wheel in self._wheels:
                 angles[:, k] = self._wheels[wheel].advance(batch.values[f"wheel {wheel}"], stamps)
+        if self._checks is not None and raw is not None:
+            turned = np.stack(steering, axis=1) if steering else None
+            self._refuse(partial(self._checks.take, stamps, raw, angles, joints, batch.rows, turned))
         truth = poses_of(batch.values) if "x" in batch.values else None
         rates = None
         if self._source.has_rates:
@@ -309,6 +365,23 @@ class JointLog:
                 raise TableError(f"{self.path}: {error}") from None
         steered = np.stack(steering, axis=1) if steering else None
         return JointRows(batch.rows, stamps, steered, angles, truth, rates)
+
+    def _columns_of(self, batch: Batch, part: str, wheels: Sequence[str]) -> Floats | None:
+        """Readings (n, wheels) as the log has them, NaN for a wheel without any."""
+        if not wheels:
+            return None
+        values = np.full((len(batch), len(wheels)), np.nan)
+        for place, wheel in enumerate(wheels):
+            if f"{part} {wheel}" in batch.values:
+                values[:, place] = batch.values[f"{part} {wheel}"]
+        return values
+
+    def _refuse(self, check: Callable[[], None]) -> None:
+        """Put the path before what a check has to say."""
+        try:
+            check()
+        except ImplausibleReadingError as error:
+            raise TableError(f"{self.path}: {error}") from None
 
     def _turning(self) -> Turning | None:
         """Resampler that brings rates of a gyroscope with stamps of its own to the rows."""

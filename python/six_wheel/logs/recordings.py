@@ -131,6 +131,9 @@ class WheelLog:
     options : mapping
         How `Odometry` has to read the log where it is not in radians: `readings`, `wheel_encoders`,
         `steering_encoders`. `dead_reckon` and `calibrate` mind them.
+    plausibility : bool
+        Whether `dead_reckon` and `calibrate` refuse readings that no rover has; False for those that were
+        checked when they were read.
 
     Raises
     ------
@@ -148,6 +151,7 @@ class WheelLog:
     yaw_rate: Floats | None = None
     yaw: Floats | None = None
     options: Mapping[str, Any] = field(default_factory=dict)
+    plausibility: bool = field(default=True, repr=False)
 
     def __post_init__(self) -> None:
         stamps = _numbers("stamps", self.stamps)

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.kinematics.odometry.headers.clock_times import KNOWN, ClockTimes
 from six_wheel.kinematics.odometry.headers.columns import Column, TableError, Unit, is_number
-from six_wheel.logs.tables import LATEST_SECOND, RowError, Table
+from six_wheel.kinematics.odometry.headers.renamed import Columns, renamed, without_header
+from six_wheel.logs.tables import LATEST_SECOND, READ, RowError, Table
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -112,25 +114,32 @@ class TolerantTable(Table):
     path : Path
     find : callable
         Headers, and units of columns whose header states none, to columns; ``"time"`` among them.
-    renamed : mapping, optional
-        Header to the header it should be read as.
+    renamed : mapping or sequence, optional
+        Header to the header it should be read as, or the other way round; or the names of all columns.
     spare : collection of str
         Columns that may lack a value in any row.
     """
 
+    text_stamps = True
+    formats = READ
+
     def __init__(
-        self, path: Path, find: Find, renamed: Mapping[str, str] | None = None, spare: Collection[str] = ()
+        self, path: Path, find: Find, renamed: Columns | None = None, spare: Collection[str] = ()
     ) -> None:
-        self._find_in, self._renamed, self._spare = find, dict(renamed or {}), spare
+        self._find_in, self._renamed, self._spare = find, renamed or {}, spare
+        self._clock = ClockTimes()
         super().__init__(path)
         self.findings = Findings(path)
 
+    def _known_headers(self) -> Collection[str]:
+        given = self._renamed
+        return {*given, *given.values()} if isinstance(given, Mapping) else ()
+
     def _find(self, headers: Sequence[str]) -> dict[str, Column]:
-        unknown = [header for header in self._renamed if header not in headers]
-        if unknown:
-            listed = ", ".join(f'"{header}"' for header in headers)
-            raise TableError(f'columns must name headers of the table, got "{unknown[0]}" among {listed}')
-        return self._find_in([self._renamed.get(header, header) for header in headers], self._field_units)
+        nameless = self.format == "csv" and not self._dialect.has_header
+        if nameless and not self._renamed:
+            raise TableError(without_header(headers))
+        return self._find_in(renamed(headers, self._renamed, nameless), self._field_units)
 
     @property
     def stated(self) -> bool:
@@ -148,7 +157,7 @@ class TolerantTable(Table):
 
         row = 1
         try:
-            for batch in self._parquet_batches(chunk_rows):
+            for batch in self._columnar_batches(chunk_rows):
                 lines = np.zeros(batch.num_rows, dtype=np.int64)
                 yield self._columns_of(batch, row, lines)
                 row += batch.num_rows
@@ -200,6 +209,10 @@ class TolerantTable(Table):
         columns = dict(zip(self._columns, batch.columns, strict=True))
         rows = np.arange(row, row + batch.num_rows)
         time = columns.pop("time")
+        if self._types["time"] == "string":
+            return self._with_clock(rows, lines, time.to_pylist(), columns)
+        if "nanoseconds" in columns:
+            time = self._with_nanoseconds(time, columns.pop("nanoseconds"))
         void = time.is_null().to_numpy(zero_copy_only=False)
         values = {name: column.to_numpy(zero_copy_only=False) for name, column in columns.items()}
         result = self._scaled(rows, lines, time.fill_null(0).to_numpy(zero_copy_only=False), values)
@@ -208,6 +221,28 @@ class TolerantTable(Table):
                 int(rows[k]), "time must be a number, got an empty cell", line=self._line(lines[k])
             )
         return result[~void] if void.any() else result
+
+    @staticmethod
+    def _with_nanoseconds(seconds: Any, nanoseconds: Any) -> Any:
+        """Nanoseconds of stamps in two columns."""
+        import pyarrow.compute
+
+        return pyarrow.compute.add(pyarrow.compute.multiply(seconds, 1_000_000_000), nanoseconds)
+
+    def _with_clock(
+        self, rows: NDArray[np.int64], lines: NDArray[np.int64], texts: Sequence[str | None], columns: Any
+    ) -> Batch:
+        """Rows whose times are texts; those that are no times are reported."""
+        time, good = self._clock.read(texts)
+        for k in np.flatnonzero(~good).tolist():
+            rule = f"time must be such as {KNOWN}"
+            self.findings.add(int(rows[k]), rule, f', got "{texts[k] or ""}"', self._line(lines[k]))
+        values = {
+            name: column.to_numpy(zero_copy_only=False) if hasattr(column, "to_numpy") else column
+            for name, column in columns.items()
+        }
+        result = self._scaled(rows, lines, time, values)
+        return result if good.all() else result[good]
 
     def _scaled(
         self,
@@ -226,7 +261,7 @@ class TolerantTable(Table):
         """Valid rows of a block that Arrow refused as a whole, read line by line; the others are reported."""
         texts = [line for line in block.decode("utf-8", "replace").split("\n") if line.strip("\r")]
         kept: list[int] = []
-        cells: list[list[float | int]] = []
+        cells: list[list[Any]] = []
         for k, text in enumerate(texts):
             try:
                 cells.append(self._numbers(text.strip("\r")))
@@ -236,19 +271,29 @@ class TolerantTable(Table):
                 self.findings.add(row + k, rule, f", got {got}", int(lines[k]))
         columns = list(zip(*cells, strict=True)) or [()] * len(self._columns)
         by_name = dict(zip(self._columns, columns, strict=True))
-        time = np.array(by_name.pop("time"), dtype=self._types["time"])
+        times, rows = by_name.pop("time"), row + np.array(kept, dtype=np.int64)
+        nanoseconds = np.array(by_name.pop("nanoseconds", [0] * len(kept)), dtype=np.int64)
         values = {name: np.array(column, dtype=float) for name, column in by_name.items()}
-        return self._scaled(row + np.array(kept, dtype=np.int64), lines[kept], time, values)
+        if self._types["time"] == "string":
+            return self._with_clock(rows, lines[kept], times, values)  # type: ignore[arg-type]
+        time = np.array(times, dtype=self._types["time"])
+        if "nanoseconds" in self._columns:
+            time = time * 1_000_000_000 + nanoseconds
+        return self._scaled(rows, lines[kept], time, values)
 
-    def _numbers(self, text: str) -> list[float | int]:
+    def _numbers(self, text: str) -> list[Any]:
         cells = self._cells(text)
         if len(cells) != len(self._headers):
             rule = f"a row must have {len(self._headers)} cells as the header has"
             raise ValueError(f"{rule}, got {len(cells)}")
-        numbers: list[float | int] = []
+        numbers: list[Any] = []
         for name, column in self._columns.items():
             cell = cells[column.index].strip()
-            if self._types[name] == "int64":
+            if self._dialect.decimal == ",":
+                cell = cell.replace(",", ".")
+            if self._types[name] == "string":
+                numbers.append(cell)
+            elif self._types[name] == "int64":
                 if not re.fullmatch(r"[+-]?\d+", cell) or abs(int(cell)) >= 1 << 63:
                     raise ValueError(f'{name} must be a whole number of nanoseconds, got "{cell}"')
                 numbers.append(int(cell))

@@ -8,6 +8,7 @@ pyarrow.
 
 import contextlib
 import csv
+import io
 import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -19,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.kinematics.errors import FileError
+from six_wheel.kinematics.odometry.headers.clock_times import is_clock_time
 from six_wheel.kinematics.odometry.headers.columns import (
     TIME_UNITS,
     Column,
@@ -26,16 +28,25 @@ from six_wheel.kinematics.odometry.headers.columns import (
     find_columns,
     is_number,
 )
+from six_wheel.logs.columnar import ColumnarFile, time_unit_of, units_of
+from six_wheel.logs.text.dialect import LONGEST_LINE, SPACES, cells_of, open_text, read_dialect
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-Format = Literal["csv", "parquet"]
+Format = Literal["csv", "parquet", "arrow"]
 FORMATS: Mapping[str, Format] = {".csv": "csv", ".parquet": "parquet"}
+# Further endings that are read, and not written.
+READ: Mapping[str, Format] = {
+    **FORMATS,
+    **dict.fromkeys((".txt", ".tsv", ".dat", ".log", ".gz"), "csv"),
+    **dict.fromkeys((".feather", ".arrow", ".ipc"), "arrow"),
+    ".pq": "parquet",
+}
 
 # A bare "time" is in seconds. Larger than this (the year 5138) it is a count of something shorter.
 LATEST_SECOND = 1e11
-LONGEST_LINE, LARGEST_BLOCK = 1 << 16, 1 << 24  # [byte]
+LARGEST_BLOCK = 1 << 24  # [byte]
 
 
 class RowError(FileError):
@@ -56,7 +67,9 @@ class Chunk:
     twists: NDArray[np.float64]
 
 
-def table_format(path: Path, endings: Collection[str] = FORMATS) -> Format:
+def table_format(
+    path: Path, endings: Collection[str] = FORMATS, formats: Mapping[str, Format] = FORMATS
+) -> Format:
     """The format that the ending of a file stands for; an error names the `endings` there are.
 
     Raises
@@ -65,7 +78,7 @@ def table_format(path: Path, endings: Collection[str] = FORMATS) -> Format:
         If it is none of `FORMATS`.
     """
     try:
-        return FORMATS[path.suffix.lower()]
+        return formats[path.suffix.lower()]
     except KeyError:
         *others, last = endings
         rule = f"the ending must be {', '.join(others)} or {last}"
@@ -95,11 +108,15 @@ class Table:
         If the file is no such table.
     """
 
+    text_stamps = False  # whether times may be written as clocks write them
+    formats: Mapping[str, Format] = FORMATS
+
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.format = table_format(path)
+        self.format = table_format(path, formats=self.formats)
         self.warnings: list[str] = []
         self._handle: BinaryIO | None = None
+        self._file: ColumnarFile | None = None
         self._rows_read = 0
         self._field_units: dict[int, str] = {}  # of the columns of a Parquet file that states them apart
         if not path.is_file():
@@ -108,7 +125,7 @@ class Table:
             if self.format == "csv":
                 self._open_csv()
             else:
-                self._open_parquet()
+                self._open_columnar()
         except BaseException as error:
             self.close()
             if isinstance(error, TableError):
@@ -124,19 +141,20 @@ class Table:
 
     def close(self) -> None:
         """Close the file."""
-        if self._handle is not None:
-            self._handle.close()
+        for each in (self._handle, self._file):
+            if each is not None:
+                each.close()
 
     @property
     def position(self) -> int:
         """Progress of reading, in the unit of `size`."""
-        if self.format == "parquet" or self._handle is None or self._handle.closed:
+        if self.format != "csv" or self._handle is None or self._handle.closed:
             return self._rows_read
         return self._handle.tell()
 
     def error(self, row: int, message: str) -> TableError:
         """The error for a row, with the file, the row and, in a CSV file, the line."""
-        line = "" if self.format == "parquet" else f" (line {self._line_of(row)})"
+        line = "" if self.format != "csv" else f" (line {self._line_of(row)})"
         return TableError(f"{self.path}: row {row}{line}: {message}")
 
     def _find(self, headers: Sequence[str]) -> dict[str, Column]:
@@ -146,44 +164,39 @@ class Table:
     # CSV
 
     def _open_csv(self) -> None:
-        self.size = self.path.stat().st_size
-        if self.size == 0:
+        if self.path.stat().st_size == 0:
             raise TableError("the table must have a header line, got an empty file")
-        self._handle = handle = open(self.path, "rb")  # noqa: SIM115
-        self._skip_lines = self._header_bytes = 0
-        lines: list[bytes] = []
-        while len(lines) < 2 and (line := handle.readline(LONGEST_LINE)):
-            self._skip_lines += not lines
-            if line.strip():
-                lines.append(line)
-                self._header_bytes = self._header_bytes or handle.tell()
-        self._line_bytes = max(map(len, lines), default=1)
+        self._handle = handle = open_text(self.path)
+        self.size = handle.seek(0, os.SEEK_END)
+        if self.size == 0:
+            raise TableError("the header must be a line of text, got none")
         handle.seek(-1, os.SEEK_END)
         if handle.read(1) not in b"\r\n":
             self.warnings.append(f"{self.path}: the last line has no line end: is the file complete?")
-        try:
-            first = [line.decode("utf-8-sig") for line in lines]
-        except UnicodeDecodeError as error:
-            byte = error.object[error.start]
-            raise TableError(f"the header must be UTF-8 text, got byte 0x{byte:02x}") from None
-        if not first or "\0" in first[0]:
-            raise TableError("the header must be a line of text, got none")
-        self._delimiter = max((",", ";", "\t"), key=first[0].count)
-        # numpy.savetxt puts "# " before its header, rostopic "%".
-        self._headers = [cell.strip().lstrip("#% ") for cell in self._cells(first[0])]
+        self._dialect = dialect = read_dialect(handle, self._known_headers())
+        self._skip_lines, self._header_bytes = dialect.skip_lines, dialect.header_bytes
+        self._line_bytes = max((sum(map(len, row)) + len(row) for row in dialect.first), default=1)
+        self._delimiter, self._headers = dialect.delimiter, dialect.headers
+        self._field_units |= dialect.units
         self._columns = self._find(self._headers)
         self._types = dict.fromkeys(self._columns, "float64")
-        # Only nanoseconds since 1970 are too long for a double; written as 1.7e18 they are lost already.
+        self._types |= dict.fromkeys(self._types.keys() & {"nanoseconds"}, "int64")
         time = self._columns["time"]
-        cell = self._cells(first[1])[time.index : time.index + 1] if len(first) == 2 else []
-        if time.unit.symbol == "ns" and cell and re.fullmatch(r"-?\d+", cell[0].strip()):
+        cells = [row[time.index].strip() for row in dialect.first if len(row) > time.index]
+        # Only nanoseconds since 1970 are too long for a double; written as 1.7e18 they are lost already.
+        whole = time.unit.symbol == "ns" and cells and re.fullmatch(r"-?\d+", cells[0])
+        if whole or "nanoseconds" in self._columns:
             self._types["time"] = "int64"
+        elif self.text_stamps and any(map(is_clock_time, cells)) and not any(map(is_number, cells)):
+            self._types["time"] = "string"
+            self._columns["time"] = replace(time, unit=TIME_UNITS[-1], stated=True)
+
+    def _known_headers(self) -> Collection[str]:
+        """Headers that the owner of the table named."""
+        return ()
 
     def _cells(self, line: str) -> list[str]:
-        try:
-            return next(csv.reader([line], delimiter=self._delimiter))
-        except csv.Error as error:
-            raise TableError(f"the header must be a line of cells, got {line!r:.60} ({error})") from None
+        return cells_of(line, self._delimiter)
 
     def _csv_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
         for lines in self._blocks(min(max(chunk_rows * self._line_bytes, LONGEST_LINE), LARGEST_BLOCK)):
@@ -198,7 +211,12 @@ class Table:
         names = [f"c{index}" for index in range(len(self._headers))]
         wanted = {names[column.index]: self._types[name] for name, column in self._columns.items()}
         types = {name: getattr(pa, kind)() for name, kind in wanted.items()}
-        convert = pa.csv.ConvertOptions(column_types=types, include_columns=list(wanted), null_values=[""])
+        convert = pa.csv.ConvertOptions(
+            column_types=types,
+            include_columns=list(wanted),
+            null_values=[""],
+            decimal_point=self._dialect.decimal,
+        )
         parse = pa.csv.ParseOptions(delimiter=self._delimiter)
         # One block is parsed by one thread anyway; without others none is left at work when the process ends.
         read = pa.csv.ReadOptions(use_threads=False, column_names=names, block_size=len(lines) + 1)
@@ -215,15 +233,22 @@ class Table:
         while data := self._handle.read(size):
             whole, end, rest = (rest + data).rpartition(b"\n")
             if whole.strip():
-                yield whole + end
+                yield self._single_spaced(whole + end)
             if len(rest) > LONGEST_LINE:
                 raise RowError(self._rows_read + 1, f"a line must be shorter than {LONGEST_LINE} bytes")
         if rest.strip():
-            yield rest
+            yield self._single_spaced(rest)
+
+    def _single_spaced(self, lines: bytes) -> bytes:
+        """Lines with one space between cells, if spaces separate them."""
+        if self._delimiter != SPACES:
+            return lines
+        return re.sub(rb"(?m)^ | (?=\r?$)", b"", re.sub(rb"[ \t]+", b" ", lines))
 
     def _rows(self) -> Iterator[tuple[int, str]]:
         """Line number and text of every row, slowly: only an error needs the line of a row."""
-        with open(self.path, encoding="utf-8-sig", errors="replace", newline="\n") as text:
+        with open_text(self.path) as handle:
+            text = io.TextIOWrapper(handle, encoding="utf-8-sig", errors="replace", newline="\n")
             for number, line in enumerate(text, start=1):
                 if number > self._skip_lines and line.strip("\r\n"):
                     yield number, line
@@ -231,46 +256,45 @@ class Table:
     def _line_of(self, row: int) -> int:
         return next(number for k, (number, _) in enumerate(self._rows(), start=1) if k == row)
 
-    # Parquet
+    # Parquet and Arrow
 
-    def _open_parquet(self) -> None:
+    def _open_columnar(self) -> None:
         import pyarrow as pa
-        import pyarrow.parquet
 
-        self._handle = open(self.path, "rb")  # noqa: SIM115
-        try:
-            # Pre-buffering would hold a whole row group, which may be the whole file.
-            self._file = pa.parquet.ParquetFile(self._handle, pre_buffer=False, buffer_size=1 << 20)
-        except (pa.ArrowException, OSError) as error:
-            raise TableError(f"not a readable Parquet file: {' '.join(str(error).split())}") from None
-        self.size = self._file.metadata.num_rows
-        schema = self._file.schema_arrow
+        self._file = ColumnarFile(self.path, self.format)
+        self.size, schema = self._file.rows, self._file.schema
         self._headers = list(schema.names)
-        for index, field in enumerate(schema):
-            if unit := (field.metadata or {}).get(b"unit"):
-                self._field_units[index] = unit.decode("utf-8", "replace")
+        self._field_units |= units_of(schema)
         self._columns = self._find(self._headers)
         self._types = {}
         for name, column in self._columns.items():
             kind = schema.field(column.index).type
             self._types[name] = "float64"
-            if name == "time" and (pa.types.is_timestamp(kind) or pa.types.is_duration(kind)):
-                unit = next(each for each in TIME_UNITS if each.symbol == kind.unit)
+            if name == "time" and (unit := time_unit_of(kind)) is not None:
                 self._columns[name] = replace(column, unit=unit, stated=True)
                 self._types[name] = "int64"
-            elif name == "time" and pa.types.is_integer(kind):
+            elif name in ("time", "nanoseconds") and pa.types.is_integer(kind):
                 self._types[name] = "int64"
+            elif name == "time" and self.text_stamps and _is_text(kind):
+                self._columns[name] = replace(column, unit=TIME_UNITS[-1], stated=True)
+                self._types[name] = "string"
             elif not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_decimal(kind)):
                 raise TableError(f'{name} must be numbers, got {kind} in column "{column.header}"')
 
-    def _parquet_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
+    def _columnar_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
         import pyarrow as pa
 
-        headers = {name: column.header for name, column in self._columns.items()}
-        wanted = list(headers.values())
-        for batch in self._file.iter_batches(batch_size=chunk_rows, columns=wanted, use_threads=False):
+        assert self._file is not None
+        headers = {name: self._headers[column.index] for name, column in self._columns.items()}
+        for batch in self._file.batches(chunk_rows, list(headers.values())):
             arrays = [batch.column(header).cast(self._types[name]) for name, header in headers.items()]
             yield pa.RecordBatch.from_arrays(arrays, names=list(headers))
+
+
+def _is_text(kind: "pa.DataType") -> bool:
+    import pyarrow as pa
+
+    return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
 
 
 class CommandTable(Table):
@@ -286,7 +310,9 @@ class CommandTable(Table):
         """
         import pyarrow as pa
 
-        batches = self._csv_batches(chunk_rows) if self.format == "csv" else self._parquet_batches(chunk_rows)
+        batches = (
+            self._csv_batches(chunk_rows) if self.format == "csv" else self._columnar_batches(chunk_rows)
+        )
         row, last = 1, None
         while True:
             try:

@@ -5,11 +5,15 @@ from __future__ import annotations  # so that help shows the names of types, not
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Literal, overload
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Gyroscope, Noise, Odometry, Rover, Suspension, Terrain
 from six_wheel.kinematics.odometry import tabular_input
 from six_wheel.kinematics.odometry.dead_reckoning3 import Track3, reckon
+from six_wheel.kinematics.odometry.headers.renamed import Columns
+from six_wheel.kinematics.odometry.headers.time_columns import scale_of
+from six_wheel.kinematics.odometry.plausibility.arrays import FEW, array_checks, check_arrays
 from six_wheel.kinematics.odometry.sensor_frames import mount, seen_by, start_of_body
 from six_wheel.kinematics.odometry.tracks import Track
 
@@ -34,7 +38,9 @@ def dead_reckon(
     errors: Errors = "flag",
     covariances: bool = True,
     residuals: bool = True,
-    columns: Mapping[str, str] | None = None,
+    columns: Columns | None = None,
+    stamp_unit: str | None = None,
+    plausibility: bool = True,
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
 ) -> Track: ...
@@ -79,7 +85,9 @@ def dead_reckon(
     errors: Errors = "flag",
     covariances: bool = True,
     residuals: bool = True,
-    columns: Mapping[str, str] | None = None,
+    columns: Columns | None = None,
+    stamp_unit: str | None = None,
+    plausibility: bool = True,
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
 ) -> Track | Track3:
@@ -125,8 +133,14 @@ def dead_reckon(
         `Track.health`, or raise on the first one.
     covariances, residuals : bool
         Whether to compute these; what is not is None.
-    columns : dict of str to str, optional
-        Which column of a table holds a joint, a wheel or the ``"stamp"``, where it is called otherwise.
+    columns : dict of str to str, or sequence of str, optional
+        Which column of a table holds a joint, a wheel or the ``"stamp"``, where it is called otherwise; or headers
+        with what to read them as, ``{"encL": "left [ticks]"}``; or the names of all columns in order.
+    stamp_unit : {'s', 'ms', 'us', 'ns'}, optional
+        Unit of the stamps.
+    plausibility : bool, default True
+        Whether readings that no rover has are refused: counts as radians, counters that start over, stamps in
+        another unit. The message says what to give instead.
     progress : callable, optional
         Called with the rows done and all rows, after every chunk of a log.
     **options
@@ -160,6 +174,7 @@ def dead_reckon(
         steering, wheel_angles, stamps = log.steering, log.wheel_angles, log.stamps
         yaw = log.yaw if yaw is None else yaw
         options = {**log.options, **options}
+        plausibility = plausibility and log.plausibility
         if yaw_rate is None and log.yaw_rate is not None:
             yaw_rate = log.yaw_rate
             if (noise is None or noise.yaw_rate == 0.0) and options.get("gyroscope") is None:
@@ -167,21 +182,37 @@ def dead_reckon(
     place = None if sensor is None else mount(sensor)
     if place is not None:
         start, start_covariance = start_of_body(start, start_covariance, place)
+    rates: dict[str, Any] = {"yaw": yaw, "yaw_rate": yaw_rate}
+    source = None
+    if wheel_angles is None and stamps is None:
+        source = tabular_input.table(
+            rover, steering, columns, rates, options, stamp_unit=stamp_unit, plausibility=plausibility
+        )
+        options |= _readings_of(source)
     odometry = Odometry(rover, noise, **options)
     odometry.reset(start, start_covariance)
-    rates: dict[str, Any] = {"yaw": yaw, "yaw_rate": yaw_rate}
+    if stamps is not None and stamp_unit is not None:
+        stamps = np.asarray(stamps) / round(1.0 / scale_of(stamp_unit))
+    if wheel_angles is not None and stamps is not None and plausibility and len(stamps) >= FEW:  # type: ignore[arg-type]
+        checks = array_checks(rover, options, clock_stated=stamp_unit is not None)
+        check_arrays(checks, steering, wheel_angles, stamps)
     if wheel_angles is not None and stamps is not None and progress is None:
         track = odometry.run(steering, wheel_angles, stamps, **rates, **common)
     else:
-        if wheel_angles is None and stamps is None:
-            source = tabular_input.table(rover, steering, columns, rates, options)
-        elif wheel_angles is None or stamps is None:
+        if source is None and (wheel_angles is None or stamps is None):
             raise ValueError("wheel_angles and stamps must come together, got one of them")
-        else:
-            source = tabular_input.arrays(steering, wheel_angles, stamps, rates)
+        if source is None:
+            source = tabular_input.arrays(steering, wheel_angles, stamps, rates)  # type: ignore[arg-type]
         tracks = list(tabular_input.follow(odometry, source, common, progress))
         track = tabular_input.concatenate(rover, tracks)
     return track if place is None else seen_by(track, place)
+
+
+def _readings_of(source: tabular_input.Source) -> dict[str, str]:
+    """The option `readings` that the headers of a table give."""
+    if source.readings is None:
+        return {}
+    return {"readings": "angles" if source.readings == "ticks" else source.readings}
 
 
 def _refuse(arguments: Mapping[str, object], where: str) -> None:
@@ -202,7 +233,9 @@ def dead_reckon_chunks(
     errors: Errors = "flag",
     covariances: bool = True,
     residuals: bool = True,
-    columns: Mapping[str, str] | None = None,
+    columns: Columns | None = None,
+    stamp_unit: str | None = None,
+    plausibility: bool = True,
     progress: Callable[[int, int], object] | None = None,
     chunk_rows: int | None = None,
     **options: Any,
@@ -211,7 +244,9 @@ def dead_reckon_chunks(
 
     Parameters
     ----------
-    rover, noise, yaw, yaw_rate, start, start_covariance, errors, covariances, residuals, columns, progress
+    rover, noise, yaw, yaw_rate, start, start_covariance, errors, covariances, residuals, progress
+        As in `dead_reckon`.
+    columns, stamp_unit, plausibility
         As in `dead_reckon`.
     table : a table, or a path
         A frame of pandas or polars, a pyarrow table, a dict of columns, or the path of a Parquet file.
@@ -230,13 +265,11 @@ def dead_reckon_chunks(
     ValueError, ModuleNotFoundError
         As `dead_reckon`.
     """
-    odometry = Odometry(rover, noise, **options)
-    odometry.reset(start, start_covariance)
     keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
-    sensors = {"yaw": yaw, "yaw_rate": yaw_rate}
-    source = tabular_input.table(
-        rover, table, columns, sensors, options, chunk_rows or tabular_input.CHUNK_ROWS
-    )
+    sensors, rows = {"yaw": yaw, "yaw_rate": yaw_rate}, chunk_rows or tabular_input.CHUNK_ROWS
+    source = tabular_input.table(rover, table, columns, sensors, options, rows, stamp_unit, plausibility)
+    odometry = Odometry(rover, noise, **options | _readings_of(source))
+    odometry.reset(start, start_covariance)
     return tabular_input.follow(odometry, source, keywords, progress)
 
 

@@ -12,8 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Odometry, Rover
+from six_wheel.kinematics.odometry.headers.clock_times import KNOWN, ClockTimes
+from six_wheel.kinematics.odometry.headers.joint_columns import JointColumns, Reading, joint_columns
+from six_wheel.kinematics.odometry.headers.renamed import Columns, renamed
+from six_wheel.kinematics.odometry.headers.time_columns import scale_of
+from six_wheel.kinematics.odometry.plausibility.arrays import FEW, array_checks
+from six_wheel.kinematics.odometry.plausibility.checks import ReadingChecks
+from six_wheel.kinematics.odometry.plausibility.proposals import encoders
 from six_wheel.kinematics.odometry.tracks import Track
 
+LONGEST_RUN = 1e6  # [s] beyond which stamps count from the first
 CHUNK_ROWS = 65_536  # a few megabytes, and so many that a call costs nothing
 
 STAMPS = ("stamp", "stamps", "time", "timestamp", "t")
@@ -35,10 +43,29 @@ class Piece:
 
 @dataclass(frozen=True)
 class Source:
-    """All pieces of a log, and how many rows they have together."""
+    """All pieces of a log, and how many rows they have together.
+
+    `readings` is what the headers of a table say that the wheels are read as, None if they say nothing;
+    `checks` looks at the pieces before they are used.
+    """
 
     rows: int
     pieces: Iterable[Piece]
+    readings: str | None = None
+    checks: ReadingChecks | None = None
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """Column of each quantity of a table, empty for a passive wheel without one; the factors of columns in other
+    units than radians and seconds, and what headers say of the readings."""
+
+    found: Mapping[str, str]
+    scales: Mapping[str, float]
+    readings: str | None = None
+    reversed: frozenset[str] = frozenset()
+    clock_stated: bool = False
+    units_stated: bool = False
 
 
 def follow(
@@ -115,63 +142,165 @@ def names(rover: Rover, readings: str = "angles") -> dict[str, tuple[str, ...]]:
 def table(
     rover: Rover,
     source: Any,
-    columns: Mapping[str, str] | None,
+    columns: Columns | None,
     sensors: Sensors,
     options: Mapping[str, Any],
     chunk_rows: int = CHUNK_ROWS,
+    stamp_unit: str | None = None,
+    plausibility: bool = True,
 ) -> Source:
     """A log in a frame, a dict of columns or a Parquet file."""
-    if isinstance(source, str | os.PathLike):
-        return _parquet(rover, Path(source), columns, sensors, options, chunk_rows)
-    headers = list(map(str, _headers(source)))
-    found = _find(rover, headers, columns, sensors, options)
-    stamps = source[found["stamp"]]
-    rows = len(stamps)
+    of_file = isinstance(source, str | os.PathLike)
+    opened = _parquet(Path(source)) if of_file else None
+    schema = opened.schema_arrow if opened is not None else getattr(source, "schema", None)
+    headers = list(map(str, schema.names if opened is not None else _headers(source)))
+    meaning = _meaning(rover, headers, columns, sensors, options, _units(schema), stamp_unit)
+    if meaning.readings == "ticks" and options.get("wheel_encoders") is None:
+        raise ValueError(
+            f"the wheels are in ticks, and how many a turn has must be said: give {encoders(counts=True)}"
+        )
+    if meaning.readings is not None:
+        options = {**options, "readings": "angles" if meaning.readings == "ticks" else meaning.readings}
+    checks = _checks(rover, options, meaning) if plausibility else None
+    wanted = sorted({header for header in meaning.found.values() if header})
+
+    def batches() -> Iterator[dict[str, NDArray[Any]]]:
+        if opened is None:
+            whole = {header: _numbers(source[header]) for header in wanted}
+            count = len(whole[meaning.found["stamp"]])
+            for first in range(0, count, chunk_rows):
+                yield {header: column[first : first + chunk_rows] for header, column in whole.items()}
+            return
+        with opened:
+            for batch in opened.iter_batches(batch_size=chunk_rows, columns=wanted, use_threads=False):
+                yield {header: _numbers(batch.column(header)) for header in wanted}
 
     def pieces() -> Iterator[Piece]:
-        read = {header: _numbers(source[header]) for header in {*found.values()} if header}
-        _turn(rover, read, found)
-        origin = _origin(read[found["stamp"]])
-        for first in range(0, rows, chunk_rows):
-            part = {header: column[first : first + chunk_rows] for header, column in read.items()}
-            yield _piece(rover, found, part, origin)
+        clock, origin = ClockTimes(), None
+        for read in batches():
+            read[meaning.found["stamp"]] = _stamps(read[meaning.found["stamp"]], clock)
+            origin = _origin(read[meaning.found["stamp"]], meaning) if origin is None else origin
+            _turn(rover, read, meaning)
+            yield _piece(rover, meaning, read, origin)
 
-    return Source(rows, pieces())
+    rows = opened.metadata.num_rows if opened is not None else len(source[meaning.found["stamp"]])
+    return Source(rows, _checked(pieces(), checks), meaning.readings, checks)
 
 
-def _parquet(
-    rover: Rover,
-    path: Path,
-    columns: Mapping[str, str] | None,
-    sensors: Sensors,
-    options: Mapping[str, Any],
-    chunk_rows: int,
-) -> Source:
+def _checked(pieces: Iterator[Piece], checks: ReadingChecks | None) -> Iterator[Piece]:
+    """The pieces, each looked at before it is used."""
+    for piece in pieces:
+        if checks is not None and len(piece.stamps) >= FEW:
+            checks.take(piece.stamps, piece.wheels, None, piece.steering)
+        yield piece
+    if checks is not None:
+        checks.finish()
+
+
+def _checks(rover: Rover, options: Mapping[str, Any], meaning: Meaning) -> ReadingChecks:
+    steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
+    named = {"stamp": meaning.found["stamp"]}
+    named |= {wheel: meaning.found[wheel] for wheel in rover.wheel_names}
+    for wheel in rover.steered_names:
+        named[f"{wheel} steering"] = meaning.found[steering.get(wheel, f"{wheel}_steering_joint")]
+    return array_checks(rover, options, named, meaning.clock_stated, meaning.units_stated)
+
+
+def _parquet(path: Path) -> Any:
     try:
         from pyarrow import ArrowInvalid, parquet
     except ModuleNotFoundError as error:
         message = f'Parquet files need {error.name}: pip install "six-wheel[cli]"'
         raise ModuleNotFoundError(message, name=error.name) from None
     try:
-        opened = parquet.ParquetFile(path)
+        return parquet.ParquetFile(path)
     except FileNotFoundError:
         raise FileNotFoundError(f"{path}: no such file") from None
     except ArrowInvalid:
         rule = "be a Parquet file; six_wheel.logs.read_log makes a WheelLog of tables, bags and others"
         raise ValueError(f"a path must {rule}, got {str(path)!r}") from None
-    found = _find(rover, opened.schema_arrow.names, columns, sensors, options)
 
-    def pieces() -> Iterator[Piece]:
-        wanted = sorted({header for header in found.values() if header})
-        origin = None
-        with opened:
-            for batch in opened.iter_batches(batch_size=chunk_rows, columns=wanted, use_threads=False):
-                read = {header: _numbers(batch.column(header)) for header in wanted}
-                _turn(rover, read, found)
-                origin = _origin(read[found["stamp"]]) if origin is None else origin
-                yield _piece(rover, found, read, origin)
 
-    return Source(opened.metadata.num_rows, pieces())
+def _units(schema: Any) -> dict[int, str]:
+    """Units that the fields of a schema of Arrow's state."""
+    units = {}
+    for index, field in enumerate(schema if hasattr(schema, "field") else ()):
+        stated = (field.metadata or {}).get(b"unit")
+        if stated:
+            units[index] = stated.decode("utf-8", "replace")
+    return units
+
+
+def _meaning(
+    rover: Rover,
+    headers: Sequence[str],
+    columns: Columns | None,
+    sensors: Sensors,
+    options: Mapping[str, Any],
+    units: Mapping[int, str],
+    stamp_unit: str | None,
+) -> Meaning:
+    """By the plain names of the columns, or else by what their headers say of quantity and unit."""
+    scales: dict[str, float] = {}
+    try:
+        given = columns if columns is None or isinstance(columns, Mapping) else None
+        found = _find(rover, headers, given, sensors, options)
+        if not units and given is columns:
+            stated = stamp_unit is not None
+            if stamp_unit is not None:
+                scales[found["stamp"]] = scale_of(stamp_unit)
+            return Meaning(found, scales, clock_stated=stated)
+        plain = ""
+    except ValueError as error:
+        plain = str(error)
+    readings = str(options.get("readings", "angles"))
+    default: Reading = "speed" if readings == "speeds" else "angle"
+    names = renamed(headers, columns or {})
+    try:
+        by_name = joint_columns(names, rover, default, units, stamp_unit)
+    except ValueError as error:
+        raise ValueError(f"{plain}; {error}" if plain else str(error)) from None
+    return _of_columns(rover, headers, by_name, sensors, readings)
+
+
+def _of_columns(
+    rover: Rover, headers: Sequence[str], by_name: JointColumns, sensors: Sensors, readings: str
+) -> Meaning:
+    """The meaning of a table whose headers say what is in them."""
+    steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
+    known = by_name.columns
+    if "nanoseconds" in known:
+        both = f'"{known["time"].header}" and "{known["nanoseconds"].header}"'
+        raise ValueError(
+            f"a table must have its stamps in one column, got {both}: add them up, or read_log the file"
+        )
+    found, scales = {"stamp": headers[known["time"].index]}, {}
+    if known["time"].stated:
+        scales[found["stamp"]] = known["time"].unit.scale
+    backwards = set()
+    for part, wheels in (("steering", rover.steered_names), ("wheel", rover.wheel_names)):
+        for wheel in wheels:
+            name = wheel if part == "wheel" else steering.get(wheel, f"{wheel}_steering_joint")
+            column = known.get(f"{part} {wheel}")
+            found[name] = "" if column is None else headers[column.index]
+            if column is not None:
+                scales[found[name]] = column.unit.scale
+                backwards |= {found[name]} if f"{part} {wheel}" in by_name.reversed else set()
+    for name, header in sensors.items():
+        if header is not None:
+            if header not in headers:
+                raise ValueError(f"{name} must name a column, got {header!r} of {', '.join(headers)}")
+            found[name] = str(header)
+    wheels_of = [column for name, column in known.items() if name.startswith("wheel ")]
+    kind = {"angle": "angles", "speed": "speeds", "ticks": "ticks"}[by_name.reading]
+    return Meaning(
+        found,
+        scales,
+        readings if readings == "increments" else kind,
+        frozenset(backwards),
+        known["time"].stated,
+        all(column.stated for column in wheels_of) and any("[" in column.header for column in wheels_of),
+    )
 
 
 def is_table(source: Any) -> bool:
@@ -224,17 +353,35 @@ def _find(
     return found
 
 
-def _turn(rover: Rover, read: dict[str, NDArray[Any]], found: Mapping[str, str]) -> None:
-    """Give columns that go by the name of a reversed joint the sign of its wheel."""
-    for joint in rover.reversed_joints:
+def _turn(rover: Rover, read: dict[str, NDArray[Any]], meaning: Meaning) -> None:
+    """Give columns that go by the name of a reversed joint the sign of its wheel, and all their unit."""
+    found = meaning.found
+    for header, scale in meaning.scales.items():
+        if scale != 1.0 and header != found["stamp"]:
+            read[header] = read[header] * scale
+    for header in meaning.reversed:
+        read[header] = -read[header]
+    for joint in rover.reversed_joints if not meaning.readings else ():
         name = rover.traction_joints.get(joint, joint)
         header = found.get(name, "")
         if header and header.partition(".")[0] == joint.partition(".")[0] and header.startswith(joint):
             read[header] = -read[header]
 
 
+def _stamps(stamps: NDArray[Any], clock: ClockTimes) -> NDArray[Any]:
+    """Stamps as dates where they are texts."""
+    if stamps.dtype.kind not in "OUT":
+        return stamps
+    times, good = clock.read([None if text is None else str(text) for text in stamps.tolist()])
+    if not good.any():
+        raise ValueError(f"stamps must be numbers, dates or such as {KNOWN}, got {stamps[0]!r}")
+    dates = times.astype("datetime64[ns]")
+    dates[~good] = np.datetime64("NaT")
+    return dates
+
+
 def _numbers(column: Any) -> NDArray[Any]:
-    """A column as numbers or dates, missing values NaN or NaT."""
+    """A column as numbers, dates or texts, missing values NaN or NaT."""
     if hasattr(column, "to_numpy"):
         if type(column).__module__.startswith("pyarrow"):
             chunked = hasattr(column, "chunks")
@@ -243,25 +390,37 @@ def _numbers(column: Any) -> NDArray[Any]:
             values = column.to_numpy()
     else:
         values = np.asarray(column)
-    return np.asarray(values) if values.dtype.kind == "M" else np.asarray(values, dtype=np.float64)
+    values = np.asarray(values)
+    if values.dtype.kind in "MUT" or (
+        values.dtype.kind == "O" and len(values) and isinstance(values[0], str)
+    ):
+        return values
+    whole = values.dtype.kind in "iu" and len(values) and abs(int(values[0])) > 1 << 52
+    return values if whole else np.asarray(values, dtype=np.float64)
 
 
-def _origin(stamps: NDArray[Any]) -> Any:
-    """Origin of the stamps: the first date that is not NaT, or 0.0 for stamps in seconds."""
+def _origin(stamps: NDArray[Any], meaning: Meaning) -> Any:
+    """Origin of the stamps: the first date that is not NaT, 0 for stamps that count from a start."""
     if stamps.dtype.kind != "M":
-        return 0.0
+        scale = meaning.scales.get(meaning.found["stamp"], 1.0)
+        since_1970 = scale != 1.0 and len(stamps) and abs(float(stamps[0])) * scale > LONGEST_RUN
+        return stamps[0] if since_1970 else stamps.dtype.type(0)
     there = stamps[~np.isnat(stamps)]
     return there[0] if len(there) else np.datetime64(0, "s")
 
 
-def _piece(rover: Rover, found: Mapping[str, str], read: Mapping[str, NDArray[Any]], origin: Any) -> Piece:
+def _piece(rover: Rover, meaning: Meaning, read: Mapping[str, NDArray[Any]], origin: Any) -> Piece:
+    found = meaning.found
     stamps = read[found["stamp"]]
+    scale = meaning.scales.get(found["stamp"], 1.0)
     if stamps.dtype.kind == "M":
         since = (stamps - origin).astype("timedelta64[ns]")
         seconds = since.astype(np.float64) * 1e-9
         seconds[np.isnat(stamps)] = np.nan
+    elif scale != 1.0:
+        seconds = (stamps - origin).astype(np.float64) / round(1.0 / scale)
     else:
-        seconds = stamps
+        seconds = np.asarray(stamps, dtype=np.float64)
     nothing = np.full(len(stamps), np.nan)
     wheels = [read[found[name]] if found[name] else nothing for name in rover.wheel_names]
     steered = [read[header] for name, header in found.items() if name in _steering(rover)]

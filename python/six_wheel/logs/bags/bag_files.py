@@ -1,10 +1,12 @@
 """Files of ROS 2 bags: which there are, what is whole of one that was cut off, and how rosbags is loaded."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, TypeAlias
 
 INSTALL = 'pip install "six-wheel[bags]"'
+Topics: TypeAlias = Sequence[str] | Mapping[str, str]
 BAGS = (".mcap", ".db3", ".bag")
 MCAP, MAGIC, DATA_END, FOOTER = ".mcap", b"\x89MCAP0\r\n", 0x0F, 0x02
 

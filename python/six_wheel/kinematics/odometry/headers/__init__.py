@@ -1,3 +1,4 @@
-"""Headers of tables: `columns` finds the quantity and unit of each, `joint_columns` those of wheels, joints and
-the truth, `rate_columns` those of a gyroscope.
+"""Headers of tables: `columns` finds the quantity and unit of each, `joint_columns` those of joints,
+`time_columns` stamps, `rate_columns` a gyroscope; `renamed` has what the owner of a table calls them,
+`clock_times` reads times that are written as clocks show them.
 """

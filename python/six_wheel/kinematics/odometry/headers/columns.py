@@ -19,6 +19,7 @@ __all__ = [
     "Unit",
     "find_columns",
     "is_number",
+    "means",
     "unit",
     "words",
 ]
@@ -82,7 +83,10 @@ _TURN = (
 _LINEAR = "v_{0} linear_{0} lin_{0} velocity_{0} vel_{0} linear_velocity_{0}"
 _ANGULAR = "wz w_z omega_z yaw_rate yawrate angular_z ang_z angular_velocity_z angular_velocity turn_rate"
 
-TIME = Quantity("time", ("time", "t", "stamp", "timestamp"), TIME_UNITS)
+_TIMES = "time", "t", "stamp", "timestamp"
+_CLOCKS = "datetime", "date_time", "utc", "utc_time", "clock", "elapsed", "elapsed_time", "unix_time", "epoch"
+
+TIME = Quantity("time", (*_TIMES, *_CLOCKS), TIME_UNITS)
 QUANTITIES = (
     TIME,
     Quantity("vx", ("vx", "v", *_LINEAR.format("x").split(), "linear_velocity", "speed"), _SPEED),
@@ -117,6 +121,11 @@ def _interpret(header: str, quantity: Quantity) -> tuple[Unit, bool] | None:
             if any(form == f"{stem}_{ending}" for ending in unit.spellings for stem in quantity.spellings):
                 return unit, True
     return None
+
+
+def means(header: str, quantity: Quantity) -> bool:
+    """True if a header means a quantity."""
+    return _interpret(header, quantity) is not None
 
 
 def find_columns(headers: Sequence[str], quantities: Sequence[Quantity] = QUANTITIES) -> dict[str, Column]:

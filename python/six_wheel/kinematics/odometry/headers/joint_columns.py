@@ -8,13 +8,12 @@ a unit (``front_left [rpm]``). Of a log that has several, the angle serves best,
 import difflib
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, get_args
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.odometry.headers.columns import (
     BRACKETS,
-    TIME,
     Column,
     Quantity,
     TableError,
@@ -24,6 +23,7 @@ from six_wheel.kinematics.odometry.headers.columns import (
     words,
 )
 from six_wheel.kinematics.odometry.headers.rate_columns import rate_columns
+from six_wheel.kinematics.odometry.headers.time_columns import time_columns
 
 Reading: TypeAlias = Literal["angle", "speed", "ticks"]
 READINGS: tuple[Reading, ...] = get_args(Reading)
@@ -33,23 +33,36 @@ _TURN, _DEGREE = 2 * math.pi, math.pi / 180
 _ANGLES = (
     unit("rad", 1.0, "rad rads radian radians"),
     unit("deg", _DEGREE, "deg degs degree degrees"),
-    unit("rev", _TURN, "rev revs revolution revolutions turn turns"),
+    unit("rev", _TURN, "rev revs revolution revolutions turn turns rot rots rotation rotations"),
+)
+# Ways and speeds of the rim, which its radius makes angles and rates.
+_AT_RIM = (
+    (unit("m", 1.0, "m metre metres meter meters"), unit("cm", 1e-2, "cm"), unit("mm", 1e-3, "mm")),
+    (
+        unit("m/s", 1.0, "m_s mps ms m_per_s m_s_1 meters_per_second metres_per_second"),
+        unit("cm/s", 1e-2, "cm_s cmps cm_per_s"),
+        unit("mm/s", 1e-3, "mm_s mmps mm_per_s"),
+        unit("km/h", 1 / 3.6, "km_h kmh kph kmph"),
+    ),
 )
 _UNITS: Mapping[Reading, tuple[Unit, ...]] = {
-    "angle": _ANGLES,
+    "angle": (*_ANGLES, *_AT_RIM[0]),
     "speed": (
         unit("rad/s", 1.0, "rad_s radps rad_per_s rad_s_1 radians_per_second"),
         unit("deg/s", _DEGREE, "deg_s degps dps deg_per_s deg_s_1 degrees_per_second"),
         unit("rev/s", _TURN, "rev_s revps rps rev_per_s revolutions_per_second"),
         unit("rpm", _TURN / 60, "rpm rev_min revolutions_per_minute"),
+        *_AT_RIM[1],
     ),
-    "ticks": (unit("ticks", 1.0, "ticks tick counts count pulses"),),
+    "ticks": (unit("ticks", 1.0, "ticks tick counts count pulses pulse cnt cts"),),
 }
 _WORDS: Mapping[Reading, tuple[str, ...]] = {
     "angle": ("position", "pos", "angle"),
     "speed": ("velocity", "vel", "speed", "rate"),
-    "ticks": ("encoder", "ticks", "tick", "counts", "count", "pulses"),
+    "ticks": ("encoder", "enc", "ticks", "tick", "counts", "count", "cnt", "cts", "pulses", "pulse"),
 }
+_SHORT = frozenset(("enc", "cnt", "cts", "pulse"))  # that messages do not recommend
+_BEHIND = frozenset(word for words_of in _WORDS.values() for word in words_of)
 # Prefixes that recorders put before the name of a joint.
 _BEFORE = ("", "joint_states_", "joint_state_")
 
@@ -110,6 +123,7 @@ def joint_columns(
     rover: Rover,
     reading: Reading | None = None,
     field_units: Mapping[int, str] | None = None,
+    stamp_unit: str | None = None,
 ) -> JointColumns:
     """Find the columns of a joint log.
 
@@ -122,6 +136,8 @@ def joint_columns(
         What a wheel's column is if its header does not say, and which to take if there are several.
     field_units : mapping, optional
         Column to unit, for headers that state none.
+    stamp_unit : str, optional
+        Unit of the times, whatever their header says.
 
     Raises
     ------
@@ -131,7 +147,8 @@ def joint_columns(
     """
     if reading is not None and reading not in READINGS:
         raise ValueError(f'reading must be one of {", ".join(READINGS)}, got "{reading}"')
-    found = find_columns(headers, (TIME,)) | truth_columns(headers) | rate_columns(headers, field_units)
+    found = time_columns(headers, field_units, stamp_unit)
+    found |= truth_columns(headers) | rate_columns(headers, field_units)
     taken = {column.index for column in found.values()}
     steering = _stems(rover.steered_names, rover.steering_joints, _STEERING_FORMS)
     wheels = _stems(rover.wheel_names, rover.traction_joints, _WHEEL_FORMS)
@@ -159,7 +176,9 @@ def joint_columns(
             if meaning[0] in columns:
                 rule = f'{name} must be in one column, got "{columns[meaning[0]].header}" and "{header}"'
                 raise TableError(f"{rule}; rename or drop all but one")
-            columns[meaning[0]] = Column(index, header, meaning[1], stated=True)
+            unit_of = _at_the_rim(meaning[1], rover, named[0]) if part == "wheel" else meaning[1]
+            stated = given is not None or rest not in _WORDS[meaning[0]] or meaning[0] == reading
+            columns[meaning[0]] = Column(index, header, unit_of, stated)
             break
     for name, doubt in doubts.items():
         if name not in by_reading:
@@ -183,6 +202,14 @@ def joint_columns(
     found |= {name: kinds[chosen] for name, kinds in wheel_columns.items()}
     silent = tuple(wheel for wheel in rover.traction_joints.values() if f"wheel {wheel}" not in found)
     return JointColumns(found, chosen, silent, frozenset(turned))
+
+
+def _at_the_rim(unit: Unit, rover: Rover, wheel: str) -> Unit:
+    """A unit of a wheel's angle or rate; of ways and speeds, by its radius."""
+    if not any(unit.symbol == each.symbol for units in _AT_RIM for each in units):
+        return unit
+    radius = next(each.radius for each in rover.wheels if each.name == wheel)
+    return replace(unit, scale=unit.scale / radius)
 
 
 def truth_columns(headers: Sequence[str]) -> dict[str, Column]:
@@ -213,6 +240,12 @@ def _named(text: str, stems: Mapping[str, str]) -> tuple[str, str, str] | None:
         for before in _BEFORE
         if text == before + stem or text.startswith(before + stem + "_")
     }
+    if not rests:  # "encoder_left", "vel_front_left"
+        rests = {
+            text[: -len(stem) - 1].removesuffix("_wheel"): (wheel, stem)
+            for stem, wheel in stems.items()
+            if text.endswith(f"_{stem}") and text[: -len(stem) - 1].removesuffix("_wheel") in _BEHIND
+        }
     rest = min(rests, key=len, default=None)
     return None if rest is None else (rests[rest][0], rest, rests[rest][1])
 
@@ -221,7 +254,7 @@ def _doubt(header: str, text: str, rest: str, given: str | None, part: str) -> s
     kinds: Sequence[Reading] = ("angle", "ticks") if part == "steering" else READINGS
     units = {spelling for kind in kinds for each in _UNITS[kind] for spelling in each.spellings}
     if rest and given is not None and words(given) in units:
-        said = ", ".join(sorted({word for kind in kinds for word in _WORDS[kind]}))
+        said = ", ".join(sorted({word for kind in kinds for word in _WORDS[kind]} - _SHORT))
         return f'column "{header}" must say what it is by one of {said}, or nothing, got "{rest}"'
     known = ", ".join(each.symbol for kind in kinds for each in _UNITS[kind])
     such = f'"{text.strip()} [{"rad" if part == "steering" else "rad/s"}]"'

@@ -73,6 +73,8 @@ class Readings:
         Counts of a turn.
     increments_stated : bool
         Whether it is said that rows are totals, or that they are not.
+    scale : array, shape (wheels,), or None
+        Radians of one of the readings.
     max_speed, max_gap : float or None
         Bounds of the owner [m/s], [s].
     first_row : int
@@ -93,6 +95,7 @@ class Readings:
     counts_unknown: bool = False
     turn: float | None = None
     increments_stated: bool = False
+    scale: Floats | None = None
     max_speed: float | None = None
     max_gap: float | None = None
     first_row: int = 1
@@ -114,6 +117,7 @@ class ReadingChecks:
     _rows: int = 0
     _last: tuple[float, Floats, Floats, Floats | None] | None = None
     _spans: list[tuple[Floats, Floats]] = field(default_factory=list)
+    _turned: Floats = field(default_factory=lambda: np.zeros(0))
     _clock_known: bool = False
     _looked: bool = False
 
@@ -124,6 +128,7 @@ class ReadingChecks:
         angles: Floats | None,
         steering: Floats | None,
         numbers: NDArray[np.int64] | None = None,
+        joints: Floats | None = None,
     ) -> None:
         """Check consecutive rows.
 
@@ -139,6 +144,8 @@ class ReadingChecks:
             As the log has them.
         numbers : array, shape (n,), optional
             Of the rows.
+        joints : array, shape (n, steered wheels), optional
+            Steering angles [rad], if the log has them otherwise.
 
         Raises
         ------
@@ -153,29 +160,21 @@ class ReadingChecks:
         chosen = self._stretches(stamps)
         self._look(raw, steering, numbers)
         self._check_jumps(stamps, raw, steering, chosen, numbers)
-        if angles is not None:
-            self._check_motion(stamps, angles, steering, chosen, numbers)
+        turned = steering if joints is None else joints
+        self._check_motion(stamps, raw, angles, turned, chosen, numbers)
         if known.kind == "speeds":
             self._check_gaps(stamps, raw, numbers)
         self._rows += len(stamps)
-        whole = raw if angles is None else angles
         last = None if steering is None else steering[-1]
-        self._last = (float(stamps[-1]), raw[-1].copy(), whole[-1].copy(), last)
+        self._last = (float(stamps[-1]), raw[-1].copy(), self._turned, last)
 
     def finish(self) -> None:
-        """Check the log as a whole.
-
-        Raises
-        ------
-        ImplausibleReadingError
-            If a wheel never moves while others do.
-        """
+        """Warn of a wheel that never moves while others do."""
         known = self.readings
         if self._rows < STUCK_ROWS or not self._spans or known.kind == "increments":
             return
-        spans = [np.array(each) for each in zip(*self._spans, strict=True)]
-        with np.errstate(invalid="ignore"):
-            moved = np.nanmax(spans[1], axis=0, initial=-np.inf) - np.nanmin(spans[0], axis=0, initial=np.inf)
+        low, high = (np.array(each) for each in zip(*self._spans, strict=True))
+        moved = np.fmax.reduce(high, axis=0) - np.fmin.reduce(low, axis=0)
         heard = np.isfinite(moved)
         if not heard.any():
             return
@@ -187,17 +186,12 @@ class ReadingChecks:
                 and moved[fastest] > STUCK_TURN
                 and not wheel.roller_angle
             ):
-                header = known.wheels[place].header
-                what = (
-                    f'"{header}" stands still in all {self._rows} rows while "{known.wheels[fastest].header}"'
-                )
-                rest = f"{at_its_word().option} takes it as it is"
+                header, other = known.wheels[place].header, known.wheels[fastest].header
+                what = f'"{header}" stands still in all {self._rows} rows while "{other}" turns'
                 remedy = "is its encoder connected?"
                 if known.named and heard.sum() > 2:
-                    remedy += f" Without it: give {columns({header: ''})};"
-                raise ImplausibleReadingError(
-                    f"{what} turns {moved[fastest]:.4g} rad: {remedy} {rest} ({at_its_word().argument})"
-                )
+                    remedy += f" Without it: {columns({header: ''})}"
+                self.warn(f"{what} {moved[fastest]:.4g} rad: {remedy}")
 
     def _row(self, place: int, numbers: NDArray[np.int64] | None) -> int:
         """The number of a row of this chunk."""
@@ -268,7 +262,8 @@ class ReadingChecks:
                 whole = np.concatenate((before[place : place + 1], whole))
             turns = [self.readings.turn] if self.readings.turn else []
             found = find_jumps(whole, turns, all_whole(samples))
-            if found is not None and (not steering or found.wraps_at is not None):
+            reset = not steering and self.readings.max_speed is None
+            if found is not None and (reset or found.wraps_at is not None):
                 shift = 0 if before is None else 1
                 at = [self._row(int(k) - shift, numbers) for k in found.rows]
                 raise ImplausibleReadingError(self._jumping(column, found, at, steering))
@@ -279,7 +274,8 @@ class ReadingChecks:
         steps = f"from {number(found.before)} to {number(found.after)}"
         if found.wraps_at is not None:
             counts = known.counts_unknown and not steering
-            proposal = encoders(wraps_at=found.wraps_at, counts=counts, steering=steering)
+            turn = None if steering else known.turn
+            proposal = encoders(wraps_at=found.wraps_at, counts=counts, turn=turn, steering=steering)
             what = f'"{column.header}" wraps at {number(found.wraps_at)} in {rows(at)} ({steps})'
             return f"{what}: give {proposal}"
         what = f'"{column.header}" was set anew in {rows(at)} ({steps})'
@@ -288,14 +284,28 @@ class ReadingChecks:
     def _check_motion(
         self,
         stamps: Floats,
-        angles: Floats,
+        raw: Floats,
+        angles: Floats | None,
         steering: Floats | None,
         chosen: NDArray[np.int64],
         numbers: NDArray[np.int64] | None,
     ) -> None:
         known = self.readings
-        times, turned = stamps[chosen], angles[chosen]
-        if self._last is not None:
+        if angles is None and (known.scale is None or known.wraps or known.kind == "increments"):
+            return
+        times = stamps[chosen]
+        if angles is not None:
+            turned = angles[chosen]
+        elif known.kind == "speeds":
+            rates = raw[chosen] * known.scale
+            periods = np.diff(times, prepend=times[0])[:, None]
+            turned = np.cumsum(np.nan_to_num(rates * periods), axis=0)
+            turned[:, np.isnan(rates).all(axis=0)] = np.nan
+            turned += 0.0 if self._last is None else self._last[2]
+        else:
+            turned = raw[chosen] * known.scale
+        self._turned = turned[-1].copy()
+        if self._last is not None and len(self._last[2]):
             times = np.concatenate(([self._last[0]], times))
             turned = np.vstack((self._last[2], turned))
         with np.errstate(invalid="ignore"):
@@ -317,7 +327,9 @@ class ReadingChecks:
             middles = steering[ends]
             if not known.steering_stated:
                 check_steering(known.rover, middles, known.steering, self._row(0, numbers), known.named)
-        found = check_motion(known.rover, rates, middles, periods[later], known.max_speed)
+        if known.max_speed is not None:
+            return
+        found = check_motion(known.rover, rates, middles, periods[later])
         if found is not None:
             stretch, wheel, figure = found
             raise ImplausibleReadingError(

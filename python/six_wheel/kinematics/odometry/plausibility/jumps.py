@@ -23,6 +23,7 @@ CALM = 0.5  # of a jump, below which all other steps must stay
 APART = 8.0  # times the other steps around it, that a jump is at least
 AROUND = 25  # rows on either side that tell what steps are usual
 LEAST = 3  # steps that have to be there beside a jump
+ROWS = 20  # that a column has at least, of which anything is said
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ def find_jumps(column: Floats, turns: Sequence[float] = (), whole: bool = False)
     """
     there = np.flatnonzero(np.isfinite(column))
     values = column[there]
-    if len(values) < LEAST + 2:
+    if len(values) < ROWS:
         return None
     steps = np.diff(values)
     sizes = np.abs(steps)

@@ -31,7 +31,7 @@ PLAY = 0.1  # [rad] beyond its range at which a joint may be measured
 
 
 def check_motion(
-    rover: Rover, rates: Floats, steering: Floats | None, periods: Floats, max_speed: float | None
+    rover: Rover, rates: Floats, steering: Floats | None, periods: Floats
 ) -> tuple[int, int, str] | None:
     """A stretch in which wheels move as none can: its number, the wheel, and the figure in words.
 
@@ -43,25 +43,21 @@ def check_motion(
         Angles in the middle of them [rad].
     periods : array, shape (n,)
         Their lengths [s].
-    max_speed : float, optional
-        Rim speed that the owner of the log allows [m/s], instead of the bounds on wheels.
     """
     if len(rates) < ENOUGH:
         return None
     radii = np.array([wheel.radius for wheel in rover.wheels])
     rims = np.abs(rates) * radii
     fastest = np.nan_to_num(rims).max(axis=1)
-    if max_speed is None:
-        spinning = np.nan_to_num(np.abs(rates)).max(axis=1)
-        long_enough = spinning > FASTEST_WHEEL
-        long_enough[1:] &= long_enough[:-1]
-        long_enough[0] = False
-        for found in (fastest > FASTEST_RIM, long_enough):
-            if found.any():
-                row = int(np.argmax(found))
-                wheel = int(np.nanargmax(rims[row]))
-                turning = abs(float(rates[row, wheel]))
-                return row, wheel, f"turns at {turning:.4g} rad/s, {rims[row, wheel]:.4g} m/s at the rim,"
+    spinning = np.nan_to_num(np.abs(rates)).max(axis=1) > FASTEST_WHEEL
+    spinning[1:] &= spinning[:-1]
+    spinning[0] = False
+    for found in (fastest > FASTEST_RIM, spinning):
+        if found.any():
+            row = int(np.argmax(found))
+            wheel = int(np.nanargmax(rims[row]))
+            turning = abs(float(rates[row, wheel]))
+            return row, wheel, f"turns at {turning:.4g} rad/s, {rims[row, wheel]:.4g} m/s at the rim,"
     if float(fastest.max()) < 1.0:
         return None
     return _of_body(rover, rates, steering, periods, rims)

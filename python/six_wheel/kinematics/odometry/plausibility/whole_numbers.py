@@ -14,6 +14,7 @@ Floats = NDArray[np.float64]
 LONG_STEP = 100.0  # of whole numbers in a row, which no radians are
 ROWS = 20  # from which on whole numbers alone are enough
 VALUES = 8  # different ones among them
+FEW = 2.0  # of them that a wheel which moves goes on by in a row
 FLIPS = 0.3  # share of steps against the step before, from which on they are no motion
 LEVELS = 5  # ticks that what was turned in a row takes at least
 
@@ -39,7 +40,9 @@ def check_counts(wheels: Floats, columns: Sequence[Column], row: int, steering: 
             continue
         steps = np.abs(np.diff(there))
         longest = float(steps.max())
-        if longest > LONG_STEP or (len(there) >= ROWS and len(np.unique(there)) >= VALUES):
+        moves = steps[steps > 0.0]
+        several = len(moves) >= ROWS and float(np.median(moves)) >= FEW
+        if longest > LONG_STEP or (several and len(np.unique(there)) >= VALUES):
             at = row + int(np.argmax(steps)) + 1
             what = f'"{column.header}" holds whole numbers, with a step of {longest:.0f} in row {at}'
             proposal = encoders(counts=True, steering=steering)

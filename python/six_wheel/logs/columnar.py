@@ -1,0 +1,90 @@
+"""Files of Arrow's: Parquet, and Feather or Arrow IPC, in batches of columns."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from six_wheel.kinematics.odometry.headers.columns import TIME_UNITS, TableError, Unit
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+__all__ = ["ColumnarFile", "time_unit_of", "units_of"]
+
+
+class ColumnarFile:
+    """A Parquet or Arrow file, open for reading.
+
+    Parameters
+    ----------
+    path : Path
+    format : {"parquet", "arrow"}
+
+    Attributes
+    ----------
+    schema : pyarrow.Schema
+    rows : int
+
+    Raises
+    ------
+    TableError
+        If it cannot be read.
+    """
+
+    def __init__(self, path: Path, format: str) -> None:
+        import pyarrow as pa
+        import pyarrow.ipc
+        import pyarrow.parquet
+
+        self._handle = open(path, "rb")  # noqa: SIM115
+        self._file: Any
+        try:
+            if format == "parquet":
+                # Pre-buffering would hold a whole row group, which may be the whole file.
+                self._file = pa.parquet.ParquetFile(self._handle, pre_buffer=False, buffer_size=1 << 20)
+                self.schema: pa.Schema = self._file.schema_arrow
+                self.rows: int = self._file.metadata.num_rows
+            else:
+                self._file = pa.ipc.open_file(pa.memory_map(str(path)))
+                self.schema = self._file.schema
+                self.rows = sum(
+                    self._file.get_batch(k).num_rows for k in range(self._file.num_record_batches)
+                )
+        except (pa.ArrowException, OSError) as error:
+            self._handle.close()
+            kind = "Parquet" if format == "parquet" else "Arrow"
+            raise TableError(f"not a readable {kind} file: {' '.join(str(error).split())}") from None
+        self._format = format
+
+    def batches(self, chunk_rows: int, headers: Sequence[str]) -> "Iterator[pa.RecordBatch]":
+        """The rows in order, of some columns."""
+        if self._format == "parquet":
+            yield from self._file.iter_batches(batch_size=chunk_rows, columns=[*headers], use_threads=False)
+            return
+        for number in range(self._file.num_record_batches):
+            whole = self._file.get_batch(number).select([*dict.fromkeys(headers)])
+            for start in range(0, whole.num_rows, chunk_rows):
+                yield whole.slice(start, chunk_rows)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._handle.close()
+
+
+def units_of(schema: "pa.Schema") -> dict[int, str]:
+    """Units of columns that a schema states, in the metadata of their fields."""
+    units = {}
+    for index, field in enumerate(schema):
+        stated = {key.lower(): value for key, value in (field.metadata or {}).items()}
+        if unit := stated.get(b"unit") or stated.get(b"units"):
+            units[index] = unit.decode("utf-8", "replace")
+    return units
+
+
+def time_unit_of(kind: "pa.DataType") -> Unit | None:
+    """Unit of a column of dates or durations; None for any other."""
+    import pyarrow as pa
+
+    if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
+        return next(each for each in TIME_UNITS if each.symbol == kind.unit)
+    return None

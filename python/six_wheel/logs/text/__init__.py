@@ -1,0 +1,1 @@
+"""Text of tables: `dialect` finds encoding, cells and header."""

@@ -1,0 +1,237 @@
+"""Dialect of a text table: its encoding, what separates cells, decimal commas, and where its header is."""
+
+import csv
+import gzip
+import io
+import re
+import shutil
+import tempfile
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import BinaryIO
+
+from six_wheel.kinematics.odometry.headers.clock_times import is_clock_time
+from six_wheel.kinematics.odometry.headers.columns import BRACKETS, TIME, TableError, is_number, means, words
+
+__all__ = ["LONGEST_LINE", "Dialect", "cells_of", "open_text", "read_dialect"]
+
+LONGEST_LINE = 1 << 16  # [byte]
+HEAD = 40  # lines among which a header is looked for
+ROWS = 8  # lines below a header that tell how cells are written
+SPACES = " "
+SEPARATORS = (",", ";", "\t", "|")
+COMMENT = re.compile(r"^\s*(?:#+|%+|//)\s*")
+UNIT_WORDS = frozenset(
+    re.findall(
+        r"\w+",
+        "s sec ms us ns rad deg rev turns m cm mm m_s mm_s cm_s rad_s deg_s rev_s rpm ticks counts pulses "
+        "v a c w degrees radians seconds celsius percent bool int float hz n nm kg g g_s none unit units",
+    )
+)
+
+
+@dataclass
+class Dialect:
+    """Form of a text table.
+
+    Attributes
+    ----------
+    delimiter : str
+        Between cells; a space stands for any number of spaces and tabs.
+    decimal : str
+        Point or comma.
+    headers : list of str
+        Empty texts where the file has none.
+    skip_lines, header_bytes : int
+        What comes before the first row.
+    units : dict of int to str
+        Of columns, from a row below the header.
+    first : list of list of str
+        Cells of the first rows.
+    has_header : bool
+    """
+
+    delimiter: str
+    decimal: str = "."
+    headers: list[str] = field(default_factory=list)
+    skip_lines: int = 0
+    header_bytes: int = 0
+    units: dict[int, str] = field(default_factory=dict)
+    first: list[list[str]] = field(default_factory=list)
+    has_header: bool = True
+
+
+def open_text(path: Path) -> BinaryIO:
+    """A file as UTF-8: itself if it is, or else a copy."""
+    handle = open(path, "rb")  # noqa: SIM115
+    head = handle.read(4096)
+    handle.seek(0)
+    encoding = _encoding(head)
+    if head[:2] != b"\x1f\x8b" and encoding is None:
+        return handle
+    with handle:
+        source: BinaryIO = handle
+        copy = tempfile.TemporaryFile()  # noqa: SIM115
+        try:
+            if head[:2] == b"\x1f\x8b":
+                source = gzip.open(handle)  # type: ignore[assignment]  # noqa: SIM115
+                encoding = _encoding(source.read(4096)) or "utf-8-sig"
+                source.seek(0)
+            text = io.TextIOWrapper(source, encoding=encoding, errors="replace", newline="")
+            target = io.TextIOWrapper(copy, encoding="utf-8", newline="", write_through=True)
+            shutil.copyfileobj(text, target)
+            target.detach()
+        except (OSError, EOFError, UnicodeError) as error:
+            copy.close()
+            raise TableError(f"the text cannot be read: {' '.join(str(error).split())}") from None
+        copy.seek(0)
+        return copy  # type: ignore[return-value]
+
+
+def _encoding(head: bytes) -> str | None:
+    """Encoding of a text that is not UTF-8, by its first bytes."""
+    if head[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return "utf-16"
+    if len(head) > 7 and head.count(b"\0") >= len(head) // 3:
+        evens, odds = head[::2].count(b"\0"), head[1::2].count(b"\0")
+        if min(evens, odds) == 0:
+            return "utf-16-le" if odds else "utf-16-be"
+    try:
+        head.decode("utf-8")
+    except UnicodeDecodeError as error:
+        cut = error.end >= len(head) - 3  # in the middle of a character
+        if not cut and b"\0" not in head:
+            return "cp1252"
+    return None
+
+
+def cells_of(line: str, delimiter: str) -> list[str]:
+    """The cells of a line."""
+    if delimiter == SPACES:
+        return line.split()
+    try:
+        return next(csv.reader([line], delimiter=delimiter))
+    except csv.Error as error:
+        raise TableError(f"the header must be a line of cells, got {line!r:.60} ({error})") from None
+
+
+def read_dialect(handle: BinaryIO, known: Collection[str] = ()) -> Dialect:
+    """The dialect of a table, by its first lines; `known` are headers that somebody named.
+
+    Raises
+    ------
+    TableError
+        If there is no line of text.
+    """
+    lines: list[tuple[int, int, str]] = []  # lines up to and with it, bytes, text
+    number = 0
+    handle.seek(0)
+    while len(lines) < HEAD + ROWS and (line := handle.readline(LONGEST_LINE)):
+        number += 1
+        if not line.strip():
+            continue
+        try:
+            text = line.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            if len(lines):
+                text = line.decode("utf-8", "replace")
+            else:
+                byte = error.object[error.start]
+                raise TableError(f"the header must be UTF-8 text, got byte 0x{byte:02x}") from None
+        lines.append((number, handle.tell(), text.rstrip("\r\n")))
+    if not lines or "\0" in lines[0][2]:
+        raise TableError("the header must be a line of text, got none")
+    place, delimiter = _header_line([text for _, _, text in lines], known)
+    return _dialect(lines, place, delimiter)
+
+
+def _header_line(texts: Sequence[str], known: Collection[str]) -> tuple[int, str]:
+    """The line of the header, and what separates its cells: the first one that names a time, or the first."""
+    for place, text in enumerate(texts[:HEAD]):
+        bare = COMMENT.sub("", text)
+        for delimiter in _separators(bare):
+            headers = _headers(bare, delimiter)
+            named = any(means(header, TIME) for header in headers) or not frozenset(known).isdisjoint(headers)
+            if len(headers) > 1 and named and not _is_row(headers):
+                return place, delimiter
+    place = next((k for k, text in enumerate(texts) if not _is_preamble(texts, k)), 0)
+    bare = COMMENT.sub("", texts[place])
+    return place, (_separators(bare) or [","])[0]
+
+
+def _is_preamble(texts: Sequence[str], place: int) -> bool:
+    """True for a comment that is not directly above the rows, and for a line in which Excel names them."""
+    text = texts[place]
+    if re.fullmatch(r"sep=.", text.strip(), re.IGNORECASE):
+        return True
+    below = texts[place + 1] if place + 1 < len(texts) else ""
+    return bool(COMMENT.match(text)) and (bool(COMMENT.match(below)) or (below != "" and not _numbers(below)))
+
+
+def _numbers(text: str) -> bool:
+    return any(_is_row(cells_of(text, each)) for each in _separators(text) or [","])
+
+
+def _separators(text: str) -> list[str]:
+    """What may separate the cells of a line, the likeliest first."""
+    there = [each for each in SEPARATORS if each in text]
+    return sorted(there, key=text.count, reverse=True) or ([SPACES] if len(text.split()) > 1 else [])
+
+
+def _headers(text: str, delimiter: str) -> list[str]:
+    """The names in a line of headers."""
+    if delimiter == SPACES:  # "left [rad]" is one name
+        text = re.sub(r"\s+(?=[\[(])", "", text)
+    try:
+        cells = cells_of(text, delimiter)
+    except TableError:
+        return []
+    return [cell.strip().strip('"').lstrip("#% ").strip() for cell in cells]
+
+
+def _is_row(cells: Sequence[str]) -> bool:
+    """True for cells that are numbers and times."""
+    held = [cell.strip() for cell in cells if cell.strip()]
+    return bool(held) and all(is_number(cell.replace(",", ".")) or is_clock_time(cell) for cell in held)
+
+
+def _dialect(lines: Sequence[tuple[int, int, str]], place: int, delimiter: str) -> Dialect:
+    """The dialect of a table whose header is in a line."""
+    number, end, text = lines[place]
+    headers = _headers(COMMENT.sub("", text), delimiter)
+    below = [each for each in lines[place + 1 : place + 1 + ROWS] if not COMMENT.match(each[2])]
+    found = Dialect(delimiter, headers=headers, skip_lines=number, header_bytes=end)
+    if _is_row(headers):
+        found.has_header = False
+        found.skip_lines, found.header_bytes = lines[place - 1][:2] if place else (0, 0)
+        below = list(lines[place : place + ROWS])
+    rows = [cells_of(each[2], delimiter) for each in below]
+    if found.has_header and rows and _is_unit_row(rows[0], headers):
+        found.units = {k: _unit(cell) for k, cell in enumerate(rows[0]) if _unit(cell)}
+        found.skip_lines, found.header_bytes = below[0][:2]
+        rows = rows[1:]
+    if rows and all(len(row) == len(headers) + 1 and not row[-1].strip() for row in rows):
+        headers.append("")  # a separator behind the last cell
+    found.first = rows
+    if delimiter != "," and (cells := [cell for row in rows for cell in row if "," in cell]):
+        decimal = all(
+            re.fullmatch(r"\s*[+-]?\d*,\d+(?:[eE][+-]?\d+)?\s*", c) or is_clock_time(c) for c in cells
+        )
+        found.decimal = "," if decimal else "."
+    return found
+
+
+def _unit(cell: str) -> str:
+    """The unit in a cell below a header."""
+    bracketed = BRACKETS.match(cell.strip())
+    return (bracketed[2] if bracketed else cell).strip()
+
+
+def _is_unit_row(cells: Sequence[str], headers: Sequence[str]) -> bool:
+    """True for a row of units."""
+    if len(cells) != len(headers) or not any(cell.strip() for cell in cells):
+        return False
+    return all(
+        words(_unit(cell)) in UNIT_WORDS or (not words(_unit(cell)) and not is_number(cell)) for cell in cells
+    )
