@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -132,7 +132,7 @@ def calibrate_files(
             if journal is not None and not journal.done:
                 journal.discard()  # nothing to go on from
         done = Calibrated(result, tuple(logs), tuple(warnings), by_gyroscope)
-        text = text_for(result.rover, parameters, _beside(done, parameters), _remarks(done))
+        text = text_for(result.rover, parameters, _beside(done, parameters, reading), _remarks(done))
         done = replace(done, warnings=(*done.warnings, *_read_back(text, parameters)))
         if target is not None:
             target.write_text(text, encoding="utf-8")
@@ -192,9 +192,9 @@ def _said(reader: AnyLog) -> list[str]:
 # --- the calibrated rover --------------------------------------------------------------------------------
 
 
-def _encoders(result: Calibration, parameters: Parameters | None) -> dict[str, Any]:
-    """The key ``encoders`` with the factors that are no dimension of a rover."""
-    encoders = dict(parameters.encoders) if parameters else {}
+def _encoders(result: Calibration, known: Mapping[str, Any]) -> dict[str, Any]:
+    """The key ``encoders`` with the factors that are no dimension of a rover, on top of what is known."""
+    encoders = dict(known)
     gains = dict(encoders.get("steering_gain", {}))
     for one in result.parameters:
         kind, _, wheel = one.name.removesuffix("]").partition("[")
@@ -207,11 +207,23 @@ def _encoders(result: Calibration, parameters: Parameters | None) -> dict[str, A
     return encoders | ({"steering_gain": gains} if gains else {})
 
 
-def _beside(done: Calibrated, parameters: Parameters | None) -> dict[str, dict[str, Any] | None]:
-    """Calibrated sections beside the rover's dimensions, by the keys that every parameter file has."""
+def _beside(done: Calibrated, parameters: Parameters | None, reading: LogOptions) -> dict[str, Any]:
+    """Calibrated sections beside the rover's dimensions, by the keys that every parameter file has, and what
+    the logs were read with, so that the file reads them again."""
     result = done.result
-    return {
-        "encoders": _encoders(result, parameters),
+    read_with: dict[str, Any] = {}
+    if reading.columns:
+        columns = reading.columns
+        read_with["columns"] = dict(columns) if isinstance(columns, Mapping) else list(columns)
+    if reading.topics:
+        topics = reading.topics
+        read_with["topics"] = dict(topics) if isinstance(topics, Mapping) else list(topics)
+    if reading.stamp_unit is not None:
+        read_with["stamp_unit"] = reading.stamp_unit
+    if not reading.plausibility:
+        read_with["plausibility"] = False
+    return read_with | {
+        "encoders": _encoders(result, reading.encoders),
         "noise": _noise(result, parameters),
         "odometry": _odometry(result, parameters),
         "gyroscope": _gyroscope(done, parameters),
@@ -318,7 +330,7 @@ def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:
     result, log = done.result, done.logs[number]
     if log.truth is None:
         raise ValueError(f"{log.name} must have a truth, got none")  # it was checked
-    corrections = _encoders(result, None)
+    corrections = _encoders(result, {})
     gains = corrections.get("steering_gain", {})
     factors = np.array([gains.get(wheel, 1.0) for wheel in result.rover.steered_names])
     corrected = replace(

@@ -39,6 +39,7 @@ from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.slip import Stretch
 from six_wheel.logs.detect_reader import as_logs
+from six_wheel.logs.log_options import log_options
 from six_wheel.logs.recordings import Reference, WheelLog, as_truth
 from six_wheel.parallel import Journal
 
@@ -75,6 +76,7 @@ def calibrate(
     client: Any = None,
     workers: int | None = 1,
     journal: Journal | None = None,
+    **how: Any,
 ) -> Calibration:
     """Identify a rover's dimensions from what its encoders said and how it really moved.
 
@@ -122,6 +124,9 @@ def calibrate(
     journal : six_wheel.parallel.Journal, optional
         Keeps what each set of parameters is worth: a calibration of the same logs that was stopped goes on
         there.
+    **how
+        Reading of logs that are paths or tables: `columns`, `wheel_encoders`, `steering_encoders`, `topics`,
+        `stamp_unit`, `plausibility`, as in `read_log`.
 
     Returns
     -------
@@ -141,7 +146,7 @@ def calibrate(
     `six_wheel.calibration.fitting.covariance`.
     """
     check_kind("rover", rover)
-    records = _with_truth(as_logs(logs, rover), truth)
+    records = _with_truth(as_logs(logs, rover, log_options(how)), truth)
     if loss not in ("auto", *LOSSES):
         raise ValueError(f"loss must be one of auto, {', '.join(LOSSES)}, got {loss!r}")
     if not (isinstance(confidence, Real) and 0.0 < confidence < 1.0):

@@ -1,7 +1,8 @@
 """Options of the commands that read logs, and the rover and log they mean."""
 
+import csv
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -47,7 +48,29 @@ class LogReading(NamedTuple):
             metavar="HEADER=MEANING", help='An odd header, and what to read it as: "encL=left [ticks]".'
         ),
     ] = None
-    topic: Annotated[list[str] | None, typer.Option(help="Topic of a bag with joint states.")] = None
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,NAME,...", help="Names of all columns in order, of a table without a header line."
+        ),
+    ] = None
+    topic: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="TOPIC[=MEANING]",
+            help='Topic of a bag with joint states, or of numbers: "/enc/left=left [ticks]".',
+        ),
+    ] = None
+    stamp_unit: Annotated[
+        str | None, typer.Option(metavar="s|ms|us|ns", help="Unit of the times, if they do not say.")
+    ] = None
+    max_speed: Annotated[
+        float | None, typer.Option(help="Fastest rim [m/s]; a longer step counts as none.")
+    ] = None
+    plausibility: Annotated[
+        bool,
+        typer.Option("--plausibility/--no-plausibility", help="Refuse readings that no rover has."),
+    ] = True
     truth_topic: Annotated[str | None, typer.Option(help="Topic of a bag with the truth.")] = None
 
     def options(self, chosen: Chosen) -> "LogOptions":
@@ -59,24 +82,48 @@ class LogReading(NamedTuple):
         counts = {key: getattr(self, key) for key in ("resolution", "gear", "modulus")}
         counts = {key: value for key, value in counts.items() if value is not None}
         Encoder(**counts)  # refuses values that no encoder has
-        columns = {}
-        for text in self.column or []:
-            header, equals, meaning = text.partition("=")
-            if not (header and equals and meaning):
-                raise ValueError(f'column must be HEADER=MEANING, such as "encL=left [ticks]", got "{text}"')
-            columns[header] = meaning
+        odometry = said.odometry if said else {}
+        given: dict[str, Any] = {"plausibility": self.plausibility and (said is None or said.plausibility)}
+        for key in ("stamp_unit", "columns", "topics"):
+            given[key] = getattr(said, key) if said else None
+        if self.stamp_unit is not None:
+            given["stamp_unit"] = self.stamp_unit
+        if columns := self._columns():
+            given["columns"] = columns
+        if self.topic:
+            pairs = [text.partition("=") for text in self.topic]
+            mapped = all(equals for _, equals, _ in pairs)
+            given["topics"] = {topic: meaning for topic, _, meaning in pairs} if mapped else self.topic
         return LogOptions(
             self.format,
             self.reading,  # type: ignore[arg-type]
             (said.encoders if said else {}) | counts | ({"per_sample": True} if self.per_sample else {}),
             said.steering_encoders if said else {},
-            columns,
-            self.topic or (),
+            given["columns"] or {},
+            given["topics"] or (),
             self.truth_topic,
             said.truth if said else {},
             said.gyroscope if said else {},
             said.base_frame_id if said else "",
+            given["stamp_unit"],
+            given["plausibility"],
+            self.max_speed if self.max_speed is not None else odometry.get("max_speed"),
+            odometry.get("max_gap"),
         )
+
+    def _columns(self) -> "dict[str, str] | list[str]":
+        """Headers with what to read them as, or the names of all columns."""
+        if self.columns is not None:
+            if self.column:
+                raise ValueError("columns must be left out with column, got both")
+            return [name.strip() for name in next(csv.reader([self.columns]))]
+        columns = {}
+        for text in self.column or []:
+            header, equals, meaning = text.partition("=")
+            if not (header and equals):
+                raise ValueError(f'column must be HEADER=MEANING, such as "encL=left [ticks]", got "{text}"')
+            columns[header] = meaning
+        return columns
 
 
 def choose_with_logs(

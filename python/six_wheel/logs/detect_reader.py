@@ -16,6 +16,7 @@ import numpy as np
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.odometry.headers.joint_columns import Reading
+from six_wheel.kinematics.odometry.plausibility.arrays import array_checks, check_arrays
 from six_wheel.kinematics.odometry.plausibility.checks import ReadingChecks
 from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError, encoders
 from six_wheel.kinematics.odometry.tabular_input import is_table, table
@@ -180,7 +181,10 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     counts = {"wheel": source.reading == "ticks", "steering": bool(source.counted)}
     found: dict[str, dict[str, Encoder]] = {"wheel": {}, "steering": {}}
     try:
+        direct = {"wheel": options.wheel_encoders, "steering": options.joint_encoders}
         for part, keys in (("wheel", options.encoders), ("steering", options.steering_encoders)):
+            if direct[part] is not None:
+                continue
             counted = "resolution" in keys
             if counts[part] and not counted:
                 _refuse_counts(source, part, keys)
@@ -192,9 +196,10 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
         source.close()
         raise
     increments = options.encoders.get("per_sample")
-    increments = increments if found["wheel"] or source.reading == "angle" else None
+    increments = increments if found["wheel"] or direct["wheel"] or source.reading == "angle" else None
     bounds = {"max_speed": options.max_speed, "max_gap": options.max_gap}
-    wheels, steering = found["wheel"] or None, found["steering"] or None
+    wheels = direct["wheel"] or found["wheel"] or None
+    steering = direct["steering"] or found["steering"] or None
     return JointLog.of_source(source, wheels, steering, increments, options.plausibility, bounds)
 
 
@@ -235,7 +240,7 @@ def _instead_of(path: Path) -> str:
     return f'; did you mean "{path.with_name(close[0])}"?' if close else ""
 
 
-def as_logs(source: Any, rover: Rover) -> list[WheelLog]:
+def as_logs(source: Any, rover: Rover, options: LogOptions | None = None) -> list[WheelLog]:
     """Drives from what tells one, or from some of those: a `WheelLog`, the path of any that `read_log` reads,
     a table of columns.
 
@@ -247,20 +252,40 @@ def as_logs(source: Any, rover: Rover) -> list[WheelLog]:
         If a file or a table cannot be used.
     """
     many = isinstance(source, Iterable) and not (isinstance(source, str) or is_table(source))
-    return [_as_log(one, rover) for one in (source if many else [source])]
+    logs = list(source if many else [source])
+    return [_as_log(one, rover, options or LogOptions(), number) for number, one in enumerate(logs)]
 
 
-def _as_log(source: Any, rover: Rover) -> WheelLog:
+def _as_log(source: Any, rover: Rover, options: LogOptions, number: int) -> WheelLog:
     if isinstance(source, WheelLog):
+        if options.plausibility and source.plausibility:
+            _check_log(source, rover, number)
         return source
     if isinstance(source, str | os.PathLike):
-        return read_log(source, rover)[0]
+        return read_log(source, rover, options)[0]
     if not is_table(source):
         raise TypeError(f"logs must be Logs, paths or tables of columns, got {type(source).__name__}")
-    pieces = list(table(rover, source, None, {}, {}).pieces)
+    given = {"wheel_encoders": options.wheel_encoders, "steering_encoders": options.joint_encoders}
+    if options.reading == "speed":
+        given["readings"] = "speeds"
+    given = {name: value for name, value in given.items() if value is not None}
+    how = {"stamp_unit": options.stamp_unit, "plausibility": options.plausibility}
+    read = table(rover, source, options.columns or None, {}, given, **how)
+    pieces = list(read.pieces)
+    if read.readings == "speeds":
+        given["readings"] = "speeds"
     steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_names else None
     stamps = np.concatenate([piece.stamps for piece in pieces])
-    return WheelLog(stamps, steering, np.concatenate([piece.wheels for piece in pieces]))
+    wheels = np.concatenate([piece.wheels for piece in pieces])
+    return WheelLog(stamps, steering, wheels, options=given, plausibility=False)
+
+
+def _check_log(log: WheelLog, rover: Rover, number: int) -> None:
+    """Refuse readings of a log in memory that no rover has."""
+    try:
+        check_arrays(array_checks(rover, log.options), log.steering, log.wheel_angles, log.stamps)
+    except ImplausibleReadingError as error:
+        raise ValueError(f"logs[{number}]: {error}") from None
 
 
 def read_log(
@@ -270,15 +295,31 @@ def read_log(
     *,
     truth: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
+    **how: Any,
 ) -> tuple[WheelLog, AnyLog]:
     """A whole log with its truth, and the (closed) reader with its findings.
+
+    Parameters
+    ----------
+    path : path-like
+    rover : Rover
+    options : LogOptions, optional
+    truth : Path, optional
+        Where the truth is, if the log does not say it.
+    progress : callable, optional
+        Called after every chunk with how far it is and how far it will go.
+    **how
+        Options by their names: `columns`, `wheel_encoders`, `steering_encoders`, `topics`, `stamp_unit`,
+        `plausibility`, `max_speed` and others of `LogOptions`.
 
     Raises
     ------
     TableError
         If log or truth cannot be used.
     """
-    path, options = Path(path), options or LogOptions()
+    if "steering_encoders" in how:
+        how["joint_encoders"] = how.pop("steering_encoders")
+    path, options = Path(path), replace(options or LogOptions(), **how)
     session = str(path.parent)
     with open_log(path, rover, options) as log:
         whole = log.read(truth=truth, truth_topic=options.truth_topic, session=session, progress=progress)

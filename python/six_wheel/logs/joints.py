@@ -183,6 +183,8 @@ class JointLog:
             if speeds and (wheel_encoders is not None or increments):
                 rule = "wheel_encoders and increments must be left out where wheels are read as speeds"
                 raise ValueError(rule)
+            untouched = (speeds, increments, wheel_encoders, steering_encoders, bounds.get("max_speed"))
+            self._as_read = not any(untouched)  # readings are angles already
             self._wheels = {
                 wheel: Integral()
                 if speeds
@@ -339,8 +341,6 @@ class JointLog:
         stamps = seconds_since(self.origin, batch.time, self._source.time_unit)
         for name in self._source.turned:
             np.negative(batch.values[name], out=batch.values[name])
-        raw = self._columns_of(batch, "wheel", self.rover.wheel_names) if self._checks is not None else None
-        joints = self._columns_of(batch, "steering", self.rover.steered_names) if raw is not None else None
         if self._counter and np.any(batch.values[self._counter] % 1.0 != 0.0):
             rule = "joint states are counts where encoders have a resolution, and these are no whole numbers"
             self.warnings.append(f"{self.path}: {rule}: leave it out if they are in radians")
@@ -352,9 +352,14 @@ class JointLog:
         for k, wheel in enumerate(self.rover.wheel_names):
             if wheel in self._wheels:
                 angles[:, k] = self._wheels[wheel].advance(batch.values[f"wheel {wheel}"], stamps)
-        if self._checks is not None and raw is not None:
-            turned = np.stack(steering, axis=1) if steering else None
-            self._refuse(partial(self._checks.take, stamps, raw, angles, joints, batch.rows, turned))
+        steered = np.stack(steering, axis=1) if steering else None
+        if self._checks is not None:
+            raw, joints = angles, steered
+            if not self._as_read:
+                wheels = self._columns_of(batch, "wheel", self.rover.wheel_names)
+                raw = angles if wheels is None else wheels
+                joints = self._columns_of(batch, "steering", self.rover.steered_names)
+            self._refuse(partial(self._checks.take, stamps, raw, angles, joints, batch.rows, steered))
         truth = poses_of(batch.values) if "x" in batch.values else None
         rates = None
         if self._source.has_rates:
@@ -363,7 +368,6 @@ class JointLog:
                 rates = scale * about_z(batch.values, self._source.up)
             except ValueError as error:
                 raise TableError(f"{self.path}: {error}") from None
-        steered = np.stack(steering, axis=1) if steering else None
         return JointRows(batch.rows, stamps, steered, angles, truth, rates)
 
     def _columns_of(self, batch: Batch, part: str, wheels: Sequence[str]) -> Floats | None:

@@ -1,6 +1,6 @@
 """Options for what a log does not state, from the keys of a parameter file."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -8,10 +8,13 @@ import numpy as np
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.odometry.headers.joint_columns import Reading
+from six_wheel.kinematics.odometry.headers.renamed import Columns
 from six_wheel.kinematics.poses import Floats, inverse, joined
+from six_wheel.logs.bags.bag_files import Topics
+from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.recordings import GroundTruth
 
-__all__ = ["CORRECTIONS", "LogOptions", "corrections", "encoders_of"]
+__all__ = ["CORRECTIONS", "LogOptions", "corrections", "encoders_of", "log_options"]
 
 # Of the keys of encoders those that hold for angles too, however they were read.
 CORRECTIONS = frozenset({"scale", "steering_gain"})
@@ -26,8 +29,8 @@ class LogOptions:
     reading: Reading | None = None
     encoders: Mapping[str, Any] = field(default_factory=dict)
     steering_encoders: Mapping[str, Any] = field(default_factory=dict)
-    columns: Mapping[str, str] = field(default_factory=dict)
-    topics: Sequence[str] | Mapping[str, str] = ()
+    columns: Columns = field(default_factory=dict)
+    topics: Topics = ()
     truth_topic: str | None = None
     truth: Mapping[str, float] = field(default_factory=dict)
     gyroscope: Mapping[str, Any] = field(default_factory=dict)
@@ -36,6 +39,8 @@ class LogOptions:
     plausibility: bool = True
     max_speed: float | None = None
     max_gap: float | None = None
+    wheel_encoders: Encoders = None
+    joint_encoders: Encoders = None
 
     @property
     def sensor(self) -> Floats:
@@ -53,6 +58,24 @@ class LogOptions:
             return truth
         poses = joined(truth.poses, inverse(sensor)) if truth.has_headings else truth.poses
         return replace(truth, stamps=truth.stamps - offset, poses=poses)
+
+
+def log_options(how: Mapping[str, Any]) -> LogOptions:
+    """Options by the names that Python's functions give them.
+
+    Raises
+    ------
+    TypeError
+        If there is no such option.
+    """
+    names = {"wheel_encoders", "steering_encoders", "columns", "topics", "stamp_unit", "plausibility"}
+    names |= {"max_speed", "max_gap", "reading", "truth_topic", "gyroscope"}
+    if strangers := [name for name in how if name not in names]:
+        raise TypeError(f"there is no option {strangers[0]!r}; there are {', '.join(sorted(names))}")
+    given = dict(how)
+    if "steering_encoders" in given:
+        given["joint_encoders"] = given.pop("steering_encoders")
+    return LogOptions(**given)
 
 
 def encoders_of(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str, Encoder]:

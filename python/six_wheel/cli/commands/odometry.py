@@ -60,7 +60,7 @@ class Estimate(NamedTuple):
         bool, typer.Option("--inflate", help="Widen the covariance where wheels disagree.")
     ] = False
 
-    def settings(self, chosen: Chosen) -> "Settings":
+    def settings(self, chosen: Chosen, max_speed: float | None) -> "Settings":
         """Settings of dead reckoning: those of the parameter file, overridden by the arguments."""
         from six_wheel._core import Noise
         from six_wheel.log_odometry.results import Settings
@@ -75,6 +75,7 @@ class Estimate(NamedTuple):
             options["dimensions"] = dimensions.tolist()  # a journal's key has their text
         options |= {"method": "robust"} if self.robust else {}
         options |= {"inflate": True} if self.inflate else {}
+        options |= {} if max_speed is None else {"max_speed": max_speed}
         known, period = (said.known_gyroscope, said.gyroscope.get("period")) if said else (None, None)
         return Settings(Noise(**noise), options, self.start, known, period)
 
@@ -122,7 +123,7 @@ def odometry(
         return {
             "truth": files.truth,
             "log_options": log_reading.options(chosen),
-            "settings": estimate.settings(chosen),
+            "settings": estimate.settings(chosen, log_reading.max_speed),
             "length": length,
         }
 

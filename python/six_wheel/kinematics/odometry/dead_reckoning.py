@@ -134,8 +134,8 @@ def dead_reckon(
     covariances, residuals : bool
         Whether to compute these; what is not is None.
     columns : dict of str to str, or sequence of str, optional
-        Which column of a table holds a joint, a wheel or the ``"stamp"``, where it is called otherwise; or headers
-        with what to read them as, ``{"encL": "left [ticks]"}``; or the names of all columns in order.
+        Which column of a table holds a joint, a wheel or the ``"stamp"``, where it is called otherwise; or
+        headers with what to read them as, ``{"encL": "left [ticks]"}``; or the names of all columns in order.
     stamp_unit : {'s', 'ms', 'us', 'ns'}, optional
         Unit of the stamps.
     plausibility : bool, default True

@@ -57,8 +57,8 @@ class Source:
 
 @dataclass(frozen=True)
 class Meaning:
-    """Column of each quantity of a table, empty for a passive wheel without one; the factors of columns in other
-    units than radians and seconds, and what headers say of the readings."""
+    """Column of each quantity of a table, empty for a passive wheel without one; factors of columns in other
+    units than radians and seconds; and what headers say of the readings."""
 
     found: Mapping[str, str]
     scales: Mapping[str, float]

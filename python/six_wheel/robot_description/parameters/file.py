@@ -36,7 +36,7 @@ from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import check_keys, form_of, section_of
 from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN
 from six_wheel.robot_description.parameters.foreign.yagsl import gather_modules
-from six_wheel.robot_description.parameters.joints import JointList, wheels_of_joints
+from six_wheel.robot_description.parameters.joints import JointList, check_wheels, wheels_of_joints
 from six_wheel.robot_description.parameters.key_types import NONE_WORDS, LimitKeys, Values
 from six_wheel.robot_description.parameters.ros_node_parameters import (
     FileFindings,
@@ -44,7 +44,7 @@ from six_wheel.robot_description.parameters.ros_node_parameters import (
     closest,
     declares,
 )
-from six_wheel.robot_description.parameters.schema import GROUPS, Form, check_values
+from six_wheel.robot_description.parameters.schema import GROUPS, PLAIN, Form, check_values
 from six_wheel.robot_description.parameters.units import question_settings, question_units
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "load", "read_parameters"]
@@ -74,6 +74,8 @@ class Parameters:
     noise, encoders, steering_encoders, odometry : dict
         What the file says about dead reckoning: arguments of `Noise`; what `Encoder` takes and more, for
         the readings of wheels and steering joints; options of `Odometry`.
+    columns, topics, stamp_unit, plausibility
+        What headers and topics of logs are read as, the unit of times, whether odd readings are refused.
     gyroscope : dict
         Arguments of `Gyroscope`, and how its readings are to be taken: `period`, `scale`, `roll`, `pitch`,
         `time_offset`, `topic`.
@@ -100,6 +102,10 @@ class Parameters:
     noise: dict[str, float] = field(default_factory=dict)
     encoders: Values = field(default_factory=dict)
     steering_encoders: Values = field(default_factory=dict)
+    columns: dict[str, str] | list[str] = field(default_factory=dict)
+    topics: dict[str, str] | list[str] = field(default_factory=dict)
+    stamp_unit: str | None = None
+    plausibility: bool = True
     odometry: Values = field(default_factory=dict)
     gyroscope: Values = field(default_factory=dict)
     truth: Values = field(default_factory=dict)
@@ -191,12 +197,12 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: FileFi
     values = form.complete(found, values)
     rover = without_questions(lambda: _rover(found, form, values, log))  # they become findings
     if rover is not None:
-        _check_wheels(found, values, rover, log)
+        check_wheels(found, values, rover, log.error)
         _check_covariance(found, values, rover, log)
     question_settings(found, values, log.warning)
     if rover is None or log.has_errors:
         raise log.failure()
-    named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
+    named: Values = {key: values[key] for key in (*PLAIN, *GROUPS) if key in values}
     for key, word in NONE_WORDS.items():
         if named.get("control", {}).get(key) == word:
             named["control"] = named["control"] | {key: None}
@@ -348,27 +354,6 @@ def _joints(
             message = f"wheel_of_joint names {ros_yaml.one_line(joint)}, which is in neither list of joints"
             log.error(section.line_of(at), at, message, f"did you mean {guess}?" if guess else "remove it")
     return joints
-
-
-def _check_wheels(section: Section, values: Values, rover: Rover, log: FileFindings) -> None:
-    """The wheels that the keys of encoders and odometry name are there."""
-    steered = (rover.steered_names, rover.steering_joints)
-    for group, key, (wheels, joints) in (
-        ("encoders", "reversed", (rover.wheel_names, rover.traction_joints)),
-        ("encoders", "steering_gain", steered),
-        ("steering_encoders", "reversed", steered),
-        ("steering_encoders", "offsets", steered),
-        ("odometry", "wheel_noise", (rover.wheel_names, ())),
-    ):
-        given = values.get(group, {}).get(key, ())
-        places = [(name, name) for name in given] if isinstance(given, dict) else enumerate(given)
-        known = [*wheels, *joints]
-        for place, wheel in places:
-            if wheel not in known:
-                at, guess = (group, key, place), closest(wheel, known)
-                message = f"{group}.{key} names {ros_yaml.one_line(wheel)}, which is no such wheel or joint"
-                remedy = f"did you mean {guess}?" if guess else f"there are {', '.join(wheels) or 'none'}"
-                log.error(section.line_of(at), at, message, remedy)
 
 
 def _check_covariance(section: Section, values: Values, rover: Rover, log: FileFindings) -> None:

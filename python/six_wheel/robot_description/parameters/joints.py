@@ -8,13 +8,14 @@ the order of a list count, and then only if no joint in it tells its wheel.
 
 import itertools
 from collections.abc import Mapping
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
+from six_wheel._core import Rover
 from six_wheel.robot_description.joint_names import agree, said_by, wheel_said_by
 from six_wheel.robot_description.parameters.ros_node_parameters import Section, closest
 from six_wheel.robot_description.parameters.ros_yaml import Path, Report, one_line
 
-__all__ = ["JointList", "wheels_of_joints"]
+__all__ = ["JointList", "check_wheels", "wheels_of_joints"]
 
 
 class JointList(NamedTuple):
@@ -160,3 +161,24 @@ def _by_elimination(entries: list[_Entry], wheels: tuple[str, ...]) -> list[_Ent
         else:
             break
     return entries
+
+
+def check_wheels(section: Section, values: Mapping[str, Any], rover: Rover, report: Report) -> None:
+    """The wheels that the keys of encoders and odometry name are there."""
+    steered = (rover.steered_names, rover.steering_joints)
+    for group, key, (wheels, joints) in (
+        ("encoders", "reversed", (rover.wheel_names, rover.traction_joints)),
+        ("encoders", "steering_gain", steered),
+        ("steering_encoders", "reversed", steered),
+        ("steering_encoders", "offsets", steered),
+        ("odometry", "wheel_noise", (rover.wheel_names, ())),
+    ):
+        given = values.get(group, {}).get(key, ())
+        places = [(name, name) for name in given] if isinstance(given, dict) else enumerate(given)
+        known = [*wheels, *joints]
+        for place, wheel in places:
+            if wheel not in known:
+                at, guess = (group, key, place), closest(wheel, known)
+                message = f"{group}.{key} names {one_line(wheel)}, which is no such wheel or joint"
+                remedy = f"did you mean {guess}?" if guess else f"there are {', '.join(wheels) or 'none'}"
+                report(section.line_of(at), at, message, remedy)

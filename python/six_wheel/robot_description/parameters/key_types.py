@@ -261,6 +261,14 @@ class Common(BaseModel):
     noise: NoiseKeys = optional(_any_of(NoiseKeys))
     encoders: EncoderKeys = optional(_any_of(EncoderKeys))
     steering_encoders: SteeringEncoderKeys = optional(_any_of(SteeringEncoderKeys))
+    columns: dict[str, str] | list[str] = optional(
+        'a mapping of header to what it is read as, such as {encL: "left [ticks]"}, or a list of names'
+    )
+    topics: dict[str, str] | list[Name] = optional(
+        'a mapping of topic to what it is read as, such as {/enc/left: "left [ticks]"}, or a list of topics'
+    )
+    stamp_unit: Literal["s", "ms", "us", "ns"] = optional("the unit of the times of logs")
+    plausibility: Flag = optional("whether readings that no rover has are refused")
     odometry: OdometryKeys = optional(_any_of(OdometryKeys))
     gyroscope: GyroscopeKeys = optional(_any_of(GyroscopeKeys))
     truth: TruthKeys = optional(_any_of(TruthKeys))

@@ -32,7 +32,7 @@ from six_wheel.robot_description.parameters.key_types import (
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Path, Report, one_line, spell
 
-__all__ = ["GROUPS", "NESTED", "Form", "check_values", "describe", "shown"]
+__all__ = ["GROUPS", "NESTED", "PLAIN", "Form", "check_values", "describe", "shown"]
 
 
 def _nothing(*_: Any) -> None:
@@ -131,6 +131,8 @@ GROUPS: dict[str, type[BaseModel]] = {
     "calibration": CalibrationKeys,
 }
 """Keys of every rover that hold mappings with keys of their own."""
+PLAIN = ("odom_frame_id", "base_frame_id", "columns", "topics", "stamp_unit", "plausibility")
+"""Keys of every rover that hold no keys of their own."""
 NESTED: dict[str, type[BaseModel]] = {**GROUPS}
 """Keys that hold mappings with keys of their own."""
 

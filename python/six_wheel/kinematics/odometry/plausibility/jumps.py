@@ -69,14 +69,27 @@ def find_jumps(column: Floats, turns: Sequence[float] = (), whole: bool = False)
     sizes = np.abs(steps)
     span = float(values.max() - values.min())
     found = np.flatnonzero(sizes > max(SHARE * span, 0.0))
+    found = _lasting(steps, found)
     found = found[_calm(sizes, found)]
     if len(found) and (wraps_at := _modulus(values, steps, found, span, turns, whole)) is not None:
         return Jumps(there[found + 1], wraps_at, float(values[found[0]]), float(values[found[0] + 1]))
     found = np.flatnonzero(sizes > APART * _around(sizes))
+    found = _lasting(steps, found)
     found = found[_is_reset(values, found, whole)]
     if not len(found):
         return None
     return Jumps(there[found + 1], None, float(values[found[0]]), float(values[found[0] + 1]))
+
+
+def _lasting(steps: Floats, found: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Jumps without those that the next row takes back."""
+    back = np.zeros(len(found), dtype=bool)
+    if len(found) > 1:
+        pair = (np.diff(found) == 1) & (steps[found[1:]] * steps[found[:-1]] < 0.0)
+        pair &= np.abs(steps[found[1:]] + steps[found[:-1]]) < CALM * np.abs(steps[found[1:]])
+        back[1:] |= pair
+        back[:-1] |= pair
+    return found[~back]
 
 
 def _calm(sizes: Floats, found: NDArray[np.int64]) -> NDArray[np.bool_]:
