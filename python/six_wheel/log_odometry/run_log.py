@@ -97,7 +97,7 @@ class _Run:
         result = self.result
         if self._odometry is None:
             options = self._settings.options_for(chunk)
-            self._odometry = Odometry(self.log.rover, self._settings.noise, **options)
+            self._odometry = Odometry(self._rover_of(chunk), self._settings.noise, **options)
             self._odometry.reset(self._settings.start)
         steering = None if chunk.steering is None else chunk.steering * self._gains
         track = self._reckon(self._odometry, chunk, steering, chunk.wheel_angles * self._scale)
@@ -120,6 +120,14 @@ class _Run:
         health = track.health.astype(np.int64)
         times = self._times(chunk.stamps)
         return [times, chunk.rows, *track.poses.T, *track.twists.T, *upper, *residuals.T, health]
+
+    def _rover_of(self, chunk: JointRows) -> Rover:
+        """The rover, whose wheels without an encoder do not drive as far as odometry knows."""
+        rover = self.log.rover
+        for wheel, angles in zip(rover.wheels, chunk.wheel_angles.T, strict=True):
+            if wheel.driven and np.isnan(angles).all():
+                rover = rover.replace(wheel.name, driven=False)
+        return rover
 
     def _reckon(self, odometry: Odometry, chunk: JointRows, steering: Floats | None, angles: Floats) -> Track:
         """The track of a chunk; into the record as well, if there is one."""

@@ -210,6 +210,7 @@ def _refuse_counts(source: JointSource, part: str, keys: Mapping[str, Any]) -> N
     known = replace(
         source.describe(None, None, keys.get("per_sample")), clock_stated=True, wraps="modulus" in keys
     )
+    known = replace(known, wheels=()) if of_steering else known
     checks = ReadingChecks(known, lambda line: None)
     wheels = source.rover.steered_names if of_steering else source.rover.wheel_names
     names = [f"{part} {wheel}" for wheel in wheels]

@@ -106,7 +106,7 @@ class JointSource:
             kind="increments" if increments else kinds[self.reading],
             wheels=columns_of("wheel", self.rover.wheel_names),
             steering=columns_of("steering", self.rover.steered_names),
-            time=self.columns["time"].header if self.columns else "stamps",
+            time=self.columns["time"].header if "time" in self.columns else "stamps",
             named=not self.bagged,
             clock_stated=self.stated,
             wheels_stated=self.reading == "ticks" or stated("wheel", wheels),
@@ -150,7 +150,14 @@ class JointSource:
         from six_wheel.logs.bags.imu_bag import RateBag
         from six_wheel.logs.bags.joint_bag import JointBag
 
-        bag = JointBag(self.path, self.rover, reading, topics)
+        bag: JointBag
+        if isinstance(topics, Mapping) and topics:
+            from six_wheel.logs.bags.topic_bag import TopicBag
+
+            bag = mapped = TopicBag(self.path, self.rover, topics, reading)
+            self.columns, self.counted = mapped.columns, mapped.counted
+        else:
+            bag = JointBag(self.path, self.rover, reading, topics)  # type: ignore[arg-type]
         self.rows, self.reading, self.names = bag, bag.reading, bag.names
         if any(one.msgtype == RateBag.IMU and one.msgcount for one in bag.connections):
             try:

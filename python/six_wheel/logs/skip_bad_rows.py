@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from six_wheel.kinematics.odometry.headers.clock_times import KNOWN, ClockTimes
 from six_wheel.kinematics.odometry.headers.columns import Column, TableError, Unit, is_number
 from six_wheel.kinematics.odometry.headers.renamed import Columns, renamed, without_header
+from six_wheel.kinematics.odometry.plausibility.proposals import stamp_unit
+from six_wheel.kinematics.odometry.plausibility.stamps import unit_since_1970
 from six_wheel.logs.tables import LATEST_SECOND, READ, RowError, Table
 
 if TYPE_CHECKING:
@@ -362,7 +364,8 @@ class Sieve:
         time = np.concatenate([batch.time, following])
         if self._last is None and not self._stated and abs(time[0]) > LATEST_SECOND:
             rule = "time must be in seconds unless its header states a unit, such as time_ns"
-            raise TableError(f"{self._findings.path}: row {batch.rows[0]}: {rule}, got {time[0]}")
+            got = f"{rule}, got {time[0]}: give {stamp_unit(unit_since_1970(float(time[0])))}"
+            raise TableError(f"{self._findings.path}: row {batch.rows[0]}: {got}")
         late = self._last is not None and time[0] <= self._last
         if late or (np.diff(time) <= 0).any():
             kept = []

@@ -1,6 +1,7 @@
 """A bag of ROS 2 (MCAP or sqlite3) or ROS 1: the messages of its topics. Needs rosbags."""
 
 import itertools
+import re
 import tempfile
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
@@ -23,6 +24,33 @@ POSES = (
 )
 LOOK_AHEAD = 1000  # messages in which to look for the joints
 LINE = 0  # messages have no line
+JOINT_STATE = "sensor_msgs/msg/JointState"
+# Types of messages that hold readings of wheels, with the field of the number.
+NUMBERS = re.compile(
+    r"std_msgs/msg/(?:Float32|Float64|Int8|Int16|Int32|Int64|UInt8|UInt16|UInt32|UInt64)(MultiArray)?"
+)
+FIELDS = {
+    "SensorState": (".left_encoder", ".right_encoder"),
+    "WheelEncoderStamped": (".data",),
+    "AckermannDrive": (".speed", ".steering_angle"),
+    "AckermannDriveStamped": (".drive.speed", ".drive.steering_angle"),
+}
+
+
+def numbers_in(connections: Sequence[Any]) -> str:
+    """Proposal to read topics with numbers as wheels; nothing if there are none."""
+    keys = []
+    for one in connections:
+        if found := NUMBERS.fullmatch(one.msgtype):
+            keys.append(f"{one.topic}{'[0]' if found[1] else ''}")
+        else:
+            keys += [one.topic + field for field in FIELDS.get(one.msgtype.rpartition("/")[2], ())]
+    if not keys:
+        return ""
+    options = " ".join(f'--topic "{key}=WHEEL [UNIT]"' for key in keys[:4])
+    python = ", ".join(f'"{key}": "WHEEL [UNIT]"' for key in keys[:4])
+    unit = "UNIT one of rad, ticks, rad/s, m/s; of a steering angle WHEEL_steering [rad]"
+    return f"; numbers can be read: give {options}, or topics: {{{python}}} in the parameter file, {unit}"
 
 
 class Bag:
@@ -42,6 +70,7 @@ class Bag:
         self.path = path
         self.findings = Findings(path)
         self.position = 0
+        self.topic = ""  # of the message that was read last
         self._topics: list[Any] = []
         self._whole: tempfile.TemporaryDirectory[str] | None = None
         rosbags = rosbags_names()
@@ -102,8 +131,10 @@ class Bag:
         if not there:
             kinds = ", ".join(each.rpartition("/")[2] for each in types)
             listed = ", ".join(f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in every[:12]) or "none"
+            hint = numbers_in(every) if types == [JOINT_STATE] else ""
             self.close()
-            raise TableError(f"{self.path}: no topic has messages of the type {kinds}; the bag has {listed}")
+            none = f"no topic has messages of the type {kinds}; the bag has {listed}{hint}"
+            raise TableError(f"{self.path}: {none}")
         # A recorder of everything lists topics on which nothing came.
         spoken = {c.topic for c in there if c.msgcount} or {c.topic for c in there}
         names = sorted({c.topic for c in there} if topics else spoken)
@@ -145,6 +176,7 @@ class Bag:
         try:
             for connection, received, data in self._reader.messages(self._topics):
                 number += 1
+                self.topic = connection.topic
                 try:
                     message: Any = self._reader.deserialize(data, connection.msgtype)
                 except Exception as error:  # struct.error and IndexError among them
@@ -153,8 +185,9 @@ class Bag:
                 if connection.msgtype in TRANSFORMS:  # the stamps are inside the message
                     yield number, received, message
                     continue
-                stamp = message.header.stamp
-                yield number, (stamp.sec * 1_000_000_000 + stamp.nanosec) or received, message
+                header = getattr(message, "header", None)
+                stamp = 0 if header is None else header.stamp.sec * 1_000_000_000 + header.stamp.nanosec
+                yield number, stamp or received, message
         except Exception as error:
             self.findings.add(number + 1, f"the rest of the bag cannot be read: {one_line(error)}")
         else:

@@ -218,7 +218,7 @@ class ReadingChecks:
             check_counts(piece if known.kind == "angles" else piece[:0], known.wheels, row)
         if steering is not None and not known.steering_stated:
             check_counts(steering[:SAMPLE], known.steering, row, steering=True)
-        if not known.increments_stated and not known.wraps:
+        if known.kind == "increments" or not (known.increments_stated or known.wraps):
             # Quicker rows hold fewer counts each: more of them show the motion.
             for column, readings in zip(known.wheels, raw[: 4 * SAMPLE].T, strict=True):
                 if known.kind in ("angles", "ticks"):

@@ -118,13 +118,14 @@ def _modulus(
     ordinary = np.where(np.isin(found - 1, found) | (found == 0), after, before)
     ordinary = np.where(np.abs(ordinary) > most, 0.0, ordinary)
     sizes = np.abs(steps[found]) + np.sign(-steps[found]) * ordinary
-    # A counter that starts over goes on in the direction it had.
-    if np.mean(np.sign(steps[found]) * np.sign(ordinary) > 0) > 0.5:
-        return None
+    # A counter that starts over jumps against the direction it has.
+    onward = float(np.mean(np.sign(steps[found]) * np.sign(ordinary) > 0)) > 0.5
     guess, spread = float(np.median(sizes)), float(sizes.max() - sizes.min())
     room = most + (1.0 if whole else 1e-9 * guess)
     if spread > 2.0 * room or guess <= 2.0 * most:
         return None
+    if onward:  # a bit that was read wrong, in a column that goes on beyond it
+        return next((each for each in POWERS if abs(each - guess) <= room), None)
     known = [*turns, *POWERS, *DECIMALS, *TURNS]
     lowest = span + (1.0 if whole else 0.0)
     fits = [each for each in known if abs(each - guess) <= room and each >= lowest * (1.0 - 1e-9)]

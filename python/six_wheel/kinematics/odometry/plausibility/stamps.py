@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError, stamp_unit
 
-__all__ = ["check_clock", "check_origin"]
+__all__ = ["check_clock", "check_origin", "unit_since_1970"]
 
 Floats = NDArray[np.float64]
 
@@ -21,6 +21,11 @@ SMOOTH = 2e-3  # of the fastest rate, by which rates that are 1 s apart change a
 MANY = 1000  # rows for which that counts
 
 
+def unit_since_1970(first: float) -> str:
+    """The unit in which a stamp is a time of these days."""
+    return "ms" if abs(first) < 1e14 else "us" if abs(first) < 1e17 else "ns"
+
+
 def check_origin(first: float, header: str, row: int) -> None:
     """Refuses seconds that no clock shows.
 
@@ -31,7 +36,7 @@ def check_origin(first: float, header: str, row: int) -> None:
     """
     if not abs(first) > LATEST_SECOND:
         return
-    unit = "ms" if abs(first) < 1e13 else "us" if abs(first) < 1e16 else "ns"
+    unit = unit_since_1970(first)
     rule = f'time must be in seconds unless it is said that it is not, got {first:.17g} in column "{header}"'
     raise ImplausibleReadingError(f"row {row}: {rule}: {unit} since 1970? Give {stamp_unit(unit)}")
 
