@@ -58,8 +58,8 @@ def read(tmp_path: Path) -> "Read":
     """What a parameter file with this content says."""
     from six_wheel.robot_description.parameters import read_parameters
 
-    def read(content: str | bytes, **options: str) -> "Parameters":
-        path = tmp_path / "rover.yaml"
+    def read(content: str | bytes, name: str = "rover.yaml", **options: str) -> "Parameters":
+        path = tmp_path / name
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         return read_parameters(path, **options)
 
