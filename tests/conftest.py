@@ -55,7 +55,7 @@ def refused(run: Run) -> Callable[..., str]:
 
 @pytest.fixture
 def read(tmp_path: Path) -> "Read":
-    """What a parameter file with this content says."""
+    """Parameters read from a file with this content."""
     from six_wheel.robot_description.parameters import read_parameters
 
     def read(content: str | bytes, name: str = "rover.yaml", **options: str) -> "Parameters":

@@ -12,7 +12,7 @@ from tests.cli_runs import Run
 def test_a_calibration_that_was_stopped_goes_on(
     run: Run, drives: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What was done is not done again, and nothing of it is left in the end."""
+    """Finished logs are not run again, and no journal is left in the end."""
     logs = ("run1.csv", "run2.csv", "run3.csv")
     told = cross_validation.errors_left_out
     tried: list[tuple[str, ...]] = []

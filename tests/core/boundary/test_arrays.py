@@ -1,4 +1,4 @@
-"""Where Python meets the core: every kind of array in, clear errors out, nothing half done."""
+"""The boundary of Python and the core: every kind of array in, clear errors out, nothing half done."""
 
 import math
 

@@ -123,7 +123,7 @@ def test_a_turn_takes_at_most_twice_as_long_as_trying_each_step():
 
 
 def test_straight_to_a_tight_turn_without_scrub():
-    """Where joints on their own slip by 28.8 mm/s."""
+    """A case in which joints on their own slip by 28.8 mm/s."""
     rover = sw.Rover.preset("open_source_rover")
     radius = max(0.6, rover.min_radius * 1.001)
     controller = sw.Controller(rover, sw.Limits(steering_rate=math.radians(60)), timeout=None)

@@ -28,7 +28,7 @@ CALLS = 100_000
 
 
 class Slow(tuple):
-    """What the quick way does not know."""
+    """Arguments that the fast path leaves to the general one."""
 
 
 class Real(float):
@@ -36,7 +36,7 @@ class Real(float):
 
 
 def outcome(call: Callable[..., Any], *arguments: Any, **keywords: Any) -> Any:
-    """What a call returns, or how it fails."""
+    """Result of a call, or its error."""
     try:
         result = call(*arguments, **keywords)
     except Exception as error:

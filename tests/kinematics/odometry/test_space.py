@@ -75,7 +75,7 @@ def test_level_ground_is_the_plane(make: Any, on: str) -> None:
 @pytest.mark.parametrize("known", ["joints", "ground"])
 @pytest.mark.parametrize("turn", [0.0, 0.06])
 def test_a_ramp_of_25_degrees_is_that_ramp(known: str, turn: float) -> None:
-    """Where the plane says, to a micrometre and microradian, driving up it and turning on it."""
+    """Driving up a plane and turning on it ends at the plane's pose, to a micrometre and a microradian."""
     arm, slope = sw.RockerBogie.perseverance(), math.radians(25)
     commands = [(0.0, 0.1, 0.0, turn), (30.0, 0.1, 0.0, turn)]
     ground = ramp(slope)

@@ -113,7 +113,7 @@ def test_a_late_pose_is_worth_a_timely_one() -> None:
 
 
 def test_set_pose_and_reset() -> None:
-    """What is measured, and what the ground decides, stays."""
+    """Measured values, and those that the ground decides, stay."""
     arm, ground, log = simulated()
     odometry = sw.Odometry3(arm, ground=ground)
     for k in range(10):

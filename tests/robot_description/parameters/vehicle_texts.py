@@ -1,4 +1,4 @@
-"""What tests of vehicle types share."""
+"""Names and settings that tests of vehicle types share."""
 
 from hypothesis import HealthCheck, settings
 
