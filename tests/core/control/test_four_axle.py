@@ -110,8 +110,12 @@ def test_a_dual_differential_drive_has_one_angle_per_axle(tandem):
 def test_inverse_then_forward_is_the_identity(car, twist):
     angles, speeds = car.inverse(twist)
     found = car.forward(angles, speeds)
-    np.testing.assert_allclose(found.twist, twist, rtol=0, atol=1e-10)
-    assert found.residual.max() < 1e-11
+    # An angle up to 1e-9 rad beyond its range is the end of the range: (0, 1, 1e-9) failed here once. The
+    # wheel then slides by 1e-9 of its speed, and the yaw rate is off by that over the shortest lever, 0.05 m.
+    at_end = np.abs(angles) == math.pi / 2
+    slip = 1e-9 * car.wheel_radius * np.max(np.abs(speeds) * at_end)
+    np.testing.assert_allclose(found.twist, twist, rtol=0, atol=1e-10 + slip / 0.05)
+    assert found.residual.max() < 1e-11 + slip
 
 
 @given(cars(), angles_in_range, st.tuples(*[st.floats(-10.0, 10.0)] * 4))

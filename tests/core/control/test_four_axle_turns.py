@@ -97,6 +97,7 @@ def test_releasing_both_pairs_is_refused_where_the_body_would_be_adrift(car):
 # Turning under way
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(
     cars(rigid=True), st.floats(-1.5, 1.5), st.floats(-1.5, 1.5), st.floats(0.05, 1.0), st.floats(0.1, 1.0)

@@ -106,6 +106,7 @@ def states_found(rover, ground, pose, starts, seed):
     return numbers[np.abs(gaps).max(1) < 1e-4]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rocky7", "open_source_rover"])
 def test_what_is_said_to_tip_over_closes_no_gaps_short_of_that(name):
     """Another search, which finds every pose that does stand, finds no state with all wheels on the ground.

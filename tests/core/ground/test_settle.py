@@ -48,6 +48,7 @@ def test_a_plane_only_rotates_the_answer(rover, east, north, height, yaw):
     )  # flat: the angle is as the root of it
 
 
+@pytest.mark.slow
 @given(rovers, st.integers(0, 2**32 - 1))
 @example(ROVERS["open_source_rover"], 198083)
 def test_the_mirrored_ground_mirrors_the_answer(rover, seed):
@@ -63,6 +64,7 @@ def test_the_mirrored_ground_mirrors_the_answer(rover, seed):
     np.testing.assert_allclose(twin.contacts[[1, 0, 3, 2, 5, 4]] * [1, -1, 1], stand.contacts, atol=1e-7)
 
 
+@pytest.mark.slow
 @given(rovers, st.floats(-4, 4), st.tuples(st.floats(-50, 50), st.floats(-50, 50)), st.integers(0, 2**32 - 1))
 def test_a_map_may_lie_anywhere(rover, angle, origin, seed):
     ground, heights, spacing = ground_for(rover)
@@ -74,6 +76,7 @@ def test_a_map_may_lie_anywhere(rover, angle, origin, seed):
     np.testing.assert_allclose(numbers_of(away), numbers_of(here), atol=LAWS)
 
 
+@pytest.mark.slow
 @given(rovers, st.floats(-3000, 3000))
 def test_height_is_only_added(rover, height):
     ground, heights, spacing = ground_for(rover)

@@ -163,6 +163,7 @@ def test_other_chains() -> None:
     np.testing.assert_allclose(state.pose, 0, atol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("known", ["joints", "ground"])
 def test_it_is_the_plain_one(known: str) -> None:
     """Steering, bumps and wheels that contradict each other, against a plain model that shares no code."""
