@@ -20,7 +20,7 @@ use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Largest turn of any joint or of the body in one step [rad].
-pub(crate) const LARGEST_TURN: f64 = 0.25;
+const LARGEST_TURN: f64 = 0.3;
 
 /// Angles beyond this are no way to stand [rad].
 pub(crate) const LARGEST_ANGLE: f64 = 1.35;

@@ -1,6 +1,6 @@
 //! A round of Newton's method for as many poses as there are lanes.
 
-use super::newton::{CLOSED_GAP, LARGEST_ANGLE, LARGEST_TURN};
+use super::newton::CLOSED_GAP;
 use super::pivots::solve;
 use super::poses::{DONE, LEFT, LOOK, PoseBatch, ROUNDS, SettleRange, SolveState, column, gather, scatter};
 use super::rims::circles::{FAR, RIMS, spread};
@@ -14,6 +14,11 @@ use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS};
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
+
+/// Largest turn of a step, and largest angle on the way [rad]: rounds take no step back, so both are less than those of the line
+/// search.
+const LARGEST_TURN: f64 = 0.25;
+const LARGEST_ANGLE: f64 = 1.3;
 
 /// Gap below which whole rims are looked at once more [m].
 const NEARLY: f64 = 2e-6;
