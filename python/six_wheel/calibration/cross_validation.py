@@ -16,7 +16,7 @@ from six_wheel.calibration.problem import Loss, Problem
 from six_wheel.kinematics.odometry.dimensions import Catalogue
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import WheelLog
-from six_wheel.parallel import Journal, collect
+from six_wheel.parallel import Journal, collect, one_thread
 
 # A set of parameters must predict better than the nominal dimensions by this share to be worth its numbers,
 WORTH = 0.05
@@ -226,6 +226,7 @@ class Trial:
     keys: tuple[int, ...]
 
 
+@one_thread()
 def errors_left_out(trial: Trial) -> Floats:
     """Error of every run under a fit without its fold [m]."""
     whole, keys = trial.problem, np.array(trial.keys)

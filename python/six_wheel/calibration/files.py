@@ -12,6 +12,7 @@ import numpy as np
 from six_wheel._core import Rover, __version__
 from six_wheel.calibration.drives import heard, moving
 from six_wheel.calibration.estimates import Estimate
+from six_wheel.calibration.log_checks.records import without_copies
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.run_calibration import calibrate
 from six_wheel.kinematics.odometry.dead_reckoning import dead_reckon
@@ -115,6 +116,8 @@ def calibrate_files(
             by_gyroscope &= log.truth is None
             logs.append(heard(log, number))
             warnings += _said(reader)
+        logs, copies = without_copies(logs)
+        warnings += copies
         moves = moving(rover, logs)
         still = [log.name for log, moved in zip(logs, moves, strict=True) if not moved]
         warnings += [f"{name}: left out: the rover stands still while its truth is known" for name in still]

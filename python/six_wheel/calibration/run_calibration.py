@@ -28,6 +28,7 @@ from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
 from six_wheel.calibration.gyroscope import noise as gyroscope
 from six_wheel.calibration.gyroscope.scale import mistaken, scale
 from six_wheel.calibration.log_checks import slip, units
+from six_wheel.calibration.log_checks.records import with_truth, without_copies
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
@@ -40,8 +41,8 @@ from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.slip import Stretch
 from six_wheel.logs.detect_reader import as_logs
 from six_wheel.logs.log_options import log_options
-from six_wheel.logs.recordings import Reference, WheelLog, as_truth
-from six_wheel.parallel import Journal
+from six_wheel.logs.recordings import Reference, WheelLog
+from six_wheel.parallel import Journal, one_thread
 
 __all__ = ["Progress", "calibrate", "parameter_names"]
 
@@ -61,6 +62,7 @@ def parameter_names(rover: Rover, logs: Sequence[WheelLog] = ()) -> list[str]:
     return Catalogue(rover, heard).names
 
 
+@one_thread()
 def calibrate(
     rover: Rover,
     logs: Any,
@@ -146,7 +148,7 @@ def calibrate(
     `six_wheel.calibration.fitting.covariance`.
     """
     check_kind("rover", rover)
-    records = _with_truth(as_logs(logs, rover, log_options(how)), truth)
+    records, copies = without_copies(with_truth(as_logs(logs, rover, log_options(how)), truth))
     if loss not in ("auto", *LOSSES):
         raise ValueError(f"loss must be one of auto, {', '.join(LOSSES)}, got {loss!r}")
     if not (isinstance(confidence, Real) and 0.0 < confidence < 1.0):
@@ -179,8 +181,7 @@ def calibrate(
     model = with_mounts(rover, catalogue.find(chosen), drives)
     result = _fit(model, drives, records, loss, lengths, margin, confidence, tuple(chosen), checked)
     result = replace(_with_gyroscope(result, whole), slips=tuple(map(str, slipped)))
-    if _of_tracks(truth):
-        result = _saying(result, OF_TRACKS)
+    result = _saying(result, *copies, *([OF_TRACKS] if _of_tracks(truth) else []))
     if progress is not None:
         progress(1, 1, "fitting all drives")
     return result
@@ -380,24 +381,3 @@ def _lengths(rover: Rover, window: float | Sequence[float] | None) -> Floats:
     if not lengths.size or not (np.isfinite(lengths) & (lengths > 0.0)).all():
         raise ValueError(f"window must be finite and positive, got {window}")
     return lengths
-
-
-def _with_truth(
-    logs: list[WheelLog], truth: Reference | ArrayLike | Sequence[Reference | ArrayLike] | None
-) -> list[WheelLog]:
-    """The logs, each with the truth given for it."""
-    if not logs:
-        raise ValueError("logs must hold one at least, got none")
-    if truth is None:
-        return logs
-    single = hasattr(truth, "stamps") or np.ndim(truth) == 2  # type: ignore[arg-type]
-    if not single and (isinstance(truth, str) or not isinstance(truth, Iterable)):
-        rule = "must be a GroundTruth, poses, a WheelLog that has one or a Track, one for each log"
-        raise ArgumentTypeError(f"truth {rule}, got {truth!r}")
-    truths = [truth] if single else list(truth)  # type: ignore[arg-type]
-    if len(truths) != len(logs):
-        raise ValueError(f"truth must be given once per log, got {len(truths)} for {len(logs)}")
-    return [
-        replace(log, truth=as_truth(one) if hasattr(one, "stamps") else one)  # type: ignore[arg-type]
-        for log, one in zip(logs, truths, strict=True)
-    ]

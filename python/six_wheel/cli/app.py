@@ -16,6 +16,7 @@ from six_wheel.cli.commands.check import check
 from six_wheel.cli.commands.control_loop import PASSING, command_filter, node, replay
 from six_wheel.cli.commands.drive import drive
 from six_wheel.cli.commands.example import example
+from six_wheel.cli.commands.inspect import inspect
 from six_wheel.cli.commands.odometry import odometry
 from six_wheel.cli.commands.show import show
 from six_wheel.cli.commands.simulate import simulate
@@ -46,7 +47,7 @@ def demo(
     run(output, console=new_console())
 
 
-for command in (check, drive, simulate, odometry, calibrate, traverse, show, example, replay):
+for command in (check, drive, simulate, inspect, odometry, calibrate, traverse, show, example, replay):
     app.command(help=COMMANDS[command.__name__])(with_options(command))
 # Arguments after --ros-args are for ROS to read.
 app.command("node", help=COMMANDS["node"], context_settings=PASSING)(with_options(node))

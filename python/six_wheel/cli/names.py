@@ -8,6 +8,7 @@ COMMANDS = {
     "check": "Every mistake in a parameter file at once; then what the rover can do.",
     "drive": "Drive a table of commands, within limits: joint commands, odometry, reasons, pictures.",
     "simulate": "A log with its truth: a rover on a plane, or a suspension over a map with a picture in 3D.",
+    "inspect": "What is in a log: columns or topics with rate, range, unit, and what to do next.",
     "odometry": "Dead-reckon a log: the path with its covariance, bad rows, slip, errors against the truth.",
     "calibrate": "The rover's true dimensions from its logs and where it really was.",
     "traverse": "Where on a map a rover can stand: every cell, every heading, as a GeoTIFF.",

@@ -13,7 +13,10 @@ from tests.logs.forms.form import Form
 BICYCLE = course(sw.Rover.bicycle(1.0, 0.15))
 TURTLEBOT = "std_msgs/Header header\nint32 left_encoder\nint32 right_encoder\n"
 DUCKIETOWN = "std_msgs/Header header\nint32 data\nuint16 resolution\nuint8 type\n"
-ACKERMANN = "float32 steering_angle\nfloat32 steering_angle_velocity\nfloat32 speed\nfloat32 acceleration\nfloat32 jerk\n"
+ACKERMANN = "".join(
+    f"float32 {name}\n"
+    for name in ("steering_angle", "steering_angle_velocity", "speed", "acceleration", "jerk")
+)
 
 
 def bag(

@@ -152,6 +152,11 @@ class Bag:
         self._topics = [c for c in there if c.topic in wanted]
 
     @property
+    def duration(self) -> float:
+        """From the first message to the last [s]."""
+        return float(self._reader.duration or 0) * 1e-9
+
+    @property
     def connections(self) -> Sequence[Any]:
         """Topics with their types."""
         return self._reader.connections

@@ -7,6 +7,7 @@ a unit (``front_left [rpm]``). Of a log that has several, the angle serves best,
 
 import difflib
 import math
+import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, get_args
@@ -24,6 +25,7 @@ from six_wheel.kinematics.odometry.headers.columns import (
 )
 from six_wheel.kinematics.odometry.headers.rate_columns import rate_columns
 from six_wheel.kinematics.odometry.headers.time_columns import time_columns
+from six_wheel.kinematics.odometry.plausibility.proposals import columns
 
 Reading: TypeAlias = Literal["angle", "speed", "ticks"]
 READINGS: tuple[Reading, ...] = get_args(Reading)
@@ -172,13 +174,13 @@ def joint_columns(
                 if meaning is None and (given or not rest):
                     doubts.setdefault(name, _doubt(header, text, rest, given, part))
                 break
-            columns = by_reading.setdefault(name, {})
-            if meaning[0] in columns:
-                rule = f'{name} must be in one column, got "{columns[meaning[0]].header}" and "{header}"'
+            kinds = by_reading.setdefault(name, {})
+            if meaning[0] in kinds:
+                rule = f'{name} must be in one column, got "{kinds[meaning[0]].header}" and "{header}"'
                 raise TableError(f"{rule}; rename or drop all but one")
             unit_of = _at_the_rim(meaning[1], rover, named[0]) if part == "wheel" else meaning[1]
             stated = given is not None or rest not in _WORDS[meaning[0]] or meaning[0] == reading
-            columns[meaning[0]] = Column(index, header, unit_of, stated)
+            kinds[meaning[0]] = Column(index, header, unit_of, stated)
             break
     for name, doubt in doubts.items():
         if name not in by_reading:
@@ -287,7 +289,24 @@ def _refuse_missing(found: Collection[str], headers: Sequence[str], rover: Rover
     if not any(name.startswith("wheel ") for name in found):
         named = ", ".join(f'"{joint}"' for joint in rover.traction_joints)
         hint = did_you_mean([*rover.traction_joints, *rover.wheel_names], headers)
-        raise TableError(f"no column for any wheel ({named}) among {listed}{hint}")
+        raise TableError(f"no column for any wheel ({named}) among {listed}{hint}{proposed(headers, rover)}")
+
+
+def proposed(headers: Sequence[str], rover: Rover) -> str:
+    """Proposal to read headers as wheels, by the initials of these; nothing if they do not tell."""
+    found = {}
+    for wheel in rover.wheel_names:
+        initials = "".join(part[0] for part in wheel.split("_"))
+        like = [
+            each for each in headers if re.search(rf"(?:^|[^a-zA-Z]|[a-z]){initials}$", each, re.IGNORECASE)
+        ]
+        if len(like) != 1 or like[0] in found:
+            return ""
+        name = words(like[0])
+        unit = "ticks" if re.search("enc|tick|count|cnt", name) else "rad"
+        unit = "rad/s" if re.search("vel|speed|rate|omega", name) else unit
+        found[like[0]] = f"{wheel} [{unit}]"
+    return f"; give {columns(found)}"
 
 
 def did_you_mean(names: Sequence[str], given: Sequence[str]) -> str:
