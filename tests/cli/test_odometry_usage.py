@@ -64,7 +64,10 @@ def test_wrong_usage(refused: Refused, cart: None, arguments: list[str], words: 
         ("left [rad],right [rad]\n0,0\n", "no column for time"),
         ("time,lfet [rad],rihgt [rad]\n0,0,0\n", 'did you mean "rihgt [rad]" for "right"?'),
         ("time,left,right\n0,0,0\n", 'column "left" must state its unit'),
-        ("time,left [ticks],right [ticks]\n0,0,0\n1,1,1\n", "give --resolution, or encoders.resolution"),
+        (
+            "time,left [ticks],right [ticks]\n0,0,0\n1,1,1\n",
+            "encoders: {resolution: COUNTS}",
+        ),
         ("time,left [rad]\n0,0\n1,1\n", "no readings of right: taken as without encoder"),
         ("0,1,2\n", "the first line must name the columns"),
     ],

@@ -5,11 +5,11 @@ A format of one's own is a function that makes a `WheelLog` and its entry in `RE
 
 import difflib
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
-from typing import Any, NoReturn, Self, TypeAlias
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 
@@ -17,18 +17,17 @@ from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.odometry.headers.joint_columns import Reading
 from six_wheel.kinematics.odometry.plausibility.arrays import array_checks, check_arrays
-from six_wheel.kinematics.odometry.plausibility.checks import ReadingChecks
-from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError, encoders
+from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError
 from six_wheel.kinematics.odometry.tabular_input import is_table, table
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
 from six_wheel.logs.ground_truth import read_truth
-from six_wheel.logs.joint_sources import JointSource
+from six_wheel.logs.joint_sources import JointSource, refuse_counts
 from six_wheel.logs.joints import JointLog, JointRows
 from six_wheel.logs.log_options import LogOptions, corrections, encoders_of
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Findings
-from six_wheel.logs.tables import READ
+from six_wheel.logs.tables import FORMATS, READ
 
 __all__ = [
     "READERS",
@@ -44,7 +43,7 @@ __all__ = [
     "read_log",
 ]
 
-ENDINGS = ", ".join([*READ, *BAGS])
+ENDINGS = ", ".join(dict.fromkeys([*FORMATS, *BAGS, *READ]))
 AnyLog: TypeAlias = "JointLog | WholeLog"
 
 
@@ -187,7 +186,7 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
                 continue
             counted = "resolution" in keys
             if counts[part] and not counted:
-                _refuse_counts(source, part, keys)
+                refuse_counts(source, part, keys)
             # Speeds are those of the joints: of wheels there is nothing to count, nor are angles turned.
             meant = counts[part] or source.bagged if counted else source.reading != "speed"
             if meant and not (part == "wheel" and source.reading == "speed"):
@@ -201,36 +200,6 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     wheels = direct["wheel"] or found["wheel"] or None
     steering = direct["steering"] or found["steering"] or None
     return JointLog.of_source(source, wheels, steering, increments, options.plausibility, bounds)
-
-
-def _refuse_counts(source: JointSource, part: str, keys: Mapping[str, Any]) -> NoReturn:
-    """Counts of which nobody says how many a turn has; where they wrap is said with it."""
-    of_steering = part == "steering"
-    what = "the steering is" if of_steering else "the wheels are"
-    known = replace(
-        source.describe(None, None, keys.get("per_sample")), clock_stated=True, wraps="modulus" in keys
-    )
-    known = replace(known, wheels=()) if of_steering else known
-    checks = ReadingChecks(known, lambda line: None)
-    wheels = source.rover.steered_names if of_steering else source.rover.wheel_names
-    names = [f"{part} {wheel}" for wheel in wheels]
-    try:
-        for batch in source.rows.batches(CHUNK):
-            values = [batch.values.get(name, np.full(len(batch), np.nan)) for name in names]
-            raw = np.stack(values, axis=1)
-            stamps = np.arange(len(batch), dtype=float)
-            if of_steering:
-                checks.take(stamps, np.zeros((len(batch), 0)), None, raw, batch.rows)
-            else:
-                checks.take(stamps, raw, None, None, batch.rows)
-    except ImplausibleReadingError as error:
-        raise TableError(f"{source.path}: {error}; COUNTS are those of a turn") from None
-    proposal = encoders(counts=True, steering=of_steering)
-    rule = f"{what} in ticks, and how many a turn has must be said"
-    raise TableError(f"{source.path}: {rule}: give {proposal}")
-
-
-CHUNK = 200_000  # rows
 
 
 def _instead_of(path: Path) -> str:

@@ -1,15 +1,19 @@
 """A joint log that has been opened: where its rows come from, and what they hold."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
+
+import numpy as np
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.columns import Column, Unit
+from six_wheel.kinematics.odometry.headers.columns import Column, TableError, Unit
 from six_wheel.kinematics.odometry.headers.joint_columns import JointColumns, Reading, joint_columns
 from six_wheel.kinematics.odometry.headers.renamed import Columns
-from six_wheel.kinematics.odometry.plausibility.checks import Readings
+from six_wheel.kinematics.odometry.plausibility.checks import ReadingChecks, Readings
 from six_wheel.kinematics.odometry.plausibility.proposals import Column as Label
+from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError, encoders
 from six_wheel.logs.bags.bag_files import Topics, is_bag
 from six_wheel.logs.ground_truth import TRUTH
 from six_wheel.logs.gyroscope.rates import RATES, upward
@@ -17,7 +21,9 @@ from six_wheel.logs.gyroscope.sources import rate_table
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.skip_bad_rows import Source, TolerantTable
 
-__all__ = ["JointSource"]
+__all__ = ["JointSource", "refuse_counts"]
+
+CHUNK = 200_000  # rows
 
 
 class JointSource:
@@ -194,3 +200,30 @@ class JointSource:
                 )
                 self.warnings.append(f"{self.path}: {rule}: {remedy}")
         return rates
+
+
+def refuse_counts(source: JointSource, part: str, keys: Mapping[str, Any]) -> NoReturn:
+    """Counts of which nobody says how many a turn has; where they wrap is said with it."""
+    of_steering = part == "steering"
+    what = "the steering is" if of_steering else "the wheels are"
+    known = replace(
+        source.describe(None, None, keys.get("per_sample")), clock_stated=True, wraps="modulus" in keys
+    )
+    known = replace(known, wheels=()) if of_steering else known
+    checks = ReadingChecks(known, lambda line: None)
+    wheels = source.rover.steered_names if of_steering else source.rover.wheel_names
+    names = [f"{part} {wheel}" for wheel in wheels]
+    try:
+        for batch in source.rows.batches(CHUNK):
+            values = [batch.values.get(name, np.full(len(batch), np.nan)) for name in names]
+            raw = np.stack(values, axis=1)
+            stamps = np.arange(len(batch), dtype=float)
+            if of_steering:
+                checks.take(stamps, np.zeros((len(batch), 0)), None, raw, batch.rows)
+            else:
+                checks.take(stamps, raw, None, None, batch.rows)
+    except ImplausibleReadingError as error:
+        raise TableError(f"{source.path}: {error}; COUNTS are those of a turn") from None
+    proposal = encoders(counts=True, steering=of_steering)
+    rule = f"{what} in ticks, and how many a turn has must be said"
+    raise TableError(f"{source.path}: {rule}: give {proposal}")

@@ -18,6 +18,7 @@ from six_wheel._core import Rover
 from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.odometry.headers.joint_columns import Reading
 from six_wheel.kinematics.odometry.headers.renamed import Columns
+from six_wheel.kinematics.odometry.headers.time_columns import seconds_since, whole_second
 from six_wheel.kinematics.odometry.plausibility.checks import ReadingChecks
 from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.bags.bag_files import Topics
@@ -32,8 +33,6 @@ from six_wheel.logs.skip_bad_rows import (
     Finding,
     Findings,
     Sieve,
-    seconds_since,
-    whole_second,
 )
 
 __all__ = ["Finding", "JointLog", "JointRows", "Reading"]

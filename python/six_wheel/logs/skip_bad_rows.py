@@ -1,6 +1,5 @@
 """Tables of which a bad row costs that row and no other: cut lines, text among numbers, NaN, wrong order."""
 
-import math
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
 
 MOST_FINDINGS = 1000  # that are kept; more are counted
 BLOCK = 1 << 20  # [byte] that are read line by line if one of the lines is bad
-# Beyond this a double of seconds resolves less than 0.1 ns, and stamps are counted from a later second.
-LONGEST_RUN = 1e6  # [s]
 
 Find: TypeAlias = Callable[[Sequence[str], Mapping[int, str]], dict[str, Column]]
 
@@ -386,18 +383,3 @@ class Sieve:
 
     def _report(self, batch: Batch, k: int, rule: str, got: str) -> None:
         self._findings.add(int(batch.rows[k]), rule, got, int(batch.lines[k]) or None)
-
-
-# --- stamps ----------------------------------------------------------------------------------------------
-
-
-def whole_second(time: Any, unit: Unit) -> int:
-    """The second from which to count stamps that begin at `time`: whole, so that it is exact in any unit."""
-    seconds = float(time) * unit.scale
-    return 0 if abs(seconds) < LONGEST_RUN else math.floor(seconds)
-
-
-def seconds_since(origin: int, time: NDArray[Any], unit: Unit) -> NDArray[np.float64]:
-    """`time` in seconds since `origin`: differences first, or 1.7e18 ns would lose 256 ns as a double."""
-    per_second = round(1 / unit.scale)
-    return np.asarray((time - origin * per_second) / per_second, dtype=float)

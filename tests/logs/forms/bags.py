@@ -13,10 +13,7 @@ from tests.logs.forms.form import Form
 BICYCLE = course(sw.Rover.bicycle(1.0, 0.15))
 TURTLEBOT = "std_msgs/Header header\nint32 left_encoder\nint32 right_encoder\n"
 DUCKIETOWN = "std_msgs/Header header\nint32 data\nuint16 resolution\nuint8 type\n"
-ACKERMANN = "".join(
-    f"float32 {name}\n"
-    for name in ("steering_angle", "steering_angle_velocity", "speed", "acceleration", "jerk")
-)
+ACKERMANN = "float32 steering_angle\nfloat32 steering_angle_velocity\nfloat32 speed\n"
 
 
 def bag(
@@ -125,9 +122,7 @@ def bags() -> Iterator[Form]:
     write = bag(
         {"/ackermann": command},
         lambda types, row: [
-            types[command](
-                float(BICYCLE.steering[row, 0]), 0.0, float(radius * BICYCLE.rates[row, rear]), 0.0, 0.0
-            )
+            types[command](float(BICYCLE.steering[row, 0]), 0.0, float(radius * BICYCLE.rates[row, rear]))
         ],
         {command: ACKERMANN},
     )

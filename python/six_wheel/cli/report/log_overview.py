@@ -40,7 +40,7 @@ class ColumnOverview:
 
 @dataclass(frozen=True)
 class LogOverview:
-    """Content of a log: `columns`, `facts` about all of it, and the reason for which it is not read, if any."""
+    """Content of a log: `columns`, `facts` about all of it, and the reason for which it is not read."""
 
     columns: tuple[ColumnOverview, ...]
     facts: Mapping[str, str]

@@ -1,20 +1,29 @@
 """Columns of stamps: one, or whole seconds and nanoseconds in two."""
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from six_wheel.kinematics.odometry.headers.columns import (
     TIME,
     TIME_UNITS,
     Column,
     TableError,
+    Unit,
     find_columns,
     means,
     words,
 )
 
-__all__ = ["scale_of", "time_columns"]
+__all__ = ["scale_of", "seconds_since", "time_columns", "whole_second"]
+
+# Beyond this a double of seconds resolves less than 0.1 ns, and stamps are counted from a later second.
+LONGEST_RUN = 1e6  # [s]
 
 _SECONDS = re.compile(r"^(.*?)_?(?:sec|secs|seconds)$")
 _NANOSECONDS = re.compile(r"^(.*?)_?(?:nanosec|nanosecs|nsec|nsecs|nanoseconds)$")
@@ -92,3 +101,15 @@ def _in_two(headers: Sequence[str]) -> dict[str, Column] | None:
                     "nanoseconds": Column(index, headers[index], unit, stated=True),
                 }
     return None
+
+
+def whole_second(time: Any, unit: Unit) -> int:
+    """The second from which to count stamps that begin at `time`: whole, so that it is exact in any unit."""
+    seconds = float(time) * unit.scale
+    return 0 if abs(seconds) < LONGEST_RUN else math.floor(seconds)
+
+
+def seconds_since(origin: int, time: NDArray[Any], unit: Unit) -> NDArray[np.float64]:
+    """`time` in seconds since `origin`: differences first, or 1.7e18 ns would lose 256 ns as a double."""
+    per_second = round(1 / unit.scale)
+    return np.asarray((time - origin * per_second) / per_second, dtype=float)
