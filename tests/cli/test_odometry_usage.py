@@ -39,7 +39,7 @@ def test_the_first_pose_can_be_given(run: Run, cart: None) -> None:
         (["cart.yaml", "log.csv", "-o", "log.csv"], "the output must be another file than log.csv"),
         (["cart.yaml", "log.csv", "-o", "none/t.csv"], "the folder of the output must exist"),
         (["cart.yaml", "log.csv", "--plot", "p.xyz"], "the ending must be one of .png, .svg, .pdf"),
-        (["cart.yaml", "log.csv", "--report", "cart.yaml"], "the ending must be .md or .markdown"),
+        (["cart.yaml", "log.csv", "--report", "report.yaml"], "the ending must be .md or .markdown"),
         (["cart.yaml", "log.csv", "--speed-noise", "-1"], "speed must be finite and not negative, got -1"),
         (["cart.yaml", "log.csv", "--resolution", "0"], "resolution must be finite and positive, got 0"),
         (["cart.yaml", "log.csv", "--start", "0", "nan", "0"], "pose must be finite"),
