@@ -40,7 +40,7 @@ ALL = 1.0 + 1e-6
 
 
 def shot(now: float, out: sw.ControllerOutput) -> slow.Shot:
-    return slow.Shot(now, out.twist, out.steering, out.speeds)
+    return slow.Shot(now, out.twist, out.steering, out.wheel_speeds)
 
 
 def drive(controller, seconds, *, start=0.0, dt=0.01, commands=()):
@@ -77,7 +77,7 @@ def test_the_picture_of_the_readme():
     assert controller.command((0.5, 0.0, 0.3), 0.0) is True
     out = controller.step(0.0)
     assert out.steering.shape == (4,)
-    assert out.speeds.shape == (6,)
+    assert out.wheel_speeds.shape == (6,)
     assert out.twist.shape == (3,)
     assert out.steering_rates.shape == (4,)
     assert isinstance(out.reasons, Reason)
@@ -100,7 +100,7 @@ def test_every_output_is_what_the_inverse_says(rover, twist):
         if out.twist.any():
             steering, speeds = rover.inverse(out.twist, previous=out.steering)
             np.testing.assert_allclose(out.steering, steering, rtol=0, atol=1e-9)
-            np.testing.assert_allclose(out.speeds, speeds, rtol=0, atol=1e-9)
+            np.testing.assert_allclose(out.wheel_speeds, speeds, rtol=0, atol=1e-9)
 
 
 @given(six_wheel_rovers(st.floats(0.3, 2.0)), any_twists())
@@ -241,13 +241,13 @@ def test_old_and_early_stamps():
     assert controller.step(1.16).twist[0] == 0.2
 
 
-@pytest.mark.parametrize("now", [1.0, 0.5, math.nan, math.inf])
-def test_a_clock_that_does_not_advance_is_an_error_without_effect(now):
+@pytest.mark.parametrize("stamp", [1.0, 0.5, math.nan, math.inf])
+def test_a_clock_that_does_not_advance_is_an_error_without_effect(stamp):
     controller = sw.Controller(ROVER, LIMITS)
     controller.command((0.2, 0, 0), 1.0)
     controller.step(1.0)
-    with pytest.raises(ValueError, match="^now must be"):
-        controller.step(now)
+    with pytest.raises(ValueError, match="^stamp must be"):
+        controller.step(stamp)
     twin = sw.Controller(ROVER, LIMITS)
     twin.command((0.2, 0, 0), 1.0)
     twin.step(1.0)
@@ -281,7 +281,7 @@ def test_measured_angles_that_cannot_be_are_errors_without_effect(measured, rule
     with pytest.raises(ValueError, match=f"^measured must {rule}"):
         controller.step(0.1, measured)
     np.testing.assert_array_equal(controller.step(0.1).steering, twin.step(0.1).steering)
-    assert controller.now == 0.1
+    assert controller.stamp == 0.1
 
 
 @pytest.mark.parametrize(("align", "share"), [("cosine", math.cos(0.5)), ("hold", 0.0), (None, 1.0)])
@@ -302,7 +302,7 @@ def test_it_starts_from_the_measured_angles():
     controller = sw.Controller(ROVER, LIMITS, steering=[0.1, 0, 0, 0])
     assert controller.step(0.0).steering[0] == 0.1
     controller.reset()
-    assert controller.now is None
+    assert controller.stamp is None
     assert controller.steering[0] == 0.1
 
 
@@ -320,7 +320,7 @@ def test_discretised_commands_do_not_skew(twist, limits):
     np.testing.assert_allclose((x, y), np.multiply(twist[:2], share * period), atol=1e-12)
     assert share <= 1 + 1e-12
     assert np.hypot(*out.twist[:2]) <= limits.speed * ALL
-    assert np.max(np.abs(out.speeds)) <= limits.wheel_speed * ALL
+    assert np.max(np.abs(out.wheel_speeds)) <= limits.wheel_speed * ALL
     # A rover that cannot follow is left alone.
     controller = sw.Controller(ROVER, only(), period=period, discretise=True)
     controller.command((0.5, 0, 0.2), 0.0)
@@ -396,7 +396,7 @@ def test_a_wheel_with_scrub_rolls_while_it_is_steered():
     assert len(turning) > 50
     for out in turning:
         expected = rover.inverse(out.twist, previous=out.steering, steering_rates=out.steering_rates)[1]
-        np.testing.assert_allclose(out.speeds, expected, atol=1e-9)
+        np.testing.assert_allclose(out.wheel_speeds, expected, atol=1e-9)
     assert max(slow.excess(limits, [shot(*pair) for pair in log]).values()) <= ALL
 
 
@@ -477,7 +477,7 @@ def test_the_quick_way_is_the_general_one():
         general.command(np.array(twist, dtype=">f8"), np.float64(now))
         a = quick.step(now, tuple(quick.steering))
         b = general.step(now, measured=np.array(general.steering, dtype=np.longdouble))
-        np.testing.assert_array_equal(a.speeds, b.speeds)
+        np.testing.assert_array_equal(a.wheel_speeds, b.wheel_speeds)
         np.testing.assert_array_equal(a.steering, b.steering)
         assert a.reasons == b.reasons
 

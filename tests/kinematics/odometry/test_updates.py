@@ -26,7 +26,7 @@ def test_a_motion_held_over_every_step_is_found_exactly(name):
         np.testing.assert_allclose(state.pose, log.poses[k], rtol=0, atol=1e-11)
         if k:
             np.testing.assert_allclose(state.twist, log.twists[k - 1], rtol=0, atol=1e-11)
-            assert state.residual.max() < 1e-11
+            assert state.residuals.max() < 1e-11
 
 
 def crab(rate: float, span: float, dt: float = 0.05) -> tuple[np.ndarray, ...]:
@@ -160,7 +160,7 @@ def test_covariance_is_always_positive_semidefinite(data):
         data.draw(noises), data.draw(noises), slip=data.draw(noises), side_slip=data.draw(noises)
     )
     odometry = sw.Odometry(rover, noise, inflate=data.draw(st.booleans()))
-    joints, wheels = len(rover.steered_names), len(rover.wheels)
+    joints, wheels = len(rover.steered_wheel_names), len(rover.wheels)
     readings = st.floats(-2.0, 2.0)
     for k in range(data.draw(st.integers(2, 8))):
         steering = data.draw(st.lists(readings, min_size=joints, max_size=joints))
@@ -194,7 +194,7 @@ def test_counters_that_start_over(bits, signed):
     log = drive(rover, n=300)
     per_radian = resolution * gear / math.tau
     counts = np.round(log.angles * per_radian * (1.0 if bits == 16 else 2000.0))
-    encoder = sw.Encoder(resolution * (1.0 if bits == 16 else 2000.0), gear=gear, modulus=modulus)
+    encoder = sw.Encoder(resolution * (1.0 if bits == 16 else 2000.0), gear_ratio=gear, wraps_at=modulus)
     read = (counts + (modulus // 2 if signed else modulus) - 1000) % modulus
     read = np.where(read >= modulus / 2, read - modulus, read) if signed else read
     odometry = sw.Odometry(rover, wheel_encoders=encoder)
@@ -203,7 +203,7 @@ def test_counters_that_start_over(bits, signed):
         state = odometry.update(None, read[k], log.stamps[k])
         wrapped += bool(state.health & sw.OdometryHealth.WRAPPED)
     plainly = sw.Odometry(rover)
-    expected = follow(plainly, log.steering, counts * encoder.angle_per_count, log.stamps)
+    expected = follow(plainly, log.steering, counts * encoder.angle_per_tick, log.stamps)
     np.testing.assert_allclose(state.pose, expected.pose, rtol=0, atol=1e-9)
     assert wrapped >= 1
 
@@ -211,9 +211,9 @@ def test_counters_that_start_over(bits, signed):
 def test_steering_encoders_are_absolute():
     rover = VEHICLES["tricycle"]
     log = drive(rover, n=40)
-    encoder = sw.Encoder(4096, modulus=4096, offset=-3.0)
-    counts = (log.steering + 3.0) / encoder.angle_per_count % 4096
-    odometry = sw.Odometry(rover, steering_encoders={rover.steered_names[0]: encoder})
+    encoder = sw.Encoder(4096, wraps_at=4096, offset=-3.0)
+    counts = (log.steering + 3.0) / encoder.angle_per_tick % 4096
+    odometry = sw.Odometry(rover, steering_encoders={rover.steered_wheel_names[0]: encoder})
     state = follow(odometry, counts, log.angles, log.stamps)
     np.testing.assert_allclose(state.pose, log.poses[-1], rtol=0, atol=1e-10)
 
@@ -221,8 +221,8 @@ def test_steering_encoders_are_absolute():
 def test_a_motor_that_runs_the_other_way_round():
     rover = VEHICLES["differential"]
     log = drive(rover, n=30)
-    encoders = [sw.Encoder(100, gear=10.0), sw.Encoder(50, gear=-4.0)]
-    counts = log.angles / [encoder.angle_per_count for encoder in encoders]
+    encoders = [sw.Encoder(100, gear_ratio=10.0), sw.Encoder(50, gear_ratio=-4.0)]
+    counts = log.angles / [encoder.angle_per_tick for encoder in encoders]
     state = follow(sw.Odometry(rover, wheel_encoders=encoders), log.steering, counts, log.stamps)
     np.testing.assert_allclose(state.pose, log.poses[-1], rtol=0, atol=1e-11)
 
@@ -377,7 +377,7 @@ def test_however_readings_come_they_are_the_same(way):
         plainly = expected.update(log.steering[k], log.angles[k], log.stamps[k], yaw=0.1 * k)
         readings = {"wheel_angles": WAYS[way](log.angles[k]), "yaw": np.float64(0.1 * k), "yaw_rate": None}
         state = odometry.update(WAYS[way](log.steering[k]), stamp=float(log.stamps[k]), **readings)
-        for name in ("pose", "twist", "covariance", "residual", "velocity", "twist_covariance"):
+        for name in ("pose", "twist", "covariance", "residuals", "velocity", "twist_covariance"):
             np.testing.assert_array_equal(getattr(state, name), getattr(plainly, name))
         assert state.stamp == plainly.stamp
     integers = sw.Odometry(VEHICLES["differential"])
@@ -407,7 +407,7 @@ def test_states_that_are_kept_stay_as_they_are():
     for k, state in kept.items():
         np.testing.assert_array_equal(state.pose, track.poses[k])
         np.testing.assert_array_equal(state.covariance, track.covariances[k])
-        np.testing.assert_array_equal(state.residual, track.residuals[k])
+        np.testing.assert_array_equal(state.residuals, track.residuals[k])
         assert state.stamp == log.stamps[k]
 
 
@@ -416,13 +416,13 @@ def test_values_are_values():
     assert noise == pickle.loads(pickle.dumps(noise)) == eval(repr(noise), {"Noise": sw.Noise})
     assert hash(noise) == hash(pickle.loads(pickle.dumps(noise)))
     assert noise != sw.Noise()
-    encoder = sw.Encoder(512, gear=-30.0, modulus=65536, offset=0.1)
+    encoder = sw.Encoder(512, gear_ratio=-30.0, wraps_at=65536, offset=0.1)
     assert encoder == pickle.loads(pickle.dumps(encoder)) == eval(repr(encoder), {"Encoder": sw.Encoder})
-    assert sw.Encoder().angle_per_count == 1.0
+    assert sw.Encoder().angle_per_tick == 1.0
     for wrong in ({"speed": -0.1}, {"steering": math.nan}, {"period": 0.0}, {"slip": math.inf}):
         with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be finite"):
             sw.Noise(**wrong)
-    for wrong in ({"resolution": 0}, {"gear": 0}, {"modulus": -1}, {"offset": math.inf}):
+    for wrong in ({"ticks_per_turn": 0}, {"gear_ratio": 0}, {"wraps_at": -1}, {"offset": math.inf}):
         with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be finite"):
             sw.Encoder(**wrong)
 
