@@ -130,7 +130,7 @@ def test_factors_of_readings_go_into_the_file_and_are_applied(run: Run, drives: 
     assert (code, err) == (0, "")
     parameters = read_parameters("scaled.yaml")
     assert parameters.rover == sw.load("cart.yaml")
-    assert parameters.encoders["scale"] == pytest.approx(1.02, abs=2e-4)
+    assert parameters.wheel_encoders["scale"] == pytest.approx(1.02, abs=2e-4)
     _, out, _ = run("odometry", "scaled.yaml", "few1.csv")
     said = re.search(r"ATE +(\S+) m", out)
     assert said
@@ -146,7 +146,7 @@ def test_factors_of_readings_go_into_the_file_and_are_applied(run: Run, drives: 
         "-o",
         "twice.yaml",
     )
-    again = read_parameters("twice.yaml").encoders["scale"]
+    again = read_parameters("twice.yaml").wheel_encoders["scale"]
     assert again == pytest.approx(1.02, abs=2e-4)
 
 

@@ -41,7 +41,10 @@ def test_the_first_pose_can_be_given(run: Run, cart: None) -> None:
         (["cart.yaml", "log.csv", "--plot", "p.xyz"], "the ending must be one of .png, .svg, .pdf"),
         (["cart.yaml", "log.csv", "--report", "report.yaml"], "the ending must be .md or .markdown"),
         (["cart.yaml", "log.csv", "--speed-noise", "-1"], "speed must be finite and not negative, got -1"),
-        (["cart.yaml", "log.csv", "--resolution", "0"], "resolution must be finite and positive, got 0"),
+        (
+            ["cart.yaml", "log.csv", "--ticks-per-turn", "0"],
+            "ticks_per_turn must be finite and positive, got 0",
+        ),
         (["cart.yaml", "log.csv", "--start", "0", "nan", "0"], "pose must be finite"),
         (["cart.yaml", "log.csv", "--length", "0"], "length must be finite and positive, got 0"),
         (["cart.yaml", "log.csv", "--chunk-rows", "0"], "chunk_rows must be positive, got 0"),
@@ -64,7 +67,10 @@ def test_wrong_usage(refused: Refused, cart: None, arguments: list[str], words: 
         ("left [rad],right [rad]\n0,0\n", "no column for time"),
         ("time,lfet [rad],rihgt [rad]\n0,0,0\n", 'did you mean "rihgt [rad]" for "right"?'),
         ("time,left,right\n0,0,0\n", 'column "left" must state its unit'),
-        ("time,left [ticks],right [ticks]\n0,0,0\n1,1,1\n", "give --resolution, or encoders.resolution"),
+        (
+            "time,left [ticks],right [ticks]\n0,0,0\n1,1,1\n",
+            "give --ticks-per-turn, or wheel_encoders.ticks_per_turn",
+        ),
         ("time,left [rad]\n0,0\n1,1\n", "no readings of right: taken as without encoder"),
         ("0,1,2\n", "the first line must name the columns"),
     ],

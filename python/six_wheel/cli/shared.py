@@ -175,8 +175,7 @@ def choose_suspension(argument: str, reading: Reading = Reading()) -> "tuple[Roc
     if argument in SUSPENDED:
         from six_wheel._core import RockerBogie
 
-        arm: RockerBogie = getattr(RockerBogie, argument)()
-        return arm, argument
+        return RockerBogie.preset(argument), argument
     chosen = choose(argument, reading)
     if chosen.rover.suspension is None:
         raise ValueError(

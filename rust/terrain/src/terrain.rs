@@ -163,7 +163,7 @@ impl Terrain {
             }
         }
         finite("origin", &origin)?;
-        finite("orientation", &[orientation])?;
+        finite("yaw", &[orientation])?;
         let reach = spacing[0] * columns as f64 + spacing[1] * rows as f64;
         if reach + origin[0].abs() + origin[1].abs() >= 1e15 {
             // Beyond, neighbouring doubles lie further apart than a wheel is large.

@@ -98,7 +98,7 @@ car:
 """
     rover = read(car).rover
     assert rover.traction_joints == {"rear_right": "rear_right", "rear_left": "rear_left"}
-    assert rover.command_joints[:2] == ("front_right_steer", "front_left_steer")
+    assert rover.joint_names[:2] == ("front_right_steer", "front_left_steer")
 
 
 def test_one_name_that_tells_less_is_decided_by_the_other(read) -> None:
