@@ -115,7 +115,7 @@ def test_the_truth_is_compared_wherever_it_is(run: Run, cart: None) -> None:
 
 
 def test_a_right_rover_has_no_error(run: Run, cart: None) -> None:
-    _, out, _ = run("odometry", "cart.yaml", "log.csv", "--length", "1")
+    _, out, _ = run("odometry", "cart.yaml", "log.csv", "--segment", "1")
     assert value(out, "ATE") == "0.0000 m with the first pose given, 0.0000 m after the best alignment"
     assert value(out, "error per distance") == "0.00 % and 0.00° over 1 m"
 
@@ -302,7 +302,7 @@ def test_an_optiodom_run_is_known_by_its_metadata(run: Run, refused: Refused, tm
     lonely = tmp_path / path.name
     lonely.write_bytes(path.read_bytes())
     assert "metadata.csv: No such file" in refused(
-        "odometry", str(metadata), str(lonely), "--format", "optiodom"
+        "odometry", str(metadata), str(lonely), "--log-format", "optiodom"
     )
 
 
@@ -348,9 +348,9 @@ def test_the_first_pose_can_be_given(run: Run, cart: None) -> None:
         (["cart.yaml", "log.csv", "--example"], "LOG must be left out with --example, got log.csv"),
         (["cart.yaml", "lag.csv"], 'lag.csv: no such file; did you mean "log.csv"?'),
         (["cart.yaml", "cart.yaml"], "a log must be a bag's folder or end in .csv, .parquet, .mcap, .db3"),
-        (["cart.yaml", "log.csv", "--format", "tabel"], "format must be one of table, bag, optiodom"),
-        (["cart.yaml", "log.csv", "--format", "bag"], "the format bag is a folder or .mcap or .db3 file"),
-        (["cart.yaml", "log.csv", "--reading", "angel"], "reading must be one of angle, speed, ticks"),
+        (["cart.yaml", "log.csv", "--log-format", "tabel"], "format must be one of table, bag, optiodom"),
+        (["cart.yaml", "log.csv", "--log-format", "bag"], "the format bag is a folder or .mcap or .db3 file"),
+        (["cart.yaml", "log.csv", "--readings", "angel"], "readings must be one of angles, speeds, ticks"),
         (["cart.yaml", "log.csv", "--truth", "none.csv"], "none.csv"),
         (["cart.yaml", "log.csv", "--truth", "commands.csv"], "the truth must have columns x, y and yaw"),
         (["cart.yaml", "log.csv", "-o", "t.txt"], 'the ending must be .csv, .parquet or .mcap, got ".txt"'),
@@ -364,7 +364,7 @@ def test_the_first_pose_can_be_given(run: Run, cart: None) -> None:
             "ticks_per_turn must be finite and positive, got 0",
         ),
         (["cart.yaml", "log.csv", "--start", "0", "nan", "0"], "pose must be finite"),
-        (["cart.yaml", "log.csv", "--length", "0"], "length must be finite and positive, got 0"),
+        (["cart.yaml", "log.csv", "--segment", "0"], "length must be finite and positive, got 0"),
         (["cart.yaml", "log.csv", "--chunk-rows", "0"], "chunk_rows must be positive, got 0"),
     ],
 )  # fmt: skip
