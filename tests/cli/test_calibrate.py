@@ -246,7 +246,7 @@ def test_bad_rows_are_warned_of(run: Run, drives: None) -> None:
         (["cart.yaml", "run1.csv", "--parameters", ","], "parameters must name one at least"),
         (["cart.yaml", "run1.csv", "--loss", "l2"], "loss must be one of"),
         (["cart.yaml", "run1.csv", "--confidence", "2"], "confidence must be between 0 and 1, got 2"),
-        (["cart.yaml", "run1.csv", "--window", "-1"], "window must be finite and positive"),
+        (["cart.yaml", "run1.csv", "--segment", "-1"], "window must be finite and positive"),
         (["cart.yaml", "run1.csv", "-o", "r.csv"], 'the ending must be .yaml or .yml, got ".csv"'),
         (["cart.yaml", "run1.csv", "-o", "cart.yaml"], "the output must be another file than cart.yaml"),
         (["cart.yaml", "run1.csv", "-o", "none/r.yaml"], "the folder of the output must exist"),

@@ -40,11 +40,11 @@ def test_results_and_pictures_are_written(run: Run, land: str):
         (("spirit", "over.csv"), "ROVER must be a parameter file or a preset"),
         (("perseverance", "none.csv"), "none.csv: no such file"),
         (
-            ("perseverance", "over.csv", "--start", "1,2"),
-            "--start must be three numbers",
+            ("perseverance", "over.csv", "--start", "1", "2"),
+            "--start must be a valid number, got '--",
         ),
         (
-            ("perseverance", "over.csv", "--start", "0,0,0"),
+            ("perseverance", "over.csv", "--start", "0", "0", "0"),
             "path must stay on the map",
         ),
         (("perseverance", "over.csv", "-o", "run.txt"), "run.txt: the ending must be"),

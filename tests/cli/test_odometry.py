@@ -78,7 +78,7 @@ def test_the_truth_is_compared_wherever_it_is(run: Run, cart: None) -> None:
 
 
 def test_a_right_rover_has_no_error(run: Run, cart: None) -> None:
-    _, out, _ = run("odometry", "cart.yaml", "log.csv", "--length", "1")
+    _, out, _ = run("odometry", "cart.yaml", "log.csv", "--segment", "1")
     assert value(out, "ATE") == "0.0000 m with the first pose given, 0.0000 m after the best alignment"
     assert value(out, "error per distance") == "0.00 % and 0.00° over 1 m"
 
@@ -265,7 +265,7 @@ def test_an_optiodom_run_is_known_by_its_metadata(run: Run, refused: Refused, tm
     lonely = tmp_path / path.name
     lonely.write_bytes(path.read_bytes())
     assert "metadata.csv: No such file" in refused(
-        "odometry", str(metadata), str(lonely), "--format", "optiodom"
+        "odometry", str(metadata), str(lonely), "--log-format", "optiodom"
     )
 
 

@@ -53,11 +53,11 @@ def test_speeds_need_no_encoder_settings(tmp_path: Path) -> None:
     np.testing.assert_allclose(angles(bag, CART, wheel_encoders=COUNTS)[-1], [1.9, 1.9], atol=1e-9)
 
 
-@pytest.mark.parametrize("reading", ["angle", "speed"])
-def test_reversed_joints_are_turned_round(tmp_path: Path, reading: Any) -> None:
+@pytest.mark.parametrize("readings", ["angles", "speeds"])
+def test_reversed_joints_are_turned_round(tmp_path: Path, readings: Any) -> None:
     rover = sw.Rover(CART.wheels, reversed_joints=["right_wheel_joint"])
     bag = write(tmp_path / "bag", states(drive(sign=-1.0)))
-    np.testing.assert_allclose(angles(bag, rover, reading=reading)[-1], [1.9, 1.9], atol=1e-9)
+    np.testing.assert_allclose(angles(bag, rover, readings=readings)[-1], [1.9, 1.9], atol=1e-9)
     table = tmp_path / "log.csv"
     rows = [f"{0.1 * k},{0.1 * k},{-0.1 * k}" for k in range(5)]
     table.write_text("time,left_wheel_joint [rad],right_wheel_joint [rad]\n" + "\n".join(rows) + "\n")

@@ -47,17 +47,17 @@ def rows_of(path: Path, rover: sw.Rover = CART, chunk_rows: int = 1000, **option
 @pytest.mark.parametrize(
     ("header", "reading", "symbol"),
     [
-        ("left [rad]", "angle", "rad"),
-        ("left_wheel [deg]", "angle", "deg"),
-        ("left_wheel_joint/position", "angle", "rad"),
-        ("/joint_states/left_wheel_joint/position", "angle", "rad"),
-        ("Left_Angle_deg", "angle", "deg"),
-        ("left (rev)", "angle", "rev"),
-        ("left_wheel_joint/velocity", "speed", "rad/s"),
-        ("left speed", "speed", "rad/s"),
-        ("left_rpm", "speed", "rpm"),
-        ("left_speed [deg/s]", "speed", "deg/s"),
-        ("left_rev_s", "speed", "rev/s"),
+        ("left [rad]", "angles", "rad"),
+        ("left_wheel [deg]", "angles", "deg"),
+        ("left_wheel_joint/position", "angles", "rad"),
+        ("/joint_states/left_wheel_joint/position", "angles", "rad"),
+        ("Left_Angle_deg", "angles", "deg"),
+        ("left (rev)", "angles", "rev"),
+        ("left_wheel_joint/velocity", "speeds", "rad/s"),
+        ("left speed", "speeds", "rad/s"),
+        ("left_rpm", "speeds", "rpm"),
+        ("left_speed [deg/s]", "speeds", "deg/s"),
+        ("left_rev_s", "speeds", "rev/s"),
         ("left [ticks]", "ticks", "ticks"),
         ("left_encoder", "ticks", "ticks"),
         ("left_wheel_joint_counts", "ticks", "ticks"),
@@ -66,7 +66,7 @@ def rows_of(path: Path, rover: sw.Rover = CART, chunk_rows: int = 1000, **option
 def test_a_header_names_a_joint_and_what_is_read(header: str, reading: str, symbol: str) -> None:
     found = joint_columns(["t", header, "battery [V]", "left [V]", "left_effort"], CART)
     column = found.columns["wheel left"]
-    assert (column.index, column.unit.symbol, found.reading) == (1, symbol, reading)
+    assert (column.index, column.unit.symbol, found.readings) == (1, symbol, reading)
     assert found.silent == ("right",)
 
 
@@ -85,9 +85,9 @@ def test_of_several_readings_the_angle_is_taken_unless_told() -> None:
         "t",
         *(f"{side}_wheel_joint/{kind}" for side in ("left", "right") for kind in ("velocity", "position")),
     ]
-    assert joint_columns(headers, CART).reading == "angle"
-    assert joint_columns(headers, CART, "speed").reading == "speed"
-    assert joint_columns(headers[:-1], CART).reading == "speed"  # all wheels in one way
+    assert joint_columns(headers, CART).readings == "angles"
+    assert joint_columns(headers, CART, "speeds").readings == "speeds"
+    assert joint_columns(headers[:-1], CART).readings == "speeds"  # all wheels in one way
 
 
 def test_the_joints_that_wheels_have_by_themselves_are_known_whatever_a_file_calls_them():
@@ -251,7 +251,7 @@ def test_the_unit_of_a_parquet_field_counts(tmp_path: Path) -> None:
     np.testing.assert_array_equal(rows.truth[0], 0)
     with pytest.raises(TableError, match="must state its unit"):
         JointLog(tmp_path / "run.csv", ROVER)
-    again = rows_of(tmp_path / "run.csv", ROVER, reading="speed")
+    again = rows_of(tmp_path / "run.csv", ROVER, readings="speeds")
     np.testing.assert_allclose(again.wheel_angles, rows.wheel_angles, rtol=1e-15)
 
 

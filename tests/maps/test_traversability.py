@@ -158,25 +158,27 @@ def test_bad_arguments_write_nothing(chart: Path, monkeypatch: pytest.MonkeyPatc
 
 
 def test_the_command(run: Any, refused: Any, tmp_path: Path, chart: Path) -> None:
-    options = ("--rover", "perseverance", "--headings", "2", "--workers", "1")
-    code, out, err = run("traverse", str(chart), *options, "-o", "safe.tif", "--plot", "safe.png")
+    options = ("--headings", "2", "--workers", "1")
+    code, out, err = run(
+        "traverse", "perseverance", str(chart), *options, "-o", "safe.tif", "--plot", "safe.png"
+    )
     assert (code, err) == (0, "")
     assert "1584 at 2 headings" in out
     assert Path("safe.png").stat().st_size > 10_000
-    assert "a parameter file or a preset" in refused(
-        "traverse", str(chart), "--rover", "nobody", "-o", "a.tif"
-    )
-    wrong = refused("traverse", str(chart), *options, "-o", "a.tif", "--limit", "height=3")
+    assert "a parameter file or a preset" in refused("traverse", "nobody", str(chart), "-o", "a.tif")
+    wrong = refused("traverse", "perseverance", str(chart), *options, "-o", "a.tif", "--limit", "height=3")
     assert (
         wrong
         == "limit must be one of roll, pitch, tilt, rocker, bogie, clearance, wheel_drop, got 'height=3'"
     )
-    assert "there is no folder" in refused("traverse", str(chart), *options, "-o", "x/a.tif")
+    assert "there is no folder" in refused("traverse", "perseverance", str(chart), *options, "-o", "x/a.tif")
     for limit in ("roll=15", "tilt=", "bogie=adeg", "rocker=3grad"):
-        wrong = refused("traverse", str(chart), *options, "-o", "a.tif", "--limit", limit)
+        wrong = refused("traverse", "perseverance", str(chart), *options, "-o", "a.tif", "--limit", limit)
         name = limit.partition("=")[0]
         assert wrong == f"limit {name} must be an angle such as 15deg or 0.26rad, got {limit!r}"
-    wrong = refused("traverse", str(chart), *options, "-o", "a.tif", "--limit", "clearance=0.1m")
+    wrong = refused(
+        "traverse", "perseverance", str(chart), *options, "-o", "a.tif", "--limit", "clearance=0.1m"
+    )
     assert wrong == "limit clearance must be a number, got 'clearance=0.1m'"
 
 

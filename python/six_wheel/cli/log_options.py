@@ -25,14 +25,14 @@ ReportOption = Annotated[Path | None, typer.Option(help="Written report, .md, it
 class LogReading(NamedTuple):
     """Options for reading a log, for what it does not state itself."""
 
-    format: Annotated[
+    log_format: Annotated[
         str | None,
         typer.Option(metavar="table|bag|optiodom|...", help="What the log is, if its name does not tell."),
     ] = None
-    reading: Annotated[
+    readings: Annotated[
         str | None,
         typer.Option(
-            metavar="angle|speed|ticks", help="What the columns of the wheels hold, if they do not say."
+            metavar="angles|speeds|ticks", help="What the columns of the wheels hold, if they do not say."
         ),
     ] = None
     ticks_per_turn: Annotated[
@@ -68,8 +68,8 @@ class LogReading(NamedTuple):
                 raise ValueError(f'column must be HEADER=MEANING, such as "encL=left [ticks]", got "{text}"')
             columns[header] = meaning
         return LogOptions(
-            self.format,
-            self.reading,  # type: ignore[arg-type]
+            self.log_format,
+            self.readings,  # type: ignore[arg-type]
             (said.wheel_encoders if said else {})
             | counts
             | ({"increments": True} if self.increments else {}),

@@ -14,6 +14,7 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from six_wheel._core import Encoder, Rover
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.tabular_input import is_table, table
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs import optiodom
@@ -90,7 +91,7 @@ class LogOptions:
     file's keys; `frame` is its base_frame_id."""
 
     format: str | None = None
-    reading: Reading | None = None
+    readings: Reading | None = None
     wheel_encoders: Mapping[str, Any] = field(default_factory=dict)
     steering_encoders: Mapping[str, Any] = field(default_factory=dict)
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -203,8 +204,8 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     Messages have no units: there `ticks_per_turn` says that they are counts.
     """
     columns, topics = options.columns or None, options.topics or None
-    source = JointSource(path, rover, options.reading, columns, topics, options.gyroscope, options.frame)
-    counts = {"wheel": source.reading == "ticks", "steering": bool(source.counted)}
+    source = JointSource(path, rover, options.readings, columns, topics, options.gyroscope, options.frame)
+    counts = {"wheel": source.readings == "ticks", "steering": bool(source.counted)}
     found: dict[str, dict[str, Encoder]] = {"wheel": {}, "steering": {}}
     try:
         for part, keys in (("wheel", options.wheel_encoders), ("steering", options.steering_encoders)):
@@ -214,8 +215,8 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
                 rule = f"{what} in ticks, and how many a turn has must be said"
                 raise TableError(f"{path}: {rule}; give {keys_of_it} in the parameter file")
             # Speeds are those of the joints: of wheels there is nothing to count, nor are angles turned.
-            meant = counts[part] or source.bagged if counted else source.reading != "speed"
-            if meant and not (part == "wheel" and source.reading == "speed"):
+            meant = counts[part] or source.bagged if counted else source.readings != "speeds"
+            if meant and not (part == "wheel" and source.readings == "speeds"):
                 found[part] = encoders_of(rover, part, keys)
     except BaseException:
         source.close()
@@ -294,6 +295,7 @@ def _as_log(source: Any, rover: Rover) -> WheelLog:
     return WheelLog(stamps, steering, np.concatenate([piece.wheels for piece in pieces]))
 
 
+@checked()
 def read_log(
     path: str | os.PathLike[str],
     rover: Rover,
@@ -337,7 +339,7 @@ class WholeLog:
         If the file is no such log, or of another rover.
     """
 
-    reading: Reading = "ticks"
+    readings: Reading = "ticks"
     origin = 0
     truth_findings: Findings | None = None
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Gyroscope, Limits, Noise, RockerBogie, Rover, Terrain, check_kind
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.on_terrain import simulate_on_ground
@@ -30,6 +31,7 @@ def _mean_rates(motion: Motion, stamps: Floats) -> Floats:
     return rates
 
 
+@checked()
 def simulate(
     rover: Rover | RockerBogie,
     path: ArrayLike | tuple[ArrayLike, ArrayLike],

@@ -12,6 +12,7 @@ mod convert;
 mod four_axle;
 mod geometry;
 mod ground_motion;
+mod keywords;
 mod odometry;
 mod planner;
 mod profiles;

@@ -142,7 +142,7 @@ pickled_by_keywords!(Terrain: keywords);
 
 methods! { Terrain:
     #[new]
-    fn new[](heights, spacing, origin=None, yaw: Option<f64> = None)
+    fn new[](heights, spacing, origin=None, yaw: Option<f64> = None, **)
     as "(heights, spacing, origin=(0.0, 0.0), yaw=0.0)" -> PyResult<Self> {
         let (heights, columns) = read_heights(heights)?;
         let spacing = pair("spacing", spacing)?;

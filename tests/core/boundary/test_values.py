@@ -178,10 +178,8 @@ def test_each_argument_can_be_replaced(name, argument):
 @pytest.mark.parametrize("name", CASES)
 def test_an_unknown_name_lists_those_there_are(name):
     value, changes = CASES[name]
-    with pytest.raises(
-        TypeError, match=re.escape(f"{name}.replace() has no argument 'nonsense'; there are ")
-    ) as caught:
-        value.replace(nonsense=1)
+    with pytest.raises(TypeError, match=re.escape(f"{name}.replace() has no zzz; it takes ")) as caught:
+        value.replace(zzz=1)
     assert all(re.search(rf"\b{argument}\b", str(caught.value)) for argument in changes)
 
 
@@ -242,9 +240,9 @@ def test_wheels_that_change_stand_on_no_suspension_of_before():
         (
             lambda: SIX.replace("front_left", wheels=[]),
             TypeError,
-            "no argument 'wheels'; there are x, y, radius",
+            "has no wheels; it takes x, y, radius",
         ),
-        (lambda: SIX.replace("front_left", name="a"), TypeError, "no argument 'name'"),
+        (lambda: SIX.replace("front_left", name="a"), TypeError, "has no name; it takes x"),
         (
             lambda: SIX.replace("middle_left", steering_limit=1.0),
             ValueError,

@@ -151,7 +151,7 @@ def test_an_unknown_type_is_named(read) -> None:
     assert "which is not known: read as diff_drive_controller, whose keys it has" in str(found.warnings[0])
     assert read(mine, kind="diff_drive_controller").warnings == ()
     line = refusal(read, mine, kind="diff_drive_controler")
-    assert "--as must name a kind or a controller, got diff_drive_controler (did you mean" in line
+    assert "--kind must name a kind or a controller, got diff_drive_controler (did you mean" in line
 
 
 def test_several_vehicles_are_never_chosen_from(read) -> None:

@@ -28,9 +28,9 @@ class Run(NamedTuple):
     """Options of the drive."""
 
     start: Annotated[
-        str | None,
+        tuple[float, float, float] | None,
         typer.Option(
-            metavar="X,Y,YAW",
+            metavar="X Y YAW",
             help="First pose [m, m, rad]; default that of a path, the middle of a map or the origin.",
         ),
     ] = None
@@ -104,7 +104,7 @@ def simulate(
 
         if output.suffix.lower() not in ENDINGS:
             table_format(output, ENDINGS)
-    way = _way(commands, None if run.start is None else _start(run.start), run.speed)
+    way = _way(commands, run.start, run.speed)
     if chosen is not None:
         rows = _on_a_plane(chosen, way, run, output, pictures.plot)
     else:
@@ -293,11 +293,3 @@ def _middle(land: "Terrain") -> tuple[float, float]:
     ahead, aside = dx * (columns - 1) / 2, dy * (rows - 1) / 2
     cos, sin = math.cos(land.yaw), math.sin(land.yaw)
     return x + cos * ahead - sin * aside, y + sin * ahead + cos * aside
-
-
-def _start(text: str) -> tuple[float, float, float]:
-    try:
-        x, y, yaw = (float(number) for number in text.split(","))
-    except ValueError:
-        raise ValueError(f'--start must be three numbers, x,y,yaw, got "{text}"') from None
-    return x, y, yaw

@@ -32,14 +32,14 @@ LimitOption = Annotated[
 
 
 def traverse(
-    map: Annotated[Path, typer.Argument(metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII.")],
     rover: Annotated[
         str,
-        typer.Option(
-            metavar="NAME",
+        typer.Argument(
+            metavar="ROVER",
             help=f"{', '.join(SUSPENDED)}, or a parameter file or URDF with a suspension.",
         ),
     ],
+    map: Annotated[Path, typer.Argument(metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII.")],
     output: LayersOption,
     headings: Annotated[int, typer.Option(help="How many, evenly spaced.")] = 16,
     limit: LimitOption = None,

@@ -119,7 +119,7 @@ methods! { Controller:
     fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, timeout: Option<f64> = (Some(0.5)),
         period: Option<f64> = None, max_step: f64 = 0.1, mode: &str = "free", align: Option<&str> = (Some("cosine")),
         align_tolerance: f64 = 0.02, following_error: Option<f64> = (Some(0.2)),
-        following_time: Option<f64> = (Some(0.5)), discretise: bool = false, steering=None, twist=None)
+        following_time: Option<f64> = (Some(0.5)), discretise: bool = false, steering=None, twist=None, **)
     as "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, following_error=0.2, following_time=0.5, discretise=False, steering=None, twist=None)"
     -> PyResult<Self> {
         let options = Options {

@@ -87,7 +87,7 @@ pickled_by_keywords!(FourAxle: keywords);
 methods! { FourAxle:
     #[new]
     fn new[py: Python<'py>](pivots: [f64; 2], axle_length: f64, wheel_radius: f64, *, steering_limit=None,
-        tolerance: Option<f64> = None)
+        tolerance: Option<f64> = None, **)
     as "(pivots, axle_length, wheel_radius, *, steering_limit=None, tolerance=0.001)" -> PyResult<Self> {
         let core = core::FourAxle::new(
             pivots,

@@ -94,7 +94,7 @@ methods! { Preintegrated:
     fn new[](rover: Bound<'py, Rover>, noise: Option<Bound<'py, Noise>> = None, *,
         gyroscope: Option<Bound<'py, Gyroscope>> = None, readings: &str = "angles", wheel_encoders=None,
         steering_encoders=None, method: &str = "least_squares", in_space: bool = false,
-        attitude_noise: Option<f64> = None)
+        attitude_noise: Option<f64> = None, **)
     as "(rover, noise=None, *, gyroscope=None, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
     -> PyResult<Self> {
         let core = &rover.get().core;

@@ -106,7 +106,7 @@ methods! { Odometry3:
         ground: Option<Bound<'py, Terrain>> = None, attitude_noise: Option<f64> = None, joint_noise: Option<f64> = None,
         readings: &str = "angles", wheel_encoders=None, steering_encoders=None, slip_threshold: Option<f64> = None,
         max_gap: Option<f64> = None, max_speed: Option<f64> = None, max_steering_rate: Option<f64> = None,
-        lag: Option<f64> = None, history: usize = 1024)
+        lag: Option<f64> = None, history: usize = 1024, **)
     as "(suspension, noise=None, *, ground=None, attitude_noise=0.002, joint_noise=0.001, readings='angles', wheel_encoders=None, steering_encoders=None, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, lag=0.0, history=1024)"
     -> PyResult<Self> {
         ready(suspension.py())?;

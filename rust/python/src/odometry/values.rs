@@ -103,7 +103,7 @@ value_of_numbers!(Noise: given);
 methods! { Noise:
     #[new]
     fn new[py: Python<'py>](speed: Option<f64> = None, steering: Option<f64> = None, *, slip: Option<f64> = None,
-        side_slip: Option<f64> = None, yaw: Option<f64> = None, yaw_rate: Option<f64> = None, period: Option<f64> = None)
+        side_slip: Option<f64> = None, yaw: Option<f64> = None, yaw_rate: Option<f64> = None, period: Option<f64> = None, **)
     as "(speed=None, steering=None, *, slip=None, side_slip=None, yaw=0.0, yaw_rate=0.0, period=None)"
     -> PyResult<Self> {
         let measured = [speed, steering, slip, side_slip].map(|value| value.is_some());
@@ -171,7 +171,7 @@ value_of_numbers!(Encoder);
 methods! { Encoder:
     #[new]
     fn new[](ticks_per_turn: Option<f64> = None, *, gear_ratio: Option<f64> = None, wraps_at: Option<f64> = None,
-        offset: Option<f64> = None)
+        offset: Option<f64> = None, **)
     as "(ticks_per_turn=None, *, gear_ratio=1.0, wraps_at=None, offset=0.0)" -> PyResult<Self> {
         let encoder = CoreEncoder {
             resolution: ticks_per_turn,
@@ -245,7 +245,7 @@ value_of_numbers!(Gyroscope);
 methods! { Gyroscope:
     #[new]
     fn new[](noise: Option<f64> = None, *, bias: Option<f64> = None, bias_noise: Option<f64> = None,
-        bias_walk: Option<f64> = None, scale_noise: Option<f64> = None)
+        bias_walk: Option<f64> = None, scale_noise: Option<f64> = None, **)
     as "(noise=0.005, *, bias=0.0, bias_noise=0.05, bias_walk=0.0001, scale_noise=0.0)" -> PyResult<Self> {
         let usual = CoreGyroscope::default();
         let known = CoreGyroscope {

@@ -2,23 +2,18 @@
 
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict, PyTuple};
+use pyo3::types::{PyDict, PyTuple};
 use six_wheel_ground_motion::Prepared;
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::units;
 use six_wheel_numerics::error::Error;
-use six_wheel_terrain::suspension::{Chain, JointRange, PRESETS, RockerBogie as Core, TripleBogie};
+use six_wheel_terrain::suspension::{Chain, JointRange, TripleBogie};
 
-use super::rocker_bogie::RockerBogie;
 use crate::arguments::ArgumentKind;
 use crate::classes::{reduce, repr_of_call};
 use crate::convert::{OrRaise, Rows, choice, refuse, shape_text};
 use crate::unit_warnings::warn_units;
 use crate::wheel::{pair_or_one, steering_range};
-
-/// The published suspension that is no rocker-bogie, with the source of its dimensions.
-const ZOE: &str = "zoe";
-const ZOE_SOURCE: &str = "nealseegmiller/wmrde, src/demo/zoemodel.cpp (84e1e9f), with its front axle fixed in roll";
 
 /// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 ///
@@ -125,7 +120,8 @@ methods! { Suspension:
     #[staticmethod]
     fn triple_bogie[py: Python<'py>](*, bogie_pivot: [f64; 3], bogie_to_front: [f64; 3], bogie_to_middle: [f64; 3],
         rear_pivot: [f64; 3], rear_to_wheel: [f64; 3], wheel_radius: f64, steered: &str = "corners",
-        steering_limit=None, bogie_limit=None) -> PyResult<Self> {
+        steering_limit=None, bogie_limit=None, **)
+    as "(*, bogie_pivot, bogie_to_front, bogie_to_middle, rear_pivot, rear_to_wheel, wheel_radius, steered='corners', steering_limit=None, bogie_limit=None)" -> PyResult<Self> {
         let of = TripleBogie {
             bogie_pivot,
             bogie_to_front,
@@ -173,8 +169,9 @@ methods! { Suspension:
     /// ValueError
     ///     If a length is not positive or a limit makes no sense.
     #[staticmethod]
-    fn pivoting_axles[py: Python<'py>](*, wheelbase: f64, track_width: f64, drop: f64, wheel_radius: f64,
-        steering_limit=None, roll_limit=None) -> PyResult<Self> {
+    pub fn pivoting_axles[py: Python<'py>](*, wheelbase: f64, track_width: f64, drop: f64, wheel_radius: f64,
+        steering_limit=None, roll_limit=None, **)
+    as "(*, wheelbase, track_width, drop, wheel_radius, steering_limit=None, roll_limit=None)" -> PyResult<Self> {
         let (steer, roll) = (steering(py, steering_limit)?, joint_range("roll_limit", roll_limit)?);
         let chain = Chain::pivoting_axles(wheelbase, track_width, drop, wheel_radius, steer, roll);
         let arguments = dict!(py, wheelbase, track_width, drop, wheel_radius, steering_limit, roll_limit);
@@ -206,7 +203,8 @@ methods! { Suspension:
     ///     If there are too few or too many wheels, or a number makes no sense.
     #[staticmethod]
     fn rigid[py: Python<'py>](centres, wheel_radius: f64, *, names: native Option<Vec<String>> = None,
-        steered: native Vec<usize> = (Vec::new()), steering_limit=None) -> PyResult<Self> {
+        steered: native Vec<usize> = (Vec::new()), steering_limit=None, **)
+    as "(centres, wheel_radius, *, names=None, steered=(), steering_limit=None)" -> PyResult<Self> {
         let rows = Rows::read_table("centres", centres, 3)?;
         let range = steering(py, steering_limit)?;
         let count = rows.count();
@@ -230,48 +228,10 @@ methods! { Suspension:
         let arguments = dict!(py, centres, wheel_radius, names = &names, steered = &steered, steering_limit);
         Self::made(Chain::rigid(&wheels, wheel_radius), "rigid", arguments)
     }
-
-    /// A published suspension by name; `Suspension.presets` lists them. A rocker-bogie is a `RockerBogie`.
-    ///
-    /// Zoe has four wheels on two passively steered axles, of which the rear one rolls; no limits are published.
-    ///
-    /// Parameters
-    /// ----------
-    /// name : str
-    ///     One of `Suspension.presets()`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If there is no such preset.
-    #[staticmethod]
-    fn preset[py: Python<'py>](name: &str) -> PyResult<Py<Self>> {
-        if name == ZOE {
-            return Py::new(py, Self::pivoting_axles(py, 1.91, 1.64, 0.119, 0.325, None, None)?);
-        }
-        if PRESETS.iter().any(|preset| preset.name == name) {
-            let made = RockerBogie::named(py, Core::preset(name))?.into_bound(py);
-            return Ok(made.into_super().unbind());
-        }
-        let names = PRESETS.map(|preset| preset.name).join(", ");
-        Err(refuse("name", &format!("be one of {names}, {ZOE}"), &format!("{name:?}")))
-    }
 }
 
 #[pymethods]
 impl Suspension {
-    /// Names of the published suspensions, each with the source of its dimensions.
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to str
-    ///     Name to source; iterates over the names.
-    #[staticmethod]
-    fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let all = PRESETS.iter().map(|preset| (preset.name, preset.source));
-        all.chain([(ZOE, ZOE_SOURCE)]).into_py_dict(py)
-    }
-
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let Some((name, arguments)) = &self.made else { return Ok("Suspension(...)".into()) };
         repr_of_call(&format!("Suspension.{name}"), [], arguments.bind(py))

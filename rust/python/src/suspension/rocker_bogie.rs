@@ -3,12 +3,10 @@
 use std::sync::OnceLock;
 
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict, PyTuple};
+use pyo3::types::{PyDict, PyTuple};
 use six_wheel_numerics::error::Error;
 use six_wheel_terrain::bounds::BoundsConstants;
-use six_wheel_terrain::suspension::{
-    Bogie, Differential, Dimensions, JointRange, PRESETS, RockerBogie as Core, Steered,
-};
+use six_wheel_terrain::suspension::{Bogie, Differential, Dimensions, JointRange, RockerBogie as Core, Steered};
 
 use super::base::{Suspension, joint_range, steering};
 use crate::classes::repr_of_call;
@@ -186,7 +184,8 @@ methods! { RockerBogie:
     #[new]
     fn new[py: Python<'py>](rocker_pivot, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None,
         bogie_to_rear=None, wheel_radius=None, steered: &str = "corners", steering_limit=None, *, rocker_to_rear=None,
-        bogie_to_front=None, rocker_limit=None, bogie_limit=None, differential_bar=None)
+        bogie_to_front=None, rocker_limit=None, bogie_limit=None, differential_bar=None, **)
+    as "(rocker_pivot, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None, bogie_to_rear=None, wheel_radius=None, steered='corners', steering_limit=None, *, rocker_to_rear=None, bogie_to_front=None, rocker_limit=None, bogie_limit=None, differential_bar=None)"
     -> PyResult<PyClassInitializer<Self>> {
         let steered = steered.parse::<Steered>();
         let bogie = match (rocker_to_rear, bogie_to_front) {
@@ -232,41 +231,8 @@ methods! { RockerBogie:
     }
 }
 
-methods! { RockerBogie:
-    /// A published rocker-bogie by name; `RockerBogie.presets` lists them.
-    ///
-    /// Frame R lies on the ground under the middle of the middle wheels, with all joints at 0; that of Rocky 7, as in the
-    /// papers, between the bogie joints, 0.085 m above the ground. Rocky 7 steers its two front wheels within 60 degrees; the
-    /// others steer four corners, and have no published limit.
-    ///
-    /// Parameters
-    /// ----------
-    /// name : str
-    ///     One of `RockerBogie.presets()`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If there is no such preset.
-    #[staticmethod]
-    fn preset[py: Python<'py>](name: &str) -> PyResult<Py<Self>> {
-        Self::named(py, Core::preset(name))
-    }
-}
-
 #[pymethods]
 impl RockerBogie {
-    /// Names of the published rocker-bogies, each with the source of its dimensions.
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to str
-    ///     Name to source; iterates over the names.
-    #[staticmethod]
-    fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        PRESETS.iter().map(|preset| (preset.name, preset.source)).into_py_dict(py)
-    }
-
     /// The text of a URDF from which `load` makes a rover on this suspension, and which viewers open.
     ///
     /// Parameters
