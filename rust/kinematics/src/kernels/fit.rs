@@ -25,6 +25,8 @@ pub(crate) struct FitConstants {
     unseen: Unseen,
     /// None where the equations depend on the readings, or sizes are extreme.
     block: Option<BlockConstants>,
+    /// Without them, least squares have the twist of the forward kinematics, to the bit.
+    forward: Option<ForwardConstants>,
 }
 
 /// Constants of whole registers of rows.
@@ -77,7 +79,9 @@ impl BlockConstants {
 impl FitConstants {
     /// The constants of a rover.
     pub fn new(rover: &RoverData, method: Method, unseen: Unseen) -> Self {
-        Self { method, unseen, block: BlockConstants::new(rover, method, unseen) }
+        let block = BlockConstants::new(rover, method, unseen);
+        let has_forward = block.is_none() && method == Method::LeastSquares;
+        Self { method, unseen, block, forward: has_forward.then(|| ForwardConstants::new(rover)) }
     }
 
     /// Fits every row.
@@ -102,7 +106,10 @@ impl FitConstants {
         let (residual, weights) = (row_mut(fits.residual, wheels, row), row_mut(fits.weights, wheels, row));
         let fit = rover.fit_rarely(measured, (self.method, self.unseen), residual, weights);
         let fit = fit.map_err(|error| error.at_row(row))?;
-        fits.twists[row] = fit.twist.into();
+        fits.twists[row] = match &self.forward {
+            Some(forward) => forward.solve_row(rover, measured, self.unseen)?.into(),
+            None => fit.twist.into(),
+        };
         (fits.ranks[row], fits.sigmas[row]) = (fit.rank as i64, fit.sigma_min);
         Ok(())
     }
