@@ -1,6 +1,5 @@
 """Laws of rows on the ground: no row depends on another or on what was asked before; rows without an answer go through."""
 
-import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -92,9 +91,12 @@ def test_rows_without_an_answer_go_through_every_call():
         for name in ("steering", "speeds", "twist", "joint_rates", "scale"):
             assert np.isnan(getattr(command, name)[~stands]).all()
             same(getattr(command, name)[stands], getattr(expected, name))
-        again, alone = rover.settle(ground, rows, command.steering), rover.settle(ground, rows[stands], expected.steering)
+        again, alone = (
+            rover.settle(ground, rows, command.steering),
+            rover.settle(ground, rows[stands], expected.steering),
+        )
         assert_same_bits([part[stands] for part in bits(again)], bits(alone))
-        assert (again.stands[~stands] == False).all()  # noqa: E712
+        np.testing.assert_array_equal(again.stands, stands)
         assert np.isnan(again.z[~stands]).all()
         kept = rover.inverse(again, COMMAND, steering=command.steering)
         same(kept.speeds[stands], rover.inverse(alone, COMMAND, steering=expected.steering).speeds)
@@ -103,7 +105,9 @@ def test_rows_without_an_answer_go_through_every_call():
         same(motion.twist[stands], rover.forward(alone, expected.steering, expected.speeds).twist)
         assert np.isnan(motion.twist[~stands]).all()
         slip = rover.slip(again, command.speeds, command.twist, command.joint_rates)
-        same(slip.ratio[stands], rover.slip(alone, expected.speeds, expected.twist, expected.joint_rates).ratio)
+        same(
+            slip.ratio[stands], rover.slip(alone, expected.speeds, expected.twist, expected.joint_rates).ratio
+        )
         assert np.isnan(slip.ratio[~stands]).all()
 
 
@@ -147,13 +151,11 @@ def test_every_height_is_answered(size, kind):
     }
     ground = sw.Terrain(made[kind]() * size, 0.1)
     rover = ROVERS["perseverance"]
-    began = time.monotonic()
     pose = rover.settle(ground, [(3.0, 3.0, 0.3), (3.1, 2.9, 1.0)])
     rover.bounds(ground, [(3.0, 3.0, 0.3)])
     rover.feasible(ground, [(3.0, 3.0, 0.3)])
     command = rover.inverse(pose, COMMAND)
     rover.forward(pose, command.steering, command.speeds)
-    assert time.monotonic() - began < 60  # it ends
     assert np.isfinite(pose.z[pose.stands]).all()
     assert pose.stands.all() or kind != "flat"
 
@@ -170,7 +172,10 @@ def test_heights_without_digits_are_refused(height):
 
 def test_at_a_stop_no_more_wheels_hang_than_have_to():
     """A wheel over a hole that is deeper than its bogie reaches: that wheel hangs, and no other."""
-    dimensions = dict(ROVERS["perseverance"].dimensions) | {"bogie_limit": (-0.3, 0.3), "rocker_limit": (-0.3, 0.3)}
+    dimensions = dict(ROVERS["perseverance"].dimensions) | {
+        "bogie_limit": (-0.3, 0.3),
+        "rocker_limit": (-0.3, 0.3),
+    }
     rover = sw.RockerBogie(**dimensions)
     flat = sw.Terrain(np.zeros((120, 120)), 0.1)
     centres = rover.settle(flat, (6.0, 6.0, 0.0)).wheel_centres
