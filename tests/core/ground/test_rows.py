@@ -1,4 +1,7 @@
-"""Laws of rows on the ground: no row depends on another or on what was asked before; rows without an answer go through."""
+"""Laws of rows on the ground: no row depends on another or on what was asked before.
+
+Rows without an answer go through every call.
+"""
 
 from concurrent.futures import ThreadPoolExecutor
 
