@@ -49,13 +49,7 @@ RadiusOption = Annotated[
 ]
 
 
-WRITTEN = (
-    "output",
-    "plot",
-    "plot_speeds",
-    "report",
-    "layout",
-)  # parameters of commands that name files to write
+WRITTEN = ("output", "plot", "plot_speeds", "report", "layout")  # parameters that name files to write
 
 
 def with_options(command: Callable[..., None]) -> Callable[..., None]:

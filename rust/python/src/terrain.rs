@@ -36,7 +36,7 @@ use crate::workers::{any_workers, fill_rows};
 /// Raises
 /// ------
 /// ValueError
-///     If there are fewer than two rows or columns, a height is infinite, or the spacing is not positive, or so
+///     If there are fewer than two rows or columns, a height is infinite or 1e15 m and more, or the spacing is not positive, or so
 ///     small that it can only be in degrees.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Terrain(pub Arc<Core>);

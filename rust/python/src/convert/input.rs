@@ -134,7 +134,12 @@ impl<'py> Rows<'py> {
 
     /// Fails unless every number is finite.
     pub fn check_finite(&self, argument: &'static str) -> PyResult<()> {
-        check_finite(argument, self.flat(), self.width, &self.leading)
+        self.check_finite_where(argument, |_| false)
+    }
+
+    /// Fails unless every number is finite; a row that has no answer may also be NaN throughout.
+    pub fn check_finite_where(&self, argument: &'static str, has_no_answer: impl Fn(usize) -> bool) -> PyResult<()> {
+        check_finite(argument, self.flat(), self.width, &self.leading, has_no_answer)
     }
 
     /// All numbers, row after row.

@@ -67,7 +67,7 @@ impl<'py> Scalars<'py> {
 
     /// Fails unless every number is finite.
     pub fn check_finite(&self, argument: &'static str) -> PyResult<()> {
-        check_finite(argument, self.flat(), 1, &self.shape)
+        check_finite(argument, self.flat(), 1, &self.shape, |_| false)
     }
 
     /// Fails unless it has this shape.

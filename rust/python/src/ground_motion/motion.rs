@@ -73,7 +73,7 @@ methods! { Suspension:
         };
         let count: usize = leading.iter().product();
         let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let kept = Rows::read_finite_beside("steering", steering, steered, &leading)?;
+        let kept = steering.map(|kept| stands.read_beside("steering", kept, steered, &leading)).transpose()?;
         let mut how = Command { view: self::view(view)?, offset: self.motion.offset, wheel_speed: f64::INFINITY };
         if let Some(limit) = max_wheel_speed {
             how.wheel_speed = number("max_wheel_speed", limit)?;
@@ -152,10 +152,13 @@ methods! { Suspension:
         let leading = if stands.is_single() { speeds.leading.clone() } else { stands.leading().to_vec() };
         speeds.check_leading("wheel_speeds", &leading)?;
         let beside = |name: &'static str, value, width| Rows::read_beside(name, value, width, &leading);
-        let steering = Rows::read_finite_beside("steering", steering, steered, &leading)?;
+        let of_joints = |name, rows: Option<&Bound<'py, PyAny>>| {
+            rows.map(|rows| stands.read_beside(name, rows, steered, &leading)).transpose()
+        };
+        let steering = of_joints("steering", steering)?;
         let measured = beside("joint_rates", joint_rates, joints)?;
         let turning = beside("angular_velocity", angular_velocity, 3)?;
-        let steering_rates = Rows::read_finite_beside("steering_rates", steering_rates, steered, &leading)?;
+        let steering_rates = of_joints("steering_rates", steering_rates)?;
         let gaps =
             [("wheel_speeds", Some(&speeds)), ("joint_rates", measured.as_ref()), ("angular_velocity", turning.as_ref())];
         for (name, rows) in gaps {

@@ -55,9 +55,9 @@ methods! { Suspension:
         let stands = Stands::read(chain, stand)?;
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
         let leading = stands.leading().to_vec();
-        let speeds = Rows::read_finite_over("wheel_speeds", wheel_speeds, wheels, &leading)?;
-        let twists = Rows::read_finite_over("twist", twist, 6, &leading)?;
-        let rates = Rows::read_finite_over("joint_rates", joint_rates, joints, &leading)?;
+        let speeds = stands.read_beside("wheel_speeds", wheel_speeds, wheels, &leading)?;
+        let twists = stands.read_beside("twist", twist, 6, &leading)?;
+        let rates = stands.read_beside("joint_rates", joint_rates, joints, &leading)?;
         let shapes = [(); 2].map(|()| joined(&leading, wheels));
         let mut results = Out::read(out, ["ratio", "angle"])?.results(py, shapes, false)?;
         let footings = stands.footings();
