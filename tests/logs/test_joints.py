@@ -162,7 +162,7 @@ def test_counters_that_wrap_and_counts_per_row_are_the_same_angle(
     path = write(tmp_path_factory.mktemp("ticks") / "log.csv", "t,a,b,c\n" + "".join(lines))
     for column, encoder in {
         "a": Encoder(4000),
-        "b": Encoder(4000, modulus=1 << bits),
+        "b": Encoder(4000, wraps_at=1 << bits),
         "c": Encoder(4000),
     }.items():
         options = {
@@ -179,12 +179,12 @@ def test_counters_that_wrap_and_counts_per_row_are_the_same_angle(
 
 def test_encoders_per_wheel_and_backwards(tmp_path: Path) -> None:
     path = write(tmp_path / "log.csv", "t,left [ticks],right [ticks]\n0,0,0\n1,100,-100\n")
-    encoders = {"left": Encoder(100), "right": Encoder(25, gear=-2)}
+    encoders = {"left": Encoder(100), "right": Encoder(25, gear_ratio=-2)}
     rows = rows_of(path, wheel_encoders=encoders)
     np.testing.assert_allclose(rows.wheel_angles[1], [2 * np.pi, 4 * np.pi])
     with pytest.raises(ValueError, match="wheel_encoders must say how many ticks a turn of right has"):
         JointLog(path, CART, wheel_encoders={"left": Encoder(100)})
-    for bad in ({"resolution": 0}, {"modulus": -1}, {"gear": 0}, {"offset": math.inf}):
+    for bad in ({"ticks_per_turn": 0}, {"wraps_at": -1}, {"gear_ratio": 0}, {"offset": math.inf}):
         with pytest.raises(ValueError, match=f"{next(iter(bad))} must be finite"):
             Encoder(**bad)
     rates = write(tmp_path / "rates.csv", "t,left [rpm]\n0,0\n1,1\n")
@@ -202,14 +202,14 @@ def test_absolute_steering_encoders(
 ) -> None:
     # Whole counts of a 12 bit encoder that starts over anywhere, and a joint that stays within its range.
     bicycle = sw.Rover.bicycle(1.0, 0.3)
-    wheel = bicycle.steered_names[0]
+    wheel = bicycle.steered_wheel_names[0]
     counts = np.round((np.array(angles) - offset) * 4096 / (2 * np.pi)) % 4096
     lines = [f"{k},{count:.0f},0\n" for k, count in enumerate(counts)]
     header = f"t,{wheel}_steering [ticks],rear [rad]\n"
     path = write(tmp_path_factory.mktemp("steer") / "log.csv", header + "".join(lines))
     with pytest.raises(ValueError, match="steering_encoders must say"):
         JointLog(path, bicycle)
-    encoder = Encoder(4096, modulus=4096, offset=offset)
+    encoder = Encoder(4096, wraps_at=4096, offset=offset)
     rows = rows_of(path, bicycle, chunk_rows, steering_encoders={wheel: encoder})
     np.testing.assert_allclose(rows.steering[:, 0], angles, rtol=0, atol=0.5001 * 2 * np.pi / 4096)
 

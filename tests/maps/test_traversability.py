@@ -56,7 +56,7 @@ def layers(path: Path) -> Any:
 def run(chart: Path, name: str = "safe.tif", **options: Any) -> Any:
     options = {"workers": 1, "headings": HEADINGS, **options}
     output = chart.with_name(name)
-    return traverse(chart, sw.RockerBogie.perseverance(), output, **options)
+    return traverse(chart, sw.RockerBogie.preset("perseverance"), output, **options)
 
 
 def test_tiles_say_what_feasible_says(chart: Path) -> None:
@@ -73,7 +73,7 @@ def test_tiles_say_what_feasible_says(chart: Path) -> None:
     poses = np.empty((36, 44, HEADINGS, 3))
     poses[..., 0], poses[..., 1] = x[:, None], y[..., None]
     poses[..., 2] = 2 * math.pi / HEADINGS * np.arange(HEADINGS)
-    whole = sw.RockerBogie.perseverance().feasible(ground, poses)
+    whole = sw.RockerBogie.preset("perseverance").feasible(ground, poses)
     # What is just at a limit may be decided otherwise from another tile's corner.
     assert np.mean(found[0] != whole.ok.mean(axis=-1)) < 1e-3
     assert 0.05 < found[0].mean() < 0.95

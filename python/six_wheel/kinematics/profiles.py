@@ -73,14 +73,14 @@ class TransitionState(NamedTuple):
     """``[vx, vy, omega]``, shape (..., 3) [m/s, m/s, rad/s]; of modules, the one that fits them best."""
     steering: Floats
     """Angles of the steered wheels, shape (..., steered wheels) [rad]."""
-    speeds: Floats
+    wheel_speeds: Floats
     """Wheel speeds, shape (..., wheels) [rad/s]."""
     steering_rates: Floats
     """Shape (..., steered wheels) [rad/s]."""
     steering_accelerations: Floats
     """Shape (..., steered wheels) [rad/s^2]."""
     scrub: Floats
-    """How fast the worst wheel slides under the twist that fits all wheels best [m/s]."""
+    """Largest sliding speed of a wheel under the twist that fits all wheels best [m/s]."""
 
 
 class Phase(NamedTuple):

@@ -118,7 +118,7 @@ def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
 def joints_as_given(rover: Rover) -> tuple[dict[str, str], dict[str, str]]:
     """Steering and traction joints to their wheels, in the order in which they were given."""
     steering, traction = rover.steering_joints, rover.traction_joints
-    order = rover.command_joints
+    order = rover.joint_names
     return (
         {joint: steering[joint] for joint in order if joint in steering},
         {joint: traction[joint] for joint in order if joint in traction},

@@ -70,7 +70,7 @@ class Reader:
 def _optiodom(path: Path, rover: Rover) -> WheelLog:
     """An OptiOdom run, if it is one of this rover's."""
     nominal = optiodom.read_rover(path)
-    if nominal.wheel_names != rover.wheel_names or nominal.steered_names != rover.steered_names:
+    if nominal.wheel_names != rover.wheel_names or nominal.steered_wheel_names != rover.steered_wheel_names:
         theirs, ours = (", ".join(each.wheel_names) for each in (nominal, rover))
         raise TableError(f"{path}: the wheels must be {theirs}, as the run has them, got {ours}")
     return optiodom.read(path)
@@ -91,7 +91,7 @@ class LogOptions:
 
     format: str | None = None
     reading: Reading | None = None
-    encoders: Mapping[str, Any] = field(default_factory=dict)
+    wheel_encoders: Mapping[str, Any] = field(default_factory=dict)
     steering_encoders: Mapping[str, Any] = field(default_factory=dict)
     columns: Mapping[str, str] = field(default_factory=dict)
     topics: Sequence[str] = ()
@@ -199,16 +199,16 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
 def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     """A joint log whose readings the encoders of the options make angles, as far as they are meant for it.
 
-    The headers tell counts from radians: encoders with a resolution are for counts, others for radians.
-    Messages have no units: there a resolution says that they are counts.
+    The headers tell counts from radians: encoders with ticks per turn are for counts, others for radians.
+    Messages have no units: there `ticks_per_turn` says that they are counts.
     """
     columns, topics = options.columns or None, options.topics or None
     source = JointSource(path, rover, options.reading, columns, topics, options.gyroscope, options.frame)
     counts = {"wheel": source.reading == "ticks", "steering": bool(source.counted)}
     found: dict[str, dict[str, Encoder]] = {"wheel": {}, "steering": {}}
     try:
-        for part, keys in (("wheel", options.encoders), ("steering", options.steering_encoders)):
-            counted = "resolution" in keys
+        for part, keys in (("wheel", options.wheel_encoders), ("steering", options.steering_encoders)):
+            counted = "ticks_per_turn" in keys
             if counts[part] and not counted:
                 what, keys_of_it = TICKS[part]
                 rule = f"{what} in ticks, and how many a turn has must be said"
@@ -220,14 +220,14 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     except BaseException:
         source.close()
         raise
-    increments = options.encoders.get("per_sample", False) and bool(found["wheel"])
+    increments = options.wheel_encoders.get("increments", False) and bool(found["wheel"])
     return JointLog.of_source(source, found["wheel"] or None, found["steering"] or None, increments)
 
 
 # What is in ticks, and where their number is said.
 TICKS = {
-    "wheel": ("the wheels are", "--resolution, or encoders.resolution"),
-    "steering": ("the steering is", "steering_encoders.resolution"),
+    "wheel": ("the wheels are", "--ticks-per-turn, or wheel_encoders.ticks_per_turn"),
+    "steering": ("the steering is", "steering_encoders.ticks_per_turn"),
 }
 
 
@@ -236,15 +236,15 @@ def encoders_of(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str,
     if not values.keys() - CORRECTIONS:
         return {}
     joints = rover.traction_joints if part == "wheel" else rover.steering_joints
-    wheels = rover.wheel_names if part == "wheel" else rover.steered_names
+    wheels = rover.wheel_names if part == "wheel" else rover.steered_wheel_names
     turned = {joints.get(name, name) for name in values.get("reversed", ())}
     offsets = {joints.get(name, name): offset for name, offset in values.get("offsets", {}).items()}
-    resolution, gear, modulus = (values.get(key) for key in ("resolution", "gear", "modulus"))
+    ticks, gear, wraps_at = (values.get(key) for key in ("ticks_per_turn", "gear_ratio", "wraps_at"))
     return {
         wheel: Encoder(
-            resolution,
-            gear=(1.0 if gear is None else gear) * (-1.0 if wheel in turned else 1.0),
-            modulus=modulus,
+            ticks,
+            gear_ratio=(1.0 if gear is None else gear) * (-1.0 if wheel in turned else 1.0),
+            wraps_at=wraps_at,
             offset=offsets.get(wheel, 0.0),
         )
         for wheel in wheels
@@ -255,7 +255,7 @@ def corrections(rover: Rover, values: Mapping[str, Any]) -> tuple[Floats, float]
     """Factors for the steering angles (steered wheels,) and for the wheels' angles."""
     gains = values.get("steering_gain", {})
     named = {rover.steering_joints.get(name, name): gain for name, gain in gains.items()}
-    return np.array([named.get(wheel, 1.0) for wheel in rover.steered_names]), values.get("scale", 1.0)
+    return np.array([named.get(wheel, 1.0) for wheel in rover.steered_wheel_names]), values.get("scale", 1.0)
 
 
 def _instead_of(path: Path) -> str:
@@ -289,7 +289,7 @@ def _as_log(source: Any, rover: Rover) -> WheelLog:
     if not is_table(source):
         raise TypeError(f"logs must be Logs, paths or tables of columns, got {type(source).__name__}")
     pieces = list(table(rover, source, None, {}, {}).pieces)
-    steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_names else None
+    steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_wheel_names else None
     stamps = np.concatenate([piece.stamps for piece in pieces])
     return WheelLog(stamps, steering, np.concatenate([piece.wheels for piece in pieces]))
 
@@ -313,7 +313,7 @@ def read_log(
     session = str(path.parent)
     with open_log(path, rover, options) as log:
         whole = log.read(truth=truth, truth_topic=options.truth_topic, session=session, progress=progress)
-    gains, scale = corrections(rover, options.encoders)
+    gains, scale = corrections(rover, options.wheel_encoders)
     steering = None if whole.steering is None else whole.steering * gains
     known = None if whole.truth is None else options.of_body(whole.truth)
     return replace(whole, steering=steering, wheel_angles=whole.wheel_angles * scale, truth=known), log

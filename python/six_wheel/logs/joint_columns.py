@@ -133,7 +133,7 @@ def joint_columns(
         raise ValueError(f'reading must be one of {", ".join(READINGS)}, got "{reading}"')
     found = find_columns(headers, (TIME,)) | truth_columns(headers) | rate_columns(headers, field_units)
     taken = {column.index for column in found.values()}
-    steering = _stems(rover.steered_names, rover.steering_joints, _STEERING_FORMS)
+    steering = _stems(rover.steered_wheel_names, rover.steering_joints, _STEERING_FORMS)
     wheels = _stems(rover.wheel_names, rover.traction_joints, _WHEEL_FORMS)
     backwards = {words(joint) for joint in rover.reversed_joints}
     turned: set[str] = set()

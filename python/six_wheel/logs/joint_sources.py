@@ -91,7 +91,7 @@ class JointSource:
         self.rows, self.reading, self.names = table, joints.reading, list(joints.columns)
         self.stated = joints.columns["time"].stated
         self.turned = joints.reversed
-        columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_names}
+        columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_wheel_names}
         self.counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
         self.has_rates = any(name in joints.columns for name in RATES)
         if self.has_rates and self.gyroscope.get("time_offset"):

@@ -48,7 +48,7 @@ class JointRows:
     stamps : array, shape (n,)
         Seconds since the log's `origin`, increasing.
     steering : array, shape (n, steered wheels), or None
-        Steering angles in the order of `Rover.steered_names` [rad]; None if no wheel steers.
+        Steering angles in the order of `Rover.steered_wheel_names` [rad]; None if no wheel steers.
     wheel_angles : array, shape (n, wheels)
         Running totals in the order of `Rover.wheel_names` [rad]; NaN for a wheel without a reading.
     truth : array, shape (n, 3), or None
@@ -156,7 +156,7 @@ class JointLog:
             }
             self._steering = {
                 wheel: Total(encoder, increments=False, absolute=True)
-                for wheel in self.rover.steered_names
+                for wheel in self.rover.steered_wheel_names
                 for encoder in [encoder_of("steering_encoders", steering_encoders, wheel, wheel in counted)]
             }
         except BaseException:
@@ -289,7 +289,9 @@ class JointLog:
         for name in self._source.turned:
             np.negative(batch.values[name], out=batch.values[name])
         if self._counter and np.any(batch.values[self._counter] % 1.0 != 0.0):
-            rule = "joint states are counts where encoders have a resolution, and these are no whole numbers"
+            rule = (
+                "joint states are counts where encoders have ticks_per_turn, and these are no whole numbers"
+            )
             self.warnings.append(f"{self.path}: {rule}: leave it out if they are in radians")
             self._counter = ""
         steering = [

@@ -36,8 +36,8 @@ def simulate(
     *,
     ground: Terrain | None = None,
     noise: Noise | None = None,
-    encoder: Encoders | None = None,
-    steering_encoder: Encoders | None = None,
+    wheel_encoders: Encoders | None = None,
+    steering_encoders: Encoders | None = None,
     slip: Slip | Sequence[Slip] = (),
     stick: Stick | None = None,
     limits: Limits | None = None,
@@ -68,7 +68,7 @@ def simulate(
         heading.
     noise : Noise, optional
         How readings err and contacts slip, default ``Noise(speed=0, steering=0)``: not at all.
-    encoder, steering_encoder : Encoder, sequence of Encoder or dict of str to Encoder, optional
+    wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
         What wheels and joints count with: ticks, gear, where the counter starts over. Without one they
         read radians.
     slip : Slip or sequence of Slip
@@ -117,7 +117,7 @@ def simulate(
     if not isinstance(slips, Sequence) or not all(isinstance(one, Slip) for one in slips):
         raise ArgumentTypeError(f"slip must be a Slip or several, got {slip!r}")
     _check_numbers(rate, speed, jitter, dropped, truth_noise)
-    sensors = Sensors(noise or Noise(0.0, 0.0), encoder, steering_encoder, gyroscope)
+    sensors = Sensors(noise or Noise(0.0, 0.0), wheel_encoders, steering_encoders, gyroscope)
     named: dict[str, Any] = {"name": name or f"seed {seed}", "session": session}
     if isinstance(rover, RockerBogie):
         check_kind("ground", ground)

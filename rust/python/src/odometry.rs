@@ -170,7 +170,7 @@ methods! { Odometry:
     /// Returns
     /// -------
     /// OdometryState
-    ///     `pose`, `twist`, `covariance`, `residual` and more.
+    ///     `pose`, `twist`, `covariance`, `residuals` and more.
     ///
     /// Raises
     /// ------

@@ -190,7 +190,7 @@ methods! { Mppi:
     ///     Name of the frame `state`, `path` and `goal` are in; default that of `state`. A costmap of another one is
     ///     refused.
     /// out : tuple of ndarray, optional
-    ///     Arrays for the plan's `steering` and `speeds`.
+    ///     Arrays for the plan's `steering` and `wheel_speeds`.
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`.
     /// level : str, optional
@@ -324,10 +324,10 @@ impl Mppi {
     /// The outputs for steering angles and wheel speeds.
     fn outputs<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> PyResult<[Output<'py>; 2]> {
         let rover = self.rover.get();
-        let outs = out_tuple::<2>(out, "be a tuple of two arrays, steering and speeds")?;
+        let outs = out_tuple::<2>(out, "be a tuple of two arrays, steering and wheel_speeds")?;
         Ok([
             Output::new(py, "out.steering", outs[0].as_ref(), &[rover.joints()])?,
-            Output::new(py, "out.speeds", outs[1].as_ref(), &[rover.count()])?,
+            Output::new(py, "out.wheel_speeds", outs[1].as_ref(), &[rover.count()])?,
         ])
     }
 

@@ -163,7 +163,7 @@ impl Terrain {
             }
         }
         finite("origin", &origin)?;
-        finite("orientation", &[orientation])?;
+        finite("yaw", &[orientation])?;
         let reach = spacing[0] * columns as f64 + spacing[1] * rows as f64;
         if reach + origin[0].abs() + origin[1].abs() >= 1e15 {
             // Beyond, neighbouring doubles lie further apart than a wheel is large.
@@ -200,20 +200,6 @@ impl Terrain {
     #[inline(always)]
     pub(crate) fn known_pyramid(&self) -> Option<&Pyramid> {
         self.pyramid.get().map(|pyramid| &**pyramid)
-    }
-
-    /// Height of the highest node of a box of cells on the map, both ends included [m]; infinity where one is not
-    /// known.
-    pub(crate) fn highest(&self, first: [usize; 2], last: [usize; 2]) -> f64 {
-        let mut top = f64::NEG_INFINITY;
-        for row in first[1]..=last[1] + 1 {
-            for column in first[0]..=last[0] + 1 {
-                let height = self.heights.at(row * self.columns + column);
-                let height = if height.is_nan() { f64::INFINITY } else { height };
-                top = top.max(height);
-            }
-        }
-        top
     }
 
     /// Number of rows and of columns.

@@ -13,40 +13,12 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import profiles, reference
-from tests.rovers import CAR, CART, MECANUM, SIX_SIZES, SIX_WHEELS, TRICYCLE
+from tests.core.control.transition_rovers import LEFT, OSR, RATE, RIGHT, ROVERS, STRAIGHT, SWERVE, largest
 from tests.strategies import forward_twists, six_wheel_rovers
 
 SOAK = int(os.environ.get("SOAK", "1"))
 CASES = 200 * SOAK
 STEPS = 400
-
-SWERVE = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
-OSR = sw.Rover.preset("open_source_rover")
-RATE = math.radians(60.0)
-STRAIGHT, LEFT, RIGHT = (0.3, 0.0, 0.0), (0.3, 0.0, 0.5), (0.3, 0.0, -0.5)
-ROVERS = {
-    "six wheels": SIX_WHEELS,
-    "limited": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0),
-    "wide": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-2.0, 2.5)),
-    "swerve": sw.Rover.swerve(SWERVE, 0.1, steering_limit=math.pi / 2),
-    "turning swerve": sw.Rover.swerve(SWERVE[:3], 0.1, steering_limit=math.pi),
-    "ackermann": CAR,
-    "tricycle": TRICYCLE,
-    "mecanum": MECANUM,
-    "differential": CART,
-    "scrub": sw.Rover(
-        [
-            sw.Wheel(f"w{i}", *place, radius=0.1, steered=True, scrub=0.03 * (-1) ** i)
-            for i, place in enumerate(SWERVE)
-        ]
-    ),
-    "castor": sw.Rover(
-        [
-            *CART.wheels,
-            sw.Wheel("castor", 0.3, 0, radius=0.05, castor=True, trail=0.02),
-        ]
-    ),
-}
 
 
 def random_twist(rng: np.random.Generator, rover: sw.Rover) -> np.ndarray:
@@ -79,10 +51,6 @@ def motors(rover: sw.Rover) -> list[bool]:
     return [wheel.driven and not wheel.castor for wheel in rover.wheels]
 
 
-def largest(values: np.ndarray) -> float:
-    return float(np.max(np.abs(values), initial=0.0))
-
-
 def assert_kept(rover: sw.Rover, plan: profiles.IcrTransition, limits: dict[str, float]) -> None:
     """Every limit, by what `at` reports and by differences of it, and no scrub."""
     motor = motors(rover)
@@ -93,7 +61,7 @@ def assert_kept(rover: sw.Rover, plan: profiles.IcrTransition, limits: dict[str,
         times = np.linspace(phase.start, phase.start + phase.duration * (1 - 1e-9), STEPS)
         state, step = plan.at(times), times[1] - times[0]
         # Rounding of what is differenced.
-        noise = 1e-14 * (1 + np.abs(state.speeds).max()) / step
+        noise = 1e-14 * (1 + np.abs(state.wheel_speeds).max()) / step
 
         def slope(values: np.ndarray, step: float = step) -> np.ndarray:
             return np.diff(values, axis=0) / step
@@ -109,7 +77,7 @@ def assert_kept(rover: sw.Rover, plan: profiles.IcrTransition, limits: dict[str,
         assert largest(slope(state.steering_accelerations)) <= limit.get("steering_jerk", unlimited) * (
             1 + 1e-6
         )
-        assert largest(slope(state.speeds[:, motor])) <= limit["wheel_acceleration"]
+        assert largest(slope(state.wheel_speeds[:, motor])) <= limit["wheel_acceleration"]
         change = slope(state.twist)
         assert np.hypot(change[:, 0], change[:, 1]).max() <= limit.get("acceleration", unlimited)
         assert largest(change[:, 2]) <= limit.get("angular_acceleration", unlimited)
@@ -133,7 +101,7 @@ def test_every_limit_holds_at_every_instant_and_nothing_scrubs(rover):
             middle.twist, previous=middle.steering, steering_rates=middle.steering_rates
         )
         np.testing.assert_allclose(middle.steering, steering, atol=1e-9)
-        np.testing.assert_allclose(middle.speeds, speeds, atol=1e-9)
+        np.testing.assert_allclose(middle.wheel_speeds, speeds, atol=1e-9)
         # No angle jumps where one phase ends and the next begins.
         for phase in plan.phases:
             around = plan.at(np.clip([phase.start - 1e-9, phase.start + 1e-9], 0.0, plan.duration))
@@ -166,7 +134,13 @@ def copied(wheel: sw.Wheel) -> dict:
 
 def test_the_figures_of_the_page(capsys):
     """Open Source Rover at 0.3 m/s, servos of 60 deg/s: scrub that the angles force, and time."""
-    plain = reference.Rover.six_wheel(d1=0.177, d2=0.310, d3=0.274, d4=0.253, wheel_radius=0.075)
+    plain = reference.Rover.six_wheel(
+        front_to_middle=0.274,
+        middle_to_rear=0.310,
+        track_width=0.354,
+        middle_track_width=0.506,
+        wheel_radius=0.075,
+    )
     lines = [f"{'':24}{'independent':>14}{'synchronised':>14}{'ours':>14}"]
     expected = {
         "straight to R = 0.6 m": (STRAIGHT, (28.8, 9.9), 0.604),
@@ -254,7 +228,14 @@ def test_a_single_joint_takes_its_own_least_time(jerk):
 
 
 def test_over_a_spin_island_the_rover_stops_and_turns_its_wheels():
-    rover = sw.Rover.six_wheel(0.4, 0.3, 0.3, 0.45, 0.15, steering_limit=math.radians(60))
+    rover = sw.Rover.six_wheel(
+        front_to_middle=0.3,
+        middle_to_rear=0.3,
+        track_width=0.8,
+        middle_track_width=0.9,
+        wheel_radius=0.15,
+        steering_limit=math.radians(60),
+    )
     assert 0 < rover.spin_radius < rover.min_radius
     limits = {"steering_rate": 1.0, "acceleration": 0.5, "angular_acceleration": 1.0}
     plan = profiles.icr_transition(rover, (0.4, 0, 0.1), (0, 0, 0.5), **limits)
@@ -320,7 +301,7 @@ def test_right_through_a_pivot_the_wheel_only_rolls_back():
     state = plan.at(np.linspace(0, plan.duration, 101))
     assert plan.stops == 0
     np.testing.assert_allclose(state.steering[:, 0], 0.0, atol=1e-15)
-    assert state.speeds[0, 0] > 0 > state.speeds[-1, 0]
+    assert state.wheel_speeds[0, 0] > 0 > state.wheel_speeds[-1, 0]
 
 
 def test_a_pivot_under_the_centre_turns_before_its_wheel_rolls():
@@ -333,71 +314,3 @@ def test_a_pivot_under_the_centre_turns_before_its_wheel_rolls():
     assert plan.phases[0].duration == pytest.approx(math.pi / 4)
     np.testing.assert_array_equal(plan.at(plan.phases[0].duration / 2).twist, about)
     assert_kept(rover, plan, limits)
-
-
-def test_from_rest_and_to_rest():
-    limits = {"steering_rate": RATE, "acceleration": 0.5}
-    away = profiles.icr_transition(OSR, (0, 0, 0), LEFT, **limits)
-    assert [phase.action for phase in away.phases] == ["align", "drive"]
-    assert away.stops == 0
-    assert away.duration == pytest.approx(0.604 + 0.6, abs=1e-3)
-    back = profiles.icr_transition(OSR, LEFT, (0, 0, 0), **limits)
-    assert back.duration == pytest.approx(0.6)
-    np.testing.assert_allclose(back.at(1.0).steering, OSR.inverse(LEFT)[0], rtol=0, atol=4e-16)
-    still = profiles.icr_transition(OSR, LEFT, LEFT, **limits)
-    assert still.duration == 0.0
-    np.testing.assert_array_equal(still.at(0.0).twist, LEFT)
-
-
-def test_without_a_limit_of_acceleration_a_change_of_speed_takes_no_time():
-    plan = profiles.icr_transition(OSR, STRAIGHT, (0.5, 0, 0), steering_rate=RATE)
-    assert plan.duration == 0.0
-    np.testing.assert_array_equal(plan.at(-1e-9).twist, STRAIGHT)
-    np.testing.assert_array_equal(plan.at(0.0).twist, (0.5, 0, 0))
-
-
-def test_the_body_leads():
-    plan = profiles.body_transition(OSR, STRAIGHT, LEFT, 1.0)
-    times = np.linspace(0.0, 1.0, 201)
-    state = plan.at(times)
-    np.testing.assert_array_equal(state.twist[:, 2], profiles.s_curve(0.0, 0.5, 1.0).at(times).value)
-    np.testing.assert_allclose(state.steering, OSR.inverse(state.twist)[0], rtol=1e-14, atol=1e-15)
-    assert state.scrub.max() < 1e-14
-    rates = np.gradient(state.steering, times, axis=0, edge_order=2)
-    np.testing.assert_allclose(state.steering_rates, rates, atol=2e-2)
-    accelerations = np.gradient(state.steering_rates, times, axis=0, edge_order=2)
-    inside = np.abs(times[:, None] % 0.25 - 0.125) < 0.11  # off the jumps of the jerk
-    np.testing.assert_allclose(
-        np.where(inside, state.steering_accelerations, 0), np.where(inside, accelerations, 0), atol=0.1
-    )
-    limited = profiles.body_transition(OSR, STRAIGHT, LEFT, angular_acceleration=0.5)
-    assert limited.duration == pytest.approx(1.0)
-    jerky = profiles.body_transition(OSR, STRAIGHT, LEFT, angular_acceleration=0.5, angular_jerk=1.0)
-    assert jerky.duration == pytest.approx(1.5)
-
-
-def test_a_body_that_leads_past_a_steering_limit_scrubs():
-    rover = ROVERS["limited"]
-    state = profiles.body_transition(
-        rover, (0.4, 0, 0.1), (0, 0, 0.5) if rover.spin_radius else (-0.4, 0, 0.1), 1.0
-    )
-    assert state.at(np.linspace(0, 1, 101)).scrub.max() > 1e-3
-
-
-def test_modules_lead():
-    start, end = OSR.inverse((0, 0, 0)), OSR.inverse((0, 0, 0.5))
-    align = profiles.module_transition(
-        OSR, start, (end[0], start[1]), steering_rate=RATE, steering_acceleration=4.0
-    )
-    assert align.duration == pytest.approx(largest(end[0]) / RATE + RATE / 4.0)
-    state = align.at(np.linspace(0, align.duration, 51))
-    assert state.scrub.max() == 0.0
-    np.testing.assert_array_equal(state.twist, np.zeros((51, 3)))
-    np.testing.assert_array_equal(state.steering[-1], end[0])
-    timed = profiles.module_transition(OSR, start, end, 2.0, shape="trapezoid")
-    np.testing.assert_allclose(timed.at(1.0).steering, end[0] / 2, atol=1e-15)
-    np.testing.assert_allclose(timed.at(1.0).speeds, end[1] / 2, atol=1e-15)
-    alone = profiles.module_transition(
-        OSR, start, end, steering_rate=RATE, wheel_acceleration=1.0, synchronise="none"
-    )
-    assert alone.duration == pytest.approx(max(largest(end[1]), largest(end[0]) / RATE))

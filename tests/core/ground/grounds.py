@@ -7,8 +7,7 @@ import numpy as np
 import six_wheel as sw
 
 ROVERS = {
-    name: getattr(sw.RockerBogie, name)()
-    for name in ("rocky7", "perseverance", "curiosity", "open_source_rover")
+    name: sw.RockerBogie.preset(name) for name in ("rocky7", "perseverance", "curiosity", "open_source_rover")
 }
 LEVEL = ("perseverance", "curiosity")  # their wheel centres are level with all joints at 0
 
@@ -32,7 +31,7 @@ def rocks(size=20.0, spacing=0.1, number=300, seed=0):
 
 
 def scaled(rover, size=1.0):
-    """How large a map has to be for a rover, as a share of that for Perseverance."""
+    """Size of a map for a rover, as a share of that for Perseverance."""
     return size * rover.dimensions["wheel_radius"] / 0.26288
 
 

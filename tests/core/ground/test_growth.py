@@ -23,7 +23,7 @@ def yard_and_poses(size=40.0, count=20_000):
 
 @pytest.mark.parametrize(("name", "hard"), [("rocky7", [7140, 8894]), ("open_source_rover", [15280])])
 def test_small_rovers_among_large_rocks(name, hard):
-    """What Newton's method alone has lost (`hard`) stands on every wheel; most of what does not tips over."""
+    """Poses that Newton's method alone has lost (`hard`) stand on every wheel; most others tip over."""
     rover = ROVERS[name]
     ground, poses = yard_and_poses()
     stand = rover.settle(ground, poses)
@@ -85,7 +85,7 @@ def states_found(rover, ground, pose, starts, seed):
     """
     spacing, step, random = ground.spacing[0], 1e-5, np.random.default_rng(seed)
     numbers = random.uniform(-0.9, 0.9, (starts, 6))
-    numbers[:, 0] = ground.height(pose[:2]) + random.uniform(-0.2, 0.3, starts)
+    numbers[:, 0] = ground.height_at(pose[:2]) + random.uniform(-0.2, 0.3, starts)
     gaps = sampled_gaps(rover, ground.heights, spacing, pose, numbers)
     for _ in range(25):
         beside = [
@@ -106,6 +106,7 @@ def states_found(rover, ground, pose, starts, seed):
     return numbers[np.abs(gaps).max(1) < 1e-4]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rocky7", "open_source_rover"])
 def test_what_is_said_to_tip_over_closes_no_gaps_short_of_that(name):
     """Another search, which finds every pose that does stand, finds no state with all wheels on the ground.

@@ -50,7 +50,7 @@ def traverse(
     workers: Annotated[int | None, typer.Option(help="Processes; default one per core.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture: .png, .svg or .pdf.")] = None,
 ) -> None:
-    arm, name = choose_suspension(rover)
+    suspension, name = choose_suspension(rover)
     if not output.parent.is_dir():
         raise ValueError(f"{output}: there is no folder {output.parent}")
     if plot is not None:
@@ -64,7 +64,7 @@ def traverse(
     with progress_bar("tiles") as update:
         done = run(
             map,
-            arm,
+            suspension,
             output,
             headings=headings,
             limits=limits,

@@ -91,7 +91,7 @@ getters! { Controller, self, py:
     /// The steering angles commanded by the last step [rad], shape (steered wheels,).
     steering: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, self.core.lock(py)?.steering()));
     /// Time of the last step [s], or None.
-    now: PyResult<Option<f64>> = Ok(self.core.lock(py)?.now());
+    stamp: PyResult<Option<f64>> = Ok(self.core.lock(py)?.now());
     /// True if body and joints stand still.
     stopped: PyResult<bool> = Ok(self.core.lock(py)?.stopped());
     /// Largest distance that the body's origin moves if a stop begins with the next step [m].
@@ -190,26 +190,26 @@ methods! { Controller:
     ///
     /// Parameters
     /// ----------
-    /// now : float
-    ///     The time [s]; later than that of the last step. The first one starts the clock.
+    /// stamp : float
+    ///     When the joints are commanded [s]; later than the last step. The first one starts the clock.
     /// measured : array_like, shape (steered wheels,), optional
     ///     Where the steering joints are [rad].
     ///
     /// Returns
     /// -------
     /// ControllerOutput
-    ///     `commands` by joint name, `twist`, `reasons`; `steering`, `steering_rates` and `speeds` in the order of
+    ///     `commands` by joint name, `twist`, `reasons`; `steering`, `steering_rates` and `wheel_speeds` in the order of
     ///     the wheels.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     If the time is not later than the last, or an angle is not finite. The controller stays as it was. Angles
+    ///     If the stamp is not later than that of the last step, or an angle is not finite. The controller stays as it was. Angles
     ///     beyond a limit are none: the joints come back inside at their rates.
-    fn step[&self, py: Python<'py>](now: f64, measured=None) -> PyResult<ControllerOutput> {
+    fn step[&self, py: Python<'py>](stamp: f64, measured=None) -> PyResult<ControllerOutput> {
         let measured = Rows::read_beside("measured", measured, self.joints, &[])?;
         let mut core = self.core.lock(py)?;
-        core.step(now, measured.as_ref().map(Rows::flat)).or_raise(&[])?;
+        core.step(stamp, measured.as_ref().map(Rows::flat)).or_raise(&[])?;
         Ok(ControllerOutput::of(&core, self.rover.clone_ref(py)))
     }
 }

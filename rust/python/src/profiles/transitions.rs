@@ -151,12 +151,12 @@ methods! { BodyTransition:
     }
 }
 
-/// The pair (steering, speeds).
+/// The pair (steering, wheel speeds).
 fn modules(argument: &str, rover: &Rover, value: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<f64>)> {
     let pair: Vec<Bound<'_, PyAny>> = value
         .try_iter()
         .and_then(Iterator::collect)
-        .map_err(|_| refuse(argument, "be a pair (steering, speeds)", "something else"))?;
+        .map_err(|_| refuse(argument, "be a pair (steering, wheel_speeds)", "something else"))?;
     match pair.as_slice() {
         [steering, speeds] => Ok((
             row(&format!("{argument}[0]"), steering, rover.joints())?,
@@ -164,7 +164,7 @@ fn modules(argument: &str, rover: &Rover, value: &Bound<'_, PyAny>) -> PyResult<
         )),
         _ => {
             let got = format!("{} values", pair.len());
-            Err(refuse(argument, "be a pair (steering, speeds)", &got))
+            Err(refuse(argument, "be a pair (steering, wheel_speeds)", &got))
         }
     }
 }

@@ -2,18 +2,23 @@
 
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 use six_wheel_ground_motion::Prepared;
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::units;
 use six_wheel_numerics::error::Error;
-use six_wheel_terrain::suspension::{Chain, JointRange, TripleBogie};
+use six_wheel_terrain::suspension::{Chain, JointRange, PRESETS, RockerBogie as Core, TripleBogie};
 
+use super::rocker_bogie::RockerBogie;
 use crate::arguments::ArgumentKind;
 use crate::classes::{reduce, repr_of_call};
 use crate::convert::{OrRaise, Rows, choice, refuse, shape_text};
 use crate::unit_warnings::warn_units;
 use crate::wheel::{pair_or_one, steering_range};
+
+/// The published suspension that is no rocker-bogie, with the source of its dimensions.
+const ZOE: &str = "zoe";
+const ZOE_SOURCE: &str = "nealseegmiller/wmrde, src/demo/zoemodel.cpp (84e1e9f), with its front axle fixed in roll";
 
 /// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 ///
@@ -73,7 +78,7 @@ fn pairs(steered: &str) -> PyResult<[bool; 3]> {
 
 impl ArgumentKind for Suspension {
     const KIND: &'static str = "a Suspension, such as a RockerBogie";
-    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| "one like sw.RockerBogie.perseverance()".into();
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| r#"one like sw.RockerBogie.preset("perseverance")"#.into();
 }
 
 getters! { Suspension, self, py:
@@ -225,22 +230,46 @@ methods! { Suspension:
         let arguments = dict!(py, centres, wheel_radius, names = &names, steered = &steered, steering_limit);
         Self::made(Chain::rigid(&wheels, wheel_radius), "rigid", arguments)
     }
+
+    /// A published suspension by name; `Suspension.presets` lists them. A rocker-bogie is a `RockerBogie`.
+    ///
+    /// Zoe has four wheels on two passively steered axles, of which the rear one rolls; no limits are published.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     One of `Suspension.presets()`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is no such preset.
+    #[staticmethod]
+    fn preset[py: Python<'py>](name: &str) -> PyResult<Py<Self>> {
+        if name == ZOE {
+            return Py::new(py, Self::pivoting_axles(py, 1.91, 1.64, 0.119, 0.325, None, None)?);
+        }
+        if PRESETS.iter().any(|preset| preset.name == name) {
+            let made = RockerBogie::named(py, Core::preset(name))?.into_bound(py);
+            return Ok(made.into_super().unbind());
+        }
+        let names = PRESETS.map(|preset| preset.name).join(", ");
+        Err(refuse("name", &format!("be one of {names}, {ZOE}"), &format!("{name:?}")))
+    }
 }
 
 #[pymethods]
 impl Suspension {
-    /// Zoe: four wheels on two passively steered axles, of which the rear one rolls.
+    /// Names of the published suspensions, each with the source of its dimensions.
     ///
-    /// No limits are published.
-    ///
-    /// Source: nealseegmiller/wmrde, src/demo/zoemodel.cpp (84e1e9f), with its front axle fixed in roll.
+    /// Returns
+    /// -------
+    /// dict of str to str
+    ///     Name to source; iterates over the names.
     #[staticmethod]
-    fn zoe(py: Python<'_>) -> PyResult<Self> {
-        let (wheelbase, track_width, drop, wheel_radius) = (1.91, 1.64, 0.119, 0.325);
-        let (steer, roll) = (SteeringRange::default(), JointRange::default());
-        let chain = Chain::pivoting_axles(wheelbase, track_width, drop, wheel_radius, steer, roll);
-        let arguments = dict!(py, wheelbase, track_width, drop, wheel_radius);
-        Self::made(chain, "pivoting_axles", arguments)
+    fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let all = PRESETS.iter().map(|preset| (preset.name, preset.source));
+        all.chain([(ZOE, ZOE_SOURCE)]).into_py_dict(py)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

@@ -3,10 +3,12 @@
 use std::sync::OnceLock;
 
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 use six_wheel_numerics::error::Error;
 use six_wheel_terrain::bounds::BoundsConstants;
-use six_wheel_terrain::suspension::{Bogie, Differential, Dimensions, JointRange, RockerBogie as Core, Steered};
+use six_wheel_terrain::suspension::{
+    Bogie, Differential, Dimensions, JointRange, PRESETS, RockerBogie as Core, Steered,
+};
 
 use super::base::{Suspension, joint_range, steering};
 use crate::classes::repr_of_call;
@@ -73,7 +75,7 @@ impl RockerBogie {
         Ok(PyClassInitializer::from(base).add_subclass(Self(core, UsualPlans::new())))
     }
 
-    fn named(py: Python<'_>, core: Result<Core, Error>) -> PyResult<Py<Self>> {
+    pub(super) fn named(py: Python<'_>, core: Result<Core, Error>) -> PyResult<Py<Self>> {
         Py::new(py, Self::build(core)?)
     }
 
@@ -230,50 +232,39 @@ methods! { RockerBogie:
     }
 }
 
+methods! { RockerBogie:
+    /// A published rocker-bogie by name; `RockerBogie.presets` lists them.
+    ///
+    /// Frame R lies on the ground under the middle of the middle wheels, with all joints at 0; that of Rocky 7, as in the
+    /// papers, between the bogie joints, 0.085 m above the ground. Rocky 7 steers its two front wheels within 60 degrees; the
+    /// others steer four corners, and have no published limit.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     One of `RockerBogie.presets()`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is no such preset.
+    #[staticmethod]
+    fn preset[py: Python<'py>](name: &str) -> PyResult<Py<Self>> {
+        Self::named(py, Core::preset(name))
+    }
+}
+
 #[pymethods]
 impl RockerBogie {
-    /// Rocky 7: two steered front wheels, limited to 60 degrees.
+    /// Names of the published rocker-bogies, each with the source of its dimensions.
     ///
-    /// Frame R as in the papers, between the bogie joints to 3.5 um, 0.085 m above the ground.
-    ///
-    /// Source: nealseegmiller/wmrde, Rocky 7 model after Tarokh and McDermott (da081e4).
+    /// Returns
+    /// -------
+    /// dict of str to str
+    ///     Name to source; iterates over the names.
     #[staticmethod]
-    fn rocky7(py: Python<'_>) -> PyResult<Py<Self>> {
-        Self::named(py, Core::rocky7())
-    }
-
-    /// Perseverance: four steered corners.
-    ///
-    /// Frame R on the ground under the middle of the middle wheels. No steering limit is published.
-    ///
-    /// Source: nasa-jpl/m2020-urdf-models, rover/m2020.urdf (c422fc6).
-    #[staticmethod]
-    fn perseverance(py: Python<'_>) -> PyResult<Py<Self>> {
-        Self::named(py, Core::perseverance())
-    }
-
-    /// Curiosity, to about 1 cm: four steered corners.
-    ///
-    /// Frame R on the ground under the middle of the middle wheels. No steering limit is published.
-    ///
-    /// Source: Project Chrono Curiosity model (BSD-3-Clause), read off a 3D model; origin moved from the
-    /// chassis by (-0.089, 0, -0.001), radius half the nominal wheel diameter.
-    #[staticmethod]
-    fn curiosity(py: Python<'_>) -> PyResult<Py<Self>> {
-        Self::named(py, Core::curiosity())
-    }
-
-    /// The Open Source Rover of JPL: bogies in front, four steered corners.
-    ///
-    /// Frame R on the ground under the middle of the middle wheels, with all joints at 0; the model's wheel
-    /// centres then differ in height by 5 mm. Steering axes are taken through the wheel centres; in the model
-    /// they run up to 6 mm behind and 20 mm inside. No steering limit is published.
-    ///
-    /// Source: nasa-jpl/osr-rover-code, ROS/osr_gazebo/urdf/osr.urdf.xacro (8d1de34); wheel radius from its
-    /// osr_params.yaml (e7c9e87).
-    #[staticmethod]
-    fn open_source_rover(py: Python<'_>) -> PyResult<Py<Self>> {
-        Self::named(py, Core::open_source_rover())
+    fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        PRESETS.iter().map(|preset| (preset.name, preset.source)).into_py_dict(py)
     }
 
     /// The text of a URDF from which `load` makes a rover on this suspension, and which viewers open.
