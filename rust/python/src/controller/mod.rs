@@ -77,7 +77,7 @@ pub struct Controller {
 getters! { Controller, self, py:
     /// True from `halt`, or from the step that finds a stuck joint, until `release`.
     halted: PyResult<bool> = Ok(self.core.lock(py)?.halted());
-    /// What is driven.
+    /// The rover that is driven.
     rover: Py<Rover> = self.rover.clone_ref(py);
     /// The limits of its motion. They may be replaced at any time, from the next step on: a motion beyond the new ones comes
     /// down within them without a stop, and command, clock and halt stay. ValueError, and no change, if the rover cannot
@@ -92,9 +92,9 @@ getters! { Controller, self, py:
     steering: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, self.core.lock(py)?.steering()));
     /// Time of the last step [s], or None.
     stamp: PyResult<Option<f64>> = Ok(self.core.lock(py)?.now());
-    /// Whether body and joints stand still.
+    /// True if body and joints stand still.
     stopped: PyResult<bool> = Ok(self.core.lock(py)?.stopped());
-    /// How far the body's origin moves, at most, if a stop begins with the next step [m].
+    /// Largest distance that the body's origin moves if a stop begins with the next step [m].
     stopping_distance: PyResult<f64> = Ok(self.core.lock(py)?.stopping_distance());
 }
 

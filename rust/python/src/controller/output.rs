@@ -8,7 +8,7 @@ use six_wheel_control::controller::{Controller, reason};
 
 use crate::rover::Rover;
 
-/// What one step of a `Controller` commands. Arrays are made when they are asked for.
+/// The commands of one step of a `Controller`. Arrays are made when they are asked for.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct ControllerOutput {
     twist: [f64; 3],
@@ -95,7 +95,7 @@ getters! { ControllerOutput, self, py:
     speed_share: f64 = self.speed_share;
     /// The motion they make, ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (3,).
     twist: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.twist);
-    /// Why it is not the motion asked for: a `Reason`, empty if it is.
+    /// The causes for which it is not the motion asked for: a `Reason`, empty if it is.
     reasons: PyResult<Bound<'py, PyAny>> = reason(py, self.reasons);
 }
 

@@ -10,7 +10,7 @@ use crate::convert::{Results, Rows, Scalars, compute_rows, memory};
 use crate::rover::Rover;
 
 result_class! {
-    /// What the steps of `Controller.run` command, one row a step.
+    /// The commands of `Controller.run`, one row a step.
     pub struct ControllerRun {
         /// Steering angles [rad], shape (n, steered wheels), in the order of `Rover.steered_wheel_names`.
         steering: Py<PyAny>,
