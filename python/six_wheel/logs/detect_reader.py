@@ -191,9 +191,9 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
     if kind in READERS:
         return WholeLog(path, rover, kind)
     if is_bag(path) != (kind == "bag"):
-        of_table = f"a file ending in {' or '.join(FORMATS)}"
-        what = "a folder or .mcap or .db3 file" if kind == "bag" else of_table
-        raise TableError(f"{path}: the format {kind} is {what}")
+        tables = " or ".join(FORMATS)
+        form = "a folder or .mcap or .db3 file" if kind == "bag" else f"a file ending in {tables}"
+        raise TableError(f"{path}: the format {kind} is {form}")
     return _joint_log(path, rover, options)
 
 
@@ -381,22 +381,20 @@ class WholeLog:
         for start in range(0, len(log), chunk_rows):
             part = slice(start, start + chunk_rows)
             rows = np.arange(start, min(start + chunk_rows, len(log))) + 1
-            steering = None if log.steering is None else log.steering[part]
-            poses = None if truth is None else truth.poses[part]
+            poses = None if truth is None else truth.poses
+            some = [None if each is None else each[part] for each in (log.steering, poses, log.yaw_rate)]
             self.position = int(rows[-1])
-            rates = None if log.yaw_rate is None else log.yaw_rate[part]
-            yield JointRows(rows, log.stamps[part], steering, log.wheel_angles[part], poses, rates)
+            yield JointRows(rows, log.stamps[part], some[0], log.wheel_angles[part], *some[1:])
 
     def read(self, *, truth: Path | None = None, truth_topic: str | None = None, **_: Any) -> WheelLog:
         """The whole run, with its own truth unless another is given."""
-        self.position = self.size
-        if truth is None:
-            return self._log
-        stamps, poses, self.truth_findings = read_truth(truth, topic=truth_topic)
-        return replace(self._log, truth=GroundTruth(stamps, poses))
+        self.position, log = self.size, self._log
+        if truth is not None:
+            stamps, poses, self.truth_findings = read_truth(truth, topic=truth_topic)
+            log = replace(log, truth=GroundTruth(stamps, poses))
+        return log
 
 
 def example_run() -> Path:
     """The run that comes with this package; see logs/data/README.md."""
-    (run,) = optiodom.runs(Path(str(resources.files("six_wheel.logs") / "data" / "optiodom")))
-    return run
+    return optiodom.runs(Path(str(resources.files("six_wheel.logs") / "data" / "optiodom")))[0]

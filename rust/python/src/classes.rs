@@ -53,7 +53,7 @@ macro_rules! with_parameters {
             (
                 [$($class)?] $prefix $name $head [$shown] $result
                 [
-                    crate::keywords::check(concat!($(stringify!($class), ".",)? stringify!($name)), $shown, unknown)?;
+                    crate::fastcall::keywords::check(concat!($(stringify!($class), ".",)? stringify!($name)), $shown, unknown)?;
                     $($body)*
                 ]
             )

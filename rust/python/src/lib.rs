@@ -12,7 +12,6 @@ mod convert;
 mod four_axle;
 mod geometry;
 mod ground_motion;
-mod keywords;
 mod odometry;
 mod planner;
 mod profiles;

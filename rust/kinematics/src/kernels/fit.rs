@@ -89,13 +89,13 @@ impl FitConstants {
         let Some(constants) = &self.block else {
             return (0..fits.twists.len()).try_for_each(|k| self.solve_row(rover, log, k, fits));
         };
-        let plan = Plan { of: self, constants, rover };
+        let input = FitInput { of: self, constants, rover };
         let (joints, wheels) = (rover.steered().len(), constants.weights.len());
         with_columns(joints + 4 * wheels, |columns| {
             if constants.robust.is_none() {
-                return level.run_any(Solve::<false> { plan, log, fits, columns, late: &mut [] });
+                return level.run_any(Solve::<false> { input, log, fits, columns, late: &mut [] });
             }
-            with_columns(3 * wheels, |late| level.run_any(Solve::<true> { plan, log, fits, columns, late }))
+            with_columns(3 * wheels, |late| level.run_any(Solve::<true> { input, log, fits, columns, late }))
         })
     }
 
@@ -117,7 +117,7 @@ impl FitConstants {
 
 /// Constants with the rover, and with the fit of rare rows.
 #[derive(Clone, Copy)]
-struct Plan<'a> {
+struct FitInput<'a> {
     of: &'a FitConstants,
     constants: &'a BlockConstants,
     rover: &'a RoverData,
@@ -125,7 +125,7 @@ struct Plan<'a> {
 
 /// Fits that are not robust have a kernel of their own: beside the rounds of robust ones theirs took 14 % more instructions.
 struct Solve<'a, 'b, const ROBUST: bool> {
-    plan: Plan<'a>,
+    input: FitInput<'a>,
     log: Log<'a>,
     fits: &'a mut Fits<'b>,
     /// One per steering angle; per wheel one for its speed and then its residual, one for its weight, two for what it reads.
@@ -139,7 +139,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let Plan { of, constants, rover } = self.plan;
+        let FitInput { of, constants, rover } = self.input;
         let (joints, wheels) = (rover.steered().len(), constants.weights.len());
         let (readings, rest) = self.columns.split_at_mut(joints + wheels);
         let (weights, kept) = rest.split_at_mut(wheels);
@@ -170,7 +170,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
                 now.begin(simd, robust, count);
                 now.go_on(simd, robust, &EARLY);
                 if late.block.left + now.left > BLOCK {
-                    late.settle(simd, self.plan, self.log, self.fits, residuals)?;
+                    late.settle(simd, self.input, self.log, self.fits, residuals)?;
                 }
                 for k in 0..now.left {
                     late.rows[late.block.left % BLOCK] = first + now.row(k);
@@ -193,7 +193,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
         }
         // A row before the one that failed may fail only now.
         if ROBUST {
-            late.settle(simd, self.plan, self.log, self.fits, &mut readings[joints..])?;
+            late.settle(simd, self.input, self.log, self.fits, &mut readings[joints..])?;
         }
         done
     }
@@ -212,7 +212,7 @@ impl SlowRows<'_> {
     fn settle<S: Vector>(
         &mut self,
         simd: S,
-        Plan { of, constants, rover }: Plan<'_>,
+        FitInput { of, constants, rover }: FitInput<'_>,
         log: Log<'_>,
         fits: &mut Fits<'_>,
         residuals: &mut [Column],

@@ -9,8 +9,9 @@
 
 use nalgebra::Vector3;
 
+use super::active_set::ActiveSet;
 use super::linear_system::LinearSystem;
-use super::newton::{ActiveSet, NewtonResult, OnePose};
+use super::newton::{NewtonResult, OnePose};
 use super::settler::Settler;
 use super::stand::rim_point;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, State};
