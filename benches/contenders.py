@@ -197,7 +197,7 @@ class Batch:
         """The first rows, as a batch."""
         part = object.__new__(Batch)
         part.rows = rows
-        for name in ("twists", "steering", "speeds", "back"):
+        for name in ("twists", "steering", "wheel_speeds", "back"):
             setattr(part, name, getattr(self, name)[:rows])
         return part
 

@@ -43,7 +43,8 @@ def test_every_path_is_known_as_read_or_written(name: str) -> None:
 def option(parameter: inspect.Parameter) -> str:
     """Name of an option on the command line."""
     info = next(each for each in get_args(parameter.annotation) if hasattr(each, "param_decls"))
-    return next((each for each in info.param_decls or () if each.startswith("--")), f"--{parameter.name}")
+    default = f"--{parameter.name}".replace("_", "-")
+    return next((each for each in info.param_decls or () if each.startswith("--")), default)
 
 
 def pairs() -> list[tuple[str, str]]:

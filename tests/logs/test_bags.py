@@ -156,7 +156,7 @@ def test_velocities_alone_and_both(tmp_path: Path) -> None:
         assert steering is None
         np.testing.assert_allclose(angles[-1], [1, -2], rtol=1e-14)
     np.testing.assert_array_equal(read(both, CART)[2], np.tile([5, 6], (11, 1)))
-    with pytest.raises(TableError, match="wheels must be read in one way, all as angle, got wheel left"):
+    with pytest.raises(TableError, match="wheels must be read in one way, all as angles, got wheel left"):
         JointLog(speeds, CART, readings="angles")
 
 

@@ -114,7 +114,7 @@ def test_the_joints_that_wheels_have_by_themselves_are_known_whatever_a_file_cal
         ),
         ("time,left [V]", ['column "left [V]" must state its unit', 'got "V"']),
         ("time,left [rad],left_position", ['wheel left must be in one column, got "left [rad]" and']),
-        ("time,left [rad],right [rpm]", ["must be read in one way", '"right [rpm]" (speed)']),
+        ("time,left [rad],right [rpm]", ["must be read in one way", '"right [rpm]" (speeds)']),
     ],
 )
 def test_columns_that_are_missing_or_open_are_named(tmp_path: Path, headers: str, words: list[str]) -> None:

@@ -109,7 +109,7 @@ def test_a_step_back_in_time_drove_backwards(now):
     """ros-controls/ros_controllers#162, #561, fetchrobotics/robot_controllers#82"""
     controller = sw.Controller(CART, sw.Limits(acceleration=0.3))
     last = drive(controller, (0.5, 0.0, 0.0), 1.02)[-1]
-    with pytest.raises(ValueError, match="^now must be later than the last step"):
+    with pytest.raises(ValueError, match="^stamp must be later than the last step"):
         controller.step(now)
     controller.command((0.0, 0.0, 0.0), 1.02)
     out = controller.step(1.02)

@@ -174,7 +174,7 @@ def joint_columns(
             for kinds in wheel_columns.values()
             for kind, column in kinds.items()
         )
-        raise TableError(f"wheels must be read in one way, all as angle, speed or ticks, got {shown}")
+        raise TableError(f"wheels must be read in one way, all as angles, speeds or ticks, got {shown}")
     found |= {
         name: kinds.get("angles") or kinds["ticks"]
         for name, kinds in by_reading.items()

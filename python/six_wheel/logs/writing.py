@@ -139,7 +139,8 @@ def check_outputs(outputs: Mapping[str, Path], sources: Sequence[Path]) -> None:
         check_source(path, path.resolve(), sources)
         for other, one in files.items():
             if other != name and same_file(one, path):
-                raise TableError(f"{path}: --{name} and --{other} must be two files")
+                options = f"--{name} and --{other}".replace("_", "-")
+                raise TableError(f"{path}: {options} must be two files")
 
 
 def same_file(one: Path, other: Path) -> bool:

@@ -72,13 +72,13 @@ def test_a_run_is_the_steps_one_by_one(name: str) -> None:
 @pytest.mark.parametrize(
     ("stamps", "twists", "times", "words"),
     [
-        ([0.0], [[1, 0, 0]], [0.0, 0.0], r"times\[1\] must be later than the step before, at 0"),
-        ([0.0], [[1, 0, 0]], [0.0, np.nan], r"times\[1\] must be finite"),
+        ([0.0], [[1, 0, 0]], [0.0, 0.0], r"step_stamps\[1\] must be later than the step before, at 0"),
+        ([0.0], [[1, 0, 0]], [0.0, np.nan], r"step_stamps\[1\] must be finite"),
         ([2.0], [[1, 0, 0]], [0.0, 1.0], r"stamps\[0\] must not be later than the last step, at 1"),
         ([np.inf], [[1, 0, 0]], [0.0, 1.0], r"stamps\[0\] must be finite"),
         ([0.0], [[1, 0, 0]], [], r"stamps\[0\] must be none without a step"),
         ([0.0, 0.1], [[1, 0, 0]], [1.0], r"twists must have shape \(2, 3\)"),
-        ([0.0], [[1, 0, 0]], [-1.0, 1.0], r"times\[0\] must be later than the step before"),
+        ([0.0], [[1, 0, 0]], [-1.0, 1.0], r"step_stamps\[0\] must be later than the step before"),
     ],
 )
 def test_a_run_that_fails_changes_nothing(stamps: Any, twists: Any, times: Any, words: str) -> None:
@@ -88,7 +88,7 @@ def test_a_run_that_fails_changes_nothing(stamps: Any, twists: Any, times: Any, 
         each.step(-0.5)
     with pytest.raises(ValueError, match=words):
         failed.run(twists, stamps, times)
-    assert failed.now == other.now
+    assert failed.stamp == other.stamp
     np.testing.assert_array_equal(failed.step(-0.45).wheel_speeds, other.step(-0.45).wheel_speeds)
 
 
