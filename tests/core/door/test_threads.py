@@ -53,7 +53,7 @@ ROWS = [400_000 * factor for factor in (1, 1, 2, 2, 4, 4, 8, 8, 8, 8)]
 def test_whoever_waits_for_a_controller_lets_other_threads_run():
     for rows in ROWS:
         times, controller = np.arange(1.0, rows) / 100.0, sw.Controller(ROVER)
-        run = partial(controller.run, [0.0], [(0.05, 0.0, 0.0)], times)
+        run = partial(controller.run, [(0.05, 0.0, 0.0)], [0.0], times)
         seen, now = while_running(run, lambda controller=controller: controller.stamp)
         assert now == times[-1]  # after the run, never in the midst
         if seen > 3:

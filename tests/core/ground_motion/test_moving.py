@@ -261,7 +261,10 @@ def test_what_does_not_settle_is_not_a_number(standing: tuple) -> None:
             lambda arm, at: arm.inverse(at, (1, 0), max_wheel_speed=0),
             "max_wheel_speed must be positive, got 0",
         ),
-        (lambda arm, at: arm.forward(at, None, [1.0] * 5), "speeds must have shape (..., 6), got shape (5,)"),
+        (
+            lambda arm, at: arm.forward(at, None, [1.0] * 5),
+            "wheel_speeds must have shape (..., 6), got shape (5,)",
+        ),
         (
             lambda arm, at: arm.forward(at, None, [1.0] * 6, weights=[-1.0] * 6),
             "weights must be finite and not negative, got -1",

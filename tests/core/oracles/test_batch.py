@@ -199,7 +199,7 @@ def test_a_failed_forward_writes_nothing(kernel, value, row):
     rover = sw.Rover.six_wheel(
         front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=150.0
     )
-    with pytest.raises(ValueError, match=rf"^speeds\[{row}\] must be"):
+    with pytest.raises(ValueError, match=rf"^wheel_speeds\[{row}\] must be"):
         rover.forward(steering, speeds, out=out, level=kernel)
     assert (out == 7.0).all()
 

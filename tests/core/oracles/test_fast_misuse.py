@@ -80,6 +80,6 @@ def test_failures_write_nothing():
             ROVER.inverse(TWIST, previous=np.array([0.0, bad, 0.0, 0.0]), out=out)
         assert all((array == 7.0).all() for array in out)
         target = np.full(3, 7.0)
-        with pytest.raises(ValueError, match="^speeds must be finite"):
+        with pytest.raises(ValueError, match="^wheel_speeds must be finite"):
             ROVER.forward(np.zeros(4), np.array([1.0, bad, 1, 1, 1, 1]), out=target)
         assert (target == 7.0).all()

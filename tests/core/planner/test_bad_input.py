@@ -87,7 +87,7 @@ def raising(poses, twists):
             {"goal": None},
             "goal must be given, or a path or an extra_cost: without one there is nowhere to go",
         ),
-        ({"out": np.zeros(4)}, "out must be a tuple of two arrays, steering and speeds, got ndarray"),
+        ({"out": np.zeros(4)}, "out must be a tuple of two arrays, steering and wheel_speeds, got ndarray"),
         ({"level": "none"}, "level must be one this machine has"),
         ({"threads": 0}, "threads must be at least 1, got 0"),
         (
