@@ -226,5 +226,6 @@ __getattr__, __dir__ = attach(
         "reference": (),
         "robot_description": (),
         "simulation": ("simulate",),
+        "view": (),
     },
 )
