@@ -7,7 +7,7 @@ from typing import Any
 
 SOFTWARE = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 NAMES = ("chromium", "chromium-browser", "google-chrome")
-PATIENCE = 120_000  # [ms] of a machine that draws by software while it does other things
+PATIENCE = 60_000  # [ms] of a machine that draws by software while it does other things
 DESK, TELEPHONE = (1280, 800), (390, 800)  # [px]
 
 
@@ -53,11 +53,12 @@ class Page:
         for button in self.page.locator(".mantine-Notification-closeButton").all():
             button.click()
         self.page.wait_for_timeout(500)
-        return bytes(self.page.screenshot(path=path))
+        options = {} if path is None or path.suffix == ".png" else {"type": "jpeg", "quality": 86}
+        return bytes(self.page.screenshot(path=path, **options))
 
     def type(self, row: str, value: str) -> None:
         """Write a number into the field of a slider, whose name stands in its row."""
-        field = self.page.get_by_text(row, exact=True).locator("xpath=../..").locator("input").last
+        field = self.page.get_by_text(row, exact=True).locator("xpath=ancestor::*[.//input][1]").locator("input").last
         field.fill(value)
         field.press("Enter")
 

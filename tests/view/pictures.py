@@ -50,8 +50,8 @@ def main(names: list[str]) -> None:
         if browser is None:
             sys.exit("no chromium on this machine (CHROMIUM=PATH says where one is)")
         for name in names or scenes():
-            draw(browser, name, PICTURES / f"{name}.png")
-            print(PICTURES / f"{name}.png")
+            draw(browser, name, PICTURES / f"{name}.jpg")
+            print(PICTURES / f"{name}.jpg")
         browser.close()
 
 

@@ -34,7 +34,9 @@ def pose_of(view: Any, *names: str) -> NDArray[np.float64]:
     found = SE3.identity()
     for name in names:
         handle = node(view, name)
-        found = found @ SE3.from_rotation_and_translation(SO3(np.array(handle.wxyz)), np.array(handle.position))
+        found = found @ SE3.from_rotation_and_translation(
+            SO3(np.array(handle.wxyz)), np.array(handle.position)
+        )
     return np.asarray(found.as_matrix())
 
 
@@ -47,7 +49,7 @@ def test_wheels_of_a_rover_on_a_plane_are_where_inverse_says(opened: Open, prese
     np.testing.assert_allclose(view.motion.speeds, speeds, rtol=1e-9, atol=1e-12)
     turned = iter(steering)
     for number, wheel in enumerate(rover.wheels):
-        placed = pose_of(view, "/rover", f"/rover/wheel_{number}")
+        placed = pose_of(view, "/world/rover", f"/world/rover/wheel_{number}")
         heading = 0.7 + wheel.heading + (next(turned) if wheel.steered else 0.0)
         along = np.array([np.cos(heading), np.sin(heading), 0.0])
         np.testing.assert_allclose(placed[:3, 0], along, atol=1e-6)
@@ -71,11 +73,11 @@ def test_links_and_wheels_on_ground_are_where_settle_and_frames_say(
         frames = arm.frames(stand.joints[0], stand.joints[1:], motion.steering)
         for number in range(6):
             world = stand.transform @ frames[f"A{number + 1}"]
-            drawn = pose_of(view, "/rover", f"/rover/wheel_{number}")
+            drawn = pose_of(view, "/world/rover", f"/world/rover/wheel_{number}")
             np.testing.assert_allclose(drawn[:3, 3] + view._subject.origin, world[:3, 3], atol=PLACES)
             np.testing.assert_allclose(drawn[:3, :3], world[:3, :3], atol=PLACES)
         for name in ("B1", "B2", "S1", "S6"):
-            drawn = pose_of(view, "/rover", f"/rover/{name}")
+            drawn = pose_of(view, "/world/rover", f"/world/rover/{name}")
             world = stand.transform @ frames[name]
             np.testing.assert_allclose(drawn[:3, 3] + view._subject.origin, world[:3, 3], atol=PLACES)
         told = arm.inverse(stand, motion.twist[[0, 2]], view="plan", steering=motion.steering)
@@ -85,16 +87,16 @@ def test_links_and_wheels_on_ground_are_where_settle_and_frames_say(
 def test_axes_meet_in_the_centre_of_rotation(opened: Open) -> None:
     view = opened("perseverance", "flat")
     view.twist = (0.06, 0.0, 0.02)
-    ends = np.asarray(node(view, "/motion/axes").points)[:, 1]
+    ends = np.asarray(node(view, "/world/motion/axes").points)[:, 1]
     wanted = [*view.motion.twist[:1] * 0.0, 3.0]
     np.testing.assert_allclose(ends[:, :2], np.broadcast_to(wanted, (6, 2)), atol=1e-5)
-    assert node(view, "/motion/icr/label").text == "R 3.00 m"
+    assert node(view, "/world/motion/icr/label").text == "R 3.00 m"
     for number, wheel in enumerate(view._subject.rover.wheels):  # every axle points there
-        placed = pose_of(view, "/rover", f"/rover/wheel_{number}")
+        placed = pose_of(view, "/world/rover", f"/world/rover/wheel_{number}")
         to = np.array(wanted) - placed[:2, 3]
         assert abs(to @ placed[:2, 0]) < 1e-5, wheel.name
     view.twist = (0.06, 0.0, 0.0)
-    assert not node(view, "/motion/icr").visible
+    assert not node(view, "/world/motion/icr").visible
 
 
 def test_the_path_ahead_is_that_of_integrate() -> None:
@@ -115,9 +117,9 @@ def test_what_cannot_be_done_is_said_and_shown_in_red(opened: Open) -> None:
     view = opened("perseverance", "flat", twist=(0.06, 0.03, 0.02))
     assert not view.motion.possible
     assert "not without sliding" in view._panels.status.content
-    assert node(view, "/motion/commanded").visible
+    assert node(view, "/world/motion/commanded").visible
     view.twist = (0.06, 0.0, 0.02)
-    assert not node(view, "/motion/commanded").visible
+    assert not node(view, "/world/motion/commanded").visible
     view.twist = (0.38, 0.0, 0.1)
     assert "slowed by the wheel speed of" in view._panels.status.content
     assert np.abs(view.motion.speeds).max() == pytest.approx(1.0, rel=1e-9)

@@ -253,6 +253,8 @@ def on_ground(subject: Subject, places: Floats) -> Floats:
 def words(subject: Subject, motion: Motion) -> str:
     """Whether the rover can do as commanded, and what keeps it from that."""
     reasons, state = motion.reasons, motion.state
+    if state.steering is not None:
+        return "as recorded"
     if motion.possible or not reasons:
         return "possible as commanded" if any(state.twist) else "stands still"
     if not motion.twist.any():

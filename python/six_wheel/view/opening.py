@@ -68,10 +68,10 @@ def view(
     require()
     free_port(port)
     from six_wheel.view.subject import find_subject
-    from six_wheel.view.viewing import View, _triple
+    from six_wheel.view.viewing import View
 
-    subject = find_subject(x, ground, rover=rover, at=_triple("at", at))
-    made = View(subject, twist=_triple("twist", twist), steering_limit=steering_limit, port=port, theme=theme)
+    subject = find_subject(x, ground, rover=rover, at=at)
+    made = View(subject, twist=twist, steering_limit=steering_limit, port=port, theme=theme)
     if open:
         browse(made.url)
     return made

@@ -24,7 +24,7 @@ __all__ = ["Panels"]
 STEPS = 200  # of a slider over its range
 PAD = (("↖", "↑", "↗"), ("⟲", "■", "⟳"), ("↙", "↓", "↘"))
 TURNS = ("Straight", "Crab", "Spin", "Point turn", "Stop")
-SHOWN = ("body", "arrows", "centre", "ahead", "fans", "path")
+SHOWN = ("body", "arrows", "centre", "ahead", "fans", "path", "follow")
 
 
 class Panels:

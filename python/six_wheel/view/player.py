@@ -173,17 +173,19 @@ class Player:
 
     def _add_paths(self) -> None:
         record, scene = self._record, self._server.scene
-        self._line("/record/path", record.poses, DRIVEN)
+        self._line("/world/record/path", record.poses, DRIVEN)
         if record.truth is not None and record.truth.has_positions:
-            self._line("/record/truth", record.truth.poses, TRUE)
+            self._line("/world/record/truth", record.truth.poses, TRUE)
         if record.covariances is not None:
             rows = np.unique(np.linspace(0, len(record.times) - 1, ELLIPSES).astype(int))
             rings = np.concatenate([self._ellipse(row) for row in rows])
             thick = 0.06 * self._subject.radius
             self._lines.append(
-                scene.add_line_segments("/record/ellipses", rings, ELLIPSE, thickness=0.6 * thick)
+                scene.add_line_segments("/world/record/ellipses", rings, ELLIPSE, thickness=0.6 * thick)
             )
-            self._now = scene.add_line_segments("/record/ellipse", self._ellipse(0), ELLIPSE, thickness=thick)
+            self._now = scene.add_line_segments(
+                "/world/record/ellipse", self._ellipse(0), ELLIPSE, thickness=thick
+            )
 
     def _line(self, name: str, poses: Floats, color: tuple[int, int, int]) -> None:
         points = thin_path(np.asarray(poses)[:, :2])

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from six_wheel.robot_description.urdf import Robot
     from six_wheel.view.records.record import Record
 
-__all__ = ["Subject", "find_ground", "find_subject", "named_rover"]
+__all__ = ["Subject", "find_ground", "find_subject", "named_rover", "triple"]
 
 Floats = NDArray[np.float64]
 WHEEL_SPEED = 1.0  # [rad/s] of a wheel where nothing limits it: rovers are slow
@@ -113,7 +113,7 @@ def find_subject(
     ground: Any = None,
     *,
     rover: Any = None,
-    at: tuple[float, float, float] | None = None,
+    at: Any = None,
     node: str | None = None,
     kind: str | None = None,
     wheel_radius: float | None = None,
@@ -150,8 +150,8 @@ def find_subject(
         given = ground if isinstance(ground, str) else None
         found = replace(found, ground=made, ground_given=given)
     start = found.start
-    if at is not None:
-        start = at
+    if (given_start := triple("at", at)) is not None:
+        start = given_start
     elif found.record is not None:
         start = tuple(np.nan_to_num(found.record.poses[0]).tolist())
     elif found.ground is not None:
@@ -235,6 +235,19 @@ def known_arm(rover: Rover) -> RockerBogie | None:
         if Rover.preset(name).wheels == rover.wheels:
             return preset_arm(name)
     return None
+
+
+def triple(name: str, values: Any) -> tuple[float, float, float] | None:
+    """Three finite numbers."""
+    if values is None:
+        return None
+    try:
+        found = tuple(float(value) for value in values)
+    except (TypeError, ValueError):
+        raise ArgumentTypeError(f"{name} must be three numbers, got {values!r}") from None
+    if len(found) != 3 or not np.isfinite(found).all():
+        raise ValueError(f"{name} must be three finite numbers, got {values!r}")
+    return found[0], found[1], found[2]
 
 
 def _middle(ground: Terrain) -> tuple[float, float, float]:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from six_wheel._core import integrate
-from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.view.export import FRAMES, RATE, write_page
 from six_wheel.view.motion import Motion, State, find_motion
 from six_wheel.view.panels import Panels
@@ -25,7 +24,7 @@ from six_wheel.view.scene.ground import Block
 from six_wheel.view.scene.markers import Markers
 from six_wheel.view.scene.stage import camera_of, set_stage
 from six_wheel.view.server import HOST, open_server, stop_server
-from six_wheel.view.subject import Subject
+from six_wheel.view.subject import Subject, triple
 from six_wheel.view.worker import Worker
 
 if TYPE_CHECKING:
@@ -52,7 +51,7 @@ class View:
         self,
         subject: Subject,
         *,
-        twist: tuple[float, float, float] | None = None,
+        twist: Any = None,
         steering_limit: float | None = None,
         port: int = 0,
         theme: str = "dark",
@@ -60,7 +59,7 @@ class View:
         if theme not in ("dark", "light"):
             raise ValueError(f'theme must be dark or light, got "{theme}"')
         self._lock, self._closed = threading.RLock(), threading.Event()
-        state = start_state(subject, _triple("twist", twist))
+        state = start_state(subject, triple("twist", twist))
         if steering_limit is not None:
             state = replace(state, steering_limit=_limit(subject, steering_limit))
         motion = find_motion(subject, state)
@@ -81,6 +80,7 @@ class View:
         self._subject, self._state, self._motion = subject, state, motion
         nodes = set_stage(server, subject.size, self._dark)
         nodes["floor"].visible = subject.ground is None
+        self._world = nodes["world"]
         self._bodies = Bodies(server, subject, motion)
         self._markers = Markers(server, subject, motion)
         self._block = Block(server, subject)
@@ -105,7 +105,7 @@ class View:
     def twist(self, twist: Any) -> None:
         if self._player is not None:
             raise ValueError("twist must be left alone of a record, which has its own")
-        given = _triple("twist", twist)
+        given = triple("twist", twist)
         assert given is not None
         self._panels.set_twist(given)
         self._ask()
@@ -118,7 +118,7 @@ class View:
 
     @pose.setter
     def pose(self, pose: Any) -> None:
-        given = _triple("pose", pose)
+        given = triple("pose", pose)
         assert given is not None
         if self._player is not None:
             raise ValueError("pose must be left alone of a record, which has its own; time moves it")
@@ -240,6 +240,7 @@ class View:
         limit_moved = state.steering_limit != self._motion.state.steering_limit
         self._state, self._motion = replace(state, pose=motion.state.pose), motion
         with self._server.atomic():
+            self._follow(motion)
             self._bodies.show(motion)
             if limit_moved:
                 self._bodies.set_steering_limit(state.steering_limit)
@@ -252,6 +253,12 @@ class View:
             self._block.show(motion.state.pose, panels.coloring)
             self._show_handle(motion)
             panels.report(motion, None if player is None else player.time)
+
+    def _follow(self, motion: Motion) -> None:
+        """Move the world instead of the rover: cameras, which are those of the browsers, stay with it."""
+        if self._panels.shows("follow") and not self._panels.moved_by_hand:
+            x, y, _ = motion.transform[:3, 3] - self._subject.origin
+            self._world.position = (-float(x), -float(y), 0.0)
 
     def _show_parts(self) -> None:
         panels = self._panels
@@ -270,7 +277,7 @@ class View:
             if not wanted:
                 return
             self._handle = self._server.scene.add_transform_controls(
-                "/handle",
+                "/world/handle",
                 scale=0.6 * self._subject.size,
                 active_axes=(True, True, False),
                 disable_rotations=True,
@@ -324,7 +331,8 @@ class View:
     def _camera(self, name: str, narrow: bool = False) -> tuple[Any, Any]:
         """Place and target of a camera."""
         found = camera_of(name, self._subject.size, self._motion.transform, narrow)
-        return found[0] - self._subject.origin, found[1] - self._subject.origin
+        offset = np.asarray(self._world.position) - self._subject.origin
+        return found[0] + offset, found[1] + offset
 
     def _greet(self, client: viser.ClientHandle) -> None:
         self._look(client, "Free")
@@ -333,19 +341,6 @@ class View:
         worker, self._worker = self._worker, Worker(lambda: None, lambda error: None)
         worker.close()
         self._worker.close()
-
-
-def _triple(name: str, values: Any) -> tuple[float, float, float] | None:
-    """Three finite numbers."""
-    if values is None:
-        return None
-    try:
-        found = tuple(float(value) for value in values)
-    except (TypeError, ValueError):
-        raise ArgumentTypeError(f"{name} must be three numbers, got {values!r}") from None
-    if len(found) != 3 or not np.isfinite(found).all():
-        raise ValueError(f"{name} must be three finite numbers, got {values!r}")
-    return found[0], found[1], found[2]
 
 
 def _limit(subject: Subject, steering_limit: float) -> float:

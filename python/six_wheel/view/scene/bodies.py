@@ -46,7 +46,7 @@ class Bodies:
     """
 
     def __init__(
-        self, server: viser.ViserServer, subject: Subject, motion: Motion, prefix: str = "/rover"
+        self, server: viser.ViserServer, subject: Subject, motion: Motion, prefix: str = "/world/rover"
     ) -> None:
         self._scene, self._prefix, self._subject = server.scene, prefix, subject
         self._root = server.scene.add_frame(prefix, show_axes=False)

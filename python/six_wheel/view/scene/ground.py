@@ -126,10 +126,10 @@ class Block:
         scene = self._server.scene
         with self._server.atomic():
             scene.add_glb(
-                "/ground/top", colored_glb(top, painted, normals), position=place, cast_shadow=False
+                "/world/ground/top", colored_glb(top, painted, normals), position=place, cast_shadow=False
             )
             scene.add_mesh_simple(
-                "/ground/sides", walls.vertices.astype(np.float32), walls.faces.astype(np.uint32),
+                "/world/ground/sides", walls.vertices.astype(np.float32), walls.faces.astype(np.uint32),
                 color=(84, 54, 44), flat_shading=True, side="double", cast_shadow=False, position=place,
             )  # fmt: skip
 

@@ -35,26 +35,29 @@ class Markers:
         self._subject, scene = subject, server.scene
         radius, count = subject.radius, len(subject.rover.wheels)
         self._arrows = scene.add_arrows(
-            "/motion/speeds", np.zeros((count, 2, 3)), TEAL, shaft_radius=0.1 * radius,
+            "/world/motion/speeds", np.zeros((count, 2, 3)), TEAL, shaft_radius=0.1 * radius,
             head_radius=0.25 * radius, head_length=0.45 * radius,
         )  # fmt: skip
         self._axes = scene.add_line_segments(
-            "/motion/axes", np.zeros((count, 2, 3)), AMBER, thickness=0.035 * radius
+            "/world/motion/axes", np.zeros((count, 2, 3)), AMBER, thickness=0.035 * radius
         )
-        self._post = scene.add_frame("/motion/icr", show_axes=False)
+        self._post = scene.add_frame("/world/motion/icr", show_axes=False)
         tall = 0.85 * subject.size
         post = shapes.cylinder((0.0, 0.0, -0.2 * tall), (0.0, 0.0, tall), 0.055 * radius)
         ring = shapes.cylinder((0.0, 0.0, tall), (0.0, 0.0, tall + 0.06 * radius), 0.35 * radius, 24)
         mesh = shapes.join([post, ring])
         scene.add_mesh_simple(
-            "/motion/icr/post", mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32), color=AMBER
+            "/world/motion/icr/post",
+            mesh.vertices.astype(np.float32),
+            mesh.faces.astype(np.uint32),
+            color=AMBER,
         )
         self._label = scene.add_label(
-            "/motion/icr/label", "R", position=(0.0, 0.0, tall + 0.5 * radius), anchor="bottom-center"
+            "/world/motion/icr/label", "R", position=(0.0, 0.0, tall + 0.5 * radius), anchor="bottom-center"
         )
         self._ribbons = [self._ribbon(scene, number, motion) for number in range(count)]
         self._commanded = scene.add_line_segments(
-            "/motion/commanded", np.zeros((1, 2, 3)), RED, thickness=0.09 * radius, visible=False
+            "/world/motion/commanded", np.zeros((1, 2, 3)), RED, thickness=0.09 * radius, visible=False
         )
         self.visible = dict.fromkeys(("arrows", "centre", "ahead"), True)
 
@@ -120,6 +123,6 @@ class Markers:
         _, places = path_ahead(self._subject, motion, (self._subject.top_speed, 0.0, 0.0))
         mesh = shapes.ribbon(places[number], 0.45 * self._subject.radius)
         return scene.add_mesh_simple(
-            f"/motion/track_{number}", mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32),
+            f"/world/motion/track_{number}", mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32),
             color=TEAL, opacity=0.8, side="double", cast_shadow=False, visible=False,
         )  # fmt: skip

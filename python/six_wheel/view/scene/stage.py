@@ -22,7 +22,7 @@ CAMERAS = {
     "Above": ((-0.02, -0.15, 3.0), (0.0, -0.15, 0.0)),
     "Side": ((-0.1, -2.0, 0.45), (-0.1, 0.0, 0.25)),
 }
-FARTHER, LOWER = 2.2, 1.0  # of a telephone, whose lower part is covered: distance; sizes below the rover
+FARTHER, LOWER = 1.5, 1.5  # of a telephone, whose lower part is covered: distance; sizes below the rover
 
 
 def set_stage(server: viser.ViserServer, size: float, dark: bool) -> dict[str, Any]:
@@ -48,13 +48,14 @@ def set_stage(server: viser.ViserServer, size: float, dark: bool) -> dict[str, A
         control_width="medium",
     )
     step = nice_step(size / 2.0)
+    world = scene.add_frame("/world", show_axes=False)
     grid = scene.add_grid(
-        "/floor", width=40.0 * size, height=40.0 * size, infinite_grid=True, cell_size=step / 5.0,
+        "/world/floor", width=40.0 * size, height=40.0 * size, infinite_grid=True, cell_size=step / 5.0,
         section_size=step, cell_color=(70, 70, 74) if dark else (214, 214, 218),
         section_color=(110, 110, 116) if dark else (170, 170, 176), fade_distance=14.0 * size,
         shadow_opacity=0.35, plane_color=(58, 58, 62) if dark else (238, 236, 232), plane_opacity=1.0,
     )  # fmt: skip
-    return {"floor": grid}
+    return {"floor": grid, "world": world}
 
 
 def camera_of(name: str, size: float, transform: Floats, narrow: bool = False) -> tuple[Floats, Floats]:
