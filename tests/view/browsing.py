@@ -58,7 +58,12 @@ class Page:
 
     def type(self, row: str, value: str) -> None:
         """Write a number into the field of a slider, whose name stands in its row."""
-        field = self.page.get_by_text(row, exact=True).locator("xpath=ancestor::*[.//input][1]").locator("input").last
+        field = (
+            self.page.get_by_text(row, exact=True)
+            .locator("xpath=ancestor::*[.//input][1]")
+            .locator("input")
+            .last
+        )
         field.fill(value)
         field.press("Enter")
 

@@ -105,7 +105,8 @@ class Player:
                 found = Reason(int(record.reasons[row]))
                 names = found.name or "as commanded"
                 self._why.content = _spans(self._begins, self._found, record.duration, self.time, names)
-            for cursor, (times, columns) in self._cursors:
+            # A plot is sent whole: while time goes on, the bar above has its own mark.
+            for cursor, (times, columns) in () if self.playing else self._cursors:
                 cursor.data = _with_cursor(times, columns, self.time)
 
     def show_path(self, visible: bool) -> None:
@@ -128,8 +129,9 @@ class Player:
                 self._changed()
 
         def begin(event: Any) -> None:
-            if event.client is not None and self.playing and self.time >= self._record.duration:
+            if self.playing and self.time >= self._record.duration:
                 self.go(0.0)
+            self._changed()
 
         def toggle(event: Any) -> None:
             self._play.value = not self._play.value

@@ -252,6 +252,7 @@ class View:
             self._drawn = now
             self._block.show(motion.state.pose, panels.coloring)
             self._show_handle(motion)
+            motion = replace(motion, remarks=(*motion.remarks, *self._bodies.remarks))
             panels.report(motion, None if player is None else player.time)
 
     def _follow(self, motion: Motion) -> None:
@@ -295,7 +296,8 @@ class View:
     def _tick(self) -> None:
         """Let time go on: that of a record, or of a rover that drives."""
         worker, before = self._worker, clock.monotonic()
-        while not self._closed.wait(PERIOD) and worker is self._worker:
+        spent = 0.0
+        while not self._closed.wait(max(PERIOD - spent, 1e-3)) and worker is self._worker:
             now = clock.monotonic()
             dt, before = now - before, now
             if self._player is not None:
@@ -306,6 +308,7 @@ class View:
                 self._drive(min(dt, 0.2))
                 worker.ask()
                 worker.wait(1.0)
+            spent = clock.monotonic() - now
 
     def _drive(self, dt: float) -> None:
         """The rover, so much later."""

@@ -81,6 +81,7 @@ class Bodies:
         turned[:, :3, :3] = turned[:, :3, :3] @ spin
         names = [f"wheel_{number}" for number in range(len(turned))]
         poses = dict(zip(names, turned, strict=True)) | motion.frames
+        poses["body"] = np.eye(4)
         poses |= {f"knuckle_{number}": frame for number, frame in enumerate(motion.wheels)}
         wanted = [name for name in self._frames if name in poses]
         stacked = np.stack([poses[name] for name in wanted])
