@@ -16,6 +16,7 @@ pytest.importorskip("pyarrow")
 
 import six_wheel as sw
 from six_wheel.log_odometry import FleetLog, Settings, reckon, reckon_all
+from six_wheel.logs.writing import _beside
 from six_wheel.simulation import write_log
 from tests.cli_runs import Run
 from tests.rovers import PAIR
@@ -49,19 +50,11 @@ def one_by_one(logs: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str
 
 
 @pytest.fixture(scope="module")
-def client() -> Iterator[Any]:
-    """A Dask cluster of two processes."""
-    distributed = pytest.importorskip("distributed", reason="needs Dask")
-    import dask
+def client(local_cluster: Any) -> Iterator[Any]:
+    """A client of a Dask cluster of two processes."""
+    import distributed
 
-    settings = {"distributed.logging.distributed": "critical", "distributed.comm.timeouts.connect": "3s"}
-    with (
-        dask.config.set(settings),
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
-        ) as started,
-        distributed.Client(started, set_as_default=False) as found,
-    ):
+    with distributed.Client(local_cluster, set_as_default=False) as found:
         yield found
 
 
@@ -112,7 +105,12 @@ def test_a_killed_worker_loses_nothing(
 def test_what_a_worker_that_died_had_begun_is_gone(logs: Path, tmp_path: Path) -> None:
     """A part of a track was left beside it under a hidden name."""
     (folder := tmp_path / "tracks" / "monday").mkdir(parents=True)
-    begun, other = folder / ".run4.0123abcd.csv", folder / ".run4.notes.csv"
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    begun, other = (
+        folder / f"{_beside(folder / 'run4.csv')}{dead.pid}-0123abcd.csv",
+        folder / ".run4.notes.csv",
+    )
     for path in (begun, other):
         path.write_text("time,x\n0,")
     list(reckon_all(PAIR, [logs], tmp_path / "tracks", settings=NOISE, workers=1))

@@ -48,6 +48,9 @@ RadiusOption = Annotated[
 ]
 
 
+WRITTEN = ("output", "plot", "speeds", "report", "layout")  # parameters of commands that name files to write
+
+
 def with_options(command: Callable[..., None]) -> Callable[..., None]:
     """The command as typer has to see it: each field of its groups of options is an option of its own.
 
@@ -66,14 +69,32 @@ def with_options(command: Callable[..., None]) -> Callable[..., None]:
             flat[option] = inspect.Parameter(option, parameter.KEYWORD_ONLY, default=default, annotation=hint)
 
     def run(**given: Any) -> None:
+        from six_wheel.logs.writing import check_outputs, together
+
+        outputs = {name: given[name] for name in WRITTEN if given.get(name) is not None}
+        sources = [path for name in given.keys() - outputs for path in _files(given[name])]
+        check_outputs(outputs, sources)
         for name, group in groups.items():
             given[name] = group(*(given.pop(option) for option in group._fields))
-        command(**given)
+        with together(sources):
+            command(**given)
 
     run.__signature__ = signature.replace(parameters=list(flat.values()))  # type: ignore[attr-defined]
     run.__annotations__ = {name: parameter.annotation for name, parameter in flat.items()}
     run.__name__ = command.__name__
     return run
+
+
+def _files(value: object) -> list[Path]:
+    """Files that a value of an argument names."""
+    several = value if isinstance(value, list | tuple) else [value]
+    paths = [Path(each) for each in several if isinstance(each, str | Path)]
+    found = []
+    for path in paths:
+        with contextlib.suppress(OSError, ValueError):  # a text that can be no path
+            if path.is_file():
+                found.append(path)
+    return found
 
 
 def warn(warnings: Sequence[object]) -> None:
