@@ -27,9 +27,8 @@ def main() -> None:
             begin = time.perf_counter()
             page = Page(browser, view.url)
             page.page.wait_for_selector("text=possible as commanded")
-            print(
-                f"page to panel     {time.perf_counter() - begin:.2f} s, {page.frames[1] / 1e6:.2f} MB received"
-            )
+            took, size = time.perf_counter() - begin, page.frames[1] / 1e6
+            print(f"page to panel     {took:.2f} s, {size:.2f} MB received")
             page.page.wait_for_timeout(5000)
             delays = []
             for k in range(CHANGES):
@@ -40,9 +39,8 @@ def main() -> None:
                 while page.frames[0] == seen and time.perf_counter() - begin < 5.0:
                     page.page.wait_for_timeout(1)
                 delays.append(1e3 * (time.perf_counter() - begin))
-            print(
-                f"change to frame   median {np.median(delays):.0f} ms, 99 % {np.percentile(delays, 99):.0f} ms"
-            )
+            median, last = np.percentile(delays, [50, 99])
+            print(f"change to frame   median {median:.0f} ms, 99 % {last:.0f} ms")
             page.close()
         with sw.view(log, rover="husky", open=False) as view:
             page = Page(browser, view.url)
@@ -55,9 +53,8 @@ def main() -> None:
                 rows.add(view.motion.state.pose)
             span = time.perf_counter() - begin
             rate, width = (page.frames[0] - frames) / span, (page.frames[1] - size) / span
-            print(
-                f"playback          {rate:.1f} frames/s, {len(rows) / span:.1f} poses/s, {width / 1e3:.0f} kB/s"
-            )
+            moved = len(rows) / span
+            print(f"playback          {rate:.1f} frames/s, {moved:.1f} poses/s, {width / 1e3:.0f} kB/s")
             print(f"complaints        {page.complaints}, requests to other hosts {page.elsewhere}")
             page.close()
         browser.close()

@@ -49,7 +49,7 @@ def robot_meshes(subject: Subject, motion: Motion) -> tuple[Drawn, list[str]]:
             frame = next(
                 (owners[each.name] for each in tree.chain(joint)[::-1] if each.name in owners), "body"
             )
-        inside = np.linalg.inv(frames[frame])
+        inside: Floats = np.linalg.inv(frames[frame]).astype(np.float64)
         for mesh, color in _shapes_of(tree, link.name, notes):
             placed = shapes.move(shapes.move(mesh, rotation, origin + offset), inside[:3, :3], inside[:3, 3])
             count += len(placed.vertices)
