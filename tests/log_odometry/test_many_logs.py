@@ -171,7 +171,7 @@ def test_a_run_that_is_killed_goes_on(logs: Path, one_by_one: dict[str, bytes], 
     [
         (["{logs}"], "several logs need a folder for their tracks: give -o"),
         (["{logs}", "-o", "t", "--plot", "p.png"], "--plot is for one log"),
-        (["{logs}", "-o", "t", "--ending", ".txt"], "ending"),
+        (["{logs}", "-o", "t", "--output-format", ".txt"], "ending"),
         (["{logs}/monday/run0.csv", "--cluster", "tcp://127.0.0.1:1"], "--cluster is for several logs"),
         (["{logs}", "-o", "{logs}/monday/run0.csv"], "the output of several logs must be a folder"),
     ],

@@ -18,11 +18,13 @@ def scenes() -> dict[str, tuple[Any, dict[str, Any], tuple[int, int]]]:
     corners = [(0.3, 0.25), (0.3, -0.25), (-0.3, 0.25), (-0.3, -0.25)]
     swerve = sw.Rover.swerve(corners, 0.1)
     car = sw.Rover.ackermann(2.6, 1.5, 0.33, steering_limit=0.6)
-    arm = sw.RockerBogie.perseverance()
+    suspension = sw.RockerBogie.preset("perseverance")
     stamps = np.arange(0.0, 60.0, 1.0)
     twists = np.stack([np.full(60, 0.15), np.zeros(60), 0.06 * np.sin(stamps / 9.0)], axis=1)
     yard = sw.Terrain.yard(30.0, 0.1, 0.08, 4, roughness=0.2)
-    run = sw.simulate(arm, (stamps, twists), ground=yard, start=(8.0, 14.0, 0.0), rate=10.0, name="run")
+    run = sw.simulate(
+        suspension, (stamps, twists), ground=yard, start=(8.0, 14.0, 0.0), rate=10.0, name="run"
+    )
     return {
         "view_rocks": ("perseverance", {"twist": (0.15, 0.0, 0.05)}, DESK),
         "view_phone": ("perseverance", {"twist": (0.15, 0.0, 0.05)}, TELEPHONE),

@@ -71,7 +71,7 @@ def test_a_table_whose_time_runs_backwards(refused: Callable[..., str], run: Run
 
 
 def test_what_is_nothing_to_see_is_a_type_error() -> None:
-    for x in (3, None, object(), sw.Suspension.zoe()):
+    for x in (3, None, object(), sw.Suspension.preset("zoe")):
         with pytest.raises(TypeError, match="x must be a"):
             find_subject(x)
 

@@ -46,7 +46,7 @@ def test_wheels_of_a_rover_on_a_plane_are_where_inverse_says(opened: Open, prese
     view = opened(preset, "flat", at=(1.0, -2.0, 0.7))
     view.twist = rover.project((0.03, 0.01, 0.02))
     steering, speeds = rover.inverse(view.motion.twist)
-    np.testing.assert_allclose(view.motion.speeds, speeds, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(view.motion.wheel_speeds, speeds, rtol=1e-9, atol=1e-12)
     turned = iter(steering)
     for number, wheel in enumerate(rover.wheels):
         placed = pose_of(view, "/world/rover", f"/world/rover/wheel_{number}")
@@ -61,16 +61,16 @@ def test_wheels_of_a_rover_on_a_plane_are_where_inverse_says(opened: Open, prese
 def test_links_and_wheels_on_ground_are_where_settle_and_frames_say(
     opened: Open, preset: str, ground: str
 ) -> None:
-    arm = getattr(sw.RockerBogie, preset)()
-    view = opened(arm, GROUNDS[ground], at=(0.0, 0.0, 0.3))
+    suspension = sw.RockerBogie.preset(preset)
+    view = opened(suspension, GROUNDS[ground], at=(0.0, 0.0, 0.3))
     twist = np.array([0.4, 0.0, 0.1]) * view._subject.radius
     for pose in ((0.4, 0.2, 0.3), (1.1, -0.7, -2.0)):
         view.pose = pose
         view.twist = twist
         motion = view.motion
-        stand = arm.settle(GROUNDS[ground], pose, motion.steering)
+        stand = suspension.settle(GROUNDS[ground], pose, motion.steering)
         assert stand.stands
-        frames = arm.frames(stand.joints[0], stand.joints[1:], motion.steering)
+        frames = suspension.frames(stand.joints[0], stand.joints[1:], motion.steering)
         for number in range(6):
             world = stand.transform @ frames[f"A{number + 1}"]
             drawn = pose_of(view, "/world/rover", f"/world/rover/wheel_{number}")
@@ -80,8 +80,8 @@ def test_links_and_wheels_on_ground_are_where_settle_and_frames_say(
             drawn = pose_of(view, "/world/rover", f"/world/rover/{name}")
             world = stand.transform @ frames[name]
             np.testing.assert_allclose(drawn[:3, 3] + view._subject.origin, world[:3, 3], atol=PLACES)
-        told = arm.inverse(stand, motion.twist[[0, 2]], view="plan", steering=motion.steering)
-        np.testing.assert_allclose(motion.speeds, told.speeds, rtol=1e-12)
+        told = suspension.inverse(stand, motion.twist[[0, 2]], view="plan", steering=motion.steering)
+        np.testing.assert_allclose(motion.wheel_speeds, told.wheel_speeds, rtol=1e-12)
 
 
 def test_axes_meet_in_the_centre_of_rotation(opened: Open) -> None:
@@ -122,7 +122,7 @@ def test_what_cannot_be_done_is_said_and_shown_in_red(opened: Open) -> None:
     assert not node(view, "/world/motion/commanded").visible
     view.twist = (0.38, 0.0, 0.1)
     assert "slowed by the wheel speed of" in view._panels.status.content
-    assert np.abs(view.motion.speeds).max() == pytest.approx(1.0, rel=1e-9)
+    assert np.abs(view.motion.wheel_speeds).max() == pytest.approx(1.0, rel=1e-9)
     tight = opened("perseverance", "flat", twist=(0.02, 0.0, 0.1), steering_limit=0.5)
     assert "steering range" in words(tight._subject, tight.motion)
     assert np.abs(tight.motion.steering).max() <= 0.5 + 1e-9

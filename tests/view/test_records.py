@@ -41,12 +41,14 @@ def test_a_drive_on_disk_is_its_rows(run: Run, ending: str) -> None:
         np.testing.assert_allclose(column, known[name], atol=1e-9)
     rover = record.rover
     assert record.steering is not None
-    assert record.speeds is not None
+    assert record.wheel_speeds is not None
     for joint, wheel in rover.steering_joints.items():
-        column = record.steering[:, rover.steered_names.index(wheel)]
+        column = record.steering[:, rover.steered_wheel_names.index(wheel)]
         np.testing.assert_allclose(column, known[joint], atol=1e-9)
     for joint, wheel in rover.traction_joints.items():
-        np.testing.assert_allclose(record.speeds[:, rover.wheel_names.index(wheel)], known[joint], atol=1e-9)
+        np.testing.assert_allclose(
+            record.wheel_speeds[:, rover.wheel_names.index(wheel)], known[joint], atol=1e-9
+        )
     assert record.reasons is not None
     np.testing.assert_array_equal(record.reasons > 0, known["reasons"] > 0)
 
@@ -90,11 +92,11 @@ def test_objects_are_the_same_records(opened: Open) -> None:
 
 
 def test_a_simulation_on_ground_stands_as_it_stood(opened: Open) -> None:
-    arm = sw.RockerBogie.curiosity()
+    suspension = sw.RockerBogie.preset("curiosity")
     ground = sw.Terrain.yard(20.0, 0.1, 0.08, 2)
     stamps = np.arange(0.0, 12.0, 1.0)
     run = sw.simulate(
-        arm, (stamps, np.tile([0.2, 0.0, 0.03], (12, 1))), ground=ground, start=(7, 10, 0), rate=5
+        suspension, (stamps, np.tile([0.2, 0.0, 0.03], (12, 1))), ground=ground, start=(7, 10, 0), rate=5
     )
     view = opened(run)
     for row in (0, 17, 40):
@@ -104,7 +106,7 @@ def test_a_simulation_on_ground_stands_as_it_stood(opened: Open) -> None:
         motion = view.motion
         np.testing.assert_allclose(motion.transform, stand.transform[row], atol=1e-9)
         np.testing.assert_allclose(motion.joints, stand.joints[row], atol=1e-9)
-        np.testing.assert_allclose(motion.speeds, run.speeds[row], atol=1e-12)
+        np.testing.assert_allclose(motion.wheel_speeds, run.wheel_speeds[row], atol=1e-12)
 
 
 def test_thin_columns_lose_no_peak() -> None:

@@ -37,18 +37,26 @@ ResultsOption = Annotated[
     Path | None, typer.Option("-o", "--output", help="Where the results go: .csv, .parquet or .mcap.")
 ]
 NodeOption = Annotated[
-    str | None, typer.Option(help="Node whose parameters to read, if the file has several.")
-]
-AsOption = Annotated[
     str | None,
-    typer.Option("--as", metavar="KIND", help="Kind or controller whose keys the file has, if unclear."),
+    typer.Option("--parameters-node", help="Node whose parameters to read, if the file has several."),
+]
+KindOption = Annotated[
+    str | None,
+    typer.Option(metavar="KIND", help="Kind or controller whose keys the file has, if unclear."),
 ]
 RadiusOption = Annotated[
     float | None, typer.Option(help="Radius of the wheels [m], for a URDF that does not tell it.")
 ]
 
 
-WRITTEN = ("output", "plot", "speeds", "report", "layout")  # parameters of commands that name files to write
+WRITTEN = (
+    "output",
+    "plot",
+    "plot_speeds",
+    "report",
+    "layout",
+    "export",
+)  # parameters that name files to write
 
 
 def with_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -107,7 +115,7 @@ class Reading(NamedTuple):
     """Options for reading a rover's file, for what it does not state itself."""
 
     node: NodeOption = None
-    as_: AsOption = None
+    kind: KindOption = None
     wheel_radius: RadiusOption = None
 
 
@@ -152,7 +160,7 @@ def choose(argument: str, reading: Reading = Reading()) -> Chosen:  # noqa: B008
     if path.is_file() or path.suffix:
         from six_wheel.robot_description.parameters.file import read_parameters
 
-        parameters = read_parameters(path, node=reading.node, kind=reading.as_)
+        parameters = read_parameters(path, node=reading.node, kind=reading.kind)
         return Chosen(parameters.rover, path.stem, path, parameters)
     from six_wheel._core import Rover
 
@@ -175,8 +183,7 @@ def choose_suspension(argument: str, reading: Reading = Reading()) -> "tuple[Roc
     if argument in SUSPENDED:
         from six_wheel._core import RockerBogie
 
-        arm: RockerBogie = getattr(RockerBogie, argument)()
-        return arm, argument
+        return RockerBogie.preset(argument), argument
     chosen = choose(argument, reading)
     if chosen.rover.suspension is None:
         raise ValueError(

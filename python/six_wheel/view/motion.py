@@ -45,7 +45,7 @@ class State:
         Angles of the suspension where there is no ground [rad].
     steering : tuple of float or None
         Angles of the steered wheels that are given, as in a record [rad]; None those of the motion.
-    speeds : tuple of float or None
+    wheel_speeds : tuple of float or None
         Wheel speeds that are given [rad/s].
     rolled : tuple of float
         Angles by which the wheels have turned [rad].
@@ -59,7 +59,7 @@ class State:
     pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
     joints: tuple[float, ...] = (0.0, 0.0, 0.0)
     steering: tuple[float, ...] | None = None
-    speeds: tuple[float, ...] | None = None
+    wheel_speeds: tuple[float, ...] | None = None
     rolled: tuple[float, ...] = ()
 
     def limits(self, subject: Subject) -> Limits:
@@ -80,7 +80,7 @@ class Motion:
         The motion the rover makes.
     reasons : Reason
         What keeps it from the commanded one.
-    steering, speeds : ndarray
+    steering, wheel_speeds : ndarray
         Angles of the steered wheels, speeds of all [rad, rad/s].
     slide : ndarray, shape (wheels,)
         Speed at which every contact slides [m/s].
@@ -104,7 +104,7 @@ class Motion:
     twist: Floats
     reasons: Reason
     steering: Floats
-    speeds: Floats
+    wheel_speeds: Floats
     slide: Floats
     icr: Floats
     transform: Floats
@@ -131,9 +131,9 @@ class Motion:
         """Names of the wheels that touch nothing."""
         if self.stand is None or not self.stands:
             return []
-        arm: Any = self.stand.suspension
-        hangs = np.asarray(self.stand.gap) > HANGING * float(arm.dimensions["wheel_radius"])
-        return [name for name, hanging in zip(arm.wheel_names, hangs, strict=True) if hanging]
+        suspension: Any = self.stand.suspension
+        hangs = np.asarray(self.stand.gap) > HANGING * float(suspension.dimensions["wheel_radius"])
+        return [name for name, hanging in zip(suspension.wheel_names, hangs, strict=True) if hanging]
 
 
 def restricted(rover: Rover, steering_limit: float | None) -> Rover:
@@ -165,11 +165,11 @@ def find_motion(subject: Subject, state: State, previous: Motion | None = None) 
     else:
         twist, reasons = np.array(state.twist), Reason(0)
         steering = np.array(state.steering)
-        speeds = np.zeros(len(rover.wheels)) if state.speeds is None else np.array(state.speeds)
+        speeds = np.zeros(len(rover.wheels)) if state.wheel_speeds is None else np.array(state.wheel_speeds)
     fit = rover.fit(steering, speeds, allow_underdetermined=True)
-    slide, icr = fit.residual, rover.icr(twist)
-    arm, ground = subject.arm, subject.ground
-    if arm is None:
+    slide, icr = fit.residuals, rover.icr(twist)
+    suspension, ground = subject.suspension, subject.ground
+    if suspension is None:
         transform = _level(state.pose)
         wheels, straight = (_planar_wheels(rover, angles) for angles in (steering, np.zeros_like(steering)))
         return Motion(
@@ -178,10 +178,10 @@ def find_motion(subject: Subject, state: State, previous: Motion | None = None) 
     stand = stability = None
     transform, joints = _level(state.pose), np.array(state.joints)
     if ground is not None:
-        stand = arm.settle(ground, state.pose, steering)
+        stand = suspension.settle(ground, state.pose, steering)
         if stand.status in STANDING:
             transform, joints = stand.transform, stand.joints
-            stability = arm.stability(stand, mass=1.0)
+            stability = suspension.stability(stand, mass=1.0)
             speeds, slide = _rolling(subject, stand, twist, steering, state, remarks, slide)
         elif previous is not None and previous.stands:
             remarks.append(f"{stand.status}: it stays where it stood")
@@ -191,8 +191,8 @@ def find_motion(subject: Subject, state: State, previous: Motion | None = None) 
                 return replace(again, remarks=(*again.remarks, *remarks))
         else:
             remarks.append(f"{stand.status}: it does not stand there")
-    frames = arm.frames(joints[0], joints[1:], steering)
-    unturned = arm.frames(joints[0], joints[1:])
+    frames = suspension.frames(joints[0], joints[1:], steering)
+    unturned = suspension.frames(joints[0], joints[1:])
     names = [f"A{number}" for number in range(1, len(rover.wheels) + 1)]
     wheels, straight = (np.stack([each[name] for name in names]) for each in (frames, unturned))
     return Motion(
@@ -211,17 +211,19 @@ def _rolling(
     slide: Floats,
 ) -> tuple[Floats, Floats]:
     """Wheel speeds on the ground and how fast the contacts slide there."""
-    arm = subject.arm
-    assert arm is not None
+    suspension = subject.suspension
+    assert suspension is not None
     try:
-        command = arm.inverse(stand, twist[[0, 2]], view="plan", steering=steering)
-        motion = arm.forward(stand, steering, command.speeds, command.joint_rates, command.twist[3:])
+        command = suspension.inverse(stand, twist[[0, 2]], view="plan", steering=steering)
+        motion = suspension.forward(
+            stand, steering, command.wheel_speeds, command.joint_rates, command.twist[3:]
+        )
     except InfeasibleMotionError as error:
         remarks.append(f"on this ground: {error}")
         return np.zeros(len(subject.rover.wheels)), slide
-    if state.speeds is not None:
-        return np.array(state.speeds), slide
-    return command.speeds, np.linalg.norm(np.nan_to_num(motion.residual), axis=-1)
+    if state.wheel_speeds is not None:
+        return np.array(state.wheel_speeds), slide
+    return command.wheel_speeds, np.linalg.norm(np.nan_to_num(motion.residuals), axis=-1)
 
 
 def path_ahead(subject: Subject, motion: Motion, twist: Any) -> tuple[Floats, Floats]:
@@ -243,7 +245,7 @@ def on_ground(subject: Subject, places: Floats) -> Floats:
     if subject.ground is None:
         height = np.zeros(xy.shape[:-1])
     else:
-        height = np.asarray(subject.ground.height(xy))
+        height = np.asarray(subject.ground.height_at(xy))
         height = np.where(
             np.isfinite(height), height, np.nanmean(height) if np.isfinite(height).any() else 0.0
         )
@@ -265,7 +267,7 @@ def words(subject: Subject, motion: Motion) -> str:
     elif reasons & Reason.PROJECTED:
         found.append("not without sliding: the nearest is shown")
     if reasons & Reason.WHEEL_SPEED:
-        fastest = subject.rover.wheel_names[int(np.abs(motion.speeds).argmax())]
+        fastest = subject.rover.wheel_names[int(np.abs(motion.wheel_speeds).argmax())]
         found.append(f"slowed by the wheel speed of {fastest}")
     named = Reason(int(reasons) & ~int(Reason.STEERING_LIMIT | Reason.PROJECTED | Reason.WHEEL_SPEED))
     if named:

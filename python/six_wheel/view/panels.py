@@ -276,7 +276,7 @@ class Panels:
             if subject.ground is not None:
                 self._coloring = gui.add_dropdown("Ground by", COLORINGS, initial_value="relief")
                 self._watch(self._coloring)
-            elif subject.arm is not None:
+            elif subject.suspension is not None:
                 named = zip(("rocker", "bogie L", "bogie R"), state.joints, strict=True)
                 self._joint_sliders = [
                     self._slider(f"{name} [°]", -30.0, 30.0, math.degrees(value), 1) for name, value in named

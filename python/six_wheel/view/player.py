@@ -84,15 +84,15 @@ class Player:
         twist = record.twists[row] if record.twists is not None else np.zeros(3)
         twist = np.nan_to_num(twist)
         steering = record.steering[row] if record.steering is not None else None
-        speeds = record.speeds[row] if record.speeds is not None else None
+        speeds = record.wheel_speeds[row] if record.wheel_speeds is not None else None
         if steering is None or not np.isfinite(steering).all():
-            steering = np.zeros(len(rover.steered_names))
+            steering = np.zeros(len(rover.steered_wheel_names))
         speeds = np.zeros(count) if speeds is None else np.nan_to_num(speeds)
         rolled = () if record.rolled is None else tuple(record.rolled[row].tolist())
         x, y, yaw = np.nan_to_num(poses).tolist()
         return replace(
             before, twist=tuple(twist.tolist()), pose=(x, y, yaw), steering=tuple(steering.tolist()),
-            speeds=tuple(speeds.tolist()), rolled=rolled,
+            wheel_speeds=tuple(speeds.tolist()), rolled=rolled,
         )  # fmt: skip
 
     def show(self, motion: Motion, full: bool) -> None:
@@ -145,8 +145,8 @@ class Player:
     def _add_plots(self) -> None:
         record, rover = self._record, self._subject.rover
         columns: list[tuple[str, Floats | None, tuple[str, ...]]] = [
-            ("wheel speeds [rad/s]", record.speeds, rover.wheel_names),
-            ("steering [rad]", record.steering, rover.steered_names),
+            ("wheel speeds [rad/s]", record.wheel_speeds, rover.wheel_names),
+            ("steering [rad]", record.steering, rover.steered_wheel_names),
             ("sliding [m/s]", record.slips, rover.wheel_names),
             ("vx [m/s], yaw rate [rad/s]", _part(record.twists), ("vx", "omega")),
         ]

@@ -62,7 +62,7 @@ def numbers(subject: Subject, motion: Motion) -> str:
             loads = 100.0 * motion.stability.loads / np.sum(motion.stability.loads)
     for k, wheel in enumerate(subject.rover.wheels):
         row = [wheel.name.replace("_", " "), f"{next(steering):+.2f}" if wheel.steered else ""]
-        row += [f"{motion.speeds[k]:+.4f}", f"{1000.0 * motion.slide[k]:.2f}"]
+        row += [f"{motion.wheel_speeds[k]:+.4f}", f"{1000.0 * motion.slide[k]:.2f}"]
         if contacts is not None:
             row += ["" if loads is None else f"{loads[k]:.1f}", f"{contacts[k]:+.1f}"]
         rows.append(row)

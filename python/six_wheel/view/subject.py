@@ -35,7 +35,7 @@ class Subject:
     ----------
     rover : Rover
         On level ground, in the neutral position of its suspension.
-    arm : RockerBogie or None
+    suspension : RockerBogie or None
     name : str
     limits : Limits
     ground : Terrain or None
@@ -52,7 +52,7 @@ class Subject:
     """
 
     rover: Rover
-    arm: RockerBogie | None = None
+    suspension: RockerBogie | None = None
     name: str = "rover"
     limits: Limits = Limits()  # noqa: RUF009 - immutable
     ground: Terrain | None = None
@@ -77,7 +77,7 @@ class Subject:
     def origin(self) -> Floats:
         """Of what is drawn, in the world (3,) [m]: the browser has single precision, maps long numbers."""
         x, y, _ = self.start
-        height = 0.0 if self.ground is None else float(self.ground.height((x, y)))
+        height = 0.0 if self.ground is None else float(self.ground.height_at((x, y)))
         return np.array([x, y, height if np.isfinite(height) else 0.0])
 
     @property
@@ -134,15 +134,17 @@ def find_subject(
         owner = None if rover is None else named_rover(rover, **reading)
         record = find_record(what, None if owner is None else owner.rover)
         limits = record.limits if owner is None else owner.limits
-        arm = record.arm or (known_arm(record.rover) if owner is None else owner.arm)
+        suspension = record.suspension or (
+            known_suspension(record.rover) if owner is None else owner.suspension
+        )
         given = os.fspath(what) if isinstance(what, str | os.PathLike) else None
-        found = Subject(record.rover, arm, record.name, limits, record.ground, record, given=given)
+        found = Subject(record.rover, suspension, record.name, limits, record.ground, record, given=given)
     else:
         found = named_rover(what, **reading)
-    if ground is None and found.ground is None and found.arm is not None and found.record is None:
+    if ground is None and found.ground is None and found.suspension is not None and found.record is None:
         ground = "yard"
     if ground is not None:
-        if found.arm is None and not (isinstance(ground, str) and ground == "flat"):
+        if found.suspension is None and not (isinstance(ground, str) and ground == "flat"):
             raise ValueError(
                 f"ground must be left out for a rover without a suspension, got {_shown(ground)}"
             )
@@ -181,7 +183,7 @@ def named_rover(
     if isinstance(what, RockerBogie):
         return Subject(what.planar(0.0, (0.0, 0.0)), what)
     if isinstance(what, Rover):
-        return Subject(what, known_arm(what))
+        return Subject(what, known_suspension(what))
     if isinstance(what, Suspension):
         raise ArgumentTypeError(f"x must be a RockerBogie to be shown on its links, got {what!r}")
     if not isinstance(what, str | os.PathLike):
@@ -215,25 +217,23 @@ def named_rover(
         close = get_close_matches(given, presets, 1)
         hint = f'did you mean "{close[0]}"? ' if close else ""
         raise ValueError(f'x must be a file or a preset, got "{given}"; {hint}there are {", ".join(presets)}')
-    arm = preset_arm(given)
-    rover = Rover.preset(given) if arm is None else arm.planar(0.0, (0.0, 0.0))
-    return Subject(rover, arm, given, given=given)
+    suspension = preset_suspension(given)
+    rover = Rover.preset(given) if suspension is None else suspension.planar(0.0, (0.0, 0.0))
+    return Subject(rover, suspension, given, given=given)
 
 
-def preset_arm(name: str) -> RockerBogie | None:
+def preset_suspension(name: str) -> RockerBogie | None:
     """The rocker-bogie of a preset, if it has one."""
-    make = getattr(RockerBogie, name, None)
-    arm = None if make is None else make()
-    return arm if isinstance(arm, RockerBogie) else None
+    return RockerBogie.preset(name) if name in RockerBogie.presets() else None
 
 
-def known_arm(rover: Rover) -> RockerBogie | None:
+def known_suspension(rover: Rover) -> RockerBogie | None:
     """The suspension of a rover, or of the preset that it is."""
     if rover.suspension is not None:
         return rover.suspension
     for name in Rover.presets():
         if Rover.preset(name).wheels == rover.wheels:
-            return preset_arm(name)
+            return preset_suspension(name)
     return None
 
 
@@ -254,7 +254,7 @@ def _middle(ground: Terrain) -> tuple[float, float, float]:
     """The middle of a map."""
     rows, columns = ground.shape
     along, up = (columns - 1) * ground.spacing[0] / 2.0, (rows - 1) * ground.spacing[1] / 2.0
-    c, s = np.cos(ground.orientation), np.sin(ground.orientation)
+    c, s = np.cos(ground.yaw), np.sin(ground.yaw)
     x, y = ground.origin
     return float(x + c * along - s * up), float(y + s * along + c * up), 0.0
 

@@ -314,9 +314,9 @@ class View:
         """The rover, so much later."""
         motion = self._motion
         pose = integrate(motion.twist[None], dt, motion.state.pose)[-1]
-        rolled = np.zeros(len(motion.speeds))
+        rolled = np.zeros(len(motion.wheel_speeds))
         rolled[: len(self._state.rolled)] = self._state.rolled
-        self._state = replace(self._state, rolled=tuple((rolled + motion.speeds * dt).tolist()))
+        self._state = replace(self._state, rolled=tuple((rolled + motion.wheel_speeds * dt).tolist()))
         self._panels.set_pose(pose)
 
     def _fail(self, error: Exception) -> None:

@@ -82,7 +82,7 @@ def view(
         rover=scene.rover,
         at=scene.at,
         node=reading.node,
-        kind=reading.as_,
+        kind=reading.kind,
         wheel_radius=reading.wheel_radius,
     )
     from six_wheel.view.viewing import View

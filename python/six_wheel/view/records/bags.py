@@ -54,7 +54,7 @@ def read_bag(path: Path, owner: Rover | None) -> Record:
     stamps, poses = run.stamps[order], run.poses[order]
     times = (stamps - stamps[0]) / 1e9
     covariances = run.covariances[order][:, :36].reshape(-1, 6, 6)[:, :2, :2]
-    steering, speeds = _joints(rover, run.times, np.hstack([run.steering, run.speeds]), stamps)
+    steering, speeds = _joints(rover, run.times, np.hstack([run.steering, run.wheel_speeds]), stamps)
     if steering is None and readings:
         steering, speeds = _read(rover, readings, stamps)
     reasons = None
@@ -77,7 +77,7 @@ def read_bag(path: Path, owner: Rover | None) -> Record:
         covariances=covariances,
         reasons=reasons,
         truth=known,
-        arm=rover.suspension,
+        suspension=rover.suspension,
         limits=settings.parameters.limits,
     )
 
@@ -95,14 +95,14 @@ def _joints(
     names = [joint for joints in joints_as_given(rover) for joint in joints]
     values = dict(zip(names, rows[_latest(times, stamps)].T, strict=True))
     steering, speeds = rover.readings(values)
-    return (steering if rover.steered_names else None), speeds
+    return (steering if rover.steered_wheel_names else None), speeds
 
 
 def _read(
     rover: Rover, readings: list[tuple[int, dict[str, float]]], stamps: NDArray[np.int64]
 ) -> tuple[Floats | None, Floats | None]:
     """The same of angles that were measured: speeds are their differences."""
-    joints = list(rover.command_joints)
+    joints = list(rover.joint_names)
     rows = [
         (time, [found[joint] for joint in joints]) for time, found in readings if found.keys() >= {*joints}
     ]
@@ -112,7 +112,7 @@ def _read(
     steering, angles = rover.readings(dict(zip(joints, np.array([row for _, row in rows]).T, strict=True)))
     speeds = np.gradient(angles, np.maximum.accumulate(times) / 1e9, axis=0)
     at = _latest(times, stamps)
-    return (steering[at] if rover.steered_names else None), np.nan_to_num(speeds[at])
+    return (steering[at] if rover.steered_wheel_names else None), np.nan_to_num(speeds[at])
 
 
 def _bits(names: str) -> int:

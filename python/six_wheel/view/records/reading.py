@@ -83,25 +83,27 @@ def _shifted(truth: Any, first: float) -> Any:
 
 
 def _of_track3(track: Track3) -> Record:
-    arm: Any = track.arm
+    suspension: Any = track.suspension
     slips = None if track.slips is None else np.linalg.norm(track.slips, axis=-1)
     covariances = None if track.covariances is None else track.covariances[:, :2, :2]
     return Record(
-        arm.planar(0.0, (0.0, 0.0)), "track", _since(track.stamps), track.poses[:, [0, 1, 5]],
-        slips=slips, twists=track.twists[:, [0, 1, 5]], covariances=covariances, arm=arm,
+        suspension.planar(0.0, (0.0, 0.0)), "track", _since(track.stamps), track.poses[:, [0, 1, 5]],
+        slips=slips, twists=track.twists[:, [0, 1, 5]], covariances=covariances, suspension=suspension,
     )  # fmt: skip
 
 
 def _of_log(log: WheelLog, owner: Rover | None) -> Record:
     stand = getattr(log, "stand", None)
     if stand is not None:  # a simulation on ground knows all there is
-        arm = stand.suspension
+        suspension = stand.suspension
         made: Any = log
-        slips = np.abs(made.slip.ratio) * np.abs(made.speeds) * float(arm.dimensions["wheel_radius"])
+        slips = (
+            np.abs(made.slip.ratio) * np.abs(made.wheel_speeds) * float(suspension.dimensions["wheel_radius"])
+        )
         return Record(
-            arm.planar(0.0, (0.0, 0.0)), log.name or "simulation", _since(log.stamps), stand.poses,
-            stand.steering, made.speeds, np.nan_to_num(slips), made.twists[:, [0, 1, 5]],
-            arm=arm, ground=stand.ground,
+            suspension.planar(0.0, (0.0, 0.0)), log.name or "simulation", _since(log.stamps), stand.poses,
+            stand.steering, made.wheel_speeds, np.nan_to_num(slips), made.twists[:, [0, 1, 5]],
+            suspension=suspension, ground=stand.ground,
         )  # fmt: skip
     rover = _needed(owner, log.name or "the log")
     whole = log.in_radians(rover)

@@ -29,7 +29,7 @@ class Record:
         Since the first row [s], growing.
     poses : ndarray, shape (n, 3)
         x, y, yaw [m, m, rad].
-    steering, speeds, slips : ndarray, shape (n, joints), or None
+    steering, wheel_speeds, slips : ndarray, shape (n, joints), or None
         Angles of the steered wheels [rad], wheel speeds [rad/s], speeds at which contacts slid [m/s].
     twists, commanded : ndarray, shape (n, 3), or None
         Of the body; as commanded [m/s, m/s, rad/s].
@@ -39,7 +39,7 @@ class Record:
         Bits of `Reason`.
     truth : GroundTruth or None
         In the same clock.
-    arm : RockerBogie or None
+    suspension : RockerBogie or None
     ground : Terrain or None
     limits : Limits
     """
@@ -49,14 +49,14 @@ class Record:
     times: Floats
     poses: Floats
     steering: Floats | None = None
-    speeds: Floats | None = None
+    wheel_speeds: Floats | None = None
     slips: Floats | None = None
     twists: Floats | None = None
     commanded: Floats | None = None
     covariances: Floats | None = None
     reasons: NDArray[np.uint32] | None = None
     truth: GroundTruth | None = None
-    arm: RockerBogie | None = None
+    suspension: RockerBogie | None = None
     ground: Terrain | None = None
     limits: Limits = Limits()  # noqa: RUF009 - immutable
 
@@ -72,10 +72,10 @@ class Record:
     @cached_property
     def rolled(self) -> NDArray[np.float32] | None:
         """Angles by which the wheels have turned (n, wheels), to be drawn [rad]."""
-        if self.speeds is None:
+        if self.wheel_speeds is None:
             return None
         steps = np.diff(self.times, prepend=self.times[0])[:, None]
-        return np.remainder(np.cumsum(np.nan_to_num(self.speeds) * steps, axis=0), 2.0 * np.pi).astype(
+        return np.remainder(np.cumsum(np.nan_to_num(self.wheel_speeds) * steps, axis=0), 2.0 * np.pi).astype(
             np.float32
         )
 

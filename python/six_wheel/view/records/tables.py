@@ -52,7 +52,7 @@ class PoseTable:
             If a column does not hold numbers, or time does not go on.
         """
         (time,) = (name for name in TIMES if name in self.names)
-        joints = {joint: self._joint(joint) for joint in rover.command_joints}
+        joints = {joint: self._joint(joint) for joint in rover.joint_names}
         there = all(column is not None for column in joints.values())
         slips = [f"residual_{wheel}" for wheel in rover.wheel_names]
         commanded = [f"commanded_{name}" for name in TWIST]
@@ -79,7 +79,7 @@ class PoseTable:
         if there:
             values = {joint: np.asarray(read[str(column)], float) for joint, column in joints.items()}
             steering, speeds = rover.readings(values)
-            steering = steering if rover.steered_names else None
+            steering = steering if rover.steered_wheel_names else None
         covariances = block(COVARIANCE)
         if covariances is not None:
             covariances = covariances[:, [0, 1, 1, 2]].reshape(-1, 2, 2)

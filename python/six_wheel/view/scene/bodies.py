@@ -120,10 +120,10 @@ class Bodies:
 
     def _add_links(self, motion: Motion) -> None:
         """Tubes along the offsets of every link, in its own frame, in which its joint does not move them."""
-        arm = self._subject.arm
-        assert arm is not None
+        suspension = self._subject.suspension
+        assert suspension is not None
         thick = 0.16 * self._subject.radius
-        for link in arm.links:
+        for link in suspension.links:
             if link.parent == "R":
                 continue
             parent, child = motion.frames[link.parent], motion.frames[link.frame]
@@ -147,8 +147,8 @@ class Bodies:
         radius = self._subject.radius
         places = motion.straight[:, :3, 3]
         low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
-        arm = self._subject.arm
-        if arm is None:
+        suspension = self._subject.suspension
+        if suspension is None:
             length, breadth = np.maximum(high - low, 2.2 * radius).tolist()
             centre = (high + low) / 2.0
             size = (length + 0.7 * radius, max(breadth - 1.1 * radius, 1.2 * radius), 0.35 * radius)
@@ -159,7 +159,7 @@ class Bodies:
                 for x, y in ((wheel.x, wheel.y) for wheel in self._subject.rover.wheels if wheel.steered)
             ]
         else:
-            pivot = np.array(arm.dimensions["rocker_pivot"])
+            pivot = np.array(suspension.dimensions["rocker_pivot"])
             size = (0.66 * float(high[0] - low[0]), 1.7 * abs(float(pivot[1])), 1.5 * radius)
             middle = (float(high[0] + low[0]) / 2.0, 0.0, float(pivot[2]) + 0.55 * radius)
             plates = [(size, middle, PANEL), self._lid(size, middle), *self._mast(size, middle)]

@@ -38,7 +38,7 @@ def cut(ground: Terrain, centre: Floats, width: float) -> tuple[Floats, float]:
     first = np.round((centre - spacing * (count - 1) / 2.0) / spacing) * spacing
     x, y = (first[k] + spacing * np.arange(count) for k in (0, 1))
     places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
-    heights = np.asarray(ground.height(places))
+    heights = np.asarray(ground.height_at(places))
     return np.concatenate([places, heights[..., None]], axis=-1), spacing
 
 
@@ -47,16 +47,16 @@ def colors(subject: Subject, points: Floats, spacing: float, coloring: str, yaw:
     ground = subject.ground
     assert ground is not None
     heights = points[..., 2]
-    if coloring == "feasible" and subject.arm is not None:
+    if coloring == "feasible" and subject.suspension is not None:
         steps = np.linspace(0, len(points) - 1, JUDGED).round().astype(int)
         poses = points[np.ix_(steps, steps)].copy()
         poses[..., 2] = yaw
-        ok = np.asarray(subject.arm.feasible(ground, poses.reshape(-1, 3)).ok).reshape(JUDGED, JUDGED)
+        ok = np.asarray(subject.suspension.feasible(ground, poses.reshape(-1, 3)).ok).reshape(JUDGED, JUDGED)
         nearest = np.round(np.linspace(0, JUDGED - 1, len(points))).astype(int)
         fine = ok[np.ix_(nearest, nearest)]
         return np.where(fine[..., None], FREE, FORBIDDEN).astype(np.uint8)
     if coloring == "slope":
-        gradient = np.asarray(ground.gradient(np.ascontiguousarray(points[..., :2])))
+        gradient = np.asarray(ground.gradient_at(np.ascontiguousarray(points[..., :2])))
         share = np.arctan(np.hypot(gradient[..., 0], gradient[..., 1])) / STEEP
         return _ramp(share, RAMP)
     if coloring == "unevenness":
@@ -136,7 +136,7 @@ class Block:
     def _normals(self, points: Floats) -> Floats:
         ground = self._subject.ground
         assert ground is not None
-        return ground.normal(np.ascontiguousarray(points[..., :2]))
+        return ground.normal_at(np.ascontiguousarray(points[..., :2]))
 
     def _sides(self, points: Floats) -> Mesh:
         """Walls from the edges down to a common bottom."""

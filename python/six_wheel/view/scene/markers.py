@@ -67,7 +67,7 @@ class Markers:
         world = motion.transform @ motion.wheels
         hubs = world[:, :3, 3] - subject.origin
         lift = motion.transform[:3, 2] * radius * 1.2
-        rims = np.array([wheel.radius for wheel in subject.rover.wheels]) * motion.speeds
+        rims = np.array([wheel.radius for wheel in subject.rover.wheels]) * motion.wheel_speeds
         longest = subject.radius * max(motion.state.wheel_speed, 1e-12)
         ends = hubs + world[:, :3, 0] * (4.0 * subject.radius * rims / longest)[:, None]
         arrows = np.stack([hubs, ends], axis=1)

@@ -67,8 +67,8 @@ def _frames_at_zero(subject: Subject, motion: Motion) -> dict[str, Floats]:
     """Frames in the body with every joint at 0, as the description has them."""
     frames: dict[str, Floats] = {"body": np.eye(4)}
     straight = motion.straight
-    if subject.arm is not None:
-        found = subject.arm.frames(0.0, (0.0, 0.0))
+    if subject.suspension is not None:
+        found = subject.suspension.frames(0.0, (0.0, 0.0))
         frames |= found
         straight = np.stack([found[f"A{k + 1}"] for k in range(len(straight))])
     for k, frame in enumerate(straight):
@@ -78,15 +78,15 @@ def _frames_at_zero(subject: Subject, motion: Motion) -> dict[str, Floats]:
 
 def _owners(subject: Subject, tree: Tree) -> dict[str, str]:
     """Joint to the frame of what it moves."""
-    robot, arm = subject.robot, subject.arm
+    robot, suspension = subject.robot, subject.suspension
     assert robot is not None
     owners: dict[str, str] = {}
-    if robot.suspension is not None and arm is not None:
+    if robot.suspension is not None and suspension is not None:
         for place, joint in robot.suspension.joints.items():
             left = place.endswith("left")
             name = "rho" if place.startswith("rocker") else ("beta_1" if left else "beta_2")
             sign = 1.0 if left or name != "rho" else -1.0
-            found = [link.frame for link in arm.links if link.joint == name and link.sign == sign]
+            found = [link.frame for link in suspension.links if link.joint == name and link.sign == sign]
             owners |= {joint: found[0]} if found else {}
     for k, wheel in enumerate(robot.wheels.values()):
         owners[wheel.joint.name] = f"wheel_{k}"
