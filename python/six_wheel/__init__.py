@@ -228,5 +228,6 @@ __getattr__, __dir__ = attach(
         "reference": (),
         "robot_description": (),
         "simulation": ("simulate",),
+        "view": (),
     },
 )

@@ -24,6 +24,7 @@ from six_wheel.cli.commands.odometry import odometry
 from six_wheel.cli.commands.show import show
 from six_wheel.cli.commands.simulate import simulate
 from six_wheel.cli.commands.traverse import traverse
+from six_wheel.cli.commands.view import view
 from six_wheel.cli.names import COMMANDS, INSTALL, PROGRAM, PURPOSE
 from six_wheel.cli.shared import new_console, progress_bar, with_options
 
@@ -50,7 +51,7 @@ def demo(
     run(output, console=new_console())
 
 
-for command in (check, drive, simulate, odometry, calibrate, traverse, show, example, replay):
+for command in (check, drive, simulate, odometry, calibrate, traverse, show, view, example, replay):
     app.command(help=COMMANDS[command.__name__])(with_options(command))
 # Arguments after --ros-args are for ROS to read.
 app.command("node", help=COMMANDS["node"], context_settings=PASSING)(with_options(node))

@@ -49,7 +49,14 @@ RadiusOption = Annotated[
 ]
 
 
-WRITTEN = ("output", "plot", "plot_speeds", "report", "layout")  # parameters that name files to write
+WRITTEN = (
+    "output",
+    "plot",
+    "plot_speeds",
+    "report",
+    "layout",
+    "export",
+)  # parameters that name files to write
 
 
 def with_options(command: Callable[..., None]) -> Callable[..., None]:

@@ -16,6 +16,7 @@ from six_wheel.kinematics.profiles import time_optimal
 from six_wheel.kinematics.rover_edit import limits_given
 
 __all__ = ["Bound", "Rim", "Stop", "bound", "defaults", "halt_from", "rim", "stop_from", "time_to_full_lock"]
+__all__ += ["within"]
 
 Floats = NDArray[np.float64]
 
@@ -63,6 +64,11 @@ def _fastest(controller: Controller, twist: ArrayLike) -> Bound:
     for now in (0.0, 0.05):  # from rest, the wheels turn first
         output = controller.step(now)
     return Bound(np.array(output.twist), output.reasons)
+
+
+def within(rover: Rover, limits: Limits, twist: ArrayLike) -> Bound:
+    """The motion that comes of a twist in the end, and what keeps it from being as commanded."""
+    return _fastest(_lasting(rover, limits), twist)
 
 
 def bound(rover: Rover, limits: Limits, twist: ArrayLike) -> Bound | None:

@@ -1,0 +1,39 @@
+"""Views that end with the test, and a browser where there is one."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+pytest.importorskip("viser", reason="needs viser: pip install six-wheel[view]")
+pytest.importorskip("trimesh", reason="needs trimesh: pip install six-wheel[view]")
+
+import six_wheel as sw
+
+
+@pytest.fixture
+def opened() -> Iterator[Callable[..., Any]]:
+    """Open a view that is closed at the end."""
+    views: list[Any] = []
+
+    def open_view(x: Any, ground: Any = None, **options: Any) -> Any:
+        views.append(sw.view(x, ground, open=False, **options))
+        return views[-1]
+
+    yield open_view
+    for view in views:
+        view.close()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A headless Chromium that draws by software: CHROMIUM or on the PATH, or that of playwright itself."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install playwright")
+    from tests.view.browsing import launch
+
+    with playwright.sync_playwright() as driver:
+        started = launch(driver)
+        if started is None:
+            pytest.skip("no chromium on this machine (CHROMIUM=PATH says where one is)")
+        yield started
+        started.close()
