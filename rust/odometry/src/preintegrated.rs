@@ -55,14 +55,17 @@ pub struct Rules {
 
 /// Samples between two instants, first one included.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Samples {
-    stamps: Vec<f64>,
-    steering: Vec<f64>,
-    wheels: Vec<f64>,
-    /// NaN where there is none.
-    rates: Vec<f64>,
-    /// Quaternions x, y, z, w; none in the plane.
-    attitudes: Vec<[f64; 4]>,
+pub struct Samples {
+    /// [s]
+    pub stamps: Vec<f64>,
+    /// Readings of the steering joints, row after row.
+    pub steering: Vec<f64>,
+    /// Readings of the wheels, row after row.
+    pub wheels: Vec<f64>,
+    /// Yaw rates without the bias [rad/s]; NaN where there is none.
+    pub rates: Vec<f64>,
+    /// Unit quaternions x, y, z, w; none in the plane.
+    pub attitudes: Vec<[f64; 4]>,
 }
 
 /// Wheel motion between two instants; see the module.
@@ -114,6 +117,25 @@ impl Preintegrated {
         }
         let odometry = Odometry::new(rover, rules.settings.clone())?;
         Ok(Self { fresh: odometry.clone(), odometry, rules, samples: Samples::default(), begins: 0.0, ends: 1.0 })
+    }
+
+    /// The samples, and the shares of the first and of the last step at which the motion begins and ends.
+    pub fn samples(&self) -> (&Samples, [f64; 2]) {
+        (&self.samples, [self.begins, self.ends])
+    }
+
+    /// The motion of other samples with the same options: the inverse of [`Self::samples`]. Fails if their numbers do not
+    /// match or they do not determine the motion.
+    pub fn with_samples(&self, samples: Samples, [begins, ends]: [f64; 2]) -> Result<Self, Error> {
+        let count = samples.stamps.len();
+        let (wheels, joints) = (self.rover().wheels().len(), self.rover().steered().len());
+        let attitudes = if self.rules.in_space { count } else { 0 };
+        let lengths = [samples.steering.len(), samples.wheels.len(), samples.rates.len(), samples.attitudes.len()];
+        if lengths != [count * joints, count * wheels, count, attitudes] {
+            return Err(Error::value("samples", "have as many rows as stamps", format!("{lengths:?}")));
+        }
+        let source = Self { samples, ..self.clone() };
+        source.part(0..count, begins, ends)
     }
 
     /// The rover.

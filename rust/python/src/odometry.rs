@@ -122,6 +122,14 @@ getters! { Odometry, self, py:
     };
 }
 
+copied_by! { Odometry,
+    "keep its `state`, and start another one with set_pose(state.pose, state.covariance)",
+    |this, py| {
+        let core = this.work.lock(py)?.core.clone();
+        Ok(Self { work: Shared::new(Work { core, spares: Spares::default() }), rover: this.rover.clone_ref(py) })
+    }
+}
+
 methods! { Odometry:
     #[new]
     fn new[](rover: Bound<'py, Rover>, noise: Option<Bound<'py, Noise>> = None, *, readings: &str = "angles",
@@ -236,6 +244,28 @@ methods! { Odometry:
     fn correct[&self, py: Python<'py>](pose: [f64; 3], stamp: f64, covariance) -> PyResult<OdometryState> {
         let matrix = input::covariance(Some(covariance))?;
         self.change(py, |core| core.correct(pose.into(), stamp, matrix))
+    }
+
+    /// The pose at an instant, as of an image: between two samples on the arc of the step, after the last one as if the rover
+    /// had gone on as before.
+    ///
+    /// Parameters
+    /// ----------
+    /// stamp : float
+    ///     The instant [s]: not before the last `lag` seconds, nor more than that, or one step, after the last sample.
+    ///
+    /// Returns
+    /// -------
+    /// Pose
+    ///     ``x, y, yaw`` in the world [m, m, rad].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the stamp is not finite, too old, too late, or there was no sample.
+    fn at[&self, py: Python<'py>](stamp: f64) -> PyResult<Bound<'py, PyAny>> {
+        let pose = self.work.lock(py)?.core.pose_at(stamp).or_raise(&[])?;
+        py.import("six_wheel.kinematics.geometry")?.getattr("Pose")?.call1((pose.x, pose.y, pose.yaw))
     }
 
     /// Starts over: the next sample is a first one.

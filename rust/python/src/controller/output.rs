@@ -99,6 +99,20 @@ getters! { ControllerOutput, self, py:
     reasons: PyResult<Bound<'py, PyAny>> = reason(py, self.reasons);
 }
 
+pickled_by_fields! { ControllerOutput, this, py:
+    (
+        twist: [f64; 3] = this.twist,
+        reasons: u32 = this.reasons,
+        speed_share: f64 = this.speed_share,
+        worst_joint: Option<usize> = this.worst_joint,
+        measured: bool = this.measured,
+        numbers: Vec<f64> = this.numbers.to_vec(),
+        joints: usize = this.joints,
+        rover: Py<Rover> = &this.rover,
+    )
+    Self { twist, reasons, speed_share, worst_joint, measured, numbers: numbers.into(), joints, rover }
+}
+
 #[pymethods]
 impl ControllerOutput {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

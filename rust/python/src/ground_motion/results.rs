@@ -64,6 +64,17 @@ getters! { GroundCommand, self, py:
 
 repr_of_attributes! { GroundCommand: steering speeds }
 
+pickled_by_fields! { GroundCommand, this, py:
+    (
+        steering: Py<PyAny> = this.steering(py)?,
+        speeds: Py<PyAny> = this.speeds(py)?,
+        twist: Py<PyAny> = this.twist(py)?,
+        joint_rates: Py<PyAny> = this.joint_rates(py)?,
+        scale: Py<PyAny> = this.scale(py)?,
+    )
+    Self(Columns::Batch([steering, speeds, twist, joint_rates, scale]))
+}
+
 #[pymethods]
 impl GroundCommand {
     fn __len__(&self) -> usize {
@@ -114,3 +125,12 @@ getters! { GroundMotion, self, py:
 }
 
 repr_of_attributes! { GroundMotion: twist joint_rates }
+
+pickled_by_fields! { GroundMotion, this, py:
+    (
+        twist: Py<PyAny> = this.twist(py)?,
+        joint_rates: Py<PyAny> = this.joint_rates(py)?,
+        residual: Py<PyAny> = this.residual(py)?,
+    )
+    Self(Columns::Batch([twist, joint_rates, residual]))
+}

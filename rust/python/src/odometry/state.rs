@@ -237,6 +237,26 @@ methods! { OdometryState:
     }
 }
 
+pickled_by_fields! { OdometryState, this, py:
+    (
+        stamp: Option<f64> = this.stamp,
+        poses: [[f64; 3]; 3] = [this.pose, this.twist, this.velocity],
+        covariances: [[f64; 6]; 2] = [this.covariance, this.twist_covariance],
+        residual: Vec<f64> = this.residual.to_vec(),
+        weights: Option<Vec<f64>> = this.weights.as_deref().map(<[f64]>::to_vec),
+        health: u32 = this.health,
+        rover: Py<Rover> = &this.rover,
+    )
+    {
+        let ([pose, twist, velocity], [covariance, twist_covariance]) = (poses, covariances);
+        let (residual, weights) = (residual.as_slice().into(), weights.map(Vec::into_boxed_slice));
+        let known = Known {
+            stamp, pose, twist, velocity, covariance, twist_covariance, residual, weights, health, rover
+        };
+        Self(Renewed::new(known))
+    }
+}
+
 #[pymethods]
 impl OdometryState {
     fn __repr__(&self) -> String {
