@@ -69,7 +69,12 @@ def test_batches_pickle_as_single_rows_do():
     poses = np.random.default_rng(0).uniform(-1.0, 1.0, (2, 5, 3))
     stand = ARM.settle(terrain(), poses, derivatives=True)
     commands = ARM.inverse(stand, np.full((2, 5, 2), 0.05))
-    for one in (stand, commands, ARM.bounds(terrain(), poses), ROVER.fit(*ROVER.inverse(np.full((4, 3), 0.01)))):
+    for one in (
+        stand,
+        commands,
+        ARM.bounds(terrain(), poses),
+        ROVER.fit(*ROVER.inverse(np.tile((0.04, 0.0, 0.02), (4, 1)))),
+    ):
         assert_same(one, pickle.loads(pickle.dumps(one)))
 
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.objects.tables import Columns, Tabular, pose_columns, rows_of
 from six_wheel.kinematics.poses import Floats, as_poses, interpolate
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ OPTIONS = ("readings", "wheel_encoders", "steering_encoders")
 
 
 @dataclass(frozen=True, eq=False)
-class GroundTruth:
+class GroundTruth(Tabular):
     """Poses, positions or headings measured from outside, with stamps of their own.
 
     Parameters
@@ -104,12 +105,15 @@ class GroundTruth:
     def __len__(self) -> int:
         return len(self.stamps)
 
+    def _columns(self) -> Columns:
+        return pose_columns(self.stamps, self.poses)
+
     def __repr__(self) -> str:
         return f"GroundTruth({len(self)} poses, {self.stamps[-1] - self.stamps[0]:.1f} s)"
 
 
 @dataclass(frozen=True, eq=False)
-class WheelLog:
+class WheelLog(Tabular):
     """Encoder readings of one drive, and the truth if it is known.
 
     Parameters
@@ -191,6 +195,64 @@ class WheelLog:
         """A log from the angle of each wheel since the row before [rad]; the first row counts from 0."""
         angles = np.cumsum(np.asarray(increments, dtype=np.float64), axis=0)
         return cls(stamps, steering, angles, truth, name, session)  # type: ignore[arg-type]
+
+    @classmethod
+    def from_pandas(cls, frame: Any, rover: Rover, *, name: str = "", **options: Any) -> Self:
+        """A log of a DataFrame or a dict of columns: joints by their names, ``time``, and what else there is.
+
+        Parameters
+        ----------
+        frame : DataFrame or mapping
+            Columns as `dead_reckon` takes them, or as `to_pandas` with ``rover=`` makes them; ``yaw_rate`` [rad/s], and
+            the truth in ``x``, ``y``, ``yaw`` [m, m, rad], where they are there.
+        rover : Rover
+            Names the joints.
+        name : str
+            What to call the drive.
+        **options
+            How to read it where it is not in radians; see `WheelLog`.
+
+        Raises
+        ------
+        ValueError
+            If a joint or the time is missing.
+        """
+        from six_wheel.kinematics.odometry.tabular_input import table
+
+        pieces = list(table(rover, frame, None, {}, options).pieces)
+        if not pieces:
+            raise ValueError("frame must have rows, got none")
+        stamps = np.concatenate([piece.stamps for piece in pieces])
+        wheels = np.concatenate([piece.wheels for piece in pieces])
+        steered = [piece.steering for piece in pieces if piece.steering is not None]
+        headers = set(map(str, getattr(frame, "columns", frame)))
+        truth = rate = None
+        if headers >= {"x", "y", "yaw"}:
+            places = rows_of(frame, ("x", "y", "yaw"))
+            known = np.isfinite(places).all(axis=1)
+            truth = GroundTruth(stamps[known], places[known])
+        if "yaw_rate" in headers:
+            rate = rows_of(frame, ("yaw_rate",))[:, 0]
+        steering = np.concatenate(steered) if steered else None
+        return cls(stamps, steering, wheels, truth, name, yaw_rate=rate, options=options)
+
+    def _columns(self, rover: Rover | None = None) -> Columns:
+        """Columns by the joints of a rover; without one by number, ``steering_0``, ``wheel_0`` and so on."""
+        columns: Columns = {"time": ("s", self.stamps)}
+        unit = "ticks" if {"wheel_encoders", "steering_encoders"} & set(self.options) else "rad"
+        joints = {} if rover is None else {wheel: joint for joint, wheel in rover.steering_joints.items()}
+        for k in range(0 if self.steering is None else np.shape(self.steering)[1]):
+            joint = f"steering_{k}" if rover is None else joints[rover.steered_names[k]]
+            columns[joint] = (unit, np.asarray(self.steering)[:, k])
+        joints = {} if rover is None else {wheel: joint for joint, wheel in rover.traction_joints.items()}
+        for k, turned in enumerate(self.wheel_angles.T):
+            wheel = f"wheel_{k}" if rover is None else rover.wheel_names[k]
+            columns[joints.get(wheel, wheel)] = (unit, turned)
+        if self.yaw_rate is not None:
+            columns["yaw_rate"] = ("rad/s", self.yaw_rate)
+        if self.truth is not None:
+            columns |= pose_columns(self.stamps, self.truth.at(self.stamps))
+        return columns
 
     def in_radians(self, rover: Rover) -> WheelLog:
         """The same log as running totals and angles in radians, as `options` say how to read it.

@@ -1,7 +1,7 @@
 //! A sampling planner: the rollouts of a cycle, their weights and what follows from them.
 
-use super::costmap::Costmap;
 use super::cost::Path;
+use super::costmap::Costmap;
 use super::cycle::{CycleInput, CycleOutput, State};
 use super::engine::{MppiConstants, RolloutEngine, SampledRollouts};
 use super::kernels::RolloutInput;

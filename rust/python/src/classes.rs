@@ -321,13 +321,24 @@ pub fn repr_of_numbers<'a>(class: &str, numbers: impl IntoIterator<Item = (&'a s
     format!("{class}({})", numbers.into_iter().map(text).collect::<Vec<_>>().join(", "))
 }
 
-/// `Class(name=value, ...)` with the representations of these attributes of an object.
+/// `Class(name=value, ...)` with these attributes of an object, in one short line.
 pub fn repr_of_attributes(class: &str, object: &Bound<'_, PyAny>, names: &[&str]) -> PyResult<String> {
-    let attributes = PyDict::new(object.py());
+    let py = object.py();
+    let attributes = PyDict::new(py);
     for name in names {
         attributes.set_item(name, object.getattr(*name)?)?;
     }
-    repr_of_call(class, [], &attributes)
+    let module = py.import("six_wheel.kinematics.objects.short_text")?;
+    module.getattr(intern!(py, "short_repr"))?.call1((class, attributes))?.extract()
+}
+
+/// The text of a representation, cut to the longest that there is.
+pub fn cut(text: String) -> String {
+    const LONGEST: usize = 120;
+    if text.chars().count() <= LONGEST {
+        return text;
+    }
+    text.chars().take(LONGEST - 5).chain(" ...)".chars()).collect()
 }
 
 /// `call(value, ..., name=value, ...)` with the representations of these arguments.

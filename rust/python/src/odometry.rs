@@ -308,6 +308,6 @@ impl Odometry {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let state = Py::new(py, self.state(py)?)?;
-        Ok(format!("Odometry({})", state.bind(py).repr()?))
+        Ok(crate::classes::cut(format!("Odometry({})", state.bind(py).repr()?)))
     }
 }

@@ -130,11 +130,26 @@ getters! { Mppi, self, py:
 impl Mppi {
     /// Arguments of the constructor behind the rover.
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let Options { horizon, dt, samples, seed, noise, correlation, temperature, smoothing, delay, .. } = self.options;
+        let Options { horizon, dt, samples, seed, noise, correlation, temperature, smoothing, delay, .. } =
+            self.options;
         let dtype = if self.options.precision == Precision::Single { "float32" } else { "float64" };
         let (limits, weights, footprint) = (self.limits.clone(), self.weights(py)?, self.options.footprint.clone());
-        Ok(dict!(py, limits, horizon, dt, samples, seed, noise, correlation, temperature, weights, smoothing, delay, dtype,
-            footprint))
+        Ok(dict!(
+            py,
+            limits,
+            horizon,
+            dt,
+            samples,
+            seed,
+            noise,
+            correlation,
+            temperature,
+            weights,
+            smoothing,
+            delay,
+            dtype,
+            footprint
+        ))
     }
 }
 
@@ -327,7 +342,9 @@ impl Mppi {
         let Options { horizon, dt, samples, seed, precision, .. } = &self.options;
         let dtype = if *precision == Precision::Single { ", dtype='float32'" } else { "" };
         let limits = self.limits.text();
-        Ok(format!("Mppi({rover}, {limits}, horizon={horizon}, dt={dt:?}, samples={samples}, seed={seed}{dtype})"))
+        let all =
+            format!("Mppi(horizon={horizon}, dt={dt:?}, samples={samples}, seed={seed}{dtype}, {limits}, {rover})");
+        Ok(crate::classes::cut(all))
     }
 }
 

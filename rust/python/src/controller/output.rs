@@ -113,22 +113,7 @@ pickled_by_fields! { ControllerOutput, this, py:
     Self { twist, reasons, speed_share, worst_joint, measured, numbers: numbers.into(), joints, rover }
 }
 
-#[pymethods]
-impl ControllerOutput {
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let part = |values: &[f64]| {
-            let texts: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
-            format!("[{}]", texts.join(", "))
-        };
-        Ok(format!(
-            "ControllerOutput(steering={}, speeds={}, twist={}, reasons={})",
-            part(&self.numbers[..self.joints]),
-            part(&self.numbers[2 * self.joints..self.errors()]),
-            part(&self.twist),
-            reason(py, self.reasons)?.repr()?,
-        ))
-    }
-}
+repr_of_attributes! { ControllerOutput: steering speeds twist reasons }
 
 /// Name and bit of every reason.
 #[pyfunction]

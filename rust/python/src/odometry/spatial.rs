@@ -325,6 +325,6 @@ impl Odometry3 {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let state = Py::new(py, self.state(py)?)?;
-        Ok(format!("Odometry3({})", state.bind(py).repr()?))
+        Ok(crate::classes::cut(format!("Odometry3({})", state.bind(py).repr()?)))
     }
 }

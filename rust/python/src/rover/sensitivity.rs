@@ -90,7 +90,7 @@ pickled_by_fields! { Sensitivity, this, py:
 impl Sensitivity {
     fn __repr__(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|(name, _)| *name).collect();
-        format!("TwistJacobian(of the twist by {})", names.join(", "))
+        crate::classes::cut(format!("TwistJacobian(of the twist by {})", names.join(", ")))
     }
 }
 

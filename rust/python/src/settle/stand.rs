@@ -269,21 +269,15 @@ impl Stand {
         self.leading.first().copied().unwrap_or(1)
     }
 
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        if self.leading.is_empty() {
-            let text = |value: Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
-            return Ok(format!(
-                "SettledPose(status={}, z={}, roll={}, pitch={}, joints={})",
-                self.status(py)?,
-                text(self.z(py)?)?,
-                text(self.roll(py)?)?,
-                text(self.pitch(py)?)?,
-                text(self.joints(py)?.into_any().unbind())?,
-            ));
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        let this = slf.get();
+        if this.leading.is_empty() {
+            let names = ["status", "z", "roll", "pitch", "joints"];
+            return crate::classes::repr_of_attributes("SettledPose", slf.as_any(), &names);
         }
         let mut counts = Vec::new();
         for status in ground::Status::ALL {
-            let count = self.stands.iter().filter(|stand| stand.status.told() == status).count();
+            let count = this.stands.iter().filter(|stand| stand.status.told() == status).count();
             if count > 0 {
                 counts.push(format!("{count} {}", status.name()));
             }

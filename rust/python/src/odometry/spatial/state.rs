@@ -121,6 +121,6 @@ impl Odometry3State {
             .map(|k| format!("{}={:.4} ± {} m", names[k], numbers[k], deviation(k)))
             .chain((3..6).map(|k| format!("{}={:.4} rad", names[k], numbers[k])))
             .collect();
-        format!("Odometry3State({})", places.join(", "))
+        crate::classes::cut(format!("Odometry3State({})", places.join(", ")))
     }
 }
