@@ -69,6 +69,8 @@ fn reason(py: Python<'_>, bits: u32) -> PyResult<Bound<'_, PyAny>> {
 }
 
 getters! { ControllerOutput, self, py:
+    /// The rover.
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Joint commands by joint name, as `Rover.commands`: steering [rad], then wheel speeds [rad/s].
     commands: PyResult<Bound<'py, PyDict>> = {
         let (steering, speeds) = (self.steering(py), self.speeds(py));

@@ -181,6 +181,8 @@ pub fn matrix<'py>(py: Python<'py>, numbers: &[f64], width: usize) -> PyResult<B
 }
 
 getters! { OdometryState, self, py:
+    /// The rover.
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// When the sample was taken [s]; None before the first one.
     stamp: Option<f64> = self.stamp;
     /// ``[x, y, yaw]`` in the world, the yaw with its full turns, shape (3,) [m, m, rad].
