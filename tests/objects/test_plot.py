@@ -37,7 +37,10 @@ def test_every_result_has_a_picture(name):
 
 
 def test_a_calibration_and_lists_have_pictures():
-    for name, one in (("Calibration", calibration()), ("list", [samples()["Track"], samples()["GroundTruth"]])):
+    for name, one in (
+        ("Calibration", calibration()),
+        ("list", [samples()["Track"], samples()["GroundTruth"]]),
+    ):
         content = sw.plot(one)._repr_png_()
         if OUT:
             Path(OUT, f"{name}.png").write_bytes(content)
@@ -60,7 +63,10 @@ def test_options_and_titles():
     assert sw.plot(ROVER, twist=TWIST, title="a title")._repr_png_()
     assert sw.plot(samples()["Limits"], rover=ROVER)._repr_png_()
     for call, message in (
-        (lambda: sw.plot(ROVER, twst=1), r"plot\(\) of a Rover has no option 'twst'; there are title, twist, limits"),
+        (
+            lambda: sw.plot(ROVER, twst=1),
+            r"plot\(\) of a Rover has no option 'twst'; there are title, twist, limits",
+        ),
         (lambda: sw.plot(ROVER, twist=TWIST, limits=sw.Limits()), "twist= or limits=, got both"),
         (lambda: sw.plot([1, 2]), "a list must hold tracks, truths or logs with one, got a int"),
         (lambda: sw.plot(1.5), "result must be one of"),

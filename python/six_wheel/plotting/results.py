@@ -44,7 +44,11 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
     for kind in type(result).__mro__:
         if kind.__name__ in PICTURES:
             module, function = PICTURES[kind.__name__]
-            draw = globals()[function] if module is None else getattr(import_module(module, __package__), function)
+            draw = (
+                globals()[function]
+                if module is None
+                else getattr(import_module(module, __package__), function)
+            )
             known = inspect.signature(draw).parameters
             if wrong := [name for name in options if name not in known]:
                 there = ", ".join(list(known)[1:])
@@ -87,8 +91,12 @@ def _limits(limits: Limits, *, title: str | None, rover: Rover | None = None) ->
 
     if rover is not None:
         return limits_figure(rover, limits, title=title)
-    given = {name.replace("_", " "): value for name, value in limits_given(limits).items() if value is not None}
-    made: Figure = _pictures("bars").named_bars(given, title=title, below="limits that were given [m, s, rad]")
+    given = {
+        name.replace("_", " "): value for name, value in limits_given(limits).items() if value is not None
+    }
+    made: Figure = _pictures("bars").named_bars(
+        given, title=title, below="limits that were given [m, s, rad]"
+    )
     return made
 
 
@@ -141,7 +149,7 @@ def _several(results: Any, *, title: str | None) -> Figure:
         poses = getattr(source, "poses", None)
         if poses is None or getattr(poses, "ndim", 0) != 2:
             raise TypeError(f"a list must hold tracks, truths or logs with one, got a {type(one).__name__}")
-        style = ("-", "--", ":")[number // len(SERIES) % 3]
+        style = ("-", "--", ":")[number % 3]
         label = getattr(one, "name", "") or f"{number + 1}"
         axes.plot(*poses[:, :2].T, color=SERIES[number % len(SERIES)], linestyle=style, label=label)
     axes.set_aspect("equal", adjustable="datalim")

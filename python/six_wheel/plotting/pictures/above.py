@@ -21,6 +21,7 @@ from six_wheel.plotting.twist import show_figure
 __all__ = ["fit_figure", "mobility_figure", "output_figure", "pose_figure", "rover_figure", "wheel_figure"]
 
 SIGMAS = 2.4477  # of the ellipse of 95 % in the plane
+ROUNDING = 1e-9  # [m/s], below which a residual is none
 
 
 def typical_twist(rover: Rover) -> Twist:
@@ -42,7 +43,9 @@ def _axes(rover: Rover, steering: Floats | None) -> tuple[Figure, Axes, float]:
     draw_rover(axes, rover, (0.0, 0.0, FORWARD_UP), steering, fade=0.45)
     low, high, size = bounds(rover)
     axes.set_aspect("equal")
-    axes.set(xlim=(low[0] - 0.6 * size, high[0] + 0.6 * size), ylim=(low[1] - 0.4 * size, high[1] + 0.4 * size))
+    axes.set(
+        xlim=(low[0] - 0.9 * size, high[0] + 0.9 * size), ylim=(low[1] - 0.4 * size, high[1] + 0.4 * size)
+    )
     tidy(axes, "to the right [m]", "forward [m]")
     return figure, axes, size
 
@@ -60,14 +63,11 @@ def fit_figure(fit: Any, *, title: str | None) -> Figure:
         return figure
     figure, axes, size = _axes(fit.rover, None)
     residual, places = np.asarray(fit.residual), page(contacts(fit.rover))
-    largest = max(float(np.nanmax(residual)), 1e-12)
+    largest = max(float(np.nanmax(residual)), ROUNDING)
     for name, place, slid, weight in zip(fit.rover.wheel_names, places, residual, fit.weights, strict=True):
         colour = CENTRE if name == fit.worst_wheel else AXLE
         axes.plot(*place, "o", markersize=4 + 22 * slid / largest, color=colour, alpha=0.8, zorder=8)
-        axes.annotate(
-            f"{name}\n{slid:.2g} m/s, weight {weight:.2g}", place, (0, -30), textcoords="offset points", fontsize=8,
-            color=INK, ha="center", zorder=9,
-        )  # fmt: skip
+        _label(axes, place, f"{name}\n{slid:.2g} m/s\nweight {weight:.2g}")
     twist = np.asarray(fit.twist)
     _arrow(axes, twist, size)
     vx, vy, omega = twist
@@ -76,12 +76,25 @@ def fit_figure(fit: Any, *, title: str | None) -> Figure:
     return figure
 
 
+def _label(axes: Axes, place: Floats, words: str) -> None:
+    """Words beside a wheel, on the side away from the body."""
+    side = 1 if place[0] >= 0.0 else -1
+    axes.annotate(
+        words, place, (22 * side, 0), textcoords="offset points", fontsize=8, color=INK, va="center",
+        ha="left" if side > 0 else "right", zorder=9,
+    )  # fmt: skip
+
+
 def _arrow(axes: Axes, twist: Floats, size: float) -> None:
     """The velocity of the origin."""
     way = page(twist[:2])
     if (length := float(np.hypot(*way))) > 0.0:
         axes.annotate(
-            "", way * size / length, (0.0, 0.0), arrowprops={"arrowstyle": "-|>", "color": MOTION, "lw": 2.5}, zorder=9
+            "",
+            way * size / length,
+            (0.0, 0.0),
+            arrowprops={"arrowstyle": "-|>", "color": MOTION, "lw": 2.5},
+            zorder=9,
         )
 
 
@@ -89,11 +102,10 @@ def output_figure(output: Any, *, title: str | None) -> Figure:
     """A `ControllerOutput`: the rover now, its motion, and why it is not the one asked for."""
     figure, axes, size = _axes(output.rover, output.steering)
     _arrow(axes, np.asarray(output.twist), size)
-    for name, place, speed in zip(output.rover.wheel_names, page(contacts(output.rover)), output.speeds, strict=True):
-        axes.annotate(
-            f"{name}\n{speed:.3g} rad/s", place, (0, -30), textcoords="offset points", fontsize=8, color=INK,
-            ha="center", zorder=9,
-        )  # fmt: skip
+    for name, place, speed in zip(
+        output.rover.wheel_names, page(contacts(output.rover)), output.speeds, strict=True
+    ):
+        _label(axes, place, f"{name}\n{speed:.3g} rad/s")
     vx, vy, omega = output.twist
     reasons = "|".join(str(reason.name) for reason in output.reasons) or "as commanded"
     write_title(axes, title, f"vx {vx:.3g} m/s, vy {vy:.3g} m/s, omega {omega:.3g} rad/s\n{reasons}")
@@ -108,25 +120,42 @@ def mobility_figure(found: Any, *, title: str | None) -> Figure:
         if not motion.size:
             continue
         for side in (1.0, -1.0):
-            path = page(np.array([exp(side * motion, t)[:2] for t in np.linspace(0.0, 1.0, 60)]))
-            axes.plot(*path.T, color=(MOTION, AXLE, CENTRE)[number % 3], linewidth=2, linestyle="-" if side > 0 else "--")
+            path = page(
+                np.array([exp(side * motion, t)[:2] for t in np.linspace(0.0, _duration(motion), 60)])
+            )
+            axes.plot(
+                *path.T,
+                color=(MOTION, AXLE, CENTRE)[number % 3],
+                linewidth=2,
+                linestyle="-" if side > 0 else "--",
+            )
         vx, vy, omega = motion
         if abs(omega) > 1e-9:
-            axes.plot(vx * 0 + vx / omega * 0 - (vx / omega), -vy / omega, "o", color=CENTRE, markersize=8)
+            axes.plot(-vx / omega, -vy / omega, "o", color=CENTRE, markersize=8)
     axes.plot(0, 0, "+", color=INK, markersize=14)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.2)
     tidy(axes, "to the right [m]", "forward [m]")
     steer = getattr(found, "degree_of_steerability", None)
-    words = f"degree of mobility {found.degree_of_mobility}" + ("" if steer is None else f", of steerability {steer}")
+    words = f"degree of mobility {found.degree_of_mobility}" + (
+        "" if steer is None else f", of steerability {steer}"
+    )
     write_title(axes, title, f"{words}; free motions, and their centres of rotation (dots)")
     return figure
+
+
+def _duration(motion: Floats) -> float:
+    """For how long a motion is drawn: half a radian, or a metre where it is straight [s]."""
+    vx, vy, omega = motion
+    return 0.5 / abs(omega) if abs(omega) > 1e-9 else 1.0
 
 
 def pose_figure(state: Any, *, title: str | None) -> Figure:
     """An `OdometryState`, `Odometry3State` or `Preintegrated`: pose with its ellipse of 95 %, on a grid."""
     pose = np.asarray(state.delta if hasattr(state, "delta") else state.pose, dtype=float)
-    covariance = np.asarray(state.covariance_in("coordinates") if hasattr(state, "delta") else state.covariance)
+    covariance = np.asarray(
+        state.covariance_in("coordinates") if hasattr(state, "delta") else state.covariance
+    )
     if pose.shape == (4, 4):
         pose = np.array((pose[0, 3], pose[1, 3], math.atan2(pose[1, 0], pose[0, 0])))
     x, y, yaw = pose[0], pose[1], pose[-1]
@@ -148,7 +177,9 @@ def pose_figure(state: Any, *, title: str | None) -> Figure:
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))[[0, 1, -1]]
     words = ", ".join(
         f"{name} {value:.3f} ± {deviation:.2g} {unit}"
-        for name, value, deviation, unit in zip(("x", "y", "yaw"), (x, y, yaw), deviations, ("m", "m", "rad"), strict=True)
+        for name, value, deviation, unit in zip(
+            ("x", "y", "yaw"), (x, y, yaw), deviations, ("m", "m", "rad"), strict=True
+        )
     )
     write_title(axes, title, f"{words} (ellipse and dotted: 95 %)")
     return figure
@@ -156,7 +187,7 @@ def pose_figure(state: Any, *, title: str | None) -> Figure:
 
 def wheel_figure(wheel: Any, *, title: str | None) -> Figure:
     """A `Wheel`: its pivot, its contact, scrub and trail with their numbers."""
-    one = Rover([wheel, *_beside(wheel)]) if not wheel.steered else Rover([wheel, *_beside(wheel)])
+    one = Rover([wheel, *_beside(wheel)])
     figure = new_figure(7.2, 5.0)
     axes = figure.add_subplot()
     draw_rover(axes, one, (0.0, 0.0, FORWARD_UP), fade=0.0, body_color="#ffffff")

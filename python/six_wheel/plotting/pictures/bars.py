@@ -8,7 +8,18 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from six_wheel.plotting.drawing import AXLE, FORBIDDEN, INK, MOTION, SERIES, SOFT, new_figure, number, tidy, write_title
+from six_wheel.plotting.drawing import (
+    AXLE,
+    FORBIDDEN,
+    INK,
+    MOTION,
+    SERIES,
+    SOFT,
+    new_figure,
+    number,
+    tidy,
+    write_title,
+)
 
 __all__ = ["bounds_bars", "feasible_bars", "jacobian_bars", "named_bars", "slip_bars", "stability_bars"]
 
@@ -21,7 +32,9 @@ QUANTITIES = (
 
 def jacobian_bars(found: Any, *, title: str | None) -> Figure:
     """A `TwistJacobian`: for each quantity the derivatives of the twist by every wheel; of a batch the mean size."""
-    known = [name for name in QUANTITIES if getattr(found, name) is not None and np.size(getattr(found, name))]
+    known = [
+        name for name in QUANTITIES if getattr(found, name) is not None and np.size(getattr(found, name))
+    ]
     columns = 3
     rows = -(-len(known) // columns)
     figure = new_figure(WIDTH, 0.8 + 1.6 * rows)
@@ -37,8 +50,16 @@ def jacobian_bars(found: Any, *, title: str | None) -> Figure:
         axes.set_title(f"by {name.replace('_', ' ')}", loc="left", fontsize=9, color=INK)
     for axes in panels[len(known) :]:
         axes.set_visible(False)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=3, frameon=False, fontsize=9)
-    figure.suptitle(title or "derivatives of the twist by the quantities of each wheel", x=0.01, ha="left", fontsize=10, color=INK)
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=3, frameon=False, fontsize=9
+    )
+    figure.suptitle(
+        title or "derivatives of the twist by the quantities of each wheel",
+        x=0.01,
+        ha="left",
+        fontsize=10,
+        color=INK,
+    )
     return figure
 
 
@@ -73,7 +94,11 @@ def stability_bars(found: Any, *, title: str | None) -> Figure:
     values = {f"load of wheel {k + 1} [N]": float(load) for k, load in enumerate(loads)}
     for name, unit in (("tip_over_angle", "rad"), ("clearance", "m"), ("tilt", "rad")):
         values[f"{name.replace('_', ' ')} [{unit}]"] = float(np.min(getattr(found, name)))
-    joints = np.asarray(found.joint_margins, dtype=float).reshape(-1, np.shape(found.joint_margins)[-1]).min(axis=0)
+    joints = (
+        np.asarray(found.joint_margins, dtype=float)
+        .reshape(-1, np.shape(found.joint_margins)[-1])
+        .min(axis=0)
+    )
     values |= {f"joint {k + 1} to its stop [rad]": float(margin) for k, margin in enumerate(joints)}
     figure = new_figure(WIDTH, 1.6 + 0.36 * len(loads))
     weights, margins = figure.subplots(1, 2)
@@ -86,7 +111,9 @@ def stability_bars(found: Any, *, title: str | None) -> Figure:
         colours = [FORBIDDEN if value < 0.0 else AXLE for value in part.values()]
         axes.barh(range(len(part)), heights, color=colours, height=0.55)
         for place, value in enumerate(part.values()):
-            axes.annotate(f" {value:.3g}", (max(heights[place], 0.0), place), va="center", fontsize=8, color=INK)
+            axes.annotate(
+                f" {value:.3g}", (max(heights[place], 0.0), place), va="center", fontsize=8, color=INK
+            )
         axes.set_yticks(range(len(part)), names)
         axes.invert_yaxis()
         axes.margins(x=0.2)
@@ -97,7 +124,15 @@ def stability_bars(found: Any, *, title: str | None) -> Figure:
 
 def bounds_bars(found: Any, *, title: str | None) -> Figure:
     """`PoseBounds`: the interval of every quantity; of several poses their hull."""
-    names = {"z": "m", "roll": "rad", "pitch": "rad", "tilt": "rad", "clearance": "m", "rocker": "rad", "wheel_drop": "m"}
+    names = {
+        "z": "m",
+        "roll": "rad",
+        "pitch": "rad",
+        "tilt": "rad",
+        "clearance": "m",
+        "rocker": "rad",
+        "wheel_drop": "m",
+    }
     figure = new_figure(WIDTH, 3.6)
     axes = figure.add_subplot()
     for place, (name, unit) in enumerate(names.items()):
@@ -124,9 +159,15 @@ def feasible_bars(found: Any, *, title: str | None) -> Figure:
         reasons, counts = np.unique(np.asarray(found.reason).astype(str), return_counts=True)
         values = {str(reason): float(count) for reason, count in zip(reasons, counts, strict=True)}
         return named_bars(values, title=title, below="poses by reason", bad=frozenset(values) - {"ok"})
-    values = {"least margin": float(found.margin), "tilt [rad]": float(found.tilt), "clearance [m]": float(found.clearance)}
+    values = {
+        "least margin": float(found.margin),
+        "tilt [rad]": float(found.tilt),
+        "clearance [m]": float(found.clearance),
+    }
     words = "the rover may stand here" if found.ok else f"the rover may not stand here: {found.reason}"
-    return named_bars(values, title=title, below=words, bad=frozenset() if found.ok else frozenset({"least margin"}))
+    return named_bars(
+        values, title=title, below=words, bad=frozenset() if found.ok else frozenset({"least margin"})
+    )
 
 
 def slip_bars(found: Any, *, title: str | None) -> Figure:

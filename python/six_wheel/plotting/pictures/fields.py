@@ -14,7 +14,14 @@ from six_wheel._core import Costmap, Terrain
 from six_wheel.plotting.drawing import CENTRE, INK, MOTION, SOFT, TRACK, new_figure, tidy, write_title
 from six_wheel.plotting.planning import draw_costmap
 
-__all__ = ["costmap_figure", "draw_ground", "plan_path_figure", "planner_figure", "rollouts_figure", "terrain_figure"]
+__all__ = [
+    "costmap_figure",
+    "draw_ground",
+    "plan_path_figure",
+    "planner_figure",
+    "rollouts_figure",
+    "terrain_figure",
+]
 
 NODES = 400  # of a drawn map along its longer side
 ROLLOUTS = 300  # that are drawn
@@ -35,7 +42,9 @@ def draw_ground(axes: Axes, ground: Terrain) -> None:
     along, up = np.meshgrid(np.arange(columns) * dx, np.arange(rows) * dy)
     x, y = x0 + cos * along - sin * up, y0 + sin * along + cos * up
     shown = np.where(np.isfinite(heights), bright, np.nan)
-    axes.pcolormesh(x, y, shown, cmap=colours, vmin=-0.4, vmax=1.2, shading="nearest", rasterized=True, zorder=0)
+    axes.pcolormesh(
+        x, y, shown, cmap=colours, vmin=-0.4, vmax=1.2, shading="nearest", rasterized=True, zorder=0
+    )
     if np.nanmax(heights) > np.nanmin(heights):
         lines = axes.contour(x, y, heights, levels=8, colors=INK, linewidths=0.6, alpha=0.6, zorder=0.5)
         axes.clabel(lines, fontsize=7, fmt="%.2g")
@@ -73,7 +82,9 @@ def _draw_costs(axes: Axes, costmap: Costmap) -> None:
     if lethal is not None and (values >= lethal).any():
         (dx, dy), (x, y) = costmap.spacing, costmap.origin
         places = x + dx * np.arange(values.shape[1]), y + dy * np.arange(values.shape[0])
-        axes.contourf(*places, values >= lethal, levels=[0.5, 1.5], colors="none", hatches=["xxx"], zorder=0.6)
+        axes.contourf(
+            *places, values >= lethal, levels=[0.5, 1.5], colors="none", hatches=["xxx"], zorder=0.6
+        )
     tidy(axes, "x [m]", "y [m]")
 
 
@@ -118,11 +129,15 @@ def planner_figure(planner: Any, *, title: str | None) -> Figure:
     figure = new_figure(7.2, 5.4)
     axes = figure.add_subplot()
     if len(planner.costs):
-        _draw_rollouts(axes, figure, np.asarray(rollout(planner.wishes, planner.dt)), planner.costs, "cost of a rollout")
+        _draw_rollouts(
+            axes, figure, np.asarray(rollout(planner.wishes, planner.dt)), planner.costs, "cost of a rollout"
+        )
     _draw_poses(axes, np.asarray(rollout(planner.state["controls"][None], planner.dt))[0])
     axes.set_aspect("equal", adjustable="datalim")
     tidy(axes, "ahead of the rover [m]", "to its left [m]")
-    write_title(axes, title, f"wishes of {planner.samples} rollouts of {planner.horizon} steps; green: the plan")
+    write_title(
+        axes, title, f"wishes of {planner.samples} rollouts of {planner.horizon} steps; green: the plan"
+    )
     return figure
 
 

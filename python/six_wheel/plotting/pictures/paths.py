@@ -30,7 +30,9 @@ def truth_figure(truth: Any, *, title: str | None) -> Figure:
         axes.plot(*truth.poses[-1, :2], "o", color=INK, markersize=7)
         axes.set_aspect("equal", adjustable="datalim")
         tidy(axes, "x [m]", "y [m]")
-    write_title(axes, title, f"{len(truth)} poses in {truth.stamps[-1] - truth.stamps[0]:.1f} s; dark: the end")
+    write_title(
+        axes, title, f"{len(truth)} poses in {truth.stamps[-1] - truth.stamps[0]:.1f} s; dark: the end"
+    )
     return figure
 
 
@@ -86,7 +88,11 @@ def evaluation_figure(found: Any, *, title: str | None) -> Figure:
     """An `Evaluation`: the error over rows, its histogram, and its growth with distance."""
     figure = new_figure(7.2, 6.0)
     grid = figure.add_gridspec(2, 2)
-    errors, counts, growth = figure.add_subplot(grid[0, :]), figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
+    errors, counts, growth = (
+        figure.add_subplot(grid[0, :]),
+        figure.add_subplot(grid[1, 0]),
+        figure.add_subplot(grid[1, 1]),
+    )
     errors.plot(found.first.position, color=MOTION, label="first pose given")
     errors.plot(found.aligned.position, color=AXLE, linestyle="--", label="aligned as a whole")
     errors.legend(frameon=False, fontsize=8, labelcolor=INK)

@@ -10,7 +10,19 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from six_wheel._core import RockerBogie, Suspension, Terrain
-from six_wheel.plotting.drawing import AXLE, BODY, CENTRE, INK, SOFT, TRACK, WHEEL, Floats, new_figure, tidy, write_title
+from six_wheel.plotting.drawing import (
+    AXLE,
+    BODY,
+    CENTRE,
+    INK,
+    SOFT,
+    TRACK,
+    WHEEL,
+    Floats,
+    new_figure,
+    tidy,
+    write_title,
+)
 from six_wheel.plotting.ground.side import draw_side_view
 from six_wheel.plotting.pictures.strips import strips
 
@@ -24,7 +36,9 @@ def stand_figure(stand: Any, *, title: str | None) -> Figure:
         panels = {
             "z [m]": {"z": np.ravel(stand.z)},
             "angles [rad]": {"roll": np.ravel(stand.roll), "pitch": np.ravel(stand.pitch)},
-            "gap of the highest wheel [m]": {"gap": np.nan_to_num(stand.gap).reshape(len(rows), -1).max(axis=1)},
+            "gap of the highest wheel [m]": {
+                "gap": np.nan_to_num(stand.gap).reshape(len(rows), -1).max(axis=1)
+            },
         }
         figure = strips(rows, panels, title=title, below=repr(stand))
         figure.axes[-1].set_xlabel("pose", fontsize=8, color=SOFT)
@@ -52,7 +66,9 @@ def _draw(axes: Axes, stand: Any) -> None:
     body = np.asarray(stand.transform)[:3, 3]
     for k, (place, height, radius) in enumerate(zip(ahead, centres[:, 2], radii, strict=True)):
         axes.plot([0.0, place], [body[2], height], color=AXLE, linewidth=2, alpha=1.0 if k % 2 == 0 else 0.4)
-        axes.add_patch(Circle((place, height), radius, fc=BODY, ec=WHEEL, lw=2, alpha=1.0 if k % 2 == 0 else 0.4))
+        axes.add_patch(
+            Circle((place, height), radius, fc=BODY, ec=WHEEL, lw=2, alpha=1.0 if k % 2 == 0 else 0.4)
+        )
     reach = float(np.ptp(ahead)) / 2 + 2 * float(radii.max())
     along = np.linspace(ahead.mean() - reach, ahead.mean() + reach, 400)
     height: Floats = np.asarray(stand.ground.height(np.array((x, y)) + along[:, None] * heading))
@@ -82,17 +98,41 @@ def suspension_figure(arm: Suspension, *, title: str | None) -> Figure:
     tidy(front, "to the right [m], seen from behind", "height [m]")
     dimensions = getattr(arm, "dimensions", {})
     words = "; ".join(
-        f"{name} {np.round(value, 3).tolist()}" for name, value in dimensions.items() if not isinstance(value, str | type(None))
+        f"{name} {np.round(value, 3).tolist()}"
+        for name, value in dimensions.items()
+        if not isinstance(value, str | type(None))
     )
-    write_title(side, title, "\n".join(words[k : k + 105] for k in range(0, min(len(words), 315), 105)) or repr(arm)[:100])
+    write_title(
+        side,
+        title,
+        "\n".join(words[k : k + 88] for k in range(0, min(len(words), 352), 88)) or repr(arm)[:100],
+    )
     return figure
 
 
 def motion_figure(found: Any, *, title: str | None) -> Figure:
     """A `GroundCommand`, `GroundMotion`, `Traction`, `SteeringCommand` or slip: its numbers for every wheel."""
-    names = ("steering", "speeds", "wheel_speeds", "twist", "joint_rates", "contact_angles", "scrub", "ratio", "angle")
-    known = {name: np.asarray(getattr(found, name), dtype=float) for name in names if getattr(found, name, None) is not None}
-    known = {name: values.reshape(-1, values.shape[-1]).mean(axis=0) for name, values in known.items() if values.ndim and values.size}
+    names = (
+        "steering",
+        "speeds",
+        "wheel_speeds",
+        "twist",
+        "joint_rates",
+        "contact_angles",
+        "scrub",
+        "ratio",
+        "angle",
+    )
+    known = {
+        name: np.asarray(getattr(found, name), dtype=float)
+        for name in names
+        if getattr(found, name, None) is not None
+    }
+    known = {
+        name: values.reshape(-1, values.shape[-1]).mean(axis=0)
+        for name, values in known.items()
+        if values.ndim and values.size
+    }
     figure = new_figure(7.2, 0.9 + 1.5 * len(known))
     rows = figure.subplots(len(known), 1, squeeze=False)[:, 0]
     for axes, (name, values) in zip(rows, known.items(), strict=True):
@@ -100,5 +140,7 @@ def motion_figure(found: Any, *, title: str | None) -> Figure:
         axes.axhline(0.0, color=SOFT, linewidth=0.8)
         axes.set_xticks(np.arange(1, len(values) + 1))
         tidy(axes, "", name.replace("_", " "))
-    write_title(rows[0], title, f"{type(found).__name__}: numbers by wheel, joint or component, in their order [SI]")
+    write_title(
+        rows[0], title, f"{type(found).__name__}: numbers by wheel, joint or component, in their order [SI]"
+    )
     return figure

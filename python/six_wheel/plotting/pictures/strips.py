@@ -34,7 +34,9 @@ def strips(
 def _strip(axes: Axes, times: Floats, lines: Mapping[str, Floats]) -> None:
     for number, (name, values) in enumerate(lines.items()):
         style = ("-", "--", ":")[number // len(SERIES) % 3]
-        axes.plot(times, values, color=SERIES[number % len(SERIES)], linestyle=style, linewidth=1.3, label=name)
+        axes.plot(
+            times, values, color=SERIES[number % len(SERIES)], linestyle=style, linewidth=1.3, label=name
+        )
     if len(lines) > 1:
         axes.legend(
             frameon=False, fontsize=8, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
@@ -50,7 +52,10 @@ def run_strips(run: Any, *, title: str | None) -> Figure:
     """A `ControllerRun`: its motion, its joints, and the reasons of its steps."""
     rover, count = run.rover, len(run)
     steps = np.arange(count)
-    panels = {"vx, vy [m/s]": _named(("vx", "vy"), run.twist[:, :2]), "omega [rad/s]": {"omega": run.twist[:, 2]}}
+    panels = {
+        "vx, vy [m/s]": _named(("vx", "vy"), run.twist[:, :2]),
+        "omega [rad/s]": {"omega": run.twist[:, 2]},
+    }
     if rover.steered_names:
         panels["steering [rad]"] = _named(rover.steered_names, run.steering)
     panels["wheels [rad/s]"] = _named(rover.wheel_names, run.speeds)
@@ -65,7 +70,9 @@ def run_strips(run: Any, *, title: str | None) -> Figure:
             transform=axes.get_xaxis_transform(), clip_on=False, label=str(reason.name),
         )  # fmt: skip
     if found:
-        axes.set_title(axes.get_title(loc="left"), loc="left", fontsize=9, color=SOFT, y=1.04 + 0.06 * len(found))
+        axes.set_title(
+            axes.get_title(loc="left"), loc="left", fontsize=9, color=SOFT, y=1.04 + 0.06 * len(found)
+        )
         figure.legend(
             *zip(*((patch, patch.get_label()) for patch in axes.collections), strict=True),
             loc="outside lower left", ncols=3, frameon=False, fontsize=8, labelcolor=INK,
@@ -92,7 +99,12 @@ def profile_strips(profile: Any, *, title: str | None) -> Figure:
     times = np.linspace(0.0, profile.duration, INSTANTS)
     state = profile.at(times)
     panels = {}
-    for name, unit in (("value", ""), ("velocity", " [1/s]"), ("acceleration", " [1/s²]"), ("jerk", " [1/s³]")):
+    for name, unit in (
+        ("value", ""),
+        ("velocity", " [1/s]"),
+        ("acceleration", " [1/s²]"),
+        ("jerk", " [1/s³]"),
+    ):
         values = np.asarray(getattr(state, name)).reshape(len(times), -1)
         panels[name + unit] = _named([f"axis {k}" for k in range(values.shape[1])], values)
     return strips(times, panels, title=title, below=f"profile of {profile.duration:.3g} s")
@@ -118,7 +130,9 @@ def slip_strips(report: Any, *, title: str | None) -> Figure:
     bars, windows = figure.subplots(1, 2, sharey=True)
     places = np.arange(len(names))
     bars.barh(places, [wheel.rms for wheel in report.wheels], color=SERIES[0], height=0.5, label="rms")
-    bars.plot([wheel.worst for wheel in report.wheels], places, "|", color=FORBIDDEN, markersize=12, label="worst")
+    bars.plot(
+        [wheel.worst for wheel in report.wheels], places, "|", color=FORBIDDEN, markersize=12, label="worst"
+    )
     bars.set_yticks(places, names)
     bars.invert_yaxis()
     for window in report.windows:
