@@ -28,6 +28,7 @@ def drives(count: int, noise: sw.Noise, first: int = 0) -> list[sw.WheelLog]:
     return found
 
 
+@pytest.mark.slow
 def test_slip_that_was_put_in_is_found():
     """Intervals of 99.9 %: a case that fails one time in five hundred, and the seeds are fixed."""
     noise = sw.Noise(0.0, 0.0, slip=0.01, side_slip=0.02)
@@ -117,6 +118,7 @@ def test_a_gyroscope_errs_as_it_did_where_the_rover_stood():
     assert calibrate(PAIR, drives(1, NOISE), **ONE).measured_noise.gyroscope is None
 
 
+@pytest.mark.slow
 @REQUIRED
 @pytest.mark.parametrize(
     ("robot", "parameters"),

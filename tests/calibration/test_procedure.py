@@ -105,6 +105,7 @@ def test_a_turn_too_small_to_see_has_the_same_derivatives_from_both_sides():
 # --- known dimensions ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", VEHICLES)
 def test_any_vehicle_gets_its_dimensions_back(name):
     nominal, true, wanted = VEHICLES[name]
@@ -316,6 +317,7 @@ CHOSEN = {
 }
 
 
+@pytest.mark.slow
 @REQUIRED
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_recordings_of_other_days(robot):
@@ -359,6 +361,7 @@ def test_recordings_of_other_days(robot):
         assert np.median(after) < np.median(before)
 
 
+@pytest.mark.slow
 @REQUIRED
 @pytest.mark.parametrize(
     ("robot", "parameters"),

@@ -82,7 +82,7 @@ class TransitionState(NamedTuple):
     steering_accelerations: Floats
     """Shape (..., steered wheels) [rad/s^2]."""
     scrub: Floats
-    """How fast the worst wheel slides under the twist that fits all wheels best [m/s]."""
+    """Largest sliding speed of a wheel under the twist that fits all wheels best [m/s]."""
 
     def __repr__(self) -> str:
         return short_repr("TransitionState", self._asdict())

@@ -202,20 +202,6 @@ impl Terrain {
         self.pyramid.get().map(|pyramid| &**pyramid)
     }
 
-    /// Height of the highest node of a box of cells on the map, both ends included [m]; infinity where one is not
-    /// known.
-    pub(crate) fn highest(&self, first: [usize; 2], last: [usize; 2]) -> f64 {
-        let mut top = f64::NEG_INFINITY;
-        for row in first[1]..=last[1] + 1 {
-            for column in first[0]..=last[0] + 1 {
-                let height = self.heights.at(row * self.columns + column);
-                let height = if height.is_nan() { f64::INFINITY } else { height };
-                top = top.max(height);
-            }
-        }
-        top
-    }
-
     /// Number of rows and of columns.
     pub fn shape(&self) -> [usize; 2] {
         [self.rows, self.columns]

@@ -23,7 +23,7 @@ def yard_and_poses(size=40.0, count=20_000):
 
 @pytest.mark.parametrize(("name", "hard"), [("rocky7", [7140, 8894]), ("open_source_rover", [15280])])
 def test_small_rovers_among_large_rocks(name, hard):
-    """What Newton's method alone has lost (`hard`) stands on every wheel; most of what does not tips over."""
+    """Poses that Newton's method alone has lost (`hard`) stand on every wheel; most others tip over."""
     rover = ROVERS[name]
     ground, poses = yard_and_poses()
     stand = rover.settle(ground, poses)
@@ -106,6 +106,7 @@ def states_found(rover, ground, pose, starts, seed):
     return numbers[np.abs(gaps).max(1) < 1e-4]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rocky7", "open_source_rover"])
 def test_what_is_said_to_tip_over_closes_no_gaps_short_of_that(name):
     """Another search, which finds every pose that does stand, finds no state with all wheels on the ground.

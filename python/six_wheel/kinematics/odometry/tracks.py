@@ -315,7 +315,7 @@ class SlipReport:
     windows: tuple[SlipWindow, ...]
     rows: int
     told: bool = True
-    """Whether the wheels can contradict each other at all: two wheels of a differential drive cannot."""
+    """True where the wheels can contradict each other: two wheels of a differential drive cannot."""
 
     def __repr__(self) -> str:
         found = {"wheels": len(self.wheels), "rows": self.rows, "windows": len(self.windows)}

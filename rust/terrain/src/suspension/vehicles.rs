@@ -315,7 +315,7 @@ mod tests {
                 let mut stands = vec![Stand::nothing(Status::NotConverged); poses.len()];
                 settle(&settler, &poses, &steering, 1, &mut stands)?;
                 for (pose, stand) in poses.iter().zip(&stands) {
-                    let alone = Stand::of(&settler.settle((*pose).into(), &steering)?);
+                    let alone = settler.settle((*pose).into(), &steering)?;
                     assert_eq!(stand.status, alone.status);
                     assert!(stand.status == Status::Settled);
                     // Gaps close to 2e-12 m.
