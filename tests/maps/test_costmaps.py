@@ -42,7 +42,8 @@ def test_costs_around_an_obstacle_are_those_of_the_distance():
 def test_a_map_of_nav2(tmp_path, head):
     pixels = bytes([254, 254, 0, 205, 254, 254])
     (tmp_path / "a.pgm").write_bytes(head.encode() + pixels)
-    text = "image: a.pgm\nresolution: 0.1\norigin: [1.0, 2.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    text = "image: a.pgm\nresolution: 0.1\norigin: [1.0, 2.0, 0.0]\n"
+    text += "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
     (tmp_path / "a.yaml").write_text(text)
     pytest.importorskip("yaml")
     costs = sw.Costmap.read(tmp_path / "a.yaml", unknown=0.25)
@@ -79,8 +80,12 @@ def test_grids_that_cannot_be_used(made, message):
 
 def test_files_that_are_no_maps(tmp_path):
     pytest.importorskip("yaml")
-    for text, rule in (("a: 1\n", "must have image, resolution, origin"), ("a: [", "must be YAML"),
-                       ("image: a.pgm\nresolution: 1\norigin: [0, 0, 0.5]\n", "origin must not be turned")):  # fmt: skip
+    turned = "image: a.pgm\nresolution: 1\norigin: [0, 0, 0.5]\n"
+    for text, rule in (
+        ("a: 1\n", "must have image, resolution, origin"),
+        ("a: [", "must be YAML"),
+        (turned, "origin must not be turned"),
+    ):
         (tmp_path / "m.yaml").write_text(text)
         with pytest.raises(ValueError, match=rule):
             sw.Costmap.read(tmp_path / "m.yaml")

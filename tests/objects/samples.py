@@ -52,11 +52,26 @@ def _rovers() -> list[Any]:
     planner = sw.Mppi(ROVER, LIMITS, horizon=20, samples=64)
     plan = planner.step((-0.5, 0.0, 0.0), goal=(2.0, 0.5, 1.0), costmap=costmap)
     return [
-        ROVER, ROVER.wheels[0], LIMITS, sw.Twist(*TWIST), sw.Pose(1.0, 2.0, 0.5), ROVER.fit(steering, speeds),
-        ROVER.sensitivity(steering, speeds), ROVER.mobility(), controller, output, run, costmap, planner, plan,
-        ROVER.rollout_cost(np.tile(TWIST, (2, 10, 1)), 0.1), sw.Noise(), sw.Encoder(4096), sw.Gyroscope(noise=0.01),
+        ROVER,
+        ROVER.wheels[0],
+        LIMITS,
+        sw.Twist(*TWIST),
+        sw.Pose(1.0, 2.0, 0.5),
+        ROVER.fit(steering, speeds),
+        ROVER.sensitivity(steering, speeds),
+        ROVER.mobility(),
+        controller,
+        output,
+        run,
+        costmap,
+        planner,
+        plan,
+        ROVER.rollout_cost(np.tile(TWIST, (2, 10, 1)), 0.1),
+        sw.Noise(),
+        sw.Encoder(4096),
+        sw.Gyroscope(noise=0.01),
         sw.body_slip((0.1, 0.0), (0.12, 0.0), np.eye(2) * 1e-4),
-    ]  # fmt: skip
+    ]
 
 
 def _logs() -> list[Any]:
@@ -69,9 +84,17 @@ def _logs() -> list[Any]:
         motion.add(log.steering[k], log.wheel_angles[k], log.stamps[k])
     plain = sw.WheelLog(log.stamps, log.steering, log.wheel_angles, log.truth)
     return [
-        log, plain, log.truth, track, track.slip_report(), odometry, odometry.state, motion,
-        evaluate(track, log.truth), *track.slip_report().wheels[:1],
-    ]  # fmt: skip
+        log,
+        plain,
+        log.truth,
+        track,
+        track.slip_report(),
+        odometry,
+        odometry.state,
+        motion,
+        evaluate(track, log.truth),
+        *track.slip_report().wheels[:1],
+    ]
 
 
 @cache
@@ -95,11 +118,26 @@ def _ground() -> list[Any]:
     for k in range(3):
         odometry.update(drive.steering[k], drive.wheel_angles[k], drive.stamps[k])
     return [
-        ground, ARM, sw.Suspension.zoe(), ARM.links[0], stand, stability, stability.by_pose, command, motion,
-        ARM.steer(0.1, 0.05, 0.0, (0.0, 0.0)), ARM.bounds(ground, pose), ARM.feasible(ground, pose),
-        sw.FeasibilityLimits(), ARM.slip(stand, command.speeds, motion.twist, rates),
-        ARM.traction(0.1, 0.0, motion.twist[3:], stand.joints, rates), drive, odometry, odometry.state, tracked,
-    ]  # fmt: skip
+        ground,
+        ARM,
+        sw.Suspension.zoe(),
+        ARM.links[0],
+        stand,
+        stability,
+        stability.by_pose,
+        command,
+        motion,
+        ARM.steer(0.1, 0.05, 0.0, (0.0, 0.0)),
+        ARM.bounds(ground, pose),
+        ARM.feasible(ground, pose),
+        sw.FeasibilityLimits(),
+        ARM.slip(stand, command.speeds, motion.twist, rates),
+        ARM.traction(0.1, 0.0, motion.twist[3:], stand.joints, rates),
+        drive,
+        odometry,
+        odometry.state,
+        tracked,
+    ]
 
 
 def _motions() -> list[Any]:
@@ -115,9 +153,14 @@ def _axles() -> list[Any]:
     car = sw.FourAxle((0.4, 0.3), 0.2, 0.1)
     sequence = car.turn_sequence(FourAxleState(), 0.5, speed=0.2)
     return [
-        car, FourAxleState(), sequence, sequence.steps[0], car.mobility((0.0, 0.0, 0.0, 0.0)),
-        car.simulate(sequence, 0.1), car.forward((0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 1.0)),
-    ]  # fmt: skip
+        car,
+        FourAxleState(),
+        sequence,
+        sequence.steps[0],
+        car.mobility((0.0, 0.0, 0.0, 0.0)),
+        car.simulate(sequence, 0.1),
+        car.forward((0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 1.0)),
+    ]
 
 
 @cache

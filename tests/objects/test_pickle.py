@@ -1,4 +1,4 @@
-"""Every public object pickles and copies, with all that can be read of it; what takes in samples copies only."""
+"""Every public object pickles and copies, with all that can be read of it; streams copy only."""
 
 import copy
 import inspect

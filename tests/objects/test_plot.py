@@ -13,9 +13,21 @@ from tests.objects.samples import ROVER, TWIST, calibration, public_classes, sam
 
 # Settings and parts that are read, not looked at.
 WITHOUT = {
-    "Controller", "Encoder", "FeasibilityLimits", "Gyroscope", "Link", "MarginJacobian", "Noise", "Odometry", "Odometry3",
-    "Peaks", "Phase", "Pose", "State", "TransitionState",
-}  # fmt: skip
+    "Controller",
+    "Encoder",
+    "FeasibilityLimits",
+    "Gyroscope",
+    "Link",
+    "MarginJacobian",
+    "Noise",
+    "Odometry",
+    "Odometry3",
+    "Peaks",
+    "Phase",
+    "Pose",
+    "State",
+    "TransitionState",
+}
 OUT = os.environ.get("SIX_WHEEL_PICTURES")
 
 
@@ -52,9 +64,13 @@ def test_batches_have_pictures():
     poses = [(0.1 * k, 0.0, 0.0) for k in range(5)]
     steering, speeds = ROVER.inverse([TWIST] * 4)
     batches = [
-        arm.settle(ground, poses), arm.bounds(ground, poses), arm.feasible(ground, poses), ROVER.fit(steering, speeds),
-        ROVER.sensitivity(steering, speeds), arm.stability(arm.settle(ground, poses), mass=1.0),
-    ]  # fmt: skip
+        arm.settle(ground, poses),
+        arm.bounds(ground, poses),
+        arm.feasible(ground, poses),
+        ROVER.fit(steering, speeds),
+        ROVER.sensitivity(steering, speeds),
+        arm.stability(arm.settle(ground, poses), mass=1.0),
+    ]
     for one in batches:
         assert sw.plot(one)._repr_png_()
 

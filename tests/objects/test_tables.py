@@ -7,12 +7,12 @@ import sys
 import numpy as np
 import pytest
 
-pytest.importorskip("scipy", reason="calibration needs SciPy")
-pandas = pytest.importorskip("pandas")
-
 import six_wheel as sw
 from six_wheel.log_odometry.evaluation import evaluate
 from tests.objects.samples import ROVER, samples
+
+pytest.importorskip("scipy", reason="calibration needs SciPy")
+pandas = pytest.importorskip("pandas")
 
 TABLES = ("Track", "Track3", "WheelLog", "Simulation", "GroundSimulation", "GroundTruth")
 

@@ -1,4 +1,4 @@
-"""Representations fit one line; what is longer can be pasted back. Text is short, and members of enumerations have one."""
+"""Representations fit one line, or can be pasted back; text is short; members of enumerations have theirs."""
 
 import enum
 import inspect
@@ -12,9 +12,19 @@ from tests.objects.samples import public_classes, samples
 
 # Values whose representation is the call that makes them, whatever its length.
 CALLS = {
-    "BodyTransition", "Controller", "FeasibilityLimits", "FourAxleStep", "IcrTransition", "Limits", "ModuleTransition",
-    "Profile", "RockerBogie", "Rover", "Suspension", "Wheel",
-}  # fmt: skip
+    "BodyTransition",
+    "Controller",
+    "FeasibilityLimits",
+    "FourAxleStep",
+    "IcrTransition",
+    "Limits",
+    "ModuleTransition",
+    "Profile",
+    "RockerBogie",
+    "Rover",
+    "Suspension",
+    "Wheel",
+}
 LINES = {"SlipReport": 2 + 6 + 1}  # a line for each of the wheels
 
 

@@ -44,7 +44,7 @@ class Twist(NamedTuple):
         return rover_edit.replace(self, **changes)
 
     def to_body(self, yaw: float) -> Self:
-        """A twist whose `vx` and `vy` are along the axes of the world, in body axes of a rover with this yaw [rad].
+        """A twist with `vx` and `vy` along axes of the world, in body axes of a rover with this yaw [rad].
 
         Field-relative driving: ``rover.inverse(stick.to_body(odometry.state.yaw))``.
         """
@@ -52,11 +52,11 @@ class Twist(NamedTuple):
         return type(self)(cos * self.vx + sin * self.vy, cos * self.vy - sin * self.vx, self.omega)
 
     def to_world(self, yaw: float) -> Self:
-        """The inverse of `to_body`: the linear part along the axes of the world, of a rover with this yaw [rad]."""
+        """The inverse of `to_body`: `vx` and `vy` along the axes of the world, at this yaw [rad]."""
         return self.to_body(-yaw)
 
     def discretized(self, dt: float) -> Self:
-        """The twist that, held for a step, ends where this velocity points: ``exp`` of it is ``(vx, vy, omega) dt``.
+        """The twist that, held for a step, ends where this velocity points: at ``(vx, vy, omega) dt``.
 
         Without it, a rover that is commanded step by step to drive straight in the world while it turns goes
         astray sideways.

@@ -7,9 +7,8 @@ State(value=0.5, velocity=1.0, acceleration=0.0, jerk=-4.0)
 
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from six_wheel.kinematics.objects.short_text import short_repr
-
 from six_wheel._core import BodyTransition, IcrTransition, ModuleTransition, Profile
+from six_wheel.kinematics.objects.short_text import short_repr
 
 if TYPE_CHECKING:
     import numpy as np

@@ -203,8 +203,8 @@ class WheelLog(Tabular):
         Parameters
         ----------
         frame : DataFrame or mapping
-            Columns as `dead_reckon` takes them, or as `to_pandas` with ``rover=`` makes them; ``yaw_rate`` [rad/s], and
-            the truth in ``x``, ``y``, ``yaw`` [m, m, rad], where they are there.
+            Columns as `dead_reckon` takes them, or as `to_pandas` with ``rover=`` makes them; ``yaw_rate``
+            [rad/s], and the truth in ``x``, ``y``, ``yaw`` [m, m, rad], where they are there.
         rover : Rover
             Names the joints.
         name : str

@@ -83,8 +83,8 @@ def read_costmap(
 def inflated(costs: Floats, lethal: float, spacing: float, inflation: float) -> Floats:
     """Costs with those around obstacles: they fall linearly from `lethal` to 0 over `inflation` [m].
 
-    The distance to the nearest cell of at least `lethal` is exact up to that radius: the largest of the costs of all
-    obstacles within it, one shift of the grid for every cell of the disc.
+    The distance to the nearest cell of at least `lethal` is exact up to that radius: the largest of the costs
+    of all obstacles within it, one shift of the grid for every cell of the disc.
     """
     reach = math.floor(inflation / spacing)
     obstacles = costs >= lethal
@@ -112,7 +112,7 @@ def _costmap(
     lethal: float,
     frame: str | None,
 ) -> Costmap:
-    """The costmap of an occupancy 0 to 1, NaN where it is not known; the corner is that of the first cell [m]."""
+    """The costmap of an occupancy 0 to 1, NaN where it is not known, with its first corner [m]."""
     for name, value in (("inflation", inflation), ("unknown", unknown), ("lethal", lethal)):
         if not (math.isfinite(value) and value >= 0.0):
             raise ValueError(f"{name} must be finite and not negative, got {value}")

@@ -26,7 +26,8 @@ INK, SOFT, FAINT = "#22303c", "#7d8a96", "#d5dbe0"
 BODY, WHEEL, AXLE = "#e9e3d8", "#33424f", "#4a7fa7"
 MOTION, CENTRE, TRACK = "#2a7f62", "#c1440e", "#ddd2bf"  # CENTRE is a centre of rotation in every picture
 FORBIDDEN, RECORDED = "#8e2f5b", "#e0a050"
-# Lines of several in one picture, told apart by the colour-blind too. Source: M. Okabe, K. Ito, Color universal design, 2008.
+# Lines of one picture, which the colour-blind tell apart.
+# Source: M. Okabe, K. Ito, Color universal design, 2008.
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 
 

@@ -22,10 +22,10 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
     Parameters
     ----------
     result
-        Nearly everything that this package returns: rovers, wheels, limits, fits, logs, truths, tracks, states of
-        odometry, settled poses, terrains, costmaps, plans, profiles, simulations, evaluations, calibrations; or a list
-        of paths of the same kind. A track takes ``truth=`` (a `GroundTruth`, a `WheelLog` that has one, another track), a
-        rover ``twist=`` or ``limits=``, limits ``rover=``.
+        Nearly everything that this package returns: rovers, wheels, limits, fits, logs, truths, tracks,
+        states of odometry, settled poses, terrains, costmaps, plans, profiles, simulations, evaluations,
+        calibrations; or a list of paths. A track takes ``truth=`` (a `GroundTruth`, a `WheelLog` that has
+        one, another track), a rover ``twist=`` or ``limits=``, limits ``rover=``.
     title : str, optional
         Written above the picture.
     **options

@@ -25,7 +25,7 @@ def drive(planner, goal, cycles=160):
 
 @pytest.mark.parametrize("yaw", [1.2, -0.8])
 def test_a_rover_comes_to_its_goal_with_its_yaw(yaw):
-    pose, plan = drive(sw.Mppi(ROVER, LIMITS, samples=300, seed=1), (1.0, 0.0, yaw))
+    pose, _ = drive(sw.Mppi(ROVER, LIMITS, samples=300, seed=1), (1.0, 0.0, yaw))
     assert math.hypot(pose.x - 1.0, pose.y) < 0.3
     assert abs(math.remainder(pose.yaw - yaw, 2 * math.pi)) < 0.3
     free, _ = drive(sw.Mppi(ROVER, LIMITS, samples=300, seed=1), (1.0, 0.0))

@@ -84,7 +84,7 @@ class Tabular:
 def pose_columns(
     stamps: NDArray[Any],
     poses: NDArray[Any],
-    names: Mapping[str, str] = {"x": "m", "y": "m", "yaw": "rad"},  # noqa: B006 (never changed)
+    names: Mapping[str, str] = {"x": "m", "y": "m", "yaw": "rad"},
 ) -> Columns:
     """Time and poses."""
     times: Columns = {"time": ("s", stamps)}

@@ -212,8 +212,8 @@ class Track(Tabular):
         Parameters
         ----------
         frame : DataFrame or mapping
-            With ``time``, ``x``, ``y`` and ``yaw`` [s, m, m, rad]; what else a track holds is None, or 0, where
-            its columns are missing.
+            With ``time``, ``x``, ``y`` and ``yaw`` [s, m, m, rad]; what else a track holds is None, or 0,
+            where its columns are missing.
         rover : Rover
             Whose track it is.
 

@@ -220,8 +220,9 @@ def evaluate(
     Parameters
     ----------
     estimate, truth : array_like, shape (n, 3), or Track or Track3 and GroundTruth
-        Poses at the same times [m, m, rad]; of a `Track3` x, y and yaw count, as a truth has no height; a `GroundTruth` is interpolated at the stamps of a `Track`, whose
-        rows outside it are left out. The `WheelLog` that has it, or another `Track`, serves as well.
+        Poses at the same times [m, m, rad]; of a `Track3` x, y and yaw count, as a truth has no height. A
+        `GroundTruth` is interpolated at the stamps of a track, whose rows outside it are left out. The
+        `WheelLog` that has it, or another `Track`, serves as well.
     length, stride
         Of the relative error; see `segments`.
 

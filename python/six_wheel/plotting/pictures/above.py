@@ -13,7 +13,20 @@ from matplotlib.patches import Ellipse
 from six_wheel._core import Rover, exp
 from six_wheel.kinematics.geometry import Twist
 from six_wheel.plotting.drawing import (
-    AXLE, CENTRE, FORBIDDEN, FORWARD_UP, INK, MOTION, SOFT, Floats, bounds, contacts, draw_rover, new_figure, page, tidy,
+    AXLE,
+    CENTRE,
+    FORBIDDEN,
+    FORWARD_UP,
+    INK,
+    MOTION,
+    SOFT,
+    Floats,
+    bounds,
+    contacts,
+    draw_rover,
+    new_figure,
+    page,
+    tidy,
     write_title,
 )  # fmt: skip
 from six_wheel.plotting.twist import show_figure
@@ -146,7 +159,7 @@ def mobility_figure(found: Any, *, title: str | None) -> Figure:
 
 def _duration(motion: Floats) -> float:
     """For how long a motion is drawn: half a radian, or a metre where it is straight [s]."""
-    vx, vy, omega = motion
+    omega = float(motion[2])
     return 0.5 / abs(omega) if abs(omega) > 1e-9 else 1.0
 
 
@@ -199,7 +212,8 @@ def wheel_figure(wheel: Any, *, title: str | None) -> Figure:
     axes.set(xlim=(pivot[0] - reach, pivot[0] + reach), ylim=(pivot[1] - reach, pivot[1] + reach))
     tidy(axes, "to the right [m]", "forward [m]")
     axes.legend(frameon=False, fontsize=9, labelcolor=INK)
-    words = f"{wheel.name}: x {wheel.x:g}, y {wheel.y:g}, radius {wheel.radius:g}, scrub {wheel.scrub:g}, trail {wheel.trail:g} m"
+    numbers = ", ".join(f"{name} {getattr(wheel, name):g}" for name in ("x", "y", "radius", "scrub", "trail"))
+    words = f"{wheel.name}: {numbers} m"
     write_title(axes, title, words)
     return figure
 

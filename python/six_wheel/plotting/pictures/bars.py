@@ -25,13 +25,13 @@ __all__ = ["bounds_bars", "feasible_bars", "jacobian_bars", "named_bars", "slip_
 
 WIDTH = 7.2  # [in]
 QUANTITIES = (
-    "speeds", "steering", "steering_rates", "slip", "side_slip", "x", "y", "heading", "radius", "scrub", "trail",
-    "roller_angle",
+    "speeds", "steering", "steering_rates", "slip", "side_slip", "x", "y", "heading", "radius", "scrub",
+    "trail", "roller_angle",
 )  # fmt: skip
 
 
 def jacobian_bars(found: Any, *, title: str | None) -> Figure:
-    """A `TwistJacobian`: for each quantity the derivatives of the twist by every wheel; of a batch the mean size."""
+    """A `TwistJacobian`: derivatives of the twist by quantity and wheel; of a batch their mean size."""
     known = [
         name for name in QUANTITIES if getattr(found, name) is not None and np.size(getattr(found, name))
     ]
@@ -66,17 +66,15 @@ def jacobian_bars(found: Any, *, title: str | None) -> Figure:
 def named_bars(
     values: Mapping[str, float], *, title: str | None, below: str, bad: frozenset[str] = frozenset()
 ) -> Figure:
-    """A row for each name with its number written at the bar; those that are bad in another colour, hatched."""
+    """A row for each name with its number at the bar; those that are bad in another colour, hatched."""
     figure = new_figure(WIDTH, 1.2 + 0.36 * len(values))
     axes = figure.add_subplot()
     for place, (name, value) in enumerate(values.items()):
         shown = value if np.isfinite(value) else 0.0
         colour, hatch = (FORBIDDEN, "///") if name in bad else (MOTION, "")
         axes.barh(place, shown, color=colour, hatch=hatch, edgecolor="white", height=0.55)
-        axes.annotate(
-            f" {number(value, '.3g') if np.isfinite(value) else value} ", (max(shown, 0.0), place), color=INK, fontsize=9,
-            va="center",
-        )  # fmt: skip
+        shown_as = number(value, ".3g") if np.isfinite(value) else str(value)
+        axes.annotate(f" {shown_as} ", (max(shown, 0.0), place), color=INK, fontsize=9, va="center")
     axes.set_yticks(range(len(values)), list(values))
     axes.invert_yaxis()
     axes.axvline(0.0, color=SOFT, linewidth=0.8)
@@ -141,8 +139,10 @@ def bounds_bars(found: Any, *, title: str | None) -> Figure:
         if not low <= high:
             continue
         axes.plot([low, high], [place, place], color=AXLE, linewidth=7, solid_capstyle="butt")
-        axes.annotate(f"{low:.3g} to {high:.3g} {unit}", (high, place), (6, 0), textcoords="offset points", va="center",
-                      fontsize=9, color=INK)  # fmt: skip
+        words = f"{low:.3g} to {high:.3g} {unit}"
+        axes.annotate(
+            words, (high, place), (6, 0), textcoords="offset points", va="center", fontsize=9, color=INK
+        )
     axes.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     axes.invert_yaxis()
     axes.axvline(0.0, color=SOFT, linewidth=0.8)

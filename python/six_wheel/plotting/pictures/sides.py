@@ -111,7 +111,7 @@ def suspension_figure(arm: Suspension, *, title: str | None) -> Figure:
 
 
 def motion_figure(found: Any, *, title: str | None) -> Figure:
-    """A `GroundCommand`, `GroundMotion`, `Traction`, `SteeringCommand` or slip: its numbers for every wheel."""
+    """A `GroundCommand`, `GroundMotion`, `Traction`, `SteeringCommand` or `WheelSlip`: its numbers."""
     names = (
         "steering",
         "speeds",
