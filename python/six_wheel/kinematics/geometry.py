@@ -73,33 +73,35 @@ class Twist(NamedTuple):
         """
         if not (math.isfinite(dt) and dt > 0.0):
             raise ValueError(f"dt must be finite and positive, got {dt}")
-        return type(self)(*log([self.vx * dt, self.vy * dt, self.omega * dt], dt).tolist())
+        return type(self)._make(log([self.vx * dt, self.vy * dt, self.omega * dt], dt).tolist())
 
     def __add__(self, other: Sequence[float]) -> Self:  # type: ignore[override]
-        return type(self)(*(a + b for a, b in zip(self, _three("+", other), strict=True)))
+        return type(self)._make(a + b for a, b in zip(self, _three("+", other), strict=True))
 
-    __radd__ = __add__
+    def __radd__(self, other: Sequence[float]) -> Self:
+        return self + other
 
     def __sub__(self, other: Sequence[float]) -> Self:
-        return type(self)(*(a - b for a, b in zip(self, _three("-", other), strict=True)))
+        return type(self)._make(a - b for a, b in zip(self, _three("-", other), strict=True))
 
     def __rsub__(self, other: Sequence[float]) -> Self:
-        return type(self)(*(b - a for a, b in zip(self, _three("-", other), strict=True)))
+        return type(self)._make(b - a for a, b in zip(self, _three("-", other), strict=True))
 
     def __mul__(self, factor: float) -> Self:  # type: ignore[override]
         if not _is_number(factor):
             return NotImplemented
-        return type(self)(*(float(factor) * part for part in self))
+        return type(self)._make(float(factor) * part for part in self)
 
-    __rmul__ = __mul__
+    def __rmul__(self, factor: float) -> Self:  # type: ignore[override]
+        return self * factor
 
     def __truediv__(self, divisor: float) -> Self:
         if not _is_number(divisor):
             return NotImplemented
-        return type(self)(*(part / float(divisor) for part in self))
+        return type(self)._make(part / float(divisor) for part in self)
 
     def __neg__(self) -> Self:
-        return type(self)(*(-part for part in self))
+        return type(self)._make(-part for part in self)
 
     def __pos__(self) -> Self:
         return self
@@ -149,19 +151,44 @@ class Pose(NamedTuple):
 
     def to_body(self, twist: Sequence[float]) -> Twist:
         """A twist whose linear part is along the axes of the world, in body axes of a rover at this pose."""
-        return Twist(*_three("to_body", twist)).to_body(self.yaw)
+        return Twist._make(_three("to_body", twist)).to_body(self.yaw)
 
     def __matmul__(self, other: Sequence[float]) -> Self:
-        return type(self)(*compose(self, _three("@", other)).tolist())
+        return type(self)._make(compose(self, _three("@", other)).tolist())
 
     def __rmatmul__(self, other: Sequence[float]) -> Self:
-        return type(self)(*compose(_three("@", other), self).tolist())
+        return type(self)._make(compose(_three("@", other), self).tolist())
 
-    def _refused(self, *_: object) -> NoReturn:
-        raise TypeError("poses do not add or scale: pose @ other composes, pose.inverse() is the way back")
+    def __add__(self, other: object) -> NoReturn:  # type: ignore[override]
+        _refuse()
 
-    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = _refused  # type: ignore[assignment]
-    __neg__ = __abs__ = _refused
+    def __radd__(self, other: object) -> NoReturn:
+        _refuse()
+
+    def __sub__(self, other: object) -> NoReturn:
+        _refuse()
+
+    def __rsub__(self, other: object) -> NoReturn:
+        _refuse()
+
+    def __mul__(self, other: object) -> NoReturn:  # type: ignore[override]
+        _refuse()
+
+    def __rmul__(self, other: object) -> NoReturn:  # type: ignore[override]
+        _refuse()
+
+    def __truediv__(self, other: object) -> NoReturn:
+        _refuse()
+
+    def __neg__(self) -> NoReturn:
+        _refuse()
+
+    def __abs__(self) -> NoReturn:
+        _refuse()
+
+
+def _refuse() -> NoReturn:
+    raise TypeError("poses do not add or scale: pose @ other composes, pose.inverse() is the way back")
 
 
 def _is_number(value: object) -> bool:

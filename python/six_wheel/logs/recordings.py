@@ -15,7 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.errors import ArgumentTypeError
-from six_wheel.kinematics.objects.tables import Columns, Tabular, pose_columns, rows_of
+from six_wheel.kinematics.objects.tables import (
+    Columns,
+    Tabular,
+    headers_of,
+    joint_columns,
+    pose_columns,
+    rows_of,
+)
 from six_wheel.kinematics.poses import Floats, as_poses, interpolate
 
 if TYPE_CHECKING:
@@ -207,10 +214,8 @@ class WheelLog(Tabular):
             [rad/s], and the truth in ``x``, ``y``, ``yaw`` [m, m, rad], where they are there.
         rover : Rover
             Names the joints.
-        name : str
-            What to call the drive.
-        **options
-            How to read it where it is not in radians; see `WheelLog`.
+        name, **options
+            As of `WheelLog`.
 
         Raises
         ------
@@ -222,17 +227,15 @@ class WheelLog(Tabular):
         pieces = list(table(rover, frame, None, {}, options).pieces)
         if not pieces:
             raise ValueError("frame must have rows, got none")
-        stamps = np.concatenate([piece.stamps for piece in pieces])
-        wheels = np.concatenate([piece.wheels for piece in pieces])
+        stamps, wheels = (np.concatenate([getattr(one, of) for one in pieces]) for of in ("stamps", "wheels"))
         steered = [piece.steering for piece in pieces if piece.steering is not None]
-        headers = set(map(str, getattr(frame, "columns", frame)))
-        truth = rate = None
+        headers = set(headers_of(frame))
+        truth = None
         if headers >= {"x", "y", "yaw"}:
             places = rows_of(frame, ("x", "y", "yaw"))
             known = np.isfinite(places).all(axis=1)
             truth = GroundTruth(stamps[known], places[known])
-        if "yaw_rate" in headers:
-            rate = rows_of(frame, ("yaw_rate",))[:, 0]
+        rate = rows_of(frame, ("yaw_rate",))[:, 0] if "yaw_rate" in headers else None
         steering = np.concatenate(steered) if steered else None
         return cls(stamps, steering, wheels, truth, name, yaw_rate=rate, options=options)
 
@@ -240,14 +243,9 @@ class WheelLog(Tabular):
         """Columns by the joints of a rover; without one by number, ``steering_0``, ``wheel_0`` and so on."""
         columns: Columns = {"time": ("s", self.stamps)}
         unit = "ticks" if {"wheel_encoders", "steering_encoders"} & set(self.options) else "rad"
-        joints = {} if rover is None else {wheel: joint for joint, wheel in rover.steering_joints.items()}
-        for k in range(0 if self.steering is None else np.shape(self.steering)[1]):
-            joint = f"steering_{k}" if rover is None else joints[rover.steered_names[k]]
-            columns[joint] = (unit, np.asarray(self.steering)[:, k])
-        joints = {} if rover is None else {wheel: joint for joint, wheel in rover.traction_joints.items()}
-        for k, turned in enumerate(self.wheel_angles.T):
-            wheel = f"wheel_{k}" if rover is None else rover.wheel_names[k]
-            columns[joints.get(wheel, wheel)] = (unit, turned)
+        if self.steering is not None:
+            columns |= joint_columns(rover, "steering", self.steering, unit)
+        columns |= joint_columns(rover, "wheel", self.wheel_angles, unit)
         if self.yaw_rate is not None:
             columns["yaw_rate"] = ("rad/s", self.yaw_rate)
         if self.truth is not None:

@@ -8,6 +8,7 @@
 //! the samples when it is ([`replay`]).
 
 mod replay;
+mod samples;
 pub mod space;
 
 use nalgebra::{Matrix6, Vector6};
@@ -18,6 +19,7 @@ pub use super::settings::quantities::{Column, DIMENSIONS};
 use super::settings::{Readings, Settings};
 use crate::samples::recording::{Recording, Sample};
 pub use replay::Replayed;
+pub use samples::Samples;
 use six_wheel_kinematics::geometry::Pose;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::{Error, ErrorKind, finite, number};
@@ -51,21 +53,6 @@ pub struct Rules {
     pub in_space: bool,
     /// Standard deviation of the tilt of an attitude, about x and about y of the body [rad].
     pub attitude_noise: f64,
-}
-
-/// Samples between two instants, first one included.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Samples {
-    /// [s]
-    pub stamps: Vec<f64>,
-    /// Readings of the steering joints, row after row.
-    pub steering: Vec<f64>,
-    /// Readings of the wheels, row after row.
-    pub wheels: Vec<f64>,
-    /// Yaw rates without the bias [rad/s]; NaN where there is none.
-    pub rates: Vec<f64>,
-    /// Unit quaternions x, y, z, w; none in the plane.
-    pub attitudes: Vec<[f64; 4]>,
 }
 
 /// Wheel motion between two instants; see the module.

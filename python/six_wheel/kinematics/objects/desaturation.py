@@ -27,6 +27,6 @@ def desaturate(rover: Rover, speeds: ArrayLike, max_wheel_speed: ArrayLike) -> N
     if limits.shape not in ((), (count,)):
         raise ValueError(f"max_wheel_speed must have shape () or ({count},), got {limits.shape}")
     if not (limits > 0.0).all():
-        raise ValueError(f"max_wheel_speed must be positive, got {max_wheel_speed}")
+        raise ValueError(f"max_wheel_speed must be positive, got {max_wheel_speed!r}")
     excess = (np.abs(given) / limits).max(axis=-1, keepdims=True, initial=1.0)
     return np.asarray(given / excess)

@@ -5,7 +5,7 @@ from __future__ import annotations  # NumPy is not loaded for its names
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["LONGEST", "short", "short_repr"]
+__all__ = ["LONGEST", "described", "few", "short", "short_repr"]
 
 LONGEST = 120  # characters of a representation
 FEW = 6  # numbers of an array that are shown
@@ -43,3 +43,16 @@ def short(value: Any) -> str:
     if shape == ():
         return short(value.item())
     return repr(value)
+
+
+def described(kind: str, stamps: Any, poses: Any) -> str:
+    """One line on a track: its rows, its duration, and where it ends."""
+    if not len(stamps):
+        return f"{kind}(0 rows)"
+    end = ", ".join(f"{number:.4f}" for number in poses[-1][:3])
+    return f"{kind}({len(stamps)} rows, {stamps[-1] - stamps[0]:.6g} s, ends at ({end}))"
+
+
+def few(lines: list[str], most: int = 5) -> list[str]:
+    """At most so many lines, the last of which counts the others."""
+    return lines if len(lines) <= most else [*lines[: most - 1], f"and {len(lines) - most + 1} kinds more"]

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from six_wheel._core import Rover
+
 __all__ = ["Columns", "Tabular", "covariance_columns", "pose_columns", "rows_of", "times_of", "twist_columns"]
 
 Columns: TypeAlias = "dict[str, tuple[str, NDArray[Any]]]"
@@ -28,8 +30,9 @@ class Tabular:
 
     __slots__ = ()
 
-    def _columns(self, **names: Any) -> Columns:
-        raise NotImplementedError
+    if TYPE_CHECKING:
+
+        def _columns(self, *args: Any, **names: Any) -> Columns: ...
 
     def to_arrays(self, **names: Any) -> dict[str, NDArray[Any]]:
         """The columns by name, arrays of shape (n,), in the units of `to_arrow`."""
@@ -106,11 +109,41 @@ def covariance_columns(covariances: NDArray[Any]) -> Columns:
     return columns
 
 
+def joint_columns(rover: Rover | None, kind: str, readings: NDArray[Any], unit: str) -> Columns:
+    """Readings of wheels or steering joints by the names of the joints, or by number without a rover."""
+    columns = range(readings.shape[1])
+    if rover is None:
+        return {f"{kind}_{k}": (unit, readings[:, k]) for k in columns}
+    wheels = rover.wheel_names if kind == "wheel" else rover.steered_names
+    joints = rover.traction_joints if kind == "wheel" else rover.steering_joints
+    by_wheel = {wheel: joint for joint, wheel in joints.items()}
+    return {by_wheel.get(wheels[k], wheels[k]): (unit, readings[:, k]) for k in columns}
+
+
+def covariances_of(frame: Any, count: int) -> NDArray[np.float64] | None:
+    """Covariances of x, y and yaw, shape (count, 3, 3), from columns of their upper half; None without."""
+    import numpy as np
+
+    if "covariance_x_x" not in headers_of(frame):
+        return None
+    names = ("x", "y", "yaw")
+    upper = rows_of(frame, tuple(f"covariance_{names[i]}_{names[k]}" for i, k in UPPER))
+    covariances = np.zeros((count, 3, 3))
+    for (i, k), column in zip(UPPER, upper.T, strict=True):
+        covariances[:, i, k] = covariances[:, k, i] = column
+    return covariances
+
+
+def headers_of(frame: Any) -> list[str]:
+    """Names of the columns of a frame, or of a mapping of columns."""
+    return list(map(str, getattr(frame, "columns", frame)))
+
+
 def rows_of(frame: Any, names: tuple[str, ...]) -> NDArray[np.float64]:
     """Columns of a frame side by side; ValueError names those that are missing."""
     import numpy as np
 
-    headers = list(map(str, getattr(frame, "columns", frame)))
+    headers = headers_of(frame)
     if missing := [name for name in names if name not in headers]:
         raise ValueError(f"frame must have the columns {', '.join(missing)}, got {', '.join(headers)}")
     return np.stack([np.asarray(frame[name], dtype=float) for name in names], axis=-1)
@@ -118,7 +151,7 @@ def rows_of(frame: Any, names: tuple[str, ...]) -> NDArray[np.float64]:
 
 def times_of(frame: Any) -> NDArray[np.float64]:
     """The times of a frame [s], from a column ``time`` or ``stamp``."""
-    headers = list(map(str, getattr(frame, "columns", frame)))
+    headers = headers_of(frame)
     name = next((name for name in ("time", "stamp", "stamps", "t") if name in headers), None)
     if name is None:
         raise ValueError(f"frame must have a column time or stamp [s], got {', '.join(headers)}")

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from six_wheel._core import Noise, Odometry3, Suspension, Terrain
+from six_wheel.kinematics.objects.short_text import described, few
 from six_wheel.kinematics.objects.tables import Columns, Tabular, pose_columns
-from six_wheel.kinematics.odometry.tracks import OdometryHealth, described, few, findings, rows_with
+from six_wheel.kinematics.odometry.tracks import OdometryHealth, findings, rows_with
 
 if TYPE_CHECKING:
     from typing import Literal

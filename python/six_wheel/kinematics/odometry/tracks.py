@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any, Self
 
 from six_wheel._core import Encoder, Noise, Odometry, OdometryState, Rover
 from six_wheel.kinematics.flags import NamedFlag
-from six_wheel.kinematics.objects.short_text import short_repr
+from six_wheel.kinematics.objects.short_text import described, few, short_repr
 from six_wheel.kinematics.objects.tables import (
     Columns,
     Tabular,
     covariance_columns,
+    covariances_of,
+    headers_of,
     pose_columns,
     rows_of,
     times_of,
@@ -92,19 +94,6 @@ def findings(health: NDArray[np.uint32]) -> list[str]:
             shown = ", ".join(str(row) for row in rows[:5]) + (", ..." if len(rows) > 5 else "")
             lines.append(f"{flag.name}: {len(rows)} of {len(health)} rows ({shown})")
     return lines
-
-
-def described(kind: str, stamps: Floats, poses: Floats) -> str:
-    """One line on a track: its rows, its duration, and where it ends."""
-    if not len(stamps):
-        return f"{kind}(0 rows)"
-    end = ", ".join(f"{number:.4f}" for number in poses[-1][:3])
-    return f"{kind}({len(stamps)} rows, {stamps[-1] - stamps[0]:.6g} s, ends at ({end}))"
-
-
-def few(lines: list[str], most: int = 5) -> list[str]:
-    """At most so many lines, the last of which counts the others."""
-    return lines if len(lines) <= most else [*lines[: most - 1], f"and {len(lines) - most + 1} kinds more"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -224,22 +213,12 @@ class Track(Tabular):
         """
         import numpy as np
 
-        headers = set(map(str, getattr(frame, "columns", frame)))
+        headers = set(headers_of(frame))
         stamps, poses = times_of(frame), rows_of(frame, ("x", "y", "yaw"))
-        twists = np.zeros_like(poses)
-        if "vx" in headers:
-            twists = rows_of(frame, ("vx", "vy", "omega"))
-        covariances = residuals = None
-        if "covariance_x_x" in headers:
-            pairs = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-            parts = ("x", "y", "yaw")
-            upper = rows_of(frame, tuple(f"covariance_{parts[i]}_{parts[k]}" for i, k in pairs))
-            covariances = np.zeros((len(stamps), 3, 3))
-            for (i, k), column in zip(pairs, upper.T, strict=True):
-                covariances[:, i, k] = covariances[:, k, i] = column
+        twists = rows_of(frame, ("vx", "vy", "omega")) if "vx" in headers else np.zeros_like(poses)
         names = tuple(f"residual_{name}" for name in rover.wheel_names)
-        if headers.issuperset(names):
-            residuals = rows_of(frame, names)
+        residuals = rows_of(frame, names) if headers.issuperset(names) else None
+        covariances = covariances_of(frame, len(stamps))
         health = np.zeros(len(stamps), dtype=np.uint32)
         if "health" in headers:
             health = np.asarray(frame["health"], dtype=np.uint32)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from six_wheel.kinematics.controller import Reason
 from six_wheel.plotting.drawing import FORBIDDEN, INK, SERIES, SOFT, Floats, new_figure, tidy, write_title
@@ -19,7 +20,7 @@ INSTANTS = 400  # of a profile that is drawn
 
 
 def strips(
-    times: Floats, panels: Mapping[str, Mapping[str, Floats]], *, title: str | None, below: str
+    times: ArrayLike, panels: Mapping[str, Mapping[str, Floats]], *, title: str | None, below: str
 ) -> Figure:
     """A figure with a strip for each quantity, under which name its lines stand with theirs."""
     figure = new_figure(WIDTH, 0.9 + HEIGHT * len(panels))
@@ -31,7 +32,7 @@ def strips(
     return figure
 
 
-def _strip(axes: Axes, times: Floats, lines: Mapping[str, Floats]) -> None:
+def _strip(axes: Axes, times: ArrayLike, lines: Mapping[str, Floats]) -> None:
     for number, (name, values) in enumerate(lines.items()):
         style = ("-", "--", ":")[number // len(SERIES) % 3]
         axes.plot(
