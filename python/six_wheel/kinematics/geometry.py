@@ -159,7 +159,7 @@ class Pose(NamedTuple):
     def __rmatmul__(self, other: Sequence[float]) -> Self:
         return type(self)._make(compose(_three("@", other), self).tolist())
 
-    def __add__(self, other: object) -> NoReturn:  # type: ignore[override]
+    def __add__(self, other: object) -> NoReturn:
         _refuse()
 
     def __radd__(self, other: object) -> NoReturn:
@@ -171,10 +171,10 @@ class Pose(NamedTuple):
     def __rsub__(self, other: object) -> NoReturn:
         _refuse()
 
-    def __mul__(self, other: object) -> NoReturn:  # type: ignore[override]
+    def __mul__(self, other: object) -> NoReturn:
         _refuse()
 
-    def __rmul__(self, other: object) -> NoReturn:  # type: ignore[override]
+    def __rmul__(self, other: object) -> NoReturn:
         _refuse()
 
     def __truediv__(self, other: object) -> NoReturn:

@@ -210,8 +210,7 @@ class WheelLog(Tabular):
         Parameters
         ----------
         frame : DataFrame or mapping
-            Columns as `dead_reckon` takes them, or as `to_pandas` with ``rover=`` makes them; ``yaw_rate``
-            [rad/s], and the truth in ``x``, ``y``, ``yaw`` [m, m, rad], where they are there.
+            Columns as `dead_reckon` takes them; ``yaw_rate`` and the truth, ``x``, ``y``, ``yaw``, if there.
         rover : Rover
             Names the joints.
         name, **options

@@ -62,7 +62,8 @@ def _track(track: Track, *, title: str | None, truth: Reference | None = None) -
     from six_wheel.log_odometry.tracks import of_track
 
     if track.covariances is None or track.residuals is None or len(track) < 2:
-        return _pictures("paths").truth_figure(GroundTruth(track.stamps, track.poses), title=title)
+        path: Figure = _pictures("paths").truth_figure(GroundTruth(track.stamps, track.poses), title=title)
+        return path
     return _reckoned(of_track(track, truth), title=title)
 
 

@@ -92,10 +92,18 @@ def fit_figure(fit: Any, *, title: str | None) -> Figure:
 def _label(axes: Axes, place: Floats, words: str) -> None:
     """Words beside a wheel, on the side away from the body."""
     side = 1 if place[0] >= 0.0 else -1
+    x, y = place.tolist()
     axes.annotate(
-        words, place, (22 * side, 0), textcoords="offset points", fontsize=8, color=INK, va="center",
-        ha="left" if side > 0 else "right", zorder=9,
-    )  # fmt: skip
+        words,
+        (x, y),
+        (22 * side, 0),
+        textcoords="offset points",
+        fontsize=8,
+        color=INK,
+        va="center",
+        ha="left" if side > 0 else "right",
+        zorder=9,
+    )
 
 
 def _arrow(axes: Axes, twist: Floats, size: float) -> None:
@@ -104,7 +112,7 @@ def _arrow(axes: Axes, twist: Floats, size: float) -> None:
     if (length := float(np.hypot(*way))) > 0.0:
         axes.annotate(
             "",
-            way * size / length,
+            (float(way[0]) * size / length, float(way[1]) * size / length),
             (0.0, 0.0),
             arrowprops={"arrowstyle": "-|>", "color": MOTION, "lw": 2.5},
             zorder=9,

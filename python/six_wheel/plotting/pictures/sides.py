@@ -64,11 +64,9 @@ def _draw(axes: Axes, stand: Any) -> None:
     ahead = (centres[:, :2] - (x, y)) @ heading
     radii = np.linalg.norm(stand.contacts - centres, axis=1)
     body = np.asarray(stand.transform)[:3, 3]
-    for k, (place, height, radius) in enumerate(zip(ahead, centres[:, 2], radii, strict=True)):
-        axes.plot([0.0, place], [body[2], height], color=AXLE, linewidth=2, alpha=1.0 if k % 2 == 0 else 0.4)
-        axes.add_patch(
-            Circle((place, height), radius, fc=BODY, ec=WHEEL, lw=2, alpha=1.0 if k % 2 == 0 else 0.4)
-        )
+    for k, (place, up, radius) in enumerate(zip(ahead, centres[:, 2], radii, strict=True)):
+        axes.plot([0.0, place], [body[2], up], color=AXLE, linewidth=2, alpha=1.0 if k % 2 == 0 else 0.4)
+        axes.add_patch(Circle((place, up), radius, fc=BODY, ec=WHEEL, lw=2, alpha=1.0 if k % 2 == 0 else 0.4))
     reach = float(np.ptp(ahead)) / 2 + 2 * float(radii.max())
     along = np.linspace(ahead.mean() - reach, ahead.mean() + reach, 400)
     height: Floats = np.asarray(stand.ground.height(np.array((x, y)) + along[:, None] * heading))
