@@ -101,7 +101,7 @@ _Align: TypeAlias = Literal["cosine", "hold"]
 _Pair: TypeAlias = Literal["front", "rear"]
 _Level: TypeAlias = Literal["scalar", "neon", "avx2", "avx512"]
 _Quantity: TypeAlias = Literal[
-    "speeds",
+    "wheel_speeds",
     "steering",
     "steering_rates",
     "slip",
@@ -176,7 +176,7 @@ class TwistFit:
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
-    def residual(self) -> _Floats: ...  # (..., wheels) [m/s], >= 0
+    def residuals(self) -> _Floats: ...  # (..., wheels) [m/s], >= 0
     @property
     def rank(self) -> int | NDArray[np.int64]: ...
     @property
@@ -194,7 +194,7 @@ class TwistJacobian:  # what was not asked for is None
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
-    def speeds(self) -> _Floats: ...  # (..., 3, wheels), as all but the next two
+    def wheel_speeds(self) -> _Floats: ...  # (..., 3, wheels), as all but the next two
     @property
     def steering(self) -> _Floats: ...  # (..., 3, steered wheels)
     @property
@@ -379,13 +379,13 @@ class Rover:
     ) -> Rover: ...
     @staticmethod
     def six_wheel(
-        d1: float,
-        d2: float,
-        d3: float,
-        d4: float,
+        *,
+        front_to_middle: float,
+        middle_to_rear: float,
+        track_width: float,
+        middle_track_width: float | None = None,
         wheel_radius: float,
         steering_limit: _Ranges = None,
-        *,
         scrub: _Each = 0.0,
         trail: _Each = 0.0,
         names: Sequence[str] | None = None,
@@ -463,8 +463,8 @@ class Rover:
     ) -> Rover: ...
     @staticmethod
     def mecanum(
-        half_wheelbase: float,
-        half_track: float,
+        wheelbase: float,
+        track_width: float,
         wheel_radius: float,
         *,
         roller_angle: float = 0.7853981633974483,
@@ -506,7 +506,7 @@ class Rover:
         previous: ArrayLike | None = None,
         steering_rates: ArrayLike | None = None,
         centre: ArrayLike | None = None,
-        previous_speeds: ArrayLike | None = None,
+        previous_wheel_speeds: ArrayLike | None = None,
         out: tuple[_Out, _Out] | None = None,
         dtype: type[_Real] | None = None,
         threads: int | None = None,
@@ -515,7 +515,7 @@ class Rover:
     def forward(
         self,
         steering: ArrayLike,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         *,
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
@@ -527,7 +527,7 @@ class Rover:
     def fit(
         self,
         steering: ArrayLike,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         *,
         method: _Method = "least_squares",
         steering_rates: ArrayLike | None = None,
@@ -537,7 +537,7 @@ class Rover:
     def sensitivity(
         self,
         steering: ArrayLike | None,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         *,
         steering_rates: ArrayLike | None = None,
         quantities: Sequence[_Quantity] | None = None,
@@ -571,20 +571,20 @@ class Rover:
         threads: int | None = None,
     ) -> dict[str, float] | dict[str, NDArray[_Real]]: ...
     def readings(self, joints: Mapping[str, ArrayLike]) -> tuple[_Floats, _Floats]: ...
-    def desaturate(self, speeds: ArrayLike, max_wheel_speed: ArrayLike) -> _Floats: ...
+    def desaturate(self, wheel_speeds: ArrayLike, max_wheel_speed: ArrayLike) -> _Floats: ...
     def urdf(self, name: str = "rover") -> str: ...
     @property
     def wheels(self) -> tuple[Wheel, ...]: ...
     @property
     def wheel_names(self) -> tuple[str, ...]: ...
     @property
-    def steered_names(self) -> tuple[str, ...]: ...
+    def steered_wheel_names(self) -> tuple[str, ...]: ...
     @property
     def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the order of the wheels
     @property
     def steering_joints(self) -> dict[str, str]: ...
     @property
-    def command_joints(self) -> tuple[str, ...]: ...  # in the caller's order
+    def joint_names(self) -> tuple[str, ...]: ...  # in the caller's order
     @property
     def reversed_joints(self) -> tuple[str, ...]: ...
     @property
@@ -636,22 +636,22 @@ class Noise:
 class Encoder:
     def __new__(
         cls,
-        resolution: float | None = None,
+        ticks_per_turn: float | None = None,
         *,
-        gear: float = 1.0,
-        modulus: float | None = None,
+        gear_ratio: float = 1.0,
+        wraps_at: float | None = None,
         offset: float = 0.0,
     ) -> Encoder: ...
     @property
-    def resolution(self) -> float | None: ...
+    def ticks_per_turn(self) -> float | None: ...
     @property
-    def gear(self) -> float: ...
+    def gear_ratio(self) -> float: ...
     @property
-    def modulus(self) -> float | None: ...
+    def wraps_at(self) -> float | None: ...
     @property
     def offset(self) -> float: ...  # [rad]
     @property
-    def angle_per_count(self) -> float: ...  # [rad]
+    def angle_per_tick(self) -> float: ...  # [rad]
     def replace(self, **changes: Any) -> Encoder: ...
     def __replace__(self, **changes: Any) -> Encoder: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -678,7 +678,7 @@ class OdometryState:
     @property
     def twist_covariance(self) -> _Floats: ...  # (3, 3)
     @property
-    def residual(self) -> _Floats: ...  # (wheels,) [m/s]
+    def residuals(self) -> _Floats: ...  # (wheels,) [m/s]
     @property
     def weights(self) -> _Floats: ...  # (wheels,)
     @property
@@ -802,9 +802,9 @@ class Odometry3State:
     @property
     def twist_covariance(self) -> _Floats: ...  # (6, 6)
     @property
-    def residual(self) -> _Floats: ...  # (wheels,) [m/s]
+    def residuals(self) -> _Floats: ...  # (wheels,) [m/s]
     @property
-    def slip(self) -> _Floats: ...  # (wheels, 2) [m/s]
+    def slips(self) -> _Floats: ...  # (wheels, 2) [m/s]
     @property
     def worst_wheel(self) -> str | None: ...
     @property
@@ -817,7 +817,7 @@ class Odometry3:
     def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
-        arm: Suspension,
+        suspension: Suspension,
         noise: Noise | None = None,
         *,
         ground: Terrain | None = None,
@@ -862,7 +862,7 @@ class Odometry3:
     @property
     def state(self) -> Odometry3State: ...
     @property
-    def arm(self) -> Suspension: ...
+    def suspension(self) -> Suspension: ...
     @property
     def ground(self) -> Terrain | None: ...
     @property
@@ -967,8 +967,8 @@ class Terrain:
         cls,
         heights: ArrayLike,
         spacing: float | tuple[float, float],
-        origin: tuple[float, float] | None = None,
-        orientation: float | None = None,
+        origin: tuple[float, float] = (0.0, 0.0),
+        yaw: float = 0.0,
     ) -> Self: ...
     @staticmethod
     def read(
@@ -996,8 +996,8 @@ class Terrain:
     @property
     def origin(self) -> tuple[float, float]: ...
     @property
-    def orientation(self) -> float: ...
-    def height(
+    def yaw(self) -> float: ...
+    def height_at(
         self,
         xy: ArrayLike,
         *,
@@ -1006,7 +1006,7 @@ class Terrain:
         dtype: type[_Real] | None = None,
         threads: int | None = None,
     ) -> float | NDArray[_Real]: ...
-    def gradient(
+    def gradient_at(
         self,
         xy: ArrayLike,
         *,
@@ -1015,7 +1015,7 @@ class Terrain:
         dtype: type[_Real] | None = None,
         threads: int | None = None,
     ) -> NDArray[_Real]: ...
-    def normal(
+    def normal_at(
         self,
         xy: ArrayLike,
         *,
@@ -1037,7 +1037,7 @@ class GroundCommand:
     @property
     def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
     @property
-    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    def wheel_speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
     @property
     def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
     @property
@@ -1056,13 +1056,13 @@ class GroundMotion:
     @property
     def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
     @property
-    def residual(self) -> _Floats: ...  # (..., wheels, 3) [m/s]
+    def residuals(self) -> _Floats: ...  # (..., wheels, 3) [m/s]
 
 @final
 class Traction:
     def __reduce__(self) -> tuple[Any, ...]: ...
     @property
-    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    def wheel_speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
     @property
     def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
     @property
@@ -1125,7 +1125,9 @@ class Suspension:
         roll_limit: float | tuple[float, float] | None = None,
     ) -> Suspension: ...
     @staticmethod
-    def zoe() -> Suspension: ...
+    def preset(name: str) -> Suspension: ...
+    @staticmethod
+    def presets() -> dict[str, str]: ...
     @staticmethod
     def rigid(
         centres: ArrayLike,
@@ -1160,7 +1162,7 @@ class Suspension:
         self,
         stand: SettledPose,
         steering: ArrayLike | None,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         joint_rates: ArrayLike | None = None,
         angular_velocity: ArrayLike | None = None,
         *,
@@ -1190,7 +1192,7 @@ class Suspension:
     def slip(
         self,
         stand: SettledPose,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         twist: ArrayLike,
         joint_rates: ArrayLike,
         *,
@@ -1359,13 +1361,9 @@ class RockerBogie(Suspension):
         differential_bar: ArrayLike | None = None,
     ) -> RockerBogie: ...
     @staticmethod
-    def open_source_rover() -> RockerBogie: ...
+    def preset(name: str) -> RockerBogie: ...
     @staticmethod
-    def rocky7() -> RockerBogie: ...
-    @staticmethod
-    def perseverance() -> RockerBogie: ...
-    @staticmethod
-    def curiosity() -> RockerBogie: ...
+    def presets() -> dict[str, str]: ...
     def frames(
         self, rho: ArrayLike, beta: ArrayLike, psi: ArrayLike | None = None, *, threads: int | None = None
     ) -> dict[str, _Floats]: ...
@@ -1416,7 +1414,7 @@ class RockerBogie(Suspension):
         beta: ArrayLike,
         *,
         previous: ArrayLike | None = None,
-        previous_speeds: ArrayLike | None = None,
+        previous_wheel_speeds: ArrayLike | None = None,
         threads: int | None = None,
     ) -> SteeringCommand: ...
     @property
@@ -1430,7 +1428,7 @@ class RockerBogie(Suspension):
 class FourAxle:
     def __new__(
         cls,
-        hinges: ArrayLike,
+        pivots: ArrayLike,
         axle_length: float,
         wheel_radius: float,
         *,
@@ -1448,13 +1446,13 @@ class FourAxle:
     ) -> tuple[NDArray[_Real], NDArray[_Real]]: ...
     def forward(
         self,
-        angles: ArrayLike,
-        speeds: Iterable[float | None],
+        steering: ArrayLike,
+        wheel_speeds: Iterable[float | None],
         *,
-        front: _Brake = "locked",
-        rear: _Brake = "locked",
+        front_brake: _Brake = "locked",
+        rear_brake: _Brake = "locked",
     ) -> FourAxleMotion: ...
-    def mobility(self, angles: ArrayLike) -> FourAxleMobility: ...
+    def mobility(self, steering: ArrayLike) -> FourAxleMobility: ...
     def concurrent_angles(
         self,
         icr: ArrayLike,
@@ -1491,7 +1489,7 @@ class FourAxle:
     @property
     def rover(self) -> Rover: ...
     @property
-    def hinges(self) -> tuple[float, float]: ...
+    def pivots(self) -> tuple[float, float]: ...
     @property
     def axle_length(self) -> float: ...
     @property
@@ -1589,8 +1587,8 @@ class Controller:
         twist: ArrayLike | None = None,
     ) -> Controller: ...
     def command(self, twist: ArrayLike, stamp: float, mode: _Mode | None = None) -> bool: ...
-    def step(self, now: float, measured: ArrayLike | None = None) -> ControllerOutput: ...
-    def run(self, stamps: ArrayLike, twists: ArrayLike, times: ArrayLike) -> ControllerRun: ...
+    def step(self, stamp: float, measured: ArrayLike | None = None) -> ControllerOutput: ...
+    def run(self, twists: ArrayLike, stamps: ArrayLike, step_stamps: ArrayLike) -> ControllerRun: ...
     def reset(self, steering: ArrayLike | None = None) -> None: ...
     def halt(self) -> None: ...
     def release(self) -> bool: ...
@@ -1607,7 +1605,7 @@ class Controller:
     @property
     def steering(self) -> _Floats: ...
     @property
-    def now(self) -> float | None: ...
+    def stamp(self) -> float | None: ...
     @property
     def stopped(self) -> bool: ...
     @property
@@ -1625,7 +1623,7 @@ class ControllerOutput:
     @property
     def steering_rates(self) -> _Floats: ...
     @property
-    def speeds(self) -> _Floats: ...
+    def wheel_speeds(self) -> _Floats: ...
     @property
     def joint_errors(self) -> _Floats | None: ...
     @property
@@ -1649,7 +1647,7 @@ class ControllerRun:
     @property
     def steering_rates(self) -> _Floats: ...
     @property
-    def speeds(self) -> _Floats: ...
+    def wheel_speeds(self) -> _Floats: ...
     @property
     def twist(self) -> _Floats: ...
     @property
@@ -1767,7 +1765,7 @@ class MppiPlan:
     @property
     def steering(self) -> _Floats: ...
     @property
-    def speeds(self) -> _Floats: ...
+    def wheel_speeds(self) -> _Floats: ...
     @property
     def twists(self) -> _Floats: ...
     @property

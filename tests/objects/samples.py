@@ -15,7 +15,7 @@ from six_wheel.log_odometry.evaluation import evaluate
 ROVER = sw.Rover.preset("perseverance")
 TWIST = (0.04, 0.0, 0.02)
 LIMITS = sw.Limits(speed=0.2, yaw_rate=0.3, acceleration=0.5, steering_rate=0.5)
-ARM = sw.RockerBogie.rocky7()
+ARM = sw.RockerBogie.preset("rocky7")
 CENTRE = (0.0, 0.0, 0.1)
 BELLY = (-0.2, 0.2, 0.15, -0.02)
 DRIVE = [(0, 0.1, 0, 0.0), (4, 0.1, 0, 0.05), (8, 0.1, 0, -0.05), (12, 0.1, 0, 0.0)]
@@ -110,7 +110,7 @@ def _ground() -> list[Any]:
     stand = ARM.settle(ground, pose, derivatives=True)
     stability = ARM.stability(stand, mass=10.0, centre_of_mass=CENTRE, belly=BELLY)
     command = ARM.inverse(stand, (0.1, 0.05))
-    motion = ARM.forward(stand, command.steering, command.speeds)
+    motion = ARM.forward(stand, command.steering, command.wheel_speeds)
     rates = motion.joint_rates
     drive = sw.simulate(ARM, DRIVE, ground=ground, rate=10.0, seed=1)
     odometry = sw.Odometry3(ARM, ground=ground)
@@ -120,7 +120,7 @@ def _ground() -> list[Any]:
     return [
         ground,
         ARM,
-        sw.Suspension.zoe(),
+        sw.Suspension.preset("zoe"),
         ARM.links[0],
         stand,
         stability,
@@ -131,7 +131,7 @@ def _ground() -> list[Any]:
         ARM.bounds(ground, pose),
         ARM.feasible(ground, pose),
         sw.FeasibilityLimits(),
-        ARM.slip(stand, command.speeds, motion.twist, rates),
+        ARM.slip(stand, command.wheel_speeds, motion.twist, rates),
         ARM.traction(0.1, 0.0, motion.twist[3:], stand.joints, rates),
         drive,
         odometry,

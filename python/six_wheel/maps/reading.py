@@ -42,6 +42,6 @@ def read(
 
 def _made(grid: Grid, path: Path) -> Terrain:
     try:
-        return Terrain(grid.heights, grid.spacing, grid.origin, grid.orientation)
+        return Terrain(grid.heights, grid.spacing, grid.origin, grid.yaw)
     except ValueError as error:
         raise TerrainFileError(f"{path}: {error}") from None

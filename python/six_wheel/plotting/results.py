@@ -3,12 +3,14 @@
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import inspect
+from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
 from matplotlib.figure import Figure
 
 from six_wheel._core import Limits, Rover
+from six_wheel.kinematics.keywords import unknown_keyword
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.logs.recordings import GroundTruth, Reference
@@ -49,10 +51,10 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
                 if module is None
                 else getattr(import_module(module, __package__), function)
             )
-            known = inspect.signature(draw).parameters
-            if wrong := [name for name in options if name not in known]:
-                there = ", ".join(list(known)[1:])
-                raise TypeError(f"plot() of a {kind.__name__} has no option {wrong[0]!r}; there are {there}")
+            known = [name for name in inspect.signature(draw).parameters if name != "title"][1:]
+            for name in options:
+                if name not in known:
+                    raise TypeError(unknown_keyword("sw.plot", name, ["title", *known]))
             made: Figure = draw(result, title=title, **options)
             return made
     raise TypeError(f"result must be one of {', '.join(sorted(PICTURES))}, got {type(result).__name__}")
@@ -119,8 +121,8 @@ def _four_axle_rover(car: Any, *, title: str | None) -> Figure:
 
 def _axle_state(state: Any, *, title: str | None) -> Figure:
     names = ("front left", "front right", "rear left", "rear right")
-    angles = dict(zip((f"{name} [rad]" for name in names), state.angles, strict=True))
-    words = f"front {state.front}, rear {state.rear}"
+    angles = dict(zip((f"{name} [rad]" for name in names), state.steering, strict=True))
+    words = f"front {state.front_brake}, rear {state.rear_brake}"
     made: Figure = _pictures("bars").named_bars(angles, title=title, below=words)
     return made
 

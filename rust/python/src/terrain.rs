@@ -18,7 +18,7 @@ use crate::workers::{any_workers, fill_rows};
 
 /// Ground as a regular grid of heights.
 ///
-/// Node ``(row, column)`` lies at ``origin + R(orientation) (column dx, row dy)``: x grows with columns, y with
+/// Node ``(row, column)`` lies at ``origin + R(yaw) (column dx, row dy)``: x grows with columns, y with
 /// rows. Between nodes heights are bilinear. NaN is a height that nobody knows; neither it nor the outside is
 /// ever guessed.
 ///
@@ -28,15 +28,15 @@ use crate::workers::{any_workers, fill_rows};
 ///     Heights [m], NaN where unknown. Single precision stays single precision.
 /// spacing : float or (float, float)
 ///     Between columns and between rows [m].
-/// origin : (float, float)
+/// origin : (float, float), default (0.0, 0.0)
 ///     Place of node (0, 0) in the world [m].
-/// orientation : float
+/// yaw : float, default 0.0
 ///     Angle from the x axis of the world to the rows, counter-clockwise [rad].
 ///
 /// Raises
 /// ------
 /// ValueError
-///     If there are fewer than two rows or columns, a height is infinite, or the spacing is not positive, or so
+///     If there are fewer than two rows or columns, a height is infinite or 1e15 m and more, or the spacing is not positive, or so
 ///     small that it can only be in degrees.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Terrain(pub Arc<Core>);
@@ -105,7 +105,7 @@ impl Terrain {
     /// The arguments that make this very ground.
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (spacing, origin) = (self.spacing(py), self.origin(py));
-        Ok(dict!(py, heights = self.heights(py)?, spacing, origin, orientation = self.0.orientation()))
+        Ok(dict!(py, heights = self.heights(py)?, spacing, origin, yaw = self.0.orientation()))
     }
 }
 
@@ -125,7 +125,7 @@ getters! { Terrain, self, py:
     /// Place of node (0, 0) in the world [m].
     origin: (f64, f64) = self.0.origin().into();
     /// Angle from the x axis of the world to the rows, counter-clockwise [rad].
-    orientation: f64 = self.0.orientation();
+    yaw: f64 = self.0.orientation();
     /// The heights [m], shape (rows, columns), as a fresh array.
     heights: PyResult<Bound<'py, PyAny>> = {
         let shape = &self.0.shape();
@@ -142,7 +142,8 @@ pickled_by_keywords!(Terrain: keywords);
 
 methods! { Terrain:
     #[new]
-    fn new[](heights, spacing, origin=None, orientation: Option<f64> = None) -> PyResult<Self> {
+    fn new[](heights, spacing, origin=None, yaw: Option<f64> = None, **)
+    as "(heights, spacing, origin=(0.0, 0.0), yaw=0.0)" -> PyResult<Self> {
         let (heights, columns) = read_heights(heights)?;
         let spacing = pair("spacing", spacing)?;
         let origin = match origin.map(|origin| (origin, origin.extract::<[f64; 2]>())) {
@@ -154,7 +155,7 @@ methods! { Terrain:
             }
             Some((_, Err(error))) => return Err(error),
         };
-        let core = Core::new(heights, columns, spacing, origin, orientation.unwrap_or_default());
+        let core = Core::new(heights, columns, spacing, origin, yaw.unwrap_or_default());
         core.map(|core| Self(Arc::new(core))).or_raise(&[])
     }
 
@@ -178,7 +179,7 @@ methods! { Terrain:
     /// -------
     /// float or ndarray, shape (...)
     ///     Heights [m]; NaN off the map and where a height that enters is unknown.
-    fn height[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+    fn height_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 1, (out, dtype), threads, |height, _, target| {
             target[0] = height;
@@ -192,7 +193,7 @@ methods! { Terrain:
     /// xy : array_like, shape (..., 2)
     ///     Points [m].
     /// method : {'bilinear', 'bicubic'}
-    ///     As for `height`. On a crease of the bilinear surface, those of the cell that comes after it.
+    ///     As for `height_at`. On a crease of the bilinear surface, those of the cell that comes after it.
     /// out : ndarray, shape (..., 2), optional
     ///     Array for the result.
     /// dtype : dtype, optional
@@ -204,7 +205,7 @@ methods! { Terrain:
     /// -------
     /// ndarray, shape (..., 2)
     ///     Slopes along x and y of the world; NaN off the map and where a height that enters is unknown.
-    fn gradient[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+    fn gradient_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 2, (out, dtype), threads, |_, gradient, target| {
             target.copy_from_slice(&gradient);
@@ -218,7 +219,7 @@ methods! { Terrain:
     /// xy : array_like, shape (..., 2)
     ///     Points [m].
     /// method : {'bilinear', 'bicubic'}
-    ///     As for `gradient`.
+    ///     As for `gradient_at`.
     /// out : ndarray, shape (..., 3), optional
     ///     Array for the result.
     /// dtype : dtype, optional
@@ -230,7 +231,7 @@ methods! { Terrain:
     /// -------
     /// ndarray, shape (..., 3)
     ///     Normals in world axes; NaN off the map and where a height that enters is unknown.
-    fn normal[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+    fn normal_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 3, (out, dtype), threads, |_, gradient, target| {
             target.copy_from_slice(normal(gradient).as_slice());
@@ -269,7 +270,7 @@ impl Terrain {
         let ([rows, columns], [dx, dy], [x, y]) = (self.0.shape(), self.0.spacing(), self.0.origin());
         let turned = match self.0.orientation() {
             0.0 => String::new(),
-            orientation => format!(", orientation={orientation:?}"),
+            yaw => format!(", yaw={yaw:?}"),
         };
         format!("Terrain(<{rows} x {columns} heights>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){turned})")
     }

@@ -13,16 +13,16 @@ if TYPE_CHECKING:
 __all__ = ["desaturate"]
 
 
-def desaturate(rover: Rover, speeds: ArrayLike, max_wheel_speed: ArrayLike) -> NDArray[np.float64]:
+def desaturate(rover: Rover, wheel_speeds: ArrayLike, max_wheel_speed: ArrayLike) -> NDArray[np.float64]:
     """See `Rover.desaturate`."""
     import numpy as np
 
-    given = np.asarray(speeds, dtype=float)
+    given = np.asarray(wheel_speeds, dtype=float)
     count = len(rover.wheels)
     if given.ndim == 0 or given.shape[-1] != count:
-        raise ValueError(f"speeds must have shape (..., {count}), got {given.shape}")
+        raise ValueError(f"wheel_speeds must have shape (..., {count}), got {given.shape}")
     if not np.isfinite(given).all():
-        raise ValueError("speeds must be finite, got some that are not")
+        raise ValueError("wheel_speeds must be finite, got some that are not")
     limits = np.asarray(max_wheel_speed, dtype=float)
     if limits.shape not in ((), (count,)):
         raise ValueError(f"max_wheel_speed must have shape () or ({count},), got {limits.shape}")

@@ -114,7 +114,7 @@ def joint_columns(rover: Rover | None, kind: str, readings: NDArray[Any], unit: 
     columns = range(readings.shape[1])
     if rover is None:
         return {f"{kind}_{k}": (unit, readings[:, k]) for k in columns}
-    wheels = rover.wheel_names if kind == "wheel" else rover.steered_names
+    wheels = rover.wheel_names if kind == "wheel" else rover.steered_wheel_names
     joints = rover.traction_joints if kind == "wheel" else rover.steering_joints
     by_wheel = {wheel: joint for joint, wheel in joints.items()}
     return {by_wheel.get(wheels[k], wheels[k]): (unit, readings[:, k]) for k in columns}

@@ -29,7 +29,7 @@ class Track3(Tabular):
 
     Attributes
     ----------
-    arm : Suspension
+    suspension : Suspension
         Whose log it was.
     stamps : ndarray, shape (n,)
         As given [s].
@@ -47,7 +47,7 @@ class Track3(Tabular):
         `OdometryHealth` flags.
     """
 
-    arm: Suspension
+    suspension: Suspension
     stamps: Floats
     poses: Floats
     twists: Floats
@@ -121,7 +121,7 @@ class Track3(Tabular):
 
 
 def reckon(
-    arm: Suspension,
+    suspension: Suspension,
     steering: Any,
     wheel_angles: ArrayLike | None,
     stamps: ArrayLike | None,
@@ -149,7 +149,7 @@ def reckon(
         options = {**log.options, **options}
     if wheel_angles is None or stamps is None:
         raise ValueError("wheel_angles and stamps must be given for a suspension, got none of them")
-    odometry = Odometry3(arm, noise, ground=ground, **options)
+    odometry = Odometry3(suspension, noise, ground=ground, **options)
     odometry.reset(start, start_covariance)
     return odometry.run(
         steering,

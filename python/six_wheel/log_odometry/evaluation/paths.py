@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import wrap_angle
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats, as_poses, inverse, joined
@@ -208,6 +209,7 @@ def _planar(track: Track | Track3) -> Floats:
     return track.poses if isinstance(track, Track) else track.poses[:, [0, 1, 5]]
 
 
+@checked()
 def evaluate(
     estimate: ArrayLike | Track | Track3,
     truth: ArrayLike | Reference,

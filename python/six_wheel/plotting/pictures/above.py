@@ -65,17 +65,17 @@ def _axes(rover: Rover, steering: Floats | None) -> tuple[Figure, Axes, float]:
 
 def fit_figure(fit: Any, *, title: str | None) -> Figure:
     """A `TwistFit`: residual of every wheel as a disc and a number, the worst in colour."""
-    if np.ndim(fit.residual) > 1:
+    if np.ndim(fit.residuals) > 1:
         from six_wheel.plotting.pictures.strips import strips
 
-        rows = np.asarray(fit.residual).reshape(-1, np.shape(fit.residual)[-1])
+        rows = np.asarray(fit.residuals).reshape(-1, np.shape(fit.residuals)[-1])
         names = fit.rover.wheel_names
         panels = {"residual [m/s]": dict(zip(names, rows.T, strict=True))}
         figure = strips(np.arange(len(rows)), panels, title=title, below=f"residuals of {len(rows)} rows")
         figure.axes[-1].set_xlabel("row", fontsize=8, color=SOFT)
         return figure
     figure, axes, size = _axes(fit.rover, None)
-    residual, places = np.asarray(fit.residual), page(contacts(fit.rover))
+    residual, places = np.asarray(fit.residuals), page(contacts(fit.rover))
     largest = max(float(np.nanmax(residual)), ROUNDING)
     for name, place, slid, weight in zip(fit.rover.wheel_names, places, residual, fit.weights, strict=True):
         colour = CENTRE if name == fit.worst_wheel else AXLE
@@ -124,7 +124,7 @@ def output_figure(output: Any, *, title: str | None) -> Figure:
     figure, axes, size = _axes(output.rover, output.steering)
     _arrow(axes, np.asarray(output.twist), size)
     for name, place, speed in zip(
-        output.rover.wheel_names, page(contacts(output.rover)), output.speeds, strict=True
+        output.rover.wheel_names, page(contacts(output.rover)), output.wheel_speeds, strict=True
     ):
         _label(axes, place, f"{name}\n{speed:.3g} rad/s")
     vx, vy, omega = output.twist

@@ -25,7 +25,7 @@ __all__ = ["bounds_bars", "feasible_bars", "jacobian_bars", "named_bars", "slip_
 
 WIDTH = 7.2  # [in]
 QUANTITIES = (
-    "speeds", "steering", "steering_rates", "slip", "side_slip", "x", "y", "heading", "radius", "scrub",
+    "wheel_speeds", "steering", "steering_rates", "slip", "side_slip", "x", "y", "heading", "radius", "scrub",
     "trail", "roller_angle",
 )  # fmt: skip
 

@@ -38,7 +38,7 @@ def draw_ground(axes: Axes, ground: Terrain) -> None:
     filled = np.nan_to_num(heights, nan=float(np.nanmin(heights)))
     bright = SUN.hillshade(filled, vert_exag=2.0, dx=dx, dy=dy)
     colours = LinearSegmentedColormap.from_list("ground", [INK, TRACK, "#ffffff"])
-    cos, sin = np.cos(ground.orientation), np.sin(ground.orientation)
+    cos, sin = np.cos(ground.yaw), np.sin(ground.yaw)
     along, up = np.meshgrid(np.arange(columns) * dx, np.arange(rows) * dy)
     x, y = x0 + cos * along - sin * up, y0 + sin * along + cos * up
     shown = np.where(np.isfinite(heights), bright, np.nan)

@@ -69,7 +69,7 @@ def _draw(axes: Axes, stand: Any) -> None:
         axes.add_patch(Circle((place, up), radius, fc=BODY, ec=WHEEL, lw=2, alpha=1.0 if k % 2 == 0 else 0.4))
     reach = float(np.ptp(ahead)) / 2 + 2 * float(radii.max())
     along = np.linspace(ahead.mean() - reach, ahead.mean() + reach, 400)
-    height: Floats = np.asarray(stand.ground.height(np.array((x, y)) + along[:, None] * heading))
+    height: Floats = np.asarray(stand.ground.height_at(np.array((x, y)) + along[:, None] * heading))
     axes.fill_between(along, height, np.nanmin(height) - radii.max(), color=TRACK, zorder=0)
     axes.plot(along, height, color=INK, linewidth=1)
     axes.set_aspect("equal")
@@ -112,7 +112,6 @@ def motion_figure(found: Any, *, title: str | None) -> Figure:
     """A `GroundCommand`, `GroundMotion`, `Traction`, `SteeringCommand` or `WheelSlip`: its numbers."""
     names = (
         "steering",
-        "speeds",
         "wheel_speeds",
         "twist",
         "joint_rates",

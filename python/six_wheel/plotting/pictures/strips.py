@@ -57,9 +57,9 @@ def run_strips(run: Any, *, title: str | None) -> Figure:
         "vx, vy [m/s]": _named(("vx", "vy"), run.twist[:, :2]),
         "omega [rad/s]": {"omega": run.twist[:, 2]},
     }
-    if rover.steered_names:
-        panels["steering [rad]"] = _named(rover.steered_names, run.steering)
-    panels["wheels [rad/s]"] = _named(rover.wheel_names, run.speeds)
+    if rover.steered_wheel_names:
+        panels["steering [rad]"] = _named(rover.steered_wheel_names, run.steering)
+    panels["wheels [rad/s]"] = _named(rover.wheel_names, run.wheel_speeds)
     figure = strips(steps, panels, title=title, below=f"{count} steps of a controller")
     axes = figure.axes[0]
     found = [reason for reason in Reason if np.any(run.reasons & reason.value)]
@@ -116,9 +116,9 @@ def transition_strips(transition: Any, *, title: str | None) -> Figure:
     times, rover = np.linspace(0.0, transition.duration, INSTANTS), transition.rover
     state = transition.at(times)
     panels = {"twist [m/s, rad/s]": _named(("vx", "vy", "omega"), np.asarray(state.twist))}
-    if rover.steered_names:
-        panels["steering [rad]"] = _named(rover.steered_names, np.asarray(state.steering))
-    panels["wheels [rad/s]"] = _named(rover.wheel_names, np.asarray(state.speeds))
+    if rover.steered_wheel_names:
+        panels["steering [rad]"] = _named(rover.steered_wheel_names, np.asarray(state.steering))
+    panels["wheels [rad/s]"] = _named(rover.wheel_names, np.asarray(state.wheel_speeds))
     panels["scrub [m/s]"] = {"worst wheel": np.asarray(state.scrub)}
     words = f"{type(transition).__name__} of {transition.duration:.3g} s"
     return strips(times, panels, title=title, below=words)

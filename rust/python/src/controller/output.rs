@@ -8,7 +8,7 @@ use six_wheel_control::controller::{Controller, reason};
 
 use crate::rover::Rover;
 
-/// What one step of a `Controller` commands. Arrays are made when they are asked for.
+/// The commands of one step of a `Controller`. Arrays are made when they are asked for.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct ControllerOutput {
     twist: [f64; 3],
@@ -73,16 +73,16 @@ getters! { ControllerOutput, self, py:
     rover: Py<Rover> = self.rover.clone_ref(py);
     /// Joint commands by joint name, as `Rover.commands`: steering [rad], then wheel speeds [rad/s].
     commands: PyResult<Bound<'py, PyDict>> = {
-        let (steering, speeds) = (self.steering(py), self.speeds(py));
+        let (steering, speeds) = (self.steering(py), self.wheel_speeds(py));
         let rover = self.rover.get();
         rover.named_values(py, steering.as_any(), speeds.as_any())
     };
-    /// Steering angles [rad], shape (steered wheels,), in the order of `Rover.steered_names`.
+    /// Steering angles [rad], shape (steered wheels,), in the order of `Rover.steered_wheel_names`.
     steering: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.numbers[..self.joints]);
-    /// Rates of the steering angles [rad/s], shape (steered wheels,), in the order of `Rover.steered_names`.
+    /// Rates of the steering angles [rad/s], shape (steered wheels,), in the order of `Rover.steered_wheel_names`.
     steering_rates: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.numbers[self.joints..2 * self.joints]);
     /// Wheel speeds [rad/s], shape (wheels,), in the order of `Rover.wheel_names`.
-    speeds: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.numbers[2 * self.joints..self.errors()]);
+    wheel_speeds: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.numbers[2 * self.joints..self.errors()]);
     /// Measured steering angles minus the last commands [rad], shape (steered wheels,), or None if the step was given none.
     joint_errors: Option<Bound<'py, PyArray1<f64>>> =
         self.measured.then(|| PyArray1::from_slice(py, &self.numbers[self.errors()..]));
@@ -97,7 +97,7 @@ getters! { ControllerOutput, self, py:
     speed_share: f64 = self.speed_share;
     /// The motion they make, ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (3,).
     twist: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.twist);
-    /// Why it is not the motion asked for: a `Reason`, empty if it is.
+    /// The causes for which it is not the motion asked for: a `Reason`, empty if it is.
     reasons: PyResult<Bound<'py, PyAny>> = reason(py, self.reasons);
 }
 
@@ -115,7 +115,7 @@ pickled_by_fields! { ControllerOutput, this, py:
     Self { twist, reasons, speed_share, worst_joint, measured, numbers: numbers.into(), joints, rover }
 }
 
-repr_of_attributes! { ControllerOutput: steering speeds twist reasons }
+repr_of_attributes! { ControllerOutput: steering wheel_speeds twist reasons }
 
 /// Name and bit of every reason.
 #[pyfunction]

@@ -36,7 +36,8 @@ methods! { Terrain:
     /// TerrainFileError
     ///     If it is no map, its coordinates are degrees, or the window is off it.
     #[staticmethod]
-    fn read[](path, *, window=None, topic=None, layer=None) -> PyResult<Bound<'py, PyAny>> {
+    fn read[](path, *, window=None, topic=None, layer=None, **)
+    as "(path, *, window=None, topic=None, layer=None)" -> PyResult<Bound<'py, PyAny>> {
         let options = dict!(path.py(), window, topic, layer);
         let module = path.py().import("six_wheel.maps")?;
         module.call_method("read", (path,), Some(&options))
@@ -72,7 +73,8 @@ methods! { Terrain:
     /// Source: M. Golombek, D. Rapp, Size-frequency distributions of rocks on Mars and Earth analog sites, Journal of
     /// Geophysical Research 102, 1997.
     #[staticmethod]
-    fn yard[py: Python<'py>](size=None, spacing: f64 = 0.05, cover: f64 = 0.1, seed=None, *, roughness: f64 = 0.1)
+    fn yard[py: Python<'py>](size=None, spacing: f64 = 0.05, cover: f64 = 0.1, seed=None, *, roughness: f64 = 0.1, **)
+    as "(size=None, spacing=0.05, cover=0.1, seed=None, *, roughness=0.1)"
     -> PyResult<Bound<'py, PyAny>> {
         let options = dict!(py, spacing, cover, roughness);
         for (name, value) in [("size", size), ("seed", seed)] {

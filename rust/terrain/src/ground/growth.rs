@@ -13,7 +13,8 @@ use std::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::newton::{ActiveSet, LARGEST_ANGLE, NewtonResult, OnePose};
+use super::active_set::ActiveSet;
+use super::newton::{LARGEST_ANGLE, NewtonResult, OnePose};
 use super::pivots::PivotOrder;
 use super::rims::contact::RimSegment;
 use super::settler::{Settler, Status};

@@ -6,8 +6,8 @@
 use pulp::Scalar;
 
 use super::pivots::{PivotOrder, Rows};
-use super::rims::circles::{FAR, RIMS, RimLanes, WheelCircle, spread};
-use super::rims::extent::Extent;
+use crate::ground::rims::circles::{FAR, RIMS, RimLanes, WheelCircle, spread};
+use crate::ground::rims::extent::Extent;
 use crate::suspension::kinematics::{ChainAngles, LinkPoses, WheelPose};
 use crate::suspension::lanes::{Turned, Vectors, sum};
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS};

@@ -1,11 +1,11 @@
 //! Numbers of the poses that are settled together, and the way from and to registers.
 
 use super::pivots::PivotOrder;
-use super::rims::circles::{FAR, RIMS, spread};
-use super::rims::extent::Extent;
 use super::scan::{Site, StateLanes};
-use super::settler::Settler;
-use super::stand::Stand;
+use crate::ground::rims::circles::{FAR, RIMS, spread};
+use crate::ground::rims::extent::Extent;
+use crate::ground::settler::Settler;
+use crate::ground::stand::Stand;
 use crate::suspension::{MAX_STATE, MAX_WHEELS, PlanPose, State};
 use crate::terrain::Terrain;
 use six_wheel_kinematics::wheels::Direction;
@@ -123,7 +123,7 @@ pub(super) fn scatter<S: Vector, const N: usize>(column: &mut [f64; N], rows: &[
 
 /// A pose in the axes of the grid.
 #[derive(Clone, Copy)]
-pub(super) struct PoseOnGrid {
+pub(crate) struct PoseOnGrid {
     /// From node (0, 0) [m].
     pub origin: [f64; 2],
     pub heading: Direction,

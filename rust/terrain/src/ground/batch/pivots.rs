@@ -1,6 +1,6 @@
 //! Newton's step for the gaps of a chain, a pose in every lane.
 
-use super::newton::ActiveSet;
+use crate::ground::active_set::ActiveSet;
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
