@@ -15,6 +15,7 @@ from six_wheel.kinematics.four_axle import (
     FourAxleStep,
     TurnSequence,
 )
+from six_wheel.kinematics.geometry import Pose
 from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
 from six_wheel.kinematics.profiles import Peaks, Phase, State, TransitionState
@@ -169,6 +170,9 @@ class Wheel:
 
 @final
 class TwistFit:
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    @property
+    def rover(self) -> Rover: ...
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
@@ -186,6 +190,7 @@ class TwistFit:
 
 @final
 class TwistJacobian:  # what was not asked for is None
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
@@ -345,6 +350,7 @@ class IcrTransition:
 
 @final
 class Mobility:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def degree_of_mobility(self) -> int: ...
     @property
@@ -565,6 +571,7 @@ class Rover:
         threads: int | None = None,
     ) -> dict[str, float] | dict[str, NDArray[_Real]]: ...
     def readings(self, joints: Mapping[str, ArrayLike]) -> tuple[_Floats, _Floats]: ...
+    def desaturate(self, wheel_speeds: ArrayLike, max_wheel_speed: ArrayLike) -> _Floats: ...
     def urdf(self, name: str = "rover") -> str: ...
     @property
     def wheels(self) -> tuple[Wheel, ...]: ...
@@ -653,6 +660,9 @@ class Encoder:
 
 @final
 class OdometryState:
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    @property
+    def rover(self) -> Rover: ...
     @property
     def stamp(self) -> float | None: ...
     @property
@@ -682,6 +692,9 @@ _Encoders: TypeAlias = Encoder | Sequence[Encoder] | Mapping[str, Encoder]
 
 @final
 class Odometry:
+    def __copy__(self) -> Odometry: ...
+    def __deepcopy__(self, memo: object) -> Odometry: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
         rover: Rover,
@@ -728,6 +741,7 @@ class Odometry:
     ) -> Track: ...
     def command(self, twist: ArrayLike, stamp: float) -> OdometryState: ...
     def correct(self, pose: ArrayLike, stamp: float, covariance: ArrayLike) -> OdometryState: ...
+    def at(self, stamp: float) -> Pose: ...
     def set_pose(self, pose: ArrayLike, covariance: ArrayLike | None = None) -> None: ...
     def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0), covariance: ArrayLike | None = None) -> None: ...
     @property
@@ -768,6 +782,7 @@ _Changes: TypeAlias = dict[str, ArrayLike]
 
 @final
 class Odometry3State:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def stamp(self) -> float | None: ...  # [s]
     @property
@@ -797,6 +812,9 @@ class Odometry3State:
 
 @final
 class Odometry3:
+    def __copy__(self) -> Odometry3: ...
+    def __deepcopy__(self, memo: object) -> Odometry3: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
         suspension: Suspension,
@@ -852,6 +870,7 @@ class Odometry3:
 
 @final
 class Preintegrated:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
         rover: Rover,
@@ -912,6 +931,7 @@ class Preintegrated:
 
 @final
 class Link:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def frame(self) -> str: ...
     @property
@@ -931,6 +951,7 @@ class Link:
 
 @final
 class SteeringCommand:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
     @property
@@ -1012,6 +1033,7 @@ class Terrain:
 
 @final
 class GroundCommand:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
     @property
@@ -1028,6 +1050,7 @@ class GroundCommand:
 
 @final
 class GroundMotion:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
     @property
@@ -1037,6 +1060,7 @@ class GroundMotion:
 
 @final
 class Traction:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def wheel_speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
     @property
@@ -1050,6 +1074,7 @@ class Traction:
 
 @final
 class WheelSlip:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def ratio(self) -> _Floats: ...  # (..., wheels)
     @property
@@ -1057,6 +1082,7 @@ class WheelSlip:
 
 @final
 class BodySlip:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def slip(self) -> _Floats: ...  # (n,)
     @property
@@ -1198,6 +1224,7 @@ class Suspension:
 
 @final
 class PoseBounds:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def z(self) -> _Floats: ...  # (..., 2) [m]
     @property
@@ -1219,6 +1246,7 @@ class PoseBounds:
 
 @final
 class Feasibility:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def ok(self) -> bool | NDArray[np.bool_]: ...
     @property
@@ -1236,6 +1264,7 @@ class Feasibility:
 
 @final
 class Stability:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def loads(self) -> _Floats: ...  # (..., wheels) [N]
     @property
@@ -1253,6 +1282,7 @@ class Stability:
 
 @final
 class MarginJacobian:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def tip_over_angle(self) -> _Floats: ...  # (..., 3) or (..., 16)
     @property
@@ -1264,6 +1294,7 @@ class MarginJacobian:
 
 @final
 class SettledPose:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def status(self) -> SettleStatus | NDArray[Any]: ...  # (...) SettleStatus
     @property
@@ -1535,6 +1566,9 @@ class Limits:
 
 @final
 class Controller:
+    def __copy__(self) -> Controller: ...
+    def __deepcopy__(self, memo: object) -> Controller: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
         rover: Rover,
@@ -1579,6 +1613,9 @@ class Controller:
 
 @final
 class ControllerOutput:
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    @property
+    def rover(self) -> Rover: ...
     @property
     def commands(self) -> dict[str, float]: ...
     @property
@@ -1600,6 +1637,9 @@ class ControllerOutput:
 
 @final
 class ControllerRun:
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    @property
+    def rover(self) -> Rover: ...
     @property
     def commands(self) -> dict[str, _Floats]: ...
     @property
@@ -1626,6 +1666,18 @@ class Costmap:
         outside: float | None = None,
         frame: str | None = None,
     ) -> Costmap: ...
+    @staticmethod
+    def from_occupancy_grid(
+        msg: Any, *, inflation: float = 0.0, unknown: float = 0.5, lethal: float = 0.65
+    ) -> Costmap: ...
+    @staticmethod
+    def read(
+        path: str | PathLike[str],
+        *,
+        inflation: float = 0.0,
+        unknown: float = 0.5,
+        lethal: float | None = None,
+    ) -> Costmap: ...
     @property
     def values(self) -> NDArray[np.float32]: ...
     @property
@@ -1646,6 +1698,7 @@ class Costmap:
 
 @final
 class Mppi:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
         rover: Rover,
@@ -1706,6 +1759,7 @@ class Mppi:
 
 @final
 class MppiPlan:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def twist(self) -> _Floats: ...
     @property

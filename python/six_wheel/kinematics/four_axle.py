@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, SupportsFloat, TypeAlias
 
 from six_wheel._core import FourAxle
 from six_wheel.kinematics import rover_edit
+from six_wheel.kinematics.objects.short_text import short_repr
 
 if TYPE_CHECKING:
     import numpy as np
@@ -122,7 +123,7 @@ class FourAxleStep:
         _check_brakes(self.front_brake, self.rear_brake)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class TurnSequence:
     """Steps that re-aim the axles, each checked at the angles where it begins. Iterates over them."""
 
@@ -131,6 +132,11 @@ class TurnSequence:
     """True where the robot has to stand during the step."""
     reason: str
     """Why it stops or goes a roundabout way; empty if it does neither."""
+
+    def __repr__(self) -> str:
+        actions = " ".join(step.action for step in self.steps)
+        found = {"steps": len(self.steps), "duration": self.duration, "stops": self.stops}
+        return short_repr("TurnSequence", found | {"reason": self.reason, "actions": actions})
 
     def __iter__(self) -> Iterator[FourAxleStep]:
         return iter(self.steps)
@@ -144,7 +150,7 @@ class TurnSequence:
         return math.fsum(step.duration for step in self.steps)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FourAxleMobility:
     """Mobility of the robot with its axles locked at some angles, from the rank of the side-slip rows."""
 
@@ -161,8 +167,12 @@ class FourAxleMobility:
     margin: float
     """Slip to spare: the vehicle's tolerance less the slip. Negative where a lock is refused."""
 
+    def __repr__(self) -> str:
+        names = ("rank", "degree_of_mobility", "slip", "margin", "singular_values", "motion")
+        return short_repr("FourAxleMobility", {name: getattr(self, name) for name in names})
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FourAxleMotion:
     """Motion of body and pivots at some wheel speeds."""
 
@@ -177,8 +187,12 @@ class FourAxleMotion:
     rank: int
     """Unknowns of body and free pivots that the wheels determine: all of them."""
 
+    def __repr__(self) -> str:
+        names = ("twist", "pivot_rates", "wheel_speeds", "residuals", "rank")
+        return short_repr("FourAxleMotion", {name: getattr(self, name) for name in names})
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FourAxleSimulation:
     """A simulated drive: n samples, the first of which is the start."""
 
@@ -202,6 +216,10 @@ class FourAxleSimulation:
     """Row in which each step ends, shape (steps,)."""
     final: FourAxleState
     """State after the last step."""
+
+    def __repr__(self) -> str:
+        found = {"steps": len(self.steps), "samples": len(self.stamps), "pose": tuple(self.final.pose)}
+        return short_repr("FourAxleSimulation", found | {"steering": tuple(self.final.steering)})
 
 
 def _numbers(name: str, values: Sequence[SupportsFloat], count: int) -> tuple[float, ...]:

@@ -15,6 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.objects.tables import (
+    Columns,
+    Tabular,
+    headers_of,
+    joint_columns,
+    pose_columns,
+    rows_of,
+)
 from six_wheel.kinematics.poses import Floats, as_poses, interpolate
 
 if TYPE_CHECKING:
@@ -27,7 +35,7 @@ OPTIONS = ("readings", "wheel_encoders", "steering_encoders")
 
 
 @dataclass(frozen=True, eq=False)
-class GroundTruth:
+class GroundTruth(Tabular):
     """Poses, positions or headings measured from outside, with stamps of their own.
 
     Parameters
@@ -104,12 +112,15 @@ class GroundTruth:
     def __len__(self) -> int:
         return len(self.stamps)
 
+    def _columns(self) -> Columns:
+        return pose_columns(self.stamps, self.poses)
+
     def __repr__(self) -> str:
         return f"GroundTruth({len(self)} poses, {self.stamps[-1] - self.stamps[0]:.1f} s)"
 
 
 @dataclass(frozen=True, eq=False)
-class WheelLog:
+class WheelLog(Tabular):
     """Encoder readings of one drive, and the truth if it is known.
 
     Parameters
@@ -191,6 +202,54 @@ class WheelLog:
         """A log from the angle of each wheel since the row before [rad]; the first row counts from 0."""
         angles = np.cumsum(np.asarray(increments, dtype=np.float64), axis=0)
         return cls(stamps, steering, angles, truth, name, session)  # type: ignore[arg-type]
+
+    @classmethod
+    def from_pandas(cls, frame: Any, rover: Rover, *, name: str = "", **options: Any) -> Self:
+        """A log of a DataFrame or a dict of columns: joints by their names, ``time``, and what else there is.
+
+        Parameters
+        ----------
+        frame : DataFrame or mapping
+            Columns as `dead_reckon` takes them; ``yaw_rate`` and the truth, ``x``, ``y``, ``yaw``, if there.
+        rover : Rover
+            Names the joints.
+        name, **options
+            As of `WheelLog`.
+
+        Raises
+        ------
+        ValueError
+            If a joint or the time is missing.
+        """
+        from six_wheel.kinematics.odometry.tabular_input import table
+
+        pieces = list(table(rover, frame, None, {}, options).pieces)
+        if not pieces:
+            raise ValueError("frame must have rows, got none")
+        stamps, wheels = (np.concatenate([getattr(one, of) for one in pieces]) for of in ("stamps", "wheels"))
+        steered = [piece.steering for piece in pieces if piece.steering is not None]
+        headers = set(headers_of(frame))
+        truth = None
+        if headers >= {"x", "y", "yaw"}:
+            places = rows_of(frame, ("x", "y", "yaw"))
+            known = np.isfinite(places).all(axis=1)
+            truth = GroundTruth(stamps[known], places[known])
+        rate = rows_of(frame, ("yaw_rate",))[:, 0] if "yaw_rate" in headers else None
+        steering = np.concatenate(steered) if steered else None
+        return cls(stamps, steering, wheels, truth, name, yaw_rate=rate, options=options)
+
+    def _columns(self, rover: Rover | None = None) -> Columns:
+        """Columns by the joints of a rover; without one by number, ``steering_0``, ``wheel_0`` and so on."""
+        columns: Columns = {"time": ("s", self.stamps)}
+        unit = "ticks" if {"wheel_encoders", "steering_encoders"} & set(self.options) else "rad"
+        if self.steering is not None:
+            columns |= joint_columns(rover, "steering", self.steering, unit)
+        columns |= joint_columns(rover, "wheel", self.wheel_angles, unit)
+        if self.yaw_rate is not None:
+            columns["yaw_rate"] = ("rad/s", self.yaw_rate)
+        if self.truth is not None:
+            columns |= pose_columns(self.stamps, self.truth.at(self.stamps))
+        return columns
 
     def in_radians(self, rover: Rover) -> WheelLog:
         """The same log as running totals and angles in radians, as `options` say how to read it.

@@ -8,6 +8,7 @@
 //! the samples when it is ([`replay`]).
 
 mod replay;
+mod samples;
 pub mod space;
 
 use nalgebra::{Matrix6, Vector6};
@@ -18,6 +19,7 @@ pub use super::settings::quantities::{Column, DIMENSIONS};
 use super::settings::{Readings, Settings};
 use crate::samples::recording::{Recording, Sample};
 pub use replay::PreintegratedMotion;
+pub use samples::Samples;
 use six_wheel_kinematics::geometry::Pose;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::{Error, ErrorKind, finite, number};
@@ -51,18 +53,6 @@ pub struct PreintegrationOptions {
     pub in_space: bool,
     /// Standard deviation of the tilt of an attitude, about x and about y of the body [rad].
     pub attitude_noise: f64,
-}
-
-/// Samples between two instants, first one included.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Samples {
-    stamps: Vec<f64>,
-    steering: Vec<f64>,
-    wheels: Vec<f64>,
-    /// NaN where there is none.
-    rates: Vec<f64>,
-    /// Quaternions x, y, z, w; none in the plane.
-    attitudes: Vec<[f64; 4]>,
 }
 
 /// Wheel motion between two instants; see the module.
@@ -114,6 +104,25 @@ impl Preintegrated {
         }
         let odometry = Odometry::new(rover, options.settings.clone())?;
         Ok(Self { fresh: odometry.clone(), odometry, options, samples: Samples::default(), begins: 0.0, ends: 1.0 })
+    }
+
+    /// The samples, and the shares of the first and of the last step at which the motion begins and ends.
+    pub fn samples(&self) -> (&Samples, [f64; 2]) {
+        (&self.samples, [self.begins, self.ends])
+    }
+
+    /// The motion of other samples with the same options: the inverse of [`Self::samples`]. Fails if their numbers do not
+    /// match or they do not determine the motion.
+    pub fn with_samples(&self, samples: Samples, [begins, ends]: [f64; 2]) -> Result<Self, Error> {
+        let count = samples.stamps.len();
+        let (wheels, joints) = (self.rover().wheels().len(), self.rover().steered().len());
+        let attitudes = if self.options.in_space { count } else { 0 };
+        let lengths = [samples.steering.len(), samples.wheels.len(), samples.rates.len(), samples.attitudes.len()];
+        if lengths != [count * joints, count * wheels, count, attitudes] {
+            return Err(Error::value("samples", "have as many rows as stamps", format!("{lengths:?}")));
+        }
+        let source = Self { samples, ..self.clone() };
+        source.part(0..count, begins, ends)
     }
 
     /// The rover.

@@ -122,6 +122,14 @@ getters! { Odometry, self, py:
     };
 }
 
+copied_by! { Odometry,
+    "keep its `state`, and start another one with set_pose(state.pose, state.covariance)",
+    |this, py| {
+        let core = this.work.lock(py)?.core.clone();
+        Ok(Self { work: Shared::new(Work { core, spares: Spares::default() }), rover: this.rover.clone_ref(py) })
+    }
+}
+
 methods! { Odometry:
     #[new]
     fn new[](rover: Bound<'py, Rover>, noise: Option<Bound<'py, Noise>> = None, *, readings: &str = "angles",
@@ -238,6 +246,28 @@ methods! { Odometry:
         self.change(py, |core| core.correct(pose.into(), stamp, matrix))
     }
 
+    /// The pose at an instant, as of an image: between two samples on the arc of the step, after the last one as if the rover
+    /// had gone on as before.
+    ///
+    /// Parameters
+    /// ----------
+    /// stamp : float
+    ///     The instant [s]: not before the last `lag` seconds, nor more than that, or one step, after the last sample.
+    ///
+    /// Returns
+    /// -------
+    /// Pose
+    ///     ``x, y, yaw`` in the world [m, m, rad].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the stamp is not finite, too old, too late, or there was no sample.
+    fn at[&self, py: Python<'py>](stamp: f64) -> PyResult<Bound<'py, PyAny>> {
+        let pose = self.work.lock(py)?.core.pose_at(stamp).or_raise(&[])?;
+        py.import("six_wheel.kinematics.geometry")?.getattr("Pose")?.call1((pose.x, pose.y, pose.yaw))
+    }
+
     /// Starts over: the next sample is a first one.
     ///
     /// Parameters
@@ -278,6 +308,6 @@ impl Odometry {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let state = Py::new(py, self.state(py)?)?;
-        Ok(format!("Odometry({})", state.bind(py).repr()?))
+        Ok(crate::classes::cut(format!("Odometry({})", state.bind(py).repr()?)))
     }
 }

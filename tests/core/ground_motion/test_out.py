@@ -188,7 +188,7 @@ def test_one_pose() -> None:
     np.testing.assert_array_equal(steering, outs[0])
     np.testing.assert_array_equal(plain[-1], speeds)
     assert len(plain) == 2
-    assert repr(plain).startswith("GroundCommand(steering=array(")
+    assert repr(plain).startswith("GroundCommand(steering=[")
     outs = (np.empty(()), np.empty(()), np.empty(()))
     safe = ARM.feasible(GROUND, POSES[0], out=outs)
     assert safe.clearance is outs[2]

@@ -103,4 +103,4 @@ def test_batches_and_single_fits_agree():
     np.testing.assert_array_equal(fit.twist[1, 2], one.twist)
     np.testing.assert_array_equal(fit.residuals[1, 2], one.residuals)
     assert fit.worst_wheel[1][2] == one.worst_wheel == "rear_left"
-    assert repr(one).startswith("TwistFit(twist=array(")
+    assert repr(one).startswith("TwistFit(twist=[")

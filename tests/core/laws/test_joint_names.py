@@ -65,7 +65,7 @@ def test_reasons_have_texts_of_their_own():
     both = sw.Reason.STALE | sw.Reason.SPEED
     assert str(both) == f"{sw.Reason.SPEED}; {sw.Reason.STALE}"
     assert both.help == f"{sw.Reason.SPEED.help}; {sw.Reason.STALE.help}"
-    assert str(sw.Reason(0)) == f"{sw.Reason(0)}" == "as commanded"
+    assert str(sw.Reason(0)) == f"{sw.Reason(0)}" == "none"
     assert sw.Reason(0).help == ""
     assert f"{both:d}" == "65568"
     assert pickle.loads(pickle.dumps(both)) == both == sw.Reason(65568)

@@ -141,7 +141,7 @@ def test_bad_rows_are_flagged_and_good_rows_are_not_lost(bad):
     good = np.delete(np.arange(len(stamps)), sorted(expected))
     np.testing.assert_array_equal(track.poses[good], plain.poses)
     np.testing.assert_array_equal(track.covariances[good], plain.covariances)
-    assert f"of {len(stamps)} rows" in repr(track) or not bad
+    assert f"of {len(stamps)} rows" in str(track) or not bad
 
 
 def test_raise_names_the_row():
@@ -204,7 +204,7 @@ def test_wrap_and_gap_are_flagged():
     np.testing.assert_array_equal(track.rows(OdometryHealth.GAP), [25])
     np.testing.assert_array_equal(track.rows(OdometryHealth.WRAPPED), [14, 27])
     np.testing.assert_allclose(track.poses[-1, 0], 39 * 5000 / 10_000 * math.tau * 0.1)
-    assert "GAP: 1 of 40 rows (25)" in repr(track)
+    assert "GAP: 1 of 40 rows (25)" in str(track)
 
 
 def columns_of(log) -> dict[str, np.ndarray]:

@@ -98,6 +98,14 @@ getters! { Controller, self, py:
     stopping_distance: PyResult<f64> = Ok(self.core.lock(py)?.stopping_distance());
 }
 
+copied_by! { Controller,
+    "keep its `steering` and `twist`, and make another one with them",
+    |this, py| {
+        let core = Shared::new(this.core.lock(py)?.clone());
+        Ok(Self { core, rover: this.rover.clone_ref(py), joints: this.joints, wheels: this.wheels })
+    }
+}
+
 /// The options by name, as Python writes them.
 fn shown(options: &Options) -> [(&'static str, String); 9] {
     let number = |value: Option<f64>| value.map_or_else(|| "None".into(), |value| format!("{value:?}"));

@@ -69,6 +69,8 @@ fn reason(py: Python<'_>, bits: u32) -> PyResult<Bound<'_, PyAny>> {
 }
 
 getters! { ControllerOutput, self, py:
+    /// The rover.
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Joint commands by joint name, as `Rover.commands`: steering [rad], then wheel speeds [rad/s].
     commands: PyResult<Bound<'py, PyDict>> = {
         let (steering, speeds) = (self.steering(py), self.wheel_speeds(py));
@@ -99,22 +101,21 @@ getters! { ControllerOutput, self, py:
     reasons: PyResult<Bound<'py, PyAny>> = reason(py, self.reasons);
 }
 
-#[pymethods]
-impl ControllerOutput {
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let part = |values: &[f64]| {
-            let texts: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
-            format!("[{}]", texts.join(", "))
-        };
-        Ok(format!(
-            "ControllerOutput(steering={}, wheel_speeds={}, twist={}, reasons={})",
-            part(&self.numbers[..self.joints]),
-            part(&self.numbers[2 * self.joints..self.errors()]),
-            part(&self.twist),
-            reason(py, self.reasons)?.repr()?,
-        ))
-    }
+pickled_by_fields! { ControllerOutput, this, py:
+    (
+        twist: [f64; 3] = this.twist,
+        reasons: u32 = this.reasons,
+        speed_share: f64 = this.speed_share,
+        worst_joint: Option<usize> = this.worst_joint,
+        measured: bool = this.measured,
+        numbers: Vec<f64> = this.numbers.to_vec(),
+        joints: usize = this.joints,
+        rover: Py<Rover> = &this.rover,
+    )
+    Self { twist, reasons, speed_share, worst_joint, measured, numbers: numbers.into(), joints, rover }
 }
+
+repr_of_attributes! { ControllerOutput: steering wheel_speeds twist reasons }
 
 /// Name and bit of every reason.
 #[pyfunction]

@@ -77,6 +77,8 @@ methods! { Controller:
 }
 
 getters! { ControllerRun, self, py:
+    /// The rover.
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Joint commands by joint name, as `Rover.commands`: arrays (n,) of steering [rad] and wheel speeds [rad/s].
     commands: PyResult<Bound<'py, PyDict>> = {
         let rover = self.rover.get();

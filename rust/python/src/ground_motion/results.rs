@@ -64,6 +64,17 @@ getters! { GroundCommand, self, py:
 
 repr_of_attributes! { GroundCommand: steering wheel_speeds }
 
+pickled_by_fields! { GroundCommand, this, py:
+    (
+        steering: Py<PyAny> = this.steering(py)?,
+        wheel_speeds: Py<PyAny> = this.wheel_speeds(py)?,
+        twist: Py<PyAny> = this.twist(py)?,
+        joint_rates: Py<PyAny> = this.joint_rates(py)?,
+        scale: Py<PyAny> = this.scale(py)?,
+    )
+    Self(Columns::Batch([steering, wheel_speeds, twist, joint_rates, scale]))
+}
+
 #[pymethods]
 impl GroundCommand {
     fn __len__(&self) -> usize {
@@ -114,3 +125,12 @@ getters! { GroundMotion, self, py:
 }
 
 repr_of_attributes! { GroundMotion: twist joint_rates }
+
+pickled_by_fields! { GroundMotion, this, py:
+    (
+        twist: Py<PyAny> = this.twist(py)?,
+        joint_rates: Py<PyAny> = this.joint_rates(py)?,
+        residuals: Py<PyAny> = this.residuals(py)?,
+    )
+    Self(Columns::Batch([twist, joint_rates, residuals]))
+}

@@ -87,6 +87,7 @@ result_class! {
         /// True if the statistic is above the threshold: the rover slips.
         slipping: bool,
     }
+    repr { slip statistic threshold probability slipping }
 }
 
 #[pymethods]
@@ -120,17 +121,6 @@ impl BodySlip {
             *command = wanted.flat()[k] - share * slips.flat()[k];
         }
         command.finish_object()
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(format!(
-            "BodySlip(slip={}, statistic={:?}, threshold={:?}, probability={:?}, slipping={})",
-            self.slip.bind(py).repr()?,
-            self.statistic,
-            self.threshold,
-            self.probability,
-            if self.slipping { "True" } else { "False" }
-        ))
     }
 }
 

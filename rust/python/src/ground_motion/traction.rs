@@ -40,6 +40,17 @@ getters! { Traction, self, py:
 
 repr_of_attributes! { Traction: wheel_speeds steering }
 
+pickled_by_fields! { Traction, this, py:
+    (
+        wheel_speeds: Py<PyAny> = this.wheel_speeds(py)?,
+        steering: Py<PyAny> = this.steering(py)?,
+        contact_angles: Py<PyAny> = this.contact_angles(py)?,
+        lifted: Py<PyAny> = this.lifted(py)?,
+        vertical_speed: Py<PyAny> = this.vertical_speed(py)?,
+    )
+    Self(Columns::Batch([wheel_speeds, steering, contact_angles, lifted, vertical_speed]))
+}
+
 /// One finite number for all rows, or one for each.
 fn read_speeds<'py>(name: &'static str, value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<Scalars<'py>> {
     let scalars = Scalars::read(name, value)?;

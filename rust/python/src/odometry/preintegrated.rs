@@ -4,10 +4,12 @@ mod parts;
 
 use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple, PyType};
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_numerics::error::Error;
-use six_wheel_odometry::preintegrated::{Column, ErrorFrame, PreintegratedMotion, PreintegrationOptions, Residual};
+use six_wheel_odometry::preintegrated::{
+    Column, ErrorFrame, PreintegratedMotion, PreintegrationOptions, Residual, Samples,
+};
 use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 
 use super::input::{settings, steering_left_out};
@@ -24,6 +26,8 @@ const BIAS: &str = "gyroscope_bias";
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 /// Columns by their name.
 type Named = Vec<(String, Vec<Column>)>;
+/// Stamps, readings of steering joints and of wheels, yaw rates, attitudes.
+type RestoredSamples = (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>, Vec<[f64; 4]>);
 /// Error, its derivatives by two poses, and those by what may change.
 type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'py, PyDict>);
 
@@ -64,6 +68,8 @@ type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'
 pub struct Preintegrated {
     core: Core,
     rover: Py<Rover>,
+    /// Options of the constructor that were given, by name.
+    given: Py<PyDict>,
     /// Of the samples so far.
     replayed: Option<PreintegratedMotion>,
 }
@@ -97,6 +103,9 @@ methods! { Preintegrated:
         attitude_noise: Option<f64> = None, **)
     as "(rover, noise=None, *, gyroscope=None, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
     -> PyResult<Self> {
+        let py = rover.py();
+        let given = dict!(py, noise = &noise, gyroscope = &gyroscope, readings, wheel_encoders, steering_encoders, method,
+            in_space, attitude_noise);
         let core = &rover.get().core;
         let [wheels, steered] = rover.get().wheels_and_steered();
         let options = PreintegrationOptions {
@@ -108,7 +117,8 @@ methods! { Preintegrated:
             in_space,
             attitude_noise: attitude_noise.unwrap_or(0.01),
         };
-        Ok(Self { core: Core::new(core.clone(), options).or_raise(&[])?, rover: rover.clone().unbind(), replayed: None })
+        let core = Core::new(core.clone(), options).or_raise(&[])?;
+        Ok(Self { core, rover: rover.clone().unbind(), given: given.unbind(), replayed: None })
     }
 
     /// Takes in one sample, or all rows of a log. The first one is where the motion begins.
@@ -347,6 +357,31 @@ impl Preintegrated {
             all => format!("x={:.4} m, y={:.4} m, z={:.4} m", all[3], all[7], all[11]),
         };
         Ok(format!("Preintegrated({samples} samples, {duration} s, {place})"))
+    }
+
+    /// The motion of these samples, as `__reduce__` lists them.
+    #[classmethod]
+    fn _restore(
+        class: &Bound<'_, PyType>,
+        rover: Py<Rover>,
+        given: Bound<'_, PyDict>,
+        samples: RestoredSamples,
+        shares: [f64; 2],
+    ) -> PyResult<Self> {
+        let empty = class.call((rover,), Some(&given))?.cast_into::<Self>()?;
+        let (stamps, steering, wheels, rates, attitudes) = samples;
+        let samples = Samples { stamps, steering, wheels, rates, attitudes };
+        let empty = empty.borrow();
+        Ok(empty.with(empty.core.with_samples(samples, shares).or_raise(&[])?, class.py()))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let (py, this) = (slf.py(), slf.borrow());
+        let (samples, shares) = this.core.samples();
+        let Samples { stamps, steering, wheels, rates, attitudes } = samples.clone();
+        let samples: RestoredSamples = (stamps, steering, wheels, rates, attitudes);
+        let fields = (&this.rover, &this.given, samples, shares).into_pyobject(py)?;
+        crate::classes::restored_by(slf.as_any(), &fields.iter().collect::<Vec<_>>())
     }
 
     fn __copy__(&self, py: Python<'_>) -> Self {

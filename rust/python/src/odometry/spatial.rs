@@ -100,6 +100,15 @@ getters! { Odometry3, self, py:
     noise: PyResult<Noise> = Ok(self.work.lock(py)?.settings().common.noise.into());
 }
 
+copied_by! { Odometry3,
+    "keep its `state`, and start another one with set_pose(state.pose, state.covariance)",
+    |this, py| {
+        let core = this.work.lock(py)?.clone();
+        let ground = this.ground.as_ref().map(|ground| ground.clone_ref(py));
+        Ok(Self { work: Shared::new(core), suspension: this.suspension.clone_ref(py), ground })
+    }
+}
+
 methods! { Odometry3:
     #[new]
     fn new[](suspension: Bound<'py, Suspension>, noise: Option<Bound<'py, Noise>> = None, *,
@@ -316,6 +325,6 @@ impl Odometry3 {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let state = Py::new(py, self.state(py)?)?;
-        Ok(format!("Odometry3({})", state.bind(py).repr()?))
+        Ok(crate::classes::cut(format!("Odometry3({})", state.bind(py).repr()?)))
     }
 }

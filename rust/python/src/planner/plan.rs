@@ -25,8 +25,9 @@ result_class! {
         cost: f64,
         /// Effective number of rollouts: one over the sum of their squared weights.
         effective_samples: f64,
-        /// Reason for which the rover has to stay where it is; empty if it may move.
-        reason: &'static str,
+        /// Reason for which the rover stays, or should stay: it cannot move, every way is blocked, or it is at its goal;
+        /// empty if it may move.
+        reason: String,
     }
 }
 
@@ -34,6 +35,7 @@ impl MppiPlan {
     pub(super) fn of(
         py: Python<'_>,
         outcome: &CycleOutput,
+        blocked: bool,
         state: &State,
         [steering, wheel_speeds]: [Array<'_>; 2],
     ) -> PyResult<Self> {
@@ -47,10 +49,13 @@ impl MppiPlan {
             cost: outcome.cost,
             effective_samples: outcome.effective,
             reason: match outcome.stuck {
-                None => "",
                 Some(ImmobileReason::Rover) => "no motion lets all wheels of this rover roll",
                 Some(ImmobileReason::SteeringLimit) => "a steered wheel has no angle within steering_limit",
-            },
+                None if blocked => "every rollout and the plan come to a lethal place of the costmap",
+                None if outcome.arrived => "the rover is at its goal",
+                None => "",
+            }
+            .into(),
         })
     }
 }

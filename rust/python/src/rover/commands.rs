@@ -114,3 +114,28 @@ methods! { Rover:
         Ok((columns(&self.steering, self.core.steered())?, columns(&self.traction, &every)?))
     }
 }
+
+methods! { Rover:
+    /// Wheel speeds slowed down by one factor, so that the fastest wheel is within its limit and the path stays.
+    ///
+    /// Parameters
+    /// ----------
+    /// wheel_speeds : array_like
+    ///     Wheel speeds [rad/s], the wheels in the last axis; each row has its own factor.
+    /// max_wheel_speed : float or array_like, shape (wheels,)
+    ///     Largest speed of all wheels, or of each [rad/s].
+    ///
+    /// Returns
+    /// -------
+    /// ndarray
+    ///     Speeds of the same shape; those that are within the limits are as they were.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a limit is not positive, or a shape does not fit.
+    fn desaturate[slf: &Bound<'py, Self>](wheel_speeds, max_wheel_speed) -> PyResult<Bound<'py, PyAny>> {
+        let module = slf.py().import("six_wheel.kinematics.objects.desaturation")?;
+        module.call_method1("desaturate", (slf, wheel_speeds, max_wheel_speed))
+    }
+}

@@ -32,6 +32,8 @@ result_class! {
 }
 
 getters! { TwistFit, self, py:
+    /// The rover.
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Name of the wheel with the largest residual, None where there is none; nested lists of them for a batch.
     worst_wheel: PyResult<Py<PyAny>> = {
         let rover = self.rover.get();

@@ -74,11 +74,23 @@ getters! { Sensitivity, self, py:
     roller_angle: Option<Py<PyAny>> = self.get(py, "roller_angle");
 }
 
+pickled_by_fields! { Sensitivity, this, py:
+    (
+        twist: Option<Py<PyAny>> = &this.twist,
+        names: Vec<String> = this.columns.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
+        arrays: Vec<Py<PyAny>> = this.columns.iter().map(|(_, array)| array).collect::<Vec<_>>(),
+    )
+    {
+        let names = wanted(Some(&names.into_pyobject(py)?))?;
+        Self { twist, columns: names.into_iter().map(|(name, _)| name).zip(arrays).collect() }
+    }
+}
+
 #[pymethods]
 impl Sensitivity {
     fn __repr__(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|(name, _)| *name).collect();
-        format!("TwistJacobian(of the twist by {})", names.join(", "))
+        crate::classes::cut(format!("TwistJacobian(of the twist by {})", names.join(", ")))
     }
 }
 

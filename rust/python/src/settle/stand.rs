@@ -7,11 +7,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyString;
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_terrain::ground::{self, Contact, DIMENSIONS, by_dimension, by_pose, rim_point};
-use six_wheel_terrain::suspension::{Placed, PlanPose};
+use six_wheel_terrain::suspension::{MAX_FREE, Placed, PlanPose};
 use six_wheel_terrain::terrain::Terrain;
 
 use crate::arguments::ArgumentKind;
-use crate::convert::{Array, Output, memory, scalar_or_array};
+use crate::convert::{Array, OrRaise, Output, memory, scalar_or_array};
 use crate::suspension::{RockerBogie, Suspension};
 
 /// Settled poses of a rover on ground, as many as were asked for, each with its status.
@@ -242,27 +242,42 @@ getters! { Stand, self, py:
     };
 }
 
+pickled_by_fields! { Stand, this, py:
+    (
+        suspension: Py<Suspension> = &this.suspension,
+        ground: Py<crate::terrain::Terrain> = this.ground(py),
+        poses: Vec<[f64; 3]> = &this.poses,
+        steering: Vec<f64> = &this.steering,
+        codes: Vec<(u8, [i8; MAX_FREE], u8)> =
+            this.stands.iter().map(|stand| (stand.status as u8, stand.stops, stand.hanging)).collect::<Vec<_>>(),
+        numbers: Vec<Vec<f64>> = this.stands.iter().map(|stand| stand.numbers().to_vec()).collect::<Vec<_>>(),
+        leading: Vec<usize> = &this.leading,
+        derivatives: bool = this.derivatives,
+    )
+    {
+        let parts = codes.into_iter().zip(&numbers);
+        let stands = parts.map(|((status, stops, hanging), numbers)| ground::Stand::from_parts(status, stops, hanging, numbers));
+        let stands = stands.collect::<Result<Vec<_>, _>>().or_raise(&[])?;
+        let ground = ground.get().0.clone();
+        Self { suspension, ground, poses, steering, stands, leading, derivatives }
+    }
+}
+
 #[pymethods]
 impl Stand {
     fn __len__(&self) -> usize {
         self.leading.first().copied().unwrap_or(1)
     }
 
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        if self.leading.is_empty() {
-            let text = |value: Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
-            return Ok(format!(
-                "SettledPose(status={}, z={}, roll={}, pitch={}, joints={})",
-                self.status(py)?,
-                text(self.z(py)?)?,
-                text(self.roll(py)?)?,
-                text(self.pitch(py)?)?,
-                text(self.joints(py)?.into_any().unbind())?,
-            ));
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        let this = slf.get();
+        if this.leading.is_empty() {
+            let names = ["status", "z", "roll", "pitch", "joints"];
+            return crate::classes::repr_of_attributes("SettledPose", slf.as_any(), &names);
         }
         let mut counts = Vec::new();
         for status in ground::Status::ALL {
-            let count = self.stands.iter().filter(|stand| stand.status.told() == status).count();
+            let count = this.stands.iter().filter(|stand| stand.status.told() == status).count();
             if count > 0 {
                 counts.push(format!("{count} {}", status.name()));
             }

@@ -38,6 +38,11 @@ impl Suspension {
     /// The face of a chain, and how it is made again.
     fn made(chain: Result<Chain, Error>, name: &'static str, arguments: Bound<'_, PyDict>) -> PyResult<Self> {
         let chain = chain.or_raise(&[])?;
+        for (name, value) in arguments.copy()?.iter() {
+            if value.is_none() {
+                arguments.del_item(name)?;
+            }
+        }
         Ok(Self { made: Some((name, arguments.unbind())), ..Self::of(chain) })
     }
 }

@@ -100,9 +100,9 @@ result_class! {
     /// One row of the Denavit-Hartenberg table: ``Rotz(gamma) Transz(d) Transx(a) Rotx(alpha)`` from the parent.
     pub struct Link {
         /// Name of the frame.
-        frame: &'static str,
+        frame: String,
         /// Name of the frame it starts from; R is the rover's own.
-        parent: &'static str,
+        parent: String,
         /// Name of the joint whose angle is added to `gamma`, or None.
         joint: Option<String>,
         /// Sign with which it is; 0 without a joint.
@@ -147,8 +147,8 @@ getters! { RockerBogie, self, py:
     links: PyResult<Bound<'py, PyTuple>> = {
         let table = self.0.links();
         let links = table.map(|row| Link {
-            frame: row.frame,
-            parent: row.parent.map_or("R", |parent| table[parent].frame),
+            frame: row.frame.into(),
+            parent: row.parent.map_or("R", |parent| table[parent].frame).into(),
             joint: row.joint.map(|(joint, _)| self.joint_name(joint)),
             sign: row.joint.map_or(0.0, |(_, sign)| sign),
             gamma: row.gamma,

@@ -8,6 +8,7 @@ use super::settler::Status;
 use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
 use crate::terrain::Terrain;
 use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::error::Error;
 
 /// A settled pose, without the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,6 +80,23 @@ impl Stand {
             state: [f64::NAN; MAX_STATE],
             wheels: [Contact::NONE; MAX_WHEELS],
         }
+    }
+
+    /// The settled pose of this code of a status, these stops, bits of wheels in the air, and [`Self::numbers`]. Fails if
+    /// there is no such status, or not as many numbers.
+    pub fn from_parts(status: u8, stops: [i8; MAX_FREE], hanging: u8, numbers: &[f64]) -> Result<Self, Error> {
+        let known = Status::ALL.into_iter().chain([Status::TipsOver]).find(|known| *known as u8 == status);
+        let status = known.ok_or_else(|| Error::value("status", "be a code of a status", status.to_string()))?;
+        let Ok(&numbers) = <&[f64; NUMBERS]>::try_from(numbers) else {
+            return Err(Error::value("numbers", format!("be {NUMBERS}"), numbers.len().to_string()));
+        };
+        let mut stand = Self { status, stops, hanging, ..Self::nothing(status) };
+        let (state, contacts) = numbers.split_at(MAX_STATE);
+        stand.state.copy_from_slice(state);
+        for (contact, &[gap, sin, cos, by_x, by_y, next]) in stand.wheels.iter_mut().zip(contacts.as_chunks().0) {
+            *contact = Contact { gap, at: Direction { sin, cos }, gradient: [by_x, by_y], next };
+        }
+        Ok(stand)
     }
 
     /// The state, then of every wheel gap, sine and cosine of the contact angle, gradient and next angle.

@@ -11,7 +11,7 @@ use crate::convert::{OrRaise, Rows, Scalars, compute, numbers, raise, refuse};
 
 impl Preintegrated {
     pub(super) fn with(&self, core: Core, py: Python<'_>) -> Self {
-        Self { core, rover: self.rover.clone_ref(py), replayed: None }
+        Self { core, rover: self.rover.clone_ref(py), given: self.given.clone_ref(py), replayed: None }
     }
 
     pub(super) fn in_space(&self) -> bool {

@@ -93,6 +93,24 @@ getters! { Odometry3State, self, py:
     };
 }
 
+pickled_by_fields! { Odometry3State, this, py:
+    (
+        stamp: Option<f64> = this.stamp,
+        poses: [[f64; 6]; 2] = [this.pose.numbers(), this.twist],
+        covariances: [[[f64; 6]; 6]; 2] = [this.covariance, this.twist_covariance],
+        slips: Vec<[f64; 2]> = this.slip[..this.wheels].to_vec(),
+        health: u32 = this.health,
+        suspension: Py<Suspension> = &this.suspension,
+    )
+    {
+        let mut slip = [[0.0; 2]; MAX_WHEELS];
+        let wheels = slips.len().min(MAX_WHEELS);
+        slip[..wheels].copy_from_slice(&slips[..wheels]);
+        let ([pose, twist], [covariance, twist_covariance]) = (poses, covariances);
+        Self { stamp, pose: pose.into(), twist, covariance, twist_covariance, slip, wheels, health, suspension }
+    }
+}
+
 #[pymethods]
 impl Odometry3State {
     fn __repr__(&self) -> String {
@@ -103,6 +121,6 @@ impl Odometry3State {
             .map(|k| format!("{}={:.4} ± {} m", names[k], numbers[k], deviation(k)))
             .chain((3..6).map(|k| format!("{}={:.4} rad", names[k], numbers[k])))
             .collect();
-        format!("Odometry3State({})", places.join(", "))
+        crate::classes::cut(format!("Odometry3State({})", places.join(", ")))
     }
 }
