@@ -246,7 +246,13 @@ impl Terrain {
     /// A point of the world [m] in numbers of columns and rows from node (0, 0).
     #[inline]
     pub fn grid_from_world(&self, x: f64, y: f64) -> [f64; 2] {
-        let [u, v] = self.grid_axes([x - self.origin[0], y - self.origin[1]]);
+        self.grid_from_offset(x - self.origin[0], y - self.origin[1])
+    }
+
+    /// A point in numbers of columns and rows, by its distances from node (0, 0) along x and y of the world [m].
+    #[inline]
+    pub fn grid_from_offset(&self, x: f64, y: f64) -> [f64; 2] {
+        let [u, v] = self.grid_axes([x, y]);
         [u / self.spacing[0], v / self.spacing[1]]
     }
 
@@ -305,7 +311,12 @@ impl Terrain {
 
     /// Height and gradient of the ground at a point of the world [m].
     pub fn sample(&self, x: f64, y: f64, interpolation: Interpolation) -> Sample {
-        let [u, v] = self.grid_from_world(x, y);
+        self.sample_offset(x - self.origin[0], y - self.origin[1], interpolation)
+    }
+
+    /// The same at these distances from node (0, 0) along x and y of the world [m].
+    pub fn sample_offset(&self, x: f64, y: f64, interpolation: Interpolation) -> Sample {
+        let [u, v] = self.grid_from_offset(x, y);
         if !self.on_grid(u, v) {
             return Sample::Outside;
         }

@@ -67,7 +67,7 @@ impl<'a> Settler<'a> {
     /// Settles the chain with no joint at a stop, by scaling the heights from flat ground to the map; or the status of
     /// a failure.
     pub(crate) fn grown(&self, pose: PlanPose, steering: &[f64]) -> Result<NewtonResult<'a>, Status> {
-        let Sample::Known { height, .. } = self.ground.sample(pose.x, pose.y, Interpolation::Bilinear) else {
+        let Sample::Known { height, .. } = self.ground.sample_offset(pose.x, pose.y, Interpolation::Bilinear) else {
             return Err(Status::NotConverged);
         };
         let growth = Homotopy { settler: self, pose, steering, datum: height };

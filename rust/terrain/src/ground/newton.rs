@@ -287,7 +287,7 @@ impl<'a> Settler<'a> {
             let (mut missing, mut mean) = (0.0, 0.0);
             for wheel in (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel)) {
                 let (centre, radius) = (placed.wheel(wheel).centre, self.chain.wheels()[wheel].radius);
-                let sample = self.ground.sample(centre.x, centre.y, Interpolation::Bilinear);
+                let sample = self.ground.sample_offset(centre.x, centre.y, Interpolation::Bilinear);
                 let Sample::Known { height, .. } = sample else {
                     missing += 1.0;
                     continue;

@@ -24,6 +24,8 @@ impl<'a> Settler<'a> {
 
     /// The same, from a state that may be the answer.
     pub(crate) fn settle_near(&self, pose: PlanPose, steering: &[f64], near: Option<State>) -> Settled<'a> {
+        // From here on, coordinates are distances from node (0, 0) of the map.
+        let pose = pose.relative_to(self.ground.origin());
         if self.chain.wheels().len() > self.chain.state_count() {
             // More wheels than can touch: which ones do is a question like that of stops.
             let start = self.initial_state(pose, steering, [0.0; MAX_STATE], &ActiveSet::NONE);

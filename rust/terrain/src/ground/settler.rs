@@ -87,7 +87,7 @@ pub struct Settled<'a> {
     pub status: Status,
     /// State of the chain; NaN if it does not stand.
     pub state: State,
-    /// Its wheels there; None where it does not stand.
+    /// Its wheels there, in distances from node (0, 0) of the map; None where it does not stand.
     pub touches: Option<WheelContacts<'a>>,
     /// Stops of the joints: -1 at the lower, 1 at the upper, 0 at none.
     pub stops: [i8; MAX_FREE],

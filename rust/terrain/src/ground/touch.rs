@@ -47,9 +47,9 @@ pub fn gap_slopes(
     ([x, y, yaw], state)
 }
 
-/// The rim of a wheel over the grid.
+/// The rim of a wheel over the grid, its centre by its distances from node (0, 0).
 fn circle(ground: &Terrain, frame: &WheelFrame, radius: f64) -> WheelCircle {
-    let [x, y] = ground.grid_from_world(frame.centre.x, frame.centre.y);
+    let [x, y] = ground.grid_from_offset(frame.centre.x, frame.centre.y);
     let [dx, dy] = ground.spacing();
     let in_grid = |direction: Vector3<f64>| {
         let [u, v] = ground.grid_axes([direction.x * radius, direction.y * radius]);
