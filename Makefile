@@ -10,8 +10,9 @@ PAGES = $(wildcard docs/*.md docs/*/*.md)
 
 SOAK ?= 50
 SOAKED = $(patsubst %,tests/%,core/oracles/test_batch.py core/oracles/test_rollout.py core/oracles/test_fast.py \
-	core/boundary/test_memory.py core/door/test_storm.py core/control/test_profiles.py core/control/test_transitions.py \
-	core/control/test_controller.py cli/test_exit.py kinematics/odometry calibration core/ground/test_bounds.py \
+	core/boundary/test_memory.py core/door/test_storm.py core/control/test_profiles.py core/control/test_profile_limits.py \
+	core/control/test_transitions.py core/control/test_controller.py core/control/test_controller_options.py \
+	cli/test_exit.py kinematics/odometry calibration core/ground/test_bounds.py \
 	core/ground/test_touching.py core/ground/test_mujoco.py core/ground/test_growth.py)
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
@@ -101,8 +102,9 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 	cp $(SANITIZED)/$(HOST)/debug/lib_core.so $(SANITIZED)/python/six_wheel/_core.abi3.so
 	$(WATCHED) $(BIN)/python -c "$(PAST_THE_END)" 2>&1 | grep heap-buffer-overflow # it does watch
 	$(WATCHED) $(BIN)/python -m pytest tests/core/door/test_overlap.py -q -p no:cacheprovider
-	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_fast.py tests/core/boundary/test_memory.py -q -p no:cacheprovider
-	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_fast.py tests/core/oracles/test_fast_misuse.py \
+		tests/core/boundary/test_memory.py -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_batch_forms.py -k "any_form or any_order" -q -p no:cacheprovider
 	$(WATCHED) $(BIN)/python -m pytest tests/core/boundary/test_kept_memory.py -k result -q -p no:cacheprovider
 
 bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others

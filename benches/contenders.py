@@ -41,13 +41,13 @@ GOALS = {
 
 
 def versions():
-    """Which peers took part."""
+    """Peers that took part."""
     there = {"numba": HAS_NUMBA, "robotpy-wpimath": HAS_WPIMATH}
     return {name: version(name) for name, found in there.items() if found}
 
 
 def goal(job):
-    """What a job may take on this machine [ns]; None if nothing was said."""
+    """Largest time of a job on this machine [ns]; None without a goal."""
     given = GOALS.get(job)
     if isinstance(given, tuple):
         return {"avx512": given[0], "avx2": given[1]}.get(BEST)

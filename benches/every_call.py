@@ -1,4 +1,4 @@
-"""What a row of every public batch call costs, as a multiple of a row of `Rover.inverse` in the same run.
+"""Cost of a row of every public batch call, as a multiple of a row of `Rover.inverse` in the same run.
 
 The calls are found by walking the package: whatever takes an array of any number of rows. A new one needs a
 row here, or a word why it has none; `tests/core/laws/test_every_call.py` fails until it has.

@@ -23,7 +23,7 @@ BUILD = {"CARGO_PROFILE_BENCH_STRIP": "none", "CARGO_PROFILE_BENCH_DEBUG": "0"}
 
 
 def compiler() -> str:
-    """Which one counts: its version and the machine it compiles for."""
+    """Version of the compiler and the machine it compiles for."""
     said = subprocess.run(["rustc", "-vV"], capture_output=True, text=True, check=True).stdout
     lines = dict(line.split(": ", 1) for line in said.splitlines() if ": " in line)
     return f"rustc {lines['release']} {lines['host']}"

@@ -1,4 +1,4 @@
-"""How long one call takes at worst: back to back, in a loop of 1 kHz, and with nothing of it in any cache."""
+"""Longest time of one call: back to back, in a loop of 1 kHz, and with nothing of it in any cache."""
 
 import gc
 import re

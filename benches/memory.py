@@ -1,4 +1,4 @@
-"""What a batch takes beside its inputs and outputs: the peak of a process of its own (Linux)."""
+"""Memory of a batch beside its inputs and outputs: the peak of a process of its own (Linux)."""
 
 import subprocess
 import sys

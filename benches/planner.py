@@ -1,4 +1,4 @@
-"""What a step of a rollout costs in a planner's cycle: noise, limits, steering, map, goal, weights, mean."""
+"""Cost of a step of a rollout in a planner's cycle: noise, limits, steering, map, goal, weights, mean."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What calibration is worth on recordings that were not fitted: ``python benches/recordings.py DATA``.
+"""Gain of a calibration on recordings that were not fitted: ``python benches/recordings.py DATA``.
 
 DATA is a folder of OptiOdom recordings, one folder per robot. Every session is left out once: the others
 choose the parameters, fit them and measure the noise; the session left out is dead-reckoned with what they
@@ -102,7 +102,7 @@ def judged(
 
 
 def share(runs: list[Reckoned]) -> str:
-    """How many ends lie within their 95 % bound, and the median of their normalised errors squared."""
+    """Share of the ends within their 95 % bound, and the median of their normalised errors squared."""
     nees: Floats = np.array([run.nees for run in runs])
     return f"{100 * np.mean(nees <= BOUND):.0f} % | {np.median(nees):.2f}"
 

@@ -1,4 +1,4 @@
-"""What the node costs: from joint states to joint commands, and its memory over time. Needs rclpy.
+"""Cost of the node: from joint states to joint commands, and its memory over time. Needs rclpy.
 
     python benches/ros_node.py [--seconds 60] [--rate 200] [--record run.mcap]
 

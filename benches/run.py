@@ -32,7 +32,7 @@ def shown(job, name):
 
 
 def times(job, name, other):
-    """How many times as long `name` takes as `other`."""
+    """Time of `name` in times of `other`."""
     if name not in job.timings or other not in job.timings:
         return ""
     return f"{job.timings[name].best / job.timings[other].best:.2g}"

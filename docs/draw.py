@@ -132,7 +132,7 @@ def transitions() -> Figure:
 
 
 def calibration() -> Figure:
-    """What `six-wheel calibrate --example --plot` draws."""
+    """Picture of `six-wheel calibrate --example --plot`."""
     run = example_run()
     return before_and_after(calibrate_files(optiodom.read_rover(run), [run]), "tricycle")
 
@@ -158,7 +158,7 @@ def honesty() -> Figure:
 
 
 def driven() -> Figure:
-    """What `six-wheel drive --plot` draws: a straight, a left turn, a tighter right turn, a stop."""
+    """Picture of `six-wheel drive --plot`: a straight, a left turn, a tighter right turn, a stop."""
     rover, _ = VEHICLES["six_wheel"]
     bounds = Limits(
         speed=0.8, yaw_rate=0.6, acceleration=0.5, jerk=2.0, angular_acceleration=1.0,
@@ -176,7 +176,7 @@ def driven() -> Figure:
 
 
 def limits() -> Figure:
-    """What the Open Source Rover can do within limits, its wheels turning 70 degrees to either side."""
+    """Motions of the Open Source Rover within limits, its wheels turning 70 degrees to either side."""
     rover = Rover.preset("open_source_rover", steering_limit=math.radians(70.0))
     bounds = Limits(speed=0.5, wheel_speed=8.0, lateral_acceleration=0.25)
     return plot.limits_figure(rover, bounds, title="Open Source Rover, 70 degrees")
@@ -197,7 +197,7 @@ def over_ground() -> dict[str, Figure]:
 
 
 def planned() -> dict[str, Figure]:
-    """What the planner of the example does in its narrow places."""
+    """Path of the planner of the example in its narrow places."""
     example = runpy.run_path(str(Path(__file__).parents[1] / "examples" / "05_planner.py"), run_name="worlds")
     figures = {}
     for name, world in example["WORLDS"].items():
@@ -209,7 +209,7 @@ def planned() -> dict[str, Figure]:
 
 
 def demo() -> Figure:
-    """What `make demo` draws first."""
+    """First picture of `make demo`."""
     times, poses = load_path()
     found = [drive_path(Rover.preset(key), name, times, poses) for key, name in ROVERS.items()]
     return figures.draw(found)

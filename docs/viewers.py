@@ -1,4 +1,4 @@
-"""What Foxglove's layout shows of a record: its panels where it puts them, each with what its paths name.
+"""A record in Foxglove's layout: its panels where it puts them, each with the values its paths name.
 
 Foxglove itself draws in a browser; this reads the layout as it does: a path that leads nowhere is an error.
 """
@@ -97,6 +97,6 @@ def draw(axes: Axes, panel: str, config: dict[str, Any], seen: dict[str, list[tu
 
 
 def value_of(message: Any, fields: str) -> Any:
-    """What a path such as ``twist.linear.x`` or ``data[3]`` leads to."""
+    """Value at a path such as ``twist.linear.x`` or ``data[3]``."""
     parts = re.findall(r"\w+", fields)
     return reduce(lambda at, part: at[int(part)] if part.isdigit() else getattr(at, part), parts, message)

@@ -66,7 +66,7 @@ WORLDS = {
 
 
 class Driven(NamedTuple):
-    """What became of a drive: a row a cycle."""
+    """Record of a drive: a row a cycle."""
 
     poses: np.ndarray
     steering: np.ndarray

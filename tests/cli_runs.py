@@ -1,4 +1,4 @@
-"""What the tests of the command line run in: a rover and its commands."""
+"""Files of the tests of the command line: a rover and its commands."""
 
 from collections.abc import Callable
 from typing import TypeAlias

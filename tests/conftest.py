@@ -1,9 +1,9 @@
 """Settings shared by all tests."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import settings
@@ -55,11 +55,11 @@ def refused(run: Run) -> Callable[..., str]:
 
 @pytest.fixture
 def read(tmp_path: Path) -> "Read":
-    """What a parameter file with this content says."""
+    """Parameters read from a file with this content."""
     from six_wheel.robot_description.parameters import read_parameters
 
-    def read(content: str | bytes, **options: str) -> "Parameters":
-        path = tmp_path / "rover.yaml"
+    def read(content: str | bytes, name: str = "rover.yaml", **options: str) -> "Parameters":
+        path = tmp_path / name
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         return read_parameters(path, **options)
 
@@ -77,3 +77,19 @@ def findings(read: "Read") -> Callable[..., tuple["Finding", ...]]:
         return caught.value.findings
 
     return findings
+
+
+@pytest.fixture(scope="module")
+def local_cluster() -> Iterator[Any]:
+    """A Dask cluster of two processes of this machine."""
+    distributed = pytest.importorskip("distributed", reason="needs Dask")
+    import dask
+
+    settings = {"distributed.logging.distributed": "critical", "distributed.comm.timeouts.connect": "3s"}
+    with (
+        dask.config.set(settings),
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
+        ) as started,
+    ):
+        yield started

@@ -1,4 +1,4 @@
-"""Where the OptiOdom recordings lie, beside the repository, and what plain dead reckoning reaches on them."""
+"""Folder of the OptiOdom recordings beside the repository, and the error of plain dead reckoning on them."""
 
 import json
 from pathlib import Path

@@ -27,7 +27,7 @@ def speeds(largest: float = 3.0) -> st.SearchStrategy[float]:
 
 
 def forward_twists() -> st.SearchStrategy[tuple[float, float, float]]:
-    """What six-wheel rovers can make: straight, spin, rest and every radius between."""
+    """Twists that six-wheel rovers can make: straight, spin, rest and every radius between."""
     return st.tuples(speeds(), st.just(0.0), speeds())
 
 

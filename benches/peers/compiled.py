@@ -63,7 +63,7 @@ def _steer(vx, vy, omega, x, y, inverse_radius, angle, rate, m):
 
 @fast
 def _read(angle, rate, x, y, radius, bx, by, turn, m):
-    """What a column of a steered wheel adds to the sums."""
+    """Contribution of a column of a steered wheel to the sums."""
     for k in range(m):
         s, c = _sincos(angle[k])
         rim = radius * rate[k]

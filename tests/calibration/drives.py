@@ -35,7 +35,7 @@ def drive(
     offset: float = 0.0,
     session: str = "",
 ) -> WheelLog:
-    """What a rover reports that is built like `rover`: truth with noise [m, rad], angles rounded [rad].
+    """Readings of a rover that is built like `rover`: truth with noise [m, rad], angles rounded [rad].
 
     `slips` times a wheel spins for half a second without effect. `sensor` is what the truth follows in the
     body, `offset` how much later its clock shows the same instant [s].

@@ -1,4 +1,4 @@
-"""What a gyroscope errs by: what was put in is found within its intervals as often as they say."""
+"""Noise of a gyroscope: simulated values lie within the estimated intervals as often as these claim."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""What no fit can mend is recognised, and the remedy said; what wins is what predicts."""
+"""Faults that no fit can mend are recognised with their remedy; the model that predicts best wins."""
 
 import warnings
 from dataclasses import replace

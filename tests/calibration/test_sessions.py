@@ -1,4 +1,4 @@
-"""What belongs to a session is fitted and thrown away; wheels of a kind are alike until drives tell."""
+"""Parameters of a session are fitted and dropped; wheels of a kind are alike until drives tell them apart."""
 
 import numpy as np
 import pytest

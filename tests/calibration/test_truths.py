@@ -1,4 +1,4 @@
-"""What is known of where a rover was: positions without headings, gaps, a closed loop, headings alone."""
+"""Forms of ground truth: positions without headings, gaps, a closed loop, headings alone."""
 
 from dataclasses import replace
 

@@ -8,49 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytest.importorskip("typer")
-pytest.importorskip("rich")
-pytest.importorskip("pyarrow")
-pytest.importorskip("scipy")
-
 import six_wheel as sw
-from six_wheel.calibration import Estimate, cross_validation
+from six_wheel.calibration import Estimate
 from six_wheel.calibration.files import calibrate_files, interval
 from six_wheel.logs.detect_reader import LogOptions, example_run
 from six_wheel.logs.optiodom import example
 from six_wheel.robot_description.parameters import read_parameters
 from tests.calibration.drives import drive as wandering
+from tests.cli.calibrate_drives import NOMINAL, TRUE, write
 from tests.cli_runs import Run
 from tests.odometry_logs import drive
 
 Refused = Callable[..., str]
-NOMINAL = """\
-# Measured with a tape.
-kind: differential
-track_width: 0.40  # hub to hub
-wheel_radius: 0.10
-noise: {slip: 0.01}
-"""
-TRUE = sw.Rover.differential(0.408, 0.0985)
 FIND = ("--parameters", "wheel_radius,track_width")
-
-
-def write(path: str, *, seed: int, truth: bool = True, straight: bool = False, gain: float = 1.0) -> None:
-    """A drive of `TRUE`, with truth to 0.1 mm and wheels to 1 mrad."""
-    way = drive(TRUE, n=150, turning=0.0 if straight else 0.8 - 0.1 * seed)
-    noise = np.random.default_rng(seed)
-    angles = way.angles / gain + noise.normal(0.0, 1e-3, way.angles.shape)
-    poses = way.poses + noise.normal(0.0, 1e-4, way.poses.shape)
-    columns = [way.stamps, *angles.T, *(poses.T if truth else ())]
-    header = "time,left [rad],right [rad]" + (",x,y,yaw" if truth else "")
-    np.savetxt(path, np.column_stack(columns), delimiter=",", header=header, comments="", fmt="%.9f")
-
-
-@pytest.fixture
-def drives(run: Run) -> None:
-    Path("cart.yaml").write_text(NOMINAL)
-    for seed in (1, 2, 3):
-        write(f"run{seed}.csv", seed=seed)
 
 
 def write_still(path: str, rows: int = 100) -> None:
@@ -358,45 +328,3 @@ def test_a_log_that_begins_standing_still_is_validated_on_the_rest_of_it(run: Ru
         np.savetxt(file, np.concatenate([still, moving]), delimiter=",", fmt="%.9f")
     _, out, _ = run("calibrate", "cart.yaml", "late.csv", *FIND)
     assert row(out, "track_width")
-
-
-def test_a_calibration_that_was_stopped_goes_on(
-    run: Run, drives: None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """What was done is not done again, and nothing of it is left in the end."""
-    logs = ("run1.csv", "run2.csv", "run3.csv")
-    told = cross_validation.errors_left_out
-    tried: list[tuple[str, ...]] = []
-
-    def stopping(trial: cross_validation.Trial) -> np.ndarray:
-        if len(tried) == 3:
-            raise KeyboardInterrupt
-        return once(trial)
-
-    def once(trial: cross_validation.Trial) -> np.ndarray:
-        tried.append(trial.problem.model.names)
-        return told(trial)
-
-    def calibrated(output: str) -> str:
-        assert run("calibrate", "cart.yaml", *logs, "-o", output)[0] == 0
-        return Path(output).read_text()
-
-    wanted = calibrated("whole.yaml")
-    monkeypatch.setattr(cross_validation, "errors_left_out", stopping)
-    run("calibrate", "cart.yaml", *logs, "-o", "true.yaml")
-    assert not Path("true.yaml").exists()
-    first = list(tried)
-    monkeypatch.setattr(cross_validation, "errors_left_out", once)
-    assert calibrated("true.yaml") == wanted
-    assert len(first) == 3
-    assert len(tried) == len(set(tried))  # none of them twice
-    assert not Path(".true.yaml.done").exists()
-
-
-def test_what_a_stopped_calibration_of_other_logs_did_is_not_taken(run: Run, drives: None) -> None:
-    Path(".true.yaml.done").mkdir()
-    Path(".true.yaml.done/journal.json").write_text('{"version": "another"}')
-    np.savez(".true.yaml.done/00000000.npz", value=np.frombuffer(b"1.0", np.uint8))
-    code, _, err = run("calibrate", "cart.yaml", "run1.csv", "run2.csv", "-o", "true.yaml")
-    assert (code, err) == (0, "")
-    assert not Path(".true.yaml.done").exists()

@@ -35,7 +35,7 @@ class Robot:
         return [*self.steering, *self.angles]
 
     def run(self, count: int, twist=TWIST, *, states: bool = True, alter=lambda *message: message) -> list:
-        """What the loop made of so many periods."""
+        """Outputs of the loop over so many periods."""
         made = []
         for k in range(count):
             self.now += PERIOD

@@ -1,4 +1,4 @@
-"""What readers do with any bytes: an answer that holds together, or the error of their kind, in plain words.
+"""Readers and any bytes: an answer that holds together, or the error of their kind, in plain words.
 
 For coverage-guided fuzzing (`fuzzed.py`) and for what that found (`test_finds.py`).
 """

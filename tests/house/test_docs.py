@@ -1,4 +1,4 @@
-"""What the pages under docs show runs and gives what they say; what they link to is there."""
+"""Snippets of the pages under docs run and print what the pages print; links lead to files."""
 
 import doctest
 import json

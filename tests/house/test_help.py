@@ -1,4 +1,4 @@
-"""What `help` and `dir` say: names of types, not what they stand for; defaults where the parameters are."""
+"""`help` and `dir`: names of types as written, defaults beside the parameters."""
 
 import inspect
 import re

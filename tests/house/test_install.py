@@ -1,4 +1,4 @@
-"""What a bare installation can do, and what it says where it cannot."""
+"""A bare installation: its calls work, and those that need an extra name it."""
 
 import subprocess
 import sys

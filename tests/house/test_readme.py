@@ -1,4 +1,4 @@
-"""What the README shows runs."""
+"""The README's commands and snippets run."""
 
 import re
 from pathlib import Path

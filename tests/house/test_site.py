@@ -171,7 +171,7 @@ def chromium() -> str:
 
 
 def browsed(page: Path, folder: Path, width: int, *options: str) -> subprocess.CompletedProcess[str]:
-    """What headless Chromium says and shows of a page, as it would be seen in a window so wide."""
+    """Console messages and a picture of a page from headless Chromium, in a window of a width."""
     command = [
         chromium(),
         *("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--enable-logging=stderr"),

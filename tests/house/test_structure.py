@@ -52,6 +52,7 @@ def test_a_circle_of_files(root: Path, line: str) -> None:
     ("name", "text", "found"),
     [
         ("rust/small/src/long.rs", "// \n" * 401, "rust/small/src/long.rs: 401 lines (at most 400)"),
+        ("tests/core/test_long.py", "# \n" * 401, "tests/core/test_long.py: 401 lines (at most 400)"),
         (
             "rust/small/src/low.rs",
             "fn all(rows: [f64; 3]) {" + "\n" * 100 + "}\n",
@@ -70,6 +71,7 @@ def test_a_circle_of_files(root: Path, line: str) -> None:
     ],
 )
 def test_a_long_file_or_function(root: Path, name: str, text: str, found: str | None) -> None:
+    (root / name).parent.mkdir(parents=True, exist_ok=True)
     (root / name).write_text(text, encoding="utf-8")
     assert structure.beyond(root) == ([] if found is None else [found])
 

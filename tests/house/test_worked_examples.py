@@ -28,7 +28,7 @@ class Typed:
 
 
 def typed() -> Iterator[Typed]:
-    """What the page types: shell lines, and each block of Python as one."""
+    """Input of the page: shell lines, and each block of Python as one."""
     inside, one = False, None
     for number, line in enumerate(PAGE.read_text(encoding="utf-8").splitlines(), 1):
         if line.startswith("```"):

@@ -49,19 +49,11 @@ def one_by_one(logs: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str
 
 
 @pytest.fixture(scope="module")
-def client() -> Iterator[Any]:
-    """A Dask cluster of two processes."""
-    distributed = pytest.importorskip("distributed", reason="needs Dask")
-    import dask
+def client(local_cluster: Any) -> Iterator[Any]:
+    """A client of a Dask cluster of two processes."""
+    import distributed
 
-    settings = {"distributed.logging.distributed": "critical", "distributed.comm.timeouts.connect": "3s"}
-    with (
-        dask.config.set(settings),
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
-        ) as started,
-        distributed.Client(started, set_as_default=False) as found,
-    ):
+    with distributed.Client(local_cluster, set_as_default=False) as found:
         yield found
 
 

@@ -1,5 +1,6 @@
 """A gyroscope in logs on disk: columns and messages, how it sits, its own stamps, gaps, what commands do."""
 
+import itertools
 import math
 import platform
 from dataclasses import replace
@@ -10,39 +11,20 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-import six_wheel as sw
-
-pytest.importorskip("pyarrow")
-pytest.importorskip("rosbags", reason='needs pip install "six-wheel[bags]"')
-
-import itertools
-
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys import get_types_from_msg
 
-from six_wheel.log_odometry import Settings
 from six_wheel.logs import JointLog, TableError, read_log
 from six_wheel.logs.detect_reader import LogOptions
 from six_wheel.logs.gyroscope.rates import Passing, Turning, edges_of, upward
 from six_wheel.logs.gyroscope.sources import rate_columns
 from six_wheel.simulation import write_log
-from tests.cli_runs import Run
+from tests.logs.gyroscope_logs import STORE, STORE_1, header, make, simulated
 from tests.rovers import CART
 
-STORE, STORE_1 = get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS1_NOETIC)
-TYPES = STORE.types
 for kind in ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"):  # which came before
     STORE_1.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", kind))
-
-
-def simulated(seed: int = 1, **options: Any) -> sw.WheelLog:
-    """Rest, a way that winds, rest: 30 s."""
-    times = np.arange(0.0, 31.0)
-    twists = np.stack((0.3 + 0 * times, 0 * times, 0.8 * np.sin(times)), axis=-1)
-    twists[:4] = twists[-4:] = 0.0
-    return sw.simulate(CART, (times, twists), gyroscope=sw.Gyroscope(0.002), rate=20.0, seed=seed, **options)
 
 
 # --- what a row gets -----------------------------------------------------------------------------------
@@ -197,16 +179,6 @@ def test_a_reading_that_lacks_costs_no_row(tmp_path: Path) -> None:
 # --- bags ----------------------------------------------------------------------------------------------
 
 
-def make(kind: str, /, **fields: Any) -> Any:
-    return TYPES[kind](**fields)
-
-
-def header(stamp: float, frame: str) -> Any:
-    second, nanosecond = divmod(round(stamp * 1e9), 10**9)
-    time = make("builtin_interfaces/msg/Time", sec=second, nanosec=nanosecond)
-    return make("std_msgs/msg/Header", stamp=time, frame_id=frame)
-
-
 def quaternion(turn: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0)) -> Any:
     return make("geometry_msgs/msg/Quaternion", **dict(zip("xyzw", turn, strict=True)))
 
@@ -334,92 +306,3 @@ def test_messages_that_lack_leave_rows_without(tmp_path: Path) -> None:
 
 
 # --- what commands do with it ----------------------------------------------------------------------------
-
-
-def test_the_file_of_a_calibration_makes_odometry_use_the_gyroscope(run: Run) -> None:
-    """The wheels slip sideways in every turn; the gyroscope knows, its bias of 0.03 rad/s taken off."""
-    pytest.importorskip("scipy")
-    slip = sw.Noise(0.0, 0.0, slip=0.03)
-    for seed in range(3):
-        log = simulated(seed, noise=slip)
-        write_log(log, CART, f"run{seed}.csv")
-    Path("cart.yaml").write_text("kind: differential\ntrack_width: 0.5\nwheel_radius: 0.1\n")
-    code, out, err = run("odometry", "cart.yaml", "run0.csv")
-    assert code == 0, err
-    assert "the gyroscope is not used, for nobody said what it errs by" in err
-    assert "its bias at the end" not in out
-    find = ("--parameters", "wheel_radius,track_width", "-o", "found.yaml")
-    code, _, err = run("calibrate", "cart.yaml", "run1.csv", "run2.csv", *find)
-    assert code == 0, err
-    text = Path("found.yaml").read_text()
-    assert "gyroscope:" in text
-    found = sw.robot_description.parameters.read_parameters("found.yaml")
-    assert found.known_gyroscope.noise == pytest.approx(0.002, rel=0.2)  # 250 readings at rest: 5 %
-    assert found.gyroscope["period"] == pytest.approx(0.05)
-    code, out, err = run("odometry", "found.yaml", "run0.csv", "-o", "track.csv")
-    assert code == 0, err
-    assert "its bias at the end" in out
-    assert "not used" not in err
-    header = Path("track.csv").read_text().partition("\n")[0].split(",")
-    end = np.genfromtxt("track.csv", delimiter=",", skip_header=1)[-1]
-    names = [name.partition(" ")[0] for name in header]
-    truth = simulated(0, noise=slip).truth.poses[-1]
-    error = abs(end[names.index("yaw")] - truth[2])
-    deviation = math.sqrt(end[names.index("covariance_yaw_yaw")])
-    alone = sw.dead_reckon(CART, (same := simulated(0, noise=slip)).steering, same.wheel_angles, same.stamps)
-    assert error < 4.0 * deviation < 0.2
-    assert error < abs(alone.poses[-1, 2] - truth[2])
-
-
-def test_a_log_of_a_gyroscope_alone_calibrates_and_keeps_its_clock(run: Run) -> None:
-    pytest.importorskip("scipy")
-    log = simulated(5)
-    columns = np.column_stack((log.stamps[2:], log.wheel_angles[2:], log.yaw_rate[:-2]))  # 0.1 s late
-    header = "time,left [rad],right [rad],yaw_rate"
-    np.savetxt("log.csv", columns, delimiter=",", header=header, comments="", fmt="%.12g")
-    Path("cart.yaml").write_text("kind: differential\ntrack_width: 0.48\nwheel_radius: 0.1\n")
-    find = ("--parameters", "track_width,time_offset", "-o", "found.yaml")
-    code, out, err = run("calibrate", "cart.yaml", "log.csv", *find)
-    assert code == 0, err
-    assert "a gyroscope alone tells turns and no distances" in " ".join(out.split())
-    found = sw.robot_description.parameters.read_parameters("found.yaml")
-    assert found.gyroscope["time_offset"] == pytest.approx(0.1, abs=0.01)
-    assert not found.truth
-    assert found.rover.wheels[0].y == pytest.approx(0.25, rel=0.01)
-    code, _, err = run(
-        "calibrate", "found.yaml", "log.csv", "--parameters", "time_offset", "-o", "again.yaml"
-    )
-    assert code == 0, err
-    again = sw.robot_description.parameters.read_parameters("again.yaml")
-    assert again.gyroscope["time_offset"] == pytest.approx(found.gyroscope["time_offset"], abs=5e-3)
-
-
-def test_white_noise_is_that_of_the_readings_whatever_their_rate(run: Run) -> None:
-    """Simulated and reckoned at another rate than it was measured at: means over less time err more."""
-    known = "{noise: 0.002, period: 0.05, bias: 0.0, bias_noise: 0.0, bias_walk: 0.0}"
-    Path("cart.yaml").write_text(
-        f"kind: differential\ntrack_width: 0.5\nwheel_radius: 0.1\ngyroscope: {known}\n"
-    )
-    Path("still.csv").write_text("time,vx,omega\n0,0,0\n20,0,0\n")
-    for rate, noise in (("20", 0.002), ("80", 0.004)):
-        code, _, err = run("simulate", "cart.yaml", "still.csv", "-o", "log.csv", "--rate", rate)
-        assert code == 0, err
-        log, _ = read_log("log.csv", CART)
-        assert np.std(log.yaw_rate) == pytest.approx(noise, rel=0.15)  # 400 readings: 4 %
-    gyroscope = sw.robot_description.parameters.read_parameters("cart.yaml").known_gyroscope
-    settings = Settings(gyroscope=gyroscope, period=0.05)
-    with JointLog("log.csv", CART) as opened:
-        (chunk,) = opened.chunks()
-    assert settings.options_for(chunk)["gyroscope"].noise == pytest.approx(0.004)
-
-
-@pytest.mark.parametrize("ending", [".csv", ".mcap"])
-def test_reading_in_chunks_is_reckoned_alike(run: Run, ending: str) -> None:
-    write_log(simulated(), CART, f"log{ending}")
-    Path("cart.yaml").write_text(
-        "kind: differential\ntrack_width: 0.5\nwheel_radius: 0.1\ngyroscope: {noise: 0.002, period: 0.05}\n"
-    )
-    for rows, name in (("65536", "one.csv"), ("50", "many.csv")):
-        assert run("odometry", "cart.yaml", f"log{ending}", "-o", name, "--chunk-rows", rows)[0] == 0
-    one, many = (np.genfromtxt(name, delimiter=",", skip_header=1) for name in ("one.csv", "many.csv"))
-    np.testing.assert_allclose(many, one, atol=1e-9)

@@ -1,4 +1,4 @@
-"""What the workers of the tests do, importable by name."""
+"""Jobs of the workers in the tests, importable by name."""
 
 import os
 import signal
@@ -41,7 +41,7 @@ def deadly_once(item: tuple[str, int]) -> int:
 
 
 def process(_: int) -> int:
-    """Which process it is in."""
+    """Number of the process that runs it."""
     time.sleep(0.05)
     return os.getpid()
 

@@ -29,22 +29,6 @@ def equal(one: Any, other: Any) -> None:
         np.testing.assert_array_equal(a["numbers"], b["numbers"])
 
 
-@pytest.fixture(scope="module")
-def local_cluster() -> Iterator[Any]:
-    """A Dask cluster of two processes of this machine."""
-    distributed = pytest.importorskip("distributed", reason="needs Dask")
-    import dask
-
-    settings = {"distributed.logging.distributed": "critical", "distributed.comm.timeouts.connect": "3s"}
-    with (
-        dask.config.set(settings),
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
-        ) as started,
-    ):
-        yield started
-
-
 @pytest.fixture(params=["here", "processes", "dask"])
 def where(request: pytest.FixtureRequest) -> dict[str, Any]:
     if request.param == "dask":

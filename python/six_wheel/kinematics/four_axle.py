@@ -128,7 +128,7 @@ class TurnSequence:
 
     steps: tuple[FourAxleStep, ...]
     stops: bool
-    """Whether the robot has to stand meanwhile."""
+    """True where the robot has to stand during the step."""
     reason: str
     """Why it stops or goes a roundabout way; empty if it does neither."""
 
@@ -190,7 +190,7 @@ class FourAxleSimulation:
     rover: Rover
     """The vehicle that drove."""
     steps: tuple[FourAxleStep, ...]
-    """What it did."""
+    """The steps that were simulated."""
     times: Floats
     """Since the beginning, shape (n,) [s]."""
     poses: Floats
@@ -206,7 +206,7 @@ class FourAxleSimulation:
     ends: NDArray[np.int64]
     """Row in which each step ends, shape (steps,)."""
     final: FourAxleState
-    """Where it ended."""
+    """State after the last step."""
 
 
 def _numbers(name: str, values: Sequence[SupportsFloat], count: int) -> tuple[float, ...]:

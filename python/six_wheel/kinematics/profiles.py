@@ -80,7 +80,7 @@ class TransitionState(NamedTuple):
     steering_accelerations: Floats
     """Shape (..., steered wheels) [rad/s^2]."""
     scrub: Floats
-    """How fast the worst wheel slides under the twist that fits all wheels best [m/s]."""
+    """Largest sliding speed of a wheel under the twist that fits all wheels best [m/s]."""
 
 
 class Phase(NamedTuple):

@@ -48,7 +48,7 @@ class Process:
 
     @property
     def said(self) -> str:
-        """What it printed."""
+        """Lines it printed."""
         return self._log.read_text()
 
 
@@ -109,7 +109,7 @@ class Peer:
         self.speeds = list(message.velocity[steered:])
 
     def state(self) -> JointState:
-        """What the robot says now."""
+        """Joint states of the robot at this moment."""
         state = JointState(name=self.names)
         state.header.stamp.sec, state.header.stamp.nanosec = divmod(self._stamp, 1_000_000_000)
         state.position = [*self.steering, *self.angles]
@@ -176,7 +176,7 @@ class Peer:
         return "\n".join(f"{status.name}: {status.message}" for status in statuses)
 
     def diagnosed(self, text: str) -> bool:
-        """Whether a report has said this since the list was cleared."""
+        """True where a report has said this since the list was cleared."""
         return any(
             text in f"{status.name}: {status.message}"
             for report in self.diagnostics

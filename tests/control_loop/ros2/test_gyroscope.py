@@ -44,7 +44,7 @@ def speak(peer, topic="imu/data", **fields):
 
 
 def turns(peer):
-    """Whether odometry has been saying for a while what the gyroscope does."""
+    """True once odometry has had the gyroscope's yaw rate for a while."""
     last = [each.twist.twist.angular.z for each in peer.odometry[-5:]]
     return len(last) == 5 and all(each == pytest.approx(TURNING, rel=0.1) for each in last)
 

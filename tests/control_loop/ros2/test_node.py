@@ -26,7 +26,7 @@ def set_parameter(peer, name, value):
 
 
 def hardest(peer, twist=TWIST):
-    """How fast the fastest wheel may slow down at 0.5 m/s² [rad/s²], and 1 % for the rounding of stamps."""
+    """Largest deceleration of the fastest wheel at 0.5 m/s² [rad/s²], and 1 % for the rounding of stamps."""
     _, speeds = peer.rover.inverse(twist)
     return 1.01 * 0.5 * max(abs(speeds)) / math.hypot(twist[0], twist[1])
 

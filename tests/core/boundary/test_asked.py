@@ -1,4 +1,4 @@
-"""What is asked for by name: single precision, threads; and what is asked back: odd units."""
+"""Options by name: single precision, threads; and units that are questioned."""
 
 import inspect
 import math
@@ -94,7 +94,7 @@ def _calls():
 
 
 def test_every_call_that_takes_rows_of_any_shape_takes_threads():
-    """What says ``shape (...`` of an argument works row by row."""
+    """Calls whose docstring says ``shape (...`` of an argument, which work row by row."""
     pytest.importorskip("scipy", reason="calibrate cannot be looked at without SciPy")
     taken = {}
     for name, call in _calls():
@@ -106,7 +106,7 @@ def test_every_call_that_takes_rows_of_any_shape_takes_threads():
 
 
 def test_every_call_that_gives_arrays_as_they_are_has_out_and_dtype():
-    """What says ``ndarray, shape (...`` of its result."""
+    """Calls whose docstring says ``ndarray, shape (...`` of their result."""
     pytest.importorskip("scipy", reason="calibrate cannot be looked at without SciPy")
     lacking, found = [], set()
     for name, call in _calls():

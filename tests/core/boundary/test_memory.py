@@ -125,7 +125,7 @@ def test_eight_threads_on_one_rover_and_one_array():
 
 
 def test_a_call_beside_a_batch_that_writes_its_array_is_refused_or_waits():
-    """What a batch of another thread is writing to is not read meanwhile."""
+    """An array that a batch of another thread writes to is not read meanwhile."""
     shared, stop, seen = np.tile(TWIST, (100_000, 1)), threading.Event(), set()
     source = shared.copy()
 

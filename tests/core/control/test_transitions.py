@@ -13,40 +13,12 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import profiles, reference
-from tests.rovers import CAR, CART, MECANUM, SIX_SIZES, SIX_WHEELS, TRICYCLE
+from tests.core.control.transition_rovers import LEFT, OSR, RATE, RIGHT, ROVERS, STRAIGHT, SWERVE, largest
 from tests.strategies import forward_twists, six_wheel_rovers
 
 SOAK = int(os.environ.get("SOAK", "1"))
 CASES = 200 * SOAK
 STEPS = 400
-
-SWERVE = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
-OSR = sw.Rover.preset("open_source_rover")
-RATE = math.radians(60.0)
-STRAIGHT, LEFT, RIGHT = (0.3, 0.0, 0.0), (0.3, 0.0, 0.5), (0.3, 0.0, -0.5)
-ROVERS = {
-    "six wheels": SIX_WHEELS,
-    "limited": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0),
-    "wide": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-2.0, 2.5)),
-    "swerve": sw.Rover.swerve(SWERVE, 0.1, steering_limit=math.pi / 2),
-    "turning swerve": sw.Rover.swerve(SWERVE[:3], 0.1, steering_limit=math.pi),
-    "ackermann": CAR,
-    "tricycle": TRICYCLE,
-    "mecanum": MECANUM,
-    "differential": CART,
-    "scrub": sw.Rover(
-        [
-            sw.Wheel(f"w{i}", *place, radius=0.1, steered=True, scrub=0.03 * (-1) ** i)
-            for i, place in enumerate(SWERVE)
-        ]
-    ),
-    "castor": sw.Rover(
-        [
-            *CART.wheels,
-            sw.Wheel("castor", 0.3, 0, radius=0.05, castor=True, trail=0.02),
-        ]
-    ),
-}
 
 
 def random_twist(rng: np.random.Generator, rover: sw.Rover) -> np.ndarray:
@@ -77,10 +49,6 @@ def random_limits(rng: np.random.Generator) -> dict[str, float]:
 
 def motors(rover: sw.Rover) -> list[bool]:
     return [wheel.driven and not wheel.castor for wheel in rover.wheels]
-
-
-def largest(values: np.ndarray) -> float:
-    return float(np.max(np.abs(values), initial=0.0))
 
 
 def assert_kept(rover: sw.Rover, plan: profiles.IcrTransition, limits: dict[str, float]) -> None:
@@ -333,71 +301,3 @@ def test_a_pivot_under_the_centre_turns_before_its_wheel_rolls():
     assert plan.phases[0].duration == pytest.approx(math.pi / 4)
     np.testing.assert_array_equal(plan.at(plan.phases[0].duration / 2).twist, about)
     assert_kept(rover, plan, limits)
-
-
-def test_from_rest_and_to_rest():
-    limits = {"steering_rate": RATE, "acceleration": 0.5}
-    away = profiles.icr_transition(OSR, (0, 0, 0), LEFT, **limits)
-    assert [phase.action for phase in away.phases] == ["align", "drive"]
-    assert away.stops == 0
-    assert away.duration == pytest.approx(0.604 + 0.6, abs=1e-3)
-    back = profiles.icr_transition(OSR, LEFT, (0, 0, 0), **limits)
-    assert back.duration == pytest.approx(0.6)
-    np.testing.assert_allclose(back.at(1.0).steering, OSR.inverse(LEFT)[0], rtol=0, atol=4e-16)
-    still = profiles.icr_transition(OSR, LEFT, LEFT, **limits)
-    assert still.duration == 0.0
-    np.testing.assert_array_equal(still.at(0.0).twist, LEFT)
-
-
-def test_without_a_limit_of_acceleration_a_change_of_speed_takes_no_time():
-    plan = profiles.icr_transition(OSR, STRAIGHT, (0.5, 0, 0), steering_rate=RATE)
-    assert plan.duration == 0.0
-    np.testing.assert_array_equal(plan.at(-1e-9).twist, STRAIGHT)
-    np.testing.assert_array_equal(plan.at(0.0).twist, (0.5, 0, 0))
-
-
-def test_the_body_leads():
-    plan = profiles.body_transition(OSR, STRAIGHT, LEFT, 1.0)
-    times = np.linspace(0.0, 1.0, 201)
-    state = plan.at(times)
-    np.testing.assert_array_equal(state.twist[:, 2], profiles.s_curve(0.0, 0.5, 1.0).at(times).value)
-    np.testing.assert_allclose(state.steering, OSR.inverse(state.twist)[0], rtol=1e-14, atol=1e-15)
-    assert state.scrub.max() < 1e-14
-    rates = np.gradient(state.steering, times, axis=0, edge_order=2)
-    np.testing.assert_allclose(state.steering_rates, rates, atol=2e-2)
-    accelerations = np.gradient(state.steering_rates, times, axis=0, edge_order=2)
-    inside = np.abs(times[:, None] % 0.25 - 0.125) < 0.11  # off the jumps of the jerk
-    np.testing.assert_allclose(
-        np.where(inside, state.steering_accelerations, 0), np.where(inside, accelerations, 0), atol=0.1
-    )
-    limited = profiles.body_transition(OSR, STRAIGHT, LEFT, angular_acceleration=0.5)
-    assert limited.duration == pytest.approx(1.0)
-    jerky = profiles.body_transition(OSR, STRAIGHT, LEFT, angular_acceleration=0.5, angular_jerk=1.0)
-    assert jerky.duration == pytest.approx(1.5)
-
-
-def test_a_body_that_leads_past_a_steering_limit_scrubs():
-    rover = ROVERS["limited"]
-    state = profiles.body_transition(
-        rover, (0.4, 0, 0.1), (0, 0, 0.5) if rover.spin_radius else (-0.4, 0, 0.1), 1.0
-    )
-    assert state.at(np.linspace(0, 1, 101)).scrub.max() > 1e-3
-
-
-def test_modules_lead():
-    start, end = OSR.inverse((0, 0, 0)), OSR.inverse((0, 0, 0.5))
-    align = profiles.module_transition(
-        OSR, start, (end[0], start[1]), steering_rate=RATE, steering_acceleration=4.0
-    )
-    assert align.duration == pytest.approx(largest(end[0]) / RATE + RATE / 4.0)
-    state = align.at(np.linspace(0, align.duration, 51))
-    assert state.scrub.max() == 0.0
-    np.testing.assert_array_equal(state.twist, np.zeros((51, 3)))
-    np.testing.assert_array_equal(state.steering[-1], end[0])
-    timed = profiles.module_transition(OSR, start, end, 2.0, shape="trapezoid")
-    np.testing.assert_allclose(timed.at(1.0).steering, end[0] / 2, atol=1e-15)
-    np.testing.assert_allclose(timed.at(1.0).speeds, end[1] / 2, atol=1e-15)
-    alone = profiles.module_transition(
-        OSR, start, end, steering_rate=RATE, wheel_acceleration=1.0, synchronise="none"
-    )
-    assert alone.duration == pytest.approx(max(largest(end[1]), largest(end[0]) / RATE))

@@ -1,4 +1,4 @@
-"""What is handed over: masks are refused, an argument's own errors come through, shapes go together."""
+"""Arguments: masks are refused, an argument's own errors come through, shapes go together."""
 
 import subprocess
 import sys

@@ -162,7 +162,7 @@ def test_any_two_views_of_one_buffer(data):
 
 
 def test_an_argument_whose_code_writes_over_an_earlier_one_is_refused():
-    """What has been read is in use from then on, whoever asks."""
+    """An array that has been read is in use from then on, whoever asks."""
     twists, out = np.zeros((ROWS, 3)), np.zeros((ROWS, 3))
 
     class Writes:

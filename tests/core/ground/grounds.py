@@ -32,7 +32,7 @@ def rocks(size=20.0, spacing=0.1, number=300, seed=0):
 
 
 def scaled(rover, size=1.0):
-    """How large a map has to be for a rover, as a share of that for Perseverance."""
+    """Size of a map for a rover, as a share of that for Perseverance."""
     return size * rover.dimensions["wheel_radius"] / 0.26288
 
 

@@ -62,7 +62,7 @@ def outside(rover: sw.RockerBogie, ground: sw.Terrain, poses: Any, **options: An
 
 
 def drop(rover: sw.RockerBogie, stand: sw.SettledPose) -> Any:
-    """How far the wheel that has come down most is below its place, from the frames of the chain.
+    """Drop of the wheel that has come down most below its place, from the frames of the chain.
 
     Of poses at which the rover does not stand, which have no joints, as with level joints.
     """
@@ -249,7 +249,7 @@ def test_feasible_is_what_settling_says() -> None:
 
 
 def test_bounds_are_the_same_at_every_call() -> None:
-    """What is kept of a rover between calls is that of its default belly and ranges alone."""
+    """Only bounds of the default belly and ranges are kept between calls."""
     ground = sw.Terrain.yard(20, 0.1, 0.1, seed=9)
     rover, poses = sw.RockerBogie.perseverance(), some(ground, 200, 9)
     first, belly = rover.bounds(ground, poses), (-0.2, 0.2, 0.1, 1.5)

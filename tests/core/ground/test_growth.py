@@ -23,7 +23,7 @@ def yard_and_poses(size=40.0, count=20_000):
 
 @pytest.mark.parametrize(("name", "hard"), [("rocky7", [7140, 8894]), ("open_source_rover", [15280])])
 def test_small_rovers_among_large_rocks(name, hard):
-    """What Newton's method alone has lost (`hard`) stands on every wheel; most of what does not tips over."""
+    """Poses that Newton's method alone has lost (`hard`) stand on every wheel; most others tip over."""
     rover = ROVERS[name]
     ground, poses = yard_and_poses()
     stand = rover.settle(ground, poses)

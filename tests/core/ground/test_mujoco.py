@@ -88,7 +88,7 @@ def finer(ground, size):
 
 
 def at_rest(rover, heights, pose, numbers, steps=3000):
-    """Where MuJoCo comes to rest, and how fast it still is."""
+    """Pose at which MuJoCo comes to rest, and its remaining speed."""
     made, data = model(rover, heights, 0.1 / FINE, pose, numbers)
     mujoco.mj_step(made, data, steps)
     names = ("z", "roll", "pitch", "left_rocker", "left_bogie", "right_bogie")
@@ -107,7 +107,7 @@ def test_a_physics_engine_comes_to_rest_in_the_same_place():
 
 
 def allowed(ground, contacts, normals):
-    """What the model of MuJoCo differs by at most [m, rad], with levers of half a metre.
+    """Largest difference of MuJoCo's model [m, rad], with levers of half a metre.
 
     Springs as on hills; wheels half a millimetre to either side on slopes; triangles, which leave a cell's
     bilinear surface by a quarter of its twist.

@@ -16,7 +16,7 @@ NAMES = ("z", "roll", "pitch", "joints", "gap", "contacts", "stands")
 
 
 def one_by_one(rover, ground, poses, steering):
-    """What single calls say, as a batch would."""
+    """Results of single calls, in the form of a batch."""
     stands = [rover.settle(ground, pose, angles) for pose, angles in zip(poses, steering, strict=True)]
     return {name: np.array([getattr(stand, name) for stand in stands]) for name in NAMES}
 
@@ -65,7 +65,7 @@ def test_every_wheel_that_is_said_to_touch_does(settle, cover):
 
 
 def test_no_wheel_in_the_air_is_taken_for_one_that_touches():
-    """Where the rim had no candidate the ground of the map's first cell was taken, prolonged to the wheel."""
+    """A rim without a candidate once took the ground of the map's first cell, prolonged to the wheel."""
     rover, ground = ROVERS["perseverance"], sw.Terrain.yard(40, 0.1, 0.2, seed=1171)
     pose = np.array([8.933279351382634, 6.262430786693921, 2.487737241371753])
     stand = rover.settle(ground, np.tile(pose, (8, 1)))

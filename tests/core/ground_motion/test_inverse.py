@@ -24,7 +24,7 @@ def made(name: str) -> sw.Suspension:
 
 
 def share(arm: sw.Suspension) -> float:
-    """How large its ground is, as a share of that for Perseverance."""
+    """Size of its ground, as a share of that for Perseverance."""
     return scaled(arm) if isinstance(arm, sw.RockerBogie) else 1.0
 
 

@@ -1,4 +1,4 @@
-"""Which angle a steered wheel takes: about any centre, held and counted turns, wheels that must agree."""
+"""Steering angles: about any centre, held and counted turns, wheels that must agree."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What wheels can be besides driven: castors, passive wheels, offset contacts; mobility; bad arguments."""
+"""Wheels that are not simply driven: castors, passive wheels, offset contacts; mobility; bad arguments."""
 
 import math
 

@@ -96,7 +96,7 @@ def directions(rover: Rover, steering) -> np.ndarray:
 
 
 def along_the_wheels(rover: Rover, twist, commands=None) -> np.ndarray:
-    """How fast every pivot moves along its wheel, a vector (wheels, 2) [m/s]: the same for either angle."""
+    """Velocity of every pivot along its wheel, (wheels, 2) [m/s]: the same for either angle."""
     steering, speeds = rover.inverse(twist) if commands is None else commands
     rim, scrub = np.array([(w.radius * q, w.scrub) for w, q in zip(rover.wheels, speeds, strict=True)]).T
     return (rim + scrub * twist[2])[:, None] * directions(rover, steering)

@@ -23,7 +23,7 @@ Array = np.ndarray
 
 @dataclass
 class Worst:
-    """What was compared by one call, and where the error was largest."""
+    """Rows compared by one call, and the row with the largest error."""
 
     rows: int = 0
     share: float = 0.0

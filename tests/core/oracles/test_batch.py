@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from tests.rovers import CAR, CART, MECANUM, SIX_SIZES, THREE_AXLES, TRICYCLE
+from tests.core.oracles.batch_rovers import ROVERS
 from tests.strategies import any_twists, layouts
 
 SOAK = int(os.environ.get("SOAK", "1"))
@@ -22,40 +22,6 @@ KERNELS = [name for name in sw.simd_levels() if name != "scalar"]
 ALL_KERNELS = pytest.mark.parametrize("kernel", KERNELS)
 SIZES = [0.0, -0.0, 5e-324, 1e-310, 1e-200, 1e-120, 1e-30, 1e-9, 0.1, 1.0, 3.0, 1e9, 1e90, 1e120, 1e300]
 
-SWERVE = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
-ROVERS = {
-    "perseverance": sw.Rover.preset("perseverance"),
-    "limited": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0),
-    "wide": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-2.0, 2.5)),
-    "swerve": sw.Rover.swerve(SWERVE, 0.1),
-    "turning swerve": sw.Rover.swerve(SWERVE[:3], 0.1, steering_limit=math.pi),
-    "ackermann": CAR,
-    "tricycle": TRICYCLE,
-    "differential": THREE_AXLES,
-    "mecanum": MECANUM,
-    "omni": sw.Rover.omni([(0.2, 0), (-0.1, 0.17), (-0.1, -0.17)], [1.57, 3.67, -0.52], 0.05),
-    "castor": sw.Rover(
-        [
-            *CART.wheels,
-            sw.Wheel("castor", 0.3, 0, radius=0.05, castor=True, trail=0.02),
-        ]
-    ),
-    "turned": sw.Rover(
-        [
-            sw.Wheel("a", 0.5, 0.3, radius=0.1, steered=True, heading=0.7),
-            sw.Wheel("b", -0.5, 0.0, radius=0.2, steered=True, heading=-2.0, steering_limit=(-0.4, 1.3)),
-            sw.Wheel("c", 0.0, -0.3, radius=0.1),
-        ]
-    ),
-    "scrub and trail": sw.Rover(
-        [
-            sw.Wheel("a", 0.5, 0.4, radius=0.1, steered=True, steering_limit=1.2, scrub=0.05, trail=0.02),
-            sw.Wheel("b", 0.5, -0.4, radius=0.1, steered=True, heading=0.3, scrub=-0.05, trail=0.02),
-            sw.Wheel("c", 0.0, 0.4, radius=0.1),
-            sw.Wheel("d", 0.0, -0.4, radius=0.1),
-        ]
-    ),
-}
 ALL_ROVERS = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 
 
@@ -329,111 +295,3 @@ def test_a_long_closed_circle_ends_where_it_began(kernel):
     # The steps' own rounding, half an ulp of each, adds up to that of the turn.
     assert np.hypot(*poses[-1, :2]) <= 1e-9 * way
     assert abs(turn) <= 1e-9
-
-
-@pytest.mark.parametrize("kernel", sw.simd_levels())
-def test_a_heading_of_many_turns_loses_no_digits(kernel):
-    # Two hundred million turns, where yaws lie 2e-7 rad apart, and then once round in 64 steps of 1 m.
-    twists = np.tile([1.0, 0.0, 2 * math.pi / 64], (64, 1))
-    poses = sw.integrate(twists, 1.0, (0.0, 0.0, 2.0**30), level=kernel)
-    assert np.spacing(poses[-1, 2]) > 2e-7
-    np.testing.assert_allclose(poses[-1, :2], 0, rtol=0, atol=1e-13)
-
-
-def unaligned(rows: np.ndarray) -> np.ndarray:
-    """The same numbers, one byte off."""
-    memory = np.zeros(rows.nbytes + 1, dtype=np.uint8)
-    moved = memory[1:].view(rows.dtype).reshape(rows.shape)
-    moved[:] = rows
-    return moved
-
-
-FORMS = {
-    "fortran": np.asfortranarray,
-    "every other row": lambda rows: np.repeat(rows, 2, axis=0)[::2],
-    "backwards": lambda rows: np.ascontiguousarray(rows[::-1, ::-1])[::-1, ::-1],
-    "columns of a table": lambda rows: np.concatenate([rows, rows], axis=1)[:, : rows.shape[1]],
-    "swapped": lambda rows: rows.astype(rows.dtype.newbyteorder()),
-    "unaligned": unaligned,
-    **{
-        name: lambda rows, name=name: rows.astype(name)
-        for name in ("f2", "f4", ">f4", "g", "i1", "i2", ">i4", "i8", "u1", "u2", "u4", ">u8")
-    },
-    "unaligned float32": lambda rows: unaligned(rows.astype("f4")),
-    "list": np.ndarray.tolist,
-}
-
-
-@pytest.mark.parametrize("form", FORMS.values(), ids=FORMS.keys())
-@pytest.mark.parametrize("threads", [1, 2])
-def test_numbers_in_any_form_are_the_same_numbers(form, threads):
-    # Small whole numbers: every dtype holds them. More of them than are read at a time.
-    rover, generator = sw.Rover.swerve(SWERVE, 0.1), np.random.default_rng(8)
-    for count in (5, 21_003):
-        twists, previous = (1.0 * generator.integers(0, 9, (count, width)) for width in (3, 4))
-        steering, speeds = rover.inverse(twists, previous=previous)
-        found = rover.inverse(form(twists), previous=form(previous), threads=threads)
-        np.testing.assert_array_equal(found[0], steering)
-        np.testing.assert_array_equal(found[1], speeds)
-        np.testing.assert_array_equal(rover.inverse(form(twists))[0], rover.inverse(twists)[0])
-        back = rover.forward(previous, np.rint(speeds))
-        np.testing.assert_array_equal(rover.forward(form(previous), np.rint(speeds)), back)
-        np.testing.assert_array_equal(sw.integrate(form(twists), 0.01), sw.integrate(twists, 0.01))
-        dts = 1.0 + generator.integers(0, 9, (2 * count, 1))
-        twists = np.ones((2 * count, 3))
-        in_form = np.asarray(form(dts))[:, 0]
-        np.testing.assert_array_equal(sw.integrate(twists, in_form), sw.integrate(twists, dts[:, 0]))
-
-
-@pytest.mark.parametrize("order", ["C", "F"])
-@pytest.mark.parametrize("leading", [(3, 5, 1000), (7001, 1, 2), (2, 9001)])
-def test_leading_axes_in_any_order(order, leading):
-    rover, generator = ROVERS["differential"], np.random.default_rng(9)
-    twists = generator.normal(size=(*leading, 3))
-    twists[..., 1] = 0.0
-    axes = (*range(len(leading))[::-1], len(leading))
-    moved = np.asarray(np.ascontiguousarray(twists.transpose(axes)), order=order).transpose(axes)
-    for ours, theirs in zip(rover.inverse(moved), rover.inverse(twists), strict=True):
-        np.testing.assert_array_equal(ours, theirs)
-    np.testing.assert_array_equal(sw.integrate(moved, 0.1), sw.integrate(twists, 0.1))
-
-
-@pytest.mark.parametrize("kernel", sw.simd_levels())
-@pytest.mark.parametrize("threads", [1, 3])
-def test_whatever_is_returned_fresh_is_checked(kernel, threads):
-    twists = np.tile([0.5, 0.0, 0.2], (50_000, 1))
-    twists[[33_333, 44_444], 0] = math.nan
-    steering, speeds = np.zeros((50_000, 4)), np.ones((50_000, 6))
-    speeds[44_444, 5] = math.inf
-    options = {"level": kernel, "threads": threads}
-    for form in (twists, twists.astype("f4"), np.asfortranarray(twists)):
-        with pytest.raises(ValueError, match=r"^twist\[33333\] must be finite"):
-            ROVERS["perseverance"].inverse(form, **options)
-        with pytest.raises(ValueError, match=r"^twists\[33333\] must be finite"):
-            sw.integrate(form, 0.1, **options)
-        with pytest.raises(ValueError, match=r"^controls\[666, 33\] must be finite"):
-            sw.rollout(form.reshape(1000, 50, 3), 0.1, **options)
-    with pytest.raises(ValueError, match=r"^speeds\[44444\] must be"):
-        ROVERS["perseverance"].forward(steering, speeds.astype("f4"), **options)
-    with pytest.raises(ValueError, match=r"^dt\[44444\] must be finite and not negative"):
-        sw.integrate(
-            np.zeros((50_000, 3)), np.where(np.arange(50_000) == 44_444, -1.0, 1.0).astype("f4"), **options
-        )
-
-
-def test_options():
-    rover, twists = ROVERS["perseverance"], np.zeros((9, 3))
-    assert sw.simd_levels()[0] == "scalar"
-    with pytest.raises(ValueError, match=r"^level must be one this machine has \(\"scalar\".*got \"mmx\""):
-        rover.inverse(twists, level="mmx")
-    for call in (lambda: sw.integrate(twists, 0.1, threads=0), lambda: sw.set_default_threads(0)):
-        with pytest.raises(ValueError, match="^threads must be at least 1, got 0"):
-            call()
-    with pytest.raises(ValueError, match=r"^controls must have shape \(..., k, t, 3\)"):
-        sw.rollout(twists, 0.1)
-    assert sw.default_threads() == 1
-    try:
-        sw.set_default_threads(2)
-        assert sw.default_threads() == 2
-    finally:
-        sw.set_default_threads(1)

@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from six_wheel.reference import (
@@ -23,28 +23,19 @@ from six_wheel.reference import (
     log,
     wrap_angle,
 )
+from tests.core.oracles.reference_rovers import (
+    admissible_twist,
+    limits,
+    rovers,
+    speed,
+    swerve,
+    twists,
+)
 
 FIRST = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15}
 OPEN_SOURCE = {"d1": 0.177, "d2": 0.310, "d3": 0.274, "d4": 0.253, "wheel_radius": 0.075}
 PRINTED = 5e-7  # the cases are printed with six digits
 ROUNDING = 1e-12  # a few operations on numbers of order one
-
-speed = st.floats(-2.0, 2.0)
-twists = st.tuples(speed, speed, speed).map(np.array)
-lengths = st.floats(0.1, 1.5)
-rovers = st.builds(Rover.six_wheel, lengths, lengths, lengths, lengths, st.floats(0.05, 0.3))
-limits = st.floats(0.1, 1.5)
-
-
-def admissible_twist(vx, omega):
-    return np.array([vx, 0.0, omega])
-
-
-def swerve(limit=None):
-    places = {"fl": (0.5, 0.3), "fr": (0.4, -0.3), "rl": (-0.4, 0.35), "rr": (-0.5, -0.3)}
-    return Rover(
-        tuple(Wheel(k, *p, radius=0.1, steered=True, steering_limit=limit) for k, p in places.items())
-    )
 
 
 def caster(trail, scrub=0.0, limit=math.pi):
@@ -360,101 +351,3 @@ def test_log_undoes_exp_up_to_half_a_turn(twist, turn):
     twist = np.array([twist[0], twist[1], turn])
     np.testing.assert_allclose(log(exp(twist)), twist, atol=ROUNDING)
     np.testing.assert_allclose(exp(log(exp(twist, 0.5), 0.5), 0.5), exp(twist, 0.5), atol=ROUNDING)
-
-
-@pytest.mark.parametrize("omega", [0.0, 5e-324, 1e-300, 1e-17, 1e-9, 1e-4])
-def test_nothing_cancels_as_the_turn_goes_to_zero(omega):
-    # Series of the arc, good to a relative omega^4.
-    x, y, _ = exp((1.0, 0.0, omega))
-    assert x == pytest.approx(1.0 - omega**2 / 6.0, rel=1e-15)
-    assert y == pytest.approx(omega / 2.0 - omega**3 / 24.0, rel=1e-15, abs=5e-324)
-    np.testing.assert_allclose(log((x, y, omega)), (1.0, 0.0, omega), rtol=1e-15, atol=1e-19)
-
-
-@given(st.floats(-1e4, 1e4))
-def test_wrapped_angles_differ_by_whole_turns(angle):
-    wrapped = wrap_angle(angle)
-    assert abs(wrapped) <= math.pi
-    turns = (angle - wrapped) / math.tau
-    assert turns == pytest.approx(round(turns), abs=1e-10)
-    assert abs(angle) > math.pi or wrapped == angle
-
-
-# The nearest twist, against a search that knows nothing of planes
-
-
-def pivot_change(rover, a, b):
-    pivots = np.array([wheel.pivot_velocity(np.asarray(a) - b) for wheel in rover.wheels])
-    return math.sqrt(np.mean(np.sum(pivots**2, axis=1)))
-
-
-def admissible_edges(rover):
-    """Directions (vx, 0, omega) at which turns become possible, by bisection between samples."""
-
-    def direction(angle):
-        return np.array([math.cos(angle), 0.0, math.sin(angle)])
-
-    angles = np.linspace(-math.pi / 2, math.pi / 2, 181)
-    possible = rover.admissible([direction(angle) for angle in angles])
-    edges = []
-    for k in np.flatnonzero(possible[1:] != possible[:-1]):
-        inside, outside = (angles[k], angles[k + 1]) if possible[k] else (angles[k + 1], angles[k])
-        for _ in range(45):
-            middle = (inside + outside) / 2.0
-            inside, outside = (middle, outside) if rover.admissible(direction(middle)) else (inside, middle)
-        edges.append(direction(inside))
-    return edges
-
-
-@settings(deadline=None)
-@given(rovers, limits, twists)
-def test_projection_is_the_nearest(rover, limit, twist):
-    rover = Rover.six_wheel(0.4, 0.5, rover.wheels[0].x, 0.45, 0.15, limit)
-    nearest = rover.project(twist, keep="nearest")
-    assert rover.admissible(nearest)
-    for edge in admissible_edges(rover):
-        change = np.array([wheel.pivot_velocity(edge) for wheel in rover.wheels]).ravel()
-        wanted = np.array([wheel.pivot_velocity(twist) for wheel in rover.wheels]).ravel()
-        best = edge * (change @ wanted) / (change @ change)
-        assert (
-            pivot_change(rover, nearest, twist) <= pivot_change(rover, best, twist) + 1e-8
-        )  # slip tolerance
-        for keep, k in (("speed", 0), ("yaw_rate", 2)):
-            if abs(edge[k]) > 1e-3:
-                kept = rover.project(twist, keep=keep)
-                assert kept[k] == twist[k]
-                edge_kept = edge * twist[k] / edge[k]
-                assert pivot_change(rover, kept, twist) <= pivot_change(rover, edge_kept, twist) + 1e-5
-
-
-@settings(deadline=None)
-@given(limits, twists, st.integers(0, 2**32 - 1))
-def test_projection_of_a_swerve_has_no_better_neighbour(limit, twist, seed):
-    rover = swerve(limit)
-    nearest = rover.project(twist, keep="nearest")
-    assert rover.admissible(nearest)
-    least = pivot_change(rover, nearest, twist)
-    steps = np.random.default_rng(seed).normal(size=(60, 3)) * np.repeat([[1.0], [0.1], [1e-3]], 20, axis=0)
-    better = [q for q in nearest + steps if pivot_change(rover, q, twist) < least - 1e-8]
-    assert not any(rover.admissible(q) for q in better)
-
-
-@settings(deadline=None)
-@given(rovers, limits, twists)
-def test_projection_keeps_what_it_says(rover, limit, twist):
-    rover = Rover.six_wheel(0.4, rover.wheels[0].x, 0.5, 0.45, 0.15, limit)
-    asked = admissible_twist(twist[0], twist[2])
-    found = rover.project(twist)
-    assert rover.admissible(found)
-    if rover.admissible(asked):
-        np.testing.assert_allclose(found, asked, rtol=0, atol=1e-8)  # the twist itself within slip tolerance
-    assert np.all(np.abs(found) <= np.abs(asked) + 1e-8)  # neither speed nor yaw rate grows: slip tolerance
-    np.testing.assert_array_equal(rover.project(found), found)
-
-
-@given(rovers, limits)
-def test_radii_are_the_edges_of_the_possible_turns(rover, limit):
-    rover = Rover.six_wheel(0.4, rover.wheels[0].x, 0.5, 0.45, 0.15, limit)
-    depth = max(rover.wheels[0].x, -rover.wheels[4].x)
-    assert rover.min_radius == pytest.approx(0.4 + depth / math.tan(limit), rel=1e-9)
-    assert rover.spin_radius == pytest.approx(max(0.0, 0.4 - depth / math.tan(limit)), abs=1e-9)

@@ -1,4 +1,4 @@
-"""What a planner is not meant to get: one line, and the planner stays as it was."""
+"""Input that a planner refuses: one line, and the planner stays as it was."""
 
 import re
 

@@ -23,3 +23,6 @@ def simulated(seed: int = 1, **more: Any) -> tuple[sw.RockerBogie, sw.Terrain, A
     ground = sw.Terrain(heights, spacing=0.1, origin=(-6.0, -6.0))
     commands = [(0, 0.15, 0, 0.0), (10, 0.15, 0, 0.06), (25, 0.15, 0, -0.06), (30, 0.15, 0, 0.0)]
     return arm, ground, sw.simulate(arm, commands, ground=ground, rate=10.0, seed=seed, **more)
+
+
+QUIET = sw.Noise(0.0, 0.0)

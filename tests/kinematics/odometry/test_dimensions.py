@@ -33,7 +33,7 @@ def read(rover, readings):
 
 
 def end(rover, table, readings="angles"):
-    """Where the rover that is off by a table ends, if its readings are off by theirs."""
+    """End pose of a rover whose dimensions are off by a table and whose readings are off by theirs."""
     steering, totals, stamps = read(rover, readings)
     if steering is not None:
         steering = steering * (1.0 + table[[wheel.steered for wheel in rover.wheels], 8])

@@ -14,7 +14,7 @@ SIDE = 2.0
 
 
 def returned(true: sw.Rover, *, left: bool) -> np.ndarray:
-    """Where a rover ends that believes to have driven the square as `NOMINAL`."""
+    """End pose of a rover that believes to have driven the square as `NOMINAL`."""
     turn = math.pi / 2 if left else -math.pi / 2
     pose = np.zeros((1, 3))
     for twist in ((SIDE, 0.0, 0.0), (0.0, 0.0, turn)) * 4:

@@ -1,4 +1,4 @@
-"""What a parameter file says about dead reckoning: noise, encoders, options of odometry."""
+"""Keys of a parameter file for dead reckoning: noise, encoders, options of odometry."""
 
 from pathlib import Path
 

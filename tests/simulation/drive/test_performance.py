@@ -1,4 +1,4 @@
-"""What a rover can do within limits, against what a person can work out."""
+"""Performance of a rover within limits, against closed forms."""
 
 import math
 

@@ -244,7 +244,7 @@ class SlipReport:
     windows: tuple[SlipWindow, ...]
     rows: int
     told: bool = True
-    """Whether the wheels can contradict each other at all: two wheels of a differential drive cannot."""
+    """True where the wheels can contradict each other: two wheels of a differential drive cannot."""
 
     @property
     def worst_wheel(self) -> str | None:

@@ -69,7 +69,7 @@ class Strain:
     angular_acceleration: float
     """[rad/s^2]"""
     scrub: float
-    """How fast the worst wheel slides under the twist that fits all wheels best [m/s]."""
+    """Largest sliding speed of a wheel under the twist that fits all wheels best [m/s]."""
 
 
 def strain(

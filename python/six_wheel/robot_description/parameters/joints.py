@@ -27,10 +27,10 @@ class JointList(NamedTuple):
     lack: str = "does not steer"
     """Why those must not."""
     order: Literal["names", "silent", "expected", "fixed"] = "names"
-    """Whether the order is that of `wheels`: never; if no joint tells its wheel; the same, and joints that
-    tell another are worth a warning; always."""
+    """Joints are in the order of `wheels`: "names" never; "silent" where no joint's name tells its wheel;
+    "expected" the same, and a name that tells another wheel is a warning; "fixed" always."""
     steers: bool = False
-    """Whether the joints steer, and not drive."""
+    """True for joints that steer, False for joints that drive."""
 
 
 def wheels_of_joints(

@@ -64,7 +64,7 @@ class Form:
     controller: str | None = None
     """The type a controller manager knows it by."""
     ros1: bool = False
-    """Whether its files have no ``ros__parameters``."""
+    """True where its files have no ``ros__parameters``."""
     more: tuple[str, ...] = ()
     """Further types that have the same keys."""
     kind_of: Callable[[Values], str] | None = None

@@ -112,7 +112,7 @@ class Tree:
     below: dict[str, list[Joint]] = field(default_factory=dict)
     """Link to the joints it holds."""
     up: float = 1.0
-    """Which way the root's z axis points: -1 for down."""
+    """Sign of the root's z axis in the world: -1 for down."""
 
     def chain(self, joint: Joint) -> list[Joint]:
         """The joint and those above it, the root's first."""
