@@ -945,9 +945,13 @@ class Terrain:
     def __new__(
         cls,
         heights: ArrayLike,
-        spacing: float | tuple[float, float],
+        spacing: float | tuple[float, float] | None = None,
         origin: tuple[float, float] | None = None,
         orientation: float | None = None,
+        *,
+        north_up: bool | None = None,
+        nodata: float | None = None,
+        unit: str | float | None = None,
     ) -> Self: ...
     @staticmethod
     def read(
@@ -956,6 +960,12 @@ class Terrain:
         window: tuple[float, float, float, float] | None = None,
         topic: str | None = None,
         layer: str | None = None,
+        band: int | str | None = None,
+        nodata: float | None = None,
+        unit: str | float | None = None,
+        north_up: bool | None = None,
+        spacing: float | tuple[float, float] | None = None,
+        origin: tuple[float, float] | None = None,
     ) -> Terrain: ...
     @staticmethod
     def yard(

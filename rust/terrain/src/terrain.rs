@@ -112,6 +112,8 @@ pub struct Terrain {
     origin: [f64; 2],
     orientation: f64,
     turn: Direction,
+    /// Largest size of a height [m].
+    largest: f64,
     /// Made when it is first asked for.
     pyramid: OnceLock<Arc<Pyramid>>,
 }
@@ -148,7 +150,8 @@ impl Terrain {
             let shape = format!("shape ({rows}, {columns})");
             return Err(Error::value("heights", rule, shape));
         }
-        if let Some(k) = (0..heights.len()).find(|&k| heights.at(k).is_infinite()) {
+        let largest = heights.largest();
+        if let Some(k) = (0..heights.len()).find(|&k| largest.is_infinite() && heights.at(k).is_infinite()) {
             let place = format!("heights[{}, {}]", k / columns, k % columns);
             return Err(Error::value(place, "be finite, or nan where unknown", number(heights.at(k))));
         }
@@ -177,6 +180,7 @@ impl Terrain {
             origin,
             orientation,
             turn: Direction::from(orientation),
+            largest,
             pyramid: OnceLock::new(),
         })
     }
@@ -184,6 +188,11 @@ impl Terrain {
     /// The heights, row after row.
     pub fn heights(&self) -> &Heights {
         &self.heights
+    }
+
+    /// Largest size of a known height [m].
+    pub fn largest_height(&self) -> f64 {
+        self.largest
     }
 
     /// Lowest and highest heights in windows; made at the first call, from all heights. Fails if there is no memory
