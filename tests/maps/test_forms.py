@@ -1,4 +1,4 @@
-"""Maps as they come: every form of one known ground is read right, or doubted in one line that helps; never silently wrong."""
+"""Maps as they come: every form of one known ground is read right, or doubted in one line that helps."""
 
 from collections import Counter
 from pathlib import Path

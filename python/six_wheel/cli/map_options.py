@@ -48,7 +48,7 @@ class MapReading(NamedTuple):
             nodata=self.nodata,
             unit=self.unit,
             north_up=self.north_up,
-            spacing=spacing if spacing is None or len(spacing) == 2 else spacing[0],  # type: ignore[arg-type]
+            spacing=spacing if spacing is None or len(spacing) == 2 else spacing[0],
             origin=origin,  # type: ignore[arg-type]
         )
 

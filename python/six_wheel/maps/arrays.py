@@ -68,7 +68,7 @@ def read(
     axes = _axes(heights)
     if isinstance(heights, np.ma.MaskedArray):
         single = heights.dtype == np.float32
-        values = heights.astype(np.float32 if single else np.float64).filled(np.nan)
+        values = np.ma.filled(heights.astype(np.float32 if single else np.float64), np.nan)
     else:
         values = np.asarray(heights)
     unknown = np.isnan(options.nodata) if options.nodata is not None else True
@@ -131,9 +131,8 @@ def _axes(heights: Any) -> list[tuple[str, NDArray[np.float64], str]] | None:
             values = [np.asarray(index, np.float64) for index in (heights.index, heights.columns)]
         except (TypeError, ValueError):
             listed = ", ".join(map(str, heights.columns[:4]))
-            raise ValueError(
-                f"heights must have numbers for columns, got {listed}: table.pivot(index='y', columns='x', values='z')"
-            ) from None
+            pivot = "table.pivot(index='y', columns='x', values='z')"
+            raise ValueError(f"heights must have numbers for columns, got {listed}: {pivot}") from None
         names = (str(heights.index.name or "y"), str(heights.columns.name or "x"))
         return [(name, value, "m") for name, value in zip(names, values, strict=True)]
     return None
@@ -157,8 +156,10 @@ def _by_coordinates(
         differences = np.diff(places)
         step = (places[-1] - places[0]) / max(len(places) - 1, 1)
         if not (len(places) > 1 and step != 0 and np.abs(differences - step).max() <= EVEN * abs(step)):
-            raise ValueError(f"coordinates {name} must be evenly spaced, got steps of {differences.min():g} to "
-                             f"{differences.max():g}: interpolate first (.interp)")  # fmt: skip
+            got = f"steps of {differences.min():g} to {differences.max():g}"
+            raise ValueError(
+                f"coordinates {name} must be evenly spaced, got {got}: interpolate first (.interp)"
+            )
         if step < 0:
             values = np.flip(values, axis)
         steps.append(abs(float(step)))

@@ -11,8 +11,8 @@ __all__ = ["Doubt", "find_doubt", "is_fill"]
 # Marks of unknown heights of GIS programs, NetCDF (its default), Surfer, integer types and PDS.
 FILLS = (
     -9999.0, -99999.0, -999.0, -32768.0, -32767.0, 9999.0, 99999.0, 32767.0, 65535.0, -3.4028234663852886e38,
-    3.4028234663852886e38, -3.4028226550889045e38, 1e20, -1e20, 1e30, -1e30, 1.70141e38, -1.797693134862315e308,
-    1.797693134862315e308, 9.969209968386869e36, -1e10,
+    3.4028234663852886e38, -3.4028226550889045e38, 1e20, -1e20, 1e30, -1e30, 1.70141e38,
+    -1.797693134862315e308, 1.797693134862315e308, 9.969209968386869e36, -1e10,
 )  # fmt: skip
 SAME = 1e-5  # of the value: text files round their marks
 APART = 100.0  # from all other heights [m]

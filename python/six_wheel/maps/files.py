@@ -14,14 +14,20 @@ Window = tuple[float, float, float, float]
 Unit = str | float
 
 FOOT = 0.3048
-UNITS = {
-    "": 1.0, "m": 1.0, "metre": 1.0, "meter": 1.0, "cm": 0.01, "centimetre": 0.01, "centimeter": 0.01, "mm": 0.001,
-    "millimetre": 0.001, "millimeter": 0.001, "dm": 0.1, "decimetre": 0.1, "decimeter": 0.1, "km": 1000.0,
-    "kilometre": 1000.0, "kilometer": 1000.0, "in": FOOT / 12, "inch": FOOT / 12, "ft": FOOT, "foot": FOOT,
-    "feet": FOOT, "international foot": FOOT, "us-ft": 1200 / 3937, "ftus": 1200 / 3937, "us survey foot": 1200 / 3937,
-    "us survey feet": 1200 / 3937, "foot_us": 1200 / 3937, "yd": 0.9144, "yard": 0.9144, "inche": FOOT / 12,
-}  # fmt: skip
-"""Lengths by their names [m], those of files among them; a plural s is dropped where the name is not known."""
+SURVEY_FOOT = 1200 / 3937
+LENGTHS = {
+    1.0: ("", "m", "metre", "meter"),
+    0.1: ("dm", "decimetre", "decimeter"),
+    0.01: ("cm", "centimetre", "centimeter"),
+    0.001: ("mm", "millimetre", "millimeter"),
+    1000.0: ("km", "kilometre", "kilometer"),
+    FOOT / 12: ("in", "inch", "inche"),
+    FOOT: ("ft", "foot", "feet", "international foot"),
+    SURVEY_FOOT: ("us-ft", "ftus", "foot_us", "us survey foot", "us survey feet"),
+    3 * FOOT: ("yd", "yard"),
+}
+UNITS = {name: size for size, names in LENGTHS.items() for name in names}
+"""Lengths by their names [m], those of files among them; a plural s goes where the name is not known."""
 
 
 class TerrainFileError(FileError):
@@ -93,11 +99,10 @@ def pair(name: str, value: object) -> tuple[float, float]:
     """Two numbers; one stands for both of a spacing."""
     if name == "spacing" and np.ndim(value) == 0:  # type: ignore[arg-type]
         return (number(name, value),) * 2
-    try:
-        first, second = value  # type: ignore[misc]
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be two numbers, got {value!r}") from None
-    return number(name, first), number(name, second)
+    parts = list(value) if isinstance(value, (tuple, list, np.ndarray)) else []
+    if len(parts) != 2:
+        raise ValueError(f"{name} must be two numbers, got {value!r}")
+    return number(name, parts[0]), number(name, parts[1])
 
 
 def length(unit: Unit, name: str) -> float:

@@ -12,10 +12,8 @@ from six_wheel.maps.reference import UNKNOWN, Reference, read_reference
 
 __all__ = ["lattice", "read"]
 
-KEYS = (
-    "ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize", "dx", "dy", "nodata_value",
-    "nodata",
-)  # fmt: skip
+CORNERS = ("xllcorner", "xllcenter", "yllcorner", "yllcenter")
+KEYS = ("ncols", "nrows", *CORNERS, "cellsize", "dx", "dy", "nodata_value", "nodata")
 COMMENTS = ("#", ";", "//", "%")
 ON_LATTICE = 1e-3  # of a step
 
@@ -23,10 +21,10 @@ ON_LATTICE = 1e-3  # of a step
 def read(path: Path, text: str, options: Options) -> tuple[Grid, Reference]:
     """The grid of a text, and what is known of its units.
 
-    An ESRI ASCII grid begins with ``ncols``; heights stand for the middle of their cells, the northern row first. A
-    table has rows of x, y and z, in any order, with or without a line of names. Anything else is one list,
-    separated by commas: least x, largest x, number of x, least y, largest y, number of y, then heights, x running
-    fastest.
+    An ESRI ASCII grid begins with ``ncols``; heights stand for the middle of their cells, the northern row
+    first. A table has rows of x, y and z, in any order, with or without a line of names. Anything else is one
+    list, separated by commas: least x, largest x, number of x, least y, largest y, number of y, then heights,
+    x running fastest.
     """
     lines = [line for line in text.lstrip("\ufeff").splitlines() if line.strip()]
     lines = [line for line in lines if not line.lstrip().startswith(COMMENTS)]

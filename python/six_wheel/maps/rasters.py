@@ -52,14 +52,15 @@ class Raster:
     ImportError
         If rasterio is not installed.
     TerrainFileError
-        If it is no image, its coordinates are degrees, its axes are not at right angles, or something is in doubt.
+        If it is no image, its coordinates are degrees, its axes are not at right angles, or something is in
+        doubt.
     """
 
     def __init__(self, path: Path, options: Options = Options(), source: str | None = None) -> None:  # noqa: B008 - it is immutable
         library = rasterio()
         self.path, self.options = path, options.checked()
-        # Whatever the image lacks is said here in one line, not as a warning. Axes of NetCDF are known by their names
-        # too (GDAL, netCDF driver).
+        # Whatever the image lacks is said here in one line, not as a warning. NetCDF: axes are known by their
+        # names too (GDAL, netCDF driver).
         self._environment = library.Env(CPL_DEBUG=False, GDAL_NETCDF_IGNORE_XY_AXIS_NAME_CHECKS="YES")
         self._environment.__enter__()
         try:
@@ -144,10 +145,8 @@ class Raster:
                 raise TerrainFileError(f"{self.path} {told} {self.path.name} {self.path.stem}_placed.tif")
             steps = self.options.steps
             if steps is None:
-                raise TerrainFileError(
-                    f"{self.path} has no place (no transform): spacing=0.1, the size of its cells in metres, and "
-                    "origin=(x, y) if it matters"
-                )
+                told = "spacing=0.1, the size of its cells in metres, and origin=(x, y) if it matters"
+                raise TerrainFileError(f"{self.path} has no place (no transform): {told}")
             x, y = self.options.first
             rows, (dx, dy) = self.shape[0], steps
             north_up = self.options.north_up is not False
@@ -182,7 +181,7 @@ class Raster:
                 self._check_scale()
 
     def _check_axes(self) -> None:
-        """Fails where rows of a NetCDF variable run along x: GDAL takes its last dimension for x, whatever its name is."""
+        """Fails where rows of a NetCDF variable run along x: GDAL takes any last dimension for x."""
         for name in EAST:
             try:
                 with rasterio().open(f"NETCDF:{self.path}:{name}") as axis:
@@ -225,7 +224,8 @@ class Raster:
         metres = [(a * self.metre, b * self.metre) for a, b in places]
         factors = scale_factors(self.reference, metres, degrees)
         if max(abs(factor - 1.0) for factor in factors) > STRETCHED:
-            command = projection_command(self.path.name, *degrees[0], self.reference.radius)
+            (east, north), radius = degrees[0], self.reference.radius
+            command = projection_command(self.path.name, east, north, radius)
             warnings.warn(
                 f"{self.path}: its projection makes distances {factors[0]:.3f} times as long along x and "
                 f"{factors[1]:.3f} along y as on the ground: {command}",
@@ -244,9 +244,8 @@ class Raster:
         unit = (self.dataset.units[index] or tags.get("units") or "").strip()
         picture = dtype == "uint8" and (self.scale, self.offset) == (1.0, 0.0)
         if options.unit is None and not unit and picture:
-            raise TerrainFileError(
-                f'{self.path} is a picture, not heights: cells of 8 bits without a unit (unit="m" takes them as metres)'
-            )
+            told = 'cells of 8 bits without a unit (unit="m" takes them as metres)'
+            raise TerrainFileError(f"{self.path} is a picture, not heights: {told}")
         if options.unit is None and not unit and self.dataset.driver in ("PNG", "JPEG", "BMP"):
             raise TerrainFileError(
                 f'{self.path} has no unit: unit="mm", or the height of one count in metres, unit=0.01'
@@ -263,10 +262,9 @@ class Raster:
                 ) from None
         if self.reference.height is not None and options.unit is None:
             if unit and abs(abs(self.reference.height) - self.unit) > 1e-3 * self.unit:
-                raise TerrainFileError(
-                    f"{self.path} has heights in {unit} by its band, in units of {abs(self.reference.height):g} m by its "
-                    f'vertical system: unit="{unit}" or unit={abs(self.reference.height):g}'
-                )
+                other = f"{abs(self.reference.height):g}"
+                told = f"has heights in {unit} by its band, in units of {other} m by its vertical system"
+                raise TerrainFileError(f'{self.path} {told}: unit="{unit}" or unit={other}')
             self.unit = abs(self.reference.height)
         if tags.get("positive", "").lower() == "down" or (self.reference.height or 0.0) < 0.0:
             self.unit = -self.unit

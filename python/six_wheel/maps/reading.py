@@ -18,7 +18,7 @@ from six_wheel.maps.reference import UNKNOWN, Reference
 if TYPE_CHECKING:
     from six_wheel.maps.rasters import Raster
 
-__all__ = ["TerrainFileError", "open_raster", "read", "read_with"]
+__all__ = ["TerrainFileError", "open_raster", "read", "read_with", "system_of"]
 
 BAGS = (".bag", ".db3", ".mcap")
 TEXTS = (".asc", ".csv", ".grd", ".txt", ".xyz", ".dat", ".tsv")
@@ -77,6 +77,17 @@ def open_raster(path: Path, options: Options) -> "Raster":
     """A map as an image that stays open, to be read by windows. Refuses what `read` refuses."""
     _refuse(path, _first_bytes(path))
     return _raster(path, options, _packed(path) if path.suffix.lower() in (".zip", ".gz") else None)
+
+
+def system_of(path: Path) -> str | None:
+    """Name of the coordinate reference system of an image; None where there is none."""
+    if path.is_dir() or path.suffix.lower() in (*BAGS, *TEXTS, ".yaml", ".yml", ".zip", ".gz"):
+        return None
+    from six_wheel.maps.rasters import rasterio
+
+    with rasterio().open(_label(path)) as dataset:
+        text = "" if dataset.crs is None else dataset.crs.to_wkt()
+    return text.partition('"')[2].partition('"')[0] or None
 
 
 def _raster(path: Path, options: Options, source: str | None) -> "Raster":

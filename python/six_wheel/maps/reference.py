@@ -1,4 +1,4 @@
-"""Coordinate reference systems as well-known text: units, degrees, ellipsoids, and the command that projects."""
+"""Coordinate reference systems as well-known text: units, degrees, ellipsoids, the command that projects."""
 
 import math
 import re
@@ -90,8 +90,8 @@ def scale_factors(
 ) -> tuple[float, float]:
     """Length on the map over length on the ground, along x and along y.
 
-    `places` are a point, one beside it in x and one in y [m]; `degrees` their longitudes and latitudes. Distances on
-    the ground are by the radii of curvature of the ellipsoid.
+    `places` are a point, one beside it in x and one in y [m]; `degrees` their longitudes and latitudes.
+    Distances on the ground are by the radii of curvature of the ellipsoid.
     """
     square = reference.flattening * (2.0 - reference.flattening)
     longitude, latitude = degrees[0]

@@ -18,7 +18,7 @@ SPACING = 0.25
 HEIGHTS = np.add.outer(
     0.3 * np.sin(0.25 * np.arange(120.0)), 0.05 * np.arange(160.0) + 0.2 * np.cos(0.3 * np.arange(160.0))
 )
-# Whole numbers, and places in steps of 2^-20 m: a sum of both has no rounding, so that nothing may differ at all.
+# Whole numbers, and places in steps of 2^-20 m: a sum of both has no rounding, so that nothing may differ.
 WHOLE = st.integers(-(10**8), 10**8)
 OFFSETS = st.tuples(WHOLE, WHOLE)
 FARTHEST = (10**8, -(10**8))
@@ -45,7 +45,18 @@ def same(here: Any, there: Any) -> None:
     np.testing.assert_array_equal(np.asarray(here), np.asarray(there))
 
 
-STANDS = ("z", "roll", "pitch", "joints", "gap", "contact_angles", "normals", "stops", "by_pose", "by_dimension")
+STANDS = (
+    "z",
+    "roll",
+    "pitch",
+    "joints",
+    "gap",
+    "contact_angles",
+    "normals",
+    "stops",
+    "by_pose",
+    "by_dimension",
+)
 BOUNDS = ("z", "roll", "pitch", "tilt", "rocker", "bogies", "clearance", "wheel_drop")
 
 
@@ -63,9 +74,7 @@ def test_settled_poses_are_the_same(count: int, offset: Any) -> None:
     for name in ("contacts", "wheel_centres"):
         back = getattr(there, name) - np.array([*offset, 0.0])
         np.testing.assert_allclose(back, getattr(here, name), rtol=0, atol=LAST_DIGIT)
-    near, far = (
-        ARM.stability(stand, mass=1000.0, belly=(-1.0, 1.0, 0.8, 0.4)) for stand in (here, there)
-    )
+    near, far = (ARM.stability(stand, mass=1000.0, belly=(-1.0, 1.0, 0.8, 0.4)) for stand in (here, there))
     for name in ("loads", "tip_over_angle", "clearance", "joint_margins", "tilt"):
         same(getattr(near, name), getattr(far, name))
     for name in ("tilt", "joint_margins", "tip_over_angle", "clearance"):
@@ -135,7 +144,7 @@ def test_drives_have_the_same_track_and_health(offset: Any) -> None:
     logs = [driven(ground, start) for ground, start in zip(grounds, starts, strict=True)]
     back = logs[1].truth.poses - logs[0].truth.poses
     assert np.abs(back - np.array([*offset, 0.0])).max() < 1e-6
-    # Wheels roll as the ground under them rises, where places have rounded by less than a millionth of a cell.
+    # Wheels roll as the ground under them rises, where places have rounded by less than 1e-6 of a cell.
     np.testing.assert_allclose(logs[1].wheel_angles, logs[0].wheel_angles, rtol=0, atol=1e-5)
     log = logs[0]
     tracks = [
@@ -143,7 +152,9 @@ def test_drives_have_the_same_track_and_health(offset: Any) -> None:
         for ground, start in zip(grounds, starts, strict=True)
     ]
     same(tracks[0].health, tracks[1].health)
-    assert not (np.asarray(tracks[0].health) & int(sw.OdometryHealth.OFF_GROUND | sw.OdometryHealth.UNSETTLED)).any()
+    assert not (
+        np.asarray(tracks[0].health) & int(sw.OdometryHealth.OFF_GROUND | sw.OdometryHealth.UNSETTLED)
+    ).any()
     back = tracks[1].positions - np.array([*offset, 0.0])
     np.testing.assert_allclose(back, tracks[0].positions, rtol=0, atol=1e-6)
 

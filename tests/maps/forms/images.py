@@ -22,8 +22,16 @@ def north_up(x: float = PLACE[0], y: float = PLACE[1], cell: float = CELL) -> An
     return affine(cell, 0, x, 0, -cell, y + cell * ROWS)
 
 
-def tif(bands: Any, name: str = "map.tif", unit: str | None = None, names: Any = (), scale: Any = None,
-        tags: Any = None, colours: bool = False, **profile: Any) -> Any:  # fmt: skip
+def tif(
+    bands: Any,
+    name: str = "map.tif",
+    unit: str | None = None,
+    names: Any = (),
+    scale: Any = None,
+    tags: Any = None,
+    colours: bool = False,
+    **profile: Any,
+) -> Any:
     """Writes bands whose first row is the northern one; reads them by `sw.Terrain.read`."""
     bands = np.asarray(bands)
     bands = bands[None] if bands.ndim == 2 else bands
@@ -64,9 +72,22 @@ def numbers() -> list[Form]:
     forms = []
     for dtype in (np.float32, np.float64):
         forms.append(Form("numbers", f"{np.dtype(dtype)}", tif(filled(np.nan, dtype))))
-    for name, factor in (("m", 1), ("metre", 1), ("metres", 1), ("cm", 0.01), ("mm", 0.001), ("km", 1000), ("ft", 0.3048),
-                         ("foot", 0.3048), ("feet", 0.3048), ("US survey foot", 1200 / 3937), ("centimeters", 0.01),
-                         ("millimetres", 0.001), ("decimetre", 0.1), ("inch", 0.0254)):  # fmt: skip
+    for name, factor in (
+        ("m", 1),
+        ("metre", 1),
+        ("metres", 1),
+        ("cm", 0.01),
+        ("mm", 0.001),
+        ("km", 1000),
+        ("ft", 0.3048),
+        ("foot", 0.3048),
+        ("feet", 0.3048),
+        ("US survey foot", 1200 / 3937),
+        ("centimeters", 0.01),
+        ("millimetres", 0.001),
+        ("decimetre", 0.1),
+        ("inch", 0.0254),
+    ):
         forms.append(Form("numbers", f"band unit {name}", tif(filled(np.nan, np.float64, factor), unit=name)))
     forms.append(
         Form(
@@ -79,11 +100,24 @@ def numbers() -> list[Form]:
     for factor in (0.01, 0.001):
         for dtype in (np.int16, np.int32, np.uint16):
             close = 2e-3 + factor
-            forms.append(Form("numbers", f"whole {factor} {np.dtype(dtype)}",
-                              tif(filled(0, dtype, factor)), {"unit": factor, "nodata": 0}, close=close,
-                              help="unit="))  # fmt: skip
-            forms.append(Form("numbers", f"whole scaled {factor} {np.dtype(dtype)}",
-                              tif(filled(0, dtype, factor), scale=(factor, 0.0), nodata=0), close=close))  # fmt: skip
+            forms.append(
+                Form(
+                    "numbers",
+                    f"whole {factor} {np.dtype(dtype)}",
+                    tif(filled(0, dtype, factor)),
+                    {"unit": factor, "nodata": 0},
+                    close=close,
+                    help="unit=",
+                )
+            )
+            forms.append(
+                Form(
+                    "numbers",
+                    f"whole scaled {factor} {np.dtype(dtype)}",
+                    tif(filled(0, dtype, factor), scale=(factor, 0.0), nodata=0),
+                    close=close,
+                )
+            )
     forms.append(
         Form(
             "numbers",
@@ -108,8 +142,21 @@ def numbers() -> list[Form]:
 def nodata() -> list[Form]:
     """Marks of unknown heights."""
     forms = []
-    marks = (-9999.0, -32768.0, -32767.0, -99999.0, -3.4028234663852886e38, 1e20, 1e30, 3.4028234663852886e38, 0.0, 255.0,
-             9999.0, -999.0, 32767.0)  # fmt: skip
+    marks = (
+        -9999.0,
+        -32768.0,
+        -32767.0,
+        -99999.0,
+        -3.4028234663852886e38,
+        1e20,
+        1e30,
+        3.4028234663852886e38,
+        0.0,
+        255.0,
+        9999.0,
+        -999.0,
+        32767.0,
+    )
     for mark in marks:
         forms.append(Form("nodata", f"{mark:g} tagged", tif(filled(mark), nodata=mark)))
         if abs(mark) > 256:
@@ -142,10 +189,23 @@ def layouts() -> list[Form]:
         forms.append(
             Form("layout", f"turned {angle}", tif(plain, transform=affine(a, b, c, d, e, f)), turn=angle)
         )
-    forms.append(Form("layout", "sheared", tif(plain, transform=affine(CELL, 0.1, PLACE[0], 0, -CELL, PLACE[1])),
-                      help="gdalwarp", knowable=False))  # fmt: skip
-    for more in ({"tiled": True, "blockxsize": 16, "blockysize": 16}, {"compress": "deflate"}, {"compress": "lzw"},
-                 {"bigtiff": "YES"}, {"AREA_OR_POINT": "Point"}, {"interleave": "band"}):  # fmt: skip
+    forms.append(
+        Form(
+            "layout",
+            "sheared",
+            tif(plain, transform=affine(CELL, 0.1, PLACE[0], 0, -CELL, PLACE[1])),
+            help="gdalwarp",
+            knowable=False,
+        )
+    )
+    for more in (
+        {"tiled": True, "blockxsize": 16, "blockysize": 16},
+        {"compress": "deflate"},
+        {"compress": "lzw"},
+        {"bigtiff": "YES"},
+        {"AREA_OR_POINT": "Point"},
+        {"interleave": "band"},
+    ):
         forms.append(Form("layout", str(more), tif(plain, **more)))
     forms.append(
         Form("layout", "no place", tif(plain, transform=None, crs=None), {"spacing": CELL}, place=None)
@@ -171,9 +231,11 @@ def layouts() -> list[Form]:
 
 
 FEET = 'LOCAL_CS["site",UNIT["foot",0.3048]]'
-MARS = ('PROJCS["Mars",GEOGCS["Mars",DATUM["Mars",SPHEROID["Mars",3396190,0]],PRIMEM["Reference",0],'
-        'UNIT["degree",0.0174532925199433]],PROJECTION["Equirectangular"],PARAMETER["standard_parallel_1",{}],'
-        'PARAMETER["central_meridian",0],UNIT["metre",1]]')  # fmt: skip
+MARS = (
+    'PROJCS["Mars",GEOGCS["Mars",DATUM["Mars",SPHEROID["Mars",3396190,0]],PRIMEM["Reference",0],'
+    'UNIT["degree",0.0174532925199433]],PROJECTION["Equirectangular"],PARAMETER["standard_parallel_1",{}],'
+    'PARAMETER["central_meridian",0],UNIT["metre",1]]'
+)
 
 
 def systems() -> list[Form]:
@@ -191,10 +253,16 @@ def systems() -> list[Form]:
         )
     for code in (4326, 4258, 4269):
         degrees = affine(1e-5, 0, 14.0, 0, -1e-5, 50.0)
-        forms.append(Form("system", f"EPSG:{code}", tif(plain, crs=f"EPSG:{code}", transform=degrees), help="gdalwarp -t_srs EPSG:32633",
-                          knowable=False))  # fmt: skip
+        forms.append(
+            Form(
+                "system",
+                f"EPSG:{code}",
+                tif(plain, crs=f"EPSG:{code}", transform=degrees),
+                help="gdalwarp -t_srs EPSG:32633",
+                knowable=False,
+            )
+        )
     foot = 1200 / 3937
-    feet = north_up(PLACE[0] / foot, PLACE[1] / foot, CELL / foot)
     state = (6e5, 2e5)
     for code, unit in ((2263, foot), (2229, foot)):
         there = north_up(state[0] / unit, state[1] / unit, CELL / unit)
@@ -235,13 +303,26 @@ def systems() -> list[Form]:
         )
     for parallel in (0, 40):
         for there in ((0.0, 0.0), (100.0, 2.37e6), (100.0, 4_600_000.0)):
-            forms.append(Form("system", f"Mars {parallel} {there}", tif(plain, crs=MARS.format(parallel), transform=north_up(*there)),
-                              place=there))  # fmt: skip
+            forms.append(
+                Form(
+                    "system",
+                    f"Mars {parallel} {there}",
+                    tif(plain, crs=MARS.format(parallel), transform=north_up(*there)),
+                    place=there,
+                )
+            )
     moon = MARS.format(0).replace("3396190", "1737400").replace("Mars", "Moon")
     forms.append(Form("system", "Moon", tif(plain, crs=moon, transform=north_up(0, 0)), place=(0.0, 0.0)))
     moon_degrees = moon[moon.index("GEOGCS") : moon.index(",PROJECTION")]
-    forms.append(Form("system", "Moon in degrees", tif(plain, crs=moon_degrees, transform=affine(1e-5, 0, 14, 0, -1e-5, 50)),
-                      help=r"\+proj=eqc .*\+R=1737400", knowable=False))  # fmt: skip
+    forms.append(
+        Form(
+            "system",
+            "Moon in degrees",
+            tif(plain, crs=moon_degrees, transform=affine(1e-5, 0, 14, 0, -1e-5, 50)),
+            help=r"\+proj=eqc .*\+R=1737400",
+            knowable=False,
+        )
+    )
     return forms
 
 
@@ -251,17 +332,48 @@ def pictures() -> list[Form]:
     counts = np.round(grid(None)[::-1] * 100).astype(np.uint16)
     answer = {"spacing": CELL, "unit": 0.01}
     for name, driver in (("map.png", "PNG"),):
-        forms.append(Form("pictures", f"{driver} of 16 bits", tif(counts, name, driver=driver, transform=None, crs=None), answer, place=None,
-                          hole=False, close=0.02, help="spacing=|unit="))  # fmt: skip
-        forms.append(Form("pictures", f"{driver} of 16 bits with a world file", tif(counts, name, driver=driver, crs=None, worldfile="YES"),
-                          {"unit": 0.01}, hole=False, close=0.02))  # fmt: skip
+        forms.append(
+            Form(
+                "pictures",
+                f"{driver} of 16 bits",
+                tif(counts, name, driver=driver, transform=None, crs=None),
+                answer,
+                place=None,
+                hole=False,
+                close=0.02,
+                help="spacing=|unit=",
+            )
+        )
+        forms.append(
+            Form(
+                "pictures",
+                f"{driver} of 16 bits with a world file",
+                tif(counts, name, driver=driver, crs=None, worldfile="YES"),
+                {"unit": 0.01},
+                hole=False,
+                close=0.02,
+            )
+        )
     eight = (counts // 20).astype(np.uint8)
     for name, driver in (("map.jpg", "JPEG"), ("map.png", "PNG"), ("map.bmp", "BMP")):
-        forms.append(Form("pictures", f"{driver} of 8 bits", tif(eight, name, driver=driver, transform=None, crs=None),
-                          help="picture|spacing=", knowable=False))  # fmt: skip
-        forms.append(Form("pictures", f"{driver} of 8 bits, three bands",
-                          tif(np.stack([eight] * 3), name, driver=driver, transform=None, crs=None), help="picture",
-                          knowable=False))  # fmt: skip
+        forms.append(
+            Form(
+                "pictures",
+                f"{driver} of 8 bits",
+                tif(eight, name, driver=driver, transform=None, crs=None),
+                help="picture|spacing=",
+                knowable=False,
+            )
+        )
+        forms.append(
+            Form(
+                "pictures",
+                f"{driver} of 8 bits, three bands",
+                tif(np.stack([eight] * 3), name, driver=driver, transform=None, crs=None),
+                help="picture",
+                knowable=False,
+            )
+        )
     return forms
 
 

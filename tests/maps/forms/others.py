@@ -19,7 +19,10 @@ HEADER = {
     "cellsize": CELL,
     "NODATA_value": -9999,
 }
-PROJECTED = 'PROJCS["local",GEOGCS["w",DATUM["w",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["G",0],UNIT["degree",0.0174]],UNIT["{}",{}]]'
+GEOGRAPHIC = (
+    'GEOGCS["w",DATUM["w",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["G",0],UNIT["degree",0.0174]]'
+)
+PROJECTED = f'PROJCS["local",{GEOGRAPHIC},UNIT["{{}}",{{}}]]'
 
 
 def written(content: str | bytes, name: str, beside: Any = None) -> Any:
@@ -54,7 +57,11 @@ def texts() -> list[Form]:
     """ESRI ASCII, tables of points, lists."""
     forms = [
         Form("text", "ESRI", written(esri(), "a.asc")),
-        Form("text", "ESRI, upper case", written(esri().replace("ncols", "NCOLS").replace("cellsize", "CELLSIZE"), "a.asc")),
+        Form(
+            "text",
+            "ESRI, upper case",
+            written(esri().replace("ncols", "NCOLS").replace("cellsize", "CELLSIZE"), "a.asc"),
+        ),
         Form("text", "ESRI as .txt", written(esri(), "a.txt")),
         Form("text", "ESRI as .grd", written(esri(), "a.grd")),
         Form("text", "ESRI with CRLF", written(esri().replace("\n", "\r\n"), "a.asc")),
@@ -63,41 +70,106 @@ def texts() -> list[Form]:
         Form("text", "ESRI with decimal commas", written(esri(comma=True), "a.asc")),
         Form("text", "ESRI with comments", written("# made by hand\n" + esri(), "a.asc")),
         Form("text", "ESRI without its mark", written(esri(NODATA_value=None), "a.asc")),
-        Form("text", "ESRI with a rounded mark", written(esri(-3.402823e38, NODATA_value=-3.4028234663852886e38), "a.asc")),
+        Form(
+            "text",
+            "ESRI with a rounded mark",
+            written(esri(-3.402823e38, NODATA_value=-3.4028234663852886e38), "a.asc"),
+        ),
         Form("text", "ESRI with another mark", written(esri(-32768.0), "a.asc"), {"nodata": -32768}),
-        Form("text", "ESRI by centres", written(esri(xllcorner=None, yllcorner=None, xllcenter=PLACE[0] + CELL / 2, yllcenter=PLACE[1] + CELL / 2)
-                                                .replace("nrows", "nrows"), "a.asc")),
+        Form(
+            "text",
+            "ESRI by centres",
+            written(
+                esri(
+                    xllcorner=None,
+                    yllcorner=None,
+                    xllcenter=PLACE[0] + CELL / 2,
+                    yllcenter=PLACE[1] + CELL / 2,
+                ).replace("nrows", "nrows"),
+                "a.asc",
+            ),
+        ),
         Form("text", "ESRI with dx and dy", written(esri(cellsize=None, dx=CELL, dy=CELL), "a.asc")),
         Form("text", "ESRI in mm", written(esri(factor=0.001), "a.asc"), {"unit": "mm"}),
-        Form("text", "ESRI in metres by .prj", written(esri(), "a.asc", {"a.prj": PROJECTED.format("metre", 1.0)})),
-        Form("text", "ESRI in feet by .prj", written(esri(xllcorner=PLACE[0] / 0.3048, yllcorner=PLACE[1] / 0.3048, cellsize=CELL / 0.3048),
-                                                    "a.asc", {"a.prj": PROJECTED.format("foot", 0.3048)})),
-        Form("text", "ESRI in degrees by .prj", written(esri(), "a.asc", {"a.prj": 'GEOGCS["w",UNIT["degree",0.01745]]'}),
-             help="gdalwarp", knowable=False),
-        Form("text", "ESRI in degrees", written(esri(cellsize=1e-5), "a.asc"), help="degrees", knowable=False),
-        Form("text", "ESRI cut off", written(esri()[:2000], "a.asc"), help=r"must hold 24 x 30 heights, got \d+", knowable=False),
+        Form(
+            "text",
+            "ESRI in metres by .prj",
+            written(esri(), "a.asc", {"a.prj": PROJECTED.format("metre", 1.0)}),
+        ),
+        Form(
+            "text",
+            "ESRI in feet by .prj",
+            written(
+                esri(xllcorner=PLACE[0] / 0.3048, yllcorner=PLACE[1] / 0.3048, cellsize=CELL / 0.3048),
+                "a.asc",
+                {"a.prj": PROJECTED.format("foot", 0.3048)},
+            ),
+        ),
+        Form(
+            "text",
+            "ESRI in degrees by .prj",
+            written(esri(), "a.asc", {"a.prj": 'GEOGCS["w",UNIT["degree",0.01745]]'}),
+            help="gdalwarp",
+            knowable=False,
+        ),
+        Form(
+            "text", "ESRI in degrees", written(esri(cellsize=1e-5), "a.asc"), help="degrees", knowable=False
+        ),
+        Form(
+            "text",
+            "ESRI cut off",
+            written(esri()[:2000], "a.asc"),
+            help=r"must hold 24 x 30 heights, got \d+",
+            knowable=False,
+        ),
         Form("text", "ESRI packed by gzip", written(gzip.compress(esri().encode()), "a.asc.gz")),
-        Form("text", "matrix", written("\n".join(" ".join(f"{v:.4f}" for v in row) for row in grid(0.0)), "a.txt"),
-             help=r"sw\.Terrain\(np\.loadtxt", knowable=False),
-        Form("text", "matrix with commas", written("\n".join(",".join(f"{v:.4f}" for v in row) for row in grid(0.0)), "a.csv"),
-             help=r"sw\.Terrain|np\.loadtxt", knowable=False),
-    ]  # fmt: skip
+        Form(
+            "text",
+            "matrix",
+            written("\n".join(" ".join(f"{v:.4f}" for v in row) for row in grid(0.0)), "a.txt"),
+            help=r"sw\.Terrain\(np\.loadtxt",
+            knowable=False,
+        ),
+        Form(
+            "text",
+            "matrix with commas",
+            written("\n".join(",".join(f"{v:.4f}" for v in row) for row in grid(0.0)), "a.csv"),
+            help=r"sw\.Terrain|np\.loadtxt",
+            knowable=False,
+        ),
+    ]
     x, y = middles()
     points = np.stack((x + PLACE[0], y + PLACE[1], grid()), -1).reshape(-1, 3)
     points = points[~np.isnan(points[:, 2])]
-    orders = {"": slice(None), " north first": np.s_[::-1], " by columns": np.lexsort((points[:, 1], points[:, 0])),
-              " in any order": np.random.default_rng(0).permutation(len(points))}  # fmt: skip
+    orders = {
+        "": slice(None),
+        " north first": np.s_[::-1],
+        " by columns": np.lexsort((points[:, 1], points[:, 0])),
+        " in any order": np.random.default_rng(0).permutation(len(points)),
+    }
     for separator, title in ((" ", "blanks"), (",", "commas"), (";", "semicolons"), ("\t", "tabs")):
         for order, rows in orders.items():
             text = "\n".join(separator.join(f"{value:.4f}" for value in row) for row in points[rows])
             forms.append(Form("text", f"points, {title}{order}", written(text, "a.xyz")))
     body = "\n".join(f"{a:.4f},{b:.4f},{c:.4f}" for a, b, c in points)
     forms.append(Form("text", "points with names", written("x,y,z\n" + body, "a.csv")))
-    forms.append(Form("text", "points with names in another order",
-                      written("z,x,y\n" + "\n".join(f"{c:.4f},{a:.4f},{b:.4f}" for a, b, c in points), "a.csv")))  # fmt: skip
+    forms.append(
+        Form(
+            "text",
+            "points with names in another order",
+            written("z,x,y\n" + "\n".join(f"{c:.4f},{a:.4f},{b:.4f}" for a, b, c in points), "a.csv"),
+        )
+    )
     scattered = points + np.random.default_rng(1).uniform(-0.2, 0.2, points.shape)
-    forms.append(Form("text", "scattered points", written("\n".join(f"{a:.4f} {b:.4f} {c:.4f}" for a, b, c in scattered), "a.xyz"),
-                      help="gdal_grid", knowable=False))  # fmt: skip
+    forms.append(
+        Form(
+            "text",
+            "scattered points",
+            written("\n".join(f"{a:.4f} {b:.4f} {c:.4f}" for a, b, c in scattered), "a.xyz"),
+            help="gdal_grid",
+            knowable=False,
+        )
+    )
     whole = [
         PLACE[0] + CELL / 2,
         PLACE[0] + CELL * (COLUMNS - 0.5),
@@ -129,17 +201,38 @@ def arrays() -> list[Form]:
         Form("arrays", "Fortran order", made(np.asfortranarray(grid()), **place)),
         Form("arrays", "list", made(grid().tolist(), **place)),
         Form("arrays", "masked", made(np.ma.masked_invalid(grid()), **place)),
-        Form("arrays", "masked by a mark", made(np.ma.masked_equal(np.nan_to_num(grid(), nan=-9999.0), -9999.0), **place)),
+        Form(
+            "arrays",
+            "masked by a mark",
+            made(np.ma.masked_equal(np.nan_to_num(grid(), nan=-9999.0), -9999.0), **place),
+        ),
         Form("arrays", "north up", made(grid()[::-1], north_up=True, **place)),
-        Form("arrays", "negative dy", made(grid()[::-1], **(place | {"spacing": (CELL, -CELL)})), {"north_up": True}),
+        Form(
+            "arrays",
+            "negative dy",
+            made(grid()[::-1], **(place | {"spacing": (CELL, -CELL)})),
+            {"north_up": True},
+        ),
         Form("arrays", "of three axes", made(grid()[None], **place), help=r"src\.read\(1\)", knowable=False),
-        Form("arrays", "8 bits", made(np.clip(grid(0) * 10, 0, 255).astype(np.uint8), **place), help="picture", knowable=False),
-        Form("arrays", "points", made(np.stack((*middles(), grid(None)), -1).reshape(-1, 3), **place), help=r"reshape\(24, 30\)", knowable=False),
+        Form(
+            "arrays",
+            "8 bits",
+            made(np.clip(grid(0) * 10, 0, 255).astype(np.uint8), **place),
+            help="picture",
+            knowable=False,
+        ),
+        Form(
+            "arrays",
+            "points",
+            made(np.stack((*middles(), grid(None)), -1).reshape(-1, 3), **place),
+            help=r"reshape\(24, 30\)",
+            knowable=False,
+        ),
         Form("arrays", "path", made("dtm.tif", **place), help=r"Terrain\.read", knowable=False),
         Form("arrays", "dict", made({"a": grid()}, **place), help="one of its values", knowable=False),
         Form("arrays", "one row", made(grid()[:1], **place), help="at least two rows", knowable=False),
         Form("arrays", "without spacing", made(grid()), {"spacing": CELL}, place=None),
-    ]  # fmt: skip
+    ]
     forms[7] = Form(
         "arrays",
         "negative dy",
@@ -226,13 +319,24 @@ def frames() -> list[Form]:
 def refused() -> list[Form]:
     """Files that hold no map, and packed ones."""
     files: list[tuple[str, bytes, str]] = [
-        ("a.npy", b"\x93NUMPY\x01\0", "np.load"), ("a.npz", b"PK\x03\x04", "np.load"), ("a.stl", b"solid a\n", "mesh"),
-        ("a.obj", b"v 0 0 0\n", "mesh"), ("a.ply", b"ply\nformat ascii 1.0\n", "mesh"), ("a.las", b"LASF", "pdal"),
-        ("a.laz", b"LASF", "pdal"), ("a.pcd", b"# .PCD v0.7\n", "pdal"), ("a.pgm", b"P5\n2 2\n255\n0000", "occupancy"),
-        ("a.tif", b"version https://git-lfs.github.com/spec/v1\n", "git lfs pull"), ("b.tif", b"<!DOCTYPE html><html>", "web page"),
-        ("c.tif", b"", "0 bytes"), ("a.yaml", b"image: a.pgm\nresolution: 0.05\n", "occupancy"), ("a.mat", b"MATLAB 5.0", "sw.Terrain"),
-        ("a.shp", b"\0\0'\n", "gdal_rasterize"), ("a.7z", b"7z", "unpack"), ("a.zip", b"PK no", "unpack"),
-    ]  # fmt: skip
+        ("a.npy", b"\x93NUMPY\x01\0", "np.load"),
+        ("a.npz", b"PK\x03\x04", "np.load"),
+        ("a.stl", b"solid a\n", "mesh"),
+        ("a.obj", b"v 0 0 0\n", "mesh"),
+        ("a.ply", b"ply\nformat ascii 1.0\n", "mesh"),
+        ("a.las", b"LASF", "pdal"),
+        ("a.laz", b"LASF", "pdal"),
+        ("a.pcd", b"# .PCD v0.7\n", "pdal"),
+        ("a.pgm", b"P5\n2 2\n255\n0000", "occupancy"),
+        ("a.tif", b"version https://git-lfs.github.com/spec/v1\n", "git lfs pull"),
+        ("b.tif", b"<!DOCTYPE html><html>", "web page"),
+        ("c.tif", b"", "0 bytes"),
+        ("a.yaml", b"image: a.pgm\nresolution: 0.05\n", "occupancy"),
+        ("a.mat", b"MATLAB 5.0", "sw.Terrain"),
+        ("a.shp", b"\0\0'\n", "gdal_rasterize"),
+        ("a.7z", b"7z", "unpack"),
+        ("a.zip", b"PK no", "unpack"),
+    ]
     forms = [
         Form("refused", f"{name} {begin[:8]!r}", written(begin, name), help=words, knowable=False)
         for name, begin, words in files
@@ -302,9 +406,19 @@ def rasters() -> list[Form]:
         Form("rasters", "NetCDF of two variables", netcdf(extra=True), {"band": "z"}),
         Form("rasters", "NetCDF with x first", netcdf(dims=("x", "y")), help="ncpdq", knowable=False),
     ]
-    for driver, suffix, mark in (("GSAG", "grd", 1.70141e38), ("GSBG", "grd", 1.70141e38), ("GS7BG", "grd", 1.70141e38), ("ENVI", "bin", -9999.0),
-                                 ("ISIS3", "cub", None), ("RRASTER", "grd", -9999.0), ("SAGA", "sdat", -9999.0),
-                                 ("PCRaster", "map", None), ("AAIGrid", "asc", -9999.0), ("XYZ", "xyz", None), ("netCDF", "nc", -9999.0)):  # fmt: skip
+    for driver, suffix, mark in (
+        ("GSAG", "grd", 1.70141e38),
+        ("GSBG", "grd", 1.70141e38),
+        ("GS7BG", "grd", 1.70141e38),
+        ("ENVI", "bin", -9999.0),
+        ("ISIS3", "cub", None),
+        ("RRASTER", "grd", -9999.0),
+        ("SAGA", "sdat", -9999.0),
+        ("PCRaster", "map", None),
+        ("AAIGrid", "asc", -9999.0),
+        ("XYZ", "xyz", None),
+        ("netCDF", "nc", -9999.0),
+    ):
         if mark is not None:
             whole = {"crs": None} if driver.startswith("GS") else {}
             forms.append(Form("rasters", driver, copied(driver, suffix, mark, **whole)))
