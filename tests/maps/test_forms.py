@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.maps.forms import images, others
+from tests.maps.forms import images, others, rasters
 from tests.maps.forms.ground import CLASSES, Form, classify
 
 pytest.importorskip("rasterio", reason="needs rasterio")
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.filterwarnings("ignore")
 
 
 def all_forms() -> list[Form]:
-    return [*images.every(), *others.every()]
+    return [*images.every(), *others.every(), *rasters.rasters()]
 
 
 def test_no_form_is_wrong_in_silence(tmp_path: Path) -> None:
