@@ -100,7 +100,7 @@ _Align: TypeAlias = Literal["cosine", "hold"]
 _Pair: TypeAlias = Literal["front", "rear"]
 _Level: TypeAlias = Literal["scalar", "neon", "avx2", "avx512"]
 _Quantity: TypeAlias = Literal[
-    "speeds",
+    "wheel_speeds",
     "steering",
     "steering_rates",
     "slip",
@@ -172,7 +172,7 @@ class TwistFit:
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
-    def residual(self) -> _Floats: ...  # (..., wheels) [m/s], >= 0
+    def residuals(self) -> _Floats: ...  # (..., wheels) [m/s], >= 0
     @property
     def rank(self) -> int | NDArray[np.int64]: ...
     @property
@@ -189,7 +189,7 @@ class TwistJacobian:  # what was not asked for is None
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
-    def speeds(self) -> _Floats: ...  # (..., 3, wheels), as all but the next two
+    def wheel_speeds(self) -> _Floats: ...  # (..., 3, wheels), as all but the next two
     @property
     def steering(self) -> _Floats: ...  # (..., 3, steered wheels)
     @property
@@ -373,13 +373,13 @@ class Rover:
     ) -> Rover: ...
     @staticmethod
     def six_wheel(
-        d1: float,
-        d2: float,
-        d3: float,
-        d4: float,
+        *,
+        front_to_middle: float,
+        middle_to_rear: float,
+        track_width: float,
+        middle_track_width: float | None = None,
         wheel_radius: float,
         steering_limit: _Ranges = None,
-        *,
         scrub: _Each = 0.0,
         trail: _Each = 0.0,
         names: Sequence[str] | None = None,
@@ -457,8 +457,8 @@ class Rover:
     ) -> Rover: ...
     @staticmethod
     def mecanum(
-        half_wheelbase: float,
-        half_track: float,
+        wheelbase: float,
+        track_width: float,
         wheel_radius: float,
         *,
         roller_angle: float = 0.7853981633974483,
@@ -500,7 +500,7 @@ class Rover:
         previous: ArrayLike | None = None,
         steering_rates: ArrayLike | None = None,
         centre: ArrayLike | None = None,
-        previous_speeds: ArrayLike | None = None,
+        previous_wheel_speeds: ArrayLike | None = None,
         out: tuple[_Out, _Out] | None = None,
         dtype: type[_Real] | None = None,
         threads: int | None = None,
@@ -509,7 +509,7 @@ class Rover:
     def forward(
         self,
         steering: ArrayLike,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         *,
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
@@ -521,7 +521,7 @@ class Rover:
     def fit(
         self,
         steering: ArrayLike,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         *,
         method: _Method = "least_squares",
         steering_rates: ArrayLike | None = None,
@@ -531,7 +531,7 @@ class Rover:
     def sensitivity(
         self,
         steering: ArrayLike | None,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         *,
         steering_rates: ArrayLike | None = None,
         quantities: Sequence[_Quantity] | None = None,
@@ -571,13 +571,13 @@ class Rover:
     @property
     def wheel_names(self) -> tuple[str, ...]: ...
     @property
-    def steered_names(self) -> tuple[str, ...]: ...
+    def steered_wheel_names(self) -> tuple[str, ...]: ...
     @property
     def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the order of the wheels
     @property
     def steering_joints(self) -> dict[str, str]: ...
     @property
-    def command_joints(self) -> tuple[str, ...]: ...  # in the caller's order
+    def joint_names(self) -> tuple[str, ...]: ...  # in the caller's order
     @property
     def reversed_joints(self) -> tuple[str, ...]: ...
     @property
@@ -629,22 +629,22 @@ class Noise:
 class Encoder:
     def __new__(
         cls,
-        resolution: float | None = None,
+        ticks_per_turn: float | None = None,
         *,
-        gear: float = 1.0,
-        modulus: float | None = None,
+        gear_ratio: float = 1.0,
+        wraps_at: float | None = None,
         offset: float = 0.0,
     ) -> Encoder: ...
     @property
-    def resolution(self) -> float | None: ...
+    def ticks_per_turn(self) -> float | None: ...
     @property
-    def gear(self) -> float: ...
+    def gear_ratio(self) -> float: ...
     @property
-    def modulus(self) -> float | None: ...
+    def wraps_at(self) -> float | None: ...
     @property
     def offset(self) -> float: ...  # [rad]
     @property
-    def angle_per_count(self) -> float: ...  # [rad]
+    def angle_per_tick(self) -> float: ...  # [rad]
     def replace(self, **changes: Any) -> Encoder: ...
     def __replace__(self, **changes: Any) -> Encoder: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -668,7 +668,7 @@ class OdometryState:
     @property
     def twist_covariance(self) -> _Floats: ...  # (3, 3)
     @property
-    def residual(self) -> _Floats: ...  # (wheels,) [m/s]
+    def residuals(self) -> _Floats: ...  # (wheels,) [m/s]
     @property
     def weights(self) -> _Floats: ...  # (wheels,)
     @property
@@ -787,9 +787,9 @@ class Odometry3State:
     @property
     def twist_covariance(self) -> _Floats: ...  # (6, 6)
     @property
-    def residual(self) -> _Floats: ...  # (wheels,) [m/s]
+    def residuals(self) -> _Floats: ...  # (wheels,) [m/s]
     @property
-    def slip(self) -> _Floats: ...  # (wheels, 2) [m/s]
+    def slips(self) -> _Floats: ...  # (wheels, 2) [m/s]
     @property
     def worst_wheel(self) -> str | None: ...
     @property
@@ -799,7 +799,7 @@ class Odometry3State:
 class Odometry3:
     def __new__(
         cls,
-        arm: Suspension,
+        suspension: Suspension,
         noise: Noise | None = None,
         *,
         ground: Terrain | None = None,
@@ -844,7 +844,7 @@ class Odometry3:
     @property
     def state(self) -> Odometry3State: ...
     @property
-    def arm(self) -> Suspension: ...
+    def suspension(self) -> Suspension: ...
     @property
     def ground(self) -> Terrain | None: ...
     @property
@@ -947,7 +947,7 @@ class Terrain:
         heights: ArrayLike,
         spacing: float | tuple[float, float] | None = None,
         origin: tuple[float, float] | None = None,
-        orientation: float | None = None,
+        yaw: float = 0.0,
         *,
         north_up: bool | None = None,
         nodata: float | None = None,
@@ -985,8 +985,8 @@ class Terrain:
     @property
     def origin(self) -> tuple[float, float]: ...
     @property
-    def orientation(self) -> float: ...
-    def height(
+    def yaw(self) -> float: ...
+    def height_at(
         self,
         xy: ArrayLike,
         *,
@@ -995,7 +995,7 @@ class Terrain:
         dtype: type[_Real] | None = None,
         threads: int | None = None,
     ) -> float | NDArray[_Real]: ...
-    def gradient(
+    def gradient_at(
         self,
         xy: ArrayLike,
         *,
@@ -1004,7 +1004,7 @@ class Terrain:
         dtype: type[_Real] | None = None,
         threads: int | None = None,
     ) -> NDArray[_Real]: ...
-    def normal(
+    def normal_at(
         self,
         xy: ArrayLike,
         *,
@@ -1025,7 +1025,7 @@ class GroundCommand:
     @property
     def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
     @property
-    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    def wheel_speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
     @property
     def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
     @property
@@ -1043,12 +1043,12 @@ class GroundMotion:
     @property
     def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
     @property
-    def residual(self) -> _Floats: ...  # (..., wheels, 3) [m/s]
+    def residuals(self) -> _Floats: ...  # (..., wheels, 3) [m/s]
 
 @final
 class Traction:
     @property
-    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    def wheel_speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
     @property
     def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
     @property
@@ -1109,7 +1109,9 @@ class Suspension:
         roll_limit: float | tuple[float, float] | None = None,
     ) -> Suspension: ...
     @staticmethod
-    def zoe() -> Suspension: ...
+    def preset(name: str) -> Suspension: ...
+    @staticmethod
+    def presets() -> dict[str, str]: ...
     @staticmethod
     def rigid(
         centres: ArrayLike,
@@ -1144,7 +1146,7 @@ class Suspension:
         self,
         stand: SettledPose,
         steering: ArrayLike | None,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         joint_rates: ArrayLike | None = None,
         angular_velocity: ArrayLike | None = None,
         *,
@@ -1174,7 +1176,7 @@ class Suspension:
     def slip(
         self,
         stand: SettledPose,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         twist: ArrayLike,
         joint_rates: ArrayLike,
         *,
@@ -1338,13 +1340,9 @@ class RockerBogie(Suspension):
         differential_bar: ArrayLike | None = None,
     ) -> RockerBogie: ...
     @staticmethod
-    def open_source_rover() -> RockerBogie: ...
+    def preset(name: str) -> RockerBogie: ...
     @staticmethod
-    def rocky7() -> RockerBogie: ...
-    @staticmethod
-    def perseverance() -> RockerBogie: ...
-    @staticmethod
-    def curiosity() -> RockerBogie: ...
+    def presets() -> dict[str, str]: ...
     def frames(
         self, rho: ArrayLike, beta: ArrayLike, psi: ArrayLike | None = None, *, threads: int | None = None
     ) -> dict[str, _Floats]: ...
@@ -1395,7 +1393,7 @@ class RockerBogie(Suspension):
         beta: ArrayLike,
         *,
         previous: ArrayLike | None = None,
-        previous_speeds: ArrayLike | None = None,
+        previous_wheel_speeds: ArrayLike | None = None,
         threads: int | None = None,
     ) -> SteeringCommand: ...
     @property
@@ -1409,7 +1407,7 @@ class RockerBogie(Suspension):
 class FourAxle:
     def __new__(
         cls,
-        hinges: ArrayLike,
+        pivots: ArrayLike,
         axle_length: float,
         wheel_radius: float,
         *,
@@ -1427,13 +1425,13 @@ class FourAxle:
     ) -> tuple[NDArray[_Real], NDArray[_Real]]: ...
     def forward(
         self,
-        angles: ArrayLike,
-        speeds: Iterable[float | None],
+        steering: ArrayLike,
+        wheel_speeds: Iterable[float | None],
         *,
-        front: _Brake = "locked",
-        rear: _Brake = "locked",
+        front_brake: _Brake = "locked",
+        rear_brake: _Brake = "locked",
     ) -> FourAxleMotion: ...
-    def mobility(self, angles: ArrayLike) -> FourAxleMobility: ...
+    def mobility(self, steering: ArrayLike) -> FourAxleMobility: ...
     def concurrent_angles(
         self,
         icr: ArrayLike,
@@ -1470,7 +1468,7 @@ class FourAxle:
     @property
     def rover(self) -> Rover: ...
     @property
-    def hinges(self) -> tuple[float, float]: ...
+    def pivots(self) -> tuple[float, float]: ...
     @property
     def axle_length(self) -> float: ...
     @property
@@ -1565,8 +1563,8 @@ class Controller:
         twist: ArrayLike | None = None,
     ) -> Controller: ...
     def command(self, twist: ArrayLike, stamp: float, mode: _Mode | None = None) -> bool: ...
-    def step(self, now: float, measured: ArrayLike | None = None) -> ControllerOutput: ...
-    def run(self, stamps: ArrayLike, twists: ArrayLike, times: ArrayLike) -> ControllerRun: ...
+    def step(self, stamp: float, measured: ArrayLike | None = None) -> ControllerOutput: ...
+    def run(self, twists: ArrayLike, stamps: ArrayLike, step_stamps: ArrayLike) -> ControllerRun: ...
     def reset(self, steering: ArrayLike | None = None) -> None: ...
     def halt(self) -> None: ...
     def release(self) -> bool: ...
@@ -1583,7 +1581,7 @@ class Controller:
     @property
     def steering(self) -> _Floats: ...
     @property
-    def now(self) -> float | None: ...
+    def stamp(self) -> float | None: ...
     @property
     def stopped(self) -> bool: ...
     @property
@@ -1598,7 +1596,7 @@ class ControllerOutput:
     @property
     def steering_rates(self) -> _Floats: ...
     @property
-    def speeds(self) -> _Floats: ...
+    def wheel_speeds(self) -> _Floats: ...
     @property
     def joint_errors(self) -> _Floats | None: ...
     @property
@@ -1619,7 +1617,7 @@ class ControllerRun:
     @property
     def steering_rates(self) -> _Floats: ...
     @property
-    def speeds(self) -> _Floats: ...
+    def wheel_speeds(self) -> _Floats: ...
     @property
     def twist(self) -> _Floats: ...
     @property
@@ -1723,7 +1721,7 @@ class MppiPlan:
     @property
     def steering(self) -> _Floats: ...
     @property
-    def speeds(self) -> _Floats: ...
+    def wheel_speeds(self) -> _Floats: ...
     @property
     def twists(self) -> _Floats: ...
     @property

@@ -31,6 +31,7 @@ def rest(seed: int, rows: int = 400, dt: float = 0.02) -> WheelLog:
     return WheelLog(stamps, None, angles, yaw_rate=bias + KNOWN.noise * random.standard_normal(2 * rows))
 
 
+@pytest.mark.slow
 def test_noise_that_was_put_in_is_in_its_intervals():
     """Of 40 times two intervals of 95 %, 76 are meant to hold, give or take three deviations of 2."""
     held, count = 0, 40 * SOAK

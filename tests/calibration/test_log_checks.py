@@ -149,7 +149,7 @@ def test_a_lone_window_weighs_as_its_length_deserves():
 def test_readings_of_any_kind_are_calibrated():
     times = np.linspace(0.0, 30.0, 61)
     twists = np.stack((0.2 + 0 * times, 0 * times, 0.5 * np.sin(times)), axis=-1)
-    wheels = sw.Encoder(64, gear=43.7, modulus=2**12)
+    wheels = sw.Encoder(64, gear_ratio=43.7, wraps_at=2**12)
     counted = sw.simulate(PAIR, (times, twists), encoder=wheels)
     start = sw.Rover.differential(0.19, 0.044)
     options = {"parameters": ["wheel_radius", "track_width"], "cross_validation": False}

@@ -151,13 +151,13 @@ def test_velocities_alone_and_both(tmp_path: Path) -> None:
     stamps = [START + k * 100_000_000 for k in range(11)]
     speeds = write(tmp_path / "speeds", states([joints(s, names, velocities=[1, -2]) for s in stamps]))
     both = write(tmp_path / "both", states([joints(s, names, [5, 6], [1, -2]) for s in stamps]))
-    for path, options in ((speeds, {}), (both, {"reading": "speed"})):
+    for path, options in ((speeds, {}), (both, {"readings": "speeds"})):
         _, _, angles, steering = read(path, CART, 3, **options)
         assert steering is None
         np.testing.assert_allclose(angles[-1], [1, -2], rtol=1e-14)
     np.testing.assert_array_equal(read(both, CART)[2], np.tile([5, 6], (11, 1)))
     with pytest.raises(TableError, match="wheels must be read in one way, all as angle, got wheel left"):
-        JointLog(speeds, CART, reading="angle")
+        JointLog(speeds, CART, readings="angles")
 
 
 def test_a_message_without_a_stamp_has_the_time_it_came(tmp_path: Path) -> None:

@@ -42,7 +42,7 @@ def test_python_and_files_of_parameters_agree(tmp_path: Path) -> None:
 
 
 def test_every_question_is_asked_before_anything_is_computed(tmp_path: Path) -> None:
-    path, arm, output = unplaced(tmp_path), sw.RockerBogie.perseverance(), tmp_path / "out.tif"
+    path, arm, output = unplaced(tmp_path), sw.RockerBogie.preset("perseverance"), tmp_path / "out.tif"
     options: dict[str, Any] = {}
     for name, value in (("spacing", CELL), ("nodata", -9999), ("unit", "mm")):
         with pytest.raises(TerrainFileError, match=rf"{name}=") as told:
@@ -69,7 +69,7 @@ def test_the_command_line_asks_and_is_answered(run: Run, tmp_path: Path) -> None
         assert words in shown
     commands = tmp_path / "commands.csv"
     commands.write_text("time,vx,vy,omega\n0,0.1,0,0\n1,0.1,0,0\n")
-    start = ["--start", "7,3,0"]
+    start = ["--start", "7", "3", "0"]
     code, _, words = run("simulate", "perseverance", str(commands), "--ground", str(path), *start, *answers)
     assert code == 0, words
 
@@ -85,7 +85,7 @@ def test_marks_that_are_heights_stay_heights(tmp_path: Path) -> None:
         sw.Terrain(heights, CELL)
     kept = sw.Terrain(heights, CELL, nodata=math.nan)
     assert kept.heights.min() == -9999
-    assert kept.replace(orientation=0.1).heights.min() == -9999
+    assert kept.replace(yaw=0.1).heights.min() == -9999
 
 
 def test_stretched_projections_are_told_with_both_factors(tmp_path: Path) -> None:

@@ -192,8 +192,8 @@ def _said(reader: AnyLog) -> list[str]:
 
 
 def _encoders(result: Calibration, parameters: Parameters | None) -> dict[str, Any]:
-    """The key ``encoders`` with the factors that are no dimension of a rover."""
-    encoders = dict(parameters.encoders) if parameters else {}
+    """The key ``wheel_encoders`` with the factors that are no dimension of a rover."""
+    encoders = dict(parameters.wheel_encoders) if parameters else {}
     gains = dict(encoders.get("steering_gain", {}))
     for one in result.parameters:
         kind, _, wheel = one.name.removesuffix("]").partition("[")
@@ -210,7 +210,7 @@ def _beside(done: Calibrated, parameters: Parameters | None) -> dict[str, dict[s
     """Calibrated sections beside the rover's dimensions, by the keys that every parameter file has."""
     result = done.result
     return {
-        "encoders": _encoders(result, parameters),
+        "wheel_encoders": _encoders(result, parameters),
         "noise": _noise(result, parameters),
         "odometry": _odometry(result, parameters),
         "gyroscope": _gyroscope(done, parameters),
@@ -319,7 +319,7 @@ def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:
         raise ValueError(f"{log.name} must have a truth, got none")  # it was checked
     corrections = _encoders(result, None)
     gains = corrections.get("steering_gain", {})
-    factors = np.array([gains.get(wheel, 1.0) for wheel in result.rover.steered_names])
+    factors = np.array([gains.get(wheel, 1.0) for wheel in result.rover.steered_wheel_names])
     corrected = replace(
         log,
         steering=None if log.steering is None else log.steering * factors,

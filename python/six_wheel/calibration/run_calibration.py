@@ -34,6 +34,7 @@ from six_wheel.calibration.observability import describe, told
 from six_wheel.calibration.problem import LOSSES, Loss, Problem, Solution
 from six_wheel.calibration.result import Calibration
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.dimensions import Catalogue
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
@@ -60,6 +61,7 @@ def parameter_names(rover: Rover, logs: Sequence[WheelLog] = ()) -> list[str]:
     return Catalogue(rover, heard).names
 
 
+@checked()
 def calibrate(
     rover: Rover,
     logs: Any,

@@ -73,7 +73,7 @@ class TransitionState(NamedTuple):
     """``[vx, vy, omega]``, shape (..., 3) [m/s, m/s, rad/s]; of modules, the one that fits them best."""
     steering: Floats
     """Angles of the steered wheels, shape (..., steered wheels) [rad]."""
-    speeds: Floats
+    wheel_speeds: Floats
     """Wheel speeds, shape (..., wheels) [rad/s]."""
     steering_rates: Floats
     """Shape (..., steered wheels) [rad/s]."""

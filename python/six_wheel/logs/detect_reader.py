@@ -14,6 +14,7 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from six_wheel._core import Encoder, Rover
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.tabular_input import is_table, table
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs import optiodom
@@ -70,7 +71,7 @@ class Reader:
 def _optiodom(path: Path, rover: Rover) -> WheelLog:
     """An OptiOdom run, if it is one of this rover's."""
     nominal = optiodom.read_rover(path)
-    if nominal.wheel_names != rover.wheel_names or nominal.steered_names != rover.steered_names:
+    if nominal.wheel_names != rover.wheel_names or nominal.steered_wheel_names != rover.steered_wheel_names:
         theirs, ours = (", ".join(each.wheel_names) for each in (nominal, rover))
         raise TableError(f"{path}: the wheels must be {theirs}, as the run has them, got {ours}")
     return optiodom.read(path)
@@ -90,8 +91,8 @@ class LogOptions:
     file's keys; `frame` is its base_frame_id."""
 
     format: str | None = None
-    reading: Reading | None = None
-    encoders: Mapping[str, Any] = field(default_factory=dict)
+    readings: Reading | None = None
+    wheel_encoders: Mapping[str, Any] = field(default_factory=dict)
     steering_encoders: Mapping[str, Any] = field(default_factory=dict)
     columns: Mapping[str, str] = field(default_factory=dict)
     topics: Sequence[str] = ()
@@ -190,44 +191,44 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
     if kind in READERS:
         return WholeLog(path, rover, kind)
     if is_bag(path) != (kind == "bag"):
-        of_table = f"a file ending in {' or '.join(FORMATS)}"
-        what = "a folder or .mcap or .db3 file" if kind == "bag" else of_table
-        raise TableError(f"{path}: the format {kind} is {what}")
+        tables = " or ".join(FORMATS)
+        form = "a folder or .mcap or .db3 file" if kind == "bag" else f"a file ending in {tables}"
+        raise TableError(f"{path}: the format {kind} is {form}")
     return _joint_log(path, rover, options)
 
 
 def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     """A joint log whose readings the encoders of the options make angles, as far as they are meant for it.
 
-    The headers tell counts from radians: encoders with a resolution are for counts, others for radians.
-    Messages have no units: there a resolution says that they are counts.
+    The headers tell counts from radians: encoders with ticks per turn are for counts, others for radians.
+    Messages have no units: there `ticks_per_turn` says that they are counts.
     """
     columns, topics = options.columns or None, options.topics or None
-    source = JointSource(path, rover, options.reading, columns, topics, options.gyroscope, options.frame)
-    counts = {"wheel": source.reading == "ticks", "steering": bool(source.counted)}
+    source = JointSource(path, rover, options.readings, columns, topics, options.gyroscope, options.frame)
+    counts = {"wheel": source.readings == "ticks", "steering": bool(source.counted)}
     found: dict[str, dict[str, Encoder]] = {"wheel": {}, "steering": {}}
     try:
-        for part, keys in (("wheel", options.encoders), ("steering", options.steering_encoders)):
-            counted = "resolution" in keys
+        for part, keys in (("wheel", options.wheel_encoders), ("steering", options.steering_encoders)):
+            counted = "ticks_per_turn" in keys
             if counts[part] and not counted:
                 what, keys_of_it = TICKS[part]
                 rule = f"{what} in ticks, and how many a turn has must be said"
                 raise TableError(f"{path}: {rule}; give {keys_of_it} in the parameter file")
             # Speeds are those of the joints: of wheels there is nothing to count, nor are angles turned.
-            meant = counts[part] or source.bagged if counted else source.reading != "speed"
-            if meant and not (part == "wheel" and source.reading == "speed"):
+            meant = counts[part] or source.bagged if counted else source.readings != "speeds"
+            if meant and not (part == "wheel" and source.readings == "speeds"):
                 found[part] = encoders_of(rover, part, keys)
     except BaseException:
         source.close()
         raise
-    increments = options.encoders.get("per_sample", False) and bool(found["wheel"])
+    increments = options.wheel_encoders.get("increments", False) and bool(found["wheel"])
     return JointLog.of_source(source, found["wheel"] or None, found["steering"] or None, increments)
 
 
 # What is in ticks, and where their number is said.
 TICKS = {
-    "wheel": ("the wheels are", "--resolution, or encoders.resolution"),
-    "steering": ("the steering is", "steering_encoders.resolution"),
+    "wheel": ("the wheels are", "--ticks-per-turn, or wheel_encoders.ticks_per_turn"),
+    "steering": ("the steering is", "steering_encoders.ticks_per_turn"),
 }
 
 
@@ -236,15 +237,15 @@ def encoders_of(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str,
     if not values.keys() - CORRECTIONS:
         return {}
     joints = rover.traction_joints if part == "wheel" else rover.steering_joints
-    wheels = rover.wheel_names if part == "wheel" else rover.steered_names
+    wheels = rover.wheel_names if part == "wheel" else rover.steered_wheel_names
     turned = {joints.get(name, name) for name in values.get("reversed", ())}
     offsets = {joints.get(name, name): offset for name, offset in values.get("offsets", {}).items()}
-    resolution, gear, modulus = (values.get(key) for key in ("resolution", "gear", "modulus"))
+    ticks, gear, wraps_at = (values.get(key) for key in ("ticks_per_turn", "gear_ratio", "wraps_at"))
     return {
         wheel: Encoder(
-            resolution,
-            gear=(1.0 if gear is None else gear) * (-1.0 if wheel in turned else 1.0),
-            modulus=modulus,
+            ticks,
+            gear_ratio=(1.0 if gear is None else gear) * (-1.0 if wheel in turned else 1.0),
+            wraps_at=wraps_at,
             offset=offsets.get(wheel, 0.0),
         )
         for wheel in wheels
@@ -255,7 +256,7 @@ def corrections(rover: Rover, values: Mapping[str, Any]) -> tuple[Floats, float]
     """Factors for the steering angles (steered wheels,) and for the wheels' angles."""
     gains = values.get("steering_gain", {})
     named = {rover.steering_joints.get(name, name): gain for name, gain in gains.items()}
-    return np.array([named.get(wheel, 1.0) for wheel in rover.steered_names]), values.get("scale", 1.0)
+    return np.array([named.get(wheel, 1.0) for wheel in rover.steered_wheel_names]), values.get("scale", 1.0)
 
 
 def _instead_of(path: Path) -> str:
@@ -289,11 +290,12 @@ def _as_log(source: Any, rover: Rover) -> WheelLog:
     if not is_table(source):
         raise TypeError(f"logs must be Logs, paths or tables of columns, got {type(source).__name__}")
     pieces = list(table(rover, source, None, {}, {}).pieces)
-    steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_names else None
+    steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_wheel_names else None
     stamps = np.concatenate([piece.stamps for piece in pieces])
     return WheelLog(stamps, steering, np.concatenate([piece.wheels for piece in pieces]))
 
 
+@checked()
 def read_log(
     path: str | os.PathLike[str],
     rover: Rover,
@@ -313,7 +315,7 @@ def read_log(
     session = str(path.parent)
     with open_log(path, rover, options) as log:
         whole = log.read(truth=truth, truth_topic=options.truth_topic, session=session, progress=progress)
-    gains, scale = corrections(rover, options.encoders)
+    gains, scale = corrections(rover, options.wheel_encoders)
     steering = None if whole.steering is None else whole.steering * gains
     known = None if whole.truth is None else options.of_body(whole.truth)
     return replace(whole, steering=steering, wheel_angles=whole.wheel_angles * scale, truth=known), log
@@ -337,7 +339,7 @@ class WholeLog:
         If the file is no such log, or of another rover.
     """
 
-    reading: Reading = "ticks"
+    readings: Reading = "ticks"
     origin = 0
     truth_findings: Findings | None = None
 
@@ -379,22 +381,20 @@ class WholeLog:
         for start in range(0, len(log), chunk_rows):
             part = slice(start, start + chunk_rows)
             rows = np.arange(start, min(start + chunk_rows, len(log))) + 1
-            steering = None if log.steering is None else log.steering[part]
-            poses = None if truth is None else truth.poses[part]
+            poses = None if truth is None else truth.poses
+            some = [None if each is None else each[part] for each in (log.steering, poses, log.yaw_rate)]
             self.position = int(rows[-1])
-            rates = None if log.yaw_rate is None else log.yaw_rate[part]
-            yield JointRows(rows, log.stamps[part], steering, log.wheel_angles[part], poses, rates)
+            yield JointRows(rows, log.stamps[part], some[0], log.wheel_angles[part], *some[1:])
 
     def read(self, *, truth: Path | None = None, truth_topic: str | None = None, **_: Any) -> WheelLog:
         """The whole run, with its own truth unless another is given."""
-        self.position = self.size
-        if truth is None:
-            return self._log
-        stamps, poses, self.truth_findings = read_truth(truth, topic=truth_topic)
-        return replace(self._log, truth=GroundTruth(stamps, poses))
+        self.position, log = self.size, self._log
+        if truth is not None:
+            stamps, poses, self.truth_findings = read_truth(truth, topic=truth_topic)
+            log = replace(log, truth=GroundTruth(stamps, poses))
+        return log
 
 
 def example_run() -> Path:
     """The run that comes with this package; see logs/data/README.md."""
-    (run,) = optiodom.runs(Path(str(resources.files("six_wheel.logs") / "data" / "optiodom")))
-    return run
+    return optiodom.runs(Path(str(resources.files("six_wheel.logs") / "data" / "optiodom")))[0]

@@ -27,7 +27,7 @@ class JointSource:
         Of the joints, and of the truth and the gyroscope if a table has them.
     rates : Source or None
         Of a gyroscope whose readings have other stamps than the rows.
-    reading : {"angle", "speed", "ticks"}
+    readings : {"angles", "speeds", "ticks"}
         What the wheels are read as.
     names : sequence of str
         Values of a row: ``"wheel NAME"``, ``"steering NAME"`` and others.
@@ -46,7 +46,7 @@ class JointSource:
         self,
         path: Path,
         rover: Rover,
-        reading: Reading | None = None,
+        readings: Reading | None = None,
         columns: Mapping[str, str] | None = None,
         topics: Sequence[str] | None = None,
         gyroscope: Mapping[str, Any] | None = None,
@@ -63,7 +63,9 @@ class JointSource:
         self.rates: Source | None = None
         self.names: Sequence[str]
         self.bagged = is_bag(path)
-        silent = self._open_bag(reading, topics, frame) if self.bagged else self._open_table(reading, columns)
+        silent = (
+            self._open_bag(readings, topics, frame) if self.bagged else self._open_table(readings, columns)
+        )
         if silent:
             self.warnings.append(f"{path}: no readings of {', '.join(silent)}: taken as without encoder")
 
@@ -78,33 +80,33 @@ class JointSource:
         if self.rates is not None:
             self.rates.close()
 
-    def _open_table(self, reading: Reading | None, columns: Mapping[str, str] | None) -> list[str]:
+    def _open_table(self, readings: Reading | None, columns: Mapping[str, str] | None) -> list[str]:
         """Wheels with a motor but without a column, once the table is open."""
         found: list[JointColumns] = []
 
         def find(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
-            found.append(joint_columns(headers, self.rover, reading, field_units))
+            found.append(joint_columns(headers, self.rover, readings, field_units))
             return dict(found[-1].columns)
 
         table = TolerantTable(self.path, find, columns, (*TRUTH, *RATES))
         joints = found[-1]
-        self.rows, self.reading, self.names = table, joints.reading, list(joints.columns)
+        self.rows, self.readings, self.names = table, joints.readings, list(joints.columns)
         self.stated = joints.columns["time"].stated
         self.turned = joints.reversed
-        columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_names}
+        columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_wheel_names}
         self.counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
         self.has_rates = any(name in joints.columns for name in RATES)
         if self.has_rates and self.gyroscope.get("time_offset"):
             self.rates, self.has_rates = rate_table(self.path, columns), False
         return list(joints.silent)
 
-    def _open_bag(self, reading: Reading | None, topics: Sequence[str] | None, frame: str) -> list[str]:
+    def _open_bag(self, readings: Reading | None, topics: Sequence[str] | None, frame: str) -> list[str]:
         """Wheels with a motor but without a joint state, once the bag is open."""
         from six_wheel.logs.bags.imu_bag import RateBag
         from six_wheel.logs.bags.joint_bag import JointBag
 
-        bag = JointBag(self.path, self.rover, reading, topics)
-        self.rows, self.reading, self.names = bag, bag.reading, bag.names
+        bag = JointBag(self.path, self.rover, readings, topics)
+        self.rows, self.readings, self.names = bag, bag.readings, bag.names
         if any(one.msgtype == RateBag.IMU and one.msgcount for one in bag.connections):
             try:
                 self.rates = self._rates_of_bag(frame)

@@ -206,7 +206,9 @@ class WheelLog:
         if not self.options:
             return self
         wheels = encoders_of("wheel_encoders", self.options.get("wheel_encoders"), rover.wheel_names)
-        joints = encoders_of("steering_encoders", self.options.get("steering_encoders"), rover.steered_names)
+        joints = encoders_of(
+            "steering_encoders", self.options.get("steering_encoders"), rover.steered_wheel_names
+        )
         readings = self.options.get("readings", "angles")
         turned, steering = self.wheel_angles, self.steering
         for name, columns, one_each in (("wheel_angles", turned, wheels), ("steering", steering, joints)):
@@ -303,13 +305,13 @@ def _summed(stamps: Floats, rates: Floats, rows: Rows) -> Floats:
 def _angles(encoder: Encoder, absolute: bool, counts: Floats, rows: Rows) -> Floats:
     """Angles [rad] of encoder counts, a counter that starts over unrolled; an absolute one starts near 0."""
     steps = np.diff(counts)
-    if encoder.modulus is not None:
-        steps -= encoder.modulus * np.round(steps / encoder.modulus)
-    first = counts[0] * encoder.angle_per_count + encoder.offset if absolute else 0.0
-    if absolute and encoder.modulus is not None:
-        around = abs(encoder.modulus * encoder.angle_per_count)
+    if encoder.wraps_at is not None:
+        steps -= encoder.wraps_at * np.round(steps / encoder.wraps_at)
+    first = counts[0] * encoder.angle_per_tick + encoder.offset if absolute else 0.0
+    if absolute and encoder.wraps_at is not None:
+        around = abs(encoder.wraps_at * encoder.angle_per_tick)
         first -= around * np.round(first / around)
-    return np.concatenate(([first], first + np.cumsum(steps) * encoder.angle_per_count))
+    return np.concatenate(([first], first + np.cumsum(steps) * encoder.angle_per_tick))
 
 
 def _check_order(stamps: Floats) -> None:

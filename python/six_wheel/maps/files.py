@@ -40,7 +40,7 @@ class Grid(NamedTuple):
     heights: NDArray[np.floating]  # rows along +y, columns along +x [m]
     spacing: tuple[float, float]  # [m]
     origin: tuple[float, float]  # [m]
-    orientation: float = 0.0  # [rad]
+    yaw: float = 0.0  # [rad]
 
 
 class Options(NamedTuple):

@@ -172,7 +172,7 @@ class Raster:
             )
         # Columns go along the x axis of the grid; rows along its y axis where they go north, else against it.
         self.flipped = bool(right[0] * down[1] - right[1] * down[0] < 0)
-        self.orientation = math.atan2(right[1], right[0])
+        self.yaw = math.atan2(right[1], right[0])
         if self.dataset.driver == "netCDF":
             self._check_axes()
         if self.reference.geographic is not None and self.crs.is_projected:
@@ -323,10 +323,8 @@ class Raster:
         """A window as a grid of the frame of the map."""
         heights = self.heights(rows, columns)
         if self.flipped:
-            return Grid(
-                heights[::-1], self.spacing, self.place(rows.stop - 1, columns.start), self.orientation
-            )
-        return Grid(heights, self.spacing, self.place(rows.start, columns.start), self.orientation)
+            return Grid(heights[::-1], self.spacing, self.place(rows.stop - 1, columns.start), self.yaw)
+        return Grid(heights, self.spacing, self.place(rows.start, columns.start), self.yaw)
 
     def read(self, window: Window | None) -> Grid:
         """The pixels that cover a window of the frame of the map, or all."""

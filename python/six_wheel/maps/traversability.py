@@ -227,7 +227,7 @@ def _tile(raster: Raster, task: _Task, window: Window) -> Tile:
     if min(heights.shape) < 2:
         raise ValueError(f"heights must have at least two rows and two columns, got shape {heights.shape}")
     return Tile(
-        task.rover, np.ascontiguousarray(heights), raster.spacing, raster.orientation, (inner, across),
+        task.rover, np.ascontiguousarray(heights), raster.spacing, raster.yaw, (inner, across),
         task.headings, task.limits, task.map_error, task.belly,
     )  # fmt: skip
 

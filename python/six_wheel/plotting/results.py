@@ -2,12 +2,14 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
+import inspect
 from collections.abc import Callable
 from typing import Any
 
 from matplotlib.figure import Figure
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.keywords import unknown_keyword
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.logs.recordings import Reference
 
@@ -39,6 +41,10 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
     """
     for kind in type(result).__mro__:
         if draw := PICTURES.get(kind.__name__):
+            known = [name for name in inspect.signature(draw).parameters if name != "title"][1:]
+            for name in options:
+                if name not in known:
+                    raise TypeError(unknown_keyword("sw.plot", name, ["title", *known]))
             return draw(result, title=title, **options)
     raise TypeError(f"result must be one of {', '.join(PICTURES)}, got {type(result).__name__}")
 

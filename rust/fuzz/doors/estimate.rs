@@ -1,4 +1,4 @@
-//! Any rover, any twists and readings, every kernel: no panic, finite answers, and the kernels agree with the plain core.
+//! Any rover, any twists and readings, every kernel: no panic, finite answers, and the levels agree.
 
 use six_wheel_kinematics::batch;
 use six_wheel_kinematics::estimate::{Measured, Method, Unseen};

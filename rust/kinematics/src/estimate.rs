@@ -1,4 +1,5 @@
-//! Wheels to twist: the rows of every wheel, stacked and solved by least squares.
+//! Wheels to twist: the rows of the wheels at one instant, their normal equations and the inverse of these. Sums over the
+//! readings are those of [`crate::kernels`].
 
 pub(crate) mod gradients;
 mod readings;
@@ -7,7 +8,6 @@ pub mod sensitivity;
 use nalgebra::{Matrix3, Vector3};
 
 pub use self::readings::{Fit, Measured, Method, Reading, Unseen};
-use crate::geometry::Twist;
 use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 use crate::wheels::{Direction, Pivot};
 use six_wheel_numerics::error::{Error, ErrorKind, finite, numbers};
@@ -38,15 +38,6 @@ pub fn worst_wheel(residuals: &[f64]) -> Option<usize> {
 }
 
 impl RoverData {
-    /// The twist that fits the readings of all wheels best, in the sense of least squares.
-    #[inline]
-    pub fn forward(&self, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
-        self.check_readings(measured)?;
-        let mut readings = [Reading::NONE; MAX_WHEELS];
-        let readings = self.read(measured, &mut readings);
-        self.least_squares(readings, measured, unseen)
-    }
-
     /// Fails unless every reading is finite, passive wheels apart, and none is so large that the twist
     /// would not be.
     pub(crate) fn check_readings(&self, measured: Measured<'_>) -> Result<(), Error> {
@@ -55,7 +46,7 @@ impl RoverData {
         finite("steering_rates", rates)?;
         for (wheel, speed) in self.wheels().iter().zip(measured.speeds) {
             if !(speed.is_finite() || speed.is_nan() && !wheel.driven) {
-                return Err(Error::value("speeds", "be finite", numbers(measured.speeds)));
+                return Err(Error::value("wheel_speeds", "be finite", numbers(measured.speeds)));
             }
         }
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
@@ -64,7 +55,7 @@ impl RoverData {
             Ok(())
         } else {
             let rule = "be small enough for a finite twist";
-            Err(Error::value("speeds", rule, numbers(measured.speeds)))
+            Err(Error::value("wheel_speeds", rule, numbers(measured.speeds)))
         }
     }
 
@@ -82,53 +73,19 @@ impl RoverData {
         self.solution(self.normal(readings, |_| 1.0), Unseen::Refuse).ok()
     }
 
-    /// The twist with residual [m/s] and weight of every wheel, rank and smallest singular value.
-    pub fn fit(
-        &self,
-        measured: Measured<'_>,
-        method: Method,
-        unseen: Unseen,
-        residual: &mut [f64],
-        weights: &mut [f64],
-    ) -> Result<Fit, Error> {
-        self.check_readings(measured)?;
-        let mut readings = [Reading::NONE; MAX_WHEELS];
-        let readings = self.read(measured, &mut readings);
-        let twist = self.estimate(readings, measured, method, unseen, weights)?;
-        for (reading, residual) in readings.iter().zip(residual) {
-            *residual = reading.residual(&twist.into());
-        }
-        let (rank, sigma_min) = self.singular_values(readings, weights);
-        Ok(Fit { twist, rank, sigma_min })
-    }
-
-    /// The twist by any method, and the weights it gave the wheels.
-    pub fn estimate(
-        &self,
-        readings: &[Reading],
-        measured: Measured<'_>,
-        method: Method,
-        unseen: Unseen,
-        weights: &mut [f64],
-    ) -> Result<Twist, Error> {
+    /// The weights of the wheels before any residual is known.
+    pub(crate) fn initial_weights(&self, method: Method, weights: &mut [f64]) -> Result<(), Error> {
         weights.fill(1.0);
-        match method {
-            Method::LeastSquares => self.least_squares(readings, measured, unseen),
-            Method::MiddleWheels => {
-                for (weight, wheel) in weights.iter_mut().zip(self.wheels()) {
-                    *weight = if wheel.pivot == Pivot::Fixed { 1.0 } else { 0.0 };
-                }
-                if weights.iter().all(|weight| *weight == 0.0) {
-                    let rule = "be another one for a rover without unsteered wheels";
-                    return Err(Error::value("method", rule, "'middle_wheels'"));
-                }
-                self.weighted(readings, weights, unseen)
+        if method == Method::MiddleWheels {
+            for (weight, wheel) in weights.iter_mut().zip(self.wheels()) {
+                *weight = if wheel.pivot == Pivot::Fixed { 1.0 } else { 0.0 };
             }
-            Method::Robust => {
-                let start = self.least_squares(readings, measured, unseen)?;
-                self.reweigh(readings, measured.speeds, start, weights, unseen)
+            if weights.iter().all(|weight| *weight == 0.0) {
+                let rule = "be another one for a rover without unsteered wheels";
+                return Err(Error::value("method", rule, "'middle_wheels'"));
             }
         }
+        Ok(())
     }
 
     /// Puts the readings into the wheel equation.
@@ -192,21 +149,6 @@ impl RoverData {
         }
     }
 
-    pub(crate) fn solve_for_twist(
-        &self,
-        solution: &Matrix3<f64>,
-        readings: &[Reading],
-        weight: impl Fn(usize) -> f64,
-    ) -> Twist {
-        let mut gradient = Vector3::zeros();
-        for (i, reading) in readings.iter().enumerate() {
-            let rolling = self.shifted(&reading.rolling) * reading.rolled;
-            let side_slip = self.shifted(&reading.side_slip) * reading.slipped;
-            gradient += (rolling + side_slip) * weight(i);
-        }
-        self.unshifted(&(solution * gradient)).into()
-    }
-
     /// The twist whose unknowns about the centre of the pivots these are.
     #[inline]
     pub fn unshifted(&self, centred: &Vector3<f64>) -> Vector3<f64> {
@@ -230,12 +172,6 @@ impl RoverData {
         turn * solution * turn.transpose()
     }
 
-    /// Least squares, every wheel alike.
-    fn least_squares(&self, readings: &[Reading], measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
-        let solution = self.solution_for(readings, measured, unseen)?;
-        Ok(self.solve_for_twist(&solution, readings, |_| 1.0))
-    }
-
     /// The solution of the normal equations, every wheel alike.
     pub fn solution_for(
         &self,
@@ -249,12 +185,6 @@ impl RoverData {
         }
     }
 
-    /// Weighted least squares.
-    fn weighted(&self, readings: &[Reading], weights: &[f64], unseen: Unseen) -> Result<Twist, Error> {
-        let solution = self.solution(self.normal(readings, |i| weights[i]), unseen)?;
-        Ok(self.solve_for_twist(&solution, readings, |i| weights[i]))
-    }
-
     /// Names the motion that no reading sees.
     fn underdetermined(&self, normal: Matrix3<f64>) -> Error {
         let twist = self.unshifted(&Jacobi::new(&normal).turn.column(2).into_owned());
@@ -264,57 +194,6 @@ impl RoverData {
         let rule = "determine the twist";
         let value = format!("no reading of the motion (vx, vy, omega) = {}", numbers(&twist));
         Error::value("wheels", rule, value).of_kind(ErrorKind::Underdetermined)
-    }
-
-    /// Geman-McClure weights, their scale halved from the largest residual down to the noise: graduated
-    /// non-convexity (H. Yang et al., IEEE RA-L 5(2), 2020), so that no wheel is dropped at first sight.
-    fn reweigh(
-        &self,
-        readings: &[Reading],
-        speeds: &[f64],
-        start: Twist,
-        weights: &mut [f64],
-        unseen: Unseen,
-    ) -> Result<Twist, Error> {
-        let rim_speeds = self
-            .wheels()
-            .iter()
-            .zip(speeds)
-            .filter(|(wheel, speed)| wheel.pivot != Pivot::Castor && speed.is_finite())
-            .map(|(wheel, speed)| wheel.radius * speed);
-        let squares: f64 = rim_speeds.map(|speed| speed * speed).sum();
-        let least_noise = NOISE * (squares / readings.len() as f64).sqrt();
-        let mut residuals = [0.0; MAX_WHEELS];
-        let mut twist = start;
-        let mut scale = f64::INFINITY;
-        for _ in 0..ROUNDS {
-            for (residual, reading) in residuals.iter_mut().zip(readings) {
-                *residual = reading.residual(&twist.into());
-            }
-            let mut sorted = residuals;
-            let sorted = &mut sorted[..readings.len()];
-            sorted.sort_unstable_by(f64::total_cmp);
-            let noise = (MEDIANS * median(sorted)).max(least_noise);
-            if scale.is_infinite() {
-                scale = sorted[sorted.len() - 1].max(least_noise);
-            }
-            scale = scale.min(noise.max(scale / 2.0));
-            if scale == 0.0 {
-                break;
-            }
-            let mut change: f64 = 0.0;
-            for (weight, residual) in weights.iter_mut().zip(&residuals) {
-                let ratio = residual / scale;
-                let next = (1.0 + ratio * ratio).powi(-2);
-                change = change.max((next - *weight).abs());
-                *weight = next;
-            }
-            twist = self.weighted(readings, weights, unseen)?;
-            if change <= SETTLED {
-                break;
-            }
-        }
-        Ok(twist)
     }
 
     /// Rank and smallest singular value of the stacked rows.
@@ -327,10 +206,4 @@ impl RoverData {
         let rank = decomposed.rank(RANK_TOLERANCE * decomposed.values.x);
         (rank, decomposed.values.z)
     }
-}
-
-/// Median of sorted values.
-fn median(sorted: &[f64]) -> f64 {
-    let middle = sorted.len() / 2;
-    if sorted.len() % 2 == 1 { sorted[middle] } else { f64::midpoint(sorted[middle - 1], sorted[middle]) }
 }

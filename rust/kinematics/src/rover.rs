@@ -9,10 +9,13 @@ use crate::admissible::faces::Faces;
 use crate::admissible::projection::Projection;
 use crate::estimate::gradients::Gradients;
 use crate::estimate::sensitivity::Quantity;
+use crate::estimate::{Fit, Measured, Method, Unseen};
 use crate::geometry::Twist;
 use crate::inverse::constants::InverseConstants;
-use crate::kernels::forward_row::ForwardConstants;
+use crate::kernels::fit::{FitConstants, Fits};
+use crate::kernels::normal_equations::ForwardConstants;
 pub use crate::rover_data::{Bank, Inputs, MAX_WHEELS, Mount, RoverData};
+use crate::table::Log;
 use crate::units;
 use crate::wheels::Wheel;
 use six_wheel_numerics::error::Error;
@@ -29,14 +32,16 @@ pub struct Rover {
     plain_angle: f64,
     /// Constants of the inverse kinematics.
     pub inverse_constants: InverseConstants,
-    /// Constants of the kernel of one call, where there is one.
-    pub(crate) forward_constants: Option<ForwardConstants>,
+    /// Constants of the forward kinematics.
+    pub(crate) forward_constants: ForwardConstants,
     min_radius: f64,
     spin_radius: f64,
     /// The admissible twists.
     pub cone: AdmissibleCone,
     /// Made when they are first asked for: many rovers are never asked to project.
     faces: OnceLock<Faces>,
+    /// Likewise, for fits by each method with either treatment of undetermined motion.
+    fits: [OnceLock<FitConstants>; 6],
     /// Likewise, for derivatives of the twist.
     gradients: [OnceLock<Gradients>; Quantity::ALL.len()],
 }
@@ -71,6 +76,7 @@ impl Rover {
             spin_radius,
             cone,
             faces: OnceLock::new(),
+            fits: Default::default(),
             gradients: Default::default(),
             data,
         })
@@ -84,6 +90,11 @@ impl Rover {
     /// Gradients from which derivatives of the twist by a quantity are computed.
     pub(crate) fn gradients(&self, quantity: Quantity) -> &Gradients {
         self.gradients[quantity as usize].get_or_init(|| Gradients::new(&self.data, quantity))
+    }
+
+    /// Constants of fits.
+    pub(crate) fn fit_constants(&self, method: Method, unseen: Unseen) -> &FitConstants {
+        self.fits[2 * method as usize + unseen as usize].get_or_init(|| FitConstants::new(&self.data, method, unseen))
     }
 
     /// The faces of the admissible set.
@@ -143,6 +154,33 @@ impl Rover {
     ) -> bool {
         let cone = is_checked.then_some(&self.cone);
         self.inverse_constants.solve_row(level, twist.into(), inputs, targets, cone)
+    }
+
+    /// The twist that fits the readings of all wheels best, in the sense of least squares.
+    #[inline]
+    pub fn forward(&self, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
+        self.forward_constants.solve_row(&self.data, measured, unseen)
+    }
+
+    /// The twist with residual [m/s] and weight of every wheel, rank and smallest singular value.
+    pub fn fit(
+        &self,
+        measured: Measured<'_>,
+        method: Method,
+        unseen: Unseen,
+        residual: &mut [f64],
+        weights: &mut [f64],
+    ) -> Result<Fit, Error> {
+        let Measured { steering, speeds, steering_rates } = measured;
+        let (mut twists, mut ranks, mut sigmas) = ([[0.0; 3]], [0], [0.0]);
+        let mut fits = Fits { twists: &mut twists, ranks: &mut ranks, sigmas: &mut sigmas, residual, weights };
+        let level = self.forward_constants.level;
+        let constants = self.fit_constants(method, unseen);
+        constants
+            .fit(level, &self.data, Log { steering, speeds, steering_rates }, &mut fits)
+            .map_err(|error| Error { row: None, ..error })?;
+        let ([twist], [rank], [sigma_min]) = (twists, ranks, sigmas);
+        Ok(Fit { twist: twist.into(), rank: rank as usize, sigma_min })
     }
 
     /// Fails unless the rover can make the twist: finite, without side slip, inside the steering ranges.

@@ -146,7 +146,7 @@ proptest! {
         }
     }
 
-    /// The registers' normal equations, like those of the plain core, lose digits by the square of the condition.
+    /// Normal equations lose digits by the square of the condition.
     #[test]
     fn registers_say_what_the_plain_core_says((wheels, readings) in cases(), with_rates in any::<bool>()) {
         let Ok(rover) = Rover::new(wheels.clone()) else { return Ok(()) };

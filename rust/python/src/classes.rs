@@ -14,7 +14,9 @@ use pyo3::types::{PyDict, PyTuple};
 /// - `name: Type` or `name: Type = default`: a type with [`FromArgument`](crate::arguments::FromArgument), read under its
 ///   name by the function of that name in `arguments`;
 /// - `name: native Type` or `name: native Type = default`: a type that pyo3 reads;
-/// - `*`, `/`, `*name` and `**name`, as in Python.
+/// - `*`, `/`, `*name` and `**name`, as in Python;
+/// - `**` at the end: keywords that are not in the list are refused with the nearest name; it needs the signature after
+///   `as`. Not for methods with a fast path: pyo3 gives what takes any keyword another calling convention.
 macro_rules! methods {
     ($class:ident: $($items:tt)*) => {
         listed! { [$class] $($items)* }
@@ -43,6 +45,21 @@ macro_rules! listed {
 
 /// Reads a list of parameters from the left: the signature of pyo3 and the parameters of Rust grow by one at every step.
 macro_rules! with_parameters {
+    (
+        ([$($class:ident)?] $prefix:tt $name:ident $head:tt [$shown:tt] $result:tt [$($body:tt)*])
+        [$($signature:tt)*] [$($typed:tt)*] * *
+    ) => {
+        with_parameters! {
+            (
+                [$($class)?] $prefix $name $head [$shown] $result
+                [
+                    crate::fastcall::keywords::check(concat!($(stringify!($class), ".",)? stringify!($name)), $shown, unknown)?;
+                    $($body)*
+                ]
+            )
+            [$($signature)* **unknown,] [$($typed)* unknown: Option<&Bound<'py, pyo3::types::PyDict>>,]
+        }
+    };
     ($made:tt [$($signature:tt)*] [$($typed:tt)*] * $(, $($rest:tt)*)?) => {
         with_parameters! { $made [$($signature)* *,] [$($typed)*] $($($rest)*)? }
     };

@@ -128,7 +128,7 @@ methods! { Odometry:
         wheel_encoders=None, steering_encoders=None, method: &str = "least_squares", inflate: bool = false,
         slip_threshold: Option<f64> = None, max_gap: Option<f64> = None, max_speed: Option<f64> = None,
         max_steering_rate: Option<f64> = None, smoothing: Option<f64> = None, lag: Option<f64> = None,
-        history: usize = 1024, gyroscope: Option<Bound<'py, Gyroscope>> = None, wheel_noise=None, dimensions=None)
+        history: usize = 1024, gyroscope: Option<Bound<'py, Gyroscope>> = None, wheel_noise=None, dimensions=None, **)
     as "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None, wheel_noise=None, dimensions=None)"
     -> PyResult<Self> {
         let core = &rover.get().core;
@@ -170,7 +170,7 @@ methods! { Odometry:
     /// Returns
     /// -------
     /// OdometryState
-    ///     `pose`, `twist`, `covariance`, `residual` and more.
+    ///     `pose`, `twist`, `covariance`, `residuals` and more.
     ///
     /// Raises
     /// ------

@@ -132,7 +132,7 @@ methods! { Mppi:
     fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, horizon=None, dt: Option<f64> = None,
         samples=None, seed=None, noise=None, correlation: f64 = 0.5, temperature: f64 = 1.0,
         weights: native Option<&Bound<'py, PyDict>> = None, smoothing: bool = true, delay: f64 = 0.0, dtype=None,
-        footprint=None)
+        footprint=None, **)
     as "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
     -> PyResult<Self> {
         let usual = Options::default();
@@ -190,7 +190,7 @@ methods! { Mppi:
     ///     Name of the frame `state`, `path` and `goal` are in; default that of `state`. A costmap of another one is
     ///     refused.
     /// out : tuple of ndarray, optional
-    ///     Arrays for the plan's `steering` and `speeds`.
+    ///     Arrays for the plan's `steering` and `wheel_speeds`.
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`.
     /// level : str, optional
@@ -324,10 +324,10 @@ impl Mppi {
     /// The outputs for steering angles and wheel speeds.
     fn outputs<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> PyResult<[Output<'py>; 2]> {
         let rover = self.rover.get();
-        let outs = out_tuple::<2>(out, "be a tuple of two arrays, steering and speeds")?;
+        let outs = out_tuple::<2>(out, "be a tuple of two arrays, steering and wheel_speeds")?;
         Ok([
             Output::new(py, "out.steering", outs[0].as_ref(), &[rover.joints()])?,
-            Output::new(py, "out.speeds", outs[1].as_ref(), &[rover.count()])?,
+            Output::new(py, "out.wheel_speeds", outs[1].as_ref(), &[rover.count()])?,
         ])
     }
 

@@ -19,7 +19,7 @@ use crate::workers::{any_workers, fill_rows};
 
 /// Ground as a regular grid of heights.
 ///
-/// Node ``(row, column)`` lies at ``origin + R(orientation) (column dx, row dy)``: x grows with columns, y with
+/// Node ``(row, column)`` lies at ``origin + R(yaw) (column dx, row dy)``: x grows with columns, y with
 /// rows. Between nodes heights are bilinear. NaN is a height that nobody knows; neither it nor the outside is
 /// ever guessed.
 ///
@@ -33,9 +33,9 @@ use crate::workers::{any_workers, fill_rows};
 ///     ``matrix[::-1, ::-1].T``.
 /// spacing : float or (float, float)
 ///     Between columns and between rows [m]; may be left out where heights have coordinates.
-/// origin : (float, float)
+/// origin : (float, float), default (0.0, 0.0)
 ///     Place of node (0, 0) in the world [m]: the middle of a cell, not a corner of the map such as ``src.bounds[:2]``.
-/// orientation : float
+/// yaw : float, default 0.0
 ///     Angle from the x axis of the world to the rows, counter-clockwise [rad].
 /// north_up : bool, default False
 ///     True if the first row is the northern one, as in images; `origin` stays the place of the south-western node.
@@ -47,8 +47,9 @@ use crate::workers::{any_workers, fill_rows};
 /// Raises
 /// ------
 /// ValueError
-///     If there are fewer than two rows or columns, a height is infinite, the spacing is not positive, or so
-///     small that it can only be in degrees, or some heights look like marks of unknown ones or like a picture.
+///     If there are fewer than two rows or columns, a height is infinite or 1e15 m and more, the spacing is not
+///     positive, or so small that it can only be in degrees, or some heights look like marks of unknown ones or like
+///     a picture.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Terrain(pub Arc<Core>);
 
@@ -134,15 +135,15 @@ impl Terrain {
     /// The arguments that make this very ground. Its heights are beyond doubt.
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (spacing, origin) = (self.spacing(py), self.origin(py));
-        let (orientation, nodata, unit) = (self.0.orientation(), f64::NAN, "m");
-        Ok(dict!(py, heights = self.heights(py)?, spacing, origin, orientation, nodata, unit))
+        let (yaw, nodata, unit) = (self.0.orientation(), f64::NAN, "m");
+        Ok(dict!(py, heights = self.heights(py)?, spacing, origin, yaw, nodata, unit))
     }
 
     fn from_arguments(
         heights: &Bound<'_, PyAny>,
         spacing: &Bound<'_, PyAny>,
         origin: Option<&Bound<'_, PyAny>>,
-        orientation: f64,
+        yaw: f64,
     ) -> PyResult<Self> {
         let (heights, columns) = read_heights(heights)?;
         let spacing = pair("spacing", spacing)?;
@@ -155,7 +156,7 @@ impl Terrain {
             }
             Some((_, Err(error))) => return Err(error),
         };
-        let core = Core::new(heights, columns, spacing, origin, orientation);
+        let core = Core::new(heights, columns, spacing, origin, yaw);
         core.map(|core| Self(Arc::new(core))).or_raise(&[])
     }
 
@@ -189,7 +190,7 @@ getters! { Terrain, self, py:
     /// Place of node (0, 0) in the world [m].
     origin: (f64, f64) = self.0.origin().into();
     /// Angle from the x axis of the world to the rows, counter-clockwise [rad].
-    orientation: f64 = self.0.orientation();
+    yaw: f64 = self.0.orientation();
     /// The heights [m], shape (rows, columns), as a fresh array.
     heights: PyResult<Bound<'py, PyAny>> = {
         let shape = &self.0.shape();
@@ -206,15 +207,16 @@ pickled_by_keywords!(Terrain: keywords);
 
 methods! { Terrain:
     #[new]
-    fn new[](heights, spacing=None, origin=None, orientation: Option<f64> = None, *, north_up=None, nodata=None,
-        unit=None) -> PyResult<Self> {
-        let (py, orientation) = (heights.py(), orientation.unwrap_or_default());
+    fn new[](heights, spacing=None, origin=None, yaw: Option<f64> = None, *, north_up=None, nodata=None, unit=None,
+        **)
+    as "(heights, spacing=None, origin=None, yaw=0.0, *, north_up=None, nodata=None, unit=None)" -> PyResult<Self> {
+        let (py, yaw) = (heights.py(), yaw.unwrap_or_default());
         let arrays = || py.import("six_wheel.maps.arrays");
         let is_nan = |value: &Bound<'_, PyAny>| value.extract::<f64>().is_ok_and(f64::is_nan);
         let is_metre = |value: &Bound<'_, PyAny>| value.extract::<&str>().is_ok_and(|unit| unit == "m");
         let as_it_is = north_up.is_none() && nodata.is_none_or(is_nan) && unit.is_none_or(is_metre);
         if let Some(spacing) = spacing.filter(|_| as_it_is && is_plain(heights)) {
-            let made = Self::from_arguments(heights, spacing, origin, orientation);
+            let made = Self::from_arguments(heights, spacing, origin, yaw);
             let is_settled = nodata.is_some() && unit.is_some();
             let is_doubtful = |made: &Self| made.0.shape()[1] == 3 || made.is_doubtful() || !is_float(heights);
             if !is_settled && made.as_ref().map_or(true, is_doubtful) {
@@ -225,7 +227,7 @@ methods! { Terrain:
         let options = dict!(py, spacing, origin, north_up, nodata, unit);
         let grid = arrays()?.call_method("read", (heights, ), Some(&options))?;
         let (heights, spacing, origin): (Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>) = grid.extract()?;
-        Self::from_arguments(&heights, &spacing, Some(&origin), orientation)
+        Self::from_arguments(&heights, &spacing, Some(&origin), yaw)
     }
 
     /// Heights at points of the world.
@@ -248,7 +250,7 @@ methods! { Terrain:
     /// -------
     /// float or ndarray, shape (...)
     ///     Heights [m]; NaN off the map and where a height that enters is unknown.
-    fn height[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+    fn height_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 1, (out, dtype), threads, |height, _, target| {
             target[0] = height;
@@ -262,7 +264,7 @@ methods! { Terrain:
     /// xy : array_like, shape (..., 2)
     ///     Points [m].
     /// method : {'bilinear', 'bicubic'}
-    ///     As for `height`. On a crease of the bilinear surface, those of the cell that comes after it.
+    ///     As for `height_at`. On a crease of the bilinear surface, those of the cell that comes after it.
     /// out : ndarray, shape (..., 2), optional
     ///     Array for the result.
     /// dtype : dtype, optional
@@ -274,7 +276,7 @@ methods! { Terrain:
     /// -------
     /// ndarray, shape (..., 2)
     ///     Slopes along x and y of the world; NaN off the map and where a height that enters is unknown.
-    fn gradient[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+    fn gradient_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 2, (out, dtype), threads, |_, gradient, target| {
             target.copy_from_slice(&gradient);
@@ -288,7 +290,7 @@ methods! { Terrain:
     /// xy : array_like, shape (..., 2)
     ///     Points [m].
     /// method : {'bilinear', 'bicubic'}
-    ///     As for `gradient`.
+    ///     As for `gradient_at`.
     /// out : ndarray, shape (..., 3), optional
     ///     Array for the result.
     /// dtype : dtype, optional
@@ -300,7 +302,7 @@ methods! { Terrain:
     /// -------
     /// ndarray, shape (..., 3)
     ///     Normals in world axes; NaN off the map and where a height that enters is unknown.
-    fn normal[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+    fn normal_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 3, (out, dtype), threads, |_, gradient, target| {
             target.copy_from_slice(normal(gradient).as_slice());
@@ -339,7 +341,7 @@ impl Terrain {
         let ([rows, columns], [dx, dy], [x, y]) = (self.0.shape(), self.0.spacing(), self.0.origin());
         let turned = match self.0.orientation() {
             0.0 => String::new(),
-            orientation => format!(", orientation={orientation:?}"),
+            yaw => format!(", yaw={yaw:?}"),
         };
         format!("Terrain(<{rows} x {columns} heights>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){turned})")
     }

@@ -141,6 +141,34 @@ impl Pyramid {
         (a.least_pairs(b).least_pairs(c.least_pairs(d)), fits)
     }
 
+    /// Highest height over a box of cells as [`Self::around`] gives it, to the bit, from the heights themselves [m]: infinity
+    /// where one is not known, and for boxes that are longer than two windows.
+    pub(crate) fn highest_around(
+        heights: &Heights,
+        [rows, columns]: [usize; 2],
+        [first, last]: [[usize; 2]; 2],
+    ) -> f64 {
+        let long = (last[0] - first[0]).max(last[1] - first[1]).max(1);
+        let size = (1_usize << long.ilog2()).min(1 << (LEVELS - 1));
+        if long >= 2 * size {
+            return f64::INFINITY;
+        }
+        // Windows as wide as they are high cover some cells beside a long box.
+        let [end_x, end_y] =
+            [(0, columns), (1, rows)].map(|(k, nodes)| last[k].max(first[k] + size - 1).min(nodes - 2));
+        let mut top = f64::NEG_INFINITY;
+        for row in first[1]..=end_y + 1 {
+            for column in first[0]..=end_x + 1 {
+                let height = heights.at(row * columns + column);
+                if height.is_nan() {
+                    return f64::INFINITY;
+                }
+                top = top.max(height);
+            }
+        }
+        -f64::from(rounded_down(-top))
+    }
+
     /// Extremes over boxes of cells, and of what is in `span`: in pairs as [`Vector::least_pairs`] has them.
     ///
     /// Whichever windows cover a box and nothing else, its extremes are the same to the bit.

@@ -23,6 +23,9 @@ use six_wheel_numerics::error::{Error, finite, number, numbers};
 /// Spacings below this are no metres: an arc second of a map in degrees is 2.8e-4 [m].
 const SMALLEST_SPACING: f64 = 1e-3;
 
+/// Heights from here on have no digits for a wheel, as coordinates have none [m]; squares of smaller ones have doubles.
+const LARGEST_HEIGHT: f64 = 1e15;
+
 /// Interpolation of heights between nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
@@ -97,7 +100,7 @@ impl PartialEq for Terrain {
 
 impl Terrain {
     /// A grid of `columns` heights per row. Fails unless there are at least two rows and columns, every height
-    /// is finite or NaN, and the place makes sense.
+    /// is below 1e15 m or NaN, and the place makes sense.
     #[inline]
     pub fn new(
         heights: Heights,
@@ -113,9 +116,10 @@ impl Terrain {
             return Err(Error::value("heights", rule, shape));
         }
         let largest = heights.largest();
-        if let Some(k) = (0..heights.len()).find(|&k| largest.is_infinite() && heights.at(k).is_infinite()) {
+        if let Some(k) = (0..heights.len()).find(|&k| largest >= LARGEST_HEIGHT && heights.at(k).abs() >= LARGEST_HEIGHT) {
             let place = format!("heights[{}, {}]", k / columns, k % columns);
-            return Err(Error::value(place, "be finite, or nan where unknown", number(heights.at(k))));
+            let rule = if heights.at(k).is_infinite() { "be finite" } else { "be below 1e15 m" };
+            return Err(Error::value(place, format!("{rule}, or nan where unknown"), number(heights.at(k))));
         }
         for step in spacing {
             if !(step.is_finite() && step > 0.0) {
@@ -128,7 +132,7 @@ impl Terrain {
             }
         }
         finite("origin", &origin)?;
-        finite("orientation", &[orientation])?;
+        finite("yaw", &[orientation])?;
         let reach = spacing[0] * columns as f64 + spacing[1] * rows as f64;
         if reach + origin[0].abs() + origin[1].abs() >= 1e15 {
             // Beyond, neighbouring doubles lie further apart than a wheel is large.
@@ -171,20 +175,6 @@ impl Terrain {
     #[inline(always)]
     pub(crate) fn known_pyramid(&self) -> Option<&Pyramid> {
         self.pyramid.get().map(|pyramid| &**pyramid)
-    }
-
-    /// Height of the highest node of a box of cells on the map, both ends included [m]; infinity where one is not
-    /// known.
-    pub(crate) fn highest(&self, first: [usize; 2], last: [usize; 2]) -> f64 {
-        let mut top = f64::NEG_INFINITY;
-        for row in first[1]..=last[1] + 1 {
-            for column in first[0]..=last[0] + 1 {
-                let height = self.heights.at(row * self.columns + column);
-                let height = if height.is_nan() { f64::INFINITY } else { height };
-                top = top.max(height);
-            }
-        }
-        top
     }
 
     /// Number of rows and of columns.

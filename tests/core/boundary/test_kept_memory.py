@@ -99,6 +99,7 @@ def test_what_is_kept_is_given_back_where_memory_runs_out() -> None:
     assert result.stdout.strip() == "8", result.stderr
 
 
+@pytest.mark.slow
 def test_what_is_kept_is_bounded() -> None:
     """A gigabyte of results that lived at once leaves 32 MB behind."""
     result = limited(

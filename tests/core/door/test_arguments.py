@@ -14,7 +14,7 @@ ROVER = sw.Rover.preset("perseverance")
 SWERVE = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1)
 TWISTS = np.random.default_rng(1).normal(size=(5, 3)) * [1.0, 0.0, 0.3]
 STEERING, SPEEDS = ROVER.inverse(TWISTS)
-ROCKY, ARM = sw.RockerBogie.rocky7(), sw.RockerBogie.perseverance()
+ROCKY, ARM = sw.RockerBogie.preset("rocky7"), sw.RockerBogie.preset("perseverance")
 LEVEL = sw.Terrain(np.zeros((100, 100)), 0.1)
 STAND = ARM.settle(LEVEL, (5.0, 5.0, 0.0))
 
@@ -34,7 +34,7 @@ FIRST_CALLS = [
     "sw.exp((1.0, 0.0, 0.0))",
     "sw.integrate([(1.0, 0.0, 0.0)], 0.1)",
     "sw.Rover.preset('perseverance')",
-    "sw.Odometry3(sw.RockerBogie.rocky7()).state.pose",
+    "sw.Odometry3(sw.RockerBogie.preset('rocky7')).state.pose",
     "sw.FourAxle((0.3, 0.0), 0.2, 0.1)",
     "sw.Terrain([(0.0, 1.0), (0.0, 1.0)], 0.1)",
 ]
@@ -74,8 +74,8 @@ def test_masked_numbers_and_logs_are_refused_by_name():
         sw.Controller(ROVER).command(np.ma.array([1.0, 0.0, 0.0]), 0.0)
     with pytest.raises(ValueError, match="^heights must be without a mask"):
         sw.Terrain(np.ma.masked_less(np.zeros((3, 3), np.float32), -1.0), 0.1)
-    with pytest.raises(ValueError, match="^d1 must be without a mask"):
-        sw.Rover.six_wheel(np.ma.array(0.4), 0.5, 0.5, 0.45, 0.15)
+    with pytest.raises(ValueError, match="^track_width must be without a mask"):
+        sw.Rover.differential(np.ma.array(0.4), 0.15)
 
 
 # What an argument's own code raises
@@ -121,7 +121,7 @@ CALLS = {
     "Noise": lambda a: sw.Noise(a),
     "Terrain": lambda a: sw.Terrain(a, 0.1),
     "Terrain, spacing": lambda a: sw.Terrain(np.zeros((3, 3)), a),
-    "height": lambda a: LEVEL.height(a),
+    "height": lambda a: LEVEL.height_at(a),
     "settle": lambda a: ARM.settle(LEVEL, a),
     "settle, steering": lambda a: ARM.settle(LEVEL, (5.0, 5.0, 0.0), a),
     "bounds, yaw_margin": lambda a: ARM.bounds(LEVEL, (5.0, 5.0, 0.0), a),
@@ -200,11 +200,11 @@ def test_compose_and_exp_and_log():
 def test_inverse(rows):
     twists = np.resize(TWISTS, (rows, 3))
     previous, rolling = np.array([0.1, 0.2, -0.1, 0.3]), np.linspace(-1, 1, 6)
-    wide = {"previous": np.tile(previous, (rows, 1)), "previous_speeds": np.tile(rolling, (rows, 1))}
+    wide = {"previous": np.tile(previous, (rows, 1)), "previous_wheel_speeds": np.tile(rolling, (rows, 1))}
     wanted = ROVER.inverse(twists, **wide)
     for given in (
-        {"previous": previous, "previous_speeds": rolling},
-        {"previous": previous.tolist(), "previous_speeds": rolling[None]},
+        {"previous": previous, "previous_wheel_speeds": rolling},
+        {"previous": previous.tolist(), "previous_wheel_speeds": rolling[None]},
     ):
         for one, other in zip(ROVER.inverse(twists, **given), wanted, strict=True):
             np.testing.assert_array_equal(one, other)
@@ -226,7 +226,7 @@ def test_forward_and_fit_and_sensitivity(rows):
     np.testing.assert_allclose(found, ROVER.forward(STEERING, np.tile(SPEEDS[0], (5, 1))), rtol=0, atol=1e-14)
     few = speeds[:7]
     fit, wanted = ROVER.fit(STEERING[0], few), ROVER.fit(wide[:7], few[: len(few)])
-    np.testing.assert_array_equal(fit.residual, wanted.residual)
+    np.testing.assert_array_equal(fit.residuals, wanted.residuals)
     assert fit.worst_wheel == wanted.worst_wheel
     np.testing.assert_array_equal(
         ROVER.sensitivity(STEERING[0], few).steering, ROVER.sensitivity(wide[: len(few)], few).steering

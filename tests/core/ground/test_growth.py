@@ -85,7 +85,7 @@ def states_found(rover, ground, pose, starts, seed):
     """
     spacing, step, random = ground.spacing[0], 1e-5, np.random.default_rng(seed)
     numbers = random.uniform(-0.9, 0.9, (starts, 6))
-    numbers[:, 0] = ground.height(pose[:2]) + random.uniform(-0.2, 0.3, starts)
+    numbers[:, 0] = ground.height_at(pose[:2]) + random.uniform(-0.2, 0.3, starts)
     gaps = sampled_gaps(rover, ground.heights, spacing, pose, numbers)
     for _ in range(25):
         beside = [
@@ -106,6 +106,7 @@ def states_found(rover, ground, pose, starts, seed):
     return numbers[np.abs(gaps).max(1) < 1e-4]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rocky7", "open_source_rover"])
 def test_what_is_said_to_tip_over_closes_no_gaps_short_of_that(name):
     """Another search, which finds every pose that does stand, finds no state with all wheels on the ground.

@@ -48,6 +48,7 @@ def test_a_plane_only_rotates_the_answer(rover, east, north, height, yaw):
     )  # flat: the angle is as the root of it
 
 
+@pytest.mark.slow
 @given(rovers, st.integers(0, 2**32 - 1))
 @example(ROVERS["open_source_rover"], 198083)
 def test_the_mirrored_ground_mirrors_the_answer(rover, seed):
@@ -63,6 +64,7 @@ def test_the_mirrored_ground_mirrors_the_answer(rover, seed):
     np.testing.assert_allclose(twin.contacts[[1, 0, 3, 2, 5, 4]] * [1, -1, 1], stand.contacts, atol=1e-7)
 
 
+@pytest.mark.slow
 @given(rovers, st.floats(-4, 4), st.tuples(st.floats(-50, 50), st.floats(-50, 50)), st.integers(0, 2**32 - 1))
 def test_a_map_may_lie_anywhere(rover, angle, origin, seed):
     ground, heights, spacing = ground_for(rover)
@@ -74,6 +76,7 @@ def test_a_map_may_lie_anywhere(rover, angle, origin, seed):
     np.testing.assert_allclose(numbers_of(away), numbers_of(here), atol=LAWS)
 
 
+@pytest.mark.slow
 @given(rovers, st.floats(-3000, 3000))
 def test_height_is_only_added(rover, height):
     ground, heights, spacing = ground_for(rover)
@@ -155,7 +158,7 @@ def test_contacts_lie_on_the_ground_and_normals_are_square_to_the_rim():
     rover = ROVERS["perseverance"]
     ground, *_ = ground_for(rover)
     stand = rover.settle(ground, poses_for(rover, 500))
-    np.testing.assert_allclose(ground.height(stand.contacts[..., :2]), stand.contacts[..., 2], atol=1e-10)
+    np.testing.assert_allclose(ground.height_at(stand.contacts[..., :2]), stand.contacts[..., 2], atol=1e-10)
     np.testing.assert_allclose(np.linalg.norm(stand.normals, axis=-1), 1, atol=1e-15)
     spokes = stand.contacts - stand.wheel_centres
     np.testing.assert_allclose(np.linalg.norm(spokes, axis=-1), rover.dimensions["wheel_radius"], rtol=1e-12)

@@ -193,6 +193,7 @@ def test_where_nothing_can_stand_nothing_does(heights, status):
     assert (many.status == status).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [0.2, 0.6, 3.0, 30.0])
 def test_walls_and_holes_have_an_answer_or_a_reason(step):
     rover = limited(ROVERS["perseverance"], 0.4, 0.5)

@@ -52,8 +52,8 @@ def test_every_way_of_naming_arguments():
     ):
         assert [array.tolist() for array in call()] == expected
     twist = ROVER.forward(*out).tolist()
-    assert ROVER.forward(speeds=out[1], steering=out[0]).tolist() == twist
-    assert ROVER.forward(out[0], speeds=out[1], out=None).tolist() == twist
+    assert ROVER.forward(wheel_speeds=out[1], steering=out[0]).tolist() == twist
+    assert ROVER.forward(out[0], wheel_speeds=out[1], out=None).tolist() == twist
     with pytest.raises(TypeError, match="doesn't apply to a 'int' object"):
         sw.Rover.inverse(3, TWIST)
 

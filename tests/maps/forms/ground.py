@@ -70,7 +70,7 @@ def is_right(ground: sw.Terrain, form: Form) -> bool:
     inner[1:-1, 1:-1] = True
     shift = 1e-3 * CELL  # inside a cell whose corners decide, away from its edges
     x, y = u + np.where(u < u.mean(), shift, -shift), v + np.where(v < v.mean(), shift, -shift)
-    told = ground.height(np.stack((x0 + cos * x - sin * y, y0 + sin * x + cos * y), -1))
+    told = ground.height_at(np.stack((x0 + cos * x - sin * y, y0 + sin * x + cos * y), -1))
     if ground.shape[0] * ground.shape[1] != ROWS * COLUMNS:
         return False
     steep = 4e-3  # of a wall beside a place moved by a thousandth of a cell

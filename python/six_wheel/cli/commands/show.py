@@ -107,9 +107,9 @@ def _draw_side(rover: str, reading: Reading, output: Path | None) -> Path:
     from six_wheel.plotting.ground.side import side_figure
     from six_wheel.plotting.saving import picture_path
 
-    arm, name = choose_suspension(rover, reading)
+    suspension, name = choose_suspension(rover, reading)
     target = picture_path(output or Path(f"{name}_from_the_side.png"))
-    return _save(side_figure(arm, title=name), target, [])
+    return _save(side_figure(suspension, title=name), target, [])
 
 
 def _draw_above(rover: str, reading: Reading, output: Path | None, twist: Motion | None) -> Path:

@@ -33,14 +33,14 @@ LimitOption = Annotated[
 
 
 def traverse(
-    map: Annotated[Path, typer.Argument(metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII.")],
     rover: Annotated[
         str,
-        typer.Option(
-            metavar="NAME",
+        typer.Argument(
+            metavar="ROVER",
             help=f"{', '.join(SUSPENDED)}, or a parameter file or URDF with a suspension.",
         ),
     ],
+    map: Annotated[Path, typer.Argument(metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII.")],
     output: LayersOption,
     headings: Annotated[int, typer.Option(help="How many, evenly spaced.")] = 16,
     limit: LimitOption = None,
@@ -53,7 +53,7 @@ def traverse(
     *,
     map_reading: MapReading,
 ) -> None:
-    arm, name = choose_suspension(rover)
+    suspension, name = choose_suspension(rover)
     if not output.parent.is_dir():
         raise ValueError(f"{output}: there is no folder {output.parent}")
     if plot is not None:
@@ -67,7 +67,7 @@ def traverse(
     with progress_bar("tiles") as update:
         done = run(
             map,
-            arm,
+            suspension,
             output,
             headings=headings,
             limits=limits,

@@ -18,7 +18,7 @@ def map_facts(ground: Terrain, system: str | None) -> list[tuple[str, str]]:
     across, along = np.gradient(heights, dy, dx)
     slopes = np.degrees(np.arctan(np.hypot(along, across)))
     slopes = slopes[~np.isnan(slopes)]
-    turned = f", turned by {math.degrees(ground.orientation):.6g} degrees" if ground.orientation else ""
+    turned = f", turned by {math.degrees(ground.yaw):.6g} degrees" if ground.yaw else ""
     facts = [
         ("cells", f"{rows} x {columns} of {dx:.6g} x {dy:.6g} m, in {heights.dtype}"),
         ("extent", f"{dx * (columns - 1):.6g} m along x, {dy * (rows - 1):.6g} m along y{turned}"),

@@ -7,7 +7,8 @@ from typing import Any, Literal, overload
 
 from numpy.typing import ArrayLike
 
-from six_wheel._core import Gyroscope, Noise, Odometry, Rover, Suspension, Terrain
+from six_wheel._core import Gyroscope, Noise, Odometry, Odometry3, Rover, Suspension, Terrain
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry import tabular_input
 from six_wheel.kinematics.odometry.dead_reckoning3 import Track3, reckon
 from six_wheel.kinematics.odometry.sensor_frames import mount, seen_by, start_of_body
@@ -61,6 +62,7 @@ def dead_reckon(
 ) -> Track3: ...
 
 
+@checked(Odometry, Odometry3)
 def dead_reckon(
     rover: Rover | Suspension,
     steering: Any,
@@ -190,6 +192,7 @@ def _refuse(arguments: Mapping[str, object], where: str) -> None:
             raise ValueError(f"{argument} must be left out {where}, got one")
 
 
+@checked(Odometry)
 def dead_reckon_chunks(
     rover: Rover,
     table: Any,

@@ -27,7 +27,7 @@ class Track3:
 
     Attributes
     ----------
-    arm : Suspension
+    suspension : Suspension
         Whose log it was.
     stamps : ndarray, shape (n,)
         As given [s].
@@ -45,7 +45,7 @@ class Track3:
         `OdometryHealth` flags.
     """
 
-    arm: Suspension
+    suspension: Suspension
     stamps: Floats
     poses: Floats
     twists: Floats
@@ -113,7 +113,7 @@ class Track3:
 
 
 def reckon(
-    arm: Suspension,
+    suspension: Suspension,
     steering: Any,
     wheel_angles: ArrayLike | None,
     stamps: ArrayLike | None,
@@ -141,7 +141,7 @@ def reckon(
         options = {**log.options, **options}
     if wheel_angles is None or stamps is None:
         raise ValueError("wheel_angles and stamps must be given for a suspension, got none of them")
-    odometry = Odometry3(arm, noise, ground=ground, **options)
+    odometry = Odometry3(suspension, noise, ground=ground, **options)
     odometry.reset(start, start_covariance)
     return odometry.run(
         steering,

@@ -66,7 +66,7 @@ def concatenate(rover: Rover, tracks: Sequence[Track]) -> Track:
         return tracks[0]
     if not tracks:
         none = np.zeros((0, len(rover.wheels)))
-        track = Odometry(rover).run(np.zeros((0, len(rover.steered_names))), none, np.zeros(0))
+        track = Odometry(rover).run(np.zeros((0, len(rover.steered_wheel_names))), none, np.zeros(0))
         return replace(track)
     joined: dict[str, Any] = {}
     for column in fields(Track):
@@ -103,7 +103,7 @@ def names(rover: Rover, readings: str = "angles") -> dict[str, tuple[str, ...]]:
     steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
     traction = {wheel: joint for joint, wheel in rover.traction_joints.items()}
     known: dict[str, tuple[str, ...]] = {"stamp": STAMPS}
-    for wheel in rover.steered_names:
+    for wheel in rover.steered_wheel_names:
         joint = steering.get(wheel, f"{wheel}_steering_joint")
         known[joint] = tuple(joint + ending for ending in ENDINGS["angles"])
     for wheel in rover.wheel_names:

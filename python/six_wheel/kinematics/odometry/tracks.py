@@ -123,26 +123,6 @@ class Track:
         return len(self.stamps)
 
     @property
-    def pose(self) -> Floats:
-        """`poses`."""
-        return self.poses
-
-    @property
-    def twist(self) -> Floats:
-        """`twists`."""
-        return self.twists
-
-    @property
-    def covariance(self) -> Floats | None:
-        """`covariances`."""
-        return self.covariances
-
-    @property
-    def residual(self) -> Floats | None:
-        """`residuals`."""
-        return self.residuals
-
-    @property
     def left_out(self) -> NDArray[np.int64]:
         """Rows that were left out."""
         import numpy as np
@@ -333,5 +313,5 @@ def can_contradict(rover: Rover, largest: float = math.inf) -> bool:
     driven = np.array([wheel.driven for wheel in rover.wheels])
     heard = [speeds] if largest > ROUNDING else [speeds, np.where(driven, speeds, np.nan)]
     return all(
-        np.nanmax(rover.fit(steering, one, allow_underdetermined=True).residual) > ROUNDING for one in heard
+        np.nanmax(rover.fit(steering, one, allow_underdetermined=True).residuals) > ROUNDING for one in heard
     )

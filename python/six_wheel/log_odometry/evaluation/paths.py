@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import wrap_angle
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats, as_poses, inverse, joined
 from six_wheel.log_odometry.evaluation.relative import (
@@ -200,6 +201,7 @@ def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Reference) -> 
     return estimate.poses if isinstance(estimate, Track) else estimate, truth
 
 
+@checked()
 def evaluate(
     estimate: ArrayLike | Track,
     truth: ArrayLike | Reference,

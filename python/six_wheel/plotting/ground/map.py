@@ -26,7 +26,7 @@ def map_figure(ground: Terrain, *, title: str = "") -> Figure:
     step = max(1, max(ground.shape) // LARGEST)
     heights = np.asarray(ground.heights[::step, ::step], np.float64)
     (dx, dy), (x, y) = (step * size for size in ground.spacing), ground.origin
-    if ground.orientation:
+    if ground.yaw:
         x = y = 0.0
     rows, columns = heights.shape
     extent = (x - dx / 2, x + dx * (columns - 0.5), y - dy / 2, y + dy * (rows - 0.5))

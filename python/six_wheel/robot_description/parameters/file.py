@@ -98,7 +98,7 @@ class Parameters:
     limits: Limits = field(default_factory=Limits)
     control: dict[str, Any] = field(default_factory=dict)
     noise: dict[str, float] = field(default_factory=dict)
-    encoders: Values = field(default_factory=dict)
+    wheel_encoders: Values = field(default_factory=dict)
     steering_encoders: Values = field(default_factory=dict)
     odometry: Values = field(default_factory=dict)
     gyroscope: Values = field(default_factory=dict)
@@ -351,11 +351,11 @@ def _joints(
 
 
 def _check_wheels(section: Section, values: Values, rover: Rover, log: FileFindings) -> None:
-    """The wheels that the keys of encoders and odometry name are there."""
-    steered = (rover.steered_names, rover.steering_joints)
+    """The wheels that the keys of wheel_encoders and odometry name are there."""
+    steered = (rover.steered_wheel_names, rover.steering_joints)
     for group, key, (wheels, joints) in (
-        ("encoders", "reversed", (rover.wheel_names, rover.traction_joints)),
-        ("encoders", "steering_gain", steered),
+        ("wheel_encoders", "reversed", (rover.wheel_names, rover.traction_joints)),
+        ("wheel_encoders", "steering_gain", steered),
         ("steering_encoders", "reversed", steered),
         ("steering_encoders", "offsets", steered),
         ("odometry", "wheel_noise", (rover.wheel_names, ())),

@@ -92,7 +92,7 @@ def defaults(rover: Rover, limits: Limits) -> dict[str, float]:
     """The limits that were left out and have a default, by name, with that."""
     given, filled = limits_given(limits), limits_given(limits.on(rover))
     left_out = {name: value for name, value in filled.items() if name not in given and math.isfinite(value)}
-    if not rover.steered_names:
+    if not rover.steered_wheel_names:
         left_out.pop("steering_rate", None)
     return left_out
 

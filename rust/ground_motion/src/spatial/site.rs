@@ -37,11 +37,10 @@ impl Place {
             return Err(Status::NotConverged);
         }
         let steered = chain.steering().len();
-        let settled = Settler::new(ground, chain).settle_finite(pose, &steering[..steered]);
-        if !settled.status.stands() {
-            return Err(settled.status);
+        let stand = Settler::new(ground, chain).settle_finite(pose, &steering[..steered]);
+        if !stand.status.stands() {
+            return Err(stand.status);
         }
-        let stand = Stand::of(&settled);
         let mut place = Self {
             pose,
             angles: [f64::NAN; MAX_WHEELS],

@@ -16,6 +16,7 @@ use crate::rover_data::RoverData;
 use crate::wheels::Direction;
 use six_wheel_numerics::columns::Column;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::level::{LevelKernel, run_rarely};
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Side slip that passes as rounding, as a share of the fastest pivot's speed: 1 nm per metre driven.
@@ -195,22 +196,7 @@ impl AdmissibleCone {
         if !(!is_clear).any() {
             return Admissibility { is_possible: yes, is_valid: is_clear };
         }
-        // Slips and speeds grow with the twist, where no joint turns: those of tiny ones keep their digits.
-        let [vx, vy, omega] = twist;
-        let is_tiny = (vx.abs() + vy.abs() + omega.abs()).lt(Lanes::splat(simd, MIN_SQUARABLE));
-        let is_tiny = is_tiny & rates.largest(simd).le(zero);
-        let scale = is_tiny.select(Lanes::splat(simd, SCALE[0]), Lanes::splat(simd, 1.0));
-        let twist = [vx * scale + zero, vy * scale, omega * scale];
-        let (fastest, is_valid) = self.fastest(simd, twist, rates);
-        let tolerance = fastest * Lanes::splat(simd, SLIP_TOLERANCE);
-        let mut is_possible = is_valid;
-        for bank in 0..self.banks.len() {
-            is_possible = is_possible & self.bank_slip(simd, bank, twist).le(tolerance);
-        }
-        for wheel in &self.limited {
-            is_possible = is_possible & wheel.slip(simd, twist, rates)[1].le(tolerance);
-        }
-        Admissibility { is_possible: yes | (!no & is_possible), is_valid: is_clear | is_valid }
+        run_rarely(simd, ByDefinition { cone: self, twist, rates, yes, no })
     }
 
     /// True where a twist is finite and the unsteered wheels surely do not slide.
@@ -266,6 +252,40 @@ impl AdmissibleCone {
         // Twice: the length of a velocity against its larger component.
         let speed = (fastest + fastest) / splat(self.min_radius);
         (fastest, is_finite & speed.le(largest))
+    }
+}
+
+/// Decision by the slip of every wheel at the angle that it would be steered to, in the lanes where neither yes nor no is clear.
+struct ByDefinition<'a, S: Simd> {
+    cone: &'a AdmissibleCone,
+    twist: [Lanes<S>; 3],
+    rates: Rates<'a>,
+    yes: Mask<S>,
+    no: Mask<S>,
+}
+
+impl<S: Vector> LevelKernel<S> for ByDefinition<'_, S> {
+    type Output = Admissibility<S>;
+
+    #[inline(always)]
+    fn run_at_level(self, simd: S) -> Admissibility<S> {
+        let Self { cone, twist: [vx, vy, omega], rates, yes, no } = self;
+        let zero = Lanes::splat(simd, 0.0);
+        // Slips and speeds grow with the twist, where no joint turns: those of tiny ones keep their digits.
+        let is_tiny = (vx.abs() + vy.abs() + omega.abs()).lt(Lanes::splat(simd, MIN_SQUARABLE));
+        let is_tiny = is_tiny & rates.largest(simd).le(zero);
+        let scale = is_tiny.select(Lanes::splat(simd, SCALE[0]), Lanes::splat(simd, 1.0));
+        let twist = [vx * scale + zero, vy * scale, omega * scale];
+        let (fastest, is_valid) = cone.fastest(simd, twist, rates);
+        let tolerance = fastest * Lanes::splat(simd, SLIP_TOLERANCE);
+        let mut is_possible = is_valid;
+        for bank in 0..cone.banks.len() {
+            is_possible = is_possible & cone.bank_slip(simd, bank, twist).le(tolerance);
+        }
+        for wheel in &cone.limited {
+            is_possible = is_possible & wheel.slip(simd, twist, rates)[1].le(tolerance);
+        }
+        Admissibility { is_possible: yes | (!no & is_possible), is_valid: yes | no | is_valid }
     }
 }
 

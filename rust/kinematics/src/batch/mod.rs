@@ -15,8 +15,8 @@
 //!    register needs is left out where that changes no bit. So every level gives the same bits.
 //! 6. The columns of the results are woven together into rows and stored, past the caches if they would not stay there
 //!    anyway (`stream.rs`).
-//! 7. Estimates of rows without all readings, of huge readings, or without a clear solution are those of
-//!    [`crate::estimate`], row by row.
+//! 7. Rows without all readings, with huge ones, or without a clear solution are solved each on its own, with their own
+//!    equations (`kernels/fit_row.rs`).
 //!
 //! **One row** goes the same way, but its lanes are the wheels, so nothing has to be woven: the constants are loaded from one
 //! array per number instead of being the same in every lane.

@@ -3,11 +3,9 @@
 use std::ops::Range;
 
 use super::blocks::BLOCK_ROWS;
-use super::single;
-use crate::estimate::{Measured, Unseen};
+use crate::estimate::Unseen;
 use crate::geometry::Twist;
 use crate::inverse::rows;
-use crate::kernels::forward as estimate;
 use crate::rover::Rover;
 use crate::rover_data::Inputs;
 use crate::table::{Beside, Log, Readings, Table};
@@ -133,7 +131,6 @@ pub fn inverse<'a>(
 /// Readings and how they are understood.
 struct Reports<'a> {
     rover: &'a Rover,
-    plan: Option<estimate::ForwardConstants<'a>>,
     level: Level,
     readings: Readings<'a>,
     unseen: Unseen,
@@ -157,31 +154,17 @@ impl<'a> Reports<'a> {
 
     /// Fails at the first row that cannot be read; rows of errors count from the log's first.
     fn check(&self, log: Log<'_>, count: usize) -> Result<(), Error> {
-        if let Some(plan) = &self.plan {
-            return plan.check(self.level, log, 0..count, self.unseen);
-        }
-        // If the rows depend on the angles or on gaps in the readings, only a solution shows that there is one.
-        let solvable = |measured: Measured<'_>| {
-            if self.rover.solution.is_some() && measured.is_complete() {
-                self.rover.check_readings(measured)
-            } else {
-                self.rover.forward(measured, self.unseen).map(drop)
-            }
-        };
-        (0..count).try_for_each(|k| solvable(log.row(self.rover, k)).map_err(|error| error.at_row(k)))
+        self.rover.forward_constants.check(self.level, self.rover, log, 0..count, self.unseen)
     }
 
     fn solve(&self, log: Log<'_>, twists: &mut [[f64; 3]]) -> Result<(), Error> {
-        if let Some(plan) = &self.plan {
-            return plan.solve(self.level, log, self.unseen, twists, self.non_temporal);
+        let (rover, unseen) = (self.rover, self.unseen);
+        if twists.len() >= FEW {
+            let constants = &rover.forward_constants;
+            return constants.solve_rows(self.level, rover, log, unseen, twists, self.non_temporal);
         }
         for (k, twist) in twists.iter_mut().enumerate() {
-            let measured = log.row(self.rover, k);
-            // A few rows at the scalar level are those of `Rover::fit`, to the bit.
-            *twist = match self.level {
-                Level::Scalar => self.rover.forward(measured, self.unseen)?.into(),
-                _ => single::forward_one(self.rover, measured, self.unseen)?.into(),
-            };
+            *twist = rover.forward(log.row(rover, k), unseen)?.into();
         }
         Ok(())
     }
@@ -197,15 +180,8 @@ pub fn forward<'a>(
 ) -> Result<(), Error> {
     let Workers { level, fresh, .. } = workers.here();
     let (count, readings) = (twists.len(), readings.into());
-    let planned = count >= FEW;
-    let reports = Reports {
-        rover,
-        plan: planned.then(|| estimate::ForwardConstants::new(rover)).flatten(),
-        level,
-        readings,
-        unseen,
-        non_temporal: is_large(twists.as_flattened().len()),
-    };
+    let non_temporal = is_large(twists.as_flattened().len());
+    let reports = Reports { rover, level, readings, unseen, non_temporal };
     let share = workers.share(count);
     let tables = [Some(readings.steering), Some(readings.speeds), readings.steering_rates];
     let block = block_of(share, tables);

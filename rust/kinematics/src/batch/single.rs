@@ -18,13 +18,8 @@ pub fn inverse_one(
     rover.inverse(twist, inputs, steering, speeds)
 }
 
-/// [`Rover::forward`], by the kernel for one row where there is one.
+/// [`Rover::forward`].
 pub fn forward_one(rover: &Rover, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
-    if let Some(constants) = &rover.forward_constants
-        && let Some(twist) = constants.solve(measured)
-    {
-        return Ok(twist);
-    }
     rover.forward(measured, unseen)
 }
 

@@ -1,11 +1,9 @@
 //! Fits and sensitivities of many rows, and values that are computed row by row.
 
-use super::rows::FEW;
 use crate::estimate::sensitivity::Quantity;
 use crate::estimate::{Method, Unseen};
-use crate::kernels::fit::{FitConstants, Fits};
-use crate::kernels::forward;
-use crate::kernels::sensitivity::{SensitivityQuery, plain};
+use crate::kernels::fit::Fits;
+use crate::kernels::sensitivity::{SensitivityQuery, write_row};
 use crate::rover::Rover;
 use crate::table::Log;
 use six_wheel_numerics::error::Error;
@@ -37,9 +35,7 @@ pub fn fit(
 ) -> Result<(), Error> {
     let (count, wheels) = (fits.twists.len(), rover.wheels().len());
     let share = workers.share(count);
-    let plan = ((count >= FEW || method == Method::Robust) && log.steering_rates.is_none())
-        .then(|| FitConstants::new(rover, method, unseen))
-        .flatten();
+    let constants = rover.fit_constants(method, unseen);
     let twists = fits.twists.chunks_mut(share).zip(fits.ranks.chunks_mut(share));
     let slips = fits.residual.chunks_mut(share * wheels);
     let says = fits.weights.chunks_mut(share * wheels);
@@ -47,19 +43,8 @@ pub fn fit(
     workers.for_each(parts.enumerate(), |(k, ((((twists, ranks), sigmas), residual), weights))| {
         let count = twists.len();
         let log = log.rows(rover, k * share..k * share + count);
-        let failed = |error: Error| error.below(k * share);
         let mut fits = Fits { twists, ranks, sigmas, residual, weights };
-        if let Some(plan) = &plan {
-            return plan.fit(workers.here().level, log, &mut fits).map_err(failed);
-        }
-        for k in 0..count {
-            let solve = |residual: &mut [f64], weights: &mut [f64]| {
-                rover.fit(log.row(rover, k), method, unseen, residual, weights)
-            };
-            let solved = fits.one(k, wheels, solve);
-            solved.map_err(|error| failed(error.at_row(k)))?;
-        }
-        Ok(())
+        constants.fit(workers.here().level, rover, log, &mut fits).map_err(|error| error.below(k * share))
     })
 }
 
@@ -75,7 +60,7 @@ pub fn sensitivity(
 ) -> Result<(), Error> {
     let (share, all) = (workers.share(twists.len()), (0..rover.wheels().len()));
     let all: Vec<_> = all.collect();
-    let plan = forward::ForwardConstants::new(rover);
+    let constants = &rover.forward_constants;
     let mut parts: Vec<_> = targets
         .iter_mut()
         .map(|(quantity, target)| {
@@ -100,13 +85,13 @@ pub fn sensitivity(
     workers.for_each(jobs.into_iter().enumerate(), |(k, (twists, mut targets))| {
         let log = log.rows(rover, k * share..k * share + twists.len());
         let failed = |error: Error| error.below(k * share);
-        if let Some(plan) = &plan {
+        if constants.is_regular {
             let gradients: Vec<_> = targets.iter().map(|(quantity, ..)| rover.gradients(*quantity)).collect();
-            let ask = SensitivityQuery { plan, log, twists, targets: &mut targets, gradients: &gradients };
+            let ask = SensitivityQuery { rover, constants, log, twists, targets: &mut targets, gradients: &gradients };
             return workers.here().level.run_any(ask).map_err(failed);
         }
         for (k, twist) in twists.iter_mut().enumerate() {
-            let done = plain(rover, log, k, k, twist, &mut targets);
+            let done = write_row(rover, log, k, k, twist, &mut targets);
             done.map_err(|error| failed(error.at_row(k)))?;
         }
         Ok(())

@@ -76,14 +76,6 @@ impl Reading {
         rolled: 0.0,
         slipped: 0.0,
     };
-
-    /// Length of the two residuals: how fast the contact slides under this twist [m/s].
-    #[inline]
-    pub fn residual(&self, twist: &Vector3<f64>) -> f64 {
-        let along = self.rolling.dot(twist) - self.rolled;
-        let across = self.side_slip.dot(twist) - self.slipped;
-        along.hypot(across)
-    }
 }
 
 /// Readings of the wheels at one instant.

@@ -12,11 +12,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Measured, Reading, Unseen};
+use super::{Measured, Reading};
 use crate::geometry::Twist;
-use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
+use crate::rover_data::{Mount, RoverData};
 use crate::wheels::{Direction, Pivot, Wheel};
-use six_wheel_numerics::error::Error;
 
 /// Something of one wheel on which the twist depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -229,16 +228,4 @@ fn respond(
 ) -> Vector3<f64> {
     let residual = reading - row.dot(twist);
     row_change * residual + row * (reading_change - row_change.dot(twist))
-}
-
-impl RoverData {
-    /// Calls `ask` with the linearised fit of one instant's readings, all wheels weighted alike.
-    pub fn sensitivity<T>(&self, measured: Measured<'_>, ask: impl FnOnce(&Linearised<'_>) -> T) -> Result<T, Error> {
-        self.check_readings(measured)?;
-        let mut readings = [Reading::NONE; MAX_WHEELS];
-        let readings = self.read(measured, &mut readings);
-        let solution = self.solution_for(readings, measured, Unseen::Refuse)?;
-        let twist = self.solve_for_twist(&solution, readings, |_| 1.0);
-        Ok(ask(&Linearised { rover: self, readings, measured, solution, twist: twist.into(), weights: None }))
-    }
 }

@@ -59,7 +59,7 @@ impl InverseConstants {
         let groups = order.chunks(GROUP).map(|wheels_of| WheelGroup::new(&wheels, wheels_of)).collect();
         Self {
             joints: rover.steered().len(),
-            level: level().unwrap_or(Level::Scalar),
+            level: level(),
             rounding: [share, share * longest.max(f64::MIN_POSITIVE)],
             groups,
             order,

@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-pub(crate) use super::readings::ForwardConstants;
-use super::readings::{FitColumns, LARGEST_SPEED, solve, solve_block};
+use super::normal_equations::{ForwardConstants, LARGEST_SPEED, solve};
+use super::readings::{FitColumns, ReadingColumns, solve_block};
 use super::safe_range::all_within;
 use crate::estimate::Unseen;
+use crate::rover_data::RoverData;
 use crate::table::Log;
 use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_columns, transpose_to_rows, with_columns};
 use six_wheel_numerics::error::Error;
@@ -15,36 +16,47 @@ use six_wheel_numerics::simd::polynomials::LARGEST_ANGLE;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::stream::{Output, prefetch_ahead};
 
-impl ForwardConstants<'_> {
-    /// Fails at the first row that cannot be read.
+impl ForwardConstants {
+    /// Fails at the first row that cannot be read; rows of errors count from the log's first.
     #[inline]
-    pub fn check(&self, level: Level, log: Log<'_>, rows: Range<usize>, unseen: Unseen) -> Result<(), Error> {
-        let joints = if self.solution.is_none() { self.joints } else { 0 };
-        with_columns(joints, |steering| {
-            let check = Check { plan: self, log, rows, unseen, steering };
-            level.run_any(check)
-        })
-    }
-
-    /// Solves rows that have been checked; `past` the caches, if what is written does not fit in.
-    #[inline]
-    pub fn solve(
+    pub fn check(
         &self,
         level: Level,
+        rover: &RoverData,
+        log: Log<'_>,
+        rows: Range<usize>,
+        unseen: Unseen,
+    ) -> Result<(), Error> {
+        let joints = if self.solution.is_none() { self.joints } else { 0 };
+        with_columns(joints, |steering| level.run_any(Check { constants: self, rover, log, rows, unseen, steering }))
+    }
+
+    /// Solves rows that have been checked; past the caches, if `non_temporal`.
+    #[inline]
+    pub fn solve_rows(
+        &self,
+        level: Level,
+        rover: &RoverData,
         log: Log<'_>,
         unseen: Unseen,
         twists: &mut [[f64; 3]],
         non_temporal: bool,
     ) -> Result<(), Error> {
+        if !self.is_regular {
+            return twists.iter_mut().enumerate().try_for_each(|(k, twist)| {
+                *twist = rover.forward_rarely(log.row(rover, k), unseen)?.into();
+                Ok(())
+            });
+        }
         with_columns(self.joints + self.wheels.len() + self.rates(log), |columns| {
-            let solve = Solve { plan: self, log, unseen, twists, non_temporal, columns };
-            level.run_any(solve)
+            level.run_any(Solve { constants: self, rover, log, unseen, twists, non_temporal, columns })
         })
     }
 }
 
 struct Check<'a> {
-    plan: &'a ForwardConstants<'a>,
+    constants: &'a ForwardConstants,
+    rover: &'a RoverData,
     log: Log<'a>,
     rows: Range<usize>,
     unseen: Unseen,
@@ -57,8 +69,8 @@ impl Kernel for Check<'_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let (plan, log) = (self.plan, self.log);
-        let (joints, wheels) = (plan.joints, plan.wheels.len());
+        let (constants, rover, log) = (self.constants, self.rover, self.log);
+        let (joints, wheels) = (constants.joints, constants.wheels.len());
         for first in self.rows.clone().step_by(BLOCK) {
             let end = self.rows.end.min(first + BLOCK);
             let steering = &log.steering[first * joints..end * joints];
@@ -67,7 +79,8 @@ impl Kernel for Check<'_> {
             let rates = rates.get(first * joints..end * joints).unwrap_or_default();
             prefetch_ahead(simd, steering, 0, 1);
             prefetch_ahead(simd, speeds, 0, 1);
-            let mut pass = all_within(simd, steering, LARGEST_ANGLE / 2.0)
+            let mut pass = constants.is_regular
+                && all_within(simd, steering, LARGEST_ANGLE / 2.0)
                 && all_within(simd, speeds, LARGEST_SPEED)
                 && all_within(simd, rates, LARGEST_SPEED);
             if pass && !self.steering.is_empty() {
@@ -75,7 +88,7 @@ impl Kernel for Check<'_> {
                 let one = Lanes::splat(simd, 1.0);
                 let mut determined = one.le(one);
                 for k in 0..BLOCK / S::F64_LANES {
-                    let (_, surely) = solve(simd, plan.normal(simd, self.steering, k), [one; 3]);
+                    let (_, surely) = solve(simd, constants.normal(simd, self.steering, k), [one; 3]);
                     determined = determined & surely;
                 }
                 pass = !(!determined).any();
@@ -84,13 +97,13 @@ impl Kernel for Check<'_> {
                 continue;
             }
             for k in first..end {
-                let measured = log.row(plan.rover, k);
-                let solvable = if measured.is_complete() && plan.solution.is_some() {
-                    plan.rover.check_readings(measured)
+                let measured = log.row(rover, k);
+                let checked = if measured.is_complete() && constants.solution.is_some() {
+                    rover.check_readings(measured)
                 } else {
-                    plan.rover.forward(measured, self.unseen).map(drop)
+                    rover.forward_rarely(measured, self.unseen).map(drop)
                 };
-                solvable.map_err(|error| error.at_row(k))?;
+                checked.map_err(|error| error.at_row(k))?;
             }
         }
         Ok(())
@@ -98,7 +111,8 @@ impl Kernel for Check<'_> {
 }
 
 struct Solve<'a> {
-    plan: &'a ForwardConstants<'a>,
+    constants: &'a ForwardConstants,
+    rover: &'a RoverData,
     log: Log<'a>,
     unseen: Unseen,
     twists: &'a mut [[f64; 3]],
@@ -112,7 +126,7 @@ impl Kernel for Solve<'_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let (plan, log) = (self.plan, self.log);
+        let (constants, rover, log) = (self.constants, self.rover, self.log);
         let mut twists = [Column::ZERO; 3];
         let mut kept = FitColumns::new(&mut []);
         let count = self.twists.len();
@@ -120,18 +134,18 @@ impl Kernel for Solve<'_> {
         let mut output = Output::new(simd, numbers, 3 * BLOCK, self.non_temporal);
         for first in (0..count).step_by(BLOCK) {
             let end = count.min(first + BLOCK);
-            let log = log.rows(plan.rover, first..end);
-            let heard = plan.load_readings(simd, log, self.columns);
-            let usual = solve_block::<S, false>(simd, plan, heard, &mut twists, &mut kept, log);
+            let log = log.rows(rover, first..end);
+            let columns = ReadingColumns::load(simd, constants, log, self.columns);
+            let none_rare =
+                solve_block::<S, false>(simd, constants, (columns, end - first), &mut twists, &mut kept, log);
             let rows = output.next(3 * (end - first));
             transpose_to_rows(simd, &twists, rows);
-            if usual {
+            if none_rare {
                 continue;
             }
             for (k, twist) in rows.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                if kept.doubts.0[k] != 0.0 {
-                    let measured = log.row(plan.rover, k);
-                    *twist = plan.rover.forward(measured, self.unseen)?.into();
+                if kept.rare.0[k] != 0.0 {
+                    *twist = rover.forward_rarely(log.row(rover, k), self.unseen)?.into();
                 }
             }
         }

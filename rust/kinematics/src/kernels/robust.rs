@@ -1,4 +1,5 @@
-//! Robust fits of whole registers of readings: the rounds of [`crate::rover::Rover::fit`], until all rows of a block have settled.
+//! Robust fits: rounds of weights by residuals and least squares with them, of whole registers of rows until all rows of a
+//! block have settled.
 //!
 //! A steered wheel without scrub and trail measures its pivot's whole velocity, so what a wheel adds to the normal
 //! equations is a constant of the rover times its weight; the rounds need no angle.
@@ -7,26 +8,20 @@ mod block;
 mod rounds;
 
 use self::block::LANES;
-pub(crate) use self::block::{Block, MOST, RobustConstants};
-use self::rounds::IrlsIterations;
+pub(crate) use self::block::{Block, MOST, RobustConstants, RobustWheel};
+pub(crate) use self::rounds::{ByMinors, EARLY, IrlsIterations, LATE, NormalSolver};
 use super::readings::FitColumns;
 use crate::estimate::{NOISE, ROUNDS};
 use six_wheel_numerics::columns::{BLOCK, Column};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Rounds after which the rows that have not settled yet try a leap, and are put together anew: some take ten times as many
-/// as most. After the first ones, those of many blocks go on together.
-pub(crate) const EARLY: [usize; 2] = [6, 8];
-pub(crate) const LATE: [usize; 4] = [12, 16, 28, 30];
-const _: () = assert!(EARLY[0] + EARLY[1] + LATE[0] + LATE[1] + LATE[2] + LATE[3] == ROUNDS);
-
 /// Sums of squares of rim speeds whose squares neither overflow nor lose digits [m²/s²].
 const SQUARES: [f64; 2] = [1e-100, 1e100];
 
-/// Smallest eigenvalue of the weighted rows, as a share of the largest, whose root is exact to 1e-12. Below it, the plain
-/// core.
-const PLAIN_BELOW: f64 = 1e-3;
+/// Smallest eigenvalue of the weighted rows, as a share of the largest, whose root is exact to 1e-12. Below it, singular
+/// values of the rows themselves.
+const EXACT_ROOT: f64 = 1e-3;
 
 /// Rotations are over when what they take away is this share of the trace.
 const DIAGONAL: f64 = 1e-18;
@@ -35,9 +30,9 @@ const SWEEPS: usize = 8;
 impl<'a> Block<'a> {
     /// No rows yet.
     #[inline]
-    pub fn new(seen: &'a mut [[Column; 2]], weights: &'a mut [Column]) -> Self {
+    pub fn new(readings: &'a mut [[Column; 2]], weights: &'a mut [Column]) -> Self {
         Self {
-            kept: FitColumns::new(seen),
+            kept: FitColumns::new(readings),
             weights,
             least: Column::ZERO,
             scale: Column::ZERO,
@@ -47,26 +42,26 @@ impl<'a> Block<'a> {
         }
     }
 
-    /// Begins with the least squares of a block, but for the rows that are for the plain core.
+    /// Begins with the least squares of a block, but for the rare rows.
     #[inline(always)]
-    pub fn begin<S: Vector>(&mut self, simd: S, plan: &RobustConstants, count: usize) {
+    pub fn begin<S: Vector>(&mut self, simd: S, constants: &RobustConstants, count: usize) {
         let one = Lanes::splat(simd, 1.0);
         fill(one, self.weights);
         self.scale = Column([f64::INFINITY; BLOCK]);
         let zero = Lanes::splat(simd, 0.0);
-        let share = Lanes::splat(simd, NOISE * NOISE / plan.wheels.len() as f64);
+        let share = Lanes::splat(simd, NOISE * NOISE / constants.wheels.len() as f64);
         let tiny = Lanes::splat(simd, SQUARES[0]);
         let huge = Lanes::splat(simd, SQUARES[1]);
         for k in 0..count.div_ceil(S::F64_LANES) {
             let rolling = self.kept.rolling.load(simd, k);
             self.least.store(k, rolling * share);
             let sure = rolling.le(zero) | (tiny.le(rolling) & rolling.le(huge));
-            let doubts = sure.select(self.kept.doubts.load(simd, k), one);
-            self.kept.doubts.store(k, doubts);
+            let rare = sure.select(self.kept.rare.load(simd, k), one);
+            self.kept.rare.store(k, rare);
         }
         (self.left, self.rounds) = (0, ROUNDS);
         for row in 0..count.min(BLOCK) {
-            if self.kept.doubts.0[row] == 0.0 {
+            if self.kept.rare.0[row] == 0.0 {
                 self.active[self.left] = row;
                 self.left += 1;
             }
@@ -77,9 +72,9 @@ impl<'a> Block<'a> {
     pub fn take(&mut self, other: &Block<'_>, k: usize) {
         let (from, to) = (other.active[k] % BLOCK, self.left % BLOCK);
         let move_to = |column: &mut Column, other: &Column| column.0[to] = other.0[from];
-        for (seen, other) in self.kept.seen.iter_mut().zip(&*other.kept.seen) {
-            move_to(&mut seen[0], &other[0]);
-            move_to(&mut seen[1], &other[1]);
+        for (readings, other) in self.kept.readings.iter_mut().zip(&*other.kept.readings) {
+            move_to(&mut readings[0], &other[0]);
+            move_to(&mut readings[1], &other[1]);
         }
         for (weight, other) in self.weights.iter_mut().zip(&*other.weights) {
             move_to(weight, other);
@@ -89,7 +84,7 @@ impl<'a> Block<'a> {
         }
         move_to(&mut self.least, &other.least);
         move_to(&mut self.scale, &other.scale);
-        self.kept.doubts.0[to] = 0.0;
+        self.kept.rare.0[to] = 0.0;
         self.active[to] = to;
         self.rounds = other.rounds;
         self.left += 1;
@@ -103,7 +98,7 @@ impl<'a> Block<'a> {
 
     /// So many rounds, or until all rows have settled.
     #[inline(always)]
-    pub fn go_on<S: Vector>(&mut self, simd: S, plan: &RobustConstants, phases: &[usize]) {
+    pub fn go_on<S: Vector>(&mut self, simd: S, constants: &RobustConstants, phases: &[usize]) {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         for phase in phases {
             let mut kept = 0;
@@ -116,14 +111,14 @@ impl<'a> Block<'a> {
                 let of = |half: usize| &chosen[half * S::F64_LANES..(half + 1) * S::F64_LANES];
                 let more = length.saturating_sub(S::F64_LANES);
                 let mut pair = [
-                    IrlsIterations::load(simd, plan, self, of(0), length),
-                    IrlsIterations::load(simd, plan, self, of(1), more),
+                    IrlsIterations::<S, MOST>::load(simd, constants.wheels.len(), self, of(0), length),
+                    IrlsIterations::<S, MOST>::load(simd, constants.wheels.len(), self, of(1), more),
                 ];
                 let pair = &mut pair[..1 + usize::from(more > 0)];
                 for _ in 0..*phase {
                     let mut active = zero.lt(zero);
                     for rounds in &mut *pair {
-                        rounds.round::<false>(simd, plan);
+                        rounds.round::<false>(simd, &constants.wheels, &mut ByMinors);
                         active = active | rounds.active;
                     }
                     if !active.any() {
@@ -132,9 +127,9 @@ impl<'a> Block<'a> {
                 }
                 let mut marks = [[0.0; LANES]; 4];
                 for (half, rounds) in pair.iter_mut().enumerate() {
-                    rounds.newton_iterations(simd, plan, self.rounds);
+                    rounds.newton_iterations(simd, &constants.wheels, self.rounds);
                     let there = length.min((half + 1) * S::F64_LANES) - half * S::F64_LANES;
-                    rounds.store(plan, self, &of(half)[..there]);
+                    rounds.store(constants.wheels.len(), self, &of(half)[..there]);
                     for (mark, mask) in [(0, rounds.active), (2, !rounds.sure)] {
                         let lanes = mask.select(one, zero);
                         lanes.store(S::as_mut_simd_f64s(&mut marks[mark + half]).0, 0);
@@ -143,7 +138,7 @@ impl<'a> Block<'a> {
                 for (j, row) in chosen.into_iter().enumerate().take(length) {
                     let (half, lane) = (j / S::F64_LANES, j % S::F64_LANES);
                     if marks[2 + half][lane] != 0.0 {
-                        self.kept.doubts.0[row] = 1.0;
+                        self.kept.rare.0[row] = 1.0;
                     } else if marks[half][lane] != 0.0 {
                         // Not further than where it was read from.
                         self.active[kept] = row;
@@ -158,9 +153,15 @@ impl<'a> Block<'a> {
         }
     }
 
-    /// Smallest singular values. Marks the rows that are for the plain core; whether there are none.
+    /// Smallest singular values. Marks the rare rows; true if there are none.
     #[inline(always)]
-    pub fn finish<S: Vector>(&mut self, simd: S, plan: &RobustConstants, count: usize, sigmas: &mut Column) -> bool {
+    pub fn finish<S: Vector>(
+        &mut self,
+        simd: S,
+        constants: &RobustConstants,
+        count: usize,
+        sigmas: &mut Column,
+    ) -> bool {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let mut all = zero.le(zero);
         for k in 0..count.div_ceil(S::F64_LANES) {
@@ -168,10 +169,10 @@ impl<'a> Block<'a> {
             for (weight, column) in weights.iter_mut().zip(self.weights.iter()) {
                 *weight = column.load(simd, k);
             }
-            let (least, exact) = smallest(simd, plan, &weights);
+            let (least, exact) = smallest(simd, constants, &weights);
             sigmas.store(k, least.sqrt());
-            let sure = exact & self.kept.doubts.load(simd, k).le(zero);
-            self.kept.doubts.store(k, sure.select(zero, one));
+            let sure = exact & self.kept.rare.load(simd, k).le(zero);
+            self.kept.rare.store(k, sure.select(zero, one));
             all = all & sure;
         }
         !(!all).any()
@@ -190,12 +191,12 @@ fn fill<S: Vector>(number: Lanes<S>, columns: &mut [Column]) {
 
 /// Smallest eigenvalue of the weighted rows of the twist itself, by rotations, and where its root is exact.
 #[inline(always)]
-fn smallest<S: Vector>(simd: S, plan: &RobustConstants, weights: &[Lanes<S>; MOST]) -> (Lanes<S>, Mask<S>) {
+fn smallest<S: Vector>(simd: S, constants: &RobustConstants, weights: &[Lanes<S>; MOST]) -> (Lanes<S>, Mask<S>) {
     let splat = |number| Lanes::splat(simd, number);
     let mut sum = [splat(0.0); 6];
-    for (wheel, weight) in plan.wheels.iter().zip(weights) {
-        for (sum, part) in sum.iter_mut().zip(wheel.raw) {
-            *sum = weight.mul_add(splat(part), *sum);
+    for (raw, weight) in constants.raw.iter().zip(weights) {
+        for (sum, part) in sum.iter_mut().zip(raw) {
+            *sum = weight.mul_add(splat(*part), *sum);
         }
     }
     let [mut a, mut b, mut c, mut d, mut e, mut f] = sum;
@@ -209,7 +210,7 @@ fn smallest<S: Vector>(simd: S, plan: &RobustConstants, weights: &[Lanes<S>; MOS
         }
     }
     let (least, most) = (a.min(d).min(f), a.max(d).max(f));
-    (least, (most * splat(PLAIN_BELOW)).lt(least))
+    (least, (most * splat(EXACT_ROOT)).lt(least))
 }
 
 /// Turns two axes until their product vanishes: their squares, the product, their products with the third one.

@@ -2,11 +2,13 @@
 //!
 //! They are sums of products of what the wheels read, with constants of the rover: see [`crate::estimate::gradients`].
 
-use super::readings::{self, FitColumns, solve, solve_block};
+use super::normal_equations::{ForwardConstants, LARGEST_SPEED, solve};
+use super::readings::{FitColumns, ReadingColumns, solve_block};
 use super::safe_range::all_within;
 use crate::estimate::gradients::{GIVEN, Gradients, PRODUCTS, Sum};
-use crate::estimate::sensitivity::Quantity;
-use crate::rover_data::{Mount, RoverData};
+use crate::estimate::sensitivity::{Linearised, Quantity};
+use crate::estimate::{Measured, Method, Reading, Unseen};
+use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 use crate::table::{Log, row_mut};
 use six_wheel_numerics::columns::{BLOCK, Column, transpose_tiles_to_rows, transpose_to_rows};
 use six_wheel_numerics::error::Error;
@@ -23,7 +25,8 @@ pub(crate) type Target<'a> = (Quantity, &'a [usize], &'a mut [f64]);
 
 /// Input and output of the sensitivities of a log.
 pub(crate) struct SensitivityQuery<'a, 'b> {
-    pub plan: &'a readings::ForwardConstants<'a>,
+    pub rover: &'a RoverData,
+    pub constants: &'a ForwardConstants,
     pub log: Log<'a>,
     pub twists: &'a mut [[f64; 3]],
     pub targets: &'a mut [Target<'b>],
@@ -36,12 +39,12 @@ impl Kernel for SensitivityQuery<'_, '_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let (plan, rover) = (self.plan, self.plan.rover);
+        let (rover, constants) = (self.rover, self.constants);
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         let readings = wheels + self.log.steering_rates.map_or(joints, |_| 2 * joints);
         // Once for all rows.
-        let mut columns = vec![Column::ZERO; readings + 3 * wheels];
-        let (readings, derivatives) = columns.split_at_mut(readings);
+        let mut memory = vec![Column::ZERO; readings + 3 * wheels];
+        let (readings, derivatives) = memory.split_at_mut(readings);
         let mut products = vec![[simd.splat_f64s(0.0); QUAD]; PRODUCTS * wheels];
         let turning = self.log.steering_rates.is_some();
         let mut twists = [Column::ZERO; 3];
@@ -50,11 +53,11 @@ impl Kernel for SensitivityQuery<'_, '_> {
         for first in (0..self.twists.len()).step_by(BLOCK) {
             let end = self.twists.len().min(first + BLOCK);
             let log = self.log.rows(rover, first..end);
-            let heard = plan.load_readings(simd, log, readings);
-            let mut usual = solve_block::<S, false>(simd, plan, heard, &mut twists, &mut kept, log);
+            let columns = ReadingColumns::load(simd, constants, log, readings);
+            let mut none_rare = solve_block::<S, false>(simd, constants, (columns, BLOCK), &mut twists, &mut kept, log);
             let rates = log.steering_rates.unwrap_or_default();
-            if !all_within(simd, rates, readings::LARGEST_SPEED) {
-                (usual, kept.doubts) = (false, Column([1.0; BLOCK]));
+            if !all_within(simd, rates, LARGEST_SPEED) {
+                (none_rare, kept.rare) = (false, Column([1.0; BLOCK]));
             }
             transpose_to_rows(simd, &twists, self.twists[first..end].as_flattened_mut());
             for quad in (0..BLOCK / S::F64_LANES).step_by(QUAD) {
@@ -62,9 +65,9 @@ impl Kernel for SensitivityQuery<'_, '_> {
                 if rows.is_empty() {
                     break;
                 }
-                multiply(simd, rover, heard, &twists, quad, &mut products);
-                if plan.solution.is_none() {
-                    invert(simd, plan, heard.steering, quad, &mut inverse);
+                multiply(simd, rover, columns, &twists, quad, &mut products);
+                if constants.solution.is_none() {
+                    invert(simd, constants, columns.steering, quad, &mut inverse);
                 }
                 for ((_, of, target), gradients) in self.targets.iter_mut().zip(self.gradients) {
                     let width = of.len();
@@ -72,7 +75,7 @@ impl Kernel for SensitivityQuery<'_, '_> {
                         let products = &products[PRODUCTS * i..PRODUCTS * (i + 1)];
                         let sums = gradients.of(i, turning);
                         let mut derivative = summed(simd, sums, products);
-                        if plan.solution.is_none() {
+                        if constants.solution.is_none() {
                             derivative = turned(simd, &derivative, &inverse);
                         }
                         for (part, registers) in derivative.iter().enumerate() {
@@ -86,9 +89,9 @@ impl Kernel for SensitivityQuery<'_, '_> {
                     transpose_tiles_to_rows(simd, derivatives, rows);
                 }
             }
-            for k in (0..end - first).filter(|k| !usual && kept.doubts.0[*k] != 0.0) {
+            for k in (0..end - first).filter(|k| !none_rare && kept.rare.0[*k] != 0.0) {
                 let (twist, targets) = (&mut self.twists[first + k], &mut *self.targets);
-                let done = plain(rover, log, k, first + k, twist, targets);
+                let done = write_row(rover, log, k, first + k, twist, targets);
                 done.map_err(|error| error.at_row(first + k))?;
             }
         }
@@ -96,8 +99,8 @@ impl Kernel for SensitivityQuery<'_, '_> {
     }
 }
 
-/// A row by the plain core: row `k` of the log, row `to` of the targets.
-pub(crate) fn plain(
+/// A row on its own: row `k` of the log, row `to` of the targets.
+pub(crate) fn write_row(
     rover: &RoverData,
     log: Log<'_>,
     k: usize,
@@ -119,12 +122,25 @@ pub(crate) fn plain(
     })
 }
 
+impl RoverData {
+    /// Calls `ask` with the linearised fit of one instant's readings, all wheels weighted alike.
+    pub fn sensitivity<T>(&self, measured: Measured<'_>, ask: impl FnOnce(&Linearised<'_>) -> T) -> Result<T, Error> {
+        self.check_readings(measured)?;
+        let mut readings = [Reading::NONE; MAX_WHEELS];
+        let readings = self.read(measured, &mut readings);
+        let solution = self.solution_for(readings, measured, Unseen::Refuse)?;
+        let mut weights = [1.0; MAX_WHEELS];
+        let twist = self.estimate(readings, measured, Method::LeastSquares, Unseen::Refuse, &mut weights, &mut [])?;
+        Ok(ask(&Linearised { rover: self, readings, measured, solution, twist: twist.into(), weights: None }))
+    }
+}
+
 /// The products of every wheel, of four registers from `quad` on.
 #[inline(always)]
 fn multiply<S: Vector>(
     simd: S,
     rover: &RoverData,
-    heard: readings::ReadingColumns<'_>,
+    columns: ReadingColumns<'_>,
     twists: &[Column; 3],
     quad: usize,
     products: &mut [[S::f64s; QUAD]],
@@ -141,8 +157,8 @@ fn multiply<S: Vector>(
                 vx.load(simd, at),
                 vy.load(simd, at),
                 omega.load(simd, at),
-                heard.speeds[i].load(simd, at),
-                match heard.rates.get(joint) {
+                columns.speeds[i].load(simd, at),
+                match columns.rates.get(joint) {
                     Some(rate) => rate.load(simd, at),
                     None => zero,
                 },
@@ -152,7 +168,7 @@ fn multiply<S: Vector>(
             }
             if is_steered {
                 let heading = Lanes::splat(simd, rover.wheels()[i].heading);
-                let (sin, cos) = sin_cos(simd, heard.steering[joint].load(simd, at) + heading);
+                let (sin, cos) = sin_cos(simd, columns.steering[joint].load(simd, at) + heading);
                 for (g, given) in given.into_iter().enumerate() {
                     (cos * given).store(&mut products[GIVEN + g], k);
                     (sin * given).store(&mut products[2 * GIVEN + g], k);
@@ -167,18 +183,18 @@ fn multiply<S: Vector>(
 #[inline(always)]
 fn invert<S: Vector>(
     simd: S,
-    plan: &readings::ForwardConstants<'_>,
+    constants: &ForwardConstants,
     steering: &[Column],
     quad: usize,
     inverse: &mut [Column; 9],
 ) {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     for k in 0..QUAD {
-        let normal = plan.normal(simd, steering, quad + k);
+        let normal = constants.normal(simd, steering, quad + k);
         let mut unit = [one, zero, zero];
         for column in inverse.as_chunks_mut::<3>().0 {
             let (unknowns, _) = solve(simd, normal, unit);
-            for (place, number) in column.iter_mut().zip(plan.unshifted(unknowns)) {
+            for (place, number) in column.iter_mut().zip(constants.unshifted(unknowns)) {
                 place.store(k, number);
             }
             let [x, y, z] = unit;

@@ -15,8 +15,8 @@ pub type Eight = [f64; GROUP];
 /// The level of one row. Registers of eight are no faster: steered wheels are mostly four, and a row of four
 /// angles fills a register of four without masks.
 #[inline]
-pub fn level() -> Option<Level> {
-    [Level::Avx2, Level::Neon].into_iter().find(|level| level.is_here())
+pub fn level() -> Level {
+    [Level::Avx2, Level::Neon].into_iter().find(|level| level.is_here()).unwrap_or(Level::Scalar)
 }
 
 /// The order of the lanes: wheels by index, the steered ones first.

@@ -43,7 +43,16 @@ impl Level {
     /// True if this machine has it.
     #[inline]
     pub fn is_here(self) -> bool {
-        self == Self::Scalar || self.run(Probe).is_some()
+        match self {
+            Self::Scalar => true,
+            #[cfg(all(target_arch = "x86_64", feature = "all-levels"))]
+            Self::Avx512 => V4::try_new().is_some(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => V3::try_new().is_some(),
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => Neon::try_new().is_some(),
+            _ => false,
+        }
     }
 
     /// The levels this machine has, best last.
@@ -69,21 +78,6 @@ impl Level {
         best.unwrap_or(Self::Scalar)
     }
 
-    /// Runs a kernel with these instructions, if the machine has them. [`Self::Scalar`] has no kernels.
-    pub fn run<K: Kernel>(self, kernel: K) -> Option<K::Output> {
-        match self {
-            #[cfg(all(target_arch = "x86_64", feature = "all-levels"))]
-            Self::Avx512 => V4::try_new().map(|simd| simd.vectorize(Run { kernel, simd })),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => V3::try_new().map(|simd| simd.vectorize(Run { kernel, simd })),
-            #[cfg(target_arch = "aarch64")]
-            Self::Neon => Neon::try_new().map(|simd| simd.vectorize(Run { kernel, simd })),
-            _ => None,
-        }
-    }
-}
-
-impl Level {
     /// Runs a kernel with these instructions, one number at a time where the machine does not have them.
     pub fn run_any<K: Kernel>(self, kernel: K) -> K::Output {
         #[cfg(all(target_arch = "x86_64", feature = "all-levels"))]
@@ -118,7 +112,7 @@ impl Level {
 /// the other one.
 #[cold]
 #[inline(never)]
-pub fn run_rarely<S: Vector, K: Kernel>(simd: S, kernel: K) -> K::Output {
+pub fn run_rarely<S: Vector, K: LevelKernel<S>>(simd: S, kernel: K) -> K::Output {
     let run = Run { kernel, simd };
     #[cfg(target_arch = "x86_64")]
     if S::IS_SCALAR
@@ -138,18 +132,36 @@ pub trait Kernel {
     fn run<S: Vector>(self, simd: S) -> Self::Output;
 }
 
+/// A kernel of one level, which may hold registers of it.
+pub trait LevelKernel<S: Vector> {
+    /// Result of the kernel.
+    type Output;
+
+    /// As [`Kernel::run`].
+    fn run_at_level(self, simd: S) -> Self::Output;
+}
+
+impl<S: Vector, K: Kernel> LevelKernel<S> for K {
+    type Output = K::Output;
+
+    #[inline(always)]
+    fn run_at_level(self, simd: S) -> K::Output {
+        self.run(simd)
+    }
+}
+
 /// A kernel on its way into the function that has the instructions of its level.
 struct Run<K, S> {
     kernel: K,
     simd: S,
 }
 
-impl<K: Kernel, S: Vector> NullaryFnOnce for Run<K, S> {
+impl<K: LevelKernel<S>, S: Vector> NullaryFnOnce for Run<K, S> {
     type Output = K::Output;
 
     #[inline(always)]
     fn call(self) -> K::Output {
-        self.kernel.run(self.simd)
+        self.kernel.run_at_level(self.simd)
     }
 }
 
@@ -165,13 +177,4 @@ impl FromStr for Level {
             Error::value("level", rule, format!("{name:?}"))
         })
     }
-}
-
-/// A kernel that only asks whether the level is there.
-struct Probe;
-
-impl Kernel for Probe {
-    type Output = ();
-
-    fn run<S: Vector>(self, _: S) {}
 }

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::settings::encoder::Encoder;
 use crate::settings::{Readings, Settings};
 use six_wheel_kinematics::estimate::Method;
-use six_wheel_kinematics::kernels::readings::LARGEST_ROVER;
+use six_wheel_kinematics::kernels::normal_equations::LARGEST_ROVER;
 use six_wheel_kinematics::kernels::wheel_lanes::{Eight, GROUP, level, order};
 use six_wheel_kinematics::rover::{Mount, Rover};
 use six_wheel_kinematics::wheels::Pivot;
@@ -108,7 +108,7 @@ impl StepConstants {
             && rover.reading_bound <= LARGEST_ROVER;
         let solution = rover.solution.filter(|_| has_constant_solution);
         let mut constants = Self {
-            level: level().unwrap_or(Level::Scalar),
+            level: level(),
             groups: Vec::new(),
             scratch: Vec::new(),
             fitted: Vec::new(),

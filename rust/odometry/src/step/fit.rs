@@ -84,7 +84,7 @@ impl WheelFit {
         let measured =
             Measured { steering: &self.middle, speeds: motion.turned, steering_rates: Some(&self.increments) };
         let method = settings.method;
-        let twist = rover.estimate(&self.readings, measured, method, Unseen::Refuse, &mut self.weights)?;
+        let twist = rover.estimate(&self.readings, measured, method, Unseen::Refuse, &mut self.weights, &mut [])?;
         self.displacement = twist.into();
         self.solution = if method == Method::LeastSquares {
             rover.solution_for(&self.readings, measured, Unseen::Refuse)?

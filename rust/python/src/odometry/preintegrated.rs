@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_numerics::error::Error;
-use six_wheel_odometry::preintegrated::{Column, Replayed, Residual, Rules, Tangent};
+use six_wheel_odometry::preintegrated::{Column, ErrorFrame, PreintegratedMotion, PreintegrationOptions, Residual};
 use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 
 use super::input::{settings, steering_left_out};
@@ -65,7 +65,7 @@ pub struct Preintegrated {
     core: Core,
     rover: Py<Rover>,
     /// Of the samples so far.
-    replayed: Option<Replayed>,
+    replayed: Option<PreintegratedMotion>,
 }
 
 impl ArgumentKind for Preintegrated {
@@ -84,9 +84,9 @@ getters! { Preintegrated, self, py:
     /// The rover.
     rover: Py<Rover> = self.rover.clone_ref(py);
     /// Standard deviations of readings and slip.
-    noise: Noise = self.core.rules().settings.noise.into();
+    noise: Noise = self.core.options().settings.noise.into();
     /// Error model of the gyroscope; None without one.
-    gyroscope: Option<Gyroscope> = self.core.rules().gyroscope.map(Gyroscope);
+    gyroscope: Option<Gyroscope> = self.core.options().gyroscope.map(Gyroscope);
 }
 
 methods! { Preintegrated:
@@ -94,12 +94,12 @@ methods! { Preintegrated:
     fn new[](rover: Bound<'py, Rover>, noise: Option<Bound<'py, Noise>> = None, *,
         gyroscope: Option<Bound<'py, Gyroscope>> = None, readings: &str = "angles", wheel_encoders=None,
         steering_encoders=None, method: &str = "least_squares", in_space: bool = false,
-        attitude_noise: Option<f64> = None)
+        attitude_noise: Option<f64> = None, **)
     as "(rover, noise=None, *, gyroscope=None, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
     -> PyResult<Self> {
         let core = &rover.get().core;
         let [wheels, steered] = rover.get().wheels_and_steered();
-        let rules = Rules {
+        let options = PreintegrationOptions {
             settings: Settings {
                 method: method.parse::<Method>().or_raise(&[])?,
                 ..settings(noise, readings, [wheel_encoders, steering_encoders], [&wheels, &steered])?
@@ -108,7 +108,7 @@ methods! { Preintegrated:
             in_space,
             attitude_noise: attitude_noise.unwrap_or(0.01),
         };
-        Ok(Self { core: Core::new(core.clone(), rules).or_raise(&[])?, rover: rover.clone().unbind(), replayed: None })
+        Ok(Self { core: Core::new(core.clone(), options).or_raise(&[])?, rover: rover.clone().unbind(), replayed: None })
     }
 
     /// Takes in one sample, or all rows of a log. The first one is where the motion begins.
@@ -275,7 +275,7 @@ impl Preintegrated {
     ///     ``delta exp(e)``, in axes of the body at the end; ``exp(e) delta``, at the beginning; or ``delta + e``, the
     ///     coordinates of the end seen from the beginning, as `OdometryState.covariance`.
     fn covariance_in<'py>(&mut self, py: Python<'py>, tangent: &str) -> PyResult<Matrix<'py>> {
-        let all = [("end", Tangent::End), ("begin", Tangent::Begin), ("coordinates", Tangent::Coordinates)];
+        let all = [("end", ErrorFrame::End), ("begin", ErrorFrame::Begin), ("coordinates", ErrorFrame::Coordinates)];
         let chosen = choice("tangent", tangent, |name| format!("'{name}'"), &all)?;
         if let Some(covariance) = self.core.covariance().filter(|_| tangent == "coordinates") {
             return Ok(PyArray2::from_vec2(py, &covariance.map(Vec::from))?);

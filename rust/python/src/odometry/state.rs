@@ -197,7 +197,7 @@ getters! { OdometryState, self, py:
     /// the first step, and after a command or a pose from outside.
     twist_covariance: PyResult<Bound<'py, PyArray2<f64>>> = matrix(py, whole(self.twist_covariance).as_flattened(), 3);
     /// Speed at which each wheel's contact slid over the last step, shape (wheels,) [m/s].
-    residual: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.residual);
+    residuals: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.residual);
     /// Flags of the sample, an `OdometryHealth`.
     health: PyResult<Bound<'py, PyAny>> = py.import("six_wheel.kinematics.odometry")?.getattr("OdometryHealth")?.call1((self.health,));
     /// Say of each wheel over the last step, shape (wheels,), 0 to 1.

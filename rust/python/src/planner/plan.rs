@@ -14,7 +14,7 @@ result_class! {
         /// Angles of the steering joints after this step, shape (steered wheels,) [rad].
         steering: Py<PyAny>,
         /// Speeds of the wheels, shape (wheels,) [rad/s].
-        speeds: Py<PyAny>,
+        wheel_speeds: Py<PyAny>,
         /// The motions the plan leads to, within the limits, shape (horizon, 3) [m/s, m/s, rad/s].
         twists: Py<PyAny>,
         /// The poses they lead to, the first one where the rover is, shape (horizon + 1, 3) [m, m, rad].
@@ -35,12 +35,12 @@ impl MppiPlan {
         py: Python<'_>,
         outcome: &CycleOutput,
         state: &State,
-        [steering, speeds]: [Array<'_>; 2],
+        [steering, wheel_speeds]: [Array<'_>; 2],
     ) -> PyResult<Self> {
         Ok(Self {
             twist: PyArray1::from_slice(py, &outcome.twist).into_any().unbind(),
             steering: steering.into_any().unbind(),
-            speeds: speeds.into_any().unbind(),
+            wheel_speeds: wheel_speeds.into_any().unbind(),
             twists: triples(py, &outcome.twists)?.into_any().unbind(),
             poses: triples(py, &outcome.poses)?.into_any().unbind(),
             controls: triples(py, &state.controls)?.into_any().unbind(),

@@ -9,7 +9,7 @@ use super::joints::Joint;
 use crate::convert::{one_twist, refuse};
 
 impl Rover {
-    /// Joint name to value with the joint's sign, in the order of `command_joints`; whole arrays for batches.
+    /// Joint name to value with the joint's sign, in the order of `joint_names`; whole arrays for batches.
     pub fn named_values<'py>(
         &self,
         py: Python<'py>,
@@ -40,7 +40,7 @@ methods! { Rover:
     /// twist : array_like, shape (..., 3)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
     /// previous : array_like, shape (..., steered wheels), optional
-    ///     Present steering angles [rad], in the order of `steered_names`.
+    ///     Present steering angles [rad], in the order of `steered_wheel_names`.
     /// dtype : dtype, optional
     ///     float32 for arrays of single precision, default float64.
     /// threads : int, optional
@@ -49,7 +49,7 @@ methods! { Rover:
     /// Returns
     /// -------
     /// dict of str to float or ndarray
-    ///     Steering joints [rad], then traction joints [rad/s], in the order of `command_joints`: for a rover
+    ///     Steering joints [rad], then traction joints [rad/s], in the order of `joint_names`: for a rover
     ///     from a parameter file, the order of the file.
     ///
     /// Raises
@@ -75,7 +75,7 @@ methods! { Rover:
     /// Returns
     /// -------
     /// (ndarray, ndarray), shapes (..., steered wheels) and (..., wheels)
-    ///     In the order of `steered_names` and `wheel_names`, with the wheels' signs: what `forward`,
+    ///     In the order of `steered_wheel_names` and `wheel_names`, with the wheels' signs: what `forward`,
     ///     `Odometry.update` and `Controller.step` take. NaN for a wheel that no joint drives.
     ///
     /// Raises

@@ -52,7 +52,9 @@ methods! { Terrain:
     ///     If it is no map, its coordinates are degrees, the window is off it, or something about it is in doubt.
     #[staticmethod]
     fn read[](path, *, window=None, topic=None, layer=None, band=None, nodata=None, unit=None, north_up=None,
-        spacing=None, origin=None) -> PyResult<Bound<'py, PyAny>> {
+        spacing=None, origin=None, **)
+    as "(path, *, window=None, topic=None, layer=None, band=None, nodata=None, unit=None, north_up=None, spacing=None, origin=None)"
+    -> PyResult<Bound<'py, PyAny>> {
         let options = dict!(path.py(), window, topic, layer, band, nodata, unit, north_up, spacing, origin);
         let module = path.py().import("six_wheel.maps")?;
         module.call_method("read", (path,), Some(&options))
@@ -88,7 +90,8 @@ methods! { Terrain:
     /// Source: M. Golombek, D. Rapp, Size-frequency distributions of rocks on Mars and Earth analog sites, Journal of
     /// Geophysical Research 102, 1997.
     #[staticmethod]
-    fn yard[py: Python<'py>](size=None, spacing: f64 = 0.05, cover: f64 = 0.1, seed=None, *, roughness: f64 = 0.1)
+    fn yard[py: Python<'py>](size=None, spacing: f64 = 0.05, cover: f64 = 0.1, seed=None, *, roughness: f64 = 0.1, **)
+    as "(size=None, spacing=0.05, cover=0.1, seed=None, *, roughness=0.1)"
     -> PyResult<Bound<'py, PyAny>> {
         let options = dict!(py, spacing, cover, roughness);
         for (name, value) in [("size", size), ("seed", seed)] {

@@ -5,7 +5,7 @@ use super::boxes::Within;
 use super::kernel::{Ground, Margins, bounds};
 use super::plan::{BoundsConstants, COUNT, Knowledge};
 use super::stability::{tilt, wheel_drop};
-use crate::ground::{Settler, Stand, Status, settle_part, worth_lanes};
+use crate::ground::{Settler, Stand, Status, settle_part};
 use crate::suspension::{Dimensions, MAX_WHEELS};
 use six_wheel_numerics::error::{Error, number};
 use six_wheel_numerics::simd::level::Level;
@@ -228,14 +228,13 @@ impl<'a> Judge<'a> {
         let ground = Ground { pyramid: self.settler.ground.pyramid()?, error: self.error };
         let share = poses.len().div_ceil(workers.threads.max(1)).max(64);
         let parts = poses.chunks(share).zip(verdicts.chunks_mut(share));
-        let lanes = worth_lanes(poses.len());
         for_each(parts, |(poses, verdicts)| {
-            self.some(ground, poses, verdicts, lanes, workers.level);
+            self.some(ground, poses, verdicts, workers.level);
             Ok(())
         })
     }
 
-    fn some(&self, ground: Ground<'_>, poses: &[[f64; 3]], verdicts: &mut [Verdict], lanes: bool, level: Level) {
+    fn some(&self, ground: Ground<'_>, poses: &[[f64; 3]], verdicts: &mut [Verdict], level: Level) {
         let workers = Workers { threads: 1, level, fresh: false };
         let mut table = Box::new([[[0.0; 2]; BLOCK]; COUNT]);
         let mut worth = [Knowledge::Beyond; BLOCK];
@@ -262,18 +261,18 @@ impl<'a> Judge<'a> {
                 }
             }
             if open.len() >= BLOCK {
-                self.settled(&open, poses, verdicts, lanes);
+                self.settled(&open, poses, verdicts);
                 open.clear();
             }
         }
-        self.settled(&open, poses, verdicts, lanes);
+        self.settled(&open, poses, verdicts);
     }
 
     /// Settles what bounds leave open.
-    fn settled(&self, open: &[usize], poses: &[[f64; 3]], verdicts: &mut [Verdict], lanes: bool) {
+    fn settled(&self, open: &[usize], poses: &[[f64; 3]], verdicts: &mut [Verdict]) {
         let some: Vec<[f64; 3]> = open.iter().map(|row| poses[*row]).collect();
         let mut stands = vec![Stand::nothing(Status::NotConverged); some.len()];
-        settle_part(&self.settler, &some, &|_| &[], lanes, &mut stands);
+        settle_part(&self.settler, &some, &|_| &[], &mut stands);
         for ((row, pose), stand) in open.iter().zip(some).zip(&stands) {
             verdicts[*row] = self.by_settling(pose, stand);
         }

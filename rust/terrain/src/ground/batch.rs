@@ -1,132 +1,197 @@
-//! Many poses at once: a pose in every lane, those that have settled replaced by others.
+//! Settling of poses by rounds of Newton's method: a pose in every lane, those that have settled replaced by others, or one
+//! pose alone with its wheels in the lanes. Both are one body, and give the same bits.
 //!
-//! Rounds of Newton's method look at whole rims where the gaps are large, and otherwise only at what is near the
-//! last contacts. A pose counts as settled when every gap is closed and a look at whole rims has found nothing else
-//! so near that the way from there could have closed it. Whatever is more than that (unknown ground, the end
-//! of the map, a joint past its stop, a wall as high as a wheel, no end of rounds) is for [`Settler`] alone.
+//! Rounds look at whole rims where the gaps are large, and otherwise only at what is near the last contacts. A pose counts as
+//! settled when every gap is closed and a look at whole rims has found nothing else so near that the way from there could have
+//! closed it. Whatever is more than that (unknown ground, the end of the map, a joint past its stop, a wall as high as a wheel,
+//! no end of rounds) is left to [`Settler::settle_near`].
 
-mod look;
-mod poses;
+pub(crate) mod pivots;
+pub(crate) mod poses;
 mod round;
-mod solve;
+pub(crate) mod scan;
 
-pub(crate) use self::poses::Left;
-use self::poses::{CHUNK, LEFT, LOOKS, PoseBatch, ROUNDS, SettleRange, SolveState, column};
-use self::solve::{PivotOrder, Rows, solve};
-use super::rims::circles::{cells, floor, spread};
+use pulp::Scalar;
+
+use self::pivots::{PivotOrder, solve};
+use self::poses::{CHUNK, LEFT, Left, PoseBatch, ROUNDS, SettleRange, column, scatter};
+use self::scan::{AllWheels, RimScan, Site, StateLanes, WheelByWheel};
+use super::active_set::ActiveSet;
+use super::rims::circles::{FAR, cells, floor};
+use super::rims::contact::booleans;
+use super::rims::extent::Extent;
 use super::settler::Settler;
 use super::stand::Stand;
 use crate::suspension::{MAX_STATE, MAX_WHEELS};
-use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Settles poses of finite numbers, with or without steering angles; rows that are left have nothing written. None for
-/// chains with more wheels than can touch.
+/// Poses from which it is worth to settle them in lanes.
+const WORTH_LANES: usize = 8;
+
+/// Largest change of an angle in a round of [`initial_state`], and largest angle there [rad].
+const START_TURN: f64 = 0.4;
+const START_ANGLE: f64 = 0.8;
+
+/// Settles poses of finite numbers, with or without steering angles; rows that are left have nothing written. Returns the rows
+/// that are left: all for chains with more wheels than can touch.
 pub(crate) fn settle(
     settler: &Settler<'_>,
     poses: &[[f64; 3]],
     steering: &dyn Fn(usize) -> [f64; MAX_WHEELS],
     steered: bool,
     stands: &mut [Stand],
-    left: &mut Vec<Left>,
-) -> Option<()> {
-    if settler.chain.wheels().len() != settler.chain.state_count() {
-        return None;
+) -> Vec<Left> {
+    let order = &PivotOrder::new(settler.chain, &ActiveSet::NONE);
+    if !order.is_square {
+        return (0..poses.len()).map(|row| (row, None)).collect();
     }
-    let order = &PivotOrder::new(settler.chain);
-    settler.level.run_any(SettleRange { settler, order, poses, steering, steered, stands, left });
-    Some(())
+    let mut left = Vec::new();
+    let range = SettleRange { settler, order, poses, steering, steered, stands, left: &mut left };
+    if poses.len() < WORTH_LANES {
+        settler.level.run_any(OneByOne(range));
+    } else {
+        settler.level.run_any(InLanes(range));
+    }
+    left
 }
 
-impl Kernel for SettleRange<'_, '_> {
+/// A pose in every lane.
+struct InLanes<'a, 'b>(SettleRange<'a, 'b>);
+
+/// One pose after another, its wheels in the lanes.
+struct OneByOne<'a, 'b>(SettleRange<'a, 'b>);
+
+impl Kernel for InLanes<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Vector>(mut self, simd: S) {
-        let mut batch = Box::new(PoseBatch {
-            columns: [[0.0; CHUNK]; column::COUNT],
-            rounds: [0; CHUNK],
-            states: [SolveState::Whole; CHUNK],
-        });
-        for first in (0..self.poses.len()).step_by(CHUNK) {
-            let count = CHUNK.min(self.poses.len() - first);
-            self.begin(&mut batch, first, count);
-            // By what their next look is.
+        let range = &mut self.0;
+        let mut batch = Box::new(PoseBatch::<CHUNK>::EMPTY);
+        for first in (0..range.poses.len()).step_by(CHUNK) {
+            let count = CHUNK.min(range.poses.len() - first);
+            range.begin(&mut batch, first, count);
+            // By the part of the rims that their next round searches.
             let [mut next, mut now]: [[Vec<u16>; 4]; 2] =
                 std::array::from_fn(|_| std::array::from_fn(|_| Vec::with_capacity(count)));
-            next[0].extend(0..count as u16);
-            for rows in next[0].chunks(S::F64_LANES) {
-                self.initial_state(simd, &mut batch, rows);
+            now[0].extend(0..count as u16);
+            for rows in now[0].chunks(S::F64_LANES) {
+                range.start(simd, &mut batch, rows);
             }
+            next[0].extend(now[0].iter().filter(|row| range.goes_on(&batch, first, **row)));
             while next.iter().any(|rows| !rows.is_empty()) {
                 std::mem::swap(&mut next, &mut now);
-                for (list, state) in LOOKS.iter().enumerate() {
+                for (list, extent) in Extent::ALL.iter().enumerate() {
                     next[list].clear();
                     for rows in now[list].chunks(S::F64_LANES) {
-                        self.round(simd, &mut batch, first, rows, *state);
+                        range.round(simd, WheelByWheel, &mut batch, first, rows, *extent);
                     }
                 }
                 for &row in now.iter().flatten() {
-                    let list = match batch.states[row as usize] {
-                        SolveState::Far => 0,
-                        SolveState::Whole => 1,
-                        SolveState::Sure | SolveState::Short => 2,
-                        SolveState::Both => 3,
-                    };
-                    if batch.rounds[row as usize] < ROUNDS {
+                    let list = batch.states[row as usize].extent() as usize;
+                    if range.goes_on(&batch, first, row) {
                         next[list].push(row);
-                    } else if batch.rounds[row as usize] < LEFT {
-                        self.left.push((first + row as usize, None));
                     }
                 }
+            }
+        }
+    }
+}
+
+impl Kernel for OneByOne<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Vector>(mut self, simd: S) {
+        let range = &mut self.0;
+        for first in 0..range.poses.len() {
+            let mut batch = PoseBatch::<1>::EMPTY;
+            range.begin(&mut batch, first, 1);
+            range.start(Scalar, &mut batch, &[0]);
+            while range.goes_on(&batch, first, 0) {
+                let extent = batch.states[0].extent();
+                range.round(Scalar, AllWheels(simd), &mut batch, first, &[0], extent);
             }
         }
     }
 }
 
 impl SettleRange<'_, '_> {
-    /// A state to start from: every wheel's centre one radius above the ground below it.
+    /// True if a pose has another round to go. One that has had too many is left.
     #[inline(always)]
-    fn initial_state<S: Vector>(&self, simd: S, batch: &mut PoseBatch, rows: &[u16]) {
-        let (chain, ground) = (self.settler.chain, self.settler.ground);
-        let zero = Lanes::splat(simd, 0.0);
-        let mut here = self.here(simd, batch, rows);
-        let spacing = ground.spacing();
-        for _ in 0..2 {
-            let poses = here.poses(simd, chain);
-            let mut system: Rows<S> = [([zero; MAX_STATE], zero); MAX_WHEELS];
-            for (wheel, row) in system.iter_mut().enumerate().take(chain.wheels().len()) {
-                let centre = poses.wheel(simd, wheel).centre;
-                let u = (here.origin[0] + centre[0]) * Lanes::splat(simd, 1.0 / spacing[0]);
-                let v = (here.origin[1] + centre[1]) * Lanes::splat(simd, 1.0 / spacing[1]);
-                let corner = [floor(simd, u), floor(simd, v)];
-                let cell = cells(simd, ground, corner[0], corner[1]);
-                let (a, b) = (u - corner[0], v - corner[1]);
-                let height = cell.h00
-                    + cell.along * a
-                    + (cell.across + cell.twist * a) * b
-                    + Lanes::splat(simd, chain.wheels()[wheel].radius);
-                let missing = height - (here.state[0] + centre[2]);
-                *row = (poses.gap_slopes(simd, wheel, centre, [zero; 2]), missing);
-            }
-            let step = solve(simd, self.order, &mut system);
-            here.state[0] = here.state[0] + step[0];
-            for (k, step) in step.into_iter().enumerate().skip(1) {
-                let (most, limit) = (Lanes::splat(simd, 0.4), Lanes::splat(simd, 0.8));
-                let angle = here.state[k] + step.min(most).max(-most);
-                here.state[k] = angle.min(limit).max(-limit);
-            }
+    fn goes_on<const N: usize>(&mut self, batch: &PoseBatch<N>, first: usize, row: u16) -> bool {
+        let rounds = batch.rounds[row as usize];
+        if (ROUNDS..LEFT).contains(&rounds) {
+            self.left.push((first + row as usize, None));
         }
+        rounds < ROUNDS
+    }
+
+    /// Puts poses in their first state. Those over ground that is not known have no round to go.
+    #[inline(always)]
+    fn start<S: Vector, const N: usize>(&self, simd: S, batch: &mut PoseBatch<N>, rows: &[u16]) {
+        let mut here = self.here(simd, batch, rows);
+        let known = booleans(simd, initial_state(simd, &self.site(), &mut here));
         for k in 0..MAX_STATE {
-            let values = spread(here.state[k]);
-            for (lane, &row) in rows.iter().enumerate() {
-                let column = &mut batch.columns[column::STATE + k];
-                column[row as usize] = values[lane];
-                if !values[lane].is_finite() {
-                    batch.rounds[row as usize] = ROUNDS;
-                }
+            scatter(&mut batch.columns[column::STATE + k], rows, here.state[k]);
+        }
+        for (lane, &row) in rows.iter().enumerate() {
+            if !known[lane] {
+                batch.rounds[row as usize] = ROUNDS;
             }
         }
     }
+}
+
+/// Leads states to where every wheel's centre is one radius above the ground below it. False in the lanes where that is not known
+/// or does not say: then only the height is right, by the mean of what is known.
+#[inline(always)]
+pub(crate) fn initial_state<S: Vector>(simd: S, site: &Site<'_>, here: &mut StateLanes<S>) -> Mask<S> {
+    let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let spacing = site.per_metre(simd);
+    let mut goes_on = zero.lt(unit);
+    for _ in 0..2 {
+        let poses = here.poses(simd, site.chain);
+        let mut scan = RimScan::empty(simd, poses.reaches);
+        let (mut sum, mut count) = (zero, zero);
+        for wheel in (0..site.chain.wheels().len().min(MAX_WHEELS)).filter(|&wheel| site.order.touches(wheel)) {
+            let centre = poses.wheel(simd, wheel).centre;
+            let u = (here.origin[0] + centre[0]) * spacing[0];
+            let v = (here.origin[1] + centre[1]) * spacing[1];
+            let corner = [floor(simd, u), floor(simd, v)];
+            let cell = cells(simd, site.ground, corner[0], corner[1]);
+            let (a, b) = (u - corner[0], v - corner[1]);
+            let height = cell.h00
+                + cell.along * a
+                + (cell.across + cell.twist * a) * b
+                + Lanes::splat(simd, site.chain.wheels()[wheel].radius);
+            let missing = height - (here.state[0] + centre[2]);
+            let is_known = missing.abs().lt(Lanes::splat(simd, FAR));
+            sum = is_known.select(sum + missing, sum);
+            count = is_known.select(count + unit, count);
+            scan.touches = scan.touches & is_known;
+            scan.rows[wheel] = (poses.gap_slopes(simd, wheel, centre, [zero; 2]), missing);
+        }
+        let lifted = here.state[0] + sum / count.max(unit);
+        if !site.order.is_square {
+            here.state[0] = lifted;
+            return zero.lt(zero);
+        }
+        let (step, smallest) = solve(simd, site.order, &mut scan.rows);
+        let is_solved = scan.touches & Lanes::splat(simd, pivots::SMALLEST_PIVOT).le(smallest);
+        let moves = goes_on & is_solved;
+        for &(k, _) in site.order.columns() {
+            let (most, limit) = (Lanes::splat(simd, START_TURN), Lanes::splat(simd, START_ANGLE));
+            let next = match k {
+                0 => here.state[0] + step[0],
+                _ => (here.state[k] + step[k].min(most).max(-most)).min(limit).max(-limit),
+            };
+            let stays = if k == 0 { (goes_on & !is_solved).select(lifted, here.state[0]) } else { here.state[k] };
+            here.state[k] = moves.select(next, stays);
+        }
+        goes_on = moves;
+    }
+    goes_on
 }

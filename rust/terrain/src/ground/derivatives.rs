@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::newton::{ActiveSet, NewtonSystem, free_columns};
-use super::stand::{Contact, Stand, rim_point};
-use super::touch::gap_slopes;
+use super::active_set::ActiveSet;
+use super::linear_system::LinearSystem;
+use super::stand::{Contact, Stand, gap_slopes, rim_point};
 use crate::suspension::{Bogie, Chain, Dimensions, MAX_FREE, MAX_STATE, Placed};
 
 /// Number of dimensions of a rocker-bogie: five vectors and the wheel radius.
@@ -23,20 +23,20 @@ fn answer<const N: usize>(
         hanging: u32::from(stand.hanging),
     };
     let count = chain.state_count();
-    let mut system = NewtonSystem::<N>::empty();
+    let mut system = LinearSystem::<N>::empty();
     for wheel in (0..chain.wheels().len()).filter(|&wheel| stand.touches(wheel)) {
         let contact = &stand.wheels[wheel];
         let point = rim_point(chain, placed, wheel, contact.at);
-        let (_, slopes) = gap_slopes(placed, wheel, point, contact.gradient);
+        let (_, slopes) = gap_slopes(placed, wheel, point, contact);
         let mut row = [0.0; MAX_STATE];
-        for (target, k) in row.iter_mut().zip(free_columns(count, &hold)) {
+        for (target, k) in row.iter_mut().zip(hold.free_columns(count)) {
             *target = slopes[k];
         }
         system.push(row, rates(wheel, point, contact).map(|rate| -rate));
     }
     let solution = system.solve()?;
     let mut derivatives = [[0.0; N]; MAX_STATE];
-    for (value, k) in solution.iter().zip(free_columns(count, &hold)) {
+    for (value, k) in solution.iter().zip(hold.free_columns(count)) {
         derivatives[k] = *value;
     }
     Some(derivatives)
@@ -45,7 +45,7 @@ fn answer<const N: usize>(
 /// Derivatives of a settled state by x, y and yaw. None where the state is not determined.
 #[inline]
 pub fn by_pose(chain: &Chain, placed: &Placed<'_>, stand: &Stand) -> Option<[[f64; 3]; MAX_STATE]> {
-    answer(chain, placed, stand, |wheel, point, contact| gap_slopes(placed, wheel, point, contact.gradient).0)
+    answer(chain, placed, stand, |wheel, point, contact| gap_slopes(placed, wheel, point, contact).0)
 }
 
 /// Derivatives of a settled state by the dimensions of a rocker-bogie, in the order of [`Dimensions::vectors`], and

@@ -13,10 +13,12 @@ use std::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::newton::{ActiveSet, LARGEST_ANGLE, NewtonResult};
+use super::active_set::ActiveSet;
+use super::newton::{LARGEST_ANGLE, NewtonResult, OnePose};
+use super::pivots::PivotOrder;
+use super::rims::contact::RimSegment;
 use super::settler::{Settler, Status};
-use super::touch::WheelContacts;
-use crate::suspension::{MAX_STATE, MAX_WHEELS, PlanPose, State};
+use crate::suspension::{MAX_STATE, State};
 use crate::terrain::{Interpolation, Sample};
 
 /// Numbers of a state, and the share.
@@ -55,60 +57,56 @@ struct GapJacobian {
 }
 
 /// The ground of a pose, of any share.
-struct Homotopy<'a, 'b> {
-    settler: &'b Settler<'a>,
-    pose: PlanPose,
-    steering: &'b [f64],
+struct Homotopy<'a> {
+    pose: OnePose<'a>,
+    order: PivotOrder,
+    /// Numbers of the state.
+    count: usize,
     /// Heights are from here [m].
     datum: f64,
 }
 
-impl<'a> Settler<'a> {
+impl Settler<'_> {
     /// Settles the chain with no joint at a stop, by scaling the heights from flat ground to the map; or the status of
     /// a failure.
-    pub(crate) fn grown(&self, pose: PlanPose, steering: &[f64]) -> Result<NewtonResult<'a>, Status> {
-        let Sample::Known { height, .. } = self.ground.sample_offset(pose.x, pose.y, Interpolation::Bilinear) else {
+    pub(crate) fn grown(&self, pose: &OnePose<'_>) -> Result<NewtonResult, Status> {
+        let at = pose.plan_pose();
+        let Sample::Known { height: datum, .. } = self.ground.sample_offset(at.x, at.y, Interpolation::Bilinear) else {
             return Err(Status::NotConverged);
         };
-        let growth = Homotopy { settler: self, pose, steering, datum: height };
-        growth.followed()
+        let order = PivotOrder::new(self.chain, &ActiveSet::NONE);
+        Homotopy { pose: *pose, order, count: self.chain.state_count(), datum }.followed()
     }
 }
 
-impl<'a> Homotopy<'a, '_> {
-    fn count(&self) -> usize {
-        self.settler.chain.state_count()
-    }
-
-    /// None where the differential does not reach or no ground is known.
-    fn look(&self, point: &Point) -> Option<GapJacobian> {
+impl Homotopy<'_> {
+    /// Gaps and slopes at a point. None where the differential does not reach or no ground is known.
+    fn jacobian(&self, point: &Point) -> Option<GapJacobian> {
         let share = point[MAX_STATE];
-        let (ground, chain) = (self.settler.ground, self.settler.chain);
         let state: State = std::array::from_fn(|k| point[k]);
-        let over = [share, self.datum];
-        let touches =
-            WheelContacts::over_part(ground, chain, self.pose, &state, self.steering, over, self.settler.level)?;
-        let mut look = GapJacobian { gaps: SVector::zeros(), slopes: SMatrix::identity() };
-        for wheel in 0..self.count().min(MAX_WHEELS) {
-            let (touch, (_, slopes)) = (&touches.wheels[wheel], touches.slopes(wheel));
-            if touch.gap.is_nan() {
+        let pose = self.pose.over([share, self.datum]);
+        let here = pose.evaluate(state, &self.order, RimSegment::Lower)?;
+        let mut jacobian = GapJacobian { gaps: SVector::zeros(), slopes: SMatrix::identity() };
+        for wheel in 0..self.count {
+            let gap = here.gaps[wheel];
+            if gap.is_nan() {
                 return None;
             }
-            look.gaps[wheel] = touch.gap;
-            for (k, slope) in slopes.into_iter().enumerate().take(self.count()) {
-                look.slopes[(wheel, k)] = slope;
+            jacobian.gaps[wheel] = gap;
+            for (k, slope) in here.slopes[wheel].into_iter().enumerate().take(self.count) {
+                jacobian.slopes[(wheel, k)] = slope;
             }
             // As high as the ground is there, less.
-            look.slopes[(wheel, MAX_STATE)] = (touch.gap - (touch.point.z - self.datum)) / share;
+            jacobian.slopes[(wheel, MAX_STATE)] = (gap - (here.heights[wheel] - self.datum)) / share;
         }
-        Some(look)
+        Some(jacobian)
     }
 
     /// Back to the curve, across a direction. None where Newton's method does not lead there.
     fn back(&self, mut point: Point, across: &Point) -> Option<(Point, GapJacobian)> {
         let mut worst = f64::INFINITY;
         for _ in 0..TURNS {
-            let mut look = self.look(&point)?;
+            let mut look = self.jacobian(&point)?;
             let gap = look.gaps.amax();
             if gap <= THERE {
                 return Some((point, look));
@@ -151,12 +149,12 @@ impl<'a> Homotopy<'a, '_> {
             (near && (smooth || step < AROUND)).then_some([next, turned])
         };
         reach(direction).or_else(|| {
-            let around = (step < AROUND).then(|| self.look(&(point + direction * step)))??;
+            let around = (step < AROUND).then(|| self.jacobian(&(point + direction * step)))??;
             reach(&Self::along(&around, turns)?)
         })
     }
 
-    fn followed(&self) -> Result<NewtonResult<'a>, Status> {
+    fn followed(&self) -> Result<NewtonResult, Status> {
         let mut lost = Status::NotConverged;
         let share_alone = Point::ith(MAX_STATE, 1.0);
         let (mut point, look) = self.begin(&share_alone).ok_or(lost)?;
@@ -195,19 +193,19 @@ impl<'a> Homotopy<'a, '_> {
         let mut point = Point::zeros();
         point[0] = self.datum;
         point[MAX_STATE] = FIRST;
-        let look = self.look(&point)?;
-        let wheels = self.count() as f64;
+        let look = self.jacobian(&point)?;
+        let wheels = self.count as f64;
         point[0] -= look.gaps.sum() / wheels;
         self.back(point, share_alone)
     }
 
     /// The end of the curve, between two points of it.
-    fn arrived(&self, before: &Point, after: &Point) -> Option<NewtonResult<'a>> {
+    fn arrived(&self, before: &Point, after: &Point) -> Option<NewtonResult> {
         let share = (1.0 - before[MAX_STATE]) / (after[MAX_STATE] - before[MAX_STATE]);
         let between = before.lerp(after, share);
         [between, *before, *after].iter().find_map(|point| {
             let state: State = std::array::from_fn(|k| point[k]);
-            let attempt = self.settler.close(self.pose, self.steering, state, &ActiveSet::NONE);
+            let attempt = self.pose.close(state, &ActiveSet::NONE);
             let upright = |state: &State| state[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE);
             attempt.filter(|attempt| attempt.closed && upright(&attempt.state))
         })

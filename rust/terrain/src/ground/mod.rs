@@ -1,13 +1,16 @@
 //! Rovers on ground: where a chain settles on a grid of heights.
 //!
-//! [`rims`] (the least gap of wheels), [`batch`] (a pose in every lane), [`touch`] (all wheels of one chain), [`newton`] (closing
-//! the gaps), [`growth`] (where that finds nothing), [`stops`] (joints at their stops, wheels in the air), [`settle`] (the answer,
-//! with its status), [`stand`] (the answer as numbers), [`rows`] (many poses), [`derivatives`] (of the answer, by the pose
+//! [`rims`] (the least gap of wheels), [`scan`] (all wheels of chains at their states), [`pivots`] (Newton's step), [`round`] and
+//! [`batch`] (rounds of Newton's method, a pose in every lane or one alone), [`newton`] (what they leave: closing the gaps with a
+//! line search), [`growth`] (where that finds nothing), [`stops`] (joints at their stops, wheels in the air), [`settle`] (the
+//! answer, with its status), [`stand`] (the answer as numbers), [`rows`] (the calls), [`derivatives`] (of the answer, by the pose
 //! and by dimensions).
 
+mod active_set;
 mod batch;
 mod derivatives;
 mod growth;
+mod linear_system;
 mod newton;
 mod rims;
 mod rows;
@@ -15,13 +18,12 @@ mod settle;
 mod settler;
 mod stand;
 mod stops;
-mod touch;
+
+use batch::{pivots, poses, scan};
 
 pub use derivatives::{DIMENSIONS, by_dimension, by_pose, shift_by_dimension};
-pub use rims::contact::{Minimum, RimContact};
 pub use rows::settle;
-pub(crate) use rows::{settle_part, worth_lanes};
-pub use settler::{Settled, Settler, Status};
+pub(crate) use rows::settle_part;
+pub use settler::{Settler, Status};
 pub use stand::{CONTACT, NUMBERS};
 pub use stand::{Contact, Stand, rim_point};
-pub use touch::{WheelContact, WheelContacts, gap_slopes};

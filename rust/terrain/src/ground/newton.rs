@@ -1,10 +1,24 @@
-//! Closing the gaps of the wheels that touch: Newton's method with step control.
+//! Newton's method with a line search, for one pose: what rounds of [`super::batch`] leave, and active sets.
+//!
+//! Every look goes along the whole lower halves of the rims, exactly; the upper ones follow when the gaps are closed. Gaps, their
+//! slopes and the step are those of the rounds ([`RimScan`], [`solve`]).
 
-use super::settler::Settler;
-use super::touch::WheelContacts;
-use crate::ground::rims::contact::RimSegment;
-use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
-use crate::terrain::{Interpolation, Sample};
+use pulp::Scalar;
+
+use super::active_set::{ActiveSet, CLOSED_GAP};
+use super::batch::initial_state;
+use super::pivots::{PivotOrder, Rows, SMALLEST_PIVOT, solve};
+use super::poses::PoseOnGrid;
+use super::rims::circles::WheelCircle;
+use super::rims::contact::{RimContact, RimSegment, find_contacts};
+use super::scan::{RimScan, Site, StateLanes, WheelGap};
+use super::settler::{Settler, Status};
+use super::stand::Contact;
+use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
+use crate::terrain::Terrain;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Largest turn of any joint or of the body in one step [rad].
 const LARGEST_TURN: f64 = 0.3;
@@ -12,8 +26,8 @@ const LARGEST_TURN: f64 = 0.3;
 /// Angles beyond this are no way to stand [rad].
 pub(crate) const LARGEST_ANGLE: f64 = 1.35;
 
-/// A gap is closed if it is at most the first [m] and the second times the height: some roundings of heights of that size.
-pub(crate) const CLOSED_GAP: [f64; 2] = [2e-12, 2e-15];
+/// A gap below this [m] that no step closes any more is closed but for rounding.
+const ROUNDING: f64 = 1e-10;
 
 /// Steps of one attempt.
 const STEPS: usize = 40;
@@ -21,214 +35,181 @@ const STEPS: usize = 40;
 /// Steps that may close no gap before another start is tried.
 const STALLS: usize = 5;
 
-/// The active set: joints held at an angle, and wheels in the air.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ActiveSet {
-    /// Angles of the joints that are held.
-    pub joints: [Option<f64>; MAX_FREE],
-    /// Bits of the wheels that are left in the air.
-    pub hanging: u32,
-}
-
-impl ActiveSet {
-    /// Nothing held, nothing in the air.
-    pub const NONE: Self = Self { joints: [None; MAX_FREE], hanging: 0 };
-
-    /// True if a wheel touches.
-    #[inline]
-    pub fn touches(&self, wheel: usize) -> bool {
-        self.hanging >> wheel & 1 == 0
-    }
-}
-
-/// As many equations as unknowns, of which there are at most six, and up to three right-hand sides.
-pub(crate) struct NewtonSystem<const RIGHT: usize> {
-    /// Rows of coefficients.
-    pub rows: [[f64; MAX_STATE]; MAX_WHEELS],
-    /// Right-hand sides, row by row.
-    pub right: [[f64; RIGHT]; MAX_WHEELS],
-    /// Number of both.
-    pub count: usize,
-}
-
-impl<const RIGHT: usize> NewtonSystem<RIGHT> {
-    #[inline]
-    pub fn empty() -> Self {
-        Self { rows: [[0.0; MAX_STATE]; MAX_WHEELS], right: [[0.0; RIGHT]; MAX_WHEELS], count: 0 }
-    }
-
-    /// Adds an equation.
-    #[inline]
-    pub fn push(&mut self, row: [f64; MAX_STATE], right: [f64; RIGHT]) {
-        self.rows[self.count] = row;
-        self.right[self.count] = right;
-        self.count += 1;
-    }
-
-    /// Solves by elimination with row exchanges: the solutions in place of the right-hand sides. None if it is
-    /// singular.
-    #[inline]
-    pub fn solve(mut self) -> Option<[[f64; RIGHT]; MAX_WHEELS]> {
-        let n = self.count;
-        for k in 0..n {
-            let largest = (k..n).max_by(|&a, &b| self.rows[a][k].abs().total_cmp(&self.rows[b][k].abs()))?;
-            self.rows.swap(k, largest);
-            self.right.swap(k, largest);
-            let pivot = self.rows[k][k];
-            if pivot.abs() < 1e-10 || !pivot.is_finite() {
-                return None;
-            }
-            let (above, below) = self.rows.split_at_mut(k + 1);
-            let (right_above, right_below) = self.right.split_at_mut(k + 1);
-            for (row, right) in below.iter_mut().zip(right_below).take(n - k - 1) {
-                let factor = row[k] / pivot;
-                for (x, y) in row.iter_mut().zip(&above[k]).take(n).skip(k) {
-                    *x -= factor * y;
-                }
-                for (x, y) in right.iter_mut().zip(&right_above[k]) {
-                    *x -= factor * y;
-                }
-            }
-        }
-        for k in (0..n).rev() {
-            for c in 0..RIGHT {
-                let known: f64 = (k + 1..n).map(|j| self.rows[k][j] * self.right[j][c]).sum();
-                self.right[k][c] = (self.right[k][c] - known) / self.rows[k][k];
-            }
-        }
-        Some(self.right)
-    }
-}
-
-/// The columns of the state that may move, in their order.
-pub(crate) fn free_columns(count: usize, hold: &ActiveSet) -> impl Iterator<Item = usize> {
-    let joints = hold.joints;
-    (0..count).filter(move |&k| k < 3 || joints[k - 3].is_none())
-}
-
-/// A state, and the largest gap of the wheels that touch there [m].
-struct Trial {
-    state: State,
-    worst: f64,
-}
-
-/// A chain that stands, or the best that an attempt came to.
-pub struct NewtonResult<'a> {
+/// A chain whose gaps are closed, or the best that an attempt came to.
+#[derive(Clone, Debug)]
+pub(crate) struct NewtonResult {
     pub state: State,
-    pub touches: WheelContacts<'a>,
+    pub rims: [RimContact; MAX_WHEELS],
     pub closed: bool,
 }
 
-impl<'a> Settler<'a> {
-    /// Largest gap of the wheels that touch [m]; infinite where one has no known ground.
-    fn worst(&self, touches: &WheelContacts<'_>, hold: &ActiveSet) -> f64 {
-        let wheels = (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel));
-        wheels.fold(0.0, |worst: f64, wheel| {
-            let gap = touches.wheels[wheel].gap.abs();
-            if gap.is_nan() { f64::INFINITY } else { worst.max(gap) }
+impl NewtonResult {
+    /// Reason for which nothing is known to stand there: off the map, over unknown ground, or neither.
+    pub fn reason(&self, chain: &Chain) -> Status {
+        let rims = &self.rims[..chain.wheels().len()];
+        if rims.iter().any(|rim| rim.outside) {
+            Status::OffMap
+        } else if rims.iter().any(|rim| rim.unknown) {
+            Status::UnknownCells
+        } else {
+            Status::NotConverged
+        }
+    }
+
+    /// Least gap of a wheel [m]; NaN over unknown ground.
+    pub fn gap(&self, wheel: usize) -> f64 {
+        self.rims[wheel].least.map_or(f64::NAN, |least| least.gap)
+    }
+
+    /// Contact of a wheel.
+    pub fn contact(&self, ground: &Terrain, wheel: usize) -> Contact {
+        let RimContact { least, next, .. } = self.rims[wheel];
+        least.map_or(Contact::NONE, |least| Contact {
+            next: next.map_or(f64::NAN, |next| next.sin.atan2(next.cos)),
+            ..Contact::new(ground, least.gap, least.at, least.slope)
         })
     }
+}
 
-    /// Gap that counts as none [m].
-    fn tolerance(&self, state: &State) -> f64 {
-        CLOSED_GAP[0] + CLOSED_GAP[1] * state[0].abs()
+/// A chain at a state of one pose.
+#[derive(Clone, Debug)]
+pub(crate) struct Evaluation {
+    pub state: State,
+    /// Largest gap of the wheels that touch [m]; infinite where one has no known ground.
+    pub worst: f64,
+    /// Newton's step, no longer than [`LARGEST_TURN`]; None where the gaps do not determine it.
+    pub step: Option<State>,
+    /// Of every wheel: least gap [m], its slopes by the state, and height of the point of the rim [m].
+    pub gaps: [f64; MAX_WHEELS],
+    pub slopes: [State; MAX_WHEELS],
+    pub heights: [f64; MAX_WHEELS],
+    pub rims: [RimContact; MAX_WHEELS],
+}
+
+/// One pose with its steering, on ground whose heights are a share of what they are above a datum.
+#[derive(Clone, Copy)]
+pub(crate) struct OnePose<'a> {
+    chain: &'a Chain,
+    ground: &'a Terrain,
+    level: Level,
+    /// By its distances from node (0, 0) of the map.
+    pose: PlanPose,
+    on_grid: PoseOnGrid,
+    steering: &'a [f64],
+    /// The share, and the datum [m].
+    over: [f64; 2],
+}
+
+impl<'a> OnePose<'a> {
+    pub fn new(settler: &Settler<'a>, pose: PlanPose, steering: &'a [f64]) -> Self {
+        let Settler { chain, ground, level, .. } = *settler;
+        let on_grid = PoseOnGrid::new(ground, pose);
+        let pose = pose.relative_to(ground.origin());
+        Self { chain, ground, level, pose, on_grid, steering, over: [1.0, 0.0] }
     }
 
-    /// The wheels at a state. None where the differential does not reach.
-    pub fn touches(
-        &self,
-        pose: PlanPose,
-        state: &State,
-        steering: &[f64],
-        part: RimSegment,
-    ) -> Option<WheelContacts<'a>> {
-        let mut touches = WheelContacts::nowhere(self.chain);
-        self.look(&mut touches, pose, state, steering, part).map(|()| touches)
+    /// The same on ground whose heights are a share of what they are above a datum [m].
+    pub fn over(self, [share, datum]: [f64; 2]) -> Self {
+        Self { over: [share, datum], ..self }
     }
 
-    /// The same, written over what is there.
-    fn look(
-        &self,
-        touches: &mut WheelContacts<'a>,
-        pose: PlanPose,
-        state: &State,
-        steering: &[f64],
-        part: RimSegment,
-    ) -> Option<()> {
-        let (ground, chain) = (self.ground, self.chain);
-        touches.put(ground, chain, pose, state, steering, part, self.level)
+    /// The pose in the plane, by its distances from node (0, 0) of the map.
+    pub fn plan_pose(&self) -> PlanPose {
+        self.pose
     }
 
-    /// Closes the gaps from a start. None where the differential does not reach.
-    pub fn close(&self, pose: PlanPose, steering: &[f64], start: State, hold: &ActiveSet) -> Option<NewtonResult<'a>> {
-        let (mut part, mut stalls) = (RimSegment::Lower, 0);
-        let mut state = start;
-        for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
-            *angle = held.unwrap_or(*angle);
+    /// The chain, by its distances from node (0, 0) of the map. None where a differential does not reach.
+    pub fn place(&self, state: &State) -> Option<Placed<'a>> {
+        self.chain.place(self.pose, state, self.steering)
+    }
+
+    /// Gaps and step at a state. None where a differential does not reach.
+    pub fn evaluate(&self, state: State, order: &PivotOrder, segment: RimSegment) -> Option<Evaluation> {
+        self.level.run_any(Evaluate { pose: self, state, order, segment })
+    }
+
+    /// A state to start from: see [`initial_state`].
+    pub fn initial_state(&self, state: State, hold: &ActiveSet) -> State {
+        let order = &PivotOrder::new(self.chain, hold);
+        self.level.run_any(Start { pose: self, state: hold.held(state), order })
+    }
+
+    #[inline(always)]
+    fn lanes<S: Vector>(&self, simd: S, state: &State) -> StateLanes<S> {
+        let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let mut lanes = StateLanes {
+            origin: [Lanes::splat(simd, self.on_grid.origin[0]), Lanes::splat(simd, self.on_grid.origin[1])],
+            yaw: (Lanes::splat(simd, self.on_grid.heading.sin), Lanes::splat(simd, self.on_grid.heading.cos)),
+            state: [zero; MAX_STATE],
+            steering: None,
+            contacts: [[zero, unit]; MAX_WHEELS],
+        };
+        for (number, value) in lanes.state.iter_mut().zip(state) {
+            *number = Lanes::splat(simd, *value);
         }
-        // Where the chain is, the best trial, and where it is tried: written over, and never moved.
-        let room = || WheelContacts::nowhere(self.chain);
-        let [first, second, third] = &mut [room(), room(), room()];
-        let mut rooms = [first, second, third];
-        self.look(rooms[0], pose, &state, steering, part)?;
-        let mut worst = self.worst(rooms[0], hold);
-        for _ in 0..STEPS {
-            let tolerance = self.tolerance(&state);
-            if worst <= tolerance {
-                // Only the whole rim says that nothing else touches.
-                if part == RimSegment::Lower && rooms[0].look_up(self.ground, self.chain, self.level) {
-                    part = RimSegment::Whole;
-                    worst = self.worst(rooms[0], hold);
-                }
-                if worst <= tolerance {
-                    return Some(NewtonResult { state, touches: rooms[0].clone(), closed: true });
-                }
+        if !self.steering.is_empty() {
+            let mut steering = [(zero, unit); MAX_WHEELS];
+            for (turned, angle) in steering.iter_mut().zip(self.steering) {
+                let (sin, cos) = angle.sin_cos();
+                *turned = (Lanes::splat(simd, sin), Lanes::splat(simd, cos));
             }
-            let step = worst.is_finite().then(|| self.step(rooms[0], hold)).flatten();
-            let Some(step) = step else {
-                break;
-            };
-            let here = Trial { state, worst };
-            let Some(trial) = self.line_search((pose, steering, part), hold, &here, &step, &mut rooms)? else {
-                break;
-            };
-            if trial.worst >= worst {
-                if worst < 1e-10 {
-                    // Rounding: there is nothing left to close.
-                    return self.accept(pose, steering, state, hold);
+            lanes.steering = Some(steering);
+        }
+        lanes
+    }
+
+    /// Closes the gaps from a start. None where a differential does not reach.
+    pub fn close(&self, start: State, hold: &ActiveSet) -> Option<NewtonResult> {
+        let order = &PivotOrder::new(self.chain, hold);
+        let (mut segment, mut stalls) = (RimSegment::Lower, 0);
+        let mut here = self.evaluate(hold.held(start), order, segment)?;
+        for _ in 0..STEPS {
+            if here.is_closed() && segment == RimSegment::Lower {
+                // Only the whole rim says that nothing else touches.
+                segment = RimSegment::Whole;
+                here = self.evaluate(here.state, order, segment)?;
+            }
+            if here.is_closed() {
+                return Some(here.result(true));
+            }
+            let Some(step) = here.step else { break };
+            let Some(trial) = self.line_search(&here, &step, order, segment)? else { break };
+            if trial.worst >= here.worst {
+                if here.worst < ROUNDING {
+                    // There is nothing left to close.
+                    let whole = self.evaluate(here.state, order, RimSegment::Whole)?;
+                    let closed = whole.worst < ROUNDING;
+                    return Some(whole.result(closed));
                 }
                 stalls += 1;
                 if stalls > STALLS {
                     break;
                 }
             }
-            (state, worst) = (trial.state, trial.worst);
-            rooms.swap(0, 1);
+            here = trial;
         }
-        Some(NewtonResult { state, touches: rooms[0].clone(), closed: false })
+        Some(here.result(false))
     }
 
-    /// The best of a step and its halves, up to the first that closes the gaps enough; its wheels are in the second of `rooms`.
-    /// None outside where the differential does not reach, None inside where every trial is at angles at which nothing stands.
+    /// The best of a step and its halves, up to the first that closes the gaps enough. None outside where a differential does
+    /// not reach, None inside where every trial is at angles at which nothing stands.
     fn line_search(
         &self,
-        (pose, steering, part): (PlanPose, &[f64], RimSegment),
-        hold: &ActiveSet,
-        here: &Trial,
+        here: &Evaluation,
         step: &State,
-        rooms: &mut [&mut WheelContacts<'a>; 3],
-    ) -> Option<Option<Trial>> {
-        let (mut found, mut share): (Option<Trial>, f64) = (None, 1.0);
+        order: &PivotOrder,
+        segment: RimSegment,
+    ) -> Option<Option<Evaluation>> {
+        let (mut found, mut share): (Option<Evaluation>, f64) = (None, 1.0);
         while share > 0.01 {
             let state: State = std::array::from_fn(|k| here.state[k] + share * step[k]);
             if state[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE) {
-                self.look(rooms[2], pose, &state, steering, part)?;
-                let worst = self.worst(rooms[2], hold);
-                if found.as_ref().is_none_or(|found| worst < found.worst) {
-                    found = Some(Trial { state, worst });
-                    rooms.swap(1, 2);
+                let trial = self.evaluate(state, order, segment)?;
+                let is_enough = trial.worst < here.worst * (1.0 - 0.3 * share) || trial.worst <= tolerance(&here.state);
+                if found.as_ref().is_none_or(|found| trial.worst < found.worst) {
+                    found = Some(trial);
                 }
-                if worst < here.worst * (1.0 - 0.3 * share) || worst <= self.tolerance(&here.state) {
+                if is_enough {
                     break;
                 }
             }
@@ -236,89 +217,134 @@ impl<'a> Settler<'a> {
         }
         Some(found)
     }
+}
 
-    /// A state whose gaps are as small as rounding lets them be, looked at once more all along the rims.
-    fn accept(&self, pose: PlanPose, steering: &[f64], state: State, hold: &ActiveSet) -> Option<NewtonResult<'a>> {
-        let touches = self.touches(pose, &state, steering, RimSegment::Whole)?;
-        let closed = self.worst(&touches, hold) < 1e-10;
-        Some(NewtonResult { state, touches, closed })
+/// Gap that counts as none [m].
+fn tolerance(state: &State) -> f64 {
+    state[0].abs().mul_add(CLOSED_GAP[1], CLOSED_GAP[0])
+}
+
+impl Evaluation {
+    fn is_closed(&self) -> bool {
+        self.worst <= tolerance(&self.state)
     }
 
-    /// Newton's step, no longer than [`LARGEST_TURN`].
-    fn step(&self, touches: &WheelContacts<'_>, hold: &ActiveSet) -> Option<State> {
-        let count = self.chain.state_count();
-        let mut system = NewtonSystem::<1>::empty();
-        for wheel in (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel)) {
-            let (_, slopes) = touches.slopes(wheel);
-            let mut row = [0.0; MAX_STATE];
-            for (target, k) in row.iter_mut().zip(free_columns(count, hold)) {
-                *target = slopes[k];
-            }
-            system.push(row, [-touches.wheels[wheel].gap]);
-        }
-        let solution = system.solve()?;
-        let mut step = [0.0; MAX_STATE];
-        for (value, k) in solution.iter().zip(free_columns(count, hold)) {
-            step[k] = value[0];
-        }
-        let turn = step[1..].iter().fold(0.0, |most: f64, turn| most.max(turn.abs()));
-        if turn > LARGEST_TURN {
-            step = step.map(|value| value * (LARGEST_TURN / turn));
-        }
-        Some(step)
+    pub fn result(&self, closed: bool) -> NewtonResult {
+        NewtonResult { state: self.state, rims: self.rims, closed }
     }
+}
 
-    /// A state to start from: every wheel's centre one radius above the ground below it.
-    pub(crate) fn initial_state(
-        &self,
-        pose: PlanPose,
-        steering: &[f64],
-        mut state: State,
-        hold: &ActiveSet,
-    ) -> Option<State> {
-        let count = self.chain.state_count();
-        for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
-            *angle = held.unwrap_or(*angle);
-        }
-        let mut placed = self.chain.nowhere();
-        for round in 0..3 {
-            placed.put(pose, &state, steering)?;
-            let mut system = NewtonSystem::<1>::empty();
-            let (mut missing, mut mean) = (0.0, 0.0);
-            for wheel in (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel)) {
-                let (centre, radius) = (placed.wheel(wheel).centre, self.chain.wheels()[wheel].radius);
-                let sample = self.ground.sample_offset(centre.x, centre.y, Interpolation::Bilinear);
-                let Sample::Known { height, .. } = sample else {
-                    missing += 1.0;
-                    continue;
-                };
-                mean += height + radius - centre.z;
-                let slopes = placed.point_slopes(wheel, centre);
-                let mut row = [0.0; MAX_STATE];
-                for (target, k) in row.iter_mut().zip(free_columns(count, hold)) {
-                    *target = slopes[3 + k].z;
-                }
-                system.push(row, [height + radius - centre.z]);
-            }
-            if missing > 0.0 || round == 0 {
-                // The height first; and nothing else where some ground is not known.
-                state[0] += mean / (system.count as f64).max(1.0);
-                if missing > 0.0 {
-                    return Some(state);
-                }
-                continue;
-            }
-            let Some(solution) = system.solve() else {
-                return Some(state);
-            };
-            for (value, k) in solution.iter().zip(free_columns(count, hold)) {
-                let limit = if k == 0 { f64::INFINITY } else { 0.4 };
-                state[k] += value[0].clamp(-limit, limit);
-                if k > 0 {
-                    state[k] = state[k].clamp(-0.8, 0.8);
-                }
-            }
-        }
-        Some(state)
+/// See [`OnePose::initial_state`].
+struct Start<'a> {
+    pose: &'a OnePose<'a>,
+    state: State,
+    order: &'a PivotOrder,
+}
+
+impl Kernel for Start<'_> {
+    type Output = State;
+
+    #[inline(always)]
+    fn run<W: Vector>(self, _: W) -> State {
+        let OnePose { chain, ground, .. } = *self.pose;
+        let mut here = self.pose.lanes(Scalar, &self.state);
+        initial_state(Scalar, &Site { chain, ground, order: self.order }, &mut here);
+        numbers(&here.state)
     }
+}
+
+/// See [`OnePose::evaluate`].
+struct Evaluate<'a> {
+    pose: &'a OnePose<'a>,
+    state: State,
+    order: &'a PivotOrder,
+    segment: RimSegment,
+}
+
+impl Kernel for Evaluate<'_> {
+    type Output = Option<Evaluation>;
+
+    #[inline(always)]
+    fn run<W: Vector>(self, wide: W) -> Option<Evaluation> {
+        let OnePose { chain, ground, over: [share, datum], .. } = *self.pose;
+        let site = &Site { chain, ground, order: self.order };
+        let here = self.pose.lanes(Scalar, &self.state);
+        let (poses, per_metre) = (here.poses(Scalar, chain), site.per_metre(Scalar));
+        if !poses.reaches.any() {
+            return None;
+        }
+        let real = here.circles(Scalar, site, &poses, per_metre);
+        let mut circles = real;
+        if share != 1.0 {
+            // As much higher as the ground is lower.
+            circles = circles.map(|WheelCircle { centre: [x, y, z], forward, up }| WheelCircle {
+                centre: [x, y, datum + (z - datum) / share],
+                forward: [forward[0], forward[1], forward[2] / share],
+                up: [up[0], up[1], up[2] / share],
+            });
+        }
+        let found = find_contacts(wide, ground, &circles, chain.wheels().len(), self.segment);
+        let mut scan = RimScan::empty(Scalar, poses.reaches);
+        for (wheel, rim) in found.iter().enumerate().take(chain.wheels().len().min(MAX_WHEELS)) {
+            scan.add(Scalar, site, &poses, wheel, &poses.wheel(Scalar, wheel), per_metre, wheel_gap(rim, share));
+        }
+        let mut evaluation = Evaluation {
+            state: self.state,
+            worst: if scan.touches.any() { scan.worst.last(Scalar) } else { f64::INFINITY },
+            step: None,
+            gaps: [f64::NAN; MAX_WHEELS],
+            slopes: [[0.0; MAX_STATE]; MAX_WHEELS],
+            heights: [f64::NAN; MAX_WHEELS],
+            rims: [RimContact::NOTHING; MAX_WHEELS],
+        };
+        evaluation.rims.copy_from_slice(&found[..MAX_WHEELS]);
+        for wheel in 0..MAX_WHEELS {
+            evaluation.gaps[wheel] = scan.found[wheel].gap.last(Scalar);
+            evaluation.slopes[wheel] = numbers(&scan.rows[wheel].0);
+            if let Some(least) = found[wheel].least {
+                let WheelCircle { centre, forward, up } = real[wheel];
+                evaluation.heights[wheel] = centre[2] + (forward[2] * least.at.sin - up[2] * least.at.cos);
+            }
+        }
+        if evaluation.worst.is_finite() && self.order.is_square {
+            evaluation.step = newton_step(self.order, &mut scan.rows);
+        }
+        Some(evaluation)
+    }
+}
+
+/// Newton's step, no longer than [`LARGEST_TURN`]. None if the system is singular.
+#[inline(always)]
+fn newton_step(order: &PivotOrder, rows: &mut Rows<Scalar>) -> Option<State> {
+    let (step, smallest) = solve(Scalar, order, rows);
+    let mut step = numbers(&step);
+    if !(smallest.last(Scalar) >= SMALLEST_PIVOT && step.iter().all(|number| number.is_finite())) {
+        return None;
+    }
+    let turn = step[1..].iter().fold(0.0, |most: f64, turn| most.max(turn.abs()));
+    if turn > LARGEST_TURN {
+        step = step.map(|value| value * (LARGEST_TURN / turn));
+    }
+    Some(step)
+}
+
+/// The gap of a wheel over ground of a share of its heights; NaN where there is none.
+#[inline(always)]
+fn wheel_gap(rim: &RimContact, share: f64) -> WheelGap<Scalar> {
+    let (mut gap, mut at, mut slope) = (f64::NAN, [0.0, 1.0], [0.0; 2]);
+    if let Some(least) = rim.least {
+        (gap, at) = (least.gap * share, [least.at.sin, least.at.cos]);
+        slope = [least.slope[0] * share, least.slope[1] * share];
+    }
+    let all = |value: f64| Lanes::splat(Scalar, value);
+    WheelGap { gap: all(gap), at: [all(at[0]), all(at[1])], slope: [all(slope[0]), all(slope[1])], clear: all(0.0) }
+}
+
+#[inline(always)]
+fn numbers(lanes: &[Lanes<Scalar>; MAX_STATE]) -> State {
+    let mut numbers = [0.0; MAX_STATE];
+    for (number, lane) in numbers.iter_mut().zip(lanes) {
+        *number = lane.last(Scalar);
+    }
+    numbers
 }

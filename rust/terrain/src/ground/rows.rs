@@ -1,23 +1,25 @@
 //! Many poses settled, in lanes or one by one.
 
 use super::batch;
-use super::settler::Settler;
+use super::settler::{Settler, Status};
 use super::stand::Stand;
-use crate::suspension::MAX_WHEELS;
+use crate::suspension::{MAX_WHEELS, PlanPose};
 use six_wheel_numerics::error::{Error, finite};
 use six_wheel_numerics::threads::workers::for_each;
 
 /// Poses from which it is worth to start a thread: some ten microseconds each.
 const WORTH_A_THREAD: usize = 64;
 
-/// Poses from which it is worth to settle them in lanes.
-const WORTH_LANES: usize = 8;
-
 /// Nodes of a map for every pose up to which it is worth to know its highest places beforehand.
 const WORTH_A_PYRAMID: usize = 64;
 
-/// Settles every pose. Steering angles are one row for all poses or one per pose, none if all are 0. Fails, with
-/// nothing written, where a number is not finite.
+/// True for steering angles of a pose that does not stand, as the motion on the ground gives them: all are NaN.
+fn has_no_answer(steering: &[f64]) -> bool {
+    !steering.is_empty() && steering.iter().all(|angle| angle.is_nan())
+}
+
+/// Settles every pose. Steering angles are one row for all poses or one per pose, none if all are 0. A pose with a row of
+/// NaN has not converged. Fails, with nothing written, where another number is not finite.
 pub fn settle(
     settler: &Settler<'_>,
     poses: &[[f64; 3]],
@@ -29,59 +31,71 @@ pub fn settle(
     for (k, pose) in poses.iter().enumerate() {
         finite("poses", pose).map_err(|error| error.at_row(k))?;
     }
+    let one = steering.len() == joints;
     for (k, angles) in steering.chunks_exact(joints.max(1)).enumerate() {
-        let one = steering.len() == joints;
+        if has_no_answer(angles) && (!one || poses.len() == 1) {
+            continue;
+        }
         finite("steering", angles).map_err(|error| if one { error } else { error.at_row(k) })?;
     }
     let angles = |k: usize| {
         if steering.len() > joints { &steering[k * joints..][..joints] } else { steering }
     };
     let [rows, columns] = settler.ground.shape();
-    if worth_lanes(poses.len()) && poses.len() * WORTH_A_PYRAMID > rows * columns {
+    if poses.len() * WORTH_A_PYRAMID > rows * columns {
         // It only saves time: where there is no memory for it, rims are walked without.
         let _ = settler.ground.pyramid();
     }
-    let lanes = worth_lanes(poses.len());
     let share = poses.len().div_ceil(threads.max(1)).max(WORTH_A_THREAD);
     let parts = poses.chunks(share).zip(stands.chunks_mut(share));
     for_each(parts.enumerate(), |(k, (poses, stands))| {
         let angles = |row: usize| angles(k * share + row);
-        settle_part(settler, poses, &angles, lanes, stands);
+        settle_part(settler, poses, &angles, stands);
         Ok(())
     })
 }
 
-/// Settles poses of finite numbers with these steering angles, in lanes or one by one. What a pose comes to does not depend
-/// on the others: `lanes` is to be the same for all parts of a batch.
+/// Settles poses of finite numbers with these steering angles. What a pose comes to does not depend on the others.
 pub(crate) fn settle_part<'a>(
     settler: &Settler<'_>,
     poses: &[[f64; 3]],
     angles: &dyn Fn(usize) -> &'a [f64],
-    lanes: bool,
     stands: &mut [Stand],
 ) {
-    let mut left = Vec::new();
-    let in_lanes = lanes.then(|| {
-        let padded = |k: usize| {
-            let mut padded = [0.0; MAX_WHEELS];
+    let padded = |k: usize| {
+        let mut padded = [0.0; MAX_WHEELS];
+        if !has_no_answer(angles(k)) {
             for (padded, angle) in padded.iter_mut().zip(angles(k)) {
                 *padded = *angle;
             }
-            padded
-        };
-        let steered = !poses.is_empty() && !angles(0).is_empty();
-        batch::settle(settler, poses, &padded, steered, stands, &mut left)
-    });
-    if in_lanes.flatten().is_none() {
-        left = (0..poses.len()).map(|k| (k, None)).collect();
+        }
+        padded
+    };
+    let steered = !poses.is_empty() && !angles(0).is_empty();
+    for (k, near) in batch::settle(settler, poses, &padded, steered, stands) {
+        if !has_no_answer(angles(k)) {
+            stands[k] = settler.settle_near(poses[k].into(), angles(k), near);
+        }
     }
-    for (k, near) in left {
-        let settled = settler.settle_near(poses[k].into(), angles(k), near);
-        stands[k] = Stand::of(&settled);
+    for (_, stand) in stands.iter_mut().enumerate().filter(|(k, _)| has_no_answer(angles(*k))) {
+        *stand = Stand::nothing(Status::NotConverged);
     }
 }
 
-/// True if a batch of so many poses is settled in lanes.
-pub(crate) fn worth_lanes(poses: usize) -> bool {
-    poses >= WORTH_LANES
+impl Settler<'_> {
+    /// Settles the chain at a pose with these steering angles (none of them if all are 0). Fails where a number is not
+    /// finite.
+    pub fn settle(&self, pose: PlanPose, steering: &[f64]) -> Result<Stand, Error> {
+        finite("poses", &[pose.x, pose.y, pose.yaw])?;
+        finite("steering", steering)?;
+        Ok(self.settle_finite(pose, steering))
+    }
+
+    /// The same for numbers known to be finite.
+    #[inline]
+    pub fn settle_finite(&self, pose: PlanPose, steering: &[f64]) -> Stand {
+        let mut stand = [Stand::nothing(Status::NotConverged)];
+        settle_part(self, &[[pose.x, pose.y, pose.yaw]], &|_| steering, &mut stand);
+        stand[0]
+    }
 }

@@ -2,8 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::touch::WheelContacts;
-use crate::suspension::{Chain, MAX_FREE, State};
+use crate::suspension::Chain;
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::level::Level;
 
@@ -78,21 +77,6 @@ pub struct Settler<'a> {
     pub balance: Vector3<f64>,
     /// Instruction level for several wheels at once.
     pub level: Level,
-}
-
-/// A pose with what came of it.
-#[derive(Clone, Debug)]
-pub struct Settled<'a> {
-    /// Outcome of settling.
-    pub status: Status,
-    /// State of the chain; NaN if it does not stand.
-    pub state: State,
-    /// Its wheels there, in distances from node (0, 0) of the map; None where it does not stand.
-    pub touches: Option<WheelContacts<'a>>,
-    /// Stops of the joints: -1 at the lower, 1 at the upper, 0 at none.
-    pub stops: [i8; MAX_FREE],
-    /// Bits of the wheels in the air.
-    pub hanging: u32,
 }
 
 impl<'a> Settler<'a> {

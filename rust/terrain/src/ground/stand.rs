@@ -4,7 +4,7 @@ use std::mem::offset_of;
 
 use nalgebra::Vector3;
 
-use super::settler::{Settled, Status};
+use super::settler::Status;
 use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
 use crate::terrain::Terrain;
 use six_wheel_kinematics::wheels::Direction;
@@ -50,6 +50,12 @@ impl Contact {
     pub const NONE: Self =
         Self { gap: f64::NAN, at: Direction { sin: f64::NAN, cos: f64::NAN }, gradient: [f64::NAN; 2], next: f64::NAN };
 
+    /// A contact with no other as near, at a place of the grid with these derivatives of the height by columns and rows [m].
+    pub(crate) fn new(ground: &Terrain, gap: f64, at: Direction, [along, across]: [f64; 2]) -> Self {
+        let [dx, dy] = ground.spacing();
+        Self { gap, at, gradient: ground.world_axes([along / dx, across / dy]), next: f64::NAN }
+    }
+
     /// The vector whose product with the velocity of the contact point is the rate of the gap.
     #[inline]
     pub fn upwards(&self) -> Vector3<f64> {
@@ -73,30 +79,6 @@ impl Stand {
             state: [f64::NAN; MAX_STATE],
             wheels: [Contact::NONE; MAX_WHEELS],
         }
-    }
-
-    /// The numbers of a settled pose.
-    pub fn of(settled: &Settled<'_>) -> Self {
-        let mut stand = Self::nothing(settled.status);
-        let Some(touches) = &settled.touches else {
-            return stand;
-        };
-        stand.state = settled.state;
-        stand.stops = settled.stops;
-        stand.hanging = settled.hanging as u8;
-        for (contact, touch) in stand.wheels.iter_mut().zip(&touches.wheels) {
-            let Some(least) = touch.rim.least else {
-                continue;
-            };
-            let angle = |next: Direction| next.sin.atan2(next.cos);
-            *contact = Contact {
-                gap: touch.gap,
-                at: least.at,
-                gradient: touch.gradient,
-                next: touch.rim.next.map_or(f64::NAN, angle),
-            };
-        }
-        stand
     }
 
     /// The state, then of every wheel gap, sine and cosine of the contact angle, gradient and next angle.
@@ -142,4 +124,17 @@ impl Stand {
 pub fn rim_point(chain: &Chain, placed: &Placed<'_>, wheel: usize, at: Direction) -> Vector3<f64> {
     let frame = placed.wheel(wheel);
     frame.centre + (frame.forward * at.sin - frame.up * at.cos) * chain.wheels()[wheel].radius
+}
+
+/// Derivatives of a wheel's gap by x, y and yaw, and by z, roll, pitch and the free angles, steering held. The
+/// contact angle is where the gap is least, so how it moves does not matter.
+pub(crate) fn gap_slopes(
+    placed: &Placed<'_>,
+    wheel: usize,
+    point: Vector3<f64>,
+    contact: &Contact,
+) -> ([f64; 3], [f64; MAX_STATE]) {
+    let slopes = placed.point_slopes(wheel, point);
+    let [x, y, yaw, state @ ..] = slopes.map(|slope| contact.upwards().dot(&slope));
+    ([x, y, yaw], state)
 }

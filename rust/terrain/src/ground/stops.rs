@@ -9,10 +9,12 @@
 
 use nalgebra::Vector3;
 
-use super::newton::{ActiveSet, NewtonResult, NewtonSystem, free_columns};
+use super::active_set::ActiveSet;
+use super::linear_system::LinearSystem;
+use super::newton::{NewtonResult, OnePose};
 use super::settler::Settler;
-use super::touch::WheelContacts;
-use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
+use super::stand::rim_point;
+use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, State};
 
 #[allow(unused_imports)] // for the documentation
 use crate::suspension::Chain;
@@ -42,8 +44,8 @@ enum LiftedWheels {
 }
 
 /// A way to stand with joints at stops or wheels in the air.
-pub struct StopCandidate<'a> {
-    pub attempt: NewtonResult<'a>,
+pub(crate) struct StopCandidate {
+    pub attempt: NewtonResult,
     pub hold: ActiveSet,
     pub stops: Stops,
     /// Smallest load of a wheel that touches, of the weight.
@@ -54,7 +56,7 @@ pub struct StopCandidate<'a> {
     pub open: bool,
 }
 
-impl StopCandidate<'_> {
+impl StopCandidate {
     /// True if no stop has to pull.
     fn holds(&self) -> bool {
         self.moment >= -ROUNDING
@@ -65,13 +67,18 @@ impl StopCandidate<'_> {
         self.holds() && self.load >= -ROUNDING
     }
 
+    /// Less than that of another one if the body is less tilted: minus the cosine of its tilt.
+    fn tilt(&self) -> f64 {
+        -(self.attempt.state[1].cos() * self.attempt.state[2].cos())
+    }
+
     fn is_better_than(&self, other: Option<&Self>) -> bool {
         let worth = |standing: &Self| (standing.stands(), standing.holds());
         other.is_none_or(|other| worth(self) > worth(other) || worth(self) == worth(other) && self.load > other.load)
     }
 }
 
-impl<'a> Settler<'a> {
+impl Settler<'_> {
     /// Stops that the joints are past.
     pub(crate) fn past(&self, state: &State) -> Stops {
         let mut stops = [0; MAX_FREE];
@@ -88,33 +95,43 @@ impl<'a> Settler<'a> {
         stops
     }
 
-    /// Stands with as many joints at stops and wheels in the air as it takes, near a state.
-    pub fn stand(&self, pose: PlanPose, steering: &[f64], near: &State, first: Stops) -> Option<StopCandidate<'a>> {
-        let mut found: Option<StopCandidate<'a>> = None;
-        // A joint may be past its stop only for another one that is: some of them first. Elsewhere, and with wheels
-        // in the air that no stop lets hang, only where loads have to decide and do not like what was found.
-        for (starts, whose) in [
-            (parts(first), LiftedWheels::Lowered),
-            (self.all_stops(), LiftedWheels::Lowered),
-            (self.all_stops(), LiftedWheels::Any),
-        ] {
-            if found.as_ref().is_some_and(|found| !found.open) {
+    /// Stands with as few joints at stops, and so as few wheels in the air, as it takes, near a state; among several such ways
+    /// with the least tilt.
+    pub(crate) fn stand(&self, pose: &OnePose<'_>, near: &State, first: Stops) -> Option<StopCandidate> {
+        let mut found: Option<StopCandidate> = None;
+        // Wheels in the air that no stop lets hang only where loads have to decide and do not like what was found.
+        for whose in [LiftedWheels::Lowered, LiftedWheels::Any] {
+            let is_open = |found: &Option<StopCandidate>| found.as_ref().is_none_or(|found| found.open);
+            if !is_open(&found) {
                 break;
             }
             let mut tried = Vec::with_capacity(27); // three to the power of three
-            let mut waiting = starts;
-            while let Some(stops) = waiting.pop() {
-                if tried.contains(&stops) {
-                    continue;
-                }
-                tried.push(stops);
-                let best = self.best_of(pose, steering, near, stops, whose, &mut waiting);
-                let best = best.filter(|best| best.holds() && best.is_better_than(found.as_ref()));
-                if let Some(best) = best {
-                    if best.stands() {
-                        return Some(best);
+            let mut waiting = if whose == LiftedWheels::Lowered { parts(first) } else { self.all_stops() };
+            for number in 0..=MAX_FREE {
+                // A joint may be past its stop only for another one that is: some of them first, then others.
+                for elsewhere in [false, true] {
+                    if elsewhere && number > 0 && is_open(&found) {
+                        waiting.extend(self.all_stops());
                     }
-                    found = Some(best);
+                    let mut standing: Option<StopCandidate> = None;
+                    while let Some(stops) = waiting.iter().rposition(|stops| held(stops) == number) {
+                        let stops = waiting.remove(stops);
+                        if tried.contains(&stops) {
+                            continue;
+                        }
+                        tried.push(stops);
+                        let Some(best) = self.best_of(pose, near, stops, whose, &mut waiting) else { continue };
+                        if best.stands() {
+                            if standing.as_ref().is_none_or(|standing| best.tilt() < standing.tilt()) {
+                                standing = Some(best);
+                            }
+                        } else if best.holds() && best.is_better_than(found.as_ref()) {
+                            found = Some(best);
+                        }
+                    }
+                    if standing.is_some() {
+                        return standing;
+                    }
                 }
             }
         }
@@ -125,13 +142,12 @@ impl<'a> Settler<'a> {
     /// list of those to try.
     fn best_of(
         &self,
-        pose: PlanPose,
-        steering: &[f64],
+        pose: &OnePose<'_>,
         near: &State,
         stops: Stops,
         whose: LiftedWheels,
         waiting: &mut Vec<Stops>,
-    ) -> Option<StopCandidate<'a>> {
+    ) -> Option<StopCandidate> {
         let wheels = self.chain.wheels().len();
         let in_air = (wheels + held(&stops)).checked_sub(self.chain.state_count())?;
         let mut hold = ActiveSet::NONE;
@@ -142,9 +158,9 @@ impl<'a> Settler<'a> {
                 _ => None,
             };
         }
-        let lowered = self.lowered(pose, steering, near, &stops);
+        let lowered = self.lowered(pose, near, &stops);
         let open = lowered.count_ones() as usize > in_air;
-        let mut best: Option<StopCandidate<'a>> = None;
+        let mut best: Option<StopCandidate> = None;
         for hanging in 0..1_u32 << wheels {
             let may = hanging & !lowered == 0 || whose == LiftedWheels::Any && open;
             let fits = hanging.count_ones() as usize == in_air && may;
@@ -152,7 +168,7 @@ impl<'a> Settler<'a> {
                 continue;
             }
             hold.hanging = hanging;
-            let Some(attempt) = self.attempt(pose, steering, near, &hold) else {
+            let Some(attempt) = self.attempt(pose, near, &hold) else {
                 continue;
             };
             let past = self.past(&attempt.state);
@@ -161,11 +177,10 @@ impl<'a> Settler<'a> {
                 waiting.push(both);
                 continue;
             }
-            let gap = |wheel: usize| attempt.touches.wheels[wheel].gap;
-            if (0..wheels).any(|wheel| !hold.touches(wheel) && gap(wheel) < IN_THE_GROUND) {
+            if (0..wheels).any(|wheel| !hold.touches(wheel) && attempt.gap(wheel) < IN_THE_GROUND) {
                 continue;
             }
-            let [load, moment] = self.least_loads(&attempt, &hold, &stops);
+            let [load, moment] = self.least_loads(pose, &attempt, &hold, &stops);
             let standing = StopCandidate { attempt, hold, stops, load, moment, open };
             if standing.is_better_than(best.as_ref()) {
                 best = Some(standing);
@@ -175,22 +190,21 @@ impl<'a> Settler<'a> {
     }
 
     /// Gaps closed from a state nearby, or from a fresh guess.
-    fn attempt(&self, pose: PlanPose, steering: &[f64], near: &State, hold: &ActiveSet) -> Option<NewtonResult<'a>> {
-        let attempt = self.close(pose, steering, *near, hold)?;
+    fn attempt(&self, pose: &OnePose<'_>, near: &State, hold: &ActiveSet) -> Option<NewtonResult> {
+        let attempt = pose.close(*near, hold)?;
         if attempt.closed {
             return Some(attempt);
         }
-        let guess = self.initial_state(pose, steering, [0.0; MAX_STATE], hold)?;
-        let attempt = self.close(pose, steering, guess, hold)?;
+        let attempt = pose.close(pose.initial_state([0.0; MAX_STATE], hold), hold)?;
         attempt.closed.then_some(attempt)
     }
 
     /// Bits of the wheels that may hang at these stops: all if there are none, otherwise those that one of the
     /// joints would lower if it could turn on.
-    fn lowered(&self, pose: PlanPose, steering: &[f64], near: &State, stops: &Stops) -> u32 {
+    fn lowered(&self, pose: &OnePose<'_>, near: &State, stops: &Stops) -> u32 {
         let wheels = self.chain.wheels().len();
         let all = (1 << wheels) - 1;
-        let Some(placed) = self.chain.place(pose, near, steering) else {
+        let Some(placed) = pose.place(near) else {
             return all;
         };
         if stops.iter().all(|&stop| stop == 0) {
@@ -209,22 +223,24 @@ impl<'a> Settler<'a> {
 
     /// The smallest load of a wheel that touches, of the weight, and the smallest moment of a stop [m]; minus
     /// infinity where statics does not say.
-    fn least_loads(&self, attempt: &NewtonResult<'a>, hold: &ActiveSet, stops: &Stops) -> [f64; 2] {
+    fn least_loads(&self, pose: &OnePose<'_>, attempt: &NewtonResult, hold: &ActiveSet, stops: &Stops) -> [f64; 2] {
         let (count, wheels) = (self.chain.state_count(), self.chain.wheels().len());
-        let touches = &attempt.touches;
-        let placed = &touches.placed;
+        let Some(placed) = &pose.place(&attempt.state) else {
+            return [f64::NEG_INFINITY; 2];
+        };
         // The work of the loads on every way to move is that of the weight.
         let body = placed.origin + placed.rotation * self.balance;
-        let weight = self.weight(placed.body_slopes(body), touches);
+        let weight = self.weight(placed, placed.body_slopes(body));
         let mut lifts = [[0.0; MAX_STATE]; MAX_WHEELS];
         let mut touching = 0;
         for wheel in (0..wheels).filter(|&wheel| hold.touches(wheel)) {
-            let slopes = placed.point_slopes(wheel, touches.wheels[wheel].point);
+            let at = attempt.contact(self.ground, wheel).at;
+            let slopes = placed.point_slopes(wheel, rim_point(self.chain, placed, wheel, at));
             lifts[touching] = std::array::from_fn(|k| slopes[3 + k].z);
             touching += 1;
         }
-        let mut system = NewtonSystem::<1>::empty();
-        for k in free_columns(count, hold) {
+        let mut system = LinearSystem::<1>::empty();
+        for k in hold.free_columns(count) {
             let mut row = [0.0; MAX_STATE];
             for (target, lift) in row.iter_mut().zip(&lifts[..touching]) {
                 *target = lift[k];
@@ -245,15 +261,15 @@ impl<'a> Settler<'a> {
     }
 
     /// Derivatives of the height of the weight by every number of the state.
-    fn weight(&self, body: [Vector3<f64>; 3], touches: &WheelContacts<'_>) -> [f64; MAX_STATE] {
+    fn weight(&self, placed: &Placed<'_>, body: [Vector3<f64>; 3]) -> [f64; MAX_STATE] {
         let wheels = self.chain.wheels().len();
         let share = 1.0 - WHEEL_WEIGHT * wheels as f64;
         let mut weight = [0.0; MAX_STATE];
         for (target, slope) in weight.iter_mut().zip(body) {
             *target = share * slope.z;
         }
-        for (wheel, touch) in touches.wheels.iter().enumerate().take(wheels) {
-            let slopes = touches.placed.point_slopes(wheel, touch.frame.centre);
+        for wheel in 0..wheels {
+            let slopes = placed.point_slopes(wheel, placed.wheel(wheel).centre);
             for (target, slope) in weight.iter_mut().zip(&slopes[3..]) {
                 *target += WHEEL_WEIGHT * slope.z;
             }
@@ -261,10 +277,10 @@ impl<'a> Settler<'a> {
         weight
     }
 
-    /// Every combination of stops there is, those with few last.
+    /// Every combination of stops there is.
     fn all_stops(&self) -> Vec<Stops> {
         let joints = self.chain.joints();
-        let mut all: Vec<Stops> = (0..27)
+        (0..27)
             .map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1])
             .filter(|stops| {
                 stops.iter().enumerate().all(|(k, &stop)| match joints.get(k) {
@@ -276,20 +292,16 @@ impl<'a> Settler<'a> {
                     },
                 })
             })
-            .collect();
-        all.sort_by_key(|stops| std::cmp::Reverse(held(stops)));
-        all
+            .collect()
     }
 }
 
-/// Stops and what is left of them without some, those with few last; without all of them only if there are none.
+/// Stops and what is left of them without some; without all of them only if there are none.
 fn parts(stops: Stops) -> Vec<Stops> {
-    let mut parts: Vec<Stops> = (0..1_u32 << MAX_FREE)
+    (0..1_u32 << MAX_FREE)
         .map(|kept| std::array::from_fn(|k| if kept >> k & 1 == 1 { stops[k] } else { 0 }))
         .filter(|part| held(part) > 0 || held(&stops) == 0)
-        .collect();
-    parts.sort_by_key(|part| std::cmp::Reverse(held(part)));
-    parts
+        .collect()
 }
 
 /// Number of joints at a stop.

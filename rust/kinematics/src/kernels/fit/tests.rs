@@ -1,43 +1,89 @@
-//! Registers against the plain core.
+//! Rows fitted by constants of the rover, against the same rows by their own equations.
 
+use super::Fits;
 use crate::admissible::tests::Numbers;
 use crate::batch;
-use crate::estimate::{Method, Unseen};
+use crate::estimate::{Fit, Method, Unseen};
 use crate::geometry::Twist;
 use crate::rover::{Inputs, Rover};
-use crate::table::Log;
-use crate::table::row_mut;
+use crate::table::{Log, row_mut};
 use six_wheel_numerics::error::Error;
 
-/// Results of a batch.
-struct Found {
-    twists: Vec<[f64; 3]>,
-    ranks: Vec<i64>,
-    sigmas: Vec<f64>,
+/// Result of one row.
+#[derive(Debug, PartialEq)]
+struct FitRow {
+    fit: Fit,
     residual: Vec<f64>,
     weights: Vec<f64>,
 }
 
-/// All rows of a log at one level.
-fn fit_all(rover: &Rover, log: Log<'_>, method: Method, level: batch::Level) -> (Result<(), Error>, Found) {
-    let count = log.speeds.len() / rover.wheels().len();
-    let mut found = Found {
-        twists: vec![[0.0; 3]; count],
-        ranks: vec![0; count],
-        sigmas: vec![0.0; count],
-        residual: vec![0.0; log.speeds.len()],
-        weights: vec![0.0; log.speeds.len()],
-    };
-    let fits = batch::Fits {
-        twists: &mut found.twists,
-        ranks: &mut found.ranks,
-        sigmas: &mut found.sigmas,
-        residual: &mut found.residual,
-        weights: &mut found.weights,
-    };
+impl FitRow {
+    fn new(wheels: usize, fit: impl FnOnce(&mut [f64], &mut [f64]) -> Result<Fit, Error>) -> Result<Self, Error> {
+        let [mut residual, mut weights] = [vec![0.0; wheels], vec![0.0; wheels]];
+        Ok(Self { fit: fit(&mut residual, &mut weights)?, residual, weights })
+    }
+
+    /// Asserts that two fits are the same up to these differences of speeds, and of weights and singular values.
+    fn is_near(&self, other: &Self, speed: f64, weight: f64) {
+        let near = |a: &[f64], b: &[f64], size: f64| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= size);
+        let twists = [self.fit.twist, other.fit.twist].map(<[f64; 3]>::from);
+        assert!(near(&twists[0], &twists[1], speed), "{self:?} {other:?}");
+        assert!(near(&self.residual, &other.residual, speed), "{self:?} {other:?}");
+        assert!(near(&self.weights, &other.weights, weight), "{self:?} {other:?}");
+        assert!((self.fit.sigma_min - other.fit.sigma_min).abs() <= weight, "{self:?} {other:?}");
+        assert_eq!(self.fit.rank, other.fit.rank);
+    }
+}
+
+/// Fits all rows of a log at one level; those of single calls have the same bits. Calls `compare` with every row, up to the first
+/// that fails: its number, its fit, and the same by the row's own equations.
+fn for_each_row(
+    rover: &Rover,
+    log: Log<'_>,
+    method: Method,
+    level: batch::Level,
+    mut compare: impl FnMut(usize, FitRow, FitRow),
+) {
+    let (wheels, unseen) = (rover.wheels().len(), Unseen::Refuse);
+    let count = log.speeds.len() / wheels;
+    let [mut residual, mut weights] = [vec![0.0; count * wheels], vec![0.0; count * wheels]];
+    let (mut twists, mut ranks, mut sigmas) = (vec![[0.0; 3]; count], vec![0; count], vec![0.0; count]);
     let workers = batch::Workers { level, ..batch::Workers::PLAIN };
-    let done = batch::fit(rover, log, method, Unseen::Refuse, fits, workers);
-    (done, found)
+    let fits = Fits {
+        twists: &mut twists,
+        ranks: &mut ranks,
+        sigmas: &mut sigmas,
+        residual: &mut residual,
+        weights: &mut weights,
+    };
+    let done = batch::fit(rover, log, method, unseen, fits, workers);
+    for k in 0..count {
+        let measured = log.row(rover, k);
+        let single = FitRow::new(wheels, |residual, weights| rover.fit(measured, method, unseen, residual, weights));
+        let own =
+            FitRow::new(wheels, |residual, weights| rover.fit_rarely(measured, (method, unseen), residual, weights));
+        let (single, own) = match (single, own) {
+            (Ok(single), Ok(own)) => (single, own),
+            (single, own) => {
+                assert_eq!(single, own);
+                assert_eq!(done, single.map(drop).map_err(|error| error.at_row(k)));
+                return;
+            }
+        };
+        let row = k * wheels..(k + 1) * wheels;
+        let (fit, residual, weights) = (
+            Fit { twist: twists[k].into(), rank: ranks[k] as usize, sigma_min: sigmas[k] },
+            residual[row.clone()].to_vec(),
+            weights[row].to_vec(),
+        );
+        assert_eq!(FitRow { fit, residual, weights }, single);
+        compare(k, single, own);
+    }
+}
+
+/// The largest speed of a row, at least 1 [rad/s].
+fn largest_speed(rover: &Rover, log: Log<'_>, k: usize) -> f64 {
+    log.row(rover, k).speeds.iter().fold(1.0, |most: f64, speed| most.max(speed.abs()))
 }
 
 #[test]
@@ -51,27 +97,10 @@ fn fits_of_many_rows_are_those_of_single_ones() -> Result<(), Error> {
         let (steering, mut speeds) = (some(count * joints), some(count * wheels));
         speeds[5 * wheels] = 1e150;
         let log = Log { steering: &steering, speeds: &speeds, steering_rates: None };
-        let (done, fits) = fit_all(&rover, log, method, batch::Level::best());
-        let [mut slips, mut says] = [vec![0.0; wheels], vec![0.0; wheels]];
-        for k in 0..count {
-            let measured = log.row(&rover, k);
-            let expected = match rover.fit(measured, method, Unseen::Refuse, &mut slips, &mut says) {
-                Ok(expected) => expected,
-                Err(error) => {
-                    assert_eq!(done, Err(error.at_row(k)));
-                    break;
-                }
-            };
-            let row = k * wheels..(k + 1) * wheels;
-            let size = 1e-12 * speeds[row.clone()].iter().fold(1.0, |most: f64, v| most.max(v.abs()));
-            let near = |a: f64, b: f64| (a - b).abs() <= size / expected.sigma_min.min(1.0);
-            let (a, b): ([f64; 3], [f64; 3]) = (fits.twists[k], expected.twist.into());
-            assert!(a.into_iter().zip(b).all(|(a, b)| near(a, b)), "{a:?} {expected:?} {rover:?}");
-            assert_eq!(fits.ranks[k], expected.rank as i64);
-            assert!((fits.sigmas[k] - expected.sigma_min).abs() <= 1e-13);
-            assert_eq!(fits.weights[row.clone()], says);
-            assert!(fits.residual[row].iter().zip(&slips).all(|(a, b)| near(*a, *b)));
-        }
+        for_each_row(&rover, log, method, batch::Level::best(), |k, fit, own| {
+            let speed = 1e-12 * largest_speed(&rover, log, k) / own.fit.sigma_min.min(1.0);
+            fit.is_near(&own, speed, 1e-13);
+        });
     }
     Ok(())
 }
@@ -79,63 +108,48 @@ fn fits_of_many_rows_are_those_of_single_ones() -> Result<(), Error> {
 /// Rounds end when no weight changes by more than 1e-12, after one more or less where that is a matter of rounding: the
 /// weights are as near as that, and what follows from them within a small multiple.
 #[test]
-fn robust_fits_of_registers_are_those_of_the_plain_core() -> Result<(), Error> {
+fn robust_fits_of_registers_are_those_of_rows() -> Result<(), Error> {
     let mut numbers = Numbers(6);
     let mut fitted = 0;
     for round in 0..300 {
         let rover = numbers.rover()?;
         // Of so many, those that take long are more than a block.
         let count = if round % 50 == 0 { 1500 } else { 67 };
-        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
-        let (mut steering, mut speeds) = (vec![0.0; count * joints], vec![0.0; count * wheels]);
-        for k in 0..count {
-            let twist = Twist { vx: numbers.between(-1.0, 1.0), vy: 0.0, omega: numbers.between(-1.0, 1.0) };
-            let (steering, speeds) = (row_mut(&mut steering, joints, k), row_mut(&mut speeds, wheels, k));
-            rover.solve(twist, Inputs::default(), steering, speeds);
-            for angle in steering.iter_mut() {
-                *angle += numbers.between(-0.01, 0.01);
-            }
-            for speed in speeds.iter_mut() {
-                *speed += numbers.between(-0.05, 0.05);
-            }
-            if k % 3 == 0 {
-                speeds[k % wheels] += numbers.between(1.0, 6.0);
-            }
-            if k % 16 == 15 {
-                speeds.fill(0.0);
-            }
-        }
-        speeds[5 * wheels] = 1e130;
+        let (steering, speeds) = noisy_log(&mut numbers, &rover, count);
         let log = Log { steering: &steering, speeds: &speeds, steering_rates: None };
         for level in batch::Level::available() {
-            let method = Method::Robust;
-            let (done, fits) = fit_all(&rover, log, method, level);
-            let [mut slips, mut says] = [vec![0.0; wheels], vec![0.0; wheels]];
-            for k in 0..count {
-                let measured = log.row(&rover, k);
-                let expected = match rover.fit(measured, method, Unseen::Refuse, &mut slips, &mut says) {
-                    Ok(expected) => expected,
-                    Err(error) => {
-                        assert_eq!(done, Err(error.at_row(k)));
-                        break;
-                    }
-                };
-                let row = k * wheels..(k + 1) * wheels;
-                let largest = speeds[row.clone()].iter().fold(1.0, |most: f64, v| most.max(v.abs()));
-                let weight = 1e-10 / expected.sigma_min.powi(2).min(1.0);
-                let near = |a: f64, b: f64| (a - b).abs() <= weight * largest;
-                let (a, b): ([f64; 3], [f64; 3]) = (fits.twists[k], expected.twist.into());
-                assert!(a.into_iter().zip(b).all(|(a, b)| near(a, b)), "{k} {level:?} {a:?} {expected:?} {rover:?}");
-                assert_eq!(fits.ranks[k], expected.rank as i64);
-                assert!((fits.sigmas[k] - expected.sigma_min).abs() <= weight);
-                let says = says.iter().zip(&fits.weights[row.clone()]);
-                assert!(says.into_iter().all(|(a, b)| (a - b).abs() <= weight));
-                let slips = slips.iter().zip(&fits.residual[row]);
-                assert!(slips.into_iter().all(|(a, b)| near(*a, *b)));
+            for_each_row(&rover, log, Method::Robust, level, |k, fit, own| {
+                let weight = 1e-10 / own.fit.sigma_min.powi(2).min(1.0);
+                fit.is_near(&own, weight * largest_speed(&rover, log, k), weight);
                 fitted += 1;
-            }
+            });
         }
     }
     assert!(fitted > 10_000);
     Ok(())
+}
+
+/// Readings of random motions with noise, some with a wheel that slips, some at rest, one beyond squares.
+fn noisy_log(numbers: &mut Numbers, rover: &Rover, count: usize) -> (Vec<f64>, Vec<f64>) {
+    let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+    let (mut steering, mut speeds) = (vec![0.0; count * joints], vec![0.0; count * wheels]);
+    for k in 0..count {
+        let twist = Twist { vx: numbers.between(-1.0, 1.0), vy: 0.0, omega: numbers.between(-1.0, 1.0) };
+        let (steering, speeds) = (row_mut(&mut steering, joints, k), row_mut(&mut speeds, wheels, k));
+        rover.solve(twist, Inputs::default(), steering, speeds);
+        for angle in steering.iter_mut() {
+            *angle += numbers.between(-0.01, 0.01);
+        }
+        for speed in speeds.iter_mut() {
+            *speed += numbers.between(-0.05, 0.05);
+        }
+        if k % 3 == 0 {
+            speeds[k % wheels] += numbers.between(1.0, 6.0);
+        }
+        if k % 16 == 15 {
+            speeds.fill(0.0);
+        }
+    }
+    speeds[5 * wheels] = 1e130;
+    (steering, speeds)
 }

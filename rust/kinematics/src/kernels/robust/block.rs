@@ -1,38 +1,48 @@
 //! Rows of robust fits on their way, and the constants of the rover that their rounds need.
 
-use crate::kernels::readings;
-use crate::kernels::readings::{FitColumns, Rows, products};
+use crate::kernels::normal_equations::ForwardConstants;
+use crate::kernels::readings::FitColumns;
+use crate::kernels::wheel_rows::RowPair;
 use crate::rover_data::RoverData;
 use six_wheel_numerics::columns::{BLOCK, Column};
 
 /// Lanes at most.
 pub(crate) const LANES: usize = 8;
 
-/// Wheels at most: their registers are sorted by comparing neighbours.
+/// Wheels of rovers whose rows go together: their registers are sorted by comparing neighbours.
 pub(crate) const MOST: usize = 8;
 
-/// Constants of a rover for the robust kernel.
+/// Constants of a rover for robust fits.
+#[derive(Clone, Debug)]
 pub(crate) struct RobustConstants {
-    pub(crate) wheels: Vec<Wheel>,
+    pub(crate) wheels: Vec<RobustWheel>,
+    /// Of every wheel the sums of the products of its rows for the twist itself.
+    pub(crate) raw: Vec<[f64; 6]>,
 }
 
-/// A wheel with the sums of the products of its rows, for the unknowns about the centre and for the twist itself.
-pub(crate) struct Wheel {
-    pub(crate) rows: Rows,
+/// A wheel with the sums of the products of its rows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct RobustWheel {
+    pub(crate) rows: RowPair,
     pub(crate) normal: [f64; 6],
-    pub(crate) raw: [f64; 6],
+}
+
+impl RobustWheel {
+    pub fn new(rows: RowPair) -> Self {
+        Self { rows, normal: rows.normal() }
+    }
 }
 
 impl RobustConstants {
-    /// Nothing where there are too many wheels.
-    pub fn new(rover: &RoverData, forward: &readings::ForwardConstants<'_>) -> Option<Self> {
-        let raw = |rows: [[f64; 3]; 2]| {
-            let [cx, cy] = [rover.centre.x, rover.centre.y];
-            products(rows.map(|[x, y, z]| [x, y, z * rover.size - x * cy + y * cx]))
-        };
-        let wheel = |rows: &Rows| Wheel { rows: *rows, normal: rows.normal(), raw: raw(rows.rows) };
-        let wheels: Vec<_> = forward.wheels.iter().map(wheel).collect();
-        (wheels.len() <= MOST).then_some(Self { wheels })
+    /// None where there are too many wheels.
+    pub fn new(rover: &RoverData, forward: &ForwardConstants) -> Option<Self> {
+        let [cx, cy] = [rover.centre.x, rover.centre.y];
+        let raw = |RowPair(rows): RowPair| RowPair(rows.map(|[x, y, z]| [x, y, z * rover.size - x * cy + y * cx]));
+        let rows = || forward.wheels.iter().map(|wheel| wheel.rows);
+        (forward.wheels.len() <= MOST).then(|| Self {
+            wheels: rows().map(RobustWheel::new).collect(),
+            raw: rows().map(|rows| raw(rows).normal()).collect(),
+        })
     }
 }
 

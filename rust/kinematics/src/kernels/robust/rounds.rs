@@ -1,8 +1,8 @@
 //! A register of rows in its rounds: weights by residuals, and the least squares with them.
 
-use super::block::{Block, LANES, MOST, RobustConstants};
-use crate::estimate::{MEDIANS, SETTLED};
-use crate::kernels::readings::solve;
+use super::block::{Block, LANES, MOST, RobustWheel};
+use crate::estimate::{MEDIANS, ROUNDS, SETTLED};
+use crate::kernels::normal_equations::solve;
 use six_wheel_numerics::columns::{BLOCK, Column};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
@@ -16,6 +16,12 @@ const LEAPS: usize = 7;
 const SURELY_SETTLED: f64 = 1e-13;
 const SPARE: usize = 8;
 
+/// Rounds after which the rows that have not settled yet try a leap, and are put together anew: some take ten times as many
+/// as most. After the first ones, those of many blocks go on together.
+pub(crate) const EARLY: [usize; 2] = [6, 8];
+pub(crate) const LATE: [usize; 4] = [12, 16, 28, 30];
+const _: () = assert!(EARLY[0] + EARLY[1] + LATE[0] + LATE[1] + LATE[2] + LATE[3] == ROUNDS);
+
 /// A matrix in every lane.
 type Columns<S> = [[Lanes<S>; 3]; 3];
 
@@ -27,13 +33,29 @@ macro_rules! order {
     };
 }
 
-/// A register of rows in its rounds.
+/// Solution of the normal equations of a round.
+pub(crate) trait NormalSolver<S: Vector> {
+    /// The unknowns, and the lanes in which they are determined.
+    fn solve(&mut self, simd: S, normal: [Lanes<S>; 6], right: [Lanes<S>; 3]) -> ([Lanes<S>; 3], Mask<S>);
+}
+
+/// [`solve`]: fast, and not sure of twists that are hardly determined.
+pub(crate) struct ByMinors;
+
+impl<S: Vector> NormalSolver<S> for ByMinors {
+    #[inline(always)]
+    fn solve(&mut self, simd: S, normal: [Lanes<S>; 6], right: [Lanes<S>; 3]) -> ([Lanes<S>; 3], Mask<S>) {
+        solve(simd, normal, right)
+    }
+}
+
+/// A register of rows in its rounds, of up to so many `WHEELS`.
 #[derive(Clone, Copy)]
-pub(crate) struct IrlsIterations<S: Vector> {
-    seen: [[Lanes<S>; 2]; MOST],
+pub(crate) struct IrlsIterations<S: Vector, const WHEELS: usize> {
+    readings: [[Lanes<S>; 2]; WHEELS],
     /// About the centre of the pivots, the last one a speed.
-    unknowns: [Lanes<S>; 3],
-    weights: [Lanes<S>; MOST],
+    pub unknowns: [Lanes<S>; 3],
+    pub weights: [Lanes<S>; WHEELS],
     /// Squares of the noise at least, and of the scale of the last round [m²/s²].
     least: Lanes<S>,
     scale: Lanes<S>,
@@ -63,45 +85,70 @@ fn scattered<S: Vector>(lanes: Lanes<S>, column: &mut Column, rows: &[usize]) {
     }
 }
 
-impl<S: Vector> IrlsIterations<S> {
-    /// Some rows, the first `count` of which are meant.
+impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
+    /// Rows with these readings, from the least squares with equal weights and the square of the least noise on.
     #[inline(always)]
-    pub fn load(simd: S, plan: &RobustConstants, rows: &Block<'_>, chosen: &[usize], count: usize) -> Self {
+    pub fn new(simd: S, readings: &[[Lanes<S>; 2]], unknowns: [Lanes<S>; 3], least: Lanes<S>) -> Self {
         let zero = Lanes::splat(simd, 0.0);
+        let mut rounds = Self {
+            readings: [[zero; 2]; WHEELS],
+            unknowns,
+            weights: [Lanes::splat(simd, 1.0); WHEELS],
+            least,
+            scale: Lanes::splat(simd, f64::INFINITY),
+            change: zero,
+            held: zero.lt(zero),
+            active: zero.le(zero),
+            sure: zero.le(zero),
+        };
+        for (place, readings) in rounds.readings.iter_mut().zip(readings) {
+            *place = *readings;
+        }
+        rounds
+    }
+
+    /// Some rows of a block, the first `count` of which are meant.
+    #[inline(always)]
+    pub fn load(simd: S, wheels: usize, rows: &Block<'_>, chosen: &[usize], count: usize) -> Self {
         let mut order = [0.0; LANES];
         for (k, place) in order.iter_mut().enumerate() {
             *place = k as f64;
         }
         let order = Lanes::load(simd, S::as_simd_f64s(&order).0, 0);
-        let mut rounds = Self {
-            seen: [[zero; 2]; MOST],
-            unknowns: [zero; 3],
-            weights: [zero; MOST],
-            least: gathered(simd, &rows.least, chosen),
-            scale: gathered(simd, &rows.scale, chosen),
-            change: zero,
-            held: zero.lt(zero),
-            active: order.lt(Lanes::splat(simd, count as f64)),
-            sure: zero.le(zero),
-        };
-        for (unknown, column) in rounds.unknowns.iter_mut().zip(&rows.kept.unknowns) {
+        let least = gathered(simd, &rows.least, chosen);
+        let mut unknowns = [least; 3];
+        for (unknown, column) in unknowns.iter_mut().zip(&rows.kept.unknowns) {
             *unknown = gathered(simd, column, chosen);
         }
-        for i in 0..plan.wheels.len() {
-            for (seen, column) in rounds.seen[i].iter_mut().zip(&rows.kept.seen[i]) {
-                *seen = gathered(simd, column, chosen);
+        let mut rounds = Self::new(simd, &[], unknowns, least);
+        rounds.scale = gathered(simd, &rows.scale, chosen);
+        rounds.active = order.lt(Lanes::splat(simd, count as f64));
+        for i in 0..wheels {
+            for (readings, column) in rounds.readings[i].iter_mut().zip(&rows.kept.readings[i]) {
+                *readings = gathered(simd, column, chosen);
             }
             rounds.weights[i] = gathered(simd, &rows.weights[i], chosen);
         }
         rounds
     }
 
+    /// All rounds of one register, without [`Self::newton_iterations`].
     #[inline(always)]
-    pub fn store(&self, plan: &RobustConstants, rows: &mut Block<'_>, chosen: &[usize]) {
+    pub fn iterate(&mut self, simd: S, wheels: &[RobustWheel], solver: &mut impl NormalSolver<S>) {
+        for _ in 0..ROUNDS {
+            self.round::<false>(simd, wheels, solver);
+            if !self.active.any() {
+                return;
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub fn store(&self, wheels: usize, rows: &mut Block<'_>, chosen: &[usize]) {
         for (unknown, column) in self.unknowns.iter().zip(&mut rows.kept.unknowns) {
             scattered(*unknown, column, chosen);
         }
-        for i in 0..plan.wheels.len() {
+        for i in 0..wheels {
             scattered(self.weights[i], &mut rows.weights[i], chosen);
         }
         scattered(self.scale, &mut rows.scale, chosen);
@@ -110,19 +157,16 @@ impl<S: Vector> IrlsIterations<S> {
     /// One round, where it has not settled. In squares of residuals and scales, with one root and few divisions: these
     /// are what takes the time. `NEWTON` takes along how the weights follow the twist, instead of holding them.
     #[inline(always)]
-    pub fn round<const NEWTON: bool>(&mut self, simd: S, plan: &RobustConstants) {
+    pub fn round<const NEWTON: bool>(&mut self, simd: S, wheels: &[RobustWheel], solver: &mut impl NormalSolver<S>) {
         let splat = |number| Lanes::splat(simd, number);
         let (zero, one) = (splat(0.0), splat(1.0));
-        let count = plan.wheels.len();
+        let count = wheels.len();
         // Wheels that are not there come last.
-        let mut squares = [splat(f64::MAX); MOST];
-        for (i, wheel) in plan.wheels.iter().enumerate() {
-            squares[i] = wheel.rows.square(simd, self.seen[i], self.unknowns);
+        let mut squares = [splat(f64::MAX); WHEELS];
+        for (i, wheel) in wheels.iter().enumerate() {
+            squares[i] = wheel.rows.square(simd, self.readings[i], self.unknowns);
         }
-        let [mut a, mut b, mut c, mut d, mut e, mut f, mut g, mut h] = squares;
-        order!(a c, b d, e g, f h, a e, b f, c g, d h, a b, c d);
-        order!(e f, g h, c e, d f, b e, d g, b c, d e, f g);
-        let sorted = [a, b, c, d, e, f, g, h];
+        let sorted = sorted(squares);
         let mut median = sorted[count / 2];
         if count.is_multiple_of(2) {
             let lower = sorted[count / 2 - 1];
@@ -140,7 +184,7 @@ impl<S: Vector> IrlsIterations<S> {
         let active = self.active & zero.lt(self.scale);
         let per_square = one / self.scale;
         // One over each of the ratios, from one over their product.
-        let (mut ratios, mut products) = ([one; MOST], [one; MOST]);
+        let (mut ratios, mut products) = ([one; WHEELS], [one; WHEELS]);
         let mut product = one;
         for i in 0..count {
             ratios[i] = squares[i].mul_add(per_square, one);
@@ -150,8 +194,9 @@ impl<S: Vector> IrlsIterations<S> {
         let mut rest = one / product;
         let mut change = zero;
         let (mut normal, mut right) = ([zero; 6], [zero; 3]);
-        for (i, wheel) in plan.wheels.iter().enumerate().rev() {
-            let inverse = rest * products[i];
+        for (i, wheel) in wheels.iter().enumerate().rev() {
+            // The product of the ratios of more wheels may overflow.
+            let inverse = if WHEELS == MOST { rest * products[i] } else { one / ratios[i] };
             rest = rest * ratios[i];
             let next = active.select(inverse * inverse, self.weights[i]);
             change = change.max((next - self.weights[i]).abs());
@@ -159,11 +204,11 @@ impl<S: Vector> IrlsIterations<S> {
             for (sum, part) in normal.iter_mut().zip(wheel.normal) {
                 *sum = next.mul_add(splat(part), *sum);
             }
-            for (sum, part) in right.iter_mut().zip(wheel.rows.moment(simd, self.seen[i])) {
+            for (sum, part) in right.iter_mut().zip(wheel.rows.moment(simd, self.readings[i])) {
                 *sum = next.mul_add(part, *sum);
             }
             if NEWTON {
-                let slope = wheel.rows.slope(simd, self.seen[i], self.unknowns);
+                let slope = wheel.rows.slope(simd, self.readings[i], self.unknowns);
                 let share = inverse * next * per_square * splat(-4.0);
                 let pull = share * along(slope, self.unknowns);
                 add_square(&mut normal, share, slope);
@@ -172,7 +217,7 @@ impl<S: Vector> IrlsIterations<S> {
                 }
             }
         }
-        let (solved, determined) = solve(simd, normal, right);
+        let (solved, determined) = solver.solve(simd, normal, right);
         if NEWTON {
             self.held = self.held & determined;
         } else {
@@ -184,13 +229,14 @@ impl<S: Vector> IrlsIterations<S> {
         }
         self.active = active & self.sure & splat(SETTLED).lt(change);
     }
+
     /// Rounds of Newton's method, which end where all the `left` rounds would: at this scale they come nearer to one twist
     /// by a matrix, whose power says by how much. Where that is not far enough, or the scale would not stay, nothing is
     /// changed.
     #[inline(always)]
-    pub fn newton_iterations(&mut self, simd: S, plan: &RobustConstants, left: usize) {
+    pub fn newton_iterations(&mut self, simd: S, wheels: &[RobustWheel], left: usize) {
         let near = self.change.lt(Lanes::splat(simd, NEAR));
-        let trusted = self.active & self.held & near & self.comes_near(simd, plan, left);
+        let trusted = self.active & self.held & near & self.comes_near(simd, wheels, left);
         if !trusted.any() {
             return;
         }
@@ -198,7 +244,7 @@ impl<S: Vector> IrlsIterations<S> {
         let mut kept = trusted;
         for _ in 0..LEAPS {
             let settled = !ahead.active;
-            ahead.round::<true>(simd, plan);
+            ahead.round::<true>(simd, wheels, &mut ByMinors);
             kept = kept & (settled | ahead.held);
             ahead.active = ahead.active & kept;
             if !ahead.active.any() {
@@ -217,17 +263,17 @@ impl<S: Vector> IrlsIterations<S> {
 
     /// Lanes in which so many rounds would surely settle the weights.
     #[inline(always)]
-    fn comes_near(&self, simd: S, plan: &RobustConstants, left: usize) -> Mask<S> {
+    fn comes_near(&self, simd: S, wheels: &[RobustWheel], left: usize) -> Mask<S> {
         let splat = |number| Lanes::splat(simd, number);
         let zero = splat(0.0);
         let per_square = splat(4.0) / self.scale;
         let (mut normal, mut follow) = ([zero; 6], [zero; 6]);
-        for (i, wheel) in plan.wheels.iter().enumerate() {
+        for (i, wheel) in wheels.iter().enumerate() {
             let weight = self.weights[i];
             for (sum, part) in normal.iter_mut().zip(wheel.normal) {
                 *sum = weight.mul_add(splat(part), *sum);
             }
-            let slope = wheel.rows.slope(simd, self.seen[i], self.unknowns);
+            let slope = wheel.rows.slope(simd, self.readings[i], self.unknowns);
             add_square(&mut follow, weight * weight.sqrt() * per_square, slope);
         }
         let [a, b, c, d, e, f] = follow;
@@ -258,6 +304,37 @@ impl<S: Vector> IrlsIterations<S> {
         let most = x[0] + y[1] + z[2];
         sure & (self.change * most).lt(splat(SURELY_SETTLED))
     }
+}
+
+/// The numbers of each lane in order.
+#[inline(always)]
+fn sorted<S: Vector, const WHEELS: usize>(mut numbers: [Lanes<S>; WHEELS]) -> [Lanes<S>; WHEELS] {
+    if WHEELS == MOST
+        && let Some(eight) = numbers.first_chunk_mut::<MOST>()
+    {
+        let [mut a, mut b, mut c, mut d, mut e, mut f, mut g, mut h] = *eight;
+        order!(a c, b d, e g, f h, a e, b f, c g, d h, a b, c d);
+        order!(e f, g h, c e, d f, b e, d g, b c, d e, f g);
+        *eight = [a, b, c, d, e, f, g, h];
+        return numbers;
+    }
+    // Odd-even merges (K. E. Batcher, Sorting networks and their applications, AFIPS 1968), for powers of two.
+    let mut merged = 1;
+    while merged < WHEELS {
+        let mut distance = merged;
+        while distance > 0 {
+            let start = distance % merged;
+            for low in start..WHEELS - distance {
+                let high = low + distance;
+                if (low - start) / distance % 2 == 0 && low / (2 * merged) == high / (2 * merged) {
+                    (numbers[low], numbers[high]) = (numbers[low].min(numbers[high]), numbers[low].max(numbers[high]));
+                }
+            }
+            distance /= 2;
+        }
+        merged *= 2;
+    }
+    numbers
 }
 
 #[inline(always)]

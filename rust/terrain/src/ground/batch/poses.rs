@@ -1,11 +1,14 @@
 //! Numbers of the poses that are settled together, and the way from and to registers.
 
-use super::look::Here;
-use super::solve::PivotOrder;
+use super::pivots::PivotOrder;
+use super::scan::{Site, StateLanes};
 use crate::ground::rims::circles::{FAR, RIMS, spread};
+use crate::ground::rims::extent::Extent;
 use crate::ground::settler::Settler;
 use crate::ground::stand::Stand;
-use crate::suspension::{MAX_STATE, MAX_WHEELS, State};
+use crate::suspension::{MAX_STATE, MAX_WHEELS, PlanPose, State};
+use crate::terrain::Terrain;
+use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
 
@@ -33,8 +36,18 @@ pub(super) enum SolveState {
     Short,
 }
 
-/// States in which a pose is looked at.
-pub(super) const LOOKS: [SolveState; 4] = [SolveState::Far, SolveState::Whole, SolveState::Short, SolveState::Both];
+impl SolveState {
+    /// Part of the rims that the next round searches.
+    #[inline(always)]
+    pub fn extent(self) -> Extent {
+        match self {
+            Self::Far => Extent::Sampled,
+            Self::Whole => Extent::Whole,
+            Self::Sure | Self::Short => Extent::Near,
+            Self::Both => Extent::Both,
+        }
+    }
+}
 
 /// Numbers of the poses, column by column.
 pub(super) mod column {
@@ -58,11 +71,16 @@ pub(super) mod column {
     pub const COUNT: usize = STEERING + 2 * MAX_WHEELS;
 }
 
-/// Poses on their way.
-pub(super) struct PoseBatch {
-    pub columns: [[f64; CHUNK]; column::COUNT],
-    pub rounds: [u8; CHUNK],
-    pub states: [SolveState; CHUNK],
+/// So many poses on their way.
+pub(super) struct PoseBatch<const N: usize> {
+    pub columns: [[f64; N]; column::COUNT],
+    pub rounds: [u8; N],
+    pub states: [SolveState; N],
+}
+
+impl<const N: usize> PoseBatch<N> {
+    /// Poses on level ground that they do not touch, straight ahead.
+    pub const EMPTY: Self = Self { columns: [[0.0; N]; column::COUNT], rounds: [0; N], states: [SolveState::Far; N] };
 }
 
 /// Number of rounds of a pose whose gaps are closed: nothing else touches, or something else may.
@@ -86,34 +104,53 @@ pub(super) struct SettleRange<'a, 'b> {
 
 /// A number of so many rows.
 #[inline(always)]
-pub(super) fn gather<S: Vector>(simd: S, column: &[f64; CHUNK], rows: &[u16]) -> Lanes<S> {
+pub(super) fn gather<S: Vector, const N: usize>(simd: S, column: &[f64; N], rows: &[u16]) -> Lanes<S> {
     let mut values = [0.0; RIMS];
     for lane in 0..S::F64_LANES {
-        values[lane] = column[rows[lane.min(rows.len() - 1)] as usize % CHUNK];
+        values[lane] = column[rows[lane.min(rows.len() - 1)] as usize % N];
     }
     Lanes::from_slice(simd, &values)
 }
 
 /// Writes a number of so many rows.
 #[inline(always)]
-pub(super) fn scatter<S: Vector>(column: &mut [f64; CHUNK], rows: &[u16], lanes: Lanes<S>) {
+pub(super) fn scatter<S: Vector, const N: usize>(column: &mut [f64; N], rows: &[u16], lanes: Lanes<S>) {
     let values = spread(lanes);
     for (&row, value) in rows.iter().zip(values) {
-        column[row as usize % CHUNK] = value;
+        column[row as usize % N] = value;
+    }
+}
+
+/// A pose in the axes of the grid.
+#[derive(Clone, Copy)]
+pub(crate) struct PoseOnGrid {
+    /// From node (0, 0) [m].
+    pub origin: [f64; 2],
+    pub heading: Direction,
+}
+
+impl PoseOnGrid {
+    pub fn new(ground: &Terrain, pose: PlanPose) -> Self {
+        let PlanPose { x, y, yaw } = pose.relative_to(ground.origin());
+        let turn = ground.turn();
+        let (sin, cos) = yaw.sin_cos();
+        let heading = Direction { sin: sin * turn.cos - cos * turn.sin, cos: cos * turn.cos + sin * turn.sin };
+        Self { origin: ground.grid_axes([x, y]), heading }
     }
 }
 
 impl SettleRange<'_, '_> {
-    pub(super) fn begin(&self, batch: &mut PoseBatch, first: usize, count: usize) {
-        let ground = self.settler.ground;
-        let turn = ground.turn();
+    /// The chain, the ground and the equations.
+    #[inline(always)]
+    pub(super) fn site(&self) -> Site<'_> {
+        Site { chain: self.settler.chain, ground: self.settler.ground, order: self.order }
+    }
+
+    /// Puts poses at the start of their way.
+    pub(super) fn begin<const N: usize>(&self, batch: &mut PoseBatch<N>, first: usize, count: usize) {
         for row in 0..count {
-            let [x, y, yaw] = self.poses[first + row];
-            let [x0, y0] = ground.origin();
-            let place = ground.grid_axes([x - x0, y - y0]);
-            let (sin, cos) = yaw.sin_cos();
-            let heading = [sin * turn.cos - cos * turn.sin, cos * turn.cos + sin * turn.sin];
-            let numbers = [place[0], place[1], heading[0], heading[1], FAR, 1.0, LOOK[1]];
+            let PoseOnGrid { origin, heading } = PoseOnGrid::new(self.settler.ground, self.poses[first + row].into());
+            let numbers = [origin[0], origin[1], heading.sin, heading.cos, FAR, 1.0, LOOK[1]];
             for (column, number) in batch.columns.iter_mut().zip(numbers) {
                 column[row] = number;
             }
@@ -135,10 +172,10 @@ impl SettleRange<'_, '_> {
     }
 
     #[inline(always)]
-    pub(super) fn here<S: Vector>(&self, simd: S, batch: &PoseBatch, rows: &[u16]) -> Here<S> {
+    pub(super) fn here<S: Vector, const N: usize>(&self, simd: S, batch: &PoseBatch<N>, rows: &[u16]) -> StateLanes<S> {
         let columns = &batch.columns;
         let zero = Lanes::splat(simd, 0.0);
-        let mut here = Here {
+        let mut here = StateLanes {
             origin: [gather(simd, &columns[column::X], rows), gather(simd, &columns[column::Y], rows)],
             yaw: (gather(simd, &columns[column::SIN], rows), gather(simd, &columns[column::COS], rows)),
             state: [zero; MAX_STATE],

@@ -1,11 +1,12 @@
 //! A round of Newton's method for as many poses as there are lanes.
 
-use super::look::{Extent, Here, MARGIN, RimScan, UPPER};
+use super::pivots::solve;
 use super::poses::{DONE, LEFT, LOOK, PoseBatch, ROUNDS, SettleRange, SolveState, column, gather, scatter};
-use super::solve::solve;
-use crate::ground::newton::CLOSED_GAP;
+use super::scan::{RimScan, StateLanes, UPPER, WheelSearch};
+use crate::ground::active_set::CLOSED_GAP;
 use crate::ground::rims::circles::{FAR, RIMS, spread};
 use crate::ground::rims::contact::booleans;
+use crate::ground::rims::extent::{Extent, MARGIN};
 use crate::ground::rims::interval::TIE;
 use crate::ground::settler::Status;
 use crate::ground::stand::{Contact, Stand};
@@ -14,7 +15,8 @@ use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Largest turn of a step, and largest angle on the way [rad].
+/// Largest turn of a step, and largest angle on the way [rad]: rounds take no step back, so both are less than those of the line
+/// search.
 const LARGEST_TURN: f64 = 0.25;
 const LARGEST_ANGLE: f64 = 1.3;
 
@@ -46,25 +48,21 @@ struct NewtonStep<S: Vector> {
 impl SettleRange<'_, '_> {
     /// A round of Newton's method for as many poses as there are lanes, or fewer.
     #[inline(always)]
-    pub(super) fn round<S: Vector>(
+    pub(super) fn round<S: Vector, const N: usize>(
         &mut self,
         simd: S,
-        batch: &mut PoseBatch,
+        search: impl WheelSearch<S>,
+        batch: &mut PoseBatch<N>,
         first: usize,
         rows: &[u16],
-        state: SolveState,
+        extent: Extent,
     ) {
         let here = self.here(simd, batch, rows);
-        let extent = match state {
-            SolveState::Far => Extent::Sampled,
-            SolveState::Whole => Extent::Whole,
-            SolveState::Both => Extent::Both,
-            SolveState::Sure | SolveState::Short => Extent::Near(gather(simd, &batch.columns[column::LOOK], rows)),
-        };
-        let mut scan = here.look(simd, self.settler.chain, self.settler.ground, &extent);
-        let whole = solve(simd, self.order, &mut scan.rows);
+        let reach = gather(simd, &batch.columns[column::LOOK], rows);
+        let mut scan = search.scan(simd, &self.site(), &here, extent, reach);
+        let (whole, _) = solve(simd, self.order, &mut scan.rows);
         let step = self.step(simd, batch, rows, &here, &scan, &whole);
-        let (goes_on, settles) = self.next_states(simd, batch, rows, state, &scan, &step);
+        let (goes_on, settles) = self.next_states(simd, batch, rows, extent, &scan, &step);
         if settles {
             self.write_settled(batch, first, rows, &here, &scan);
         }
@@ -83,12 +81,12 @@ impl SettleRange<'_, '_> {
 
     /// The step with its control: half of the last share where gaps have grown, twice as much elsewhere.
     #[inline(always)]
-    fn step<S: Vector>(
+    fn step<S: Vector, const N: usize>(
         &self,
         simd: S,
-        batch: &PoseBatch,
+        batch: &PoseBatch<N>,
         rows: &[u16],
-        here: &Here<S>,
+        here: &StateLanes<S>,
         scan: &RimScan<S>,
         whole: &[Lanes<S>; MAX_STATE],
     ) -> NewtonStep<S> {
@@ -126,16 +124,16 @@ impl SettleRange<'_, '_> {
 
     /// Puts every pose in its next state. Returns 1 for the poses that take their step, and true if one has settled.
     #[inline(always)]
-    fn next_states<S: Vector>(
+    fn next_states<S: Vector, const N: usize>(
         &self,
         simd: S,
-        batch: &mut PoseBatch,
+        batch: &mut PoseBatch<N>,
         rows: &[u16],
-        state: SolveState,
+        extent: Extent,
         scan: &RimScan<S>,
         step: &NewtonStep<S>,
     ) -> ([f64; RIMS], bool) {
-        let whole = matches!(state, SolveState::Whole | SolveState::Both);
+        let whole = matches!(extent, Extent::Whole | Extent::Both);
         let moves = booleans(simd, scan.touches & step.is_finite);
         let (closed, near) = (booleans(simd, step.is_closed), booleans(simd, step.is_short));
         let (clear, worst) = (spread(scan.clear), spread(scan.worst));
@@ -152,7 +150,7 @@ impl SettleRange<'_, '_> {
                 continue;
             }
             if closed[lane] {
-                if state == SolveState::Whole && clear[lane] == UPPER {
+                if extent == Extent::Whole && clear[lane] == UPPER {
                     batch.states[row] = SolveState::Both;
                 } else if whole && clear[lane] <= TIE {
                     batch.rounds[row] = LEFT;
@@ -185,12 +183,12 @@ impl SettleRange<'_, '_> {
 
     /// Writes lanes that have just settled; those with a joint past its stop, and those that something else may hold, are left.
     #[inline(always)]
-    fn write_settled<S: Vector>(
+    fn write_settled<S: Vector, const N: usize>(
         &mut self,
-        batch: &PoseBatch,
+        batch: &PoseBatch<N>,
         first: usize,
         rows: &[u16],
-        here: &Here<S>,
+        here: &StateLanes<S>,
         scan: &RimScan<S>,
     ) {
         let mut states = [[0.0; RIMS]; MAX_STATE];
@@ -204,8 +202,6 @@ impl SettleRange<'_, '_> {
                 *number = spread(lanes);
             }
         }
-        let ground = self.settler.ground;
-        let [dx, dy] = ground.spacing();
         for (lane, &row) in rows.iter().enumerate() {
             let rounds = batch.rounds[row as usize];
             if rounds < LEFT {
@@ -222,12 +218,7 @@ impl SettleRange<'_, '_> {
             let wheels = stand.wheels.iter_mut().zip(&contacts);
             for (contact, numbers) in wheels.take(self.settler.chain.wheels().len()) {
                 let [gap, sin, cos, along, across] = numbers.map(|numbers| numbers[lane]);
-                *contact = Contact {
-                    gap,
-                    at: Direction { sin, cos },
-                    gradient: ground.world_axes([along / dx, across / dy]),
-                    next: f64::NAN,
-                };
+                *contact = Contact::new(self.settler.ground, gap, Direction { sin, cos }, [along, across]);
             }
         }
     }

@@ -9,7 +9,6 @@ use super::walk::find_min_gap;
 use crate::terrain::Terrain;
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
-use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
 
 /// A minimum this far above the least one is no contact [m].
@@ -17,7 +16,7 @@ const TIE: f64 = 1e-7;
 
 /// A local minimum of the gap along the rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Minimum {
+pub(crate) struct Minimum {
     /// Vertical distance of the rim over the ground [m].
     pub gap: f64,
     /// Contact angle.
@@ -29,7 +28,7 @@ pub struct Minimum {
 
 /// Result of a search along the rim.
 #[derive(Clone, Copy, Debug)]
-pub struct RimContact {
+pub(crate) struct RimContact {
     /// The least gap over known ground; None where there is none.
     pub least: Option<Minimum>,
     /// Contact angle of the next best minimum, where that is no more than 1e-7 m above the least.
@@ -67,71 +66,50 @@ impl RimContact {
 
 /// Part of the rim to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RimSegment {
+pub(crate) enum RimSegment {
     /// The half with contact angles up to a quarter turn: all that ordinary ground can touch.
     Lower,
     /// The lower half, and the upper one if the ground beside it may be that high, or is not known.
     Whole,
 }
 
-/// The contacts of so many circles.
-pub(crate) fn find_contacts(
-    level: Level,
+/// The contacts of so many circles, of which there are as many at a time as lanes.
+#[inline(always)]
+pub(crate) fn find_contacts<S: Vector>(
+    simd: S,
     ground: &Terrain,
     circles: &[WheelCircle; RIMS],
     count: usize,
-    part: RimSegment,
+    segment: RimSegment,
 ) -> [RimContact; RIMS] {
-    level.run_any(RimSearch { ground, circles, count, part })
-}
-
-struct RimSearch<'a> {
-    ground: &'a Terrain,
-    circles: &'a [WheelCircle; RIMS],
-    count: usize,
-    part: RimSegment,
-}
-
-impl Kernel for RimSearch<'_> {
-    type Output = [RimContact; RIMS];
-
-    #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let mut contacts = [RimContact::NOTHING; RIMS];
-        let mut first = 0;
-        while first < self.count {
-            let lanes = S::F64_LANES.min(RIMS - first);
-            let mut rims = RimLanes::load(simd, self.circles, first);
-            let mut upper = [false; RIMS];
-            for half in 0..2 {
-                let found = find_min_gap(simd, self.ground, &rims, &AngleInterval::lower(simd)).contacts(simd);
-                let contacts = &mut contacts[first..first + lanes];
-                for (lane, (contact, found)) in contacts.iter_mut().zip(found).enumerate() {
-                    if half == 0 {
-                        *contact = found;
-                        upper[lane] = self.searches_upper(first + lane, contact);
-                    } else if upper[lane] {
-                        *contact = contact.joined(found.turned_over());
-                    }
+    let mut contacts = [RimContact::NOTHING; RIMS];
+    let mut first = 0;
+    while first < count {
+        let lanes = S::F64_LANES.min(RIMS - first);
+        let mut rims = RimLanes::load(simd, circles, first);
+        let mut upper = [false; RIMS];
+        for half in 0..2 {
+            let found = find_min_gap(simd, ground, &rims, &AngleInterval::lower(simd)).contacts(simd);
+            let contacts = &mut contacts[first..first + lanes];
+            for (lane, (contact, found)) in contacts.iter_mut().zip(found).enumerate() {
+                if half == 0 {
+                    *contact = found;
+                    let gap = found.least.map_or(f64::INFINITY, |least| least.gap);
+                    upper[lane] = segment == RimSegment::Whole
+                        && first + lane < count
+                        && upper_half_matters(ground, &circles[first + lane], gap);
+                } else if upper[lane] {
+                    *contact = contact.joined(found.turned_over());
                 }
-                if !upper.contains(&true) {
-                    break;
-                }
-                rims.turn_over();
             }
-            first += S::F64_LANES;
+            if !upper.contains(&true) {
+                break;
+            }
+            rims.turn_over();
         }
-        contacts
+        first += S::F64_LANES;
     }
-}
-
-impl RimSearch<'_> {
-    fn searches_upper(&self, wheel: usize, contact: &RimContact) -> bool {
-        let gap = contact.least.map_or(f64::INFINITY, |least| least.gap);
-        self.part == RimSegment::Whole
-            && wheel < self.count
-            && upper_half_matters(self.ground, &self.circles[wheel], gap)
-    }
+    contacts
 }
 
 impl<S: Vector> GapMinimum<S> {
@@ -162,7 +140,7 @@ pub(crate) fn booleans<S: Vector>(simd: S, mask: Mask<S>) -> [bool; RIMS] {
 }
 
 /// True if a part of the upper half may be nearer to the ground than this, or over ground that is not known.
-pub(crate) fn upper_half_matters(ground: &Terrain, circle: &WheelCircle, gap: f64) -> bool {
+fn upper_half_matters(ground: &Terrain, circle: &WheelCircle, gap: f64) -> bool {
     let reach = |k: usize| {
         let (forward, up) = (circle.forward[k], circle.up[k]);
         (forward * forward + up * up).sqrt()
@@ -197,6 +175,7 @@ mod tests {
     use super::*;
     use crate::terrain::Heights;
     use six_wheel_numerics::error::Error;
+    use six_wheel_numerics::simd::level::{Kernel, Level};
 
     /// The gap that an interval of one rim has, on every lane.
     struct Look<'a>(&'a Terrain, WheelCircle, [f64; 2]);
@@ -232,6 +211,18 @@ mod tests {
         Ok(())
     }
 
+    /// The contacts of the lower halves of circles.
+    struct LowerContacts<'a>(&'a Terrain, &'a [WheelCircle; RIMS]);
+
+    impl Kernel for LowerContacts<'_> {
+        type Output = [RimContact; RIMS];
+
+        #[inline(always)]
+        fn run<S: Vector>(self, simd: S) -> Self::Output {
+            find_contacts(simd, self.0, self.1, RIMS, RimSegment::Lower)
+        }
+    }
+
     #[test]
     fn contacts_are_those_of_dense_sampling_at_every_level() -> Result<(), Error> {
         let mut seed = 1_u64;
@@ -262,9 +253,9 @@ mod tests {
                 let height = |x: f64, y: f64| ground.cell(x as usize, y as usize).height(x.fract(), y.fract());
                 (inside, z - if inside { height(x, y) } else { f64::NAN })
             };
-            let scalar = find_contacts(Level::Scalar, &ground, &circles, RIMS, RimSegment::Lower);
+            let scalar = Level::Scalar.run_any(LowerContacts(&ground, &circles));
             for level in Level::available() {
-                let contacts = find_contacts(level, &ground, &circles, RIMS, RimSegment::Lower);
+                let contacts = level.run_any(LowerContacts(&ground, &circles));
                 assert_eq!(format!("{contacts:?}"), format!("{scalar:?}"), "{level:?}");
             }
             for (circle, contact) in circles.iter().zip(&scalar) {

@@ -4,5 +4,6 @@ mod arcs;
 mod candidate;
 pub(crate) mod circles;
 pub(crate) mod contact;
+pub(crate) mod extent;
 pub(crate) mod interval;
 pub(crate) mod walk;

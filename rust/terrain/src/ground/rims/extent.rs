@@ -1,19 +1,17 @@
-//! A look at the rims of poses in lanes: gaps, what else is near, and the system of Newton's step.
+//! Parts of the rims to search in a round of Newton's method, and the least gap along them: a rim in every lane.
+//!
+//! The lanes are rims, of as many poses or of one: nothing here asks which. What a whole search leaves out is higher above the
+//! ground than the last contact.
 
-use super::solve::Rows;
-use crate::ground::rims::circles::{FAR, Point, RIMS, RimLanes, cells, floor, spread};
-use crate::ground::rims::interval::{AngleInterval, GapMinimum};
-use crate::ground::rims::walk::find_min_gap;
-use crate::suspension::kinematics::{ChainAngles, LinkPoses, WheelPose};
-use crate::suspension::lanes::{Turned, Vectors, sum};
-use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS};
+use super::circles::{FAR, Point, RIMS, RimLanes, cells, floor, spread};
+use super::interval::{AngleInterval, GapMinimum};
+use super::walk::find_min_gap;
+use crate::pyramid::Pyramid;
+use crate::suspension::lanes::Turned;
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::direction;
 use six_wheel_numerics::simd::vector::Vector;
-
-/// [`RimScan::clear`] where the upper halves were left out and may matter.
-pub(crate) const UPPER: f64 = -1.0;
 
 /// Height above the gap up to which other minima along the rim are kept [m].
 pub(crate) const MARGIN: f64 = 1e-4;
@@ -34,113 +32,55 @@ const SAMPLES: [[f64; 2]; 11] = {
     samples
 };
 
-/// Poses in the axes of the grid [m], in lanes, with their states.
-pub(crate) struct Here<S: Vector> {
-    pub origin: [Lanes<S>; 2],
-    pub yaw: Turned<S>,
-    pub state: [Lanes<S>; MAX_STATE],
-    /// None where all angles are 0.
-    pub steering: Option<[Turned<S>; MAX_WHEELS]>,
-    /// Sine and cosine of the last contact angles.
-    pub contacts: [[Lanes<S>; 2]; MAX_WHEELS],
-}
-
 /// Part of the rims to search.
-pub(crate) enum Extent<S: Vector> {
-    /// All of the lower halves that may touch.
-    Whole,
-    /// The same, and the upper halves.
-    Both,
-    /// So far to either side of the last contacts [rad].
-    Near(Lanes<S>),
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Extent {
     /// About the lowest gaps of some points of the rims.
     Sampled,
+    /// All of the lower halves that may touch.
+    Whole,
+    /// Some way to either side of the last contacts.
+    Near,
+    /// All of the lower halves that may touch, and the upper halves.
+    Both,
 }
 
-/// Result of a search along the rims.
-pub(crate) struct RimScan<S: Vector> {
-    pub rows: Rows<S>,
-    pub found: [GapMinimum<S>; MAX_WHEELS],
-    pub worst: Lanes<S>,
-    /// Smallest height of other minima along the rims above the gap, up to [`MARGIN`] [m]; below 0 if it is not known.
-    pub clear: Lanes<S>,
-    /// True if every rim has a contact there.
-    pub touches: Mask<S>,
-}
+impl Extent {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Sampled, Self::Whole, Self::Near, Self::Both];
 
-impl<S: Vector> Here<S> {
-    /// The chain at these states.
+    /// Sine and cosine of half the angle to search, where it does not depend on the rim: `reach` is that of
+    /// [`Self::Near`] [rad].
     #[inline(always)]
-    pub fn poses<'a>(&self, simd: S, chain: &'a Chain) -> LinkPoses<'a, S> {
-        LinkPoses::new(simd, chain, &ChainAngles::of_state(simd, self.yaw, &self.state, self.steering.as_ref()))
+    pub fn half_width<S: Vector>(self, simd: S, reach: Lanes<S>) -> Option<Turned<S>> {
+        match self {
+            Self::Whole | Self::Both => None,
+            Self::Near => Some(direction(simd, reach)),
+            Self::Sampled => Some(direction(simd, Lanes::splat(simd, BETWEEN))),
+        }
     }
 
-    /// Looks at all rims.
+    /// The least gap along this part of the rims, the last contacts at these sines and cosines. Also true in the lanes where
+    /// nothing that is left out matters.
     #[inline(always)]
-    pub fn look(&self, simd: S, chain: &Chain, ground: &Terrain, extent: &Extent<S>) -> RimScan<S> {
+    pub fn search<S: Vector>(
+        self,
+        simd: S,
+        ground: &Terrain,
+        rims: &RimLanes<S>,
+        last: [Lanes<S>; 2],
+        half_width: Option<Turned<S>>,
+    ) -> (GapMinimum<S>, Mask<S>) {
         let zero = Lanes::splat(simd, 0.0);
-        let spacing = ground.spacing();
-        let per_metre = [Lanes::splat(simd, 1.0 / spacing[0]), Lanes::splat(simd, 1.0 / spacing[1])];
-        let poses = self.poses(simd, chain);
-        let mut scan = RimScan {
-            rows: [([zero; MAX_STATE], zero); MAX_WHEELS],
-            found: [GapMinimum::none(simd); MAX_WHEELS],
-            worst: zero,
-            clear: Lanes::splat(simd, FAR),
-            touches: poses.reaches,
+        let last = match self {
+            Self::Sampled => sampled(simd, ground, rims),
+            _ => last,
         };
-        let near = match extent {
-            Extent::Whole | Extent::Both => None,
-            Extent::Near(reach) => Some(direction(simd, *reach)),
-            Extent::Sampled => Some(direction(simd, Lanes::splat(simd, BETWEEN))),
+        let (interval, covers) = match half_width {
+            None => whole_interval(simd, ground, rims, last),
+            Some(turned) => (near_interval(simd, last, turned), zero.lt(zero)),
         };
-        for (wheel, mount) in chain.wheels().iter().enumerate().take(MAX_WHEELS) {
-            let at = poses.wheel(simd, wheel);
-            let radius = Lanes::splat(simd, mount.radius);
-            let rims = self.rims(&at, radius, per_metre);
-            let last = match extent {
-                Extent::Sampled => sampled(simd, ground, &rims),
-                _ => self.contacts[wheel],
-            };
-            let (interval, covers) = match near {
-                None => whole_rims(simd, ground, &rims, last),
-                Some(turned) => (short_look(simd, last, turned), zero.lt(zero)),
-            };
-            let (found, covers) = halves(simd, ground, rims, interval, covers, matches!(extent, Extent::Both));
-            let gradient = [found.slope[0] * per_metre[0], found.slope[1] * per_metre[1]];
-            let mut spoke: Vectors<S> = [zero; 3];
-            for (k, spoke) in spoke.iter_mut().enumerate() {
-                *spoke = (at.forward[k] * found.at[0] - at.up[k] * found.at[1]) * radius;
-            }
-            let point = sum(at.centre, spoke);
-            scan.rows[wheel] = (poses.gap_slopes(simd, wheel, point, gradient), -found.gap);
-            scan.worst = scan.worst.max(found.gap.abs());
-            let clear = covers.select(found.others - found.gap, Lanes::splat(simd, UPPER));
-            scan.clear = scan.clear.min(clear);
-            scan.touches = scan.touches & found.gap.abs().lt(Lanes::splat(simd, 0.5 * FAR));
-            scan.found[wheel] = found;
-        }
-        scan
-    }
-
-    /// The circles of a wheel, in columns, rows and metres.
-    #[inline(always)]
-    fn rims(&self, at: &WheelPose<S>, radius: Lanes<S>, per_metre: [Lanes<S>; 2]) -> RimLanes<S> {
-        let scale = [radius * per_metre[0], radius * per_metre[1], radius];
-        let mut rims = RimLanes {
-            centre: [
-                (self.origin[0] + at.centre[0]) * per_metre[0],
-                (self.origin[1] + at.centre[1]) * per_metre[1],
-                self.state[0] + at.centre[2],
-            ],
-            forward: at.forward,
-            up: at.up,
-        };
-        for (k, scale) in scale.into_iter().enumerate() {
-            rims.forward[k] = rims.forward[k] * scale;
-            rims.up[k] = rims.up[k] * scale;
-        }
-        rims
+        halves(simd, ground, *rims, interval, covers, self == Self::Both)
     }
 }
 
@@ -200,7 +140,7 @@ fn gap<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, [sin, cos]: [La
 
 /// Interval of directions about the last contact.
 #[inline(always)]
-fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> AngleInterval<S> {
+fn near_interval<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> AngleInterval<S> {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let (low, high) = ([s * cos - c * sin, c * cos + s * sin], [s * cos + c * sin, c * cos - s * sin]);
     let (starts, ends) = (zero.lt(low[1]), zero.lt(high[1]));
@@ -216,7 +156,7 @@ fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) 
 /// All of the rims that may be as near to the ground as the last contact is, and whether that leaves out their upper
 /// halves: a point that is higher above the highest ground around is not.
 #[inline(always)]
-fn whole_rims<S: Vector>(
+fn whole_interval<S: Vector>(
     simd: S,
     ground: &Terrain,
     rims: &RimLanes<S>,
@@ -231,7 +171,7 @@ fn whole_rims<S: Vector>(
     let size = (rims.forward[2] * rims.forward[2] + rims.up[2] * rims.up[2]).sqrt();
     let inverse = unit / size;
     let (cos, sin) = (rims.up[2] * inverse, -(rims.forward[2] * inverse));
-    let [rear, front] = tops(simd, ground, rims, &rims.point(sin, cos));
+    let [rear, front] = highest_beside(simd, ground, rims, &rims.point(sin, cos));
     let mut interval = AngleInterval { margin, is_closed: false, ..AngleInterval::lower(simd) };
     // So far from the lowest point its height is what counts: cosine and sine of the angle.
     let near = ((rims.centre[2] - front - gap) * inverse).min(unit);
@@ -250,7 +190,7 @@ fn whole_rims<S: Vector>(
 /// The highest ground beside what of the rims lies behind and before their lowest points; infinity where it is not
 /// known.
 #[inline(always)]
-fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, lowest: &Point<S>) -> [Lanes<S>; 2] {
+fn highest_beside<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, lowest: &Point<S>) -> [Lanes<S>; 2] {
     let zero = Lanes::splat(simd, 0.0);
     let [mut rear, mut front] = [[[zero; 2]; 2]; 2];
     for k in 0..2 {
@@ -262,12 +202,13 @@ fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, lowest: &Point
         front[0][k] = floor(simd, rims.centre[k] + low);
         front[1][k] = floor(simd, rims.centre[k] + high);
     }
-    [top(simd, ground, rear), top(simd, ground, front)]
+    [highest(simd, ground, rear), highest(simd, ground, front)]
 }
 
-/// The highest ground over boxes from cell to cell; infinity where it is not known.
+/// The highest ground over boxes from cell to cell; infinity where it is not known. The same number with the pyramid of the map
+/// and without: no result depends on whether somebody has asked for it.
 #[inline(always)]
-fn top<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) -> Lanes<S> {
+fn highest<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) -> Lanes<S> {
     let (zero, far) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, f64::INFINITY));
     let [rows, columns] = ground.shape();
     let last = [Lanes::splat(simd, columns as f64 - 2.0), Lanes::splat(simd, rows as f64 - 2.0)];
@@ -292,8 +233,8 @@ fn top<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) ->
     for lane in 0..S::F64_LANES {
         if inside[lane] > 0.0 {
             let ends = [[x0[lane], y0[lane]], [x1[lane], y1[lane]]];
-            let [first, last] = ends.map(|end| end.map(|cell| cell as usize));
-            top[lane] = ground.highest(first, last);
+            let ends = ends.map(|end| end.map(|cell| cell as usize));
+            top[lane] = Pyramid::highest_around(ground.heights(), ground.shape(), ends);
         }
     }
     Lanes::from_slice(simd, &top)
@@ -317,9 +258,9 @@ mod tests {
         last: f64,
     }
 
-    struct WholeRims<'a>(&'a Terrain, Case);
+    struct WholeInterval<'a>(&'a Terrain, Case);
 
-    impl Kernel for WholeRims<'_> {
+    impl Kernel for WholeInterval<'_> {
         type Output = ([f64; 2], bool);
 
         /// The angles at which the interval begins and ends, and whether it leaves out the upper half.
@@ -330,7 +271,7 @@ mod tests {
             let rims = RimLanes { centre: all(centre), forward: all(forward), up: all(up) };
             let (sin, cos) = last.sin_cos();
             let last = [Lanes::splat(simd, sin), Lanes::splat(simd, cos)];
-            let (interval, covers) = whole_rims(simd, self.0, &rims, last);
+            let (interval, covers) = whole_interval(simd, self.0, &rims, last);
             let angle = |[sin, cos]: [Lanes<S>; 2]| spread(sin)[0].atan2(spread(cos)[0]);
             ([angle(interval.start), angle(interval.end)], covers.any())
         }
@@ -374,7 +315,7 @@ mod tests {
                 ground.pyramid()?;
             }
             for level in Level::available() {
-                let ([start, end], covers) = level.run_any(WholeRims(&ground, case));
+                let ([start, end], covers) = level.run_any(WholeInterval(&ground, case));
                 for k in -628..=628 {
                     let angle = f64::from(k) * 0.005;
                     let inside = start - 1e-9 <= angle && angle <= end + 1e-9;
