@@ -42,16 +42,16 @@ def test_python_and_files_of_parameters_agree(tmp_path: Path) -> None:
 
 
 def test_every_question_is_asked_before_anything_is_computed(tmp_path: Path) -> None:
-    path, arm, output = unplaced(tmp_path), sw.RockerBogie.preset("perseverance"), tmp_path / "out.tif"
+    path, suspension, output = unplaced(tmp_path), sw.RockerBogie.preset("perseverance"), tmp_path / "out.tif"
     options: dict[str, Any] = {}
     for name, value in (("spacing", CELL), ("nodata", -9999), ("unit", "mm")):
         with pytest.raises(TerrainFileError, match=rf"{name}=") as told:
             sw.Terrain.read(path, **options)
         with pytest.raises(TerrainFileError) as same:
-            traverse(path, arm, output, headings=1, workers=1, **options)
+            traverse(path, suspension, output, headings=1, workers=1, **options)
         assert str(same.value) == str(told.value)
         options[name] = value
-    done = traverse(path, arm, output, headings=1, workers=1, **options)
+    done = traverse(path, suspension, output, headings=1, workers=1, **options)
     assert done.cells == grid().size
     assert not (tmp_path / "out.tif.tiles").exists()
 

@@ -116,7 +116,9 @@ impl Terrain {
             return Err(Error::value("heights", rule, shape));
         }
         let largest = heights.largest();
-        if let Some(k) = (0..heights.len()).find(|&k| largest >= LARGEST_HEIGHT && heights.at(k).abs() >= LARGEST_HEIGHT) {
+        if let Some(k) =
+            (0..heights.len()).find(|&k| largest >= LARGEST_HEIGHT && heights.at(k).abs() >= LARGEST_HEIGHT)
+        {
             let place = format!("heights[{}, {}]", k / columns, k % columns);
             let rule = if heights.at(k).is_infinite() { "be finite" } else { "be below 1e15 m" };
             return Err(Error::value(place, format!("{rule}, or nan where unknown"), number(heights.at(k))));

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import six_wheel as sw
 from six_wheel.maps import traverse
 
-ARM = sw.RockerBogie.preset("perseverance")
+SUSPENSION = sw.RockerBogie.preset("perseverance")
 SPACING = 0.25
 HEIGHTS = np.add.outer(
     0.3 * np.sin(0.25 * np.arange(120.0)), 0.05 * np.arange(160.0) + 0.2 * np.cos(0.3 * np.arange(160.0))
@@ -66,19 +66,33 @@ BOUNDS = ("z", "roll", "pitch", "tilt", "rocker", "bogies", "clearance", "wheel_
 @pytest.mark.parametrize("count", [3, 40])  # one by one, and in lanes
 def test_settled_poses_are_the_same(count: int, offset: Any) -> None:
     places = poses(count)
-    here = ARM.settle(moved((0, 0)), places, derivatives=True)
-    there = ARM.settle(moved(offset), shifted(places, offset), derivatives=True)
+    here = SUSPENSION.settle(moved((0, 0)), places, derivatives=True)
+    there = SUSPENSION.settle(moved(offset), shifted(places, offset), derivatives=True)
     assert np.asarray(here.stands).all()
     for name in STANDS:
         same(getattr(here, name), getattr(there, name))
     for name in ("contacts", "wheel_centres"):
         back = getattr(there, name) - np.array([*offset, 0.0])
         np.testing.assert_allclose(back, getattr(here, name), rtol=0, atol=LAST_DIGIT)
-    near, far = (ARM.stability(stand, mass=1000.0, belly=(-1.0, 1.0, 0.8, 0.4)) for stand in (here, there))
+    near, far = (
+        SUSPENSION.stability(stand, mass=1000.0, belly=(-1.0, 1.0, 0.8, 0.4)) for stand in (here, there)
+    )
     for name in ("loads", "tip_over_angle", "clearance", "joint_margins", "tilt"):
         same(getattr(near, name), getattr(far, name))
     for name in ("tilt", "joint_margins", "tip_over_angle", "clearance"):
         same(getattr(near.by_pose, name), getattr(far.by_pose, name))
+
+
+@settings(max_examples=10, deadline=None)
+@given(OFFSETS)
+@example(FARTHEST)
+def test_a_pose_alone_is_that_of_a_batch(offset: Any) -> None:
+    ground, places = moved(offset, 0.7), shifted(poses(12, seed=4) - np.array([10.0, 10.0, 0.0]), offset)
+    batch = SUSPENSION.settle(ground, places)
+    for row, place in enumerate(places):
+        alone = SUSPENSION.settle(ground, place)
+        for name in ("z", "roll", "pitch", "joints", "gap", "contact_angles", "contacts"):
+            same(getattr(alone, name), getattr(batch, name)[row])
 
 
 @settings(max_examples=20, deadline=None)
@@ -87,12 +101,12 @@ def test_settled_poses_are_the_same(count: int, offset: Any) -> None:
 def test_bounds_and_feasibility_are_the_same(offset: Any) -> None:
     places = poses(30, seed=1)
     here, there = (
-        ARM.bounds(moved(by), shifted(places, by), yaw_margin=0.02, position_margin=0.05)
+        SUSPENSION.bounds(moved(by), shifted(places, by), yaw_margin=0.02, position_margin=0.05)
         for by in ((0, 0), offset)
     )
     for name in BOUNDS:
         same(getattr(here, name), getattr(there, name))
-    here, there = (ARM.feasible(moved(by), shifted(places, by)) for by in ((0, 0), offset))
+    here, there = (SUSPENSION.feasible(moved(by), shifted(places, by)) for by in ((0, 0), offset))
     for name in ("reason_codes", "margin", "tilt", "clearance"):
         same(getattr(here, name), getattr(there, name))
 
@@ -102,15 +116,15 @@ def test_bounds_and_feasibility_are_the_same(offset: Any) -> None:
 @example(FARTHEST)
 def test_motion_and_slip_are_the_same(offset: Any) -> None:
     places = poses(20, seed=2)
-    here, there = (ARM.settle(moved(by), shifted(places, by)) for by in ((0, 0), offset))
-    steering, wheel_speeds = ARM.inverse(here, (0.1, 0.03))
-    far = ARM.inverse(there, (0.1, 0.03))
+    here, there = (SUSPENSION.settle(moved(by), shifted(places, by)) for by in ((0, 0), offset))
+    steering, wheel_speeds = SUSPENSION.inverse(here, (0.1, 0.03))
+    far = SUSPENSION.inverse(there, (0.1, 0.03))
     same(steering, far.steering)
     same(wheel_speeds, far.wheel_speeds)
-    near, far = (ARM.forward(stand, steering, wheel_speeds) for stand in (here, there))
+    near, far = (SUSPENSION.forward(stand, steering, wheel_speeds) for stand in (here, there))
     same(near.twist, far.twist)
     same(near.joint_rates, far.joint_rates)
-    told = [ARM.slip(stand, wheel_speeds, near.twist, near.joint_rates) for stand in (here, there)]
+    told = [SUSPENSION.slip(stand, wheel_speeds, near.twist, near.joint_rates) for stand in (here, there)]
     same(told[0].ratio, told[1].ratio)
     same(told[0].angle, told[1].angle)
 
@@ -121,7 +135,7 @@ def test_motion_and_slip_are_the_same(offset: Any) -> None:
 def test_heights_are_the_same(offset: Any, yaw: float) -> None:
     places = poses(50, seed=3)[:, :2] - 20.0
     here, there = (moved(by, yaw) for by in ((0, 0), offset))
-    for name in ("height_at", "gradient_at", "normal_at"):
+    for name in ("height_at", "gradient_at", "normal_at", "contains"):
         same(getattr(here, name)(places), getattr(there, name)(places + np.array(offset)))
 
 
@@ -130,7 +144,7 @@ START = (8.0, 9.0, 0.3)
 
 
 def driven(ground: sw.Terrain, start: Any) -> Any:
-    return sw.simulate(ARM, COMMANDS, ground=ground, start=start, rate=10.0)
+    return sw.simulate(SUSPENSION, COMMANDS, ground=ground, start=start, rate=10.0)
 
 
 @settings(max_examples=4, deadline=None)
@@ -147,7 +161,7 @@ def test_drives_have_the_same_track_and_health(offset: Any) -> None:
     np.testing.assert_allclose(logs[1].wheel_angles, logs[0].wheel_angles, rtol=0, atol=1e-5)
     log = logs[0]
     tracks = [
-        sw.dead_reckon(ARM, log, ground=ground, start=start)
+        sw.dead_reckon(SUSPENSION, log, ground=ground, start=start)
         for ground, start in zip(grounds, starts, strict=True)
     ]
     same(tracks[0].health, tracks[1].health)
@@ -167,7 +181,7 @@ def test_odometry_keeps_its_track(offset: Any, yaw: float) -> None:
     log = driven(grounds[0], start)
     ends = []
     for ground, by in zip(grounds, ((0, 0), offset), strict=True):
-        odometry = sw.Odometry3(ARM, ground=ground)
+        odometry = sw.Odometry3(SUSPENSION, ground=ground)
         odometry.reset((start[0] + by[0], start[1] + by[1], 0.0, 0.0, 0.0, start[2]))
         for k in range(len(log)):
             state = odometry.update(log.steering[k], log.wheel_angles[k], log.stamps[k])
@@ -181,7 +195,7 @@ def test_traversability_is_the_same(tmp_path: Path) -> None:
     from affine import Affine
 
     run: Callable[[Any], Any] = lambda by: traverse(  # noqa: E731
-        write(tmp_path / f"{by[0]}.tif", by), ARM, tmp_path / f"{by[0]}_out.tif", headings=2, workers=1
+        write(tmp_path / f"{by[0]}.tif", by), SUSPENSION, tmp_path / f"{by[0]}_out.tif", headings=2, workers=1
     )
 
     def write(path: Path, by: Any) -> Path:
