@@ -251,6 +251,22 @@ def seen_from_above(name: str) -> Figure:
 
 
 # By the picture's name; of several pictures by what they begin with.
+def map_rows() -> Figure:
+    """One small grid as an image stores it, and as ground."""
+    heights = np.arange(12.0).reshape(3, 4)
+    figure = new_figure(7.0, 2.6)
+    left, right = figure.subplots(1, 2)
+    titles = ("an image: row 0 in the north", "ground: row 0 in the south")
+    for axes, title, rows in ((left, titles[0], heights[::-1]), (right, titles[1], heights)):
+        axes.imshow(rows, origin="lower" if axes is right else "upper", cmap="terrain", alpha=0.6)
+        axes.set(title=title, xlabel="column, x east", ylabel="row", xticks=range(4), yticks=range(3))
+        for row, column in np.ndindex(heights.shape):
+            axes.text(column, row, f"{rows[row, column]:g}", ha="center", va="center")
+    right.plot(0, 0, "s", markersize=34, fillstyle="none", color="k")
+    right.annotate("origin", (0, 0), (0.55, 0.45))
+    return figure
+
+
 DRAWN: dict[str, Callable[[], Figure | dict[str, Figure]]] = {
     **{name: partial(seen_from_above, name) for name in VEHICLES},
     "four_axle": four_axles,
@@ -260,6 +276,7 @@ DRAWN: dict[str, Callable[[], Figure | dict[str, Figure]]] = {
     "drive": driven,
     "limits": limits,
     "ground": over_ground,
+    "map_rows": map_rows,
     "foxglove": foxglove_figure,
     "planner": planned,
     "architecture": floors.figure,

@@ -966,9 +966,13 @@ class Terrain:
     def __new__(
         cls,
         heights: ArrayLike,
-        spacing: float | tuple[float, float],
-        origin: tuple[float, float] = (0.0, 0.0),
+        spacing: float | tuple[float, float] | None = None,
+        origin: tuple[float, float] | None = None,
         yaw: float = 0.0,
+        *,
+        north_up: bool | None = None,
+        nodata: float | None = None,
+        unit: str | float | None = None,
     ) -> Self: ...
     @staticmethod
     def read(
@@ -977,6 +981,12 @@ class Terrain:
         window: tuple[float, float, float, float] | None = None,
         topic: str | None = None,
         layer: str | None = None,
+        band: int | str | None = None,
+        nodata: float | None = None,
+        unit: str | float | None = None,
+        north_up: bool | None = None,
+        spacing: float | tuple[float, float] | None = None,
+        origin: tuple[float, float] | None = None,
     ) -> Terrain: ...
     @staticmethod
     def yard(

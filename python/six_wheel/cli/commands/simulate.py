@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+from six_wheel.cli.map_options import MapReading
 from six_wheel.cli.shared import (
     Chosen,
     Reading,
@@ -84,6 +85,7 @@ def simulate(
     *,
     run: Run,
     pictures: Pictures,
+    map_reading: MapReading,
     reading: Reading,
 ) -> None:
     if ground is None and pictures.plot_speeds is not None:
@@ -110,7 +112,10 @@ def simulate(
     else:
         assert suspended is not None
         assert ground is not None
-        rows = _over_ground(*suspended, ground, way, run, output, pictures)
+        from six_wheel.maps.reading import read_with
+
+        land = read_with(ground, map_reading.options())
+        rows = _over_ground(*suspended, (land, ground.name), way, run, output, pictures)
     files = [("results", output), ("picture", pictures.plot), ("speeds", pictures.plot_speeds)]
     new_console().print(grid([*rows, *files]))
 
@@ -256,19 +261,18 @@ def _stick(text: str) -> "Stick":
 def _over_ground(
     suspension: "RockerBogie",
     name: str,
-    ground: Path,
+    ground: "tuple[Terrain, str]",
     way: Way,
     run: Run,
     output: Path | None,
     pictures: Pictures,
 ) -> list[tuple[str, object]]:
-    from six_wheel._core import Terrain
     from six_wheel.cli.report.ground import ground_facts
     from six_wheel.simulation.ground_writing import write_ground
     from six_wheel.simulation.on_terrain import GroundSimulation
     from six_wheel.simulation.run_simulation import simulate as simulated
 
-    land = Terrain.read(ground)
+    land, map_name = ground
     start = way.start or (*_middle(land), 0.0)
     done = simulated(
         suspension, way.path, ground=land, start=start, rate=run.rate, speed=way.speed, seed=run.seed
@@ -279,7 +283,7 @@ def _over_ground(
     if any(pictures):
         from six_wheel.plotting import ground_figure, save, speeds_figure
 
-        title = f"{name} over {ground.name}"
+        title = f"{name} over {map_name}"
         if pictures.plot is not None:
             save(ground_figure(done, suspension, land, title=title), pictures.plot)
         if pictures.plot_speeds is not None:

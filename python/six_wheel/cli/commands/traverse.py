@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from six_wheel.cli.map_options import MapReading
 from six_wheel.cli.shared import SUSPENDED, choose_suspension, grid, new_console, progress_bar
 
 if TYPE_CHECKING:
@@ -49,6 +50,8 @@ def traverse(
     ] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; default one per core.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture: .png, .svg or .pdf.")] = None,
+    *,
+    map_reading: MapReading,
 ) -> None:
     suspension, name = choose_suspension(rover)
     if not output.parent.is_dir():
@@ -72,6 +75,7 @@ def traverse(
             cluster=cluster,
             workers=workers,
             tell=lambda done, total: update(done, total),
+            **map_reading.given(),
         )
     if plot is not None:
         from six_wheel.plotting import save, traverse_figure

@@ -71,7 +71,7 @@ impl Settler<'_> {
     /// a failure.
     pub(crate) fn grown(&self, pose: &OnePose<'_>) -> Result<NewtonResult, Status> {
         let at = pose.plan_pose();
-        let Sample::Known { height: datum, .. } = self.ground.sample(at.x, at.y, Interpolation::Bilinear) else {
+        let Sample::Known { height: datum, .. } = self.ground.sample_offset(at.x, at.y, Interpolation::Bilinear) else {
             return Err(Status::NotConverged);
         };
         let order = PivotOrder::new(self.chain, &ActiveSet::NONE);

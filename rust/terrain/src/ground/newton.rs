@@ -92,6 +92,7 @@ pub(crate) struct OnePose<'a> {
     chain: &'a Chain,
     ground: &'a Terrain,
     level: Level,
+    /// By its distances from node (0, 0) of the map.
     pose: PlanPose,
     on_grid: PoseOnGrid,
     steering: &'a [f64],
@@ -103,6 +104,7 @@ impl<'a> OnePose<'a> {
     pub fn new(settler: &Settler<'a>, pose: PlanPose, steering: &'a [f64]) -> Self {
         let Settler { chain, ground, level, .. } = *settler;
         let on_grid = PoseOnGrid::new(ground, pose);
+        let pose = pose.relative_to(ground.origin());
         Self { chain, ground, level, pose, on_grid, steering, over: [1.0, 0.0] }
     }
 
@@ -111,12 +113,12 @@ impl<'a> OnePose<'a> {
         Self { over: [share, datum], ..self }
     }
 
-    /// The pose in the plane.
+    /// The pose in the plane, by its distances from node (0, 0) of the map.
     pub fn plan_pose(&self) -> PlanPose {
         self.pose
     }
 
-    /// The chain in the world. None where a differential does not reach.
+    /// The chain, by its distances from node (0, 0) of the map. None where a differential does not reach.
     pub fn place(&self, state: &State) -> Option<Placed<'a>> {
         self.chain.place(self.pose, state, self.steering)
     }

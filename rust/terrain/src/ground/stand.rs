@@ -117,22 +117,28 @@ impl Stand {
         self.hanging >> wheel & 1 == 0
     }
 
-    /// The chain where it stands; None where it does not.
-    pub fn place<'a>(&self, chain: &'a Chain, pose: PlanPose, steering: &[f64]) -> Option<Placed<'a>> {
+    /// The chain where it stands, by its distances from node (0, 0) of the ground; None where it does not stand.
+    pub fn place<'a>(
+        &self,
+        chain: &'a Chain,
+        ground: &Terrain,
+        pose: PlanPose,
+        steering: &[f64],
+    ) -> Option<Placed<'a>> {
         if !self.status.stands() {
             return None;
         }
-        chain.place(pose, &self.state, steering)
+        chain.place(pose.relative_to(ground.origin()), &self.state, steering)
     }
 
-    /// Contact point of a wheel, on its rim [m].
+    /// Contact point of a wheel, on its rim, from where the chain's coordinates count [m].
     #[inline]
     pub fn point(&self, chain: &Chain, placed: &Placed<'_>, wheel: usize) -> Vector3<f64> {
         rim_point(chain, placed, wheel, self.wheels[wheel].at)
     }
 }
 
-/// A point of a wheel's rim in the world [m].
+/// A point of a wheel's rim, from where the chain's coordinates count [m].
 pub fn rim_point(chain: &Chain, placed: &Placed<'_>, wheel: usize, at: Direction) -> Vector3<f64> {
     let frame = placed.wheel(wheel);
     frame.centre + (frame.forward * at.sin - frame.up * at.cos) * chain.wheels()[wheel].radius

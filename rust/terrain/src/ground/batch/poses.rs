@@ -130,12 +130,12 @@ pub(crate) struct PoseOnGrid {
 }
 
 impl PoseOnGrid {
-    pub fn new(ground: &Terrain, PlanPose { x, y, yaw }: PlanPose) -> Self {
-        let [x0, y0] = ground.origin();
+    pub fn new(ground: &Terrain, pose: PlanPose) -> Self {
+        let PlanPose { x, y, yaw } = pose.relative_to(ground.origin());
         let turn = ground.turn();
         let (sin, cos) = yaw.sin_cos();
         let heading = Direction { sin: sin * turn.cos - cos * turn.sin, cos: cos * turn.cos + sin * turn.sin };
-        Self { origin: ground.grid_axes([x - x0, y - y0]), heading }
+        Self { origin: ground.grid_axes([x, y]), heading }
     }
 }
 
