@@ -15,14 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.errors import ArgumentTypeError
-from six_wheel.kinematics.objects.tables import (
-    Columns,
-    Tabular,
-    headers_of,
-    joint_columns,
-    pose_columns,
-    rows_of,
-)
+from six_wheel.kinematics.objects import tables
+from six_wheel.kinematics.objects.tables import Columns, Tabular, joint_columns, pose_columns
 from six_wheel.kinematics.poses import Floats, as_poses, interpolate
 
 if TYPE_CHECKING:
@@ -228,13 +222,13 @@ class WheelLog(Tabular):
             raise ValueError("frame must have rows, got none")
         stamps, wheels = (np.concatenate([getattr(one, of) for one in pieces]) for of in ("stamps", "wheels"))
         steered = [piece.steering for piece in pieces if piece.steering is not None]
-        headers = set(headers_of(frame))
+        headers = set(tables.headers_of(frame))
         truth = None
         if headers >= {"x", "y", "yaw"}:
-            places = rows_of(frame, ("x", "y", "yaw"))
+            places = tables.rows_of(frame, ("x", "y", "yaw"))
             known = np.isfinite(places).all(axis=1)
             truth = GroundTruth(stamps[known], places[known])
-        rate = rows_of(frame, ("yaw_rate",))[:, 0] if "yaw_rate" in headers else None
+        rate = tables.rows_of(frame, ("yaw_rate",))[:, 0] if "yaw_rate" in headers else None
         steering = np.concatenate(steered) if steered else None
         return cls(stamps, steering, wheels, truth, name, yaw_rate=rate, options=options)
 

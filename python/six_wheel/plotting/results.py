@@ -3,7 +3,6 @@
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import inspect
-from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 

@@ -396,6 +396,5 @@ pub fn restored_by<'py>(object: &Bound<'py, PyAny>, fields: &[Bound<'py, PyAny>]
 
 /// The value with some arguments of the call that makes it given anew: by that call, which `__reduce__` has.
 pub fn replaced<'py>(value: &Bound<'py, PyAny>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
-    let module = value.py().import("six_wheel.kinematics.rover_edit")?;
-    module.call_method(intern!(value.py(), "replace"), (value,), changes)
+    value.py().import("six_wheel.kinematics.rover_edit")?.call_method("replace", (value,), changes)
 }
