@@ -121,6 +121,7 @@ impl<'a, const JOINTS: usize> ReadingLanes<'a, Scalar> for SingleRow<'a, JOINTS>
 
     #[inline(always)]
     fn rate(self, simd: Scalar, joint: usize) -> Option<Lanes<Scalar>> {
+        #[expect(clippy::manual_map, reason = "a closure over registers would be a call")]
         match self.measured.steering_rates {
             Some(rates) => Some(Lanes::splat(simd, rates[joint])),
             None => None,
