@@ -46,7 +46,7 @@ def _rovers() -> list[Any]:
     controller = sw.Controller(ROVER, LIMITS)
     controller.command(TWIST, 0.0)
     output = controller.step(0.02)
-    run = sw.Controller(ROVER, LIMITS).run([0.0], [TWIST], np.arange(1, 60) * 0.02)
+    run = sw.Controller(ROVER, LIMITS).run([TWIST], [0.0], np.arange(1, 60) * 0.02)
     x, y = np.meshgrid(np.linspace(-1.0, 3.0, 81), np.linspace(-2.0, 2.0, 81))
     costmap = sw.Costmap(np.exp(-((x - 0.6) ** 2 + y**2) / 0.05), 0.05, (-1.0, -2.0), lethal=0.9)
     planner = sw.Mppi(ROVER, LIMITS, horizon=20, samples=64)

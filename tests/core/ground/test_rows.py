@@ -3,11 +3,11 @@
 Rows without an answer go through every call.
 """
 
-from concurrent.futures import contextlib
+import contextlib
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-import ThreadPoolExecutor
 
 import six_wheel as sw
 
