@@ -150,7 +150,7 @@ def test_readings_of_any_kind_are_calibrated():
     times = np.linspace(0.0, 30.0, 61)
     twists = np.stack((0.2 + 0 * times, 0 * times, 0.5 * np.sin(times)), axis=-1)
     wheels = sw.Encoder(64, gear_ratio=43.7, wraps_at=2**12)
-    counted = sw.simulate(PAIR, (times, twists), encoder=wheels)
+    counted = sw.simulate(PAIR, (times, twists), wheel_encoders=wheels)
     start = sw.Rover.differential(0.19, 0.044)
     options = {"parameters": ["wheel_radius", "track_width"], "cross_validation": False}
     np.testing.assert_allclose(calibrate(start, counted, **options).values, (0.042, 0.2), rtol=1e-3)

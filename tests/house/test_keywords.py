@@ -17,6 +17,8 @@ ROVER = sw.Rover.preset("perseverance")
 FUNCTIONS = ("calibrate", "dead_reckon", "load", "simulate", "umbmark")
 # Arguments that are needed: those that are missing are named first.
 NEEDED: dict[str, tuple[Any, ...]] = {
+    "Costmap.from_occupancy_grid": (None,),
+    "Costmap.read": ("map.yaml",),
     "BodyTransition.between": (ROVER, (0, 0, 0), (0.1, 0, 0), 1.0),
     "Controller": (ROVER,),
     "Costmap": (np.zeros((2, 2)), 1.0),

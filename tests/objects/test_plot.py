@@ -81,7 +81,7 @@ def test_options_and_titles():
     for call, message in (
         (
             lambda: sw.plot(ROVER, twst=1),
-            r"plot\(\) of a Rover has no option 'twst'; there are title, twist, limits",
+            r"sw\.plot\(\) has no twst; did you mean twist\? It takes title, twist, limits",
         ),
         (lambda: sw.plot(ROVER, twist=TWIST, limits=sw.Limits()), "twist= or limits=, got both"),
         (lambda: sw.plot([1, 2]), "a list must hold tracks, truths or logs with one, got a int"),

@@ -85,10 +85,11 @@ def _mark(heights: NDArray[np.floating]) -> Doubt | None:
 def _unit(heights: NDArray[np.floating], spacing: tuple[float, float], whole: bool) -> Doubt | None:
     rows, columns = (slice(None, None, max(1, size // SAMPLES)) for size in heights.shape)
     parts = heights[rows][:, columns]
-    ahead = (heights[rows, 1:][:, columns] - heights[rows, :-1][:, columns]) / spacing[0]
-    across = (heights[1:][rows][:, columns] - heights[:-1][rows][:, columns]) / spacing[1]
-    count, width = min(ahead.shape[0], across.shape[0]), min(ahead.shape[1], across.shape[1])
-    slopes = np.hypot(ahead[:count, :width], across[:count, :width])
+    with np.errstate(over="ignore"):  # of heights that the core refuses
+        ahead = (heights[rows, 1:][:, columns] - heights[rows, :-1][:, columns]) / spacing[0]
+        across = (heights[1:][rows][:, columns] - heights[:-1][rows][:, columns]) / spacing[1]
+        count, width = min(ahead.shape[0], across.shape[0]), min(ahead.shape[1], across.shape[1])
+        slopes = np.hypot(ahead[:count, :width], across[:count, :width])
     slopes = slopes[~np.isnan(slopes)]
     if slopes.size < ENOUGH:
         return None

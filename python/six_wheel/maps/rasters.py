@@ -211,6 +211,7 @@ class Raster:
 
     def _check_scale(self) -> None:
         """Warns where distances on the map are not those on the ground."""
+        from rasterio.errors import RasterioError
         from rasterio.warp import transform
 
         (rows, columns), step = self.shape, 100.0 / self.metre
@@ -218,7 +219,10 @@ class Raster:
         places = [(x, y), (x + step, y), (x, y + step)]
         there = rasterio().crs.CRS.from_wkt(self.reference.geographic)
         xs, ys = ([place[axis] for place in places] for axis in range(2))
-        degrees = list(zip(*transform(self.crs, there, xs, ys)[:2], strict=True))
+        try:
+            degrees = list(zip(*transform(self.crs, there, xs, ys)[:2], strict=True))
+        except (RasterioError, rasterio()._err.CPLE_BaseError):
+            return  # outside of what the projection is made for
         if not np.isfinite(degrees).all():
             return
         metres = [(a * self.metre, b * self.metre) for a, b in places]

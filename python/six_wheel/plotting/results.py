@@ -144,6 +144,8 @@ def _several(results: Any, *, title: str | None) -> Figure:
     """Paths of several tracks, truths or logs in one picture."""
     from six_wheel.plotting.drawing import SERIES, new_figure, tidy, write_title
 
+    if not results:
+        raise TypeError("a list must hold tracks, truths or logs with one, got an empty one")
     figure = new_figure(7.2, 5.6)
     axes = figure.add_subplot()
     for number, one in enumerate(results):

@@ -211,6 +211,7 @@ methods! { Terrain:
         **)
     as "(heights, spacing=None, origin=None, yaw=0.0, *, north_up=None, nodata=None, unit=None)" -> PyResult<Self> {
         let (py, yaw) = (heights.py(), yaw.unwrap_or_default());
+        py.import("numpy")?; // its types are asked for below, which panics where loading it fails
         let arrays = || py.import("six_wheel.maps.arrays");
         let is_nan = |value: &Bound<'_, PyAny>| value.extract::<f64>().is_ok_and(f64::is_nan);
         let is_metre = |value: &Bound<'_, PyAny>| value.extract::<&str>().is_ok_and(|unit| unit == "m");
@@ -219,7 +220,8 @@ methods! { Terrain:
             let made = Self::from_arguments(heights, spacing, origin, yaw);
             let is_settled = nodata.is_some() && unit.is_some();
             let is_doubtful = |made: &Self| made.0.shape()[1] == 3 || made.is_doubtful() || !is_float(heights);
-            if !is_settled && made.as_ref().map_or(true, is_doubtful) {
+            let is_array = heights.cast::<PyUntypedArray>().is_ok();
+            if !is_settled && made.as_ref().map_or(is_array, is_doubtful) {
                 arrays()?.call_method1("doubt", (heights, spacing, nodata.is_none(), unit.is_none()))?;
             }
             return made;

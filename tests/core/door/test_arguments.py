@@ -50,7 +50,6 @@ FIRST_CALLS = [
         ("twist", lambda rows: sw.exp(rows)),
         ("poses", lambda rows: sw.differentiate(rows, 0.1)),
         ("start", lambda rows: sw.integrate(TWISTS, 0.1, rows)),
-        ("heights", lambda rows: sw.Terrain(rows, 0.1)),
         ("poses", lambda rows: ARM.settle(LEVEL, rows)),
         ("poses", lambda rows: ARM.bounds(LEVEL, rows)),
     ],
@@ -60,6 +59,17 @@ def test_a_masked_array_is_refused_by_name(mask, argument, call):
     rows[2, 0] = 1e9
     with pytest.raises(sw.ArgumentTypeError, match=f"^{argument} must be without a mask, got a masked array"):
         call(mask(rows))
+
+
+def test_masked_heights_are_unknown_where_they_are_masked():
+    for kind in (np.float64, np.float32):
+        heights = np.ma.masked_greater(np.array([[0, 1, 2], [3, 4, 9]], kind), 5)
+        expected = np.where(heights.mask, np.nan, heights.data)
+        np.testing.assert_array_equal(sw.Terrain(heights, 0.1).heights, expected)
+    rows = np.zeros((3, 3))
+    for mask in ("in a list", "in a tuple of lists"):
+        with pytest.raises(sw.ArgumentTypeError, match="^heights must be without a mask"):
+            sw.Terrain(MASKED[mask](rows), 0.1)
 
 
 def test_masked_numbers_and_logs_are_refused_by_name():
@@ -72,8 +82,6 @@ def test_masked_numbers_and_logs_are_refused_by_name():
         sw.dead_reckon(ROVER, STEERING, np.ma.array(SPEEDS), np.arange(5.0))
     with pytest.raises(ValueError, match="^twist must be without a mask"):
         sw.Controller(ROVER).command(np.ma.array([1.0, 0.0, 0.0]), 0.0)
-    with pytest.raises(ValueError, match="^heights must be without a mask"):
-        sw.Terrain(np.ma.masked_less(np.zeros((3, 3), np.float32), -1.0), 0.1)
     with pytest.raises(ValueError, match="^track_width must be without a mask"):
         sw.Rover.differential(np.ma.array(0.4), 0.15)
 

@@ -95,10 +95,10 @@ def view(
         if page.export is not None:
             print(shown.save(page.export).resolve())
             return
-        print(f"{shown.url}  (Ctrl-C ends)", flush=True)
-        if not page.no_browser:
-            browse(shown.url)
         try:
+            print(f"{shown.url}  (Ctrl-C ends)", flush=True)
+            if not page.no_browser:
+                browse(shown.url)
             shown.wait()
         except KeyboardInterrupt:
             shown.close()

@@ -127,7 +127,7 @@ methods! { Costmap:
     /// ------
     /// ValueError
     ///     If the grid is turned, its size is not that of the data, or an argument makes no sense.
-    fn from_occupancy_grid[py: Python<'py>](msg, *, inflation=None, unknown=None, lethal=None)
+    fn from_occupancy_grid[py: Python<'py>](msg, *, inflation=None, unknown=None, lethal=None, **)
     as "(msg, *, inflation=0.0, unknown=0.5, lethal=0.65)" -> PyResult<Bound<'py, PyAny>> {
         made_by(py, "from_occupancy_grid", msg, [inflation, unknown, lethal])
     }
@@ -154,7 +154,7 @@ methods! { Costmap:
     ///     If the file is no such map.
     /// OSError
     ///     If a file cannot be read.
-    fn read[py: Python<'py>](path, *, inflation=None, unknown=None, lethal=None)
+    fn read[py: Python<'py>](path, *, inflation=None, unknown=None, lethal=None, **)
     as "(path, *, inflation=0.0, unknown=0.5, lethal=None)" -> PyResult<Bound<'py, PyAny>> {
         made_by(py, "read_costmap", path, [inflation, unknown, lethal])
     }
