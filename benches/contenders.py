@@ -16,7 +16,9 @@ from six_wheel import reference
 from six_wheel.cli.benchmark import FEW_ROWS, Comparison, Timing
 
 RADIUS, STEP = 0.15, 0.01
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=RADIUS)
+ROVER = sw.Rover.six_wheel(
+    front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=RADIUS
+)
 WHEELS = [(wheel.x, wheel.y, wheel.steered) for wheel in ROVER.wheels]
 TWIST = (0.5, 0.0, 0.3)
 LEVELS = sw.simd_levels()
@@ -187,21 +189,21 @@ class Batch:
         generator = np.random.default_rng(1)
         for axis in (0, 2):
             self.twists[:, axis] = generator.uniform(-1.0, 1.0, rows)
-        self.steering, self.speeds = np.zeros((rows, 4)), np.zeros((rows, 6))
-        ROVER.inverse(self.twists, out=(self.steering, self.speeds))
+        self.steering, self.wheel_speeds = np.zeros((rows, 4)), np.zeros((rows, 6))
+        ROVER.inverse(self.twists, out=(self.steering, self.wheel_speeds))
         self.back = np.zeros((rows, 3))
 
     def of(self, rows):
         """The first rows, as a batch."""
         part = object.__new__(Batch)
         part.rows = rows
-        for name in ("twists", "steering", "speeds", "back"):
+        for name in ("twists", "steering", "wheel_speeds", "back"):
             setattr(part, name, getattr(self, name)[:rows])
         return part
 
     @property
     def joints(self):
-        return self.steering, self.speeds
+        return self.steering, self.wheel_speeds
 
 
 def copy_of(items, per_item):

@@ -16,6 +16,13 @@ from six_wheel.cli.benchmark import Comparison, Grid, Timing, nanoseconds, round
 ROWS = 20_000
 FEW = 200  # of calls that take long
 LIMIT = 1.2  # [rad]
+SIX = {
+    "front_to_middle": 0.5,
+    "middle_to_rear": 0.5,
+    "track_width": 0.8,
+    "middle_track_width": 0.9,
+    "wheel_radius": 0.15,
+}
 BATCH = re.compile(r"shape \((\.\.\.|n\b|m\b)")
 
 # What takes arrays, but no batch of rows of the same question.
@@ -63,7 +70,7 @@ def rovers():
     """The vehicles that are asked."""
     four = [(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)]
     return {
-        "six-wheel": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=LIMIT),
+        "six-wheel": sw.Rover.six_wheel(**SIX, steering_limit=LIMIT),
         "swerve": sw.Rover.swerve(four, 0.1, steering_limit=LIMIT),
         "car": sw.Rover.ackermann(1.0, 0.6, 0.1, steering_limit=0.6),
         "swerve, range 3": sw.Rover.swerve(four[:3], 0.1, steering_limit=3.0),
@@ -98,7 +105,15 @@ def listed(rows=ROWS):
     add("Rover.inverse", "inside the limits", rover.inverse, inside, out=out, goal=1.0)
     add("Rover.inverse", "at the limits", rover.inverse, ends, out=out, goal=1.2)
     add("Rover.inverse", "previous=", rover.inverse, inside, previous=steering, out=out, goal=1.5)
-    add("Rover.inverse", "previous_speeds=", rover.inverse, inside, previous_speeds=speeds, out=out, goal=2.0)
+    add(
+        "Rover.inverse",
+        "previous_wheel_speeds=",
+        rover.inverse,
+        inside,
+        previous_wheel_speeds=speeds,
+        out=out,
+        goal=2.0,
+    )
     add("Rover.inverse", "steering_rates=", rover.inverse, inside, steering_rates=steering, out=out, goal=2.0)
     add("Rover.inverse", "centre=", rover.inverse, inside, centre=(0.0, 0.0), out=out, goal=1.5)
     strided = np.empty((rows, 8))[:, ::2], np.empty((rows, 12))[:, ::2]
@@ -168,7 +183,7 @@ def others(few):
     def add(call, function, *arguments, rows=few):
         table.append(Row(call, "", function, arguments, {}, rows))
 
-    bogie = sw.RockerBogie.open_source_rover()
+    bogie = sw.RockerBogie.preset("open_source_rover")
     rocker, bogies = random.uniform(-0.2, 0.2, few), random.uniform(-0.2, 0.2, (few, 2))
     add("RockerBogie.frames", bogie.frames, rocker, bogies)
     add("RockerBogie.icr_offset", bogie.icr_offset, rocker, bogies)
@@ -186,7 +201,7 @@ def others(few):
     rover = rovers()["six-wheel"]
     stamps = 0.02 * np.arange(few)
     command = np.array([[0.3, 0.0, 0.1]])
-    add("Controller.run", lambda *log: sw.Controller(rover).run(*log), stamps[:1], command, stamps)
+    add("Controller.run", lambda *log: sw.Controller(rover).run(*log), command, stamps[:1], stamps)
     steering, speeds = rover.inverse(np.tile(command, (few, 1)))
     totals = np.cumsum(0.02 * speeds, axis=0)
     add("Preintegrated.add", lambda *log: sw.Preintegrated(rover).add(*log), steering, totals, stamps)
@@ -211,7 +226,7 @@ def others(few):
             Row("dead_reckon", label, sw.dead_reckon, (bogie, *readings), {**known, "start": start}, few)
         )
     add("Odometry3.run", lambda *log: sw.Odometry3(bogie).run(*log, **by_joints), *readings)
-    for name in ("contains", "gradient", "height", "normal"):
+    for name in ("contains", "gradient_at", "height_at", "normal_at"):
         add(f"Terrain.{name}", getattr(ground, name), points)
     return table
 

@@ -29,7 +29,7 @@ def grounds(spacing):
 def listed(count):
     """Every job with its timing and its goal."""
     random = np.random.default_rng(3)
-    arm = sw.RockerBogie.perseverance()
+    arm = sw.RockerBogie.preset("perseverance")
     poses = random.uniform([3, 3, -math.pi], [SIZE - 3, SIZE - 3, math.pi], (count, 3))
     one = tuple(poses[0])
     jobs = []

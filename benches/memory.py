@@ -23,7 +23,9 @@ def peak():
     return int(re.search(r"VmHWM:\\s*(\\d+) kB", Path("/proc/self/status").read_text())[1])
 
 n, statement = int(sys.argv[1]), sys.argv[2]
-rover = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
+rover = sw.Rover.six_wheel(
+    front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=0.15
+)
 twists = np.full((n, 3), (0.5, 0.0, 0.3))
 if "fortran" in statement:
     fortran = np.asfortranarray(twists)

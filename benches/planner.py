@@ -10,7 +10,14 @@ SIZES = ((2000, 56), (4096, 64))
 
 def cycles():
     """A job for every size and precision, one contender a kernel, and one with two threads."""
-    rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=1.2)
+    rover = sw.Rover.six_wheel(
+        front_to_middle=0.5,
+        middle_to_rear=0.5,
+        track_width=0.8,
+        middle_track_width=0.9,
+        wheel_radius=0.15,
+        steering_limit=1.2,
+    )
     limits = sw.Limits(
         speed=1.5,
         yaw_rate=1.0,

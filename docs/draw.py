@@ -35,9 +35,9 @@ from six_wheel.calibration.files import calibrate_files
 from six_wheel.cli.demo import drive_yard, figures
 from six_wheel.cli.demo.motion import ROVERS, drive_path, load_path
 from six_wheel.cli.report.calibration import before_and_after
+from six_wheel.kinematics.odometry.headers.columns import TIME
 from six_wheel.log_odometry import Settings, reckon
 from six_wheel.logs import Chunk, optiodom
-from six_wheel.kinematics.odometry.headers.columns import TIME
 from six_wheel.logs.detect_reader import example_run
 from six_wheel.plotting.drawing import new_figure
 from six_wheel.plotting.log_odometry import draw_key, draw_path
@@ -60,11 +60,18 @@ COLOURS = 160  # few, so that the files stay small
 
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 RING = [math.radians(angle) for angle in (60.0, 180.0, 300.0)]
-ON_A_ROCK = RockerBogie.rocky7().planar(0.3, (0.2, -0.4))
+ON_A_ROCK = RockerBogie.preset("rocky7").planar(0.3, (0.2, -0.4))
 
 VEHICLES = {
     "six_wheel": (
-        Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.05),
+        Rover.six_wheel(
+            front_to_middle=0.5,
+            middle_to_rear=0.5,
+            track_width=0.8,
+            middle_track_width=0.9,
+            wheel_radius=0.15,
+            steering_limit=1.05,
+        ),
         (0.5, 0.0, 0.5),
     ),
     "swerve": (Rover.swerve(CORNERS, 0.08), (0.3, 0.3, 0.6)),
@@ -84,7 +91,7 @@ VEHICLES = {
     ),
     "tricycle": (Rover.tricycle(wheelbase=0.9, track_width=0.6, wheel_radius=0.12), (0.4, 0.0, 0.4)),
     "bicycle": (Rover.bicycle(wheelbase=1.0, wheel_radius=0.16, steering_limit=0.8), (0.5, 0.0, 0.3)),
-    "mecanum": (Rover.mecanum(half_wheelbase=0.3, half_track=0.25, wheel_radius=0.1), (0.3, 0.2, 0.4)),
+    "mecanum": (Rover.mecanum(wheelbase=0.6, track_width=0.5, wheel_radius=0.1), (0.3, 0.2, 0.4)),
     "rocker_bogie": (ON_A_ROCK, ON_A_ROCK.project((0.1, 0.0, 0.12))),
     "omni": (
         Rover.omni(
@@ -97,7 +104,7 @@ VEHICLES = {
 
 def four_axles() -> Figure:
     """Drive, stop halfway, re-aim, drive on."""
-    car = FourAxle(hinges=(0.4, 0.3), axle_length=0.2, wheel_radius=0.1)
+    car = FourAxle(pivots=(0.4, 0.3), axle_length=0.2, wheel_radius=0.1)
     steps = [car.drive(FourAxleState(), 0.5, 4.0)]
     steps += car.turn_sequence(steps[-1].end, 1.0, speed=0.5)
     steps.append(car.drive(steps[-1].end, 0.5, 4.0))
@@ -107,7 +114,13 @@ def four_axles() -> Figure:
 def transitions() -> Figure:
     """Scrub that the angles force, while the Open Source Rover goes over to a left turn of 0.6 m."""
     rover = Rover.preset("open_source_rover")
-    plain = reference.Rover.six_wheel(d1=0.177, d2=0.310, d3=0.274, d4=0.253, wheel_radius=0.075)
+    plain = reference.Rover.six_wheel(
+        front_to_middle=0.274,
+        middle_to_rear=0.310,
+        track_width=0.354,
+        middle_track_width=0.506,
+        wheel_radius=0.075,
+    )
     rate, end = math.radians(60.0), (0.3, 0.0, 0.5)
     figure = plot.drawing.new_figure(7.0, 3.2)
     starts = {"from straight": (0.3, 0.0, 0.0), "from a right turn of 0.6 m": (0.3, 0.0, -0.5)}
@@ -238,6 +251,22 @@ def seen_from_above(name: str) -> Figure:
 
 
 # By the picture's name; of several pictures by what they begin with.
+def map_rows() -> Figure:
+    """One small grid as an image stores it, and as ground."""
+    heights = np.arange(12.0).reshape(3, 4)
+    figure = new_figure(7.0, 2.6)
+    left, right = figure.subplots(1, 2)
+    titles = ("an image: row 0 in the north", "ground: row 0 in the south")
+    for axes, title, rows in ((left, titles[0], heights[::-1]), (right, titles[1], heights)):
+        axes.imshow(rows, origin="lower" if axes is right else "upper", cmap="terrain", alpha=0.6)
+        axes.set(title=title, xlabel="column, x east", ylabel="row", xticks=range(4), yticks=range(3))
+        for row, column in np.ndindex(heights.shape):
+            axes.text(column, row, f"{rows[row, column]:g}", ha="center", va="center")
+    right.plot(0, 0, "s", markersize=34, fillstyle="none", color="k")
+    right.annotate("origin", (0, 0), (0.55, 0.45))
+    return figure
+
+
 DRAWN: dict[str, Callable[[], Figure | dict[str, Figure]]] = {
     **{name: partial(seen_from_above, name) for name in VEHICLES},
     "four_axle": four_axles,
@@ -247,6 +276,7 @@ DRAWN: dict[str, Callable[[], Figure | dict[str, Figure]]] = {
     "drive": driven,
     "limits": limits,
     "ground": over_ground,
+    "map_rows": map_rows,
     "foxglove": foxglove_figure,
     "planner": planned,
     "architecture": floors.figure,

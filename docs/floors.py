@@ -32,6 +32,7 @@ WORDS = {
     "calibration": "dimensions and noise from logs",
     "control_loop": "the loop on a rover, ROS 2",
     "plotting": "a picture of any result",
+    "view": "a rover in the browser",
     "cli": "six-wheel",
 }
 

@@ -183,7 +183,9 @@ def turning(axes: Axes, rover: Rover, twist: Point, size: float) -> np.ndarray:
 
 def six_wheels() -> Figure:
     """The corners steer until their axles meet that of the middle wheels."""
-    rover = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
+    rover = Rover.six_wheel(
+        front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=0.15
+    )
     titles = ("a left turn: vx 0.5 m/s, omega 0.3 rad/s", "a spin")
     figure, (first, second) = panels(titles, 9.0, 3.9)
     icr = turning(first, rover, TURN, 0.7)
@@ -200,7 +202,9 @@ def six_wheels() -> Figure:
 
 def readme() -> Figure:
     """A rover turning about a centre of rotation to its left."""
-    rover = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
+    rover = Rover.six_wheel(
+        front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=0.15
+    )
     figure = plot.drawing.new_figure(10.0, 4.2)
     axes = figure.subplots()
     axes.set_aspect("equal")
@@ -220,7 +224,9 @@ def glossary_motion() -> Figure:
     figure, (first, second, third, fourth) = panels(
         ("body frame, twist", "ICR, turning radius", "crab", "spin"), 10.5, 2.9
     )
-    rover = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
+    rover = Rover.six_wheel(
+        front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=0.15
+    )
     swerve = Rover.swerve([(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)], 0.15)
     plot.draw_rover(first, rover, (0, 0, math.pi / 2))
     arrow(first, (0, 0), (0, 0.95))

@@ -30,13 +30,14 @@ SHAPES = (
 )
 
 CODE = """import six_wheel as sw
-rover = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5,
-                           d4=0.45, wheel_radius=0.15)
+rover = sw.Rover.six_wheel(front_to_middle=0.5,
+    middle_to_rear=0.5, track_width=0.8,
+    middle_track_width=0.9, wheel_radius=0.15)
 rover = sw.Rover.preset("perseverance")
 steering, speeds = rover.inverse((0.3, 0, 0.1))
 twist = rover.forward(steering, speeds)
 fit = rover.fit(steering, speeds, method="robust")
-fit.worst_wheel, fit.residual
+fit.worst_wheel, fit.residuals
 rover.project((0.3, 0.1, 0.0))     # nearest possible
 rover.commands((0.3, 0, 0.1))      # by joint name
 poses = sw.integrate([twist] * 50, dt=0.1)
@@ -51,7 +52,7 @@ track = sw.dead_reckon(rover, log)
 track.slip_report()
 plan = sw.Mppi(rover, limits).step((0, 0, 0), goal=(2, 1))
 ground = sw.Terrain.yard((9, 9), spacing=0.1, seed=1)
-arm = sw.RockerBogie.perseverance()
+arm = sw.RockerBogie.preset("perseverance")
 stand = arm.settle(ground, (4, 4, 0))
 figure = sw.plot(rover, twist=(0.3, 0, 0.1))"""
 
@@ -117,7 +118,9 @@ class Page:
 
 
 def draw_layout(axes: Axes) -> None:
-    rover = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
+    rover = Rover.six_wheel(
+        front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=0.15
+    )
     plot.draw_rover(axes, rover, (0, 0, math.pi / 2), rover.inverse((0.5, 0, 0.3))[0], treads=False)
     arrow = {"arrowstyle": "-|>", "color": MOTION, "lw": 1.8}
     axes.annotate("", (0, 0.95), (0, 0), arrowprops=arrow)

@@ -4,7 +4,14 @@ import numpy as np
 
 import six_wheel as sw
 
-rover = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.2)
+rover = sw.Rover.six_wheel(
+    front_to_middle=0.5,
+    middle_to_rear=0.5,
+    track_width=0.8,
+    middle_track_width=0.9,
+    wheel_radius=0.15,
+    steering_limit=1.2,
+)
 steering, speeds = np.zeros(4), np.zeros(6)
 print(f"turns of {rover.min_radius:.3f} m and more, spins of {rover.spin_radius:.3f} m and less")
 

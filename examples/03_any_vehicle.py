@@ -14,7 +14,7 @@ vehicles = {
     "differential": sw.Rover.differential(track_width=0.4, wheel_radius=0.1),
     "tracked, skidding": sw.Rover.tracked(track_width=0.5, wheel_radius=0.1, icr_left=0.4, icr_right=-0.4),
     "car": sw.Rover.ackermann(wheelbase=2.5, track_width=1.5, wheel_radius=0.3, steering_limit=0.6),
-    "mecanum": sw.Rover.mecanum(half_wheelbase=0.2, half_track=0.15, wheel_radius=0.05),
+    "mecanum": sw.Rover.mecanum(wheelbase=0.4, track_width=0.3, wheel_radius=0.05),
     "three omni wheels": sw.Rover.omni(np.multiply(ring, 0.2), np.radians([150, 270, 30]), wheel_radius=0.05),
 }
 wanted = (0.4, 0.1, 0.1)

@@ -17,7 +17,14 @@ SPEED, TEMPERATURE = 0.5, 0.01  # [m/s], of the costs' own unit [m]
 SPREAD = np.array([0.1, 0.0, 0.25])  # of the samples [m/s, m/s, rad/s]
 KNOTS = np.arange(0, STEPS + 1, 8)  # steps where they are drawn; in between they run straight
 
-rover = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=0.6)
+rover = sw.Rover.six_wheel(
+    front_to_middle=0.5,
+    middle_to_rear=0.5,
+    track_width=0.8,
+    middle_track_width=0.9,
+    wheel_radius=0.15,
+    steering_limit=0.6,
+)
 generator = np.random.default_rng(1)
 
 # A path of bends, tight ones among them, with its poses a centimetre apart.

@@ -15,7 +15,14 @@ DT = 0.1
 CELL, MARGIN = 0.05, 0.3  # of the maps, and from obstacles on, where they begin to cost [m]
 HALF_LENGTH, HALF_WIDTH = 0.65, 0.55  # of the rover with its wheels [m]
 
-rover = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.3)
+rover = sw.Rover.six_wheel(
+    front_to_middle=0.5,
+    middle_to_rear=0.5,
+    track_width=0.8,
+    middle_track_width=0.9,
+    wheel_radius=0.15,
+    steering_limit=1.3,
+)
 limits = sw.Limits(
     speed=0.8, yaw_rate=0.8, acceleration=1.0, angular_acceleration=2.0, wheel_speed=8.0, steering_rate=1.5
 )

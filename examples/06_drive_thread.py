@@ -17,7 +17,14 @@ PERIOD = 1.0 / 200.0  # [s]
 SILENCE = 0.1  # [s] without joint readings after which the rover stops within its limits
 LAST = 1.0  # [s] for the halt at the end; then the wheels are commanded to rest in one step
 
-ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.0)
+ROVER = sw.Rover.six_wheel(
+    front_to_middle=0.5,
+    middle_to_rear=0.5,
+    track_width=0.8,
+    middle_track_width=0.9,
+    wheel_radius=0.15,
+    steering_limit=1.0,
+)
 LIMITS = sw.Limits(
     speed=0.8,
     acceleration=1.0,
@@ -80,7 +87,7 @@ class DriveThread(threading.Thread):
     def _step(self) -> None:
         now, readings = time.monotonic(), self.bus.read()
         # By name: a bus has an order of its own.
-        measured = [readings.get(STEERING[wheel], math.nan) for wheel in ROVER.steered_names]
+        measured = [readings.get(STEERING[wheel], math.nan) for wheel in ROVER.steered_wheel_names]
         if all(map(math.isfinite, measured)):
             self._measured, self._heard = measured, now
         elif now - self._heard > SILENCE:

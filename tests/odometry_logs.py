@@ -26,7 +26,7 @@ VEHICLES = {
     "differential": PAIR,
     "tricycle": sw.Rover.tricycle(0.6, 0.4, 0.1),
     "ackermann": sw.Rover.ackermann(0.8, 0.5, 0.12),
-    "mecanum": sw.Rover.mecanum(0.3, 0.2, 0.05),
+    "mecanum": sw.Rover.mecanum(0.6, 0.4, 0.05),
     "omni": sw.Rover.omni([(0.2, 0.0), (-0.1, 0.17), (-0.1, -0.17)], [math.pi / 2, -2.6, -0.5], 0.05),
     "swerve": sw.Rover.swerve([(0.3, 0.2), (0.3, -0.2), (-0.3, 0.2), (-0.3, -0.2)], 0.1),
     "offset": sw.Rover(
@@ -48,7 +48,7 @@ def drive(rover: sw.Rover, n: int = 200, dt: float = 0.05, turning: float = 0.5)
     t = stamps[1::2]
     wanted = np.stack((0.5 + 0.2 * np.sin(t), 0.2 * np.cos(0.7 * t), turning * np.cos(0.3 * t)), axis=-1)
     moving = rover.project(wanted)
-    steering, speeds = np.empty((n, len(rover.steered_names))), np.empty((n, len(rover.wheels)))
+    steering, speeds = np.empty((n, len(rover.steered_wheel_names))), np.empty((n, len(rover.wheels)))
     held = np.zeros(steering.shape[1])
     for k in range(n):
         steering[k], speeds[k] = rover.inverse(moving[k], previous=held)

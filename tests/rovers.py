@@ -2,7 +2,13 @@
 
 import six_wheel as sw
 
-SIX_SIZES = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15}
+SIX_SIZES = {
+    "front_to_middle": 0.5,
+    "middle_to_rear": 0.5,
+    "track_width": 0.8,
+    "middle_track_width": 0.9,
+    "wheel_radius": 0.15,
+}
 """Dimensions [m] of `SIX_WHEELS`."""
 SIX_WHEELS = sw.Rover.six_wheel(**SIX_SIZES)
 CART = sw.Rover.differential(0.5, 0.1)
@@ -11,4 +17,4 @@ SMALL_PAIR = sw.Rover.differential(0.2, 0.042)
 THREE_AXLES = sw.Rover.differential(0.5, 0.1, wheels_per_side=3, wheelbase=0.8)
 CAR = sw.Rover.ackermann(2.0, 1.2, 0.3, steering_limit=0.6)
 TRICYCLE = sw.Rover.tricycle(1.0, 0.8, 0.2)
-MECANUM = sw.Rover.mecanum(0.3, 0.2, 0.1)
+MECANUM = sw.Rover.mecanum(0.6, 0.4, 0.1)

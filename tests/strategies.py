@@ -16,9 +16,10 @@ def lengths(smallest: float = 0.05, largest: float = 3.0) -> st.SearchStrategy[f
 
 @st.composite
 def six_wheel_rovers(draw: st.DrawFn, limits: st.SearchStrategy[float] | None = None) -> sw.Rover:
-    dimensions = [draw(lengths()) for _ in range(4)]
+    names = ("front_to_middle", "middle_to_rear", "track_width", "middle_track_width")
+    dimensions = {name: draw(lengths()) for name in names}
     limit = draw(limits) if limits is not None else None
-    return sw.Rover.six_wheel(*dimensions, draw(st.floats(0.02, 0.5)), steering_limit=limit)
+    return sw.Rover.six_wheel(**dimensions, wheel_radius=draw(st.floats(0.02, 0.5)), steering_limit=limit)
 
 
 def speeds(largest: float = 3.0) -> st.SearchStrategy[float]:

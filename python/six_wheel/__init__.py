@@ -70,6 +70,7 @@ from six_wheel.kinematics.errors import (
     UnderdeterminedError,
 )
 from six_wheel.kinematics.geometry import Pose, Twist
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.lazy import attach
 from six_wheel.kinematics.rollout_cost import RolloutCost
 
@@ -160,6 +161,7 @@ __all__ = [
 ]
 
 
+@checked()
 def load(
     path: str | PathLike[str],
     *,
@@ -226,5 +228,6 @@ __getattr__, __dir__ = attach(
         "reference": (),
         "robot_description": (),
         "simulation": ("simulate",),
+        "view": (),
     },
 )

@@ -15,6 +15,7 @@ from six_wheel.kinematics.four_axle import (
     FourAxleStep,
     TurnSequence,
 )
+from six_wheel.kinematics.geometry import Pose
 from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
 from six_wheel.kinematics.profiles import Peaks, Phase, State, TransitionState
@@ -100,7 +101,7 @@ _Align: TypeAlias = Literal["cosine", "hold"]
 _Pair: TypeAlias = Literal["front", "rear"]
 _Level: TypeAlias = Literal["scalar", "neon", "avx2", "avx512"]
 _Quantity: TypeAlias = Literal[
-    "speeds",
+    "wheel_speeds",
     "steering",
     "steering_rates",
     "slip",
@@ -169,10 +170,13 @@ class Wheel:
 
 @final
 class TwistFit:
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    @property
+    def rover(self) -> Rover: ...
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
-    def residual(self) -> _Floats: ...  # (..., wheels) [m/s], >= 0
+    def residuals(self) -> _Floats: ...  # (..., wheels) [m/s], >= 0
     @property
     def rank(self) -> int | NDArray[np.int64]: ...
     @property
@@ -186,10 +190,11 @@ class TwistFit:
 
 @final
 class TwistJacobian:  # what was not asked for is None
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
-    def speeds(self) -> _Floats: ...  # (..., 3, wheels), as all but the next two
+    def wheel_speeds(self) -> _Floats: ...  # (..., 3, wheels), as all but the next two
     @property
     def steering(self) -> _Floats: ...  # (..., 3, steered wheels)
     @property
@@ -345,6 +350,7 @@ class IcrTransition:
 
 @final
 class Mobility:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def degree_of_mobility(self) -> int: ...
     @property
@@ -373,13 +379,13 @@ class Rover:
     ) -> Rover: ...
     @staticmethod
     def six_wheel(
-        d1: float,
-        d2: float,
-        d3: float,
-        d4: float,
+        *,
+        front_to_middle: float,
+        middle_to_rear: float,
+        track_width: float,
+        middle_track_width: float | None = None,
         wheel_radius: float,
         steering_limit: _Ranges = None,
-        *,
         scrub: _Each = 0.0,
         trail: _Each = 0.0,
         names: Sequence[str] | None = None,
@@ -457,8 +463,8 @@ class Rover:
     ) -> Rover: ...
     @staticmethod
     def mecanum(
-        half_wheelbase: float,
-        half_track: float,
+        wheelbase: float,
+        track_width: float,
         wheel_radius: float,
         *,
         roller_angle: float = 0.7853981633974483,
@@ -500,7 +506,7 @@ class Rover:
         previous: ArrayLike | None = None,
         steering_rates: ArrayLike | None = None,
         centre: ArrayLike | None = None,
-        previous_speeds: ArrayLike | None = None,
+        previous_wheel_speeds: ArrayLike | None = None,
         out: tuple[_Out, _Out] | None = None,
         dtype: type[_Real] | None = None,
         threads: int | None = None,
@@ -509,7 +515,7 @@ class Rover:
     def forward(
         self,
         steering: ArrayLike,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         *,
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
@@ -521,7 +527,7 @@ class Rover:
     def fit(
         self,
         steering: ArrayLike,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         *,
         method: _Method = "least_squares",
         steering_rates: ArrayLike | None = None,
@@ -531,7 +537,7 @@ class Rover:
     def sensitivity(
         self,
         steering: ArrayLike | None,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         *,
         steering_rates: ArrayLike | None = None,
         quantities: Sequence[_Quantity] | None = None,
@@ -565,19 +571,20 @@ class Rover:
         threads: int | None = None,
     ) -> dict[str, float] | dict[str, NDArray[_Real]]: ...
     def readings(self, joints: Mapping[str, ArrayLike]) -> tuple[_Floats, _Floats]: ...
+    def desaturate(self, wheel_speeds: ArrayLike, max_wheel_speed: ArrayLike) -> _Floats: ...
     def urdf(self, name: str = "rover") -> str: ...
     @property
     def wheels(self) -> tuple[Wheel, ...]: ...
     @property
     def wheel_names(self) -> tuple[str, ...]: ...
     @property
-    def steered_names(self) -> tuple[str, ...]: ...
+    def steered_wheel_names(self) -> tuple[str, ...]: ...
     @property
     def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the order of the wheels
     @property
     def steering_joints(self) -> dict[str, str]: ...
     @property
-    def command_joints(self) -> tuple[str, ...]: ...  # in the caller's order
+    def joint_names(self) -> tuple[str, ...]: ...  # in the caller's order
     @property
     def reversed_joints(self) -> tuple[str, ...]: ...
     @property
@@ -629,22 +636,22 @@ class Noise:
 class Encoder:
     def __new__(
         cls,
-        resolution: float | None = None,
+        ticks_per_turn: float | None = None,
         *,
-        gear: float = 1.0,
-        modulus: float | None = None,
+        gear_ratio: float = 1.0,
+        wraps_at: float | None = None,
         offset: float = 0.0,
     ) -> Encoder: ...
     @property
-    def resolution(self) -> float | None: ...
+    def ticks_per_turn(self) -> float | None: ...
     @property
-    def gear(self) -> float: ...
+    def gear_ratio(self) -> float: ...
     @property
-    def modulus(self) -> float | None: ...
+    def wraps_at(self) -> float | None: ...
     @property
     def offset(self) -> float: ...  # [rad]
     @property
-    def angle_per_count(self) -> float: ...  # [rad]
+    def angle_per_tick(self) -> float: ...  # [rad]
     def replace(self, **changes: Any) -> Encoder: ...
     def __replace__(self, **changes: Any) -> Encoder: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -653,6 +660,9 @@ class Encoder:
 
 @final
 class OdometryState:
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    @property
+    def rover(self) -> Rover: ...
     @property
     def stamp(self) -> float | None: ...
     @property
@@ -668,7 +678,7 @@ class OdometryState:
     @property
     def twist_covariance(self) -> _Floats: ...  # (3, 3)
     @property
-    def residual(self) -> _Floats: ...  # (wheels,) [m/s]
+    def residuals(self) -> _Floats: ...  # (wheels,) [m/s]
     @property
     def weights(self) -> _Floats: ...  # (wheels,)
     @property
@@ -682,6 +692,9 @@ _Encoders: TypeAlias = Encoder | Sequence[Encoder] | Mapping[str, Encoder]
 
 @final
 class Odometry:
+    def __copy__(self) -> Odometry: ...
+    def __deepcopy__(self, memo: object) -> Odometry: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
         rover: Rover,
@@ -728,6 +741,7 @@ class Odometry:
     ) -> Track: ...
     def command(self, twist: ArrayLike, stamp: float) -> OdometryState: ...
     def correct(self, pose: ArrayLike, stamp: float, covariance: ArrayLike) -> OdometryState: ...
+    def at(self, stamp: float) -> Pose: ...
     def set_pose(self, pose: ArrayLike, covariance: ArrayLike | None = None) -> None: ...
     def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0), covariance: ArrayLike | None = None) -> None: ...
     @property
@@ -768,6 +782,7 @@ _Changes: TypeAlias = dict[str, ArrayLike]
 
 @final
 class Odometry3State:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def stamp(self) -> float | None: ...  # [s]
     @property
@@ -787,9 +802,9 @@ class Odometry3State:
     @property
     def twist_covariance(self) -> _Floats: ...  # (6, 6)
     @property
-    def residual(self) -> _Floats: ...  # (wheels,) [m/s]
+    def residuals(self) -> _Floats: ...  # (wheels,) [m/s]
     @property
-    def slip(self) -> _Floats: ...  # (wheels, 2) [m/s]
+    def slips(self) -> _Floats: ...  # (wheels, 2) [m/s]
     @property
     def worst_wheel(self) -> str | None: ...
     @property
@@ -797,9 +812,12 @@ class Odometry3State:
 
 @final
 class Odometry3:
+    def __copy__(self) -> Odometry3: ...
+    def __deepcopy__(self, memo: object) -> Odometry3: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
-        arm: Suspension,
+        suspension: Suspension,
         noise: Noise | None = None,
         *,
         ground: Terrain | None = None,
@@ -844,7 +862,7 @@ class Odometry3:
     @property
     def state(self) -> Odometry3State: ...
     @property
-    def arm(self) -> Suspension: ...
+    def suspension(self) -> Suspension: ...
     @property
     def ground(self) -> Terrain | None: ...
     @property
@@ -852,6 +870,7 @@ class Odometry3:
 
 @final
 class Preintegrated:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
         rover: Rover,
@@ -912,6 +931,7 @@ class Preintegrated:
 
 @final
 class Link:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def frame(self) -> str: ...
     @property
@@ -931,6 +951,7 @@ class Link:
 
 @final
 class SteeringCommand:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
     @property
@@ -945,9 +966,13 @@ class Terrain:
     def __new__(
         cls,
         heights: ArrayLike,
-        spacing: float | tuple[float, float],
+        spacing: float | tuple[float, float] | None = None,
         origin: tuple[float, float] | None = None,
-        orientation: float | None = None,
+        yaw: float = 0.0,
+        *,
+        north_up: bool | None = None,
+        nodata: float | None = None,
+        unit: str | float | None = None,
     ) -> Self: ...
     @staticmethod
     def read(
@@ -956,6 +981,12 @@ class Terrain:
         window: tuple[float, float, float, float] | None = None,
         topic: str | None = None,
         layer: str | None = None,
+        band: int | str | None = None,
+        nodata: float | None = None,
+        unit: str | float | None = None,
+        north_up: bool | None = None,
+        spacing: float | tuple[float, float] | None = None,
+        origin: tuple[float, float] | None = None,
     ) -> Terrain: ...
     @staticmethod
     def yard(
@@ -975,8 +1006,8 @@ class Terrain:
     @property
     def origin(self) -> tuple[float, float]: ...
     @property
-    def orientation(self) -> float: ...
-    def height(
+    def yaw(self) -> float: ...
+    def height_at(
         self,
         xy: ArrayLike,
         *,
@@ -985,7 +1016,7 @@ class Terrain:
         dtype: type[_Real] | None = None,
         threads: int | None = None,
     ) -> float | NDArray[_Real]: ...
-    def gradient(
+    def gradient_at(
         self,
         xy: ArrayLike,
         *,
@@ -994,7 +1025,7 @@ class Terrain:
         dtype: type[_Real] | None = None,
         threads: int | None = None,
     ) -> NDArray[_Real]: ...
-    def normal(
+    def normal_at(
         self,
         xy: ArrayLike,
         *,
@@ -1012,10 +1043,11 @@ class Terrain:
 
 @final
 class GroundCommand:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
     @property
-    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    def wheel_speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
     @property
     def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
     @property
@@ -1028,17 +1060,19 @@ class GroundCommand:
 
 @final
 class GroundMotion:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
     @property
     def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
     @property
-    def residual(self) -> _Floats: ...  # (..., wheels, 3) [m/s]
+    def residuals(self) -> _Floats: ...  # (..., wheels, 3) [m/s]
 
 @final
 class Traction:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
-    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    def wheel_speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
     @property
     def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
     @property
@@ -1050,6 +1084,7 @@ class Traction:
 
 @final
 class WheelSlip:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def ratio(self) -> _Floats: ...  # (..., wheels)
     @property
@@ -1057,6 +1092,7 @@ class WheelSlip:
 
 @final
 class BodySlip:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def slip(self) -> _Floats: ...  # (n,)
     @property
@@ -1099,7 +1135,9 @@ class Suspension:
         roll_limit: float | tuple[float, float] | None = None,
     ) -> Suspension: ...
     @staticmethod
-    def zoe() -> Suspension: ...
+    def preset(name: str) -> Suspension: ...
+    @staticmethod
+    def presets() -> dict[str, str]: ...
     @staticmethod
     def rigid(
         centres: ArrayLike,
@@ -1134,7 +1172,7 @@ class Suspension:
         self,
         stand: SettledPose,
         steering: ArrayLike | None,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         joint_rates: ArrayLike | None = None,
         angular_velocity: ArrayLike | None = None,
         *,
@@ -1164,7 +1202,7 @@ class Suspension:
     def slip(
         self,
         stand: SettledPose,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         twist: ArrayLike,
         joint_rates: ArrayLike,
         *,
@@ -1196,6 +1234,7 @@ class Suspension:
 
 @final
 class PoseBounds:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def z(self) -> _Floats: ...  # (..., 2) [m]
     @property
@@ -1217,6 +1256,7 @@ class PoseBounds:
 
 @final
 class Feasibility:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def ok(self) -> bool | NDArray[np.bool_]: ...
     @property
@@ -1234,6 +1274,7 @@ class Feasibility:
 
 @final
 class Stability:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def loads(self) -> _Floats: ...  # (..., wheels) [N]
     @property
@@ -1251,6 +1292,7 @@ class Stability:
 
 @final
 class MarginJacobian:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def tip_over_angle(self) -> _Floats: ...  # (..., 3) or (..., 16)
     @property
@@ -1262,6 +1304,7 @@ class MarginJacobian:
 
 @final
 class SettledPose:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def status(self) -> SettleStatus | NDArray[Any]: ...  # (...) SettleStatus
     @property
@@ -1328,13 +1371,9 @@ class RockerBogie(Suspension):
         differential_bar: ArrayLike | None = None,
     ) -> RockerBogie: ...
     @staticmethod
-    def open_source_rover() -> RockerBogie: ...
+    def preset(name: str) -> RockerBogie: ...
     @staticmethod
-    def rocky7() -> RockerBogie: ...
-    @staticmethod
-    def perseverance() -> RockerBogie: ...
-    @staticmethod
-    def curiosity() -> RockerBogie: ...
+    def presets() -> dict[str, str]: ...
     def frames(
         self, rho: ArrayLike, beta: ArrayLike, psi: ArrayLike | None = None, *, threads: int | None = None
     ) -> dict[str, _Floats]: ...
@@ -1385,7 +1424,7 @@ class RockerBogie(Suspension):
         beta: ArrayLike,
         *,
         previous: ArrayLike | None = None,
-        previous_speeds: ArrayLike | None = None,
+        previous_wheel_speeds: ArrayLike | None = None,
         threads: int | None = None,
     ) -> SteeringCommand: ...
     @property
@@ -1399,7 +1438,7 @@ class RockerBogie(Suspension):
 class FourAxle:
     def __new__(
         cls,
-        hinges: ArrayLike,
+        pivots: ArrayLike,
         axle_length: float,
         wheel_radius: float,
         *,
@@ -1417,13 +1456,13 @@ class FourAxle:
     ) -> tuple[NDArray[_Real], NDArray[_Real]]: ...
     def forward(
         self,
-        angles: ArrayLike,
-        speeds: Iterable[float | None],
+        steering: ArrayLike,
+        wheel_speeds: Iterable[float | None],
         *,
-        front: _Brake = "locked",
-        rear: _Brake = "locked",
+        front_brake: _Brake = "locked",
+        rear_brake: _Brake = "locked",
     ) -> FourAxleMotion: ...
-    def mobility(self, angles: ArrayLike) -> FourAxleMobility: ...
+    def mobility(self, steering: ArrayLike) -> FourAxleMobility: ...
     def concurrent_angles(
         self,
         icr: ArrayLike,
@@ -1460,7 +1499,7 @@ class FourAxle:
     @property
     def rover(self) -> Rover: ...
     @property
-    def hinges(self) -> tuple[float, float]: ...
+    def pivots(self) -> tuple[float, float]: ...
     @property
     def axle_length(self) -> float: ...
     @property
@@ -1537,6 +1576,9 @@ class Limits:
 
 @final
 class Controller:
+    def __copy__(self) -> Controller: ...
+    def __deepcopy__(self, memo: object) -> Controller: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
         rover: Rover,
@@ -1555,8 +1597,8 @@ class Controller:
         twist: ArrayLike | None = None,
     ) -> Controller: ...
     def command(self, twist: ArrayLike, stamp: float, mode: _Mode | None = None) -> bool: ...
-    def step(self, now: float, measured: ArrayLike | None = None) -> ControllerOutput: ...
-    def run(self, stamps: ArrayLike, twists: ArrayLike, times: ArrayLike) -> ControllerRun: ...
+    def step(self, stamp: float, measured: ArrayLike | None = None) -> ControllerOutput: ...
+    def run(self, twists: ArrayLike, stamps: ArrayLike, step_stamps: ArrayLike) -> ControllerRun: ...
     def reset(self, steering: ArrayLike | None = None) -> None: ...
     def halt(self) -> None: ...
     def release(self) -> bool: ...
@@ -1573,7 +1615,7 @@ class Controller:
     @property
     def steering(self) -> _Floats: ...
     @property
-    def now(self) -> float | None: ...
+    def stamp(self) -> float | None: ...
     @property
     def stopped(self) -> bool: ...
     @property
@@ -1581,6 +1623,9 @@ class Controller:
 
 @final
 class ControllerOutput:
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    @property
+    def rover(self) -> Rover: ...
     @property
     def commands(self) -> dict[str, float]: ...
     @property
@@ -1588,7 +1633,7 @@ class ControllerOutput:
     @property
     def steering_rates(self) -> _Floats: ...
     @property
-    def speeds(self) -> _Floats: ...
+    def wheel_speeds(self) -> _Floats: ...
     @property
     def joint_errors(self) -> _Floats | None: ...
     @property
@@ -1602,6 +1647,9 @@ class ControllerOutput:
 
 @final
 class ControllerRun:
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    @property
+    def rover(self) -> Rover: ...
     @property
     def commands(self) -> dict[str, _Floats]: ...
     @property
@@ -1609,7 +1657,7 @@ class ControllerRun:
     @property
     def steering_rates(self) -> _Floats: ...
     @property
-    def speeds(self) -> _Floats: ...
+    def wheel_speeds(self) -> _Floats: ...
     @property
     def twist(self) -> _Floats: ...
     @property
@@ -1627,6 +1675,18 @@ class Costmap:
         lethal: float | None = None,
         outside: float | None = None,
         frame: str | None = None,
+    ) -> Costmap: ...
+    @staticmethod
+    def from_occupancy_grid(
+        msg: Any, *, inflation: float = 0.0, unknown: float = 0.5, lethal: float = 0.65
+    ) -> Costmap: ...
+    @staticmethod
+    def read(
+        path: str | PathLike[str],
+        *,
+        inflation: float = 0.0,
+        unknown: float = 0.5,
+        lethal: float | None = None,
     ) -> Costmap: ...
     @property
     def values(self) -> NDArray[np.float32]: ...
@@ -1648,6 +1708,7 @@ class Costmap:
 
 @final
 class Mppi:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
         rover: Rover,
@@ -1708,12 +1769,13 @@ class Mppi:
 
 @final
 class MppiPlan:
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def twist(self) -> _Floats: ...
     @property
     def steering(self) -> _Floats: ...
     @property
-    def speeds(self) -> _Floats: ...
+    def wheel_speeds(self) -> _Floats: ...
     @property
     def twists(self) -> _Floats: ...
     @property

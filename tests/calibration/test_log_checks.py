@@ -19,8 +19,8 @@ from tests.rovers import SMALL_PAIR as PAIR
 TRICYCLE = sw.Rover.tricycle(wheelbase=0.3, track_width=0.2, wheel_radius=0.05)
 
 
-def said(rover, log, parameters=("wheel_radius", "track_width")):
-    result = calibrate(rover, [log], parameters=parameters, cross_validation=False)
+def said(rover, log, parameters=("wheel_radius", "track_width"), **how):
+    result = calibrate(rover, [log], parameters=parameters, cross_validation=False, **how)
     return "\n".join(result.observability.messages)
 
 
@@ -37,7 +37,8 @@ def said(rover, log, parameters=("wheel_radius", "track_width")):
 )
 def test_a_wrong_reading_is_named_with_its_remedy(change, message):
     log = drive(PAIR, 1, 30.0)
-    assert message in said(PAIR, replace(log, wheel_angles=change(log.wheel_angles)))
+    wrong = replace(log, wheel_angles=change(log.wheel_angles))
+    assert message in said(PAIR, wrong, plausibility=change is not np.degrees)
     assert "far better" not in said(PAIR, log)
 
 
@@ -112,14 +113,24 @@ def test_steering_in_degrees_is_named():
     log = drive(TRICYCLE, 2, 30.0)
     parameters = ("wheel_radius", "steering_offset")
     wrong = replace(log, steering=np.degrees(log.steering))
-    assert "steering angles are in degrees" in said(TRICYCLE, wrong, parameters)
+    assert "steering angles are in degrees" in said(TRICYCLE, wrong, parameters, plausibility=False)
     assert "far better" not in said(TRICYCLE, log, parameters)
+
+
+@pytest.mark.parametrize("wheels", [True, False])
+def test_degrees_that_no_rover_drives_are_refused_before_the_fit(wheels):
+    rover = PAIR if wheels else TRICYCLE
+    log = drive(rover, 2, 30.0)
+    name = "wheel_angles" if wheels else "steering"
+    with pytest.raises(ValueError, match=r"logs\[0\]: .* degrees"):
+        said(rover, replace(log, **{name: np.degrees(getattr(log, name))}))
 
 
 def test_a_value_at_its_bound_is_said_and_not_called_converged():
     log = drive(PAIR, 1, 30.0)
     wrong = replace(log, wheel_angles=np.degrees(log.wheel_angles))
-    result = calibrate(PAIR, [wrong], parameters=["wheel_radius", "track_width"], cross_validation=False)
+    names = ["wheel_radius", "track_width"]
+    result = calibrate(PAIR, [wrong], parameters=names, cross_validation=False, plausibility=False)
     assert not result.converged
     assert any(
         "wheel_radius went as far as it may, to 0.0084 m" in one for one in result.observability.messages
@@ -149,8 +160,8 @@ def test_a_lone_window_weighs_as_its_length_deserves():
 def test_readings_of_any_kind_are_calibrated():
     times = np.linspace(0.0, 30.0, 61)
     twists = np.stack((0.2 + 0 * times, 0 * times, 0.5 * np.sin(times)), axis=-1)
-    wheels = sw.Encoder(64, gear=43.7, modulus=2**12)
-    counted = sw.simulate(PAIR, (times, twists), encoder=wheels)
+    wheels = sw.Encoder(64, gear_ratio=43.7, wraps_at=2**12)
+    counted = sw.simulate(PAIR, (times, twists), wheel_encoders=wheels)
     start = sw.Rover.differential(0.19, 0.044)
     options = {"parameters": ["wheel_radius", "track_width"], "cross_validation": False}
     np.testing.assert_allclose(calibrate(start, counted, **options).values, (0.042, 0.2), rtol=1e-3)

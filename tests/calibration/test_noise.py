@@ -77,7 +77,7 @@ def test_where_nothing_is_known_of_the_truth_it_drives_as_well(known):
 
 def test_slip_that_rollers_make_alike_is_shared_out():
     """Of a mecanum rover slip across was taken for none, and ends were off by more than was said."""
-    rover, noise = sw.Rover.mecanum(0.2, 0.15, 0.05), sw.Noise(0.0, 0.0, slip=0.004, side_slip=0.008)
+    rover, noise = sw.Rover.mecanum(0.4, 0.3, 0.05), sw.Noise(0.0, 0.0, slip=0.004, side_slip=0.008)
     logs = []
     for seed in range(30):
         waves = np.stack([0.1 * np.sin(TIMES / (2.0 + 0.3 * seed) + k) for k in range(3)], axis=-1)

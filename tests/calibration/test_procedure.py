@@ -39,8 +39,8 @@ VEHICLES = {
         {"wheel_radius": 0.078, "wheelbase": 0.42, "steering_offset[front]": 0.02},
     ),
     "mecanum": (
-        sw.Rover.mecanum(0.15, 0.15, 0.05),
-        sw.Rover.mecanum(0.154, 0.154, 0.051),
+        sw.Rover.mecanum(0.3, 0.3, 0.05),
+        sw.Rover.mecanum(0.308, 0.308, 0.051),
         {"wheel_radius": 0.051, "arm_length": 0.154 * math.sqrt(2.0)},
     ),
     "omni": (
@@ -50,7 +50,13 @@ VEHICLES = {
     ),
     "six wheels": (
         SIX_WHEELS,
-        sw.Rover.six_wheel(0.42, 0.49, 0.49, 0.4725, 0.147),
+        sw.Rover.six_wheel(
+            front_to_middle=0.49,
+            middle_to_rear=0.49,
+            track_width=0.84,
+            middle_track_width=0.945,
+            wheel_radius=0.147,
+        ),
         {"wheel_radius": 0.147, "track_width": 0.945, "wheelbase": 0.98},
     ),
     "tracked": (
@@ -197,9 +203,9 @@ def test_a_straight_run_cannot_identify_the_track():
 
 
 def test_a_mecanum_rover_shows_only_the_sum_of_its_base_lengths():
-    true = sw.Rover.mecanum(0.15, 0.16, 0.051)
+    true = sw.Rover.mecanum(0.3, 0.32, 0.051)
     result = quick(
-        sw.Rover.mecanum(0.15, 0.15, 0.05),
+        sw.Rover.mecanum(0.3, 0.3, 0.05),
         [drive(true, seed) for seed in range(2)],
         ["wheel_radius", "track_width", "wheelbase"],
     )

@@ -131,7 +131,7 @@ def test_factors_of_readings_go_into_the_file_and_are_applied(run: Run, drives: 
     assert (code, err) == (0, "")
     parameters = read_parameters("scaled.yaml")
     assert parameters.rover == sw.load("cart.yaml")
-    assert parameters.encoders["scale"] == pytest.approx(1.02, abs=2e-4)
+    assert parameters.wheel_encoders["scale"] == pytest.approx(1.02, abs=2e-4)
     _, out, _ = run("odometry", "scaled.yaml", "few1.csv")
     said = re.search(r"ATE +(\S+) m", out)
     assert said
@@ -147,7 +147,7 @@ def test_factors_of_readings_go_into_the_file_and_are_applied(run: Run, drives: 
         "-o",
         "twice.yaml",
     )
-    again = read_parameters("twice.yaml").encoders["scale"]
+    again = read_parameters("twice.yaml").wheel_encoders["scale"]
     assert again == pytest.approx(1.02, abs=2e-4)
 
 
@@ -247,7 +247,7 @@ def test_bad_rows_are_warned_of(run: Run, drives: None) -> None:
         (["cart.yaml", "run1.csv", "--parameters", ","], "parameters must name one at least"),
         (["cart.yaml", "run1.csv", "--loss", "l2"], "loss must be one of"),
         (["cart.yaml", "run1.csv", "--confidence", "2"], "confidence must be between 0 and 1, got 2"),
-        (["cart.yaml", "run1.csv", "--window", "-1"], "window must be finite and positive"),
+        (["cart.yaml", "run1.csv", "--segment", "-1"], "window must be finite and positive"),
         (["cart.yaml", "run1.csv", "-o", "r.csv"], 'the ending must be .yaml or .yml, got ".csv"'),
         (["cart.yaml", "run1.csv", "-o", "cart.yaml"], "the output must be another file than cart.yaml"),
         (["cart.yaml", "run1.csv", "-o", "none/r.yaml"], "the folder of the output must exist"),

@@ -23,7 +23,7 @@ def land(run: Run) -> str:
 
 
 def test_results_and_pictures_are_written(run: Run, land: str):
-    results = ("-o", "run.csv", "--plot", "run.png", "--speeds", "speeds.png")
+    results = ("-o", "run.csv", "--plot", "run.png", "--plot-speeds", "speeds.png")
     code, out, err = run("simulate", "perseverance", "over.csv", "--ground", land, *results)
     assert (code, err) == (0, "")
     assert "settled" in out
@@ -40,11 +40,11 @@ def test_results_and_pictures_are_written(run: Run, land: str):
         (("spirit", "over.csv"), "ROVER must be a parameter file or a preset"),
         (("perseverance", "none.csv"), "none.csv: no such file"),
         (
-            ("perseverance", "over.csv", "--start", "1,2"),
-            "--start must be three numbers",
+            ("perseverance", "over.csv", "--start", "1", "2"),
+            "--start must be a valid number, got '--",
         ),
         (
-            ("perseverance", "over.csv", "--start", "0,0,0"),
+            ("perseverance", "over.csv", "--start", "0", "0", "0"),
             "path must stay on the map",
         ),
         (("perseverance", "over.csv", "-o", "run.txt"), "run.txt: the ending must be"),
@@ -76,7 +76,8 @@ def test_on_a_plane_a_log_is_as_noisy_as_its_file_and_reckons_back_to_its_truth(
 
 def test_counts_are_those_of_the_parameter_file(run: Run):
     Path("rover.yaml").write_text(
-        "kind: differential\ntrack_width: 0.4\nwheel_radius: 0.1\nencoders: {resolution: 42, gear: 5}\n"
+        "kind: differential\ntrack_width: 0.4\nwheel_radius: 0.1\n"
+        "wheel_encoders: {ticks_per_turn: 42, gear_ratio: 5}\n"
     )
     Path("ahead.csv").write_text("time,vx,vy,omega\n0,0.5,0,0\n10,0.5,0,0\n")
     code, out, err = run("simulate", "rover.yaml", "ahead.csv", "-o", "run.csv")
@@ -89,8 +90,8 @@ def test_counts_are_those_of_the_parameter_file(run: Run):
 
 def test_speeds_on_level_ground_are_no_picture(refused: Callable[..., str]):
     Path("ahead.csv").write_text("time,vx,vy,omega\n0,0.5,0,0\n10,0.5,0,0\n")
-    assert refused("simulate", "perseverance", "ahead.csv", "--speeds", "speeds.png").startswith(
-        "--speeds must come with --ground"
+    assert refused("simulate", "perseverance", "ahead.csv", "--plot-speeds", "speeds.png").startswith(
+        "--plot-speeds must come with --ground"
     )
 
 

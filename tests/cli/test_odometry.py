@@ -78,7 +78,7 @@ def test_the_truth_is_compared_wherever_it_is(run: Run, cart: None) -> None:
 
 
 def test_a_right_rover_has_no_error(run: Run, cart: None) -> None:
-    _, out, _ = run("odometry", "cart.yaml", "log.csv", "--length", "1")
+    _, out, _ = run("odometry", "cart.yaml", "log.csv", "--segment", "1")
     assert value(out, "ATE") == "0.0000 m with the first pose given, 0.0000 m after the best alignment"
     assert value(out, "error per distance") == "0.00 % and 0.00° over 1 m"
 
@@ -209,15 +209,15 @@ def test_counts_are_read_by_the_encoders_of_the_file(run: Run, cart: None) -> No
     lines = ["time_ms,left [ticks],right [ticks]"]
     lines += [f"{1000 * t!r},{a:g},{b:g}" for t, (a, b) in zip(WAY.stamps.tolist(), counts, strict=True)]
     Path("counts.csv").write_text("\n".join(lines) + "\n")
-    encoders = "encoders: {resolution: 64, gear: 30, modulus: 4096, reversed: [right]}\n"
+    encoders = "wheel_encoders: {ticks_per_turn: 64, gear_ratio: 30, wraps_at: 4096, reversed: [right]}\n"
     Path("counted.yaml").write_text(CART + encoders)
     assert run("odometry", "counted.yaml", "counts.csv", "-o", "t.csv")[0] == 0
     track = read("t.csv")
     # Half a count of a wheel, over its radius and the track.
     np.testing.assert_allclose(track["yaw"], WAY.poses[:, 2], atol=2 * math.pi * 0.1 / per_turn / 0.4)
-    short = CART + "encoders: {reversed: [right_wheel_joint]}\n"
+    short = CART + "wheel_encoders: {reversed: [right_wheel_joint]}\n"
     Path("short.yaml").write_text(short)
-    options = ("--resolution", "64", "--gear", "30", "--modulus", "4096")
+    options = ("--ticks-per-turn", "64", "--gear-ratio", "30", "--wraps-at", "4096")
     assert run("odometry", "short.yaml", "counts.csv", "-o", "u.csv", *options)[0] == 0
     assert Path("t.csv").read_text() == Path("u.csv").read_text()
     # Encoders that count have nothing to do with angles.
@@ -230,7 +230,7 @@ def test_angles_that_wrap(run: Run, cart: None) -> None:
     rows = zip(WAY.stamps.tolist(), *angles.T.tolist(), strict=True)
     lines = ["time,left [rad],right [rad]", *(",".join(map(repr, row)) for row in rows)]
     Path("wrapped.csv").write_text("\n".join(lines) + "\n")
-    assert run("odometry", "cart.yaml", "wrapped.csv", "--modulus", repr(math.tau), "-o", "t.csv")[0] == 0
+    assert run("odometry", "cart.yaml", "wrapped.csv", "--wraps-at", repr(math.tau), "-o", "t.csv")[0] == 0
     np.testing.assert_allclose(read("t.csv")["x"], WAY.poses[:, 0], atol=1e-9)  # sums of 200 roundings
 
 
@@ -265,7 +265,7 @@ def test_an_optiodom_run_is_known_by_its_metadata(run: Run, refused: Refused, tm
     lonely = tmp_path / path.name
     lonely.write_bytes(path.read_bytes())
     assert "metadata.csv: No such file" in refused(
-        "odometry", str(metadata), str(lonely), "--format", "optiodom"
+        "odometry", str(metadata), str(lonely), "--log-format", "optiodom"
     )
 
 

@@ -30,7 +30,7 @@ def driving(settings: Settings = SETTINGS) -> Robot:
 
 def fastest(made: list) -> np.ndarray:
     """Of the wheels in every step [rad/s]."""
-    return np.array([max(map(abs, step.speeds)) for step in made])
+    return np.array([max(map(abs, step.wheel_speeds)) for step in made])
 
 
 def motion(robot: Robot) -> tuple[int, str, dict[str, str]]:
@@ -148,7 +148,7 @@ def test_the_end_is_rest_in_one_step_and_only_where_commands_are_in_force():
     step = robot.loop.end(robot.now)
     assert step is not None
     assert step.steering == robot.steering
-    assert not any(step.speeds)
+    assert not any(step.wheel_speeds)
     assert robot.loop.end(robot.now) is None
     assert Robot(SETTINGS).loop.end(1) is None
     asleep = driving()

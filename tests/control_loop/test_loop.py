@@ -26,7 +26,7 @@ class Robot:
     def __init__(self, settings: Settings = SETTINGS, now: int = START) -> None:
         self.loop = Loop(settings)
         self.now = now
-        self.steering, self.angles, self.speeds = [0.0] * 4, [0.0] * 6, [0.0] * 6
+        self.steering, self.angles, self.wheel_speeds = [0.0] * 4, [0.0] * 6, [0.0] * 6
         self.names = NAMES
         self.steps = []
 
@@ -39,7 +39,7 @@ class Robot:
         made = []
         for k in range(count):
             self.now += PERIOD
-            self.angles = [a + PERIOD * 1e-9 * w for a, w in zip(self.angles, self.speeds, strict=True)]
+            self.angles = [a + PERIOD * 1e-9 * w for a, w in zip(self.angles, self.wheel_speeds, strict=True)]
             if twist is not None and k % 10 == 0:
                 self.loop.command(twist, self.now, self.now)
             steps = [self.loop.tick(self.now)] if k % 4 == 0 else []
@@ -49,7 +49,7 @@ class Robot:
             for step in filter(None, steps):
                 made.append(step)
                 if step.steering is not None:
-                    self.steering, self.speeds = step.steering, step.speeds
+                    self.steering, self.wheel_speeds = step.steering, step.wheel_speeds
         self.steps += made
         return made
 
@@ -78,10 +78,10 @@ def test_it_is_controller_and_odometry():
             continue  # until it is known how the rover moves
         out = controller.step(seconds, steering)
         assert made[k_made].steering == out.steering.tolist()
-        assert made[k_made].speeds == out.speeds.tolist()
+        assert made[k_made].wheel_speeds == out.wheel_speeds.tolist()
         assert made[k_made].state.pose.tolist() == state.pose.tolist()
         assert made[k_made].reasons == out.reasons
-        steering, speeds, k_made = out.steering.tolist(), out.speeds, k_made + 1
+        steering, speeds, k_made = out.steering.tolist(), out.wheel_speeds, k_made + 1
     assert k_made == len(made)
     assert made[-1].twist == TWIST
     assert [message for level, _, message, _ in statuses(robot.loop, "rover") if level] == []
@@ -101,14 +101,14 @@ def test_started_again_in_motion_the_first_command_does_not_jump(twist):
     before = robot.steps[-1]
     assert before.twist == twist
     again = Robot(now=robot.now)
-    again.steering, again.angles, again.speeds = robot.steering, robot.angles, robot.speeds
+    again.steering, again.angles, again.wheel_speeds = robot.steering, robot.angles, robot.wheel_speeds
     first = next(step for step in again.run(50, twist) if step.steering is not None)
     # The twist is measured from two readings: rounding, over a period of 5 ms.
     np.testing.assert_allclose(first.twist, twist, atol=1e-9)
     np.testing.assert_allclose(first.steering, before.steering, atol=1e-9)
     # Without a command it stops as it would have.
     alone = Robot(now=robot.now)
-    alone.steering, alone.angles, alone.speeds = robot.steering, robot.angles, robot.speeds
+    alone.steering, alone.angles, alone.wheel_speeds = robot.steering, robot.angles, robot.wheel_speeds
     speeds = [math.hypot(*step.twist[:2]) for step in alone.run(400, None) if step.steering is not None]
     assert max(np.abs(np.diff(speeds)), default=0.0) <= 0.5 * PERIOD * 1e-9 * (1 + 1e-6)
     assert speeds[-1] == 0.0
@@ -116,7 +116,7 @@ def test_started_again_in_motion_the_first_command_does_not_jump(twist):
 
 def test_wheels_that_contradict_their_steering_are_not_taken_for_a_motion():
     robot = Robot()
-    robot.steering, robot.speeds = [0.5, -0.5, 0.5, -0.5], [1.0, -1.0, 0.2, 1.0, 0.0, 0.3]
+    robot.steering, robot.wheel_speeds = [0.5, -0.5, 0.5, -0.5], [1.0, -1.0, 0.2, 1.0, 0.0, 0.3]
     first = next(step for step in robot.run(12, None) if step.steering is not None)
     assert first.twist == (0.0, 0.0, 0.0)
     assert first.steering == [0.5, -0.5, 0.5, -0.5]
@@ -217,7 +217,7 @@ def test_order_and_strangers_and_several_messages_make_no_difference():
         return ["arm", *(names[k] for k in order)], [7.0, *(positions[k] for k in order)], velocities, stamp
 
     one, two = plain.run(300), other.run(300, alter=shuffled)
-    assert [step.speeds for step in one] == [step.speeds for step in two]
+    assert [step.wheel_speeds for step in one] == [step.wheel_speeds for step in two]
     parts = Robot()
 
     def half(part):
@@ -239,7 +239,7 @@ def test_velocities_alone():
     robot = Robot(settings)
 
     def speeds(names, positions, velocities, stamp):
-        return names, positions, [*[0.0] * 4, *robot.speeds], stamp
+        return names, positions, [*[0.0] * 4, *robot.wheel_speeds], stamp
 
     robot.run(400, alter=speeds)
     assert robot.steps[-1].twist == TWIST
@@ -384,7 +384,7 @@ def test_joints_that_count_the_other_way():
     one, two = plain.run(300)[-1], other.run(300)[-1]
     signs = [-1.0 if joint in backwards else 1.0 for joint in NAMES]
     np.testing.assert_array_equal(
-        [*two.steering, *two.speeds], np.multiply(signs, [*one.steering, *one.speeds])
+        [*two.steering, *two.wheel_speeds], np.multiply(signs, [*one.steering, *one.wheel_speeds])
     )
     np.testing.assert_allclose(two.state.pose, one.state.pose, atol=1e-12)
 

@@ -16,6 +16,7 @@ pytest.importorskip("pyarrow")
 
 import six_wheel as sw
 from six_wheel.log_odometry import FleetLog, Settings, reckon, reckon_all
+from six_wheel.logs.writing import _beside
 from six_wheel.simulation import write_log
 from tests.cli_runs import Run
 from tests.rovers import PAIR
@@ -104,7 +105,12 @@ def test_a_killed_worker_loses_nothing(
 def test_what_a_worker_that_died_had_begun_is_gone(logs: Path, tmp_path: Path) -> None:
     """A part of a track was left beside it under a hidden name."""
     (folder := tmp_path / "tracks" / "monday").mkdir(parents=True)
-    begun, other = folder / ".run4.0123abcd.csv", folder / ".run4.notes.csv"
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    begun, other = (
+        folder / f"{_beside(folder / 'run4.csv')}{dead.pid}-0123abcd.csv",
+        folder / ".run4.notes.csv",
+    )
     for path in (begun, other):
         path.write_text("time,x\n0,")
     list(reckon_all(PAIR, [logs], tmp_path / "tracks", settings=NOISE, workers=1))
@@ -165,7 +171,7 @@ def test_a_run_that_is_killed_goes_on(logs: Path, one_by_one: dict[str, bytes], 
     [
         (["{logs}"], "several logs need a folder for their tracks: give -o"),
         (["{logs}", "-o", "t", "--plot", "p.png"], "--plot is for one log"),
-        (["{logs}", "-o", "t", "--ending", ".txt"], "ending"),
+        (["{logs}", "-o", "t", "--output-format", ".txt"], "ending"),
         (["{logs}/monday/run0.csv", "--cluster", "tcp://127.0.0.1:1"], "--cluster is for several logs"),
         (["{logs}", "-o", "{logs}/monday/run0.csv"], "the output of several logs must be a folder"),
     ],

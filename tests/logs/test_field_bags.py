@@ -21,7 +21,7 @@ from six_wheel.logs.detect_reader import read_log
 from six_wheel.logs.log_options import LogOptions
 from tests.logs.test_bags import CART, START, STORE, TYPES, header, joints, states, write
 
-COUNTS = {"resolution": 42.0, "gear": 5.0}
+COUNTS = {"ticks_per_turn": 42.0, "gear_ratio": 5.0}
 
 
 def drive(sign: float = 1.0, scale: float = 1.0) -> list[Any]:
@@ -41,9 +41,9 @@ def angles(path: Path, rover: sw.Rover, **options: Any) -> np.ndarray:
 def test_encoder_settings_hold_in_bags_as_in_tables(tmp_path: Path) -> None:
     per_turn = 42.0 * 5.0
     bag = write(tmp_path / "bag", states(drive(scale=per_turn / math.tau)))
-    found = angles(bag, CART, encoders=COUNTS)
+    found = angles(bag, CART, wheel_encoders=COUNTS)
     np.testing.assert_allclose(found[-1], [1.9, 1.9], atol=1e-12)  # rounding of counts to radians
-    turned = angles(bag, CART, encoders=COUNTS | {"reversed": ["right"]})
+    turned = angles(bag, CART, wheel_encoders=COUNTS | {"reversed": ["right"]})
     np.testing.assert_allclose(turned[-1], [1.9, -1.9], atol=1e-12)
 
 
@@ -51,14 +51,14 @@ def test_speeds_need_no_encoder_settings(tmp_path: Path) -> None:
     names = list(CART.traction_joints)
     messages = [joints(START + 100_000_000 * k, names, (), [1.0, 1.0]) for k in range(20)]
     bag = write(tmp_path / "bag", states(messages))
-    np.testing.assert_allclose(angles(bag, CART, encoders=COUNTS)[-1], [1.9, 1.9], atol=1e-9)
+    np.testing.assert_allclose(angles(bag, CART, wheel_encoders=COUNTS)[-1], [1.9, 1.9], atol=1e-9)
 
 
-@pytest.mark.parametrize("reading", ["angle", "speed"])
-def test_reversed_joints_are_turned_round(tmp_path: Path, reading: Any) -> None:
+@pytest.mark.parametrize("readings", ["angles", "speeds"])
+def test_reversed_joints_are_turned_round(tmp_path: Path, readings: Any) -> None:
     rover = sw.Rover(CART.wheels, reversed_joints=["right_wheel_joint"])
     bag = write(tmp_path / "bag", states(drive(sign=-1.0)))
-    np.testing.assert_allclose(angles(bag, rover, reading=reading)[-1], [1.9, 1.9], atol=1e-9)
+    np.testing.assert_allclose(angles(bag, rover, readings=readings)[-1], [1.9, 1.9], atol=1e-9)
     table = tmp_path / "log.csv"
     rows = [f"{0.1 * k},{0.1 * k},{-0.1 * k}" for k in range(5)]
     table.write_text("time,left_wheel_joint [rad],right_wheel_joint [rad]\n" + "\n".join(rows) + "\n")

@@ -47,17 +47,17 @@ def rows_of(path: Path, rover: sw.Rover = CART, chunk_rows: int = 1000, **option
 @pytest.mark.parametrize(
     ("header", "reading", "symbol"),
     [
-        ("left [rad]", "angle", "rad"),
-        ("left_wheel [deg]", "angle", "deg"),
-        ("left_wheel_joint/position", "angle", "rad"),
-        ("/joint_states/left_wheel_joint/position", "angle", "rad"),
-        ("Left_Angle_deg", "angle", "deg"),
-        ("left (rev)", "angle", "rev"),
-        ("left_wheel_joint/velocity", "speed", "rad/s"),
-        ("left speed", "speed", "rad/s"),
-        ("left_rpm", "speed", "rpm"),
-        ("left_speed [deg/s]", "speed", "deg/s"),
-        ("left_rev_s", "speed", "rev/s"),
+        ("left [rad]", "angles", "rad"),
+        ("left_wheel [deg]", "angles", "deg"),
+        ("left_wheel_joint/position", "angles", "rad"),
+        ("/joint_states/left_wheel_joint/position", "angles", "rad"),
+        ("Left_Angle_deg", "angles", "deg"),
+        ("left (rev)", "angles", "rev"),
+        ("left_wheel_joint/velocity", "speeds", "rad/s"),
+        ("left speed", "speeds", "rad/s"),
+        ("left_rpm", "speeds", "rpm"),
+        ("left_speed [deg/s]", "speeds", "deg/s"),
+        ("left_rev_s", "speeds", "rev/s"),
         ("left [ticks]", "ticks", "ticks"),
         ("left_encoder", "ticks", "ticks"),
         ("left_wheel_joint_counts", "ticks", "ticks"),
@@ -66,7 +66,7 @@ def rows_of(path: Path, rover: sw.Rover = CART, chunk_rows: int = 1000, **option
 def test_a_header_names_a_joint_and_what_is_read(header: str, reading: str, symbol: str) -> None:
     found = joint_columns(["t", header, "battery [V]", "left [V]", "left_effort"], CART)
     column = found.columns["wheel left"]
-    assert (column.index, column.unit.symbol, found.reading) == (1, symbol, reading)
+    assert (column.index, column.unit.symbol, found.readings) == (1, symbol, reading)
     assert found.silent == ("right",)
 
 
@@ -85,9 +85,9 @@ def test_of_several_readings_the_angle_is_taken_unless_told() -> None:
         "t",
         *(f"{side}_wheel_joint/{kind}" for side in ("left", "right") for kind in ("velocity", "position")),
     ]
-    assert joint_columns(headers, CART).reading == "angle"
-    assert joint_columns(headers, CART, "speed").reading == "speed"
-    assert joint_columns(headers[:-1], CART).reading == "speed"  # all wheels in one way
+    assert joint_columns(headers, CART).readings == "angles"
+    assert joint_columns(headers, CART, "speeds").readings == "speeds"
+    assert joint_columns(headers[:-1], CART).readings == "speeds"  # all wheels in one way
 
 
 def test_the_joints_that_wheels_have_by_themselves_are_known_whatever_a_file_calls_them():
@@ -114,7 +114,7 @@ def test_the_joints_that_wheels_have_by_themselves_are_known_whatever_a_file_cal
         ),
         ("time,left [V]", ['column "left [V]" must state its unit', 'got "V"']),
         ("time,left [rad],left_position", ['wheel left must be in one column, got "left [rad]" and']),
-        ("time,left [rad],right [rpm]", ["must be read in one way", '"right [rpm]" (speed)']),
+        ("time,left [rad],right [rpm]", ["must be read in one way", '"right [rpm]" (speeds)']),
     ],
 )
 def test_columns_that_are_missing_or_open_are_named(tmp_path: Path, headers: str, words: list[str]) -> None:
@@ -162,7 +162,7 @@ def test_counters_that_wrap_and_counts_per_row_are_the_same_angle(
     path = write(tmp_path_factory.mktemp("ticks") / "log.csv", "t,a,b,c\n" + "".join(lines))
     for column, encoder in {
         "a": Encoder(4000),
-        "b": Encoder(4000, modulus=1 << bits),
+        "b": Encoder(4000, wraps_at=1 << bits),
         "c": Encoder(4000),
     }.items():
         options = {
@@ -179,12 +179,12 @@ def test_counters_that_wrap_and_counts_per_row_are_the_same_angle(
 
 def test_encoders_per_wheel_and_backwards(tmp_path: Path) -> None:
     path = write(tmp_path / "log.csv", "t,left [ticks],right [ticks]\n0,0,0\n1,100,-100\n")
-    encoders = {"left": Encoder(100), "right": Encoder(25, gear=-2)}
+    encoders = {"left": Encoder(100), "right": Encoder(25, gear_ratio=-2)}
     rows = rows_of(path, wheel_encoders=encoders)
     np.testing.assert_allclose(rows.wheel_angles[1], [2 * np.pi, 4 * np.pi])
     with pytest.raises(ValueError, match="wheel_encoders must say how many ticks a turn of right has"):
         JointLog(path, CART, wheel_encoders={"left": Encoder(100)})
-    for bad in ({"resolution": 0}, {"modulus": -1}, {"gear": 0}, {"offset": math.inf}):
+    for bad in ({"ticks_per_turn": 0}, {"wraps_at": -1}, {"gear_ratio": 0}, {"offset": math.inf}):
         with pytest.raises(ValueError, match=f"{next(iter(bad))} must be finite"):
             Encoder(**bad)
     rates = write(tmp_path / "rates.csv", "t,left [rpm]\n0,0\n1,1\n")
@@ -202,14 +202,14 @@ def test_absolute_steering_encoders(
 ) -> None:
     # Whole counts of a 12 bit encoder that starts over anywhere, and a joint that stays within its range.
     bicycle = sw.Rover.bicycle(1.0, 0.3)
-    wheel = bicycle.steered_names[0]
+    wheel = bicycle.steered_wheel_names[0]
     counts = np.round((np.array(angles) - offset) * 4096 / (2 * np.pi)) % 4096
     lines = [f"{k},{count:.0f},0\n" for k, count in enumerate(counts)]
     header = f"t,{wheel}_steering [ticks],rear [rad]\n"
     path = write(tmp_path_factory.mktemp("steer") / "log.csv", header + "".join(lines))
     with pytest.raises(ValueError, match="steering_encoders must say"):
         JointLog(path, bicycle)
-    encoder = Encoder(4096, modulus=4096, offset=offset)
+    encoder = Encoder(4096, wraps_at=4096, offset=offset)
     rows = rows_of(path, bicycle, chunk_rows, steering_encoders={wheel: encoder})
     np.testing.assert_allclose(rows.steering[:, 0], angles, rtol=0, atol=0.5001 * 2 * np.pi / 4096)
 
@@ -251,7 +251,7 @@ def test_the_unit_of_a_parquet_field_counts(tmp_path: Path) -> None:
     np.testing.assert_array_equal(rows.truth[0], 0)
     with pytest.raises(TableError, match="must state its unit"):
         JointLog(tmp_path / "run.csv", ROVER)
-    again = rows_of(tmp_path / "run.csv", ROVER, reading="speed")
+    again = rows_of(tmp_path / "run.csv", ROVER, readings="speeds")
     np.testing.assert_allclose(again.wheel_angles, rows.wheel_angles, rtol=1e-15)
 
 

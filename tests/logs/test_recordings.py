@@ -98,7 +98,7 @@ def test_a_log_refuses_time_that_is_none_or_runs_backwards():
 @pytest.mark.parametrize(
     ("options", "columns"),
     [
-        ({"wheel_encoders": sw.Encoder(100, modulus=50)}, [[0.0, 40, 80, 120, 160], [0.0, 40, 30, 20, 10]]),
+        ({"wheel_encoders": sw.Encoder(100, wraps_at=50)}, [[0.0, 40, 80, 120, 160], [0.0, 40, 30, 20, 10]]),
         ({"readings": "speeds"}, [[1.0, 1, 1, 1, 1], [1.0, 1, 1, 1, 1]]),
         ({"readings": "increments"}, [[0.0, 1, 1, 1, 1], [0.0, 1, 1, 1, 1]]),
     ],

@@ -49,8 +49,8 @@ def test_an_image_keeps_its_place(tmp_path: Path) -> None:
     assert ground.spacing == (0.5, 0.5)
     assert ground.heights.dtype == np.float32
     # Pixel (0, 0) is the corner in the north-west; heights stand for the middle of their pixels.
-    assert ground.height((500_000.25, 3_999_999.75)) == HEIGHTS[0, 0]
-    assert ground.height((500_002.25, 3_999_998.25)) == HEIGHTS[3, 4]
+    assert ground.height_at((500_000.25, 3_999_999.75)) == HEIGHTS[0, 0]
+    assert ground.height_at((500_002.25, 3_999_998.25)) == HEIGHTS[3, 4]
 
 
 def test_a_turned_image_keeps_its_place(tmp_path: Path) -> None:
@@ -62,7 +62,7 @@ def test_a_turned_image_keeps_its_place(tmp_path: Path) -> None:
         for row, column in ((0, 0), (3, 4), (2, 1)):
             place, middle = at(transform, column + 0.5, row + 0.5), at(transform, 2.5, 2.0)
             inwards = (place - middle) * (1 - 1e-9) + middle
-            assert ground.height(inwards) == pytest.approx(HEIGHTS[row, column], abs=1e-6)
+            assert ground.height_at(inwards) == pytest.approx(HEIGHTS[row, column], abs=1e-6)
 
 
 def test_what_an_image_does_not_know_is_nan(tmp_path: Path) -> None:
@@ -83,7 +83,7 @@ def test_a_window_is_that_part(tmp_path: Path) -> None:
     part = sw.Terrain.read(path, window=(10.1, 8.3, 20.2, 12.9))
     assert part.shape[0] < 14
     points = np.random.default_rng(2).uniform((10.1, 8.3), (20.2, 12.9), (100, 2))
-    np.testing.assert_allclose(part.height(points), whole.height(points), atol=1e-12)
+    np.testing.assert_allclose(part.height_at(points), whole.height_at(points), atol=1e-12)
     with pytest.raises(TerrainFileError, match=r"window must overlap the map, got .* the map has x 0 to 35"):
         sw.Terrain.read(path, window=(100, 100, 110, 110))
     with pytest.raises(ValueError, match="window must be x_min, y_min, x_max, y_max in order"):
@@ -237,7 +237,7 @@ def test_a_grid_map_of_a_bag_keeps_its_place(label: str, yaw: float, tmp_path: P
             3 + (math.cos(yaw) * x - math.sin(yaw) * y) * (1 - 1e-9),
             -2 + (math.sin(yaw) * x + math.cos(yaw) * y) * (1 - 1e-9),
         )
-        assert ground.height(point) == pytest.approx(cells[row, column], abs=1e-6)
+        assert ground.height_at(point) == pytest.approx(cells[row, column], abs=1e-6)
     assert np.isnan(ground.heights).sum() == 1
     with pytest.raises(TerrainFileError, match="has no layer slope: elevation"):
         sw.Terrain.read(path, layer="slope")

@@ -56,7 +56,7 @@ def layers(path: Path) -> Any:
 def run(chart: Path, name: str = "safe.tif", **options: Any) -> Any:
     options = {"workers": 1, "headings": HEADINGS, **options}
     output = chart.with_name(name)
-    return traverse(chart, sw.RockerBogie.perseverance(), output, **options)
+    return traverse(chart, sw.RockerBogie.preset("perseverance"), output, **options)
 
 
 def test_tiles_say_what_feasible_says(chart: Path) -> None:
@@ -73,7 +73,7 @@ def test_tiles_say_what_feasible_says(chart: Path) -> None:
     poses = np.empty((36, 44, HEADINGS, 3))
     poses[..., 0], poses[..., 1] = x[:, None], y[..., None]
     poses[..., 2] = 2 * math.pi / HEADINGS * np.arange(HEADINGS)
-    whole = sw.RockerBogie.perseverance().feasible(ground, poses)
+    whole = sw.RockerBogie.preset("perseverance").feasible(ground, poses)
     # What is just at a limit may be decided otherwise from another tile's corner.
     assert np.mean(found[0] != whole.ok.mean(axis=-1)) < 1e-3
     assert 0.05 < found[0].mean() < 0.95
@@ -158,25 +158,27 @@ def test_bad_arguments_write_nothing(chart: Path, monkeypatch: pytest.MonkeyPatc
 
 
 def test_the_command(run: Any, refused: Any, tmp_path: Path, chart: Path) -> None:
-    options = ("--rover", "perseverance", "--headings", "2", "--workers", "1")
-    code, out, err = run("traverse", str(chart), *options, "-o", "safe.tif", "--plot", "safe.png")
+    options = ("--headings", "2", "--workers", "1")
+    code, out, err = run(
+        "traverse", "perseverance", str(chart), *options, "-o", "safe.tif", "--plot", "safe.png"
+    )
     assert (code, err) == (0, "")
     assert "1584 at 2 headings" in out
     assert Path("safe.png").stat().st_size > 10_000
-    assert "a parameter file or a preset" in refused(
-        "traverse", str(chart), "--rover", "nobody", "-o", "a.tif"
-    )
-    wrong = refused("traverse", str(chart), *options, "-o", "a.tif", "--limit", "height=3")
+    assert "a parameter file or a preset" in refused("traverse", "nobody", str(chart), "-o", "a.tif")
+    wrong = refused("traverse", "perseverance", str(chart), *options, "-o", "a.tif", "--limit", "height=3")
     assert (
         wrong
         == "limit must be one of roll, pitch, tilt, rocker, bogie, clearance, wheel_drop, got 'height=3'"
     )
-    assert "there is no folder" in refused("traverse", str(chart), *options, "-o", "x/a.tif")
+    assert "there is no folder" in refused("traverse", "perseverance", str(chart), *options, "-o", "x/a.tif")
     for limit in ("roll=15", "tilt=", "bogie=adeg", "rocker=3grad"):
-        wrong = refused("traverse", str(chart), *options, "-o", "a.tif", "--limit", limit)
+        wrong = refused("traverse", "perseverance", str(chart), *options, "-o", "a.tif", "--limit", limit)
         name = limit.partition("=")[0]
         assert wrong == f"limit {name} must be an angle such as 15deg or 0.26rad, got {limit!r}"
-    wrong = refused("traverse", str(chart), *options, "-o", "a.tif", "--limit", "clearance=0.1m")
+    wrong = refused(
+        "traverse", "perseverance", str(chart), *options, "-o", "a.tif", "--limit", "clearance=0.1m"
+    )
     assert wrong == "limit clearance must be a number, got 'clearance=0.1m'"
 
 

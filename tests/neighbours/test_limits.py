@@ -34,7 +34,7 @@ def test_one_motor_was_asked_for_more_than_it_can():
     """Ekumen-OS/andino#148"""
     controller = sw.Controller(CART, sw.Limits(speed=0.33, yaw_rate=2.0, wheel_speed=3.3), timeout=None)
     for out in drive(controller, (0.33, 0.0, 2.0), 1.0):
-        assert np.abs(out.speeds).max() <= 3.3 * (1 + 1e-12)
+        assert np.abs(out.wheel_speeds).max() <= 3.3 * (1 + 1e-12)
 
 
 @pytest.mark.parametrize("command", [(-1.0, 0.0, 1.0), (1.0, 0.0, -1.0), (-1.0, 0.0, -2.0), (0.0, -1.0, 0.5)])
@@ -43,7 +43,7 @@ def test_wheels_that_turn_backwards_were_not_limited(command):
     rover = SWERVE if command[1] else CART
     controller = sw.Controller(rover, sw.Limits(wheel_speed=1.0), timeout=None)
     for out in drive(controller, command, 1.0):
-        assert np.abs(out.speeds).max() <= 1.0 + 1e-12
+        assert np.abs(out.wheel_speeds).max() <= 1.0 + 1e-12
 
 
 def test_braking_was_as_weak_as_speeding_up_when_going_backwards():
@@ -94,7 +94,7 @@ def test_a_limit_was_applied_before_the_radius():
     for radius in (0.05, 0.1, 0.4):
         rover = sw.Rover.differential(0.5, radius)
         out = drive(sw.Controller(rover, sw.Limits(speed=0.3), timeout=None), (1.0, 0.0, 0.0), 0.2)[-1]
-        np.testing.assert_allclose(out.speeds * radius, 0.3)
+        np.testing.assert_allclose(out.wheel_speeds * radius, 0.3)
 
 
 def test_the_speed_was_limited_and_the_yaw_rate_was_not():
@@ -125,7 +125,7 @@ def test_mecanum_wheels_that_turn_backwards_were_not_limited(command):
     """wpilibsuite/allwpilib#6040"""
     controller = sw.Controller(MECANUM, sw.Limits(wheel_speed=4.0), timeout=None)
     out = drive(controller, command, 0.2)[-1]
-    assert np.abs(out.speeds).max() == pytest.approx(4.0)
+    assert np.abs(out.wheel_speeds).max() == pytest.approx(4.0)
     np.testing.assert_allclose(np.cross(out.twist, command), 0.0, atol=1e-12)  # slower, not elsewhere
 
 
@@ -133,7 +133,7 @@ def test_modules_were_asked_for_more_than_they_can():
     """CrossTheRoadElec/Phoenix-Releases#72"""
     controller = sw.Controller(SWERVE, sw.Limits(wheel_speed=30.0), timeout=None)
     for out in drive(controller, (4.0, 3.0, 9.0), 1.0):
-        assert np.abs(out.speeds).max() <= 30.0 * (1 + 1e-12)
+        assert np.abs(out.wheel_speeds).max() <= 30.0 * (1 + 1e-12)
 
 
 def test_a_sampled_motion_turned_tighter_than_the_vehicle_can():

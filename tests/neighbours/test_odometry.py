@@ -39,7 +39,7 @@ def test_a_reset_left_the_heading_and_an_offset():
 
 def test_a_counter_that_started_over_threw_the_pose_away():
     """AIRclub-UdeSA/physical_rosmaster#1"""
-    encoder = sw.Encoder(1000.0, modulus=2**32)
+    encoder = sw.Encoder(1000.0, wraps_at=2**32)
     odometry = sw.Odometry(CART, wheel_encoders=encoder)
     odometry.update(None, [2**31 - 500.0] * 2, 0.0)
     state = odometry.update(None, [-(2**31) + 500.0] * 2, 0.1)
@@ -144,7 +144,7 @@ def test_velocities_never_returned_to_zero():
 def test_one_encoder_counted_the_other_way_and_straight_was_a_circle():
     """jfstepha/differential-drive#5"""
     left, right = CART.wheel_names
-    encoders = {left: sw.Encoder(1000.0), right: sw.Encoder(1000.0, gear=-1.0)}
+    encoders = {left: sw.Encoder(1000.0), right: sw.Encoder(1000.0, gear_ratio=-1.0)}
     odometry = sw.Odometry(CART, wheel_encoders=encoders)
     odometry.update(None, [0.0, 0.0], 0.0)
     state = odometry.update(None, [500.0, -500.0], 1.0)
@@ -185,7 +185,7 @@ def test_the_heading_jumped_at_half_a_turn():
 
 def test_counts_of_eight_bits_started_over_and_the_robot_was_elsewhere():
     """chrisl8/ArloBot#40"""
-    odometry = sw.Odometry(CART, wheel_encoders=sw.Encoder(144.0, modulus=256))
+    odometry = sw.Odometry(CART, wheel_encoders=sw.Encoder(144.0, wraps_at=256))
     for k in range(100):
         state = odometry.update(None, [(100 * k) % 256, (100 * k) % 256], 0.1 * k)
     np.testing.assert_allclose(

@@ -33,7 +33,7 @@ def test_slowing_the_wheels_down_bent_a_path_while_turning():
         command = (math.cos(heading), -math.sin(heading), 2.0)  # straight along x of the world
         controller.command(command, 0.02 * k)
         out = controller.step(0.02 * k)
-        assert np.abs(out.speeds).max() <= 4.0 + 1e-9
+        assert np.abs(out.wheel_speeds).max() <= 4.0 + 1e-9
         pose = sw.compose(pose, sw.exp(out.twist, 0.02))
     # Discretised exactly, a step ends on the line; the limits take up to two per cent of the chord.
     assert abs(pose[1]) < 0.02 * pose[0]
@@ -45,7 +45,7 @@ def test_the_drive_pushed_sideways_while_modules_were_still_turning():
     controller.command((1.0, 0.0, 0.0), 0.0)
     controller.step(0.0)
     out = controller.step(0.02, measured=[math.pi / 2, 0.0, 0.0, 0.0])
-    assert np.abs(out.speeds).max() < 1e-9
+    assert np.abs(out.wheel_speeds).max() < 1e-9
     assert out.reasons & Reason.ALIGNING
 
 
@@ -71,7 +71,7 @@ def test_steering_at_ninety_degrees_gave_zero():
 @pytest.mark.parametrize("rover", [CAR, BICYCLE, TRICYCLE], ids=["car", "bicycle", "tricycle"])
 def test_an_infinite_turning_radius_gave_nan(rover):
     """ros-controls/ros2_controllers#1285"""
-    joints, wheels = len(rover.steered_names), len(rover.wheels)
+    joints, wheels = len(rover.steered_wheel_names), len(rover.wheels)
     radii = [wheel.radius for wheel in rover.wheels]
     twist = rover.forward([0.0] * joints, 1.0 / np.array(radii))
     np.testing.assert_allclose(twist, (1.0, 0.0, 0.0), atol=1e-15)
@@ -92,10 +92,10 @@ def test_left_and_right_steering_angles_were_swapped():
     """ros-controls/ros2_controllers#878, #933: turning left the left wheel is the inner one."""
     steering, speeds = CAR.inverse((1.0, 0.0, 0.2))
     angle, speed = (
-        dict(zip(CAR.steered_names, steering, strict=True)),
+        dict(zip(CAR.steered_wheel_names, steering, strict=True)),
         dict(zip(CAR.wheel_names, speeds, strict=True)),
     )
-    left, right = sorted(CAR.steered_names, key=lambda name: -CAR.wheels[CAR.wheel_names.index(name)].y)
+    left, right = sorted(CAR.steered_wheel_names, key=lambda name: -CAR.wheels[CAR.wheel_names.index(name)].y)
     assert angle[left] > angle[right] > 0.0
     assert speed[left] < speed[right]
 
@@ -143,12 +143,12 @@ def test_a_missing_dimension_made_odometry_nan():
     """ridgeback/ridgeback#22: a rover without a dimension is no rover."""
     for bad in (0.0, math.nan, math.inf):
         with pytest.raises(ValueError, match="must be finite and positive"):
-            sw.Rover.mecanum(0.3, 0.2, bad)
+            sw.Rover.mecanum(0.6, 0.4, bad)
 
 
 def test_the_wheel_radius_was_disregarded():
     """robotpy/pyfrc#32"""
-    _, small = sw.Rover.mecanum(0.3, 0.2, 0.05).inverse((0.4, 0.1, 0.2))
+    _, small = sw.Rover.mecanum(0.6, 0.4, 0.05).inverse((0.4, 0.1, 0.2))
     _, large = MECANUM.inverse((0.4, 0.1, 0.2))
     np.testing.assert_allclose(small, 2.0 * large)
 
@@ -182,7 +182,7 @@ def test_the_angles_of_both_sides_were_swapped(sign):
     """nasa-jpl/open-source-rover#175: the inner wheels turn further, the rear ones the other way."""
     steering, _ = MARS.inverse((0.1, 0.0, sign * 0.04))
     by_place = {}
-    for name, angle in zip(MARS.steered_names, steering, strict=True):
+    for name, angle in zip(MARS.steered_wheel_names, steering, strict=True):
         wheel = MARS.wheels[MARS.wheel_names.index(name)]
         by_place[wheel.x > 0.0, wheel.y * sign > 0.0] = sign * angle
     assert by_place[True, True] > by_place[True, False] > 0.0
@@ -203,7 +203,7 @@ def test_a_driven_front_wheel_was_given_the_speed_of_the_rear(angle):
     """ros-controls/ros2_controllers#1150: along its own heading it is faster by the cosine."""
     _, speeds = BICYCLE.inverse((0.5, 0.0, 0.5 * math.tan(angle)))
     by_name = dict(zip(BICYCLE.wheel_names, speeds, strict=True))
-    (front,) = BICYCLE.steered_names
+    (front,) = BICYCLE.steered_wheel_names
     (rear,) = by_name.keys() - {front}
     assert by_name[front] == pytest.approx(by_name[rear] / math.cos(angle), rel=1e-12)
 

@@ -52,7 +52,7 @@ def test_what_is_left_out_reads_as_unlimited(given):
         assert getattr(limits, name) == (math.inf if value is None else value)
 
 
-ROVER = sw.Rover.six_wheel(d1=0.3, d2=0.4, d3=0.4, d4=0.3, wheel_radius=0.1)
+ROVER = sw.Rover.six_wheel(front_to_middle=0.4, middle_to_rear=0.4, track_width=0.6, wheel_radius=0.1)
 USUAL = {
     "acceleration": 9.81,
     "deceleration": 9.81,

@@ -11,7 +11,7 @@ ROVERS = ("perseverance", "curiosity", "rocky7", "open_source_rover")
 
 @pytest.mark.parametrize("name", ROVERS)
 def test_wheels_are_drawn_where_they_stand(name):
-    rover = getattr(sw.RockerBogie, name)()
+    rover = sw.RockerBogie.preset(name)
     figure = side_figure(rover, title=name)
     axes = figure.axes[0]
     radius = rover.dimensions["wheel_radius"]
@@ -22,7 +22,7 @@ def test_wheels_are_drawn_where_they_stand(name):
 
 
 def test_a_stand_on_ground_is_drawn_on_it():
-    rover = sw.RockerBogie.perseverance()
+    rover = sw.RockerBogie.preset("perseverance")
     x = np.arange(0, 10, 0.1)
     ground = sw.Terrain(0.3 * np.sin(x)[None] + 0.2 * np.cos(x)[:, None], 0.1)
     stand = rover.settle(ground, (5.0, 5.0, 0.7))
@@ -32,7 +32,7 @@ def test_a_stand_on_ground_is_drawn_on_it():
 
 
 def test_one_pose_at_which_the_rover_stands_is_needed():
-    rover, ground = sw.RockerBogie.perseverance(), sw.Terrain(np.zeros((9, 9)), 0.1)
+    rover, ground = sw.RockerBogie.preset("perseverance"), sw.Terrain(np.zeros((9, 9)), 0.1)
     for pose in ((0, 0, 0), [(0, 0, 0)]):
         with pytest.raises(
             ValueError, match="stand must be one pose at which the rover stands, got SettledPose"

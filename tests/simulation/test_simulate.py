@@ -13,7 +13,7 @@ ROVERS = {
     "tricycle": sw.Rover.tricycle(wheelbase=0.6, track_width=0.4, wheel_radius=0.1),
     "ackermann": sw.Rover.ackermann(wheelbase=0.6, track_width=0.4, wheel_radius=0.1),
     "swerve": sw.Rover.swerve([(0.3, 0.2), (0.3, -0.2), (-0.3, 0.2), (-0.3, -0.2)], 0.1),
-    "mecanum": sw.Rover.mecanum(0.2, 0.15, 0.05),
+    "mecanum": sw.Rover.mecanum(0.4, 0.3, 0.05),
     "omni": sw.Rover.omni([(0.2, 0), (-0.1, 0.17), (-0.1, -0.17)], np.deg2rad((90, 210, -30)), 0.05),
 }
 PAIR = ROVERS["differential"]
@@ -74,13 +74,13 @@ def test_the_same_seed_is_the_same_log():
 
 
 def test_counters_tick_and_start_over_and_odometry_reads_them():
-    wheels = sw.Encoder(64, gear=20.0, modulus=2**8)
-    log = sw.simulate(PAIR, (TIMES, TWISTS), encoder=wheels)
+    wheels = sw.Encoder(64, gear_ratio=20.0, wraps_at=2**8)
+    log = sw.simulate(PAIR, (TIMES, TWISTS), wheel_encoders=wheels)
     assert (log.wheel_angles == np.floor(log.wheel_angles)).all()
     assert log.wheel_angles.max() < 2**8
     track = sw.dead_reckon(PAIR, log)
     assert len(track.rows(sw.OdometryHealth.WRAPPED))
-    tick = wheels.angle_per_count * 0.1
+    tick = wheels.angle_per_tick * 0.1
     # A tick on one side turns the rover by a tick over the track, which 4 m of way swing.
     assert np.abs(track.poses - log.truth.poses).max() < 4.0 * 2 * tick / 0.4
 
@@ -150,11 +150,11 @@ def test_counts_are_counts_wherever_they_are_written(tmp_path, name):
     pytest.importorskip("pyarrow")
     from six_wheel.logs import LogOptions, read_log
 
-    rover, ticks = ROVERS["tricycle"], {"resolution": 512, "modulus": 4096}
-    wheels, joints = sw.Encoder(512, modulus=4096), sw.Encoder(8192, modulus=8192)
-    log = sw.simulate(rover, (TIMES, TWISTS), encoder=wheels, steering_encoder=joints)
+    rover, ticks = ROVERS["tricycle"], {"ticks_per_turn": 512, "wraps_at": 4096}
+    wheels, joints = sw.Encoder(512, wraps_at=4096), sw.Encoder(8192, wraps_at=8192)
+    log = sw.simulate(rover, (TIMES, TWISTS), wheel_encoders=wheels, steering_encoders=joints)
     write_log(log, rover, tmp_path / name)
-    known = LogOptions(encoders=ticks, steering_encoders={"resolution": 8192, "modulus": 8192})
+    known = LogOptions(wheel_encoders=ticks, steering_encoders={"ticks_per_turn": 8192, "wraps_at": 8192})
     again, _ = read_log(tmp_path / name, rover, known)
     plain = log.in_radians(rover)
     np.testing.assert_allclose(again.wheel_angles[:, 0], plain.wheel_angles[:, 0], atol=1e-12)
@@ -184,7 +184,7 @@ def test_what_was_read_otherwise_is_written_as_what_was_turned(tmp_path):
         ({"start": (0.0, np.nan, 0.0)}, "start must be three finite numbers"),
         ({"truth_noise": (0.0, np.inf)}, "truth_noise must be finite and not negative, got inf"),
         ({"slip": [Slip(0.0, 1.0, ["front"])]}, "wheels must be some of left, right, got 'front'"),
-        ({"encoder": [sw.Encoder()]}, "encoder must be one or 2, got 1"),
+        ({"wheel_encoders": [sw.Encoder()]}, "wheel_encoders must be one or 2, got 1"),
         ({"truth_noise": (0.1,)}, "truth_noise must be two deviations"),
         ({"truth_noise": 0.1}, "truth_noise must be two deviations"),
         ({"seed": -1}, "seed must be a whole number, 0 or more, got -1"),

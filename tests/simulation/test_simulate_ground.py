@@ -10,7 +10,7 @@ import pytest
 import six_wheel as sw
 from six_wheel.simulation import Slip, simulate, write_ground
 
-ARM = sw.RockerBogie.perseverance()
+ARM = sw.RockerBogie.preset("perseverance")
 COMMANDS = np.array([[0, 0.2, 0, 0.0], [10, 0.2, 0, 0.08], [20, 0.2, 0, -0.08]])
 LEVEL = sw.Terrain(np.zeros((40, 40)), 1.0)
 
@@ -28,7 +28,7 @@ def test_level_ground_is_the_planar_simulation():
     # One sums what is in the middle of a step, the other the mean of its ends: an eighth of the second
     # difference, 2e-6 rad a step here, over 800 steps.
     np.testing.assert_allclose(run.wheel_angles, planar.wheel_angles, atol=1e-5)
-    np.testing.assert_allclose(run.speeds, run.flat_speeds, atol=1e-12)
+    np.testing.assert_allclose(run.wheel_speeds, run.flat_wheel_speeds, atol=1e-12)
     # A step of 25 ms, speeds that change by 0.05 rad/s in a second, and less than a quarter of that twice.
     np.testing.assert_allclose(run.slip.ratio, 0, atol=4e-3)
 
@@ -39,7 +39,7 @@ def test_a_ramp_is_driven_at_its_own_speed():
     ramp = sw.Terrain(np.broadcast_to(slope * np.arange(40.0), (40, 40)), 1.0)
     run = simulate(ARM, np.array([[0, 0.2, 0, 0], [10, 0.2, 0, 0.0]]), ground=ramp, rate=5, start=(10, 15, 0))
     expected = 0.2 / math.cos(math.radians(25)) / 0.26288
-    np.testing.assert_allclose(run.speeds, expected, atol=1e-10)
+    np.testing.assert_allclose(run.wheel_speeds, expected, atol=1e-10)
     np.testing.assert_allclose(np.diff(run.stand.z), 0.2 / 5 * slope, atol=1e-10)
     np.testing.assert_allclose(run.stand.pitch, -math.radians(25), atol=1e-10)
     half = -math.radians(25) / 2
@@ -139,8 +139,8 @@ def test_counts_of_a_drive_over_ground_are_counts_in_a_bag(tmp_path: Path):
 
     planar = ARM.planar(0, (0, 0))
     options = {"ground": LEVEL, "rate": 5, "start": (10, 15, 0)}
-    run = simulate(ARM, COMMANDS, encoder=sw.Encoder(1 << 20), **options)
+    run = simulate(ARM, COMMANDS, wheel_encoders=sw.Encoder(1 << 20), **options)
     write_ground(run, ARM, tmp_path / "run.mcap")
-    again, _ = read_log(tmp_path / "run.mcap", planar, LogOptions(encoders={"resolution": 1 << 20}))
+    again, _ = read_log(tmp_path / "run.mcap", planar, LogOptions(wheel_encoders={"ticks_per_turn": 1 << 20}))
     whole = simulate(ARM, COMMANDS, **options).wheel_angles
     np.testing.assert_allclose(again.wheel_angles - again.wheel_angles[0], whole - whole[0], atol=1e-5)

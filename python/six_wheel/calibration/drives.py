@@ -33,7 +33,7 @@ class StandsStillError(ValueError):
 class Drive:
     """One log: readings between its rows, the windows that compare it with the truth.
 
-    `stamps` (n,) are those of the rows kept; `dt` (n - 1,), `speeds` (n - 1, wheels) and `steering`
+    `stamps` (n,) are those of the rows kept; `dt` (n - 1,), `wheel_speeds` (n - 1, wheels) and `steering`
     (n - 1, steered) what happened between them. `rows` (m, 2) are the ends of the windows, `middles` (m,)
     rows about halfway between them, `lengths` (m,) which length each has and `blocks` (m,) in which third
     of the drive it lies.
@@ -43,7 +43,7 @@ class Drive:
     session: str
     stamps: Floats
     dt: Floats
-    speeds: Floats
+    wheel_speeds: Floats
     steering: Floats
     truth: GroundTruth
     rows: Rows
@@ -106,7 +106,7 @@ def prepare(rover: Rover, log: WheelLog, lengths: Floats, margin: float, number:
     who = _who(log, number)
     if log.truth is None:
         raise ValueError(f"{who} must have a truth to be calibrated against")
-    steered = len(rover.steered_names)
+    steered = len(rover.steered_wheel_names)
     steering = log.steering if log.steering is not None else np.empty((len(log), 0))
     if steering.shape[1] != steered:
         raise ValueError(f"{who}: steering must have shape (n, {steered}), got {steering.shape}")

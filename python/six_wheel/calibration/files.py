@@ -12,7 +12,7 @@ import numpy as np
 from six_wheel._core import Rover, __version__
 from six_wheel.calibration.drives import heard, moving
 from six_wheel.calibration.estimates import Estimate
-from six_wheel.calibration.log_checks.records import without_copies
+from six_wheel.calibration.log_checks.copies import without_copies
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.run_calibration import calibrate
 from six_wheel.kinematics.odometry.dead_reckoning import dead_reckon
@@ -116,7 +116,7 @@ def calibrate_files(
             by_gyroscope &= log.truth is None
             logs.append(heard(log, number))
             warnings += _said(reader)
-        logs, copies = without_copies(logs)
+        logs, _, copies = without_copies(logs)
         warnings += copies
         moves = moving(rover, logs)
         still = [log.name for log, moved in zip(logs, moves, strict=True) if not moved]
@@ -196,7 +196,7 @@ def _said(reader: AnyLog) -> list[str]:
 
 
 def _encoders(result: Calibration, known: Mapping[str, Any]) -> dict[str, Any]:
-    """The key ``encoders`` with the factors that are no dimension of a rover, on top of what is known."""
+    """The key ``wheel_encoders`` with the factors that are no dimension of a rover, and what is known."""
     encoders = dict(known)
     gains = dict(encoders.get("steering_gain", {}))
     for one in result.parameters:
@@ -226,7 +226,7 @@ def _beside(done: Calibrated, parameters: Parameters | None, reading: LogOptions
     if not reading.plausibility:
         read_with["plausibility"] = False
     return read_with | {
-        "encoders": _encoders(result, reading.encoders),
+        "wheel_encoders": _encoders(result, reading.wheel_keys),
         "noise": _noise(result, parameters),
         "odometry": _odometry(result, parameters),
         "gyroscope": _gyroscope(done, parameters),
@@ -335,7 +335,7 @@ def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:
         raise ValueError(f"{log.name} must have a truth, got none")  # it was checked
     corrections = _encoders(result, {})
     gains = corrections.get("steering_gain", {})
-    factors = np.array([gains.get(wheel, 1.0) for wheel in result.rover.steered_names])
+    factors = np.array([gains.get(wheel, 1.0) for wheel in result.rover.steered_wheel_names])
     corrected = replace(
         log,
         steering=None if log.steering is None else log.steering * factors,
@@ -346,9 +346,8 @@ def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:
         (result.nominal, log, np.zeros(3)),
         (result.rover, corrected, result.sensor),
     ):
-        track = dead_reckon(
-            rover, one.steering, one.wheel_angles, one.stamps, covariances=False, residuals=False
-        )
+        how: dict[str, Any] = {"covariances": False, "residuals": False, "plausibility": False}
+        track = dead_reckon(rover, one.steering, one.wheel_angles, one.stamps, **how)
         tracks.append(joined(track.poses, sensor))
     truth = log.truth.at(log.stamps + result.time_offset)
     there = np.isfinite(truth[:, :2]).all(axis=1)

@@ -58,8 +58,8 @@ class Model:
             name: np.array([getattr(w, name) or 0.0 for w in nominal.wheels]) for name in WHEEL_QUANTITIES
         }
         self._gains = np.array(
-            [np.zeros(len(nominal.steered_names)) if p.gain is None else p.gain for p in parameters]
-        ).reshape(self.own, len(nominal.steered_names))
+            [np.zeros(len(nominal.steered_wheel_names)) if p.gain is None else p.gain for p in parameters]
+        ).reshape(self.own, len(nominal.steered_wheel_names))
 
     def value(self, values: Floats, name: str, default: float) -> float:
         """The value of one parameter, or what it is when it is not calibrated."""
@@ -131,7 +131,7 @@ class Model:
     def readings(self, drive: Drive, values: Floats) -> tuple[Floats, Floats]:
         """Steering angles and wheel speeds, as the encoders mean them under these values."""
         gain = np.ones(drive.steering.shape[1]) + self.change(values) @ self._gains
-        return gain * drive.steering, self.value(values, "encoder_scale", 1.0) * drive.speeds
+        return gain * drive.steering, self.value(values, "encoder_scale", 1.0) * drive.wheel_speeds
 
     def corrected(self, log: WheelLog, values: Floats) -> WheelLog:
         """The log as its encoders mean it under these values."""
@@ -151,7 +151,7 @@ class Model:
         if self._gains.any():
             wanted.append("steering")
         if "encoder_scale" in self.names:
-            wanted.append("speeds")
+            wanted.append("wheel_speeds")
         if not wanted:
             return rover.forward(steering, speeds), np.zeros((len(speeds), 3, self.own))
         found = rover.sensitivity(steering, speeds, quantities=wanted)  # type: ignore[arg-type]
@@ -161,8 +161,8 @@ class Model:
         if self._gains.any():
             by += (found.steering * drive.steering[:, None, :]) @ self._gains.T
         if "encoder_scale" in self.names:
-            turned = np.nan_to_num(drive.speeds)[:, None, :]
-            by[:, :, self.names.index("encoder_scale")] += (found.speeds * turned).sum(axis=2)
+            turned = np.nan_to_num(drive.wheel_speeds)[:, None, :]
+            by[:, :, self.names.index("encoder_scale")] += (found.wheel_speeds * turned).sum(axis=2)
         return found.twist, by
 
     def poses(self, drive: Drive, values: Floats) -> Floats:

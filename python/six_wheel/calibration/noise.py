@@ -156,7 +156,9 @@ def _end(
     rover: Rover, readings: tuple[Floats | None, Floats, Floats], start: Floats, noise: Noise, **options: Any
 ) -> tuple[Floats, Floats]:
     """Pose at the end of a drive (3,), and its covariance (3, 3)."""
-    track = dead_reckon(rover, *readings, noise=noise, start=start, residuals=False, **options)
+    track = dead_reckon(
+        rover, *readings, noise=noise, start=start, residuals=False, plausibility=False, **options
+    )
     assert track.covariances is not None
     return track.poses[-1], track.covariances[-1]
 

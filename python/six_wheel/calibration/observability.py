@@ -76,7 +76,7 @@ def told(drives: Sequence[Drive]) -> list[str]:
     if all(_returns(drive) for drive in drives):
         said.append("a closed loop alone tells ratios of lengths, as of track to radius, and no scale")
     for drive in drives:
-        rest, whole = float(drive.dt[at_rest(drive.speeds)].sum()), float(drive.dt.sum())
+        rest, whole = float(drive.dt[at_rest(drive.wheel_speeds)].sum()), float(drive.dt.sum())
         if rest >= RESTED:
             said.append(
                 f"{drive.name} stands for {rest:.1f} s of {whole:.1f} s, which tells nothing: left out"

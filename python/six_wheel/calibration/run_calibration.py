@@ -28,19 +28,21 @@ from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
 from six_wheel.calibration.gyroscope import noise as gyroscope
 from six_wheel.calibration.gyroscope.scale import mistaken, scale
 from six_wheel.calibration.log_checks import slip, units
-from six_wheel.calibration.log_checks.records import with_truth, without_copies
+from six_wheel.calibration.log_checks.copies import without_copies
+from six_wheel.calibration.log_checks.records import with_truth
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
 from six_wheel.calibration.problem import LOSSES, Loss, Problem, Solution
 from six_wheel.calibration.result import Calibration
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.dimensions import Catalogue
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.slip import Stretch
 from six_wheel.logs.detect_reader import as_logs
-from six_wheel.logs.log_options import log_options
+from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.recordings import Reference, WheelLog
 from six_wheel.parallel import Journal, one_thread
 
@@ -62,6 +64,7 @@ def parameter_names(rover: Rover, logs: Sequence[WheelLog] = ()) -> list[str]:
     return Catalogue(rover, heard).names
 
 
+@checked(LogOptions)
 @one_thread()
 def calibrate(
     rover: Rover,
@@ -148,20 +151,22 @@ def calibrate(
     `six_wheel.calibration.fitting.covariance`.
     """
     check_kind("rover", rover)
-    records, copies = without_copies(with_truth(as_logs(logs, rover, log_options(how)), truth))
+    given = with_truth(as_logs(logs, rover, LogOptions(**how)), truth)
     if loss not in ("auto", *LOSSES):
         raise ValueError(f"loss must be one of auto, {', '.join(LOSSES)}, got {loss!r}")
     if not (isinstance(confidence, Real) and 0.0 < confidence < 1.0):
         raise ValueError(f"confidence must be between 0 and 1, got {confidence!r}")
     if not (isinstance(max_time_offset, Real) and np.isfinite(max_time_offset) and max_time_offset > 0.0):
         raise ValueError(f"max_time_offset must be finite and positive, got {max_time_offset!r}")
-    records = [_readable(rover, log, number) for number, log in enumerate(records)]
+    given = [_readable(rover, log, number) for number, log in enumerate(given)]
     lengths = _lengths(rover, window)
-    catalogue = Catalogue(rover, encoders(rover, records))
+    catalogue = Catalogue(rover, encoders(rover, given))
+    records, numbers, copies = without_copies(given)
     asked, margin = _asked(catalogue, parameters, max_time_offset)
     sets = all_candidates(catalogue) if asked is None else [asked]
     prepared = partial(prepare, rover, lengths=lengths, margin=margin)
-    whole, drives = records, [prepared(log, number=number) for number, log in enumerate(records)]
+    whole = records
+    drives = [prepared(log, number=number) for number, log in zip(numbers, records, strict=True)]
     slipped = list[slip.Slip]()
     if loss == "auto":
         model = with_mounts(rover, catalogue.find(sets[0]), drives)
@@ -171,7 +176,7 @@ def calibrate(
         records, drives = _without_slides(records, drives, slipped, prepared)
     checked: CrossValidation | None = None
     if cross_validation or asked is None:
-        folds = _parts(rover, whole[0], slipped, margin, prepared) if len(whole) == 1 else drives
+        folds = _parts(rover, whole[0], numbers[0], slipped, margin, prepared) if len(whole) == 1 else drives
         checked = cross_validate(
             rover, catalogue, sets, folds, loss, lengths, margin, progress, client, workers, journal
         )
@@ -212,9 +217,9 @@ def _without_slides(
 ) -> tuple[list[WheelLog], list[Drive]]:
     """Logs and drives, cut where the rover slid."""
     cut: list[tuple[WheelLog, Drive]] = []
-    for number, (log, drive) in enumerate(zip(records, drives, strict=True)):
-        slides = _slides(slipped, number)
-        again = partial(prepared, number=number)
+    for log, drive in zip(records, drives, strict=True):
+        slides = _slides(slipped, drive.number)
+        again = partial(prepared, number=drive.number)
         cut += slip.clean(log, slides, again, drive.session) if slides else [(log, drive)]
     if not cut:
         raise ValueError(f"logs must hold a stretch without slip: {'; '.join(map(str, slipped))}")
@@ -222,10 +227,15 @@ def _without_slides(
 
 
 def _parts(
-    rover: Rover, log: WheelLog, slipped: Sequence[slip.Slip], margin: float, prepared: Callable[..., Drive]
+    rover: Rover,
+    log: WheelLog,
+    number: int,
+    slipped: Sequence[slip.Slip],
+    margin: float,
+    prepared: Callable[..., Drive],
 ) -> list[Drive]:
     """Parts of a single log in which the rover moves, to be left out one after another."""
-    parts, slides = pieces(log), _slides(slipped, 0)
+    parts, slides = pieces(log), _slides(slipped, number)
     found: list[Drive] = []
     for part, moves in zip(parts, moving(rover, parts, margin), strict=True):
         if moves and slides:
@@ -330,7 +340,7 @@ def _fit(
 def _readable(rover: Rover, log: WheelLog, number: int) -> WheelLog:
     """The log in radians, however it was read."""
     try:
-        return heard(log.in_radians(rover), number)
+        return replace(heard(log.in_radians(rover), number), plausibility=False)  # it was checked
     except ValueError as error:
         who = f"logs[{number}]"
         raise (error if str(error).startswith(who) else ValueError(f"{who}: {error}")) from None

@@ -3,9 +3,13 @@
 Only typer is imported here: ``six-wheel drive --help`` need not wait for NumPy, Arrow or matplotlib.
 """
 
+import contextlib
 import os
+import re
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -21,6 +25,7 @@ from six_wheel.cli.commands.odometry import odometry
 from six_wheel.cli.commands.show import show
 from six_wheel.cli.commands.simulate import simulate
 from six_wheel.cli.commands.traverse import traverse
+from six_wheel.cli.commands.view import view
 from six_wheel.cli.names import COMMANDS, INSTALL, PROGRAM, PURPOSE
 from six_wheel.cli.shared import new_console, progress_bar, with_options
 
@@ -47,7 +52,7 @@ def demo(
     run(output, console=new_console())
 
 
-for command in (check, drive, simulate, inspect, odometry, calibrate, traverse, show, example, replay):
+for command in (check, drive, simulate, inspect, odometry, calibrate, traverse, show, view, example, replay):
     app.command(help=COMMANDS[command.__name__])(with_options(command))
 # Arguments after --ros-args are for ROS to read.
 app.command("node", help=COMMANDS["node"], context_settings=PASSING)(with_options(node))
@@ -63,6 +68,32 @@ def bench() -> None:
     new_console().print(benchmark.table(results))
 
 
+@contextlib.contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """SIGTERM and SIGHUP end the block as an exception, which removes files half written, then the process.
+
+    A handler that somebody else has set, or that a command sets for itself, counts.
+    """
+    numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    main = threading.current_thread() is threading.main_thread()
+    numbers = [number for number in numbers if main and signal.getsignal(number) is signal.SIG_DFL]
+    caught: list[int] = []
+
+    def end(number: int, _frame: object) -> None:
+        caught.append(number)
+        raise SystemExit(128 + number)
+
+    for number in numbers:
+        signal.signal(number, end)
+    try:
+        yield
+    finally:
+        for number in numbers:
+            signal.signal(number, signal.SIG_DFL)
+        if caught:
+            os.kill(os.getpid(), caught[0])
+
+
 def run(arguments: Sequence[str]) -> int:
     """Run a command; whatever is wrong with its input becomes one line on stderr. Returns the exit code."""
     try:
@@ -73,10 +104,13 @@ def run(arguments: Sequence[str]) -> int:
             parent = typer.Context(group, info_name=PROGRAM, **group.context_settings)
             print(command.get_help(typer.Context(command, parent=parent, info_name=arguments[0])))
             return 0
+        if "" in arguments or any(re.fullmatch(r"--[a-z-]+=", argument) for argument in arguments):
+            raise ValueError("an argument must not be empty, got one that is")
         # The core would load NumPy by itself, and panic at a Ctrl-C meanwhile: here it is one.
         import numpy  # noqa: F401
 
-        code = app(list(arguments), prog_name=PROGRAM, standalone_mode=False)
+        with ended_by_signals():
+            code = app(list(arguments), prog_name=PROGRAM, standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
         return 130
     except (

@@ -178,7 +178,9 @@ def machine() -> dict[str, str]:
 
 def jobs() -> list[Comparison]:
     """Jobs that `six-wheel bench` times: one call as in a control loop, and a batch."""
-    core = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
+    core = Rover.six_wheel(
+        front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=0.15
+    )
     plain = reference.Rover.like(core)
     twist = (0.5, 0.0, 0.3)
     twists = np.zeros((ROWS, 3))  # vy = 0 and steering over +-90 degrees: the rover can make every one

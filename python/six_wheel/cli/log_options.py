@@ -26,22 +26,24 @@ ReportOption = Annotated[Path | None, typer.Option(help="Written report, .md, it
 class LogReading(NamedTuple):
     """Options for reading a log, for what it does not state itself."""
 
-    format: Annotated[
+    log_format: Annotated[
         str | None,
         typer.Option(metavar="table|bag|optiodom|...", help="What the log is, if its name does not tell."),
     ] = None
-    reading: Annotated[
+    readings: Annotated[
         str | None,
         typer.Option(
-            metavar="angle|speed|ticks", help="What the columns of the wheels hold, if they do not say."
+            metavar="angles|speeds|ticks", help="What the columns of the wheels hold, if they do not say."
         ),
     ] = None
-    resolution: Annotated[
-        float | None, typer.Option(help="Counts of an encoder in one turn of the motor.")
+    ticks_per_turn: Annotated[
+        float | None, typer.Option(help="Ticks of an encoder in one turn of the motor.")
     ] = None
-    gear: Annotated[float | None, typer.Option(help="Turns of the motor for one of the wheel.")] = None
-    modulus: Annotated[float | None, typer.Option(help="Where a reading begins again, such as 65536.")] = None
-    per_sample: Annotated[bool, typer.Option("--per-sample", help="Rows count from the row before.")] = False
+    gear_ratio: Annotated[float | None, typer.Option(help="Turns of the motor for one of the wheel.")] = None
+    wraps_at: Annotated[float | None, typer.Option(help="Where a reading begins again, such as 65536.")] = (
+        None
+    )
+    increments: Annotated[bool, typer.Option("--increments", help="Rows count from the row before.")] = False
     column: Annotated[
         list[str] | None,
         typer.Option(
@@ -79,7 +81,7 @@ class LogReading(NamedTuple):
         from six_wheel.logs.log_options import LogOptions
 
         said = chosen.parameters
-        counts = {key: getattr(self, key) for key in ("resolution", "gear", "modulus")}
+        counts = {key: getattr(self, key) for key in ("ticks_per_turn", "gear_ratio", "wraps_at")}
         counts = {key: value for key, value in counts.items() if value is not None}
         Encoder(**counts)  # refuses values that no encoder has
         odometry = said.odometry if said else {}
@@ -95,9 +97,11 @@ class LogReading(NamedTuple):
             mapped = all(equals for _, equals, _ in pairs)
             given["topics"] = {topic: meaning for topic, _, meaning in pairs} if mapped else self.topic
         return LogOptions(
-            self.format,
-            self.reading,  # type: ignore[arg-type]
-            (said.encoders if said else {}) | counts | ({"per_sample": True} if self.per_sample else {}),
+            self.log_format,
+            self.readings,  # type: ignore[arg-type]
+            (said.wheel_encoders if said else {})
+            | counts
+            | ({"increments": True} if self.increments else {}),
             said.steering_encoders if said else {},
             given["columns"] or {},
             given["topics"] or (),

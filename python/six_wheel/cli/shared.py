@@ -37,15 +37,26 @@ ResultsOption = Annotated[
     Path | None, typer.Option("-o", "--output", help="Where the results go: .csv, .parquet or .mcap.")
 ]
 NodeOption = Annotated[
-    str | None, typer.Option(help="Node whose parameters to read, if the file has several.")
-]
-AsOption = Annotated[
     str | None,
-    typer.Option("--as", metavar="KIND", help="Kind or controller whose keys the file has, if unclear."),
+    typer.Option("--parameters-node", help="Node whose parameters to read, if the file has several."),
+]
+KindOption = Annotated[
+    str | None,
+    typer.Option(metavar="KIND", help="Kind or controller whose keys the file has, if unclear."),
 ]
 RadiusOption = Annotated[
     float | None, typer.Option(help="Radius of the wheels [m], for a URDF that does not tell it.")
 ]
+
+
+WRITTEN = (
+    "output",
+    "plot",
+    "plot_speeds",
+    "report",
+    "layout",
+    "export",
+)  # parameters that name files to write
 
 
 def with_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -66,14 +77,32 @@ def with_options(command: Callable[..., None]) -> Callable[..., None]:
             flat[option] = inspect.Parameter(option, parameter.KEYWORD_ONLY, default=default, annotation=hint)
 
     def run(**given: Any) -> None:
+        from six_wheel.logs.writing import check_outputs, together
+
+        outputs = {name: given[name] for name in WRITTEN if given.get(name) is not None}
+        sources = [path for name in given.keys() - outputs for path in _files(given[name])]
+        check_outputs(outputs, sources)
         for name, group in groups.items():
             given[name] = group(*(given.pop(option) for option in group._fields))
-        command(**given)
+        with together(sources):
+            command(**given)
 
     run.__signature__ = signature.replace(parameters=list(flat.values()))  # type: ignore[attr-defined]
     run.__annotations__ = {name: parameter.annotation for name, parameter in flat.items()}
     run.__name__ = command.__name__
     return run
+
+
+def _files(value: object) -> list[Path]:
+    """Files that a value of an argument names."""
+    several = value if isinstance(value, list | tuple) else [value]
+    paths = [Path(each) for each in several if isinstance(each, str | Path)]
+    found = []
+    for path in paths:
+        with contextlib.suppress(OSError, ValueError):  # a text that can be no path
+            if path.is_file():
+                found.append(path)
+    return found
 
 
 def warn(warnings: Sequence[object]) -> None:
@@ -86,7 +115,7 @@ class Reading(NamedTuple):
     """Options for reading a rover's file, for what it does not state itself."""
 
     node: NodeOption = None
-    as_: AsOption = None
+    kind: KindOption = None
     wheel_radius: RadiusOption = None
 
 
@@ -131,7 +160,7 @@ def choose(argument: str, reading: Reading = Reading()) -> Chosen:  # noqa: B008
     if path.is_file() or path.suffix:
         from six_wheel.robot_description.parameters.file import read_parameters
 
-        parameters = read_parameters(path, node=reading.node, kind=reading.as_)
+        parameters = read_parameters(path, node=reading.node, kind=reading.kind)
         return Chosen(parameters.rover, path.stem, path, parameters)
     from six_wheel._core import Rover
 
@@ -154,8 +183,7 @@ def choose_suspension(argument: str, reading: Reading = Reading()) -> "tuple[Roc
     if argument in SUSPENDED:
         from six_wheel._core import RockerBogie
 
-        arm: RockerBogie = getattr(RockerBogie, argument)()
-        return arm, argument
+        return RockerBogie.preset(argument), argument
     chosen = choose(argument, reading)
     if chosen.rover.suspension is None:
         raise ValueError(

@@ -82,7 +82,7 @@ def _odometry(loop: Loop) -> dict[str, str]:
     }
     if (bias := loop.gyroscope_bias) is not None:
         said["bias of the gyroscope"] = "{:.4g} +- {:.2g} rad/s".format(*bias)
-    slips = zip(loop.settings.rover.wheel_names, state.residual.tolist(), strict=True)
+    slips = zip(loop.settings.rover.wheel_names, state.residuals.tolist(), strict=True)
     return said | {f"slip of {wheel} [m/s]": f"{slip:.4f}" for wheel, slip in slips}
 
 

@@ -49,7 +49,7 @@ class JointReader:
         self._positions = positions
         self._factors = list(factors)
         # A wheel without a motor may report under its own name.
-        self._joints = [steering[wheel] for wheel in rover.steered_names]
+        self._joints = [steering[wheel] for wheel in rover.steered_wheel_names]
         self._steered = len(self._joints)
         self._joints += [traction.get(wheel, wheel) for wheel in rover.wheel_names]
         self._signs = [-1.0 if joint in rover.reversed_joints else 1.0 for joint in self._joints]

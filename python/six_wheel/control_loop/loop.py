@@ -63,7 +63,7 @@ class Loop:
         self._halted = False  # for a controller yet to be made
         self._last: Step | None = None  # with commands, while they are in force
         rover = settings.rover
-        steered, wheels = list(rover.steered_names), list(rover.wheel_names)
+        steered, wheels = list(rover.steered_wheel_names), list(rover.wheel_names)
         # Commands go out in the order and with the signs of the file's joints, not of the rover's wheels.
         sign = dict.fromkeys(rover.reversed_joints, -1.0)
         self._steering_out, self._traction_out = (
@@ -234,9 +234,9 @@ class Loop:
         now = self._move_on(now)
         self._halted = self.halted
         last, self._last, self._controller, self.active = self._last, None, None, False
-        if last is None or last.speeds is None:
+        if last is None or last.wheel_speeds is None:
             return None
-        rest = [0.0] * len(last.speeds)
+        rest = [0.0] * len(last.wheel_speeds)
         return Step(now, last.steering, rest, (0.0, 0.0, 0.0), int(Reason.HALTED), None, None)
 
     @property
@@ -248,7 +248,7 @@ class Loop:
     def stopped(self) -> bool:
         """True if the commands that are in force move nothing."""
         if self._controller is None:
-            return self._last is None or self._last.speeds is None or not any(self._last.speeds)
+            return self._last is None or self._last.wheel_speeds is None or not any(self._last.wheel_speeds)
         return self._controller.stopped
 
     @property
@@ -361,7 +361,7 @@ class Loop:
             output = controller.step(seconds)
         steering = speeds = None
         if not silent:
-            angles, rates = output.steering.tolist(), output.speeds.tolist()
+            angles, rates = output.steering.tolist(), output.wheel_speeds.tolist()
             steering = [sign * angles[k] for sign, k in self._steering_out]
             speeds = [sign * rates[k] for sign, k in self._traction_out]
             if send is not None:
@@ -394,6 +394,6 @@ class Loop:
         assert joint is not None
         assert errors is not None
         sign = -1.0 if joint in rover.reversed_joints else 1.0
-        error = sign * float(errors[rover.steered_names.index(rover.steering_joints[joint])])
+        error = sign * float(errors[rover.steered_wheel_names.index(rover.steering_joints[joint])])
         self.stuck = joint, error
         self.faults.add("joints", ERROR, f"joint {joint} must follow its command", f"{error:.3g} rad off it")

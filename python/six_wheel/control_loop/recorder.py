@@ -54,8 +54,8 @@ class Recorder:
     def step(self, step: Step) -> None:
         """Record the outputs of a step."""
         record, now = self.record, step.now
-        if step.steering is not None and step.speeds is not None:
-            record.commands(now, step.steering, step.speeds)
+        if step.steering is not None and step.wheel_speeds is not None:
+            record.commands(now, step.steering, step.wheel_speeds)
             record.limited(now, step.twist)
             record.reasons(now, step.reasons)
         if step.state is not None and step.stamp is not None:
@@ -68,7 +68,7 @@ class Recorder:
                 state.covariance_6x6().ravel().tolist(),
                 state.twist_covariance_6x6().ravel().tolist(),
             )
-            record.slip(now, state.residual.tolist())
+            record.slip(now, state.residuals.tolist())
 
     def diagnostics(self, now: int, statuses: Sequence[tuple[int, str, str, Mapping[str, str]]]) -> None:
         """A report."""

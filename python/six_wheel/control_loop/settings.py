@@ -118,18 +118,22 @@ class Settings:
         learnt of that of the gyroscope, with its deviation [rad/s]."""
         said, rover = self.parameters, self.rover
         readings = "angles" if self.options.position_feedback else "speeds"
-        if said.encoders.get("per_sample"):
+        if said.wheel_encoders.get("increments"):
             readings = "increments"
         options: dict[str, Any] = dict(said.odometry) | {"dimensions": said.dimensions}
         if self.listens and (gyroscope := said.known_gyroscope) is not None:
             if bias is not None:
                 gyroscope = changed(gyroscope, bias=bias[0], bias_noise=bias[1])
             options["gyroscope"] = with_readings_apart(gyroscope, said.gyroscope.get("period"), apart)
-        if said.encoders:
-            _, scale = corrections(rover, said.encoders)
-            known = encoders_of(rover, "wheel", said.encoders) or dict.fromkeys(rover.wheel_names, Encoder())
+        if said.wheel_encoders:
+            _, scale = corrections(rover, said.wheel_encoders)
+            known = encoders_of(rover, "wheel", said.wheel_encoders) or dict.fromkeys(
+                rover.wheel_names, Encoder()
+            )
             options["wheel_encoders"] = {
-                wheel: Encoder(each.resolution, gear=each.gear / scale, modulus=each.modulus)
+                wheel: Encoder(
+                    each.ticks_per_turn, gear_ratio=each.gear_ratio / scale, wraps_at=each.wraps_at
+                )
                 for wheel, each in known.items()
             }
         return Odometry(rover, Noise(**said.noise), readings=readings, **options)  # type: ignore[arg-type]
@@ -138,11 +142,11 @@ class Settings:
         """For every steered wheel the factor and the offset that make its reading an angle [rad]."""
         said, rover = self.parameters, self.rover
         known = encoders_of(rover, "steering", said.steering_encoders)
-        gains, _ = corrections(rover, said.encoders)
+        gains, _ = corrections(rover, said.wheel_encoders)
         factors = []
-        for wheel, gain in zip(rover.steered_names, gains.tolist(), strict=True):
+        for wheel, gain in zip(rover.steered_wheel_names, gains.tolist(), strict=True):
             each = known.get(wheel, Encoder())
-            factors.append((gain * each.angle_per_count, gain * each.offset))
+            factors.append((gain * each.angle_per_tick, gain * each.offset))
         return factors
 
 
@@ -223,5 +227,5 @@ def own_text(said: Parameters) -> str:
     """A parameter file with this package's own keys that says the same."""
     frames = {"odom_frame_id": said.odom_frame_id, "base_frame_id": said.base_frame_id}
     text = dump(said.rover, limits=said.limits, control=said.control, **frames)
-    groups = ("noise", "encoders", "steering_encoders", "odometry", "gyroscope", "truth", "calibration")
+    groups = ("noise", "wheel_encoders", "steering_encoders", "odometry", "gyroscope", "truth", "calibration")
     return with_changes(text, None, {key: dict(getattr(said, key)) for key in groups if getattr(said, key)})

@@ -18,8 +18,8 @@ class Step(NamedTuple):
     ----------
     now : int
         Its time [ns].
-    steering, speeds : list of float, or None
-        Joint commands in the order of `Rover.command_joints` [rad, rad/s]; None where nothing is commanded.
+    steering, wheel_speeds : list of float, or None
+        Joint commands in the order of `Rover.joint_names` [rad, rad/s]; None where nothing is commanded.
     twist : tuple of float
         The motion they make.
     reasons : int
@@ -31,7 +31,7 @@ class Step(NamedTuple):
 
     now: int
     steering: list[float] | None
-    speeds: list[float] | None
+    wheel_speeds: list[float] | None
     twist: tuple[float, float, float]
     reasons: int
     stamp: int | None

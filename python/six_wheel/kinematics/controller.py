@@ -53,7 +53,7 @@ class Reason(TextFlag):
     JOINT_STUCK = 1 << 22, "a steering joint does not follow its commands: `worst_joint`"
 
     def __str__(self) -> str:
-        return super().__str__() or "as commanded"
+        return super().__str__() or "none"
 
 
 def reason_names(reasons: int) -> str:

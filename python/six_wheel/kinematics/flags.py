@@ -25,7 +25,7 @@ class TextFlag(NamedFlag):
     def __new__(cls, value: int, text: str = "") -> "TextFlag":
         member = int.__new__(cls, value)
         member._value_ = value
-        member._text = text
+        member._text = member.__doc__ = text
         return member
 
     @property

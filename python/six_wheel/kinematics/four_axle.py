@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, SupportsFloat, TypeAlias
 
 from six_wheel._core import FourAxle
 from six_wheel.kinematics import rover_edit
+from six_wheel.kinematics.objects.short_text import short_repr
 
 if TYPE_CHECKING:
     import numpy as np
@@ -42,9 +43,9 @@ class FourAxleState:
 
     Parameters
     ----------
-    angles : sequence of float, length 4
+    steering : sequence of float, length 4
         Headings of the wheels in the body [rad].
-    front, rear : {'locked', 'free'}
+    front_brake, rear_brake : {'locked', 'free'}
         Brakes of the two pairs.
     pose : sequence of float, length 3
         x, y, yaw of the body in the world [m, m, rad].
@@ -55,9 +56,9 @@ class FourAxleState:
         If a number is not finite, there are too few or too many, or a brake is neither locked nor free.
     """
 
-    angles: Four = (0.0, 0.0, 0.0, 0.0)
-    front: Brake = "locked"
-    rear: Brake = "locked"
+    steering: Four = (0.0, 0.0, 0.0, 0.0)
+    front_brake: Brake = "locked"
+    rear_brake: Brake = "locked"
     pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def replace(self, **changes: Any) -> Self:
@@ -68,9 +69,9 @@ class FourAxleState:
         return rover_edit.replace(self, **changes)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "angles", _numbers("angles", self.angles, 4))
+        object.__setattr__(self, "steering", _numbers("steering", self.steering, 4))
         object.__setattr__(self, "pose", _numbers("pose", self.pose, 3))
-        _check_brakes(self.front, self.rear)
+        _check_brakes(self.front_brake, self.rear_brake)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,9 +84,9 @@ class FourAxleStep:
         What it is for, such as "free rear" or "turn rear".
     duration : float
         For how long [s]; 0 for a brake alone.
-    front, rear : {'locked', 'free'}
+    front_brake, rear_brake : {'locked', 'free'}
         Brakes during the step.
-    speeds : sequence of float or None, length 4
+    wheel_speeds : sequence of float or None, length 4
         Wheel speeds [rad/s]; None where the drive follows, turning as the ground makes it turn. `simulate`
         tells at which speeds it does.
     end : FourAxleState, optional
@@ -99,9 +100,9 @@ class FourAxleStep:
 
     action: str
     duration: float
-    front: Brake
-    rear: Brake
-    speeds: tuple[float | None, float | None, float | None, float | None]
+    front_brake: Brake
+    rear_brake: Brake
+    wheel_speeds: tuple[float | None, float | None, float | None, float | None]
     end: FourAxleState | None = None
 
     def replace(self, **changes: Any) -> Self:
@@ -112,17 +113,17 @@ class FourAxleStep:
         return rover_edit.replace(self, **changes)
 
     def __post_init__(self) -> None:
-        given = _numbers("speeds", [0.0 if speed is None else speed for speed in self.speeds], 4)
-        speeds = (None if old is None else new for old, new in zip(self.speeds, given, strict=True))
-        object.__setattr__(self, "speeds", tuple(speeds))
+        given = _numbers("wheel_speeds", [0.0 if speed is None else speed for speed in self.wheel_speeds], 4)
+        speeds = (None if old is None else new for old, new in zip(self.wheel_speeds, given, strict=True))
+        object.__setattr__(self, "wheel_speeds", tuple(speeds))
         (duration,) = _numbers("duration", [self.duration], 1)
         if duration < 0.0:
             raise ValueError(f"duration must be finite and not negative, got {duration}")
         object.__setattr__(self, "duration", duration)
-        _check_brakes(self.front, self.rear)
+        _check_brakes(self.front_brake, self.rear_brake)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class TurnSequence:
     """Steps that re-aim the axles, each checked at the angles where it begins. Iterates over them."""
 
@@ -131,6 +132,11 @@ class TurnSequence:
     """True where the robot has to stand during the step."""
     reason: str
     """Why it stops or goes a roundabout way; empty if it does neither."""
+
+    def __repr__(self) -> str:
+        actions = " ".join(step.action for step in self.steps)
+        found = {"steps": len(self.steps), "duration": self.duration, "stops": self.stops}
+        return short_repr("TurnSequence", found | {"reason": self.reason, "actions": actions})
 
     def __iter__(self) -> Iterator[FourAxleStep]:
         return iter(self.steps)
@@ -144,30 +150,29 @@ class TurnSequence:
         return math.fsum(step.duration for step in self.steps)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FourAxleMobility:
     """Mobility of the robot with its axles locked at some angles, from the rank of the side-slip rows."""
 
     rank: int
     """Rank of the four side-slip rows; 3 means locked."""
-    degree: int
+    degree_of_mobility: int
     """Independent motions left: 3 - rank."""
     singular_values: Floats
     """Of those rows, in their units, descending, shape (3,)."""
     motion: Floats
-    """The free motions, shape (degree, 3): twists that move the hinges at 1 m/s (root mean square)."""
+    """The free motions, shape (degree_of_mobility, 3): twists with the pivots at 1 m/s (root mean square)."""
     slip: float
     """Side slip of the least slipping motion per distance driven (both root mean square over the wheels)."""
     margin: float
     """Slip to spare: the vehicle's tolerance less the slip. Negative where a lock is refused."""
 
-    @property
-    def degree_of_mobility(self) -> int:
-        """`degree`, by its name in `Mobility`."""
-        return self.degree
+    def __repr__(self) -> str:
+        names = ("rank", "degree_of_mobility", "slip", "margin", "singular_values", "motion")
+        return short_repr("FourAxleMobility", {name: getattr(self, name) for name in names})
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FourAxleMotion:
     """Motion of body and pivots at some wheel speeds."""
 
@@ -175,15 +180,19 @@ class FourAxleMotion:
     """Of the body: vx, vy, omega, shape (3,) [m/s, m/s, rad/s]."""
     pivot_rates: Floats
     """Of the axles in the body, shape (4,) [rad/s]; 0 where locked."""
-    speeds: Floats
+    wheel_speeds: Floats
     """Of all wheels, the following ones included, shape (4,) [rad/s]."""
-    residual: Floats
+    residuals: Floats
     """Speed at which each contact slides, shape (4,) [m/s]."""
     rank: int
     """Unknowns of body and free pivots that the wheels determine: all of them."""
 
+    def __repr__(self) -> str:
+        names = ("twist", "pivot_rates", "wheel_speeds", "residuals", "rank")
+        return short_repr("FourAxleMotion", {name: getattr(self, name) for name in names})
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FourAxleSimulation:
     """A simulated drive: n samples, the first of which is the start."""
 
@@ -191,22 +200,26 @@ class FourAxleSimulation:
     """The vehicle that drove."""
     steps: tuple[FourAxleStep, ...]
     """The steps that were simulated."""
-    times: Floats
+    stamps: Floats
     """Since the beginning, shape (n,) [s]."""
     poses: Floats
     """x, y, yaw in the world, shape (n, 3) [m, m, rad]."""
-    angles: Floats
+    steering: Floats
     """Of the axles in the body, shape (n, 4) [rad]."""
     twists: Floats
     """Of the body, shape (n, 3), as the step that leads to the sample ends; the first as its step begins."""
-    speeds: Floats
+    wheel_speeds: Floats
     """Of all wheels, shape (n, 4) [rad/s]; what to feed to drives that have to follow."""
-    residual: Floats
+    residuals: Floats
     """Speed at which each contact slides, shape (n, 4) [m/s]."""
     ends: NDArray[np.int64]
     """Row in which each step ends, shape (steps,)."""
     final: FourAxleState
     """State after the last step."""
+
+    def __repr__(self) -> str:
+        found = {"steps": len(self.steps), "samples": len(self.stamps), "pose": tuple(self.final.pose)}
+        return short_repr("FourAxleSimulation", found | {"steering": tuple(self.final.steering)})
 
 
 def _numbers(name: str, values: Sequence[SupportsFloat], count: int) -> tuple[float, ...]:
@@ -218,6 +231,6 @@ def _numbers(name: str, values: Sequence[SupportsFloat], count: int) -> tuple[fl
 
 
 def _check_brakes(front: str, rear: str) -> None:
-    for name, brake in (("front", front), ("rear", rear)):
+    for name, brake in (("front_brake", front), ("rear_brake", rear)):
         if brake not in ("locked", "free"):
             raise ValueError(f"{name} must be 'locked' or 'free', got {brake!r}")

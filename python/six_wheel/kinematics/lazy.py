@@ -27,7 +27,10 @@ def attach(package: str, modules: Mapping[str, Sequence[str]]) -> Lookup:
         elif name in inner:
             value = import_module(f"{package}.{name}")
         else:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            from six_wheel.kinematics.keywords import did_you_mean
+
+            hint = "" if name.startswith("_") else did_you_mean(name, names())
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}")
         setattr(sys.modules[package], name, value)  # from now on without a detour
         return value
 

@@ -8,6 +8,7 @@ State(value=0.5, velocity=1.0, acceleration=0.0, jerk=-4.0)
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from six_wheel._core import BodyTransition, IcrTransition, ModuleTransition, Profile
+from six_wheel.kinematics.objects.short_text import short_repr
 
 if TYPE_CHECKING:
     import numpy as np
@@ -73,7 +74,7 @@ class TransitionState(NamedTuple):
     """``[vx, vy, omega]``, shape (..., 3) [m/s, m/s, rad/s]; of modules, the one that fits them best."""
     steering: Floats
     """Angles of the steered wheels, shape (..., steered wheels) [rad]."""
-    speeds: Floats
+    wheel_speeds: Floats
     """Wheel speeds, shape (..., wheels) [rad/s]."""
     steering_rates: Floats
     """Shape (..., steered wheels) [rad/s]."""
@@ -81,6 +82,9 @@ class TransitionState(NamedTuple):
     """Shape (..., steered wheels) [rad/s^2]."""
     scrub: Floats
     """Largest sliding speed of a wheel under the twist that fits all wheels best [m/s]."""
+
+    def __repr__(self) -> str:
+        return short_repr("TransitionState", self._asdict())
 
 
 class Phase(NamedTuple):

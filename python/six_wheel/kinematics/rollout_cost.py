@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
+from six_wheel.kinematics.objects.short_text import short_repr
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -22,3 +24,6 @@ class RolloutCost(NamedTuple):
     """Largest steering rate, shape (..., k) [rad/s]."""
     scrub: Floats
     """Largest speed at which a wheel slides sideways, shape (..., k) [m/s]."""
+
+    def __repr__(self) -> str:
+        return short_repr("RolloutCost", self._asdict())

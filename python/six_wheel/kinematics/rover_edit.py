@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import Any, TypeVar
 
 from six_wheel._core import Limits, Rover, Wheel, without_questions
+from six_wheel.kinematics.keywords import unknown_keyword
 
 __all__ = ["joints_as_given", "limits_given", "replace", "replace_in_rover", "with_wheels"]
 
@@ -95,8 +96,7 @@ def _parameters(make: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
 def _check_names(value: object, changes: Iterable[str], names: Collection[str]) -> None:
     for name in changes:
         if name not in names:
-            call = f"{type(value).__name__}.replace()"
-            raise TypeError(f"{call} has no argument {name!r}; there are {', '.join(names)}")
+            raise TypeError(unknown_keyword(f"{type(value).__name__}.replace", name, names))
 
 
 def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
@@ -118,7 +118,7 @@ def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
 def joints_as_given(rover: Rover) -> tuple[dict[str, str], dict[str, str]]:
     """Steering and traction joints to their wheels, in the order in which they were given."""
     steering, traction = rover.steering_joints, rover.traction_joints
-    order = rover.command_joints
+    order = rover.joint_names
     return (
         {joint: steering[joint] for joint in order if joint in steering},
         {joint: traction[joint] for joint in order if joint in traction},

@@ -20,7 +20,7 @@ from six_wheel.log_odometry.run_log import reckon
 from six_wheel.logs.detect_reader import logs_in
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.tables import table_format
-from six_wheel.logs.writing import remove_leftovers
+from six_wheel.logs.writing import remove_leftovers, together
 from six_wheel.parallel import Failure, Journal, spread
 
 __all__ = ["FleetLog", "reckon_all"]
@@ -151,15 +151,16 @@ def reckon_all(
 def reckon_one(job: LogTask) -> dict[str, Any]:
     """One log, where the worker is; its track is in place before this returns."""
     job.track.parent.mkdir(parents=True, exist_ok=True)
-    result = reckon(
-        job.rover,
-        job.path,
-        job.track,
-        truth=job.truth,
-        log_options=job.log_options,
-        settings=job.settings,
-        length=job.length,
-    )
+    with together():
+        result = reckon(
+            job.rover,
+            job.path,
+            job.track,
+            truth=job.truth,
+            log_options=job.log_options,
+            settings=job.settings,
+            length=job.length,
+        )
     judged = result.placed if result.evaluation is None else result.evaluation.first
     return {
         "rows": result.rows,

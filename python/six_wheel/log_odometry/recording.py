@@ -31,7 +31,7 @@ class TrackRecord:
         self._origin = origin
         steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
         traction = {wheel: joint for joint, wheel in rover.traction_joints.items()}
-        self._names = [steering[wheel] for wheel in rover.steered_names]
+        self._names = [steering[wheel] for wheel in rover.steered_wheel_names]
         self._names += [traction.get(wheel, wheel) for wheel in rover.wheel_names]
         self._signs = [-1.0 if joint in rover.reversed_joints else 1.0 for joint in self._names]
         self._record = RoverRecord(path, rover, "odometry", parameters)

@@ -67,7 +67,7 @@ class _Run:
         self.record: TrackRecord | None = None
         self.log = log
         self._options = options
-        self._gains, self._scale = corrections(log.rover, options.encoders)
+        self._gains, self._scale = corrections(log.rover, options.wheel_keys)
         self.result = Reckoned(log.path.name, log.rover)
         self._settings = settings
         self._odometry: Odometry | None = None  # until it is known what the log holds

@@ -13,7 +13,8 @@ from typing import Any, Self, TypeAlias
 
 import numpy as np
 
-from six_wheel._core import Encoder, Rover
+from six_wheel._core import Rover
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.odometry.headers.joint_columns import Reading
 from six_wheel.kinematics.odometry.plausibility.arrays import array_checks, check_arrays
@@ -23,8 +24,9 @@ from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.joint_sources import JointSource, refuse_counts
+from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.joints import JointLog, JointRows
-from six_wheel.logs.log_options import LogOptions, corrections, encoders_of
+from six_wheel.logs.log_options import LogOptions, corrections, encoders_of, encoders_or_keys
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Findings
 from six_wheel.logs.tables import FORMATS, READ
@@ -68,7 +70,7 @@ class Reader:
 def _optiodom(path: Path, rover: Rover) -> WheelLog:
     """An OptiOdom run, if it is one of this rover's."""
     nominal = optiodom.read_rover(path)
-    if nominal.wheel_names != rover.wheel_names or nominal.steered_names != rover.steered_names:
+    if nominal.wheel_names != rover.wheel_names or nominal.steered_wheel_names != rover.steered_wheel_names:
         theirs, ours = (", ".join(each.wheel_names) for each in (nominal, rover))
         raise TableError(f"{path}: the wheels must be {theirs}, as the run has them, got {ours}")
     return optiodom.read(path)
@@ -154,51 +156,50 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
     if kind in READERS:
         return WholeLog(path, rover, kind)
     if is_bag(path) != (kind == "bag"):
-        of_table = f"a file ending in {' or '.join(READ)}"
-        what = "a folder or .mcap or .db3 file" if kind == "bag" else of_table
-        raise TableError(f"{path}: the format {kind} is {what}")
+        tables = " or ".join(READ)
+        form = "a folder or .mcap or .db3 file" if kind == "bag" else f"a file ending in {tables}"
+        raise TableError(f"{path}: the format {kind} is {form}")
     return _joint_log(path, rover, options)
 
 
 def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     """A joint log whose readings the encoders of the options make angles, as far as they are meant for it.
 
-    The headers tell counts from radians: encoders with a resolution are for counts, others for radians.
-    Messages have no units: there a resolution says that they are counts.
+    The headers tell counts from radians: encoders with ticks per turn are for counts, others for radians.
+    Messages have no units: there `ticks_per_turn` says that they are counts.
     """
     columns, topics = options.columns or None, options.topics or None
     source = JointSource(
         path,
         rover,
-        options.reading,
+        options.readings,
         columns,
         topics,
         options.gyroscope,
         options.frame,
         options.stamp_unit,
     )
-    counts = {"wheel": source.reading == "ticks", "steering": bool(source.counted)}
-    found: dict[str, dict[str, Encoder]] = {"wheel": {}, "steering": {}}
+    counts = {"wheel": source.readings == "ticks", "steering": bool(source.counted)}
+    found: dict[str, Encoders] = {}
     try:
-        direct = {"wheel": options.wheel_encoders, "steering": options.joint_encoders}
-        for part, keys in (("wheel", options.encoders), ("steering", options.steering_encoders)):
-            if direct[part] is not None:
+        for part, given in (("wheel", options.wheel_encoders), ("steering", options.steering_encoders)):
+            found[part], keys = encoders_or_keys(given)
+            if found[part] is not None:
                 continue
-            counted = "resolution" in keys
+            counted = "ticks_per_turn" in keys
             if counts[part] and not counted:
                 refuse_counts(source, part, keys)
             # Speeds are those of the joints: of wheels there is nothing to count, nor are angles turned.
-            meant = counts[part] or source.bagged if counted else source.reading != "speed"
-            if meant and not (part == "wheel" and source.reading == "speed"):
+            meant = counts[part] or source.bagged if counted else source.readings != "speeds"
+            if meant and not (part == "wheel" and source.readings == "speeds"):
                 found[part] = encoders_of(rover, part, keys)
     except BaseException:
         source.close()
         raise
-    increments = options.encoders.get("per_sample")
-    increments = increments if found["wheel"] or direct["wheel"] or source.reading == "angle" else None
+    increments = options.wheel_keys.get("increments")
+    increments = increments if found["wheel"] or source.readings == "angles" else None
     bounds = {"max_speed": options.max_speed, "max_gap": options.max_gap}
-    wheels = direct["wheel"] or found["wheel"] or None
-    steering = direct["steering"] or found["steering"] or None
+    wheels, steering = found["wheel"] or None, found["steering"] or None
     return JointLog.of_source(source, wheels, steering, increments, options.plausibility, bounds)
 
 
@@ -235,16 +236,20 @@ def _as_log(source: Any, rover: Rover, options: LogOptions, number: int) -> Whee
         return read_log(source, rover, options)[0]
     if not is_table(source):
         raise TypeError(f"logs must be Logs, paths or tables of columns, got {type(source).__name__}")
-    given = {"wheel_encoders": options.wheel_encoders, "steering_encoders": options.joint_encoders}
-    if options.reading == "speed":
+    found = {"wheel_encoders": options.wheel_encoders, "steering_encoders": options.steering_encoders}
+    given: dict[str, Any] = {}
+    for (name, values), part in zip(found.items(), ("wheel", "steering"), strict=True):
+        direct, keys = encoders_or_keys(values)
+        if encoders := direct or encoders_of(rover, part, keys):
+            given[name] = encoders
+    if options.readings == "speeds":
         given["readings"] = "speeds"
-    given = {name: value for name, value in given.items() if value is not None}
-    how = {"stamp_unit": options.stamp_unit, "plausibility": options.plausibility}
-    read = table(rover, source, options.columns or None, {}, given, **how)
+    columns, clock = options.columns or None, options.stamp_unit
+    read = table(rover, source, columns, {}, given, stamp_unit=clock, plausibility=options.plausibility)
     pieces = list(read.pieces)
     if read.readings == "speeds":
         given["readings"] = "speeds"
-    steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_names else None
+    steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_wheel_names else None
     stamps = np.concatenate([piece.stamps for piece in pieces])
     wheels = np.concatenate([piece.wheels for piece in pieces])
     return WheelLog(stamps, steering, wheels, options=given, plausibility=False)
@@ -258,6 +263,7 @@ def _check_log(log: WheelLog, rover: Rover, number: int) -> None:
         raise ValueError(f"logs[{number}]: {error}") from None
 
 
+@checked(LogOptions)
 def read_log(
     path: str | os.PathLike[str],
     rover: Rover,
@@ -287,13 +293,11 @@ def read_log(
     TableError
         If log or truth cannot be used.
     """
-    if "steering_encoders" in how:
-        how["joint_encoders"] = how.pop("steering_encoders")
     path, options = Path(path), replace(options or LogOptions(), **how)
     session = str(path.parent)
     with open_log(path, rover, options) as log:
         whole = log.read(truth=truth, truth_topic=options.truth_topic, session=session, progress=progress)
-    gains, scale = corrections(rover, options.encoders)
+    gains, scale = corrections(rover, options.wheel_keys)
     steering = None if whole.steering is None else whole.steering * gains
     known = None if whole.truth is None else options.of_body(whole.truth)
     return replace(whole, steering=steering, wheel_angles=whole.wheel_angles * scale, truth=known), log
@@ -317,7 +321,7 @@ class WholeLog:
         If the file is no such log, or of another rover.
     """
 
-    reading: Reading = "ticks"
+    readings: Reading = "ticks"
     origin = 0
     truth_findings: Findings | None = None
 
@@ -359,22 +363,20 @@ class WholeLog:
         for start in range(0, len(log), chunk_rows):
             part = slice(start, start + chunk_rows)
             rows = np.arange(start, min(start + chunk_rows, len(log))) + 1
-            steering = None if log.steering is None else log.steering[part]
-            poses = None if truth is None else truth.poses[part]
+            poses = None if truth is None else truth.poses
+            some = [None if each is None else each[part] for each in (log.steering, poses, log.yaw_rate)]
             self.position = int(rows[-1])
-            rates = None if log.yaw_rate is None else log.yaw_rate[part]
-            yield JointRows(rows, log.stamps[part], steering, log.wheel_angles[part], poses, rates)
+            yield JointRows(rows, log.stamps[part], some[0], log.wheel_angles[part], *some[1:])
 
     def read(self, *, truth: Path | None = None, truth_topic: str | None = None, **_: Any) -> WheelLog:
         """The whole run, with its own truth unless another is given."""
-        self.position = self.size
-        if truth is None:
-            return self._log
-        stamps, poses, self.truth_findings = read_truth(truth, topic=truth_topic)
-        return replace(self._log, truth=GroundTruth(stamps, poses))
+        self.position, log = self.size, self._log
+        if truth is not None:
+            stamps, poses, self.truth_findings = read_truth(truth, topic=truth_topic)
+            log = replace(log, truth=GroundTruth(stamps, poses))
+        return log
 
 
 def example_run() -> Path:
     """The run that comes with this package; see logs/data/README.md."""
-    (run,) = optiodom.runs(Path(str(resources.files("six_wheel.logs") / "data" / "optiodom")))
-    return run
+    return optiodom.runs(Path(str(resources.files("six_wheel.logs") / "data" / "optiodom")))[0]

@@ -37,7 +37,7 @@ class JointSource:
         Of the joints, and of the truth and the gyroscope if a table has them.
     rates : Source or None
         Of a gyroscope whose readings have other stamps than the rows.
-    reading : {"angle", "speed", "ticks"}
+    readings : {"angles", "speeds", "ticks"}
         What the wheels are read as.
     names : sequence of str
         Values of a row: ``"wheel NAME"``, ``"steering NAME"`` and others.
@@ -58,7 +58,7 @@ class JointSource:
         self,
         path: Path,
         rover: Rover,
-        reading: Reading | None = None,
+        readings: Reading | None = None,
         columns: Columns | None = None,
         topics: Topics | None = None,
         gyroscope: Mapping[str, Any] | None = None,
@@ -77,7 +77,9 @@ class JointSource:
         self.rates: Source | None = None
         self.names: Sequence[str]
         self.bagged = is_bag(path)
-        silent = self._open_bag(reading, topics, frame) if self.bagged else self._open_table(reading, columns)
+        silent = (
+            self._open_bag(readings, topics, frame) if self.bagged else self._open_table(readings, columns)
+        )
         if silent:
             self.warnings.append(f"{path}: no readings of {', '.join(silent)}: taken as without encoder")
 
@@ -103,24 +105,23 @@ class JointSource:
 
         def wraps(encoders: Encoders) -> bool:
             each = encoders.values() if isinstance(encoders, Mapping) else [encoders]
-            return any(encoder is not None and encoder.modulus is not None for encoder in each)
+            return any(encoder is not None and encoder.wraps_at is not None for encoder in each)
 
         each = list(wheels.values()) if isinstance(wheels, Mapping) else [wheels]
-        kinds = {"angle": "angles", "speed": "speeds", "ticks": "ticks"}
         return Readings(
             self.rover,
-            kind="increments" if increments else kinds[self.reading],
+            kind="increments" if increments else self.readings,
             wheels=columns_of("wheel", self.rover.wheel_names),
-            steering=columns_of("steering", self.rover.steered_names),
+            steering=columns_of("steering", self.rover.steered_wheel_names),
             time=self.columns["time"].header if "time" in self.columns else "stamps",
             named=not self.bagged,
             clock_stated=self.stated,
-            wheels_stated=self.reading == "ticks" or stated("wheel", wheels),
+            wheels_stated=self.readings == "ticks" or stated("wheel", wheels),
             steering_stated=stated("steering", steering),
             wraps=wraps(wheels),
             steering_wraps=wraps(steering),
-            counts_unknown=self.reading == "ticks" and not each[0],
-            turn=each[0].resolution if each and each[0] is not None else None,
+            counts_unknown=self.readings == "ticks" and not each[0],
+            turn=each[0].ticks_per_turn if each and each[0] is not None else None,
             increments_stated=increments is not None,
             **bounds,
         )
@@ -131,27 +132,27 @@ class JointSource:
         if self.rates is not None:
             self.rates.close()
 
-    def _open_table(self, reading: Reading | None, columns: Columns | None) -> list[str]:
+    def _open_table(self, readings: Reading | None, columns: Columns | None) -> list[str]:
         """Wheels with a motor but without a column, once the table is open."""
         found: list[JointColumns] = []
 
         def find(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
-            found.append(joint_columns(headers, self.rover, reading, field_units, self._stamp_unit))
+            found.append(joint_columns(headers, self.rover, readings, field_units, self._stamp_unit))
             return dict(found[-1].columns)
 
         table = TolerantTable(self.path, find, columns, (*TRUTH, *RATES))
         joints = found[-1]
-        self.rows, self.reading, self.names = table, joints.reading, list(joints.columns)
+        self.rows, self.readings, self.names = table, joints.readings, list(joints.columns)
         self.columns, self.stated = joints.columns, table.stated
         self.turned = joints.reversed
-        columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_names}
+        columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_wheel_names}
         self.counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
         self.has_rates = any(name in joints.columns for name in RATES)
         if self.has_rates and self.gyroscope.get("time_offset"):
-            self.rates, self.has_rates = rate_table(self.path, columns), False
+            self.rates, self.has_rates = rate_table(self.path, columns, self._stamp_unit), False
         return list(joints.silent)
 
-    def _open_bag(self, reading: Reading | None, topics: Topics | None, frame: str) -> list[str]:
+    def _open_bag(self, readings: Reading | None, topics: Topics | None, frame: str) -> list[str]:
         """Wheels with a motor but without a joint state, once the bag is open."""
         from six_wheel.logs.bags.imu_bag import RateBag
         from six_wheel.logs.bags.joint_bag import JointBag
@@ -160,11 +161,11 @@ class JointSource:
         if isinstance(topics, Mapping) and topics:
             from six_wheel.logs.bags.topic_bag import TopicBag
 
-            bag = mapped = TopicBag(self.path, self.rover, topics, reading)
+            bag = mapped = TopicBag(self.path, self.rover, topics, readings)
             self.columns, self.counted = mapped.columns, mapped.counted
         else:
-            bag = JointBag(self.path, self.rover, reading, topics)  # type: ignore[arg-type]
-        self.rows, self.reading, self.names = bag, bag.reading, bag.names
+            bag = JointBag(self.path, self.rover, readings, topics)  # type: ignore[arg-type]
+        self.rows, self.readings, self.names = bag, bag.readings, bag.names
         if any(one.msgtype == RateBag.IMU and one.msgcount for one in bag.connections):
             try:
                 self.rates = self._rates_of_bag(frame)
@@ -207,11 +208,11 @@ def refuse_counts(source: JointSource, part: str, keys: Mapping[str, Any]) -> No
     of_steering = part == "steering"
     what = "the steering is" if of_steering else "the wheels are"
     known = replace(
-        source.describe(None, None, keys.get("per_sample")), clock_stated=True, wraps="modulus" in keys
+        source.describe(None, None, keys.get("increments")), clock_stated=True, wraps="wraps_at" in keys
     )
     known = replace(known, wheels=()) if of_steering else known
     checks = ReadingChecks(known, lambda line: None)
-    wheels = source.rover.steered_names if of_steering else source.rover.wheel_names
+    wheels = source.rover.steered_wheel_names if of_steering else source.rover.wheel_names
     names = [f"{part} {wheel}" for wheel in wheels]
     try:
         for batch in source.rows.batches(CHUNK):

@@ -46,8 +46,8 @@ class Total:
     @property
     def counts(self) -> bool:
         """True if the encoder has a whole number of counts per turn."""
-        resolution = None if self._encoder is None else self._encoder.resolution
-        return resolution is not None and resolution % 1.0 == 0.0
+        ticks = None if self._encoder is None else self._encoder.ticks_per_turn
+        return ticks is not None and ticks % 1.0 == 0.0
 
     def advance(self, readings: Floats, stamps: Floats) -> Floats:
         """Angles (n,) [rad]."""
@@ -61,23 +61,23 @@ class Total:
         steps = readings.copy() if self._increments else np.diff(readings, prepend=self._last)
         if first:
             steps[0] = 0.0  # turned before the log begins
-        if encoder.modulus is not None:
-            steps -= encoder.modulus * np.round(steps / encoder.modulus)
+        if encoder.wraps_at is not None:
+            steps -= encoder.wraps_at * np.round(steps / encoder.wraps_at)
         if self._longest is not None:
-            rates = np.abs(steps * encoder.angle_per_count)
+            rates = np.abs(steps * encoder.angle_per_tick)
             steps[rates > self._longest * np.diff(stamps, prepend=self._stamp)] = 0.0
             self._stamp = float(stamps[-1])
         counts = self._counts + np.cumsum(steps)
         self._counts, self._last = float(counts[-1]), float(readings[-1])
-        return counts * encoder.angle_per_count + (encoder.offset if self._absolute else 0.0)
+        return counts * encoder.angle_per_tick + (encoder.offset if self._absolute else 0.0)
 
     @staticmethod
     def _first(encoder: Encoder, reading: float) -> float:
         """The counts to begin with: an absolute counter that starts over has no turns to tell."""
-        if encoder.modulus is None:
+        if encoder.wraps_at is None:
             return reading
-        zero = encoder.offset / encoder.angle_per_count
-        return reading - encoder.modulus * round((reading + zero) / encoder.modulus)
+        zero = encoder.offset / encoder.angle_per_tick
+        return reading - encoder.wraps_at * round((reading + zero) / encoder.wraps_at)
 
 
 class Integral:

@@ -28,12 +28,7 @@ from six_wheel.logs.gyroscope.sources import readings_of
 from six_wheel.logs.joint_sources import JointSource
 from six_wheel.logs.joint_totals import Encoders, Integral, Total, encoder_of
 from six_wheel.logs.recordings import GroundTruth, WheelLog
-from six_wheel.logs.skip_bad_rows import (
-    Batch,
-    Finding,
-    Findings,
-    Sieve,
-)
+from six_wheel.logs.skip_bad_rows import Batch, Finding, Findings, Sieve
 
 __all__ = ["Finding", "JointLog", "JointRows", "Reading"]
 
@@ -51,9 +46,9 @@ class JointRows:
     stamps : array, shape (n,)
         Seconds since the log's `origin`, increasing.
     steering : array, shape (n, steered wheels), or None
-        Steering angles in the order of `Rover.steered_names` [rad]; None if no wheel steers.
+        Steering angles in the order of `Rover.steered_wheel_names` [rad]; None if no wheel steers.
     wheel_angles : array, shape (n, wheels)
-        Running totals in the order of `Rover.wheel_names` [rad]; NaN for a wheel without a reading.
+        Running totals in the order of `Rover.wheel_names` [rad]; NaN for a wheel without a readings.
     truth : array, shape (n, 3), or None
         Poses x, y, yaw [m, m, rad], NaN in rows without one; None if the log has no such columns.
     yaw_rate : array, shape (n,), or None
@@ -77,7 +72,7 @@ class JointLog:
         A .csv or .parquet file; a ROS 2 bag as a folder, .mcap or .db3 file.
     rover : Rover
         Whose joints and wheels the columns or messages name.
-    reading : {"angle", "speed", "ticks"}, optional
+    readings : {"angles", "speeds", "ticks"}, optional
         What the wheels' columns hold if their headers do not say, and what to take where there are several.
     wheel_encoders, steering_encoders : Encoder or mapping of wheel to Encoder, optional
         For readings that are no running total in radians; needed for ticks.
@@ -131,7 +126,7 @@ class JointLog:
         path: Path | str,
         rover: Rover,
         *,
-        reading: Reading | None = None,
+        readings: Reading | None = None,
         wheel_encoders: Encoders = None,
         steering_encoders: Encoders = None,
         increments: bool | None = None,
@@ -144,7 +139,7 @@ class JointLog:
         max_speed: float | None = None,
         max_gap: float | None = None,
     ) -> None:
-        source = JointSource(Path(path), rover, reading, columns, topics, gyroscope, frame, stamp_unit)
+        source = JointSource(Path(path), rover, readings, columns, topics, gyroscope, frame, stamp_unit)
         bounds = {"max_speed": max_speed, "max_gap": max_gap}
         self._count(source, wheel_encoders, steering_encoders, increments, plausibility, bounds)
 
@@ -174,8 +169,8 @@ class JointLog:
     ) -> None:
         self._source, self.path, self.rover = source, source.path, source.rover
         self._bounds = bounds
-        self.reading, self.findings, self.warnings = source.reading, source.rows.findings, source.warnings
-        speeds, ticks, counted = self.reading == "speed", self.reading == "ticks", source.counted
+        self.readings, self.findings, self.warnings = source.readings, source.rows.findings, source.warnings
+        speeds, ticks, counted = self.readings == "speeds", self.readings == "ticks", source.counted
         try:
             known = source.describe(wheel_encoders, steering_encoders, increments, **bounds)
             self._checks = ReadingChecks(known, self._warn) if plausibility else None
@@ -194,7 +189,7 @@ class JointLog:
             }
             self._steering = {
                 wheel: Total(encoder, increments=False, absolute=True)
-                for wheel in self.rover.steered_names
+                for wheel in self.rover.steered_wheel_names
                 for encoder in [encoder_of("steering_encoders", steering_encoders, wheel, wheel in counted)]
             }
         except BaseException:
@@ -236,7 +231,7 @@ class JointLog:
 
     @property
     def position(self) -> int:
-        """Progress of reading, in the unit of `size`."""
+        """Progress of readings, in the unit of `size`."""
         return self._source.rows.position
 
     def chunks(self, chunk_rows: int = 200_000) -> Iterator[JointRows]:
@@ -341,7 +336,9 @@ class JointLog:
         for name in self._source.turned:
             np.negative(batch.values[name], out=batch.values[name])
         if self._counter and np.any(batch.values[self._counter] % 1.0 != 0.0):
-            rule = "joint states are counts where encoders have a resolution, and these are no whole numbers"
+            rule = (
+                "joint states are counts where encoders have ticks_per_turn, and these are no whole numbers"
+            )
             self.warnings.append(f"{self.path}: {rule}: leave it out if they are in radians")
             self._counter = ""
         steering = [
@@ -357,7 +354,7 @@ class JointLog:
             if not self._as_read:
                 wheels = self._columns_of(batch, "wheel", self.rover.wheel_names)
                 raw = angles if wheels is None else wheels
-                joints = self._columns_of(batch, "steering", self.rover.steered_names)
+                joints = self._columns_of(batch, "steering", self.rover.steered_wheel_names)
             self._refuse(partial(self._checks.take, stamps, raw, angles, joints, batch.rows, steered))
         truth = poses_of(batch.values) if "x" in batch.values else None
         rates = None

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -14,21 +14,23 @@ from six_wheel.logs.bags.bag_files import Topics
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.recordings import GroundTruth
 
-__all__ = ["CORRECTIONS", "LogOptions", "corrections", "encoders_of", "log_options"]
+__all__ = ["CORRECTIONS", "LogOptions", "corrections", "encoders_of", "encoders_or_keys"]
 
 # Of the keys of encoders those that hold for angles too, however they were read.
 CORRECTIONS = frozenset({"scale", "steering_gain"})
+# Encoders, or the keys of a parameter file that describe them.
+AnyEncoders: TypeAlias = "Encoders | Mapping[str, Any]"
 
 
 @dataclass(frozen=True)
 class LogOptions:
-    """Options for what a log does not state; see `JointLog`. Encoders, truth and gyroscope have a parameter
-    file's keys; `frame` is its base_frame_id."""
+    """Options for what a log does not state; see `JointLog`. Truth and gyroscope have the keys of a parameter
+    file, encoders these or are `Encoder`; `frame` is its base_frame_id."""
 
     format: str | None = None
-    reading: Reading | None = None
-    encoders: Mapping[str, Any] = field(default_factory=dict)
-    steering_encoders: Mapping[str, Any] = field(default_factory=dict)
+    readings: Reading | None = None
+    wheel_encoders: AnyEncoders = field(default_factory=dict)
+    steering_encoders: AnyEncoders = field(default_factory=dict)
     columns: Columns = field(default_factory=dict)
     topics: Topics = ()
     truth_topic: str | None = None
@@ -39,8 +41,11 @@ class LogOptions:
     plausibility: bool = True
     max_speed: float | None = None
     max_gap: float | None = None
-    wheel_encoders: Encoders = None
-    joint_encoders: Encoders = None
+
+    @property
+    def wheel_keys(self) -> Mapping[str, Any]:
+        """The key ``wheel_encoders`` of a parameter file; empty where encoders are given themselves."""
+        return encoders_or_keys(self.wheel_encoders)[1]
 
     @property
     def sensor(self) -> Floats:
@@ -60,22 +65,13 @@ class LogOptions:
         return replace(truth, stamps=truth.stamps - offset, poses=poses)
 
 
-def log_options(how: Mapping[str, Any]) -> LogOptions:
-    """Options by the names that Python's functions give them.
-
-    Raises
-    ------
-    TypeError
-        If there is no such option.
-    """
-    names = {"wheel_encoders", "steering_encoders", "columns", "topics", "stamp_unit", "plausibility"}
-    names |= {"max_speed", "max_gap", "reading", "truth_topic", "gyroscope"}
-    if strangers := [name for name in how if name not in names]:
-        raise TypeError(f"there is no option {strangers[0]!r}; there are {', '.join(sorted(names))}")
-    given = dict(how)
-    if "steering_encoders" in given:
-        given["joint_encoders"] = given.pop("steering_encoders")
-    return LogOptions(**given)
+def encoders_or_keys(given: AnyEncoders) -> tuple[Encoders, Mapping[str, Any]]:
+    """Encoders where they are given themselves, else None; and the keys of a parameter file, else none."""
+    if given is None or isinstance(given, Encoder):
+        return given, {}
+    if given and all(isinstance(each, Encoder) for each in given.values()):
+        return given, {}
+    return None, given
 
 
 def encoders_of(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str, Encoder]:
@@ -83,15 +79,15 @@ def encoders_of(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str,
     if not values.keys() - CORRECTIONS:
         return {}
     joints = rover.traction_joints if part == "wheel" else rover.steering_joints
-    wheels = rover.wheel_names if part == "wheel" else rover.steered_names
+    wheels = rover.wheel_names if part == "wheel" else rover.steered_wheel_names
     turned = {joints.get(name, name) for name in values.get("reversed", ())}
     offsets = {joints.get(name, name): offset for name, offset in values.get("offsets", {}).items()}
-    resolution, gear, modulus = (values.get(key) for key in ("resolution", "gear", "modulus"))
+    ticks, gear, wraps_at = (values.get(key) for key in ("ticks_per_turn", "gear_ratio", "wraps_at"))
     return {
         wheel: Encoder(
-            resolution,
-            gear=(1.0 if gear is None else gear) * (-1.0 if wheel in turned else 1.0),
-            modulus=modulus,
+            ticks,
+            gear_ratio=(1.0 if gear is None else gear) * (-1.0 if wheel in turned else 1.0),
+            wraps_at=wraps_at,
             offset=offsets.get(wheel, 0.0),
         )
         for wheel in wheels
@@ -102,4 +98,4 @@ def corrections(rover: Rover, values: Mapping[str, Any]) -> tuple[Floats, float]
     """Factors for the steering angles (steered wheels,) and for the wheels' angles."""
     gains = values.get("steering_gain", {})
     named = {rover.steering_joints.get(name, name): gain for name, gain in gains.items()}
-    return np.array([named.get(wheel, 1.0) for wheel in rover.steered_names]), values.get("scale", 1.0)
+    return np.array([named.get(wheel, 1.0) for wheel in rover.steered_wheel_names]), values.get("scale", 1.0)

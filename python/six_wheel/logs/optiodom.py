@@ -72,7 +72,7 @@ def _omni(metadata: Metadata) -> Rover:
 
 def _mecanum(metadata: Metadata) -> Rover:
     base, track_width = metadata["Li"]
-    rover = Rover.mecanum(base / 2, track_width / 2, metadata["Di"][0] / 2)
+    rover = Rover.mecanum(base, track_width, metadata["Di"][0] / 2)
     return with_wheels(rover, ({"radius": diameter / 2} for diameter in metadata["Di"]))
 
 

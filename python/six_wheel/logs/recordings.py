@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.objects import tables
+from six_wheel.kinematics.objects.tables import Columns, Tabular, joint_columns, pose_columns
 from six_wheel.kinematics.poses import Floats, as_poses, interpolate
 
 if TYPE_CHECKING:
@@ -27,7 +29,7 @@ OPTIONS = ("readings", "wheel_encoders", "steering_encoders")
 
 
 @dataclass(frozen=True, eq=False)
-class GroundTruth:
+class GroundTruth(Tabular):
     """Poses, positions or headings measured from outside, with stamps of their own.
 
     Parameters
@@ -104,12 +106,15 @@ class GroundTruth:
     def __len__(self) -> int:
         return len(self.stamps)
 
+    def _columns(self) -> Columns:
+        return pose_columns(self.stamps, self.poses)
+
     def __repr__(self) -> str:
         return f"GroundTruth({len(self)} poses, {self.stamps[-1] - self.stamps[0]:.1f} s)"
 
 
 @dataclass(frozen=True, eq=False)
-class WheelLog:
+class WheelLog(Tabular):
     """Encoder readings of one drive, and the truth if it is known.
 
     Parameters
@@ -196,6 +201,54 @@ class WheelLog:
         angles = np.cumsum(np.asarray(increments, dtype=np.float64), axis=0)
         return cls(stamps, steering, angles, truth, name, session)  # type: ignore[arg-type]
 
+    @classmethod
+    def from_pandas(cls, frame: Any, rover: Rover, *, name: str = "", **options: Any) -> Self:
+        """A log of a DataFrame or a dict of columns: joints by their names, ``time``, and what else there is.
+
+        Parameters
+        ----------
+        frame : DataFrame or mapping
+            Columns as `dead_reckon` takes them; ``yaw_rate`` and the truth, ``x``, ``y``, ``yaw``, if there.
+        rover : Rover
+            Names the joints.
+        name, **options
+            As of `WheelLog`.
+
+        Raises
+        ------
+        ValueError
+            If a joint or the time is missing.
+        """
+        from six_wheel.kinematics.odometry.tabular_input import table
+
+        pieces = list(table(rover, frame, None, {}, options).pieces)
+        if not pieces:
+            raise ValueError("frame must have rows, got none")
+        stamps, wheels = (np.concatenate([getattr(one, of) for one in pieces]) for of in ("stamps", "wheels"))
+        steered = [piece.steering for piece in pieces if piece.steering is not None]
+        headers = set(tables.headers_of(frame))
+        truth = None
+        if headers >= {"x", "y", "yaw"}:
+            places = tables.rows_of(frame, ("x", "y", "yaw"))
+            known = np.isfinite(places).all(axis=1)
+            truth = GroundTruth(stamps[known], places[known])
+        rate = tables.rows_of(frame, ("yaw_rate",))[:, 0] if "yaw_rate" in headers else None
+        steering = np.concatenate(steered) if steered else None
+        return cls(stamps, steering, wheels, truth, name, yaw_rate=rate, options=options)
+
+    def _columns(self, rover: Rover | None = None) -> Columns:
+        """Columns by the joints of a rover; without one by number, ``steering_0``, ``wheel_0`` and so on."""
+        columns: Columns = {"time": ("s", self.stamps)}
+        unit = "ticks" if {"wheel_encoders", "steering_encoders"} & set(self.options) else "rad"
+        if self.steering is not None:
+            columns |= joint_columns(rover, "steering", self.steering, unit)
+        columns |= joint_columns(rover, "wheel", self.wheel_angles, unit)
+        if self.yaw_rate is not None:
+            columns["yaw_rate"] = ("rad/s", self.yaw_rate)
+        if self.truth is not None:
+            columns |= pose_columns(self.stamps, self.truth.at(self.stamps))
+        return columns
+
     def in_radians(self, rover: Rover) -> WheelLog:
         """The same log as running totals and angles in radians, as `options` say how to read it.
 
@@ -210,7 +263,9 @@ class WheelLog:
         if not self.options:
             return self
         wheels = encoders_of("wheel_encoders", self.options.get("wheel_encoders"), rover.wheel_names)
-        joints = encoders_of("steering_encoders", self.options.get("steering_encoders"), rover.steered_names)
+        joints = encoders_of(
+            "steering_encoders", self.options.get("steering_encoders"), rover.steered_wheel_names
+        )
         readings = self.options.get("readings", "angles")
         turned, steering = self.wheel_angles, self.steering
         for name, columns, one_each in (("wheel_angles", turned, wheels), ("steering", steering, joints)):
@@ -307,13 +362,13 @@ def _summed(stamps: Floats, rates: Floats, rows: Rows) -> Floats:
 def _angles(encoder: Encoder, absolute: bool, counts: Floats, rows: Rows) -> Floats:
     """Angles [rad] of encoder counts, a counter that starts over unrolled; an absolute one starts near 0."""
     steps = np.diff(counts)
-    if encoder.modulus is not None:
-        steps -= encoder.modulus * np.round(steps / encoder.modulus)
-    first = counts[0] * encoder.angle_per_count + encoder.offset if absolute else 0.0
-    if absolute and encoder.modulus is not None:
-        around = abs(encoder.modulus * encoder.angle_per_count)
+    if encoder.wraps_at is not None:
+        steps -= encoder.wraps_at * np.round(steps / encoder.wraps_at)
+    first = counts[0] * encoder.angle_per_tick + encoder.offset if absolute else 0.0
+    if absolute and encoder.wraps_at is not None:
+        around = abs(encoder.wraps_at * encoder.angle_per_tick)
         first -= around * np.round(first / around)
-    return np.concatenate(([first], first + np.cumsum(steps) * encoder.angle_per_count))
+    return np.concatenate(([first], first + np.cumsum(steps) * encoder.angle_per_tick))
 
 
 def _check_order(stamps: Floats) -> None:

@@ -274,7 +274,7 @@ class TolerantTable(Table):
         nanoseconds = np.array(by_name.pop("nanoseconds", [0] * len(kept)), dtype=np.int64)
         values = {name: np.array(column, dtype=float) for name, column in by_name.items()}
         if self._types["time"] == "string":
-            return self._with_clock(rows, lines[kept], times, values)  # type: ignore[arg-type]
+            return self._with_clock(rows, lines[kept], times, values)
         time = np.array(times, dtype=self._types["time"])
         if "nanoseconds" in self._columns:
             time = time * 1_000_000_000 + nanoseconds

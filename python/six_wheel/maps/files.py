@@ -8,9 +8,26 @@ from numpy.typing import NDArray
 
 from six_wheel.kinematics.errors import FileError
 
-__all__ = ["Grid", "TerrainFileError", "Window", "cut"]
+__all__ = ["Grid", "Options", "TerrainFileError", "Window", "cut", "length"]
 
 Window = tuple[float, float, float, float]
+Unit = str | float
+
+FOOT = 0.3048
+SURVEY_FOOT = 1200 / 3937
+LENGTHS = {
+    1.0: ("", "m", "metre", "meter"),
+    0.1: ("dm", "decimetre", "decimeter"),
+    0.01: ("cm", "centimetre", "centimeter"),
+    0.001: ("mm", "millimetre", "millimeter"),
+    1000.0: ("km", "kilometre", "kilometer"),
+    FOOT / 12: ("in", "inch", "inche"),
+    FOOT: ("ft", "foot", "feet", "international foot"),
+    SURVEY_FOOT: ("us-ft", "ftus", "foot_us", "us survey foot", "us survey feet"),
+    3 * FOOT: ("yd", "yard"),
+}
+UNITS = {name: size for size, names in LENGTHS.items() for name in names}
+"""Lengths by their names [m], those of files among them; a plural s goes where the name is not known."""
 
 
 class TerrainFileError(FileError):
@@ -23,7 +40,82 @@ class Grid(NamedTuple):
     heights: NDArray[np.floating]  # rows along +y, columns along +x [m]
     spacing: tuple[float, float]  # [m]
     origin: tuple[float, float]  # [m]
-    orientation: float = 0.0  # [rad]
+    yaw: float = 0.0  # [rad]
+
+
+class Options(NamedTuple):
+    """Answers to what a file may leave open: see `Terrain.read`."""
+
+    window: Window | None = None
+    topic: str | None = None
+    layer: str | None = None
+    band: int | str | None = None
+    nodata: float | None = None
+    unit: Unit | None = None
+    north_up: bool | None = None
+    spacing: float | tuple[float, float] | None = None
+    origin: tuple[float, float] | None = None
+
+    def checked(self) -> "Options":
+        """The same as numbers. Fails where one is none."""
+        check(self.window)
+        unit = None if self.unit is None else length(self.unit, "unit")
+        nodata = None if self.nodata is None else number("nodata", self.nodata)
+        origin = None if self.origin is None else pair("origin", self.origin)
+        spacing = None if self.spacing is None else pair("spacing", self.spacing)
+        if spacing is not None and not (min(spacing) > 0 and math.isfinite(sum(spacing))):
+            hint = "; rows that run south are north_up=True" if spacing[0] > 0 > spacing[1] else ""
+            raise ValueError(f"spacing must be finite and positive, got {spacing}{hint}")
+        return self._replace(unit=unit, nodata=nodata, origin=origin, spacing=spacing)
+
+    @property
+    def steps(self) -> tuple[float, float] | None:
+        """Spacing between columns and between rows [m], if it was given."""
+        return None if self.spacing is None else pair("spacing", self.spacing)
+
+    @property
+    def first(self) -> tuple[float, float]:
+        """Middle of the south-western cell of a map without a place [m]."""
+        return self.origin or (0.0, 0.0)
+
+    def unplaced(self, heights: NDArray[np.floating], north_up: bool) -> Grid:
+        """A grid without a place of its own where these options put it; `north_up` as its form has it."""
+        spacing = self.steps
+        if spacing is None:
+            raise ValueError("spacing must be given")
+        turned = heights[::-1] if (north_up if self.north_up is None else self.north_up) else heights
+        return Grid(turned, spacing, self.first)
+
+
+def number(name: str, value: object) -> float:
+    """A number that an argument is."""
+    try:
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a number, got {value!r}") from None
+
+
+def pair(name: str, value: object) -> tuple[float, float]:
+    """Two numbers; one stands for both of a spacing."""
+    if name == "spacing" and np.ndim(value) == 0:  # type: ignore[arg-type]
+        return (number(name, value),) * 2
+    parts = list(value) if isinstance(value, (tuple, list, np.ndarray)) else []
+    if len(parts) != 2:
+        raise ValueError(f"{name} must be two numbers, got {value!r}")
+    return number(name, parts[0]), number(name, parts[1])
+
+
+def length(unit: Unit, name: str) -> float:
+    """Length of a unit by its name or as a number [m]. Fails for one that is not known."""
+    try:
+        value = float(unit)
+    except (TypeError, ValueError):
+        text = str(unit).strip().lower()
+        value = UNITS.get(text, UNITS.get(text.removesuffix("s"), math.nan))
+    if math.isfinite(value) and value > 0:
+        return value
+    rule = "be m, cm, mm, dm, km, ft, us-ft, in or its length in metres"
+    raise ValueError(f"{name} must {rule}, got {unit!r}")
 
 
 def check(window: Window | None) -> None:

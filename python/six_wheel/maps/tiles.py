@@ -23,7 +23,7 @@ class Tile:
     rover: RockerBogie
     heights: NDArray[np.floating]  # rows along +y of the grid, columns along +x [m]
     spacing: tuple[float, float]  # [m]
-    orientation: float  # of the grid in the frame of the map [rad]
+    yaw: float  # of the grid in the frame of the map [rad]
     cells: tuple[slice, slice]  # rows and columns that are asked about
     headings: int
     limits: FeasibilityLimits
@@ -62,8 +62,8 @@ def judge(tile: Tile) -> dict[str, NDArray[Any]]:
     }
     if np.isnan(tile.heights).all():
         return layers
-    ground = Terrain(tile.heights, tile.spacing, (0.0, 0.0), tile.orientation)
-    cos, sin = math.cos(tile.orientation), math.sin(tile.orientation)
+    ground = Terrain(tile.heights, tile.spacing, (0.0, 0.0), tile.yaw)
+    cos, sin = math.cos(tile.yaw), math.sin(tile.yaw)
     yaws = 2 * math.pi / tile.headings * np.arange(tile.headings)
     u = tile.spacing[0] * np.arange(columns.start, columns.stop)
     step = max(1, POSES // (tile.headings * shape[1]))

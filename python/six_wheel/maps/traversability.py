@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, __version__
 from six_wheel.kinematics.statuses import FeasibilityLimits
+from six_wheel.maps.files import Options
 from six_wheel.maps.rasters import Raster, rasterio
+from six_wheel.maps.reading import open_raster
 from six_wheel.maps.tiles import REASONS, Tile, judge, reach
 from six_wheel.parallel import Failure, Journal, spread
 
@@ -78,6 +80,12 @@ def traverse(
     cluster: Any = None,
     workers: int | None = None,
     tell: Callable[[int, int], object] | None = None,
+    band: int | str | None = None,
+    nodata: float | None = None,
+    unit: str | float | None = None,
+    north_up: bool | None = None,
+    spacing: float | tuple[float, float] | None = None,
+    origin: tuple[float, float] | None = None,
 ) -> Traversed:
     """Feasibility of the settled pose of a rover at every cell of a map and at `headings` headings.
 
@@ -108,6 +116,8 @@ def traverse(
         Processes of this machine, default one per core.
     tell : callable, optional
         Called with the number of finished tiles and of all.
+    band, nodata, unit, north_up, spacing, origin : optional
+        As for `Terrain.read`, for what the map leaves open.
 
     Raises
     ------
@@ -127,8 +137,9 @@ def traverse(
         raise FileNotFoundError(f"{path} must be a map, there is no such file")
     if output.exists() and output.resolve() == path.resolve():
         raise ValueError(f"output must not be the map itself, got {output}")
-    task = _Task(rover, headings, limits or FeasibilityLimits(), map_error, belly)
-    with Raster(path) as raster:
+    options = Options(None, None, None, band, nodata, unit, north_up, spacing, origin).checked()
+    task = _Task(rover, headings, limits or FeasibilityLimits(), map_error, belly, options)
+    with open_raster(path, options) as raster:
         windows = list(_windows(raster.shape))
         # One tile here, before anything is written: what is wrong with the arguments is said at once.
         rover.feasible(_probe(), [(0.0, 0.0, 0.0)], task.limits, map_error=map_error, belly=belly)
@@ -146,7 +157,7 @@ def traverse(
             if outcome.failure is not None:
                 raise _failed(windows[outcome.index], outcome.failure)
         picture, safe = _write(output, raster, windows, journal)
-        left, bottom, right, top = (value * raster.metre for value in raster.dataset.bounds)
+        left, bottom, right, top = raster.bounds
         cells = raster.shape[0] * raster.shape[1]
     journal.discard()
     return Traversed(
@@ -162,6 +173,7 @@ class _Task(NamedTuple):
     limits: FeasibilityLimits
     map_error: float
     belly: tuple[float, float, float, float] | None
+    options: Options
 
     def described(self, path: Path) -> dict[str, Any]:
         """All that the answers for a map depend on."""
@@ -174,6 +186,7 @@ class _Task(NamedTuple):
             "limits": [str(limit) for limit in self.limits],
             "map_error": self.map_error,
             "belly": self.belly,
+            "options": [str(option) for option in self.options],
             "side": SIDE,
         }
 
@@ -214,7 +227,7 @@ def _tile(raster: Raster, task: _Task, window: Window) -> Tile:
     if min(heights.shape) < 2:
         raise ValueError(f"heights must have at least two rows and two columns, got shape {heights.shape}")
     return Tile(
-        task.rover, np.ascontiguousarray(heights), raster.spacing, raster.orientation, (inner, across),
+        task.rover, np.ascontiguousarray(heights), raster.spacing, raster.yaw, (inner, across),
         task.headings, task.limits, task.map_error, task.belly,
     )  # fmt: skip
 

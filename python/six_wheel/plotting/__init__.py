@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from six_wheel.plotting.drawing import draw_rover
     from six_wheel.plotting.drive import drive_figure, engine_figure
     from six_wheel.plotting.four_axle import four_axle_figure
+    from six_wheel.plotting.ground.map import map_figure
     from six_wheel.plotting.ground.run import film_figure, ground_figure, speeds_figure
     from six_wheel.plotting.ground.safety import traverse_figure
     from six_wheel.plotting.ground.side import side_figure
@@ -49,6 +50,7 @@ __all__ = [
     "four_axle_figure",
     "ground_figure",
     "limits_figure",
+    "map_figure",
     "path_figure",
     "picture_path",
     "plan_figure",
@@ -69,6 +71,7 @@ __getattr__, __dir__ = attach(
         "drawing": ("draw_rover",),
         "drive": ("drive_figure", "engine_figure"),
         "four_axle": ("four_axle_figure",),
+        "ground.map": ("map_figure",),
         "ground.run": ("film_figure", "ground_figure", "speeds_figure"),
         "ground.safety": ("traverse_figure",),
         "ground.side": ("side_figure",),

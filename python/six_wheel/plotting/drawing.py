@@ -2,6 +2,7 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
+import io
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +26,9 @@ INK, SOFT, FAINT = "#22303c", "#7d8a96", "#d5dbe0"
 BODY, WHEEL, AXLE = "#e9e3d8", "#33424f", "#4a7fa7"
 MOTION, CENTRE, TRACK = "#2a7f62", "#c1440e", "#ddd2bf"  # CENTRE is a centre of rotation in every picture
 FORBIDDEN, RECORDED = "#8e2f5b", "#e0a050"
+# Lines of one picture, which the colour-blind tell apart.
+# Source: M. Okabe, K. Ito, Color universal design, 2008.
+SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 
 
 FORWARD_UP = np.pi / 2  # yaw that turns x forward to the top of the page, so that left is left
@@ -219,9 +223,18 @@ def _faded(color: str, fade: float) -> tuple[float, float, float]:
     return red, green, blue
 
 
+class Picture(Figure):
+    """A figure that a notebook shows without a magic."""
+
+    def _repr_png_(self) -> bytes:
+        image = io.BytesIO()
+        self.savefig(image, format="png", dpi=100)
+        return image.getvalue()
+
+
 def new_figure(width: float, height: float) -> Figure:
     """A white figure of this size [in], tied to no window."""
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = Picture(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 

@@ -113,7 +113,7 @@ def _panels(rover: Rover, limits: Limits, sideways: bool) -> list[Panel]:
         for axis, name, limit in twist
         if axis != 1 or sideways
     ]
-    wheels, joints = len(rover.wheels), len(rover.steered_names)
+    wheels, joints = len(rover.wheels), len(rover.steered_wheel_names)
     colours = [WHEELS[k % len(WHEELS)] for k in range(wheels)]
     steering = [colours[k] for k, wheel in enumerate(rover.wheels) if wheel.steered]
     dashed = frozenset(colours[(wheels + 1) // 2 :])

@@ -65,8 +65,8 @@ def four_axle_figure(result: FourAxleSimulation, *, title: str | None = None) ->
     path.set_aspect("equal")
     tidy(path, "x [m]", "y [m]")
     length = float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())
-    slip = float(result.residual.max())
-    write_title(path, title, f"{length:.2f} m in {result.times[-1]:.1f} s   slip at most {slip:.0e} m/s")
+    slip = float(result.residuals.max())
+    write_title(path, title, f"{length:.2f} m in {result.stamps[-1]:.1f} s   slip at most {slip:.0e} m/s")
 
     _draw_angles(angles, result)
     _draw_brakes(brakes, result)
@@ -74,7 +74,7 @@ def four_axle_figure(result: FourAxleSimulation, *, title: str | None = None) ->
 
 
 def _draw_path(axes: Axes, result: FourAxleSimulation, size: float) -> None:
-    rover, poses, angles = result.rover, result.poses, result.angles
+    rover, poses, angles = result.rover, result.poses, result.steering
     tracks = in_world(poses, contacts(rover, angles))
     axes.plot(tracks[..., 0], tracks[..., 1], color=TRACK, linewidth=1.0, zorder=1)
     axes.plot(poses[:, 0], poses[:, 1], color=INK, linewidth=1.2, zorder=5)
@@ -96,7 +96,7 @@ def _draw_path(axes: Axes, result: FourAxleSimulation, size: float) -> None:
 
 def _stations(result: FourAxleSimulation) -> list[int]:
     """Rows at which something begins or ends, the last and the first ones most deserving of room."""
-    last = len(result.times) - 1
+    last = len(result.stamps) - 1
     return sorted({0, last, *(int(row) for row in result.ends)}, key=lambda row: (row not in (0, last), row))
 
 
@@ -106,7 +106,7 @@ def _stands_after(result: FourAxleSimulation, row: int) -> bool:
     if len(later) == 0:
         return False
     stands = bool(np.allclose(result.poses[later[0]], result.poses[row], rtol=0, atol=1e-9))
-    return stands and not np.allclose(result.angles[later[0]], result.angles[row], rtol=0, atol=1e-9)
+    return stands and not np.allclose(result.steering[later[0]], result.steering[row], rtol=0, atol=1e-9)
 
 
 def _write_actions(axes: Axes, result: FourAxleSimulation, size: float) -> None:
@@ -131,8 +131,8 @@ def _write_actions(axes: Axes, result: FourAxleSimulation, size: float) -> None:
 
 def _draw_angles(axes: Axes, result: FourAxleSimulation) -> None:
     for axle, (name, (color, style)) in enumerate(zip(NAMES, STYLES, strict=True)):
-        degrees = np.degrees(result.angles[:, axle])
-        axes.plot(result.times, degrees, style, color=color, linewidth=1.5, label=name)
+        degrees = np.degrees(result.steering[:, axle])
+        axes.plot(result.stamps, degrees, style, color=color, linewidth=1.5, label=name)
     tidy(axes, "", "axle angle [°]")
     axes.tick_params(labelbottom=False)
     axes.legend(
@@ -142,11 +142,11 @@ def _draw_angles(axes: Axes, result: FourAxleSimulation) -> None:
 
 
 def _draw_brakes(axes: Axes, result: FourAxleSimulation) -> None:
-    ends = result.times[result.ends] if len(result.ends) else np.zeros(0)
+    ends = result.stamps[result.ends] if len(result.ends) else np.zeros(0)
     begin = 0.0
     for step, end in zip(result.steps, ends.tolist(), strict=True):
         for level, pair in enumerate(("rear", "front")):
-            free = getattr(step, pair) == "free"
+            free = getattr(step, f"{pair}_brake") == "free"
             color = FREE[pair] if free else FAINT
             axes.barh(level, end - begin, left=begin, height=0.62, color=color, linewidth=0)
         begin = end

@@ -72,7 +72,7 @@ def _draw_motion(axes: Axes, replayed: Replayed, column: int, begin: float) -> N
 
 def _draw_wheels(axes: Axes, replayed: Replayed, begin: float) -> None:
     for run, colour, width in _runs(replayed):
-        time, value = _thin((run.times - begin) / SECOND, np.abs(run.speeds).max(axis=1, initial=0.0))
+        time, value = _thin((run.times - begin) / SECOND, np.abs(run.wheel_speeds).max(axis=1, initial=0.0))
         axes.plot(time, value, color=colour, linewidth=width)
     limit = replayed.after.parameters.limits.wheel_speed
     if np.isfinite(limit):

@@ -2,50 +2,69 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
-from collections.abc import Callable
+import inspect
+from importlib import import_module
 from typing import Any
 
 from matplotlib.figure import Figure
 
-from six_wheel._core import Rover
+from six_wheel._core import Limits, Rover
+from six_wheel.kinematics.keywords import unknown_keyword
 from six_wheel.kinematics.odometry.tracks import Track
-from six_wheel.logs.recordings import Reference
+from six_wheel.kinematics.rover_edit import limits_given
+from six_wheel.logs.recordings import GroundTruth, Reference
 
 __all__ = ["figure"]
 
 
 def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
-    """Picture of a result: what ``six_wheel.plotting(result)`` draws.
+    """Picture of a result: what ``six_wheel.plot(result)`` draws.
 
     Parameters
     ----------
-    result : Track, Rover, Calibration, FourAxleSimulation, or a drive that has ended
-        A track takes ``truth=`` (a `GroundTruth`, a `WheelLog` that has one, another track), a rover
-        ``twist=`` or ``limits=``.
+    result
+        Nearly everything that this package returns: rovers, wheels, limits, fits, logs, truths, tracks,
+        states of odometry, settled poses, terrains, costmaps, plans, profiles, simulations, evaluations,
+        calibrations; or a list of paths. A track takes ``truth=`` (a `GroundTruth`, a `WheelLog` that has
+        one, another track), a rover ``twist=`` or ``limits=``, limits ``rover=``.
     title : str, optional
         Written above the picture.
     **options
-        Those of the picture.
+        Those of the picture; none is required.
 
     Returns
     -------
     matplotlib.figure.Figure
-        To be written by `save`.
+        To be written by `save`. A notebook shows it.
 
     Raises
     ------
     TypeError
-        If there is no picture of such a thing; the message lists those there are.
+        If there is no picture of such a thing, or no such option; the message lists those there are.
     """
     for kind in type(result).__mro__:
-        if draw := PICTURES.get(kind.__name__):
-            return draw(result, title=title, **options)
-    raise TypeError(f"result must be one of {', '.join(PICTURES)}, got {type(result).__name__}")
+        if kind.__name__ in PICTURES:
+            module, function = PICTURES[kind.__name__]
+            draw = (
+                globals()[function]
+                if module is None
+                else getattr(import_module(module, __package__), function)
+            )
+            known = [name for name in inspect.signature(draw).parameters if name != "title"][1:]
+            for name in options:
+                if name not in known:
+                    raise TypeError(unknown_keyword("sw.plot", name, ["title", *known]))
+            made: Figure = draw(result, title=title, **options)
+            return made
+    raise TypeError(f"result must be one of {', '.join(sorted(PICTURES))}, got {type(result).__name__}")
 
 
 def _track(track: Track, *, title: str | None, truth: Reference | None = None) -> Figure:
     from six_wheel.log_odometry.tracks import of_track
 
+    if track.covariances is None or track.residuals is None or len(track) < 2:
+        path: Figure = _pictures("paths").truth_figure(GroundTruth(track.stamps, track.poses), title=title)
+        return path
     return _reckoned(of_track(track, truth), title=title)
 
 
@@ -59,11 +78,28 @@ def _rover(rover: Rover, *, title: str | None, twist: Any = None, limits: Any = 
     from six_wheel.plotting.limits import limits_figure
     from six_wheel.plotting.twist import show_figure
 
-    if (twist is None) == (limits is None):
-        raise TypeError("a rover's picture needs twist= or limits=, got neither or both")
+    if twist is not None and limits is not None:
+        raise TypeError("a rover's picture takes twist= or limits=, got both")
     if limits is not None:
         return limits_figure(rover, limits, title=title)
-    return show_figure(rover, twist, title=title)
+    if twist is not None:
+        return show_figure(rover, twist, title=title)
+    made: Figure = _pictures("above").rover_figure(rover, title=title)
+    return made
+
+
+def _limits(limits: Limits, *, title: str | None, rover: Rover | None = None) -> Figure:
+    from six_wheel.plotting.limits import limits_figure
+
+    if rover is not None:
+        return limits_figure(rover, limits, title=title)
+    given = {
+        name.replace("_", " "): value for name, value in limits_given(limits).items() if value is not None
+    }
+    made: Figure = _pictures("bars").named_bars(
+        given, title=title, below="limits that were given [m, s, rad]"
+    )
+    return made
 
 
 def _calibration(found: Any, *, title: str | None) -> Figure:
@@ -78,19 +114,110 @@ def _four_axles(found: Any, *, title: str | None) -> Figure:
     return four_axle_figure(found, title=title)
 
 
+def _four_axle_rover(car: Any, *, title: str | None) -> Figure:
+    return _rover(car.rover, title=title)
+
+
+def _axle_state(state: Any, *, title: str | None) -> Figure:
+    names = ("front left", "front right", "rear left", "rear right")
+    angles = dict(zip((f"{name} [rad]" for name in names), state.steering, strict=True))
+    words = f"front {state.front_brake}, rear {state.rear_brake}"
+    made: Figure = _pictures("bars").named_bars(angles, title=title, below=words)
+    return made
+
+
+def _sequence(sequence: Any, *, title: str | None) -> Figure:
+    steps = sequence.steps if hasattr(sequence, "steps") else (sequence,)
+    bars = {f"{k + 1}. {step.action} [s]": step.duration for k, step in enumerate(steps)}
+    words = getattr(sequence, "reason", "") or "steps and their durations"
+    made: Figure = _pictures("bars").named_bars(bars, title=title, below=words)
+    return made
+
+
 def _drive(engine: Any, *, title: str | None) -> Figure:
     from six_wheel.plotting.drive import engine_figure
 
     return engine_figure(engine, title=title or "drive")
 
 
-# By name: most of these need what a picture of another does not.
-PICTURES: dict[str, Callable[..., Figure]] = {
-    "Track": _track,
-    "Rover": _rover,
-    "Calibration": _calibration,
-    "FourAxleSimulation": _four_axles,
-    "Drive": _drive,
-    "ControlledDrive": _drive,
-    "Reckoned": _reckoned,
+def _several(results: Any, *, title: str | None) -> Figure:
+    """Paths of several tracks, truths or logs in one picture."""
+    from six_wheel.plotting.drawing import SERIES, new_figure, tidy, write_title
+
+    if not results:
+        raise TypeError("a list must hold tracks, truths or logs with one, got an empty one")
+    figure = new_figure(7.2, 5.6)
+    axes = figure.add_subplot()
+    for number, one in enumerate(results):
+        source = getattr(one, "truth", None) or one
+        poses = getattr(source, "poses", None)
+        if poses is None or getattr(poses, "ndim", 0) != 2:
+            raise TypeError(f"a list must hold tracks, truths or logs with one, got a {type(one).__name__}")
+        style = ("-", "--", ":")[number % 3]
+        label = getattr(one, "name", "") or f"{number + 1}"
+        axes.plot(*poses[:, :2].T, color=SERIES[number % len(SERIES)], linestyle=style, label=label)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.legend(frameon=False, fontsize=8)
+    tidy(axes, "x [m]", "y [m]")
+    write_title(axes, title, f"{len(results)} paths")
+    return figure
+
+
+def _pictures(name: str) -> Any:
+    return import_module(f".pictures.{name}", __package__)
+
+
+# Module and function by the name of the class: most of these need what a picture of another does not.
+PICTURES: dict[str, tuple[str | None, str]] = {
+    "Track": (None, "_track"),
+    "Rover": (None, "_rover"),
+    "Limits": (None, "_limits"),
+    "Calibration": (None, "_calibration"),
+    "FourAxle": (None, "_four_axle_rover"),
+    "FourAxleState": (None, "_axle_state"),
+    "FourAxleStep": (None, "_sequence"),
+    "TurnSequence": (None, "_sequence"),
+    "FourAxleSimulation": (None, "_four_axles"),
+    "Drive": (None, "_drive"),
+    "ControlledDrive": (None, "_drive"),
+    "Reckoned": (None, "_reckoned"),
+    "list": (None, "_several"),
+    "Wheel": (".pictures.above", "wheel_figure"),
+    "TwistFit": (".pictures.above", "fit_figure"),
+    "Mobility": (".pictures.above", "mobility_figure"),
+    "FourAxleMobility": (".pictures.above", "mobility_figure"),
+    "ControllerOutput": (".pictures.above", "output_figure"),
+    "OdometryState": (".pictures.above", "pose_figure"),
+    "Odometry3State": (".pictures.above", "pose_figure"),
+    "Preintegrated": (".pictures.above", "pose_figure"),
+    "TwistJacobian": (".pictures.bars", "jacobian_bars"),
+    "Stability": (".pictures.bars", "stability_bars"),
+    "PoseBounds": (".pictures.bars", "bounds_bars"),
+    "Feasibility": (".pictures.bars", "feasible_bars"),
+    "BodySlip": (".pictures.bars", "slip_bars"),
+    "Terrain": (".pictures.fields", "terrain_figure"),
+    "Costmap": (".pictures.fields", "costmap_figure"),
+    "Mppi": (".pictures.fields", "planner_figure"),
+    "MppiPlan": (".pictures.fields", "plan_path_figure"),
+    "RolloutCost": (".pictures.fields", "rollouts_figure"),
+    "GroundTruth": (".pictures.paths", "truth_figure"),
+    "WheelLog": (".pictures.paths", "log_figure"),
+    "GroundSimulation": (".pictures.paths", "drive_figure"),
+    "Track3": (".pictures.paths", "track3_figure"),
+    "Evaluation": (".pictures.paths", "evaluation_figure"),
+    "Twist": (".pictures.paths", "twist_path_figure"),
+    "SettledPose": (".pictures.sides", "stand_figure"),
+    "Suspension": (".pictures.sides", "suspension_figure"),
+    "GroundCommand": (".pictures.sides", "motion_figure"),
+    "GroundMotion": (".pictures.sides", "motion_figure"),
+    "FourAxleMotion": (".pictures.sides", "motion_figure"),
+    "Traction": (".pictures.sides", "motion_figure"),
+    "SteeringCommand": (".pictures.sides", "motion_figure"),
+    "WheelSlip": (".pictures.sides", "motion_figure"),
+    "ControllerRun": (".pictures.strips", "run_strips"),
+    "Profile": (".pictures.strips", "profile_strips"),
+    "BodyTransition": (".pictures.strips", "transition_strips"),
+    "ModuleTransition": (".pictures.strips", "transition_strips"),
+    "IcrTransition": (".pictures.strips", "transition_strips"),
+    "SlipReport": (".pictures.strips", "slip_strips"),
 }

@@ -20,14 +20,14 @@ Floats = NDArray[np.float64]
 ENDINGS = (*FORMATS, BAG)
 
 
-def write_ground(run: GroundSimulation, arm: RockerBogie, path: str | Path) -> None:
+def write_ground(run: GroundSimulation, suspension: RockerBogie, path: str | Path) -> None:
     """Write a drive over ground.
 
     Parameters
     ----------
     run : GroundSimulation
         What `simulate` returned.
-    arm : RockerBogie
+    suspension : RockerBogie
         Who drove.
     path : str or Path
         .csv or .parquet: readings and truth as `write_log` has them, and ``z``, ``roll``, ``pitch``, the
@@ -44,7 +44,7 @@ def write_ground(run: GroundSimulation, arm: RockerBogie, path: str | Path) -> N
     """
     target = Path(path)
     if target.suffix.lower() == BAG:
-        _write_bag(run, arm, target)
+        _write_bag(run, suspension, target)
         return
     table_format(target, ENDINGS)
     named = target.suffix.lower() == ".csv"  # a CSV states its units in its headers
@@ -53,22 +53,22 @@ def write_ground(run: GroundSimulation, arm: RockerBogie, path: str | Path) -> N
             unit,
             values,
         )
-        for name, (unit, values) in _columns(run, arm).items()
+        for name, (unit, values) in _columns(run, suspension).items()
     }
     units = {name: unit for name, (unit, _) in columns.items()}
     with replacing(target) as place, TableWriter(place, units) as writer:
         writer.write([np.ascontiguousarray(values) for _, values in columns.values()])
 
 
-def _columns(run: GroundSimulation, arm: RockerBogie) -> dict[str, tuple[str, Any]]:
+def _columns(run: GroundSimulation, suspension: RockerBogie) -> dict[str, tuple[str, Any]]:
     """Name to unit and values, in the order of the table."""
     assert run.stand is not None
     assert run.slip is not None
-    assert run.speeds is not None
+    assert run.wheel_speeds is not None
     assert run.truth is not None
     assert run.orientations is not None
     assert run.angular_velocity is not None
-    planar, stand = arm.planar(0.0, (0.0, 0.0)), run.stand
+    planar, stand = suspension.planar(0.0, (0.0, 0.0)), run.stand
     columns: dict[str, tuple[str, Any]] = {"time": ("s", run.stamps)}
     in_ticks = {"wheel": "wheel_encoders" in run.options, "steering": "steering_encoders" in run.options}
     for joint, values in joint_columns(run, planar).items():
@@ -80,33 +80,33 @@ def _columns(run: GroundSimulation, arm: RockerBogie) -> dict[str, tuple[str, An
         columns[name] = (unit, values)
     columns["status"] = ("1", np.asarray(stand.status).astype(str))
     columns |= {"z": ("m", stand.z), "roll": ("rad", stand.roll), "pitch": ("rad", stand.pitch)}
-    for name, values in zip(arm.free_joints, stand.joints.T, strict=True):
+    for name, values in zip(suspension.free_joints, stand.joints.T, strict=True):
         columns[name] = ("rad", values)
     for name, values in zip("xyzw", run.orientations.T, strict=True):
         columns[f"orientation_{name}"] = ("1", values)
     for name, values in zip("xyz", run.angular_velocity.T, strict=True):
         columns[f"angular_velocity_{name}"] = ("rad/s", values)
     for unit, quantity, table in (
-        ("rad/s", "speed", run.speeds),
+        ("rad/s", "speed", run.wheel_speeds),
         ("rad", "contact_angle", stand.contact_angles),
         ("1", "slip_ratio", run.slip.ratio),
         ("rad", "slip_angle", run.slip.angle),
     ):
-        for wheel, values in zip(arm.wheel_names, table.T, strict=True):
+        for wheel, values in zip(suspension.wheel_names, table.T, strict=True):
             columns[f"{wheel}_{quantity}"] = (unit, values)
     return columns
 
 
-def _write_bag(run: GroundSimulation, arm: RockerBogie, path: Path) -> None:
+def _write_bag(run: GroundSimulation, suspension: RockerBogie, path: Path) -> None:
     assert run.stand is not None
     assert run.truth is not None
     assert run.orientations is not None
     assert run.angular_velocity is not None
-    planar, stand = arm.planar(0.0, (0.0, 0.0)), run.stand
-    columns = joint_columns(run, planar) | dict(zip(arm.free_joints, stand.joints.T, strict=True))
+    planar, stand = suspension.planar(0.0, (0.0, 0.0)), run.stand
+    columns = joint_columns(run, planar) | dict(zip(suspension.free_joints, stand.joints.T, strict=True))
     rows = np.stack(list(columns.values()), axis=-1)
     places = np.column_stack((run.truth.poses[:, :2], stand.z))
-    wheels = _wheel_transforms(run.in_radians(planar), run, arm)
+    wheels = _wheel_transforms(run.in_radians(planar), run, suspension)
     with replacing(path) as place, record_of(place, planar) as writer:
         messages = _GroundMessages(writer)
         odometry = reckoned(run, planar)
@@ -123,14 +123,14 @@ def _write_bag(run: GroundSimulation, arm: RockerBogie, path: Path) -> None:
 
 
 def _wheel_transforms(
-    turned: WheelLog, run: GroundSimulation, arm: RockerBogie
+    turned: WheelLog, run: GroundSimulation, suspension: RockerBogie
 ) -> dict[str, list[tuple[Floats, Floats]]]:
     """Place and quaternion in the body of every wheel, turned as far as it has rolled, row by row."""
     assert run.stand is not None
     joints = np.nan_to_num(run.stand.joints)
-    frames = arm.frames(joints[:, 0], joints[:, 1:], np.nan_to_num(run.stand.steering))
+    frames = suspension.frames(joints[:, 0], joints[:, 1:], np.nan_to_num(run.stand.steering))
     transforms = {}
-    for number, name in enumerate(arm.wheel_names):
+    for number, name in enumerate(suspension.wheel_names):
         frame = frames[f"A{number + 1}"]
         half = np.nan_to_num(turned.wheel_angles[:, number]) / 2.0
         spin = np.stack([np.zeros_like(half), np.sin(half), np.zeros_like(half), np.cos(half)], axis=-1)

@@ -31,9 +31,9 @@ class GroundSimulation(Simulation):
     ----------
     stand : SettledPose
         The settled pose at every sample: z, roll, pitch, joints, contact angles, contacts, statuses.
-    speeds : ndarray, shape (n, wheels)
+    wheel_speeds : ndarray, shape (n, wheels)
         True speeds of the wheels against their links [rad/s].
-    flat_speeds : ndarray, shape (n, wheels)
+    flat_wheel_speeds : ndarray, shape (n, wheels)
         What the same commands ask for on level ground [rad/s].
     twists : ndarray, shape (n, 6)
         ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes [m/s, rad/s].
@@ -48,8 +48,8 @@ class GroundSimulation(Simulation):
     """
 
     stand: SettledPose | None = None
-    speeds: Floats | None = None
-    flat_speeds: Floats | None = None
+    wheel_speeds: Floats | None = None
+    flat_wheel_speeds: Floats | None = None
     twists: Floats | None = None
     joint_rates: Floats | None = None
     slip: WheelSlip | None = None
@@ -58,7 +58,7 @@ class GroundSimulation(Simulation):
 
 
 def simulate_on_ground(
-    arm: RockerBogie,
+    suspension: RockerBogie,
     path: ArrayLike | tuple[ArrayLike, ArrayLike],
     ground: Terrain,
     sensors: Sensors,
@@ -76,15 +76,15 @@ def simulate_on_ground(
     sample, and its wheels turn as far as they roll there.
     """
     random = generator(seed)
-    planar = arm.planar(0.0, (0.0, 0.0))
+    planar = suspension.planar(0.0, (0.0, 0.0))
     course = read_course(path, planar, speed)
     first = course.begin(start)
     moved = drive(planar, course, sensors.noise, slips, 1.0 / (FINER * rate), first, random)
-    stand = arm.settle(ground, moved.poses, moved.steering)
+    stand = suspension.settle(ground, moved.poses, moved.steering)
     _check(stand, moved)
     wanted = course.at(moved.stamps)[:, [0, 2]]
-    told = arm.inverse(stand, wanted, view="plan", steering=moved.steering)
-    speeds = _filled(told.speeds)
+    told = suspension.inverse(stand, wanted, view="plan", steering=moved.steering)
+    speeds = _filled(told.wheel_speeds)
     turning = (speeds[1:] + speeds[:-1]) / 2.0
     spinning(planar, slips, moved.stamps, turning)
     dt = np.diff(moved.stamps)[:, None]
@@ -92,12 +92,14 @@ def simulate_on_ground(
     yaw_rate = np.where(np.isnan(told.twist[:, 5]), moved.yaw_rate, told.twist[:, 5])
     motion = Motion(moved.stamps, moved.poses, moved.steering, turned, yaw_rate)
     read = sensors.read(planar, _every(motion), random)
-    there = arm.settle(ground, motion.poses[::FINER], motion.steering[::FINER])
+    there = suspension.settle(ground, motion.poses[::FINER], motion.steering[::FINER])
     twists, joint_rates = told.twist[::FINER], told.joint_rates[::FINER]
     ends = np.concatenate((turning[:1], turning, turning[-1:]))
     real = (ends[1:] + ends[:-1]) / 2.0  # at a row, the mean of the steps beside it
     known = ~np.isnan(twists[:, 0])
-    slid = arm.slip(there, real[::FINER], np.where(known[:, None], twists, 0.0), np.nan_to_num(joint_rates))
+    slid = suspension.slip(
+        there, real[::FINER], np.where(known[:, None], twists, 0.0), np.nan_to_num(joint_rates)
+    )
     spread = 0.0 if sensors.gyroscope is None else sensors.gyroscope.noise
     return GroundSimulation(
         **read,
@@ -105,8 +107,8 @@ def simulate_on_ground(
         truth=GroundTruth(read["stamps"], motion.poses[::FINER]),
         motion=motion,
         stand=there,
-        speeds=speeds[::FINER],
-        flat_speeds=planar.inverse(course.at(read["stamps"]), previous=motion.steering[::FINER])[1],
+        wheel_speeds=speeds[::FINER],
+        flat_wheel_speeds=planar.inverse(course.at(read["stamps"]), previous=motion.steering[::FINER])[1],
         twists=twists,
         joint_rates=joint_rates,
         slip=slid,

@@ -161,9 +161,9 @@ def _along(rover: Rover, twists: Floats, near: Floats | None = None) -> tuple[Fl
     """Steering angles and wheel speeds along twists: of two equivalent angles the one nearer to that of
     the row in
     `near`, or to the one before."""
-    if not rover.steered_names:
+    if not rover.steered_wheel_names:
         return np.empty((len(twists), 0)), rover.inverse(twists)[1]
-    angles = np.empty((len(twists), len(rover.steered_names)))
+    angles = np.empty((len(twists), len(rover.steered_wheel_names)))
     speeds = np.empty((len(twists), len(rover.wheels)))
     first = next((tuple(twist) for twist in twists.tolist() if any(twist)), (0.0, 0.0, 0.0))
     previous = rover.inverse(first)[0]

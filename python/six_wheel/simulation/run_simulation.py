@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Gyroscope, Limits, Noise, RockerBogie, Rover, Terrain, check_kind
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.on_terrain import simulate_on_ground
@@ -30,14 +31,15 @@ def _mean_rates(motion: Motion, stamps: Floats) -> Floats:
     return rates
 
 
+@checked()
 def simulate(
     rover: Rover | RockerBogie,
     path: ArrayLike | tuple[ArrayLike, ArrayLike],
     *,
     ground: Terrain | None = None,
     noise: Noise | None = None,
-    encoder: Encoders | None = None,
-    steering_encoder: Encoders | None = None,
+    wheel_encoders: Encoders | None = None,
+    steering_encoders: Encoders | None = None,
     slip: Slip | Sequence[Slip] = (),
     stick: Stick | None = None,
     limits: Limits | None = None,
@@ -68,7 +70,7 @@ def simulate(
         heading.
     noise : Noise, optional
         How readings err and contacts slip, default ``Noise(speed=0, steering=0)``: not at all.
-    encoder, steering_encoder : Encoder, sequence of Encoder or dict of str to Encoder, optional
+    wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
         What wheels and joints count with: ticks, gear, where the counter starts over. Without one they
         read radians.
     slip : Slip or sequence of Slip
@@ -117,7 +119,7 @@ def simulate(
     if not isinstance(slips, Sequence) or not all(isinstance(one, Slip) for one in slips):
         raise ArgumentTypeError(f"slip must be a Slip or several, got {slip!r}")
     _check_numbers(rate, speed, jitter, dropped, truth_noise)
-    sensors = Sensors(noise or Noise(0.0, 0.0), encoder, steering_encoder, gyroscope)
+    sensors = Sensors(noise or Noise(0.0, 0.0), wheel_encoders, steering_encoders, gyroscope)
     named: dict[str, Any] = {"name": name or f"seed {seed}", "session": session}
     if isinstance(rover, RockerBogie):
         check_kind("ground", ground)

@@ -21,8 +21,8 @@ class Sensors:
     """Encoders of wheels and joints, a gyroscope, and how their readings err; see `simulate`."""
 
     noise: Noise
-    encoder: Encoders | None
-    steering_encoder: Encoders | None
+    wheel_encoders: Encoders | None
+    steering_encoders: Encoders | None
     gyroscope: Gyroscope | None
 
     def read(self, rover: Rover, motion: Motion, random: np.random.Generator) -> dict[str, Any]:
@@ -42,11 +42,13 @@ class Sensors:
         angles = motion.steering + noise.steering * per_reading * random.standard_normal(
             motion.steering.shape
         )
-        wheels = counts(turned, encoders_of("encoder", self.encoder, rover.wheel_names))
+        wheels = counts(turned, encoders_of("wheel_encoders", self.wheel_encoders, rover.wheel_names))
         passive = [not wheel.driven for wheel in rover.wheels]
         wheels[:, passive] = np.nan
-        steering = counts(angles, encoders_of("steering_encoder", self.steering_encoder, rover.steered_names))
-        encoders = {"wheel_encoders": self.encoder, "steering_encoders": self.steering_encoder}
+        steering = counts(
+            angles, encoders_of("steering_encoders", self.steering_encoders, rover.steered_wheel_names)
+        )
+        encoders = {"wheel_encoders": self.wheel_encoders, "steering_encoders": self.steering_encoders}
         return {
             "stamps": motion.stamps,
             "steering": steering if steering.shape[1] else None,
@@ -87,13 +89,13 @@ def sample_times(
 
 
 def counts(angles: Floats, every: Sequence[Encoder]) -> Floats:
-    """Angles [rad] as encoders count them: whole ticks where they have a resolution, started over at the
-    modulus."""
+    """Angles [rad] as encoders count them: whole ticks where they have ticks per turn, started over at the
+    end of their range."""
     read = np.array(angles)
     for column, one in zip(read.T, every, strict=True):
-        column[:] = (column - one.offset) / one.angle_per_count
-        if one.resolution is not None:
+        column[:] = (column - one.offset) / one.angle_per_tick
+        if one.ticks_per_turn is not None:
             np.floor(column, out=column)
-        if one.modulus is not None:
-            np.mod(column, one.modulus, out=column)
+        if one.wraps_at is not None:
+            np.mod(column, one.wraps_at, out=column)
     return read

@@ -46,10 +46,10 @@ class Stick:
             If the rover has no such joint.
         """
         wheel = rover.steering_joints.get(self.joint, self.joint)
-        if wheel not in rover.steered_names:
+        if wheel not in rover.steered_wheel_names:
             known = ", ".join(rover.steering_joints) or "none"
             raise ValueError(f"stick must name a steering joint, {known}, got {self.joint!r}")
-        return list(rover.steered_names).index(wheel)
+        return list(rover.steered_wheel_names).index(wheel)
 
 
 def drive_stuck(
@@ -77,7 +77,7 @@ def drive_stuck(
     stamps = np.linspace(begin, end, max(math.ceil((end - begin) / period), 1) + 1)
     controller = Controller(rover, limits, **{**control, "period": stamps[1] - stamps[0]})
     wanted = course.at(stamps)
-    angles, actual = (np.zeros((len(stamps), len(rover.steered_names))) for _ in range(2))
+    angles, actual = (np.zeros((len(stamps), len(rover.steered_wheel_names))) for _ in range(2))
     rates, speeds = np.zeros_like(angles), np.zeros((len(stamps), len(rover.wheels)))
     twists, reasons = np.zeros((len(stamps), 3)), np.zeros(len(stamps), np.uint32)
     measured = angles[0]
@@ -85,7 +85,7 @@ def drive_stuck(
     for row, now in enumerate((stamps - begin).tolist()):
         controller.command(tuple(wanted[row].tolist()), now)
         output = controller.step(now, measured)
-        angles[row], rates[row], speeds[row] = output.steering, output.steering_rates, output.speeds
+        angles[row], rates[row], speeds[row] = output.steering, output.steering_rates, output.wheel_speeds
         twists[row], reasons[row] = output.twist, int(output.reasons)
         actual[row] = angles[row]
         if now >= stick.start and row:
@@ -95,7 +95,7 @@ def drive_stuck(
             assert output.worst_joint is not None
             assert output.joint_errors is not None
             wheel = rover.steering_joints[output.worst_joint]
-            error = float(output.joint_errors[list(rover.steered_names).index(wheel)])
+            error = float(output.joint_errors[list(rover.steered_wheel_names).index(wheel)])
             found = {"joint": output.worst_joint, "found": now, "error": error}
     turning = (speeds[1:] + speeds[:-1]) / 2.0
     motion = follow_joints(rover, stamps, actual, turning, noise, slips, start, random)

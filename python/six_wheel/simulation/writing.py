@@ -74,7 +74,7 @@ def joint_columns(log: WheelLog, rover: Rover) -> dict[str, Floats]:
     columns = {}
     for joint, wheel in rover.steering_joints.items():
         if log.steering is not None:
-            columns[joint] = log.steering[:, rover.steered_names.index(wheel)]
+            columns[joint] = log.steering[:, rover.steered_wheel_names.index(wheel)]
     for joint, wheel in rover.traction_joints.items():
         column = log.wheel_angles[:, rover.wheel_names.index(wheel)]
         if np.isfinite(column).any():

@@ -1,4 +1,4 @@
-//! What fuzzing of the core found, done again: `rust/fuzz/finds`, by the target's name.
+//! Inputs that fuzzing of the core found (`rust/fuzz/finds`, by the target's name), run again.
 
 #[path = "../../fuzz/doors/lib.rs"]
 mod doors;

@@ -199,7 +199,7 @@ impl FourAxle {
         }
         if left == 0 {
             let rule = "keep the motion smooth (axles that come to share a point, or cease to, do not)";
-            return Err(Error::value("speeds", rule, format!("{:?}", held.speeds)));
+            return Err(Error::value("wheel_speeds", rule, format!("{:?}", held.speeds)));
         }
         let middle = self.refine(state, half, held, dt / 2.0, left - 1)?;
         let second = self.collocate(middle, held, dt / 2.0)?;

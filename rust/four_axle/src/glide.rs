@@ -38,7 +38,7 @@ impl FourAxle {
         rate: f64,
     ) -> Result<PivotTransition, String> {
         let path = Path::new(self, start, twist, pair, goal)?;
-        let speed = self.hinge_speed(twist);
+        let speed = self.pivot_speed(twist);
         let mut last = String::new();
         // The rate is smallest at one of the ends.
         for end in [0.0, 1.0] {
@@ -56,7 +56,7 @@ impl FourAxle {
     /// Hinge speed of a motion along a unit twist [m/s].
     fn scaled_dot(&self, way: &Vector3<f64>, twist: Twist) -> f64 {
         let size = self.rover().size;
-        let length = self.hinge_speed(Twist::from(*way));
+        let length = self.pivot_speed(Twist::from(*way));
         (way.x * twist.vx + way.y * twist.vy + way.z * twist.omega * size * size) / length
     }
 }
@@ -98,7 +98,7 @@ impl<'a> Path<'a> {
                 pair.name()
             ));
         }
-        let from = Vector3::from(twist) / car.hinge_speed(twist);
+        let from = Vector3::from(twist) / car.pivot_speed(twist);
         let to = Vector3::from(mobility.least());
         let path = |to| Self { car, pair, brakes: Brakes::LOCKED.with(pair, Brake::Free), start, from, to };
         [path(to), path(-to)]
@@ -111,7 +111,7 @@ impl<'a> Path<'a> {
         self.from * (1.0 - at) + self.to * at
     }
 
-    /// Axle angles on the way: the headings follow the velocities of their hinges.
+    /// Axle angles on the way: the headings follow the velocities of their pivots.
     fn angles(&self, at: f64) -> Axles {
         let rows = self.car.rows(&self.start);
         let twist = self.twist(at);
@@ -128,7 +128,7 @@ impl<'a> Path<'a> {
     fn leads_to(&self, end: &Axles) -> bool {
         let rows = self.car.rows(&self.start);
         let reached = self.angles(1.0);
-        // A locked pair must not be asked to roll backwards on the way, a hinge not to stand.
+        // A locked pair must not be asked to roll backwards on the way, a pivot not to stand.
         let rolls_on = (0..4).all(|i| {
             let along = |twist| self.car.along(i, &rows, twist);
             let turning = self.pair.axles().contains(&i);
@@ -149,13 +149,13 @@ impl<'a> Path<'a> {
         (angles, slopes)
     }
 
-    /// Wheel speeds of the free pair that give this hinge speed and this rate of the faster axle.
+    /// Wheel speeds of the free pair that give this pivot speed and this rate of the faster axle.
     fn wheel_speeds(&self, at: f64, speed: f64, rate: f64) -> Drives {
         let (angles, slopes) = self.slopes(at);
         let rows = self.car.rows(&angles);
         let wheels = self.car.rover().wheels();
         let twist = self.twist(at);
-        let twist = twist * (speed / self.car.hinge_speed(Twist::from(twist)));
+        let twist = twist * (speed / self.car.pivot_speed(Twist::from(twist)));
         let steepest = steepest(&slopes);
         let mut speeds = [None; 4];
         for i in self.pair.axles() {

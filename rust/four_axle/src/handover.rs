@@ -41,7 +41,7 @@ impl FourAxle {
             pair.other().name(),
             pair.name(),
         );
-        Err(Error::value("angles", rule, numbers(angles)).of_kind(ErrorKind::Infeasible))
+        Err(Error::value("steering", rule, numbers(angles)).of_kind(ErrorKind::Infeasible))
     }
 
     /// Frees a pair. Fails, and changes nothing, where both pairs free would leave the body adrift.
@@ -59,7 +59,7 @@ impl FourAxle {
              lock {} first)",
             pair.other().name()
         );
-        Err(Error::value("angles", rule, numbers(angles)).of_kind(ErrorKind::Infeasible))
+        Err(Error::value("steering", rule, numbers(angles)).of_kind(ErrorKind::Infeasible))
     }
 
     /// Sets both brakes: locks first, but where that would freeze the robot, releases first.

@@ -1,13 +1,13 @@
 //! Four axles on lockable pivots: four-wheel steering, dual differential drive and their hybrid.
 //!
-//! Each axle hangs on a hinge at `(±h_x, ±h_y)` and carries a wheel at its outer end: a steered [`Wheel`]
+//! Each axle hangs on a pivot at `(±h_x, ±h_y)` and carries a wheel at its outer end: a steered [`Wheel`]
 //! whose contact lies an axle's length beside its pivot. All else follows from the wheel equation. A brake
 //! locks the two pivots of a pair; a free pivot has no motor, the wheels turn it:
 //! `steering_rate = (e . u - rim_speed) / scrub - omega`, which is the rolling row solved for the rate.
 //!
 //! The side-slip rows know no steering rate, so they bind free axles as well as locked ones: a robot in
-//! motion has all four axle lines through one point, always. With hinges on the centre line a pair is one
-//! rigid axle, hence one line, and any two angles will do. With hinges beside it the two lines of a locked
+//! motion has all four axle lines through one point, always. With pivots on the centre line a pair is one
+//! rigid axle, hence one line, and any two angles will do. With pivots beside it the two lines of a locked
 //! pair meet in one point and hold the centre of rotation there, unless they are the same line.
 
 mod brakes;
@@ -45,7 +45,7 @@ const VANISHED: f64 = 1e-14;
 /// The vehicle: immutable, checked once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FourAxle {
-    hinges: [f64; 2],
+    pivots: [f64; 2],
     axle_length: f64,
     wheel_radius: f64,
     steering: SteeringRange,
@@ -54,21 +54,21 @@ pub struct FourAxle {
 }
 
 impl FourAxle {
-    /// Axles of `axle_length` on hinges at `(±hinges[0], ±hinges[1])` [m].
+    /// Axles of `axle_length` on pivots at `(±pivots[0], ±pivots[1])` [m].
     ///
-    /// Hinges on the centre line (`hinges[1] = 0`) carry one rigid axle per pair. `tolerance` is the side
+    /// Hinges on the centre line (`pivots[1] = 0`) carry one rigid axle per pair. `tolerance` is the side
     /// slip per distance driven up to which axles count as concurrent.
     pub fn new(
-        hinges: [f64; 2],
+        pivots: [f64; 2],
         axle_length: f64,
         wheel_radius: f64,
         steering: SteeringRange,
         tolerance: f64,
     ) -> Result<Self, Error> {
-        let [x, y] = hinges;
-        positive("hinges[0]", x)?;
+        let [x, y] = pivots;
+        positive("pivots[0]", x)?;
         if !(y.is_finite() && y >= 0.0) {
-            return Err(Error::value("hinges[1]", "be finite and not negative", number(y)));
+            return Err(Error::value("pivots[1]", "be finite and not negative", number(y)));
         }
         positive("axle_length", axle_length)?;
         positive("wheel_radius", wheel_radius)?;
@@ -86,12 +86,12 @@ impl FourAxle {
             axle("rear_left", -x, 1.0),
             axle("rear_right", -x, -1.0),
         ])?;
-        Ok(Self { hinges, axle_length, wheel_radius, steering, tolerance, rover })
+        Ok(Self { pivots, axle_length, wheel_radius, steering, tolerance, rover })
     }
 
-    /// Half the distance of the hinges along and across the body [m].
-    pub fn hinges(&self) -> [f64; 2] {
-        self.hinges
+    /// Half the distance of the pivots along and across the body [m].
+    pub fn pivots(&self) -> [f64; 2] {
+        self.pivots
     }
 
     /// Hinge to wheel [m].
@@ -121,23 +121,23 @@ impl FourAxle {
 
     /// True if a pair is one axle, its wheels always in line.
     pub fn is_rigid(&self) -> bool {
-        self.hinges[1] == 0.0
+        self.pivots[1] == 0.0
     }
 
     /// Fails unless the angles are finite, in range, and those of a rigid axle equal.
     pub fn check_angles(&self, angles: &Axles) -> Result<(), Error> {
-        finite("angles", angles)?;
+        finite("steering", angles)?;
         let slack = SLIP_TOLERANCE;
         let range = self.steering.lower - slack..=self.steering.upper + slack;
         if !angles.iter().all(|angle| range.contains(angle)) {
             let rule = format!("lie within {} rad", self.steering);
-            return Err(Error::value("angles", rule, numbers(angles)));
+            return Err(Error::value("steering", rule, numbers(angles)));
         }
         let [front_left, front_right, rear_left, rear_right] = *angles;
         let apart = (front_left - front_right).abs().max((rear_left - rear_right).abs());
         if self.is_rigid() && apart > slack {
-            let rule = "be equal left and right on a rigid axle (hinges on the centre line)";
-            return Err(Error::value("angles", rule, numbers(angles)));
+            let rule = "be equal left and right on a rigid axle (pivots on the centre line)";
+            return Err(Error::value("steering", rule, numbers(angles)));
         }
         Ok(())
     }
@@ -166,7 +166,7 @@ impl FourAxle {
         std::array::from_fn(|i| wheels[i].rows(Direction::from(angles[i])))
     }
 
-    /// A row for `(vx, vy, omega * size)`: every unit vector moves the hinges at 1 m/s (root mean square).
+    /// A row for `(vx, vy, omega * size)`: every unit vector moves the pivots at 1 m/s (root mean square).
     fn scaled(&self, row: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(row.x, row.y, row.z / self.rover.size)
     }
@@ -184,8 +184,8 @@ impl FourAxle {
         Twist::from([sign * snapped.x + 0.0, sign * snapped.y + 0.0, sign * snapped.z / self.rover.size + 0.0])
     }
 
-    /// Root mean square speed of the hinges [m/s].
-    fn hinge_speed(&self, twist: Twist) -> f64 {
+    /// Root mean square speed of the pivots [m/s].
+    fn pivot_speed(&self, twist: Twist) -> f64 {
         Vector3::new(twist.vx, twist.vy, twist.omega * self.rover.size).norm()
     }
 
@@ -213,8 +213,8 @@ impl FourAxle {
 
     /// Velocities of body and free pivots at these wheel speeds, by least squares over both rows of every wheel.
     ///
-    /// While one pair is locked and its drives follow, the rows may leave the speed open at which hinged
-    /// axles go along. Then the motion is the one that lasts, under which the axle lines go on to share a
+    /// While one pair is locked and its drives follow, the rows may leave the speed open at which axles
+    /// on two pivots go along. Then the motion is the one that lasts, under which the axle lines go on to share a
     /// point.
     pub fn forward(&self, angles: &Axles, brakes: Brakes, speeds: &Drives) -> Result<Motion, Error> {
         self.check_angles(angles)?;
@@ -225,13 +225,13 @@ impl FourAxle {
 
     fn check_speeds(&self, speeds: &Drives) -> Result<(), Error> {
         let given = speeds.map(|speed| speed.unwrap_or(0.0));
-        finite("speeds", &given)?;
+        finite("wheel_speeds", &given)?;
         let largest = given.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         if (4.0 * largest * self.rover.reading_bound).is_finite() {
             return Ok(());
         }
         let rule = "be small enough for a finite twist";
-        Err(Error::value("speeds", rule, numbers(&given)))
+        Err(Error::value("wheel_speeds", rule, numbers(&given)))
     }
 
     /// Column of each axle's pivot rate among the unknowns, after the twist, and the number of unknowns.
@@ -258,7 +258,7 @@ impl FourAxle {
     /// The wheel equation of all wheels, solved for body and free pivots.
     ///
     /// With `lasting`, the axle lines count as sharing a point, and the pivots turn so that they go on to:
-    /// the time derivative of `n . u = 0` at every hinge, `n . du/dt = (e . u) steering_rate`, has a solution
+    /// the time derivative of `n . u = 0` at every pivot, `n . du/dt = (e . u) steering_rate`, has a solution
     /// for the acceleration.
     fn velocities(&self, angles: &Axles, brakes: Brakes, speeds: &Drives, lasting: bool) -> Result<Motion, Error> {
         let wheels = self.rover.wheels();
@@ -310,7 +310,7 @@ impl FourAxle {
         Ok(motion)
     }
 
-    /// Speed of a hinge along its wheel's heading [m/s]: the rolling row without the axle's length.
+    /// Speed of a pivot along its wheel's heading [m/s]: the rolling row without the axle's length.
     fn along(&self, i: usize, rows: &[Rows; 4], twist: &Vector3<f64>) -> f64 {
         rows[i].rolling.dot(twist) + self.rover.wheels()[i].scrub * twist.z
     }
@@ -349,5 +349,5 @@ fn turn_about(icr: [f64; 2]) -> Result<Twist, Error> {
 fn undetermined(speeds: &Drives, rank: usize, count: usize) -> Error {
     let rule = format!("determine the motion of body and free pivots ({rank} of {count} unknowns known)");
     let value = numbers(&speeds.map(|speed| speed.unwrap_or(f64::NAN)));
-    Error::value("speeds", rule, value).of_kind(ErrorKind::Underdetermined)
+    Error::value("wheel_speeds", rule, value).of_kind(ErrorKind::Underdetermined)
 }

@@ -2,8 +2,8 @@
 //! them.
 //!
 //! Driving on is possible where the axle lines share a point throughout. With one pair locked that point
-//! stays on the lines of the locked axles: on a line if they are in line (a rigid axle always is, hinged
-//! axles are at angle 0), else where they meet. In the first case the centre of rotation moves along that
+//! stays on the lines of the locked axles: on a line if they are in line (a rigid axle always is, those on two
+//! pivots at angle 0), else where they meet. In the first case the centre of rotation moves along that
 //! line, and the wheels of the free pair make it move; in the second nothing can turn but standing axles.
 
 use std::str::FromStr;
@@ -24,9 +24,9 @@ const SAME_ANGLE: f64 = 1e-12;
 pub enum Steer {
     /// Front and rear against each other: the centre of rotation lies abreast of the body's origin.
     Both,
-    /// The front axles alone: it lies abreast of the rear hinges.
+    /// The front axles alone: it lies abreast of the rear pivots.
     Front,
-    /// The rear axles alone: it lies abreast of the front hinges.
+    /// The rear axles alone: it lies abreast of the front pivots.
     Rear,
 }
 
@@ -49,7 +49,7 @@ impl FromStr for Steer {
 /// Speeds of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// Root mean square speed of the hinges at the begin [m/s]; 0 to re-aim standing.
+    /// Root mean square speed of the pivots at the begin [m/s]; 0 to re-aim standing.
     pub speed: f64,
     /// Rate of the faster axle where the pair turns slowest [rad/s].
     pub pivot_rate: f64,
@@ -94,8 +94,8 @@ impl FourAxle {
         finite("curvature", &[curvature])?;
         let abreast = match steer {
             Steer::Both => 0.0,
-            Steer::Front => -self.hinges()[0],
-            Steer::Rear => self.hinges()[0],
+            Steer::Front => -self.pivots()[0],
+            Steer::Rear => self.pivots()[0],
         };
         let size = curvature.abs().max(1.0);
         let target = Twist::from([1.0, -curvature * abreast, curvature].map(|value| value / size));
@@ -111,7 +111,7 @@ impl FourAxle {
         self.plan(start, goal, pace)
     }
 
-    /// Drives on with both pairs locked, at a root mean square speed of the hinges [m/s], for a time [s].
+    /// Drives on with both pairs locked, at a root mean square speed of the pivots [m/s], for a time [s].
     pub fn drive(&self, start: State, speed: f64, duration: f64) -> Result<Step, Error> {
         finite("speed", &[speed])?;
         positive("duration", duration)?;
@@ -120,7 +120,7 @@ impl FourAxle {
         let mobility = self.mobility(&start.angles)?;
         if mobility.degree() > 1 {
             let rule = "leave one motion (rover.inverse gives wheel speeds for any of several)";
-            return Err(Error::value("angles", rule, numbers(&start.angles)));
+            return Err(Error::value("steering", rule, numbers(&start.angles)));
         }
         let twist = times(mobility.least(), speed);
         let mut draft = SequenceBuilder { car: self, state: start, twist, steps: Vec::new() };
@@ -183,7 +183,7 @@ impl FourAxle {
         Ok(draft.steps)
     }
 
-    /// Stop, turn one axle pair about its hinges while the other pair and its wheels hold the body, then the
+    /// Stop, turn one axle pair about its pivots while the other pair and its wheels hold the body, then the
     /// other.
     fn standing(&self, start: State, goal: Axles, pace: Pace) -> Result<Vec<Step>, Error> {
         let mut draft = SequenceBuilder { car: self, state: start, twist: Twist::ZERO, steps: Vec::new() };
@@ -251,7 +251,7 @@ impl SequenceBuilder<'_> {
         self.go_on(&format!("lock {}", pair.name()), locked, pace.brake_time)
     }
 
-    /// Turns the free pair about its hinges while the robot stands.
+    /// Turns the free pair about its pivots while the robot stands.
     fn swing(&mut self, pair: Pair, goal: &Axles, rate: f64) -> Result<(), Error> {
         let wheels = self.car.rover().wheels();
         let way = |i: usize| goal[i] - self.state.angles[i];

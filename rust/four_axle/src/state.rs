@@ -42,7 +42,7 @@ pub struct Mobility {
     pub rank: usize,
     /// Singular values of those rows, in the units of the rows, descending.
     pub singular_values: [f64; 3],
-    /// Orthonormal motions, the free ones last: the hinges move at 1 m/s (root mean square).
+    /// Orthonormal motions, the free ones last: the pivots move at 1 m/s (root mean square).
     pub(crate) motions: [Twist; 3],
     /// Side slip of the least slipping motion per distance driven, both root mean square over the wheels.
     pub slip: f64,

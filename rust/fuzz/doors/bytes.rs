@@ -1,4 +1,4 @@
-//! What the targets make of bytes: numbers of every kind, and rovers.
+//! Numbers of every kind, and rovers, made of the bytes that a target is given.
 
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_kinematics::steering::SteeringRange;
@@ -17,7 +17,7 @@ impl Bytes<'_> {
         *first
     }
 
-    /// Whether there are any left.
+    /// True if there are any left.
     pub fn any(&self) -> bool {
         !self.0.is_empty()
     }

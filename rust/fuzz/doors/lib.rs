@@ -1,4 +1,4 @@
-//! What is fuzzed: a function of any bytes for every door of the core.
+//! The fuzzed functions: one of any bytes for every entry of the core.
 
 pub mod bytes;
 pub mod controller;

@@ -1,4 +1,4 @@
-//! What a control loop calls takes nothing from the allocator: counted, not believed.
+//! The calls of a control loop take nothing from the allocator, whose calls are counted.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -48,7 +48,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// How often `job` asks for memory, the second time it is done.
+/// Number of allocations of `job`, the second time it is done.
 fn taken<T>(mut job: impl FnMut() -> T) -> usize {
     job();
     let before = TAKEN.get();

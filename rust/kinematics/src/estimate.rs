@@ -46,7 +46,7 @@ impl RoverData {
         finite("steering_rates", rates)?;
         for (wheel, speed) in self.wheels().iter().zip(measured.speeds) {
             if !(speed.is_finite() || speed.is_nan() && !wheel.driven) {
-                return Err(Error::value("speeds", "be finite", numbers(measured.speeds)));
+                return Err(Error::value("wheel_speeds", "be finite", numbers(measured.speeds)));
             }
         }
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
@@ -55,7 +55,7 @@ impl RoverData {
             Ok(())
         } else {
             let rule = "be small enough for a finite twist";
-            Err(Error::value("speeds", rule, numbers(measured.speeds)))
+            Err(Error::value("wheel_speeds", rule, numbers(measured.speeds)))
         }
     }
 

@@ -56,11 +56,11 @@ impl Rover {
     /// `d1` half track of the corners, `d2` centre to rear axle, `d3` centre to front axle, `d4` half track
     /// of the middle wheels [m].
     pub fn six_wheel([d1, d2, d3, d4]: [f64; 4], wheel_radius: f64, steering: SteeringRange) -> Result<Self, Error> {
-        positive("d1", d1)?;
-        positive("d2", d2)?;
-        positive("d3", d3)?;
+        positive("front_to_middle", d3)?;
+        positive("middle_to_rear", d2)?;
+        positive("track_width", 2.0 * d1)?;
         if !(d4.is_finite() && d4 >= 0.0) {
-            return Err(Error::value("d4", "be finite and not negative", number(d4)));
+            return Err(Error::value("middle_track_width", "be finite and not negative", number(2.0 * d4)));
         }
         positive("wheel_radius", wheel_radius)?;
         steering.check()?;
@@ -205,14 +205,14 @@ impl Rover {
 
     /// Four mecanum wheels with rollers at `roller_angle` to their axles, the usual way round: seen from
     /// above, the rollers on top form a cross, those on the ground a diamond about the middle.
-    pub fn mecanum(half_wheelbase: f64, half_track: f64, wheel_radius: f64, roller_angle: f64) -> Result<Self, Error> {
-        positive("half_wheelbase", half_wheelbase)?;
-        positive("half_track", half_track)?;
+    pub fn mecanum(wheelbase: f64, track_width: f64, wheel_radius: f64, roller_angle: f64) -> Result<Self, Error> {
+        positive("wheelbase", wheelbase)?;
+        positive("track_width", track_width)?;
         positive("wheel_radius", wheel_radius)?;
         let mut wheels = Vec::new();
         for (axle, ahead) in [("front", 1.0), ("rear", -1.0)] {
             for (side, left) in SIDES {
-                let (x, y) = (ahead * half_wheelbase, left * half_track);
+                let (x, y) = (ahead * wheelbase / 2.0, left * track_width / 2.0);
                 wheels.push(Wheel {
                     roller_angle: Some(-ahead * left * roller_angle),
                     ..Wheel::new(format!("{axle}_{side}"), x, y, wheel_radius)

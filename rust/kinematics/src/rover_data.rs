@@ -136,7 +136,7 @@ impl Inputs<'_> {
     #[inline]
     pub fn check(&self) -> Result<(), Error> {
         finite("previous", self.previous.unwrap_or_default())?;
-        finite("previous_speeds", self.previous_speeds.unwrap_or_default())?;
+        finite("previous_wheel_speeds", self.previous_speeds.unwrap_or_default())?;
         finite("steering_rates", self.steering_rates.unwrap_or_default())
     }
 }

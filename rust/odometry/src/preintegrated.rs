@@ -8,6 +8,7 @@
 //! the samples when it is ([`replay`]).
 
 mod replay;
+mod samples;
 pub mod space;
 
 use nalgebra::{Matrix6, Vector6};
@@ -17,7 +18,8 @@ use super::settings::gyroscope::Gyroscope;
 pub use super::settings::quantities::{Column, DIMENSIONS};
 use super::settings::{Readings, Settings};
 use crate::samples::recording::{Recording, Sample};
-pub use replay::Replayed;
+pub use replay::PreintegratedMotion;
+pub use samples::Samples;
 use six_wheel_kinematics::geometry::Pose;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::{Error, ErrorKind, finite, number};
@@ -31,7 +33,7 @@ const UNIT: f64 = 1e-2;
 
 /// Frame in which the errors of a motion are expressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tangent {
+pub enum ErrorFrame {
     /// `delta exp(e)`: in axes of the body at the end.
     End,
     /// `exp(e) delta`: in axes of the body at the beginning.
@@ -42,7 +44,7 @@ pub enum Tangent {
 
 /// Options of pre-integration.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rules {
+pub struct PreintegrationOptions {
     /// As for odometry.
     pub settings: Settings,
     /// The gyroscope whose rates come with the samples.
@@ -53,22 +55,10 @@ pub struct Rules {
     pub attitude_noise: f64,
 }
 
-/// Samples between two instants, first one included.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Samples {
-    stamps: Vec<f64>,
-    steering: Vec<f64>,
-    wheels: Vec<f64>,
-    /// NaN where there is none.
-    rates: Vec<f64>,
-    /// Quaternions x, y, z, w; none in the plane.
-    attitudes: Vec<[f64; 4]>,
-}
-
 /// Wheel motion between two instants; see the module.
 #[derive(Clone, Debug)]
 pub struct Preintegrated {
-    rules: Rules,
+    options: PreintegrationOptions,
     /// Before any sample.
     fresh: Odometry,
     /// After all of them, in the plane.
@@ -94,26 +84,45 @@ pub struct Residual {
 
 impl Preintegrated {
     /// Without samples.
-    pub fn new(rover: Rover, rules: Rules) -> Result<Self, Error> {
-        let mut rules = rules;
-        if let Some(gyroscope) = &rules.gyroscope {
+    pub fn new(rover: Rover, options: PreintegrationOptions) -> Result<Self, Error> {
+        let mut options = options;
+        if let Some(gyroscope) = &options.gyroscope {
             gyroscope.check()?;
             if gyroscope.scale_noise != 0.0 {
                 let rule = "be 0: a motion keeps no error that lasts beyond it";
                 return Err(Error::value("scale_noise", rule, number(gyroscope.scale_noise)));
             }
-            rules.settings.noise.yaw_rate = gyroscope.noise;
+            options.settings.noise.yaw_rate = gyroscope.noise;
         }
-        if !(rules.attitude_noise.is_finite() && rules.attitude_noise >= 0.0) {
+        if !(options.attitude_noise.is_finite() && options.attitude_noise >= 0.0) {
             let rule = "be finite and not negative";
-            return Err(Error::value("attitude_noise", rule, number(rules.attitude_noise)));
+            return Err(Error::value("attitude_noise", rule, number(options.attitude_noise)));
         }
-        if !rules.settings.dimensions.is_empty() {
+        if !options.settings.dimensions.is_empty() {
             let rule = "be left out: a motion answers to each of them";
             return Err(Error::value("dimensions", rule, "some"));
         }
-        let odometry = Odometry::new(rover, rules.settings.clone())?;
-        Ok(Self { fresh: odometry.clone(), odometry, rules, samples: Samples::default(), begins: 0.0, ends: 1.0 })
+        let odometry = Odometry::new(rover, options.settings.clone())?;
+        Ok(Self { fresh: odometry.clone(), odometry, options, samples: Samples::default(), begins: 0.0, ends: 1.0 })
+    }
+
+    /// The samples, and the shares of the first and of the last step at which the motion begins and ends.
+    pub fn samples(&self) -> (&Samples, [f64; 2]) {
+        (&self.samples, [self.begins, self.ends])
+    }
+
+    /// The motion of other samples with the same options: the inverse of [`Self::samples`]. Fails if their numbers do not
+    /// match or they do not determine the motion.
+    pub fn with_samples(&self, samples: Samples, [begins, ends]: [f64; 2]) -> Result<Self, Error> {
+        let count = samples.stamps.len();
+        let (wheels, joints) = (self.rover().wheels().len(), self.rover().steered().len());
+        let attitudes = if self.options.in_space { count } else { 0 };
+        let lengths = [samples.steering.len(), samples.wheels.len(), samples.rates.len(), samples.attitudes.len()];
+        if lengths != [count * joints, count * wheels, count, attitudes] {
+            return Err(Error::value("samples", "have as many rows as stamps", format!("{lengths:?}")));
+        }
+        let source = Self { samples, ..self.clone() };
+        source.part(0..count, begins, ends)
     }
 
     /// The rover.
@@ -123,8 +132,8 @@ impl Preintegrated {
     }
 
     /// The options.
-    pub fn rules(&self) -> &Rules {
-        &self.rules
+    pub fn options(&self) -> &PreintegrationOptions {
+        &self.options
     }
 
     /// Number of samples.
@@ -165,7 +174,7 @@ impl Preintegrated {
             return Err(Error::value("yaw", rule, "one"));
         }
         let attitude = self.checked(attitude)?;
-        let bias = self.rules.gyroscope.map_or(0.0, |gyroscope| gyroscope.bias);
+        let bias = self.options.gyroscope.map_or(0.0, |gyroscope| gyroscope.bias);
         let sample = Sample { yaw_rate: sample.yaw_rate.map(|rate| rate - bias), ..sample };
         self.reserve(1)?;
         self.odometry.update(sample)?;
@@ -179,7 +188,7 @@ impl Preintegrated {
     }
 
     fn checked(&self, attitude: Option<[f64; 4]>) -> Result<Option<[f64; 4]>, Error> {
-        match (self.rules.in_space, attitude) {
+        match (self.options.in_space, attitude) {
             (false, None) => Ok(None),
             (false, Some(_)) => {
                 let rule = "be left out in the plane (in_space=True takes it)";
@@ -256,7 +265,7 @@ impl Preintegrated {
     /// The same over some of its samples.
     fn part(&self, rows: std::ops::Range<usize>, begins: f64, ends: f64) -> Result<Self, Error> {
         let mut part = Self {
-            rules: self.rules.clone(),
+            options: self.options.clone(),
             fresh: self.fresh.clone(),
             odometry: self.fresh.clone(),
             samples: Samples::default(),
@@ -311,7 +320,7 @@ impl Preintegrated {
 
     /// This motion and the one that follows it, as one: the same as if all samples had come to one place.
     pub fn merge(&self, next: &Self) -> Result<Self, Error> {
-        let same = self.rules == next.rules && self.rover() == next.rover();
+        let same = self.options == next.options && self.rover() == next.rover();
         if !same {
             let rule = "be of the same rover with the same noise, readings and gyroscope";
             return Err(Error::value("other", rule, "another one"));
@@ -330,7 +339,7 @@ impl Preintegrated {
             let rule = format!("begin where this one ends, at {}", number(end));
             return Err(Error::value("other", rule, number(begin)));
         }
-        let counts = self.rules.settings.readings == Readings::Increments;
+        let counts = self.options.settings.readings == Readings::Increments;
         let agrees = (0..shared).all(|k| {
             let (ours, theirs) = (self.sample(self.len() - shared + k), next.sample(k));
             let read = ours.wheels.iter().zip(theirs.wheels);
@@ -350,7 +359,7 @@ impl Preintegrated {
 
     /// True if the motion is that of odometry: in the plane, between two samples.
     fn is_plain(&self) -> bool {
-        !self.rules.in_space && self.begins == 0.0 && self.ends == 1.0
+        !self.options.in_space && self.begins == 0.0 && self.ends == 1.0
     }
 
     /// The motion in the plane with its full turns; None where it has to be worked out by [`Self::replay`].

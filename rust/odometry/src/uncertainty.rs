@@ -10,7 +10,7 @@
 //! carried' = L new
 //! ```
 //!
-//! What dimensions are off by enters every step: it has columns too, which are never settled (`constant_errors`).
+//! The error of a dimension enters every step: it has a column too, which is never settled (`constant_errors`).
 
 mod correction;
 

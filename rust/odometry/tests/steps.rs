@@ -277,7 +277,7 @@ impl Log {
     }
 }
 
-/// What came of it.
+/// Results of a log, row by row.
 struct Found {
     poses: Vec<[f64; 3]>,
     twists: Vec<[f64; 3]>,

@@ -1,4 +1,4 @@
-//! What callgrind counts: every job a function of its own that runs `RUNS` times, what it needs made outside.
+//! The jobs whose instructions callgrind counts: each a function of its own that runs `RUNS` times on values made outside.
 //!
 //! `benches/instructions.py` runs this under valgrind and compares with the figures that stand beside it. Batches run at
 //! AVX2, the widest registers valgrind knows.

@@ -91,6 +91,8 @@ pub struct Weights {
     pub goal: f64,
     /// See `goal`.
     pub terminal: f64,
+    /// One less the cosine between the yaw at the end and that of the goal, shared by 1 + distance to the goal / 1 m; once.
+    pub goal_yaw: f64,
     /// Distance from the path [1/(m s)].
     pub path: f64,
     /// Way made along the path, a gain [1/m].
@@ -110,6 +112,7 @@ impl Default for Weights {
             collision: 1000.0,
             goal: 1.0,
             terminal: 10.0,
+            goal_yaw: 10.0,
             path: 5.0,
             progress: 10.0,
             heading: 1.0,
@@ -121,16 +124,17 @@ impl Default for Weights {
 
 impl Weights {
     /// Names, in the order of the fields.
-    pub const NAMES: [&'static str; 9] =
-        ["map", "collision", "goal", "terminal", "path", "progress", "heading", "effort", "scrub"];
+    pub const NAMES: [&'static str; 10] =
+        ["map", "collision", "goal", "terminal", "goal_yaw", "path", "progress", "heading", "effort", "scrub"];
 
     /// The weights by name, in this order.
-    pub fn values(&self) -> [f64; 9] {
+    pub fn values(&self) -> [f64; 10] {
         [
             self.map,
             self.collision,
             self.goal,
             self.terminal,
+            self.goal_yaw,
             self.path,
             self.progress,
             self.heading,
@@ -140,8 +144,8 @@ impl Weights {
     }
 
     /// The reverse of [`Self::values`].
-    pub fn of([map, collision, goal, terminal, path, progress, heading, effort, scrub]: [f64; 9]) -> Self {
-        Self { map, collision, goal, terminal, path, progress, heading, effort, scrub }
+    pub fn of([map, collision, goal, terminal, goal_yaw, path, progress, heading, effort, scrub]: [f64; 10]) -> Self {
+        Self { map, collision, goal, terminal, goal_yaw, path, progress, heading, effort, scrub }
     }
 }
 
@@ -152,6 +156,8 @@ pub(crate) struct CostTerms<'a, R> {
     pub points: &'a [[f64; 2]],
     pub start: [f64; 2],
     pub goal: Option<[f64; 2]>,
+    /// Cosine and sine of the heading to have at the goal.
+    pub goal_heading: Option<[f64; 2]>,
     /// Points of the path with their directions, and how far along it is [m].
     pub path: &'a [[R; 4]],
     pub spacing: f64,
@@ -184,6 +190,7 @@ impl<R: Float> CostTerms<'_, R> {
     fn to_goal<S: Vector>(&self, simd: S, goal: [f64; 2], track: &[R], at: usize, mut sum: Lanes<S, R>) -> Lanes<S, R> {
         let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let (gx, gy) = (number(goal[0] - self.start[0]), number(goal[1] - self.start[1]));
+        let one = number(1.0);
         let mut distance = number(0.0);
         let weight = number(self.weights.goal * self.dt);
         for step in track.chunks_exact(TRACK * BLOCK) {
@@ -191,7 +198,14 @@ impl<R: Float> CostTerms<'_, R> {
             [_, distance] = x.mul_add(x, y * y).roots();
             sum = distance.mul_add(weight, sum);
         }
-        distance.mul_add(number(self.weights.terminal), sum)
+        let sum = distance.mul_add(number(self.weights.terminal), sum);
+        let Some(([cos, sin], end)) = self.goal_heading.zip(track.chunks_exact(TRACK * BLOCK).next_back()) else {
+            return sum;
+        };
+        let c = Lanes::<S, R>::from_slice(simd, &end[2 * BLOCK + at..]);
+        let s = Lanes::<S, R>::from_slice(simd, &end[3 * BLOCK + at..]);
+        let turned = one - c.mul_add(number(cos), s * number(sin));
+        (turned / (one + distance)).mul_add(number(self.weights.goal_yaw), sum)
     }
 
     #[inline(always)]

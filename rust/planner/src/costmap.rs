@@ -89,6 +89,15 @@ impl Costmap {
         ]
     }
 
+    /// The cost of the cell next to a place.
+    pub(crate) fn nearest(&self, place: [f64; 2]) -> f64 {
+        let index = |axis: usize, count: usize| {
+            let cells = (place[axis] - self.origin[axis]) / self.spacing[axis];
+            cells.round().clamp(0.0, (count - 1) as f64) as usize
+        };
+        f64::from(self.values[index(1, self.rows) * self.columns + index(0, self.columns)])
+    }
+
     /// Fails unless the place is on the map.
     pub fn check_holds(&self, [x, y, _]: [f64; 3]) -> Result<(), Error> {
         let ([x0, y0], [x1, y1]) = (self.origin, self.end());

@@ -31,6 +31,8 @@ pub struct CycleInput<'a> {
     pub path: Option<&'a [[f64; 2]]>,
     /// Position of the goal [m]; the end of the path if not given.
     pub goal: Option<[f64; 2]>,
+    /// Yaw to have at the goal [rad].
+    pub goal_yaw: Option<f64>,
     /// True if the rollouts' poses are kept, for an extra cost.
     pub record: bool,
 }
@@ -54,4 +56,6 @@ pub struct CycleOutput {
     pub effective: f64,
     /// Reason for which the rover stays, if it has to.
     pub stuck: Option<ImmobileReason>,
+    /// True if the rover is at its goal, as near as the noise of one step.
+    pub arrived: bool,
 }

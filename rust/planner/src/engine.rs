@@ -107,6 +107,7 @@ impl<R: Float, const M: usize> RolloutEngine for SampledRollouts<R, M> {
             points: &constants.points,
             start: input.start,
             goal: input.goal,
+            goal_heading: input.goal_heading,
             path: &self.path,
             spacing: path.spacing(),
             length: path.length(),

@@ -29,6 +29,8 @@ pub(crate) struct RolloutInput {
     pub samples: usize,
     pub start: [f64; 2],
     pub goal: Option<[f64; 2]>,
+    /// Cosine and sine of the heading of the components' axes at the goal.
+    pub goal_heading: Option<[f64; 2]>,
     pub has_path: bool,
     pub progress: f64,
     /// True if the rollouts' motions are kept for an extra cost.

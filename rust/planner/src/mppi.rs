@@ -1,6 +1,7 @@
 //! A sampling planner: the rollouts of a cycle, their weights and what follows from them.
 
 use super::cost::Path;
+use super::costmap::Costmap;
 use super::cycle::{CycleInput, CycleOutput, State};
 use super::engine::{MppiConstants, RolloutEngine, SampledRollouts};
 use super::kernels::RolloutInput;
@@ -150,6 +151,7 @@ impl Mppi {
         finite("state.steering", situation.steering.unwrap_or_default())?;
         finite("path", situation.path.unwrap_or_default().as_flattened())?;
         finite("goal", &situation.goal.unwrap_or_default())?;
+        finite("goal", situation.goal_yaw.as_slice())?;
         if situation.path.is_some_and(|path| path.len() < 2) {
             let got = situation.path.unwrap_or_default().len().to_string();
             return Err(Error::value("path", "have two points or more", got));
@@ -176,6 +178,24 @@ impl Mppi {
         self.engine.sample_rollouts(&self.input, situation.costmap, &self.path, &self.constants, workers)?;
         self.engine.costs(&mut self.costs);
         Ok(())
+    }
+
+    /// True if the rover is as near to its goal, in place and yaw, as one standard deviation of a control moves it in a step.
+    fn is_at_goal(&self) -> bool {
+        let ([x, y, yaw], [vx, vy, omega]) = (self.situation.0, self.noise);
+        let is_there = |[goal_x, goal_y]: [f64; 2]| (goal_x - x).hypot(goal_y - y) <= vx.hypot(vy) * self.options.dt;
+        let (sin, cos) = (yaw + self.bounds.heading).sin_cos();
+        let is_turned = |[goal_cos, goal_sin]: [f64; 2]| {
+            let angle = (cos * goal_sin - sin * goal_cos).atan2(cos * goal_cos + sin * goal_sin);
+            angle.abs() <= omega * self.options.dt
+        };
+        self.input.goal.is_some_and(is_there) && self.input.goal_heading.is_none_or(is_turned)
+    }
+
+    /// True if no rollout of the last cycle was cheaper than one collision, and its plan comes to a lethal place of this map.
+    pub fn is_blocked(&self, map: &Costmap) -> bool {
+        let is_lethal = |[x, y, _]: &[f64; 3]| map.nearest([*x, *y]) >= map.lethal().unwrap_or(f64::INFINITY);
+        self.outcome.cost >= self.options.weights.collision && self.outcome.poses.iter().any(is_lethal)
     }
 
     /// Weighs the rollouts, with costs from elsewhere added, and moves on. Fails, and stays as it was, if one of those
@@ -223,6 +243,7 @@ impl Mppi {
         self.outcome.cost = least;
         self.outcome.effective = sum * sum / squares;
         self.outcome.stuck = None;
+        self.outcome.arrived = self.is_at_goal();
         self.update_mean(workers);
         Ok(&self.outcome)
     }

@@ -75,6 +75,10 @@ impl Mppi {
         input.start = [situation.pose[0], situation.pose[1]];
         let end = self.corners.last().filter(|_| input.has_path).copied();
         input.goal = situation.goal.or(end);
+        input.goal_heading = situation.goal_yaw.map(|yaw| {
+            let (sin, cos) = (yaw + bounds.heading).sin_cos();
+            [cos, sin]
+        });
         input.record = situation.record;
         // Stop; turn on the spot; ahead and back.
         input.constant.clear();
@@ -89,7 +93,7 @@ impl Mppi {
         steering_setpoint::initialize(bounds, motion, &self.situation.1, &mut input.initial);
         input.initial.heading = situation.pose[2] + bounds.heading;
         let aside = options.footprint.iter().any(|point| *point != [0.0; 2]);
-        input.initial.headings = input.has_path || aside;
+        input.initial.headings = input.has_path || aside || input.goal_heading.is_some();
         input.initial.effort = options.weights.effort * options.dt;
         input.initial.scrub = options.weights.scrub * options.dt;
         let fastest = fastest_turn(bounds, input, &motion);

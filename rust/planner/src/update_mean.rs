@@ -12,6 +12,7 @@ impl Mppi {
         let steps = self.options.horizon;
         let outcome = &mut self.outcome;
         outcome.stuck = Some(stuck);
+        outcome.arrived = false;
         outcome.twist = [0.0; 3];
         outcome.steering.clone_from(&self.situation.1);
         outcome.speeds.clear();

@@ -31,17 +31,18 @@ macro_rules! named {
 
 named! {
     acceleration align align_tolerance allow_underdetermined angular_acceleration angular_deceleration angular_jerk
-    arm attitude_noise axle_length belly bias bias_noise bias_walk bogie_pivot bogie_to_front bogie_to_middle
-    brake_time castor correlation costmap covariances cover curvature d1 d2 d3 d4 deceleration delay derivatives
-    discretise driven drop dt duration end_twist errors false_alarm following_error following_time frame front gear
-    gravity ground gyroscope half_track half_wheelbase halt_deceleration heading hinges history icr icr_forward
+    attitude_noise axle_length belly bias bias_noise bias_walk bogie_pivot bogie_to_front bogie_to_middle
+    brake_time castor correlation costmap covariances cover curvature deceleration delay derivatives
+    discretise driven drop dt duration end_twist errors false_alarm following_error following_time frame front_brake
+    front_to_middle gear_ratio
+    gravity ground gyroscope halt_deceleration heading history icr icr_forward
     icr_left icr_right in_space inflate jerk joint_noise lag lateral_acceleration lethal level lift_angle lift_speed
-    limits map_error mass max_gap max_speed max_steering_rate max_step method mode modulus name noise now offset
-    orientation other outside period pivot_rate pose radius ramp readings rear rear_pivot rear_to_wheel residuals
-    resolution roller_angle roughness rover scale_noise scrub shape side_slip slip slip_threshold slips smoothing
+    limits map_error mass max_gap max_speed max_steering_rate max_step method middle_to_rear middle_track_width mode name noise offset
+    other outside period pivot_rate pivots pose radius ramp readings rear_brake rear_pivot rear_to_wheel residuals
+    roller_angle roughness rover scale_noise scrub shape side_slip slip slip_threshold slips smoothing
     spacing speed stamp stand start_twist steer steered steering steering_acceleration steering_jerk steering_limit
-    steering_rate synchronise temperature threads timeout tolerance track_width trail unmeasured view
-    wheel_acceleration wheel_jerk wheel_radius wheel_speed wheelbase wheels_per_side within x y yaw yaw_rate
+    steering_rate suspension synchronise temperature threads ticks_per_turn timeout tolerance track_width trail unmeasured view
+    wheel_acceleration wheel_jerk wheel_radius wheel_speed wheelbase wheels_per_side within wraps_at x y yaw yaw_rate
 }
 
 /// "`argument` must be `kind`, got `value`", with a remedy where there is one.

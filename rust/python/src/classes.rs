@@ -14,7 +14,9 @@ use pyo3::types::{PyDict, PyTuple};
 /// - `name: Type` or `name: Type = default`: a type with [`FromArgument`](crate::arguments::FromArgument), read under its
 ///   name by the function of that name in `arguments`;
 /// - `name: native Type` or `name: native Type = default`: a type that pyo3 reads;
-/// - `*`, `/`, `*name` and `**name`, as in Python.
+/// - `*`, `/`, `*name` and `**name`, as in Python;
+/// - `**` at the end: keywords that are not in the list are refused with the nearest name; it needs the signature after
+///   `as`. Not for methods with a fast path: pyo3 gives what takes any keyword another calling convention.
 macro_rules! methods {
     ($class:ident: $($items:tt)*) => {
         listed! { [$class] $($items)* }
@@ -43,6 +45,21 @@ macro_rules! listed {
 
 /// Reads a list of parameters from the left: the signature of pyo3 and the parameters of Rust grow by one at every step.
 macro_rules! with_parameters {
+    (
+        ([$($class:ident)?] $prefix:tt $name:ident $head:tt [$shown:tt] $result:tt [$($body:tt)*])
+        [$($signature:tt)*] [$($typed:tt)*] * *
+    ) => {
+        with_parameters! {
+            (
+                [$($class)?] $prefix $name $head [$shown] $result
+                [
+                    crate::fastcall::keywords::check(concat!($(stringify!($class), ".",)? stringify!($name)), $shown, unknown)?;
+                    $($body)*
+                ]
+            )
+            [$($signature)* **unknown,] [$($typed)* unknown: Option<&Bound<'py, pyo3::types::PyDict>>,]
+        }
+    };
     ($made:tt [$($signature:tt)*] [$($typed:tt)*] * $(, $($rest:tt)*)?) => {
         with_parameters! { $made [$($signature)* *,] [$($typed)*] $($($rest)*)? }
     };
@@ -121,8 +138,8 @@ macro_rules! getters {
     };
 }
 
-/// A frozen class of results: its fields are its attributes. Fields under `hidden` are not seen from Python, and
-/// `repr` lists the attributes that `__repr__` shows.
+/// A frozen class of results: its fields are its attributes, and pickle by them. Fields under `hidden` are not seen from
+/// Python, and `repr` lists the attributes that `__repr__` shows.
 macro_rules! result_class {
     (
         $(#[$doc:meta])*
@@ -137,7 +154,60 @@ macro_rules! result_class {
             $($(pub $hidden: $hidden_kind,)*)?
         }
 
+        pickled_by_fields! { $class, this, py:
+            ($($field: $kind = &this.$field,)* $($($hidden: $hidden_kind = &this.$hidden,)*)?)
+            $class { $($field,)* $($($hidden,)*)? }
+        }
+
         $(repr_of_attributes! { $class: $($name)* })?
+    };
+}
+
+/// Pickling by fields: `pickled_by_fields! { Class, this, py: (field: Type = expression, ...) Class { field, ... } }` with the
+/// expressions that read a field from `this`, and the one that makes the object from all of them.
+macro_rules! pickled_by_fields {
+    ($class:ident, $this:ident, $py:ident: ($($field:ident: $kind:ty = $value:expr,)*) $made:expr) => {
+        #[pymethods]
+        impl $class {
+            /// The object with these fields, as `__reduce__` lists them.
+            #[classmethod]
+            #[allow(unused_variables)] // the expression need not name the interpreter
+            fn _restore<'py>(
+                _class: &Bound<'py, pyo3::types::PyType>,
+                $py: Python<'py>,
+                $($field: $kind,)*
+            ) -> PyResult<Self> {
+                Ok($made)
+            }
+
+            fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, pyo3::types::PyTuple>> {
+                let ($py, $this) = (slf.py(), slf.get());
+                let fields = [$(pyo3::IntoPyObjectExt::into_bound_py_any($value, $py)?,)*];
+                crate::classes::restored_by(slf.as_any(), &fields)
+            }
+        }
+    };
+}
+
+/// Copies of an object that takes in samples, and the refusal to pickle it: `copied_by! { Class, remedy, |this, py| copy }`.
+macro_rules! copied_by {
+    ($class:ident, $remedy:literal, |$this:ident, $py:ident| $copy:expr) => {
+        #[pymethods]
+        impl $class {
+            fn __copy__($this: &Bound<'_, Self>) -> PyResult<Self> {
+                let ($py, $this) = ($this.py(), $this.get());
+                $copy
+            }
+
+            fn __deepcopy__(slf: &Bound<'_, Self>, _memo: &Bound<'_, PyAny>) -> PyResult<Self> {
+                Self::__copy__(slf)
+            }
+
+            fn __reduce__(&self) -> PyResult<()> {
+                let words = concat!(stringify!($class), " takes in samples and does not pickle: ", $remedy);
+                Err(pyo3::exceptions::PyTypeError::new_err(words))
+            }
+        }
     };
 }
 
@@ -268,13 +338,24 @@ pub fn repr_of_numbers<'a>(class: &str, numbers: impl IntoIterator<Item = (&'a s
     format!("{class}({})", numbers.into_iter().map(text).collect::<Vec<_>>().join(", "))
 }
 
-/// `Class(name=value, ...)` with the representations of these attributes of an object.
+/// `Class(name=value, ...)` with these attributes of an object, in one short line.
 pub fn repr_of_attributes(class: &str, object: &Bound<'_, PyAny>, names: &[&str]) -> PyResult<String> {
-    let attributes = PyDict::new(object.py());
+    let py = object.py();
+    let attributes = PyDict::new(py);
     for name in names {
         attributes.set_item(name, object.getattr(*name)?)?;
     }
-    repr_of_call(class, [], &attributes)
+    let module = py.import("six_wheel.kinematics.objects.short_text")?;
+    module.getattr(intern!(py, "short_repr"))?.call1((class, attributes))?.extract()
+}
+
+/// The text of a representation, cut to the longest that there is.
+pub fn cut(text: String) -> String {
+    const LONGEST: usize = 120;
+    if text.chars().count() <= LONGEST {
+        return text;
+    }
+    text.chars().take(LONGEST - 5).chain(" ...)".chars()).collect()
 }
 
 /// `call(value, ..., name=value, ...)` with the representations of these arguments.
@@ -306,8 +387,14 @@ pub fn reduce<'py>(
     (rebuild, call).into_pyobject(py)
 }
 
+/// The result of `__reduce__` by which pickle calls `_restore` of the class with these fields.
+pub fn restored_by<'py>(object: &Bound<'py, PyAny>, fields: &[Bound<'py, PyAny>]) -> PyResult<Bound<'py, PyTuple>> {
+    let py = object.py();
+    let restore = object.get_type().getattr(intern!(py, "_restore"))?;
+    (restore, PyTuple::new(py, fields)?).into_pyobject(py)
+}
+
 /// The value with some arguments of the call that makes it given anew: by that call, which `__reduce__` has.
 pub fn replaced<'py>(value: &Bound<'py, PyAny>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
-    let module = value.py().import("six_wheel.kinematics.rover_edit")?;
-    module.call_method(intern!(value.py(), "replace"), (value,), changes)
+    value.py().import("six_wheel.kinematics.rover_edit")?.call_method("replace", (value,), changes)
 }

@@ -122,13 +122,21 @@ getters! { Odometry, self, py:
     };
 }
 
+copied_by! { Odometry,
+    "keep its `state`, and start another one with set_pose(state.pose, state.covariance)",
+    |this, py| {
+        let core = this.work.lock(py)?.core.clone();
+        Ok(Self { work: Shared::new(Work { core, spares: Spares::default() }), rover: this.rover.clone_ref(py) })
+    }
+}
+
 methods! { Odometry:
     #[new]
     fn new[](rover: Bound<'py, Rover>, noise: Option<Bound<'py, Noise>> = None, *, readings: &str = "angles",
         wheel_encoders=None, steering_encoders=None, method: &str = "least_squares", inflate: bool = false,
         slip_threshold: Option<f64> = None, max_gap: Option<f64> = None, max_speed: Option<f64> = None,
         max_steering_rate: Option<f64> = None, smoothing: Option<f64> = None, lag: Option<f64> = None,
-        history: usize = 1024, gyroscope: Option<Bound<'py, Gyroscope>> = None, wheel_noise=None, dimensions=None)
+        history: usize = 1024, gyroscope: Option<Bound<'py, Gyroscope>> = None, wheel_noise=None, dimensions=None, **)
     as "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None, wheel_noise=None, dimensions=None)"
     -> PyResult<Self> {
         let core = &rover.get().core;
@@ -170,7 +178,7 @@ methods! { Odometry:
     /// Returns
     /// -------
     /// OdometryState
-    ///     `pose`, `twist`, `covariance`, `residual` and more.
+    ///     `pose`, `twist`, `covariance`, `residuals` and more.
     ///
     /// Raises
     /// ------
@@ -238,6 +246,28 @@ methods! { Odometry:
         self.change(py, |core| core.correct(pose.into(), stamp, matrix))
     }
 
+    /// The pose at an instant, as of an image: between two samples on the arc of the step, after the last one as if the rover
+    /// had gone on as before.
+    ///
+    /// Parameters
+    /// ----------
+    /// stamp : float
+    ///     The instant [s]: not before the last `lag` seconds, nor more than that, or one step, after the last sample.
+    ///
+    /// Returns
+    /// -------
+    /// Pose
+    ///     ``x, y, yaw`` in the world [m, m, rad].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the stamp is not finite, too old, too late, or there was no sample.
+    fn at[&self, py: Python<'py>](stamp: f64) -> PyResult<Bound<'py, PyAny>> {
+        let pose = self.work.lock(py)?.core.pose_at(stamp).or_raise(&[])?;
+        py.import("six_wheel.kinematics.geometry")?.getattr("Pose")?.call1((pose.x, pose.y, pose.yaw))
+    }
+
     /// Starts over: the next sample is a first one.
     ///
     /// Parameters
@@ -278,6 +308,6 @@ impl Odometry {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let state = Py::new(py, self.state(py)?)?;
-        Ok(format!("Odometry({})", state.bind(py).repr()?))
+        Ok(crate::classes::cut(format!("Odometry({})", state.bind(py).repr()?)))
     }
 }

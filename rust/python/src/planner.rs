@@ -7,7 +7,7 @@ mod rollout;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::{IntoPyDict, PyDict, PyTuple, PyType};
 use six_wheel_planner::{CycleInput, Mppi as Core, Options, Precision, State, Weights};
 
 use crate::controller::limits::Limits;
@@ -16,7 +16,7 @@ use crate::rover::Rover;
 use crate::state_lock::{Shared, Turn};
 use crate::workers::any_workers;
 use costmap::Costmap;
-use inputs::{Seen, check_frame, place, points, precision, read_weights, size, whole};
+use inputs::{Seen, check_frame, points, pose_or_place, precision, read_weights, size, whole};
 pub use plan::MppiPlan;
 use plan::triples;
 
@@ -58,7 +58,7 @@ const FOOTPRINT: usize = 64;
 /// weights : dict, optional
 ///     Weights of the costs, over the defaults: ``map`` 1 (cost of the map, per second), ``collision`` 1000 (a rollout
 ///     that comes to a lethal place), ``goal`` 1 and ``terminal`` 10 (distance to the goal, per second and at the
-///     end), ``path`` 5 (distance from it, per second), ``progress`` 10 (way made along it), ``heading`` 1 (square of the
+///     end), ``goal_yaw`` 10 (one less the cosine of the angle to the goal's yaw at the end, over 1 + distance / 1 m), ``path`` 5 (distance from it, per second), ``progress`` 10 (way made along it), ``heading`` 1 (square of the
 ///     sine between heading and path, per second), ``effort`` 0 (mean square
 ///     speed of the wheels' pivots, per second), ``scrub`` 1 (square of the speed at which fixed wheels slide, per
 ///     second).
@@ -127,12 +127,38 @@ getters! { Mppi, self, py:
         Weights::NAMES.into_iter().zip(self.options.weights.values()).into_py_dict(py);
 }
 
+impl Mppi {
+    /// Arguments of the constructor behind the rover.
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let Options { horizon, dt, samples, seed, noise, correlation, temperature, smoothing, delay, .. } =
+            self.options;
+        let dtype = if self.options.precision == Precision::Single { "float32" } else { "float64" };
+        let (limits, weights, footprint) = (self.limits.clone(), self.weights(py)?, self.options.footprint.clone());
+        Ok(dict!(
+            py,
+            limits,
+            horizon,
+            dt,
+            samples,
+            seed,
+            noise,
+            correlation,
+            temperature,
+            weights,
+            smoothing,
+            delay,
+            dtype,
+            footprint
+        ))
+    }
+}
+
 methods! { Mppi:
     #[new]
     fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, horizon=None, dt: Option<f64> = None,
         samples=None, seed=None, noise=None, correlation: f64 = 0.5, temperature: f64 = 1.0,
         weights: native Option<&Bound<'py, PyDict>> = None, smoothing: bool = true, delay: f64 = 0.0, dtype=None,
-        footprint=None)
+        footprint=None, **)
     as "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
     -> PyResult<Self> {
         let usual = Options::default();
@@ -182,7 +208,8 @@ methods! { Mppi:
     /// costmap : Costmap, optional
     ///     Cost of every place. The rover has to be on it.
     /// goal : array_like, shape (2,) or (3,), optional
-    ///     Place to go to [m]; default the end of the path. One of `path`, `goal` and `extra_cost` has to be given.
+    ///     Place to go to, ``[x, y]`` [m], or pose to have there, ``[x, y, yaw]`` [m, m, rad], of which the yaw counts the
+    ///     more the nearer the rover is (weight ``goal_yaw``); default the end of the path. One of `path`, `goal` and `extra_cost` has to be given.
     /// extra_cost : callable, optional
     ///     Called once, with the poses (samples, horizon + 1, 3) and the motions (samples, horizon, 3) of all rollouts;
     ///     returns a cost for each, shape (samples,), which may be infinite.
@@ -190,7 +217,7 @@ methods! { Mppi:
     ///     Name of the frame `state`, `path` and `goal` are in; default that of `state`. A costmap of another one is
     ///     refused.
     /// out : tuple of ndarray, optional
-    ///     Arrays for the plan's `steering` and `speeds`.
+    ///     Arrays for the plan's `steering` and `wheel_speeds`.
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`.
     /// level : str, optional
@@ -220,7 +247,7 @@ methods! { Mppi:
         let joints = self.rover.get().joints();
         let steering = Rows::read_beside("state.steering", steering.or(seen.steering.as_ref()), joints, &[])?;
         let path = path.map(|path| points("path", path)).transpose()?;
-        let goal = goal.map(|goal| place("goal", goal)).transpose()?;
+        let (goal, goal_yaw) = goal.map_or(Ok((None, None)), |goal| pose_or_place("goal", goal))?;
         let map = costmap.as_ref().map(|map| &map.get().core);
         check_frame(costmap.as_ref(), frame.or(seen.frame.as_deref()))?;
         let mut outputs = self.outputs(py, out)?;
@@ -232,6 +259,7 @@ methods! { Mppi:
             costmap: map,
             path: path.as_deref(),
             goal,
+            goal_yaw,
             record: extra_cost.is_some(),
         };
         let rollouts = self.options.samples * self.options.horizon;
@@ -249,7 +277,8 @@ methods! { Mppi:
         steering.flat().copy_from_slice(&outcome.steering);
         speeds.flat().copy_from_slice(&outcome.speeds);
         let [steering, speeds] = outputs;
-        MppiPlan::of(py, &outcome, core.state(), [steering.finish()?, speeds.finish()?])
+        let blocked = map.is_some_and(|map| core.is_blocked(map));
+        MppiPlan::of(py, &outcome, blocked, core.state(), [steering.finish()?, speeds.finish()?])
     }
 }
 
@@ -289,12 +318,33 @@ impl Mppi {
         self.core.lock(py)?.set_state(state).or_raise(&[])
     }
 
+    /// The planner of these arguments and this state, as `__reduce__` lists them.
+    #[classmethod]
+    fn _restore<'py>(
+        class: &Bound<'py, PyType>,
+        rover: Py<Rover>,
+        keywords: &Bound<'py, PyDict>,
+        state: &Bound<'py, PyDict>,
+    ) -> PyResult<Bound<'py, Self>> {
+        let made = class.call((rover,), Some(keywords))?.cast_into::<Self>()?;
+        made.get().restore(class.py(), state)?;
+        Ok(made)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let (py, this) = (slf.py(), slf.get());
+        let fields = (&this.rover, this.keywords(py)?, this.state(py)?).into_pyobject(py)?;
+        crate::classes::restored_by(slf.as_any(), &fields.iter().collect::<Vec<_>>())
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let rover = self.rover.bind(py).repr()?;
         let Options { horizon, dt, samples, seed, precision, .. } = &self.options;
         let dtype = if *precision == Precision::Single { ", dtype='float32'" } else { "" };
         let limits = self.limits.text();
-        Ok(format!("Mppi({rover}, {limits}, horizon={horizon}, dt={dt:?}, samples={samples}, seed={seed}{dtype})"))
+        let all =
+            format!("Mppi(horizon={horizon}, dt={dt:?}, samples={samples}, seed={seed}{dtype}, {limits}, {rover})");
+        Ok(crate::classes::cut(all))
     }
 }
 
@@ -324,10 +374,10 @@ impl Mppi {
     /// The outputs for steering angles and wheel speeds.
     fn outputs<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> PyResult<[Output<'py>; 2]> {
         let rover = self.rover.get();
-        let outs = out_tuple::<2>(out, "be a tuple of two arrays, steering and speeds")?;
+        let outs = out_tuple::<2>(out, "be a tuple of two arrays, steering and wheel_speeds")?;
         Ok([
             Output::new(py, "out.steering", outs[0].as_ref(), &[rover.joints()])?,
-            Output::new(py, "out.speeds", outs[1].as_ref(), &[rover.count()])?,
+            Output::new(py, "out.wheel_speeds", outs[1].as_ref(), &[rover.count()])?,
         ])
     }
 

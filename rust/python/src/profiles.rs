@@ -95,7 +95,8 @@ methods! { Profile:
     /// ValueError
     ///     If a value is not finite, a shape does not fit, or the duration is not positive.
     #[staticmethod]
-    fn linear[py: Python<'py>](start, end, duration: f64) -> PyResult<Self> {
+    fn linear[py: Python<'py>](start, end, duration: f64, **)
+    as "(start, end, duration)" -> PyResult<Self> {
         Self::shaped(py, "linear", [start, end], duration, None, core::linear)
     }
 
@@ -115,7 +116,8 @@ methods! { Profile:
     /// ValueError
     ///     If a value is not finite, a shape does not fit, or a time is not as said.
     #[staticmethod]
-    fn trapezoid[py: Python<'py>](start, end, duration: f64, *, ramp: Option<f64> = None) -> PyResult<Self> {
+    fn trapezoid[py: Python<'py>](start, end, duration: f64, *, ramp: Option<f64> = None, **)
+    as "(start, end, duration, *, ramp=None)" -> PyResult<Self> {
         Self::shaped(py, "trapezoid", [start, end], duration, ramp, |start, end, duration| {
             core::trapezoid(start, end, duration, ramp.unwrap_or(duration / 3.0))
         })
@@ -139,7 +141,8 @@ methods! { Profile:
     /// ValueError
     ///     If a value is not finite, a shape does not fit, or a time is not as said.
     #[staticmethod]
-    fn s_curve[py: Python<'py>](start, end, duration: f64, *, ramp: Option<f64> = None) -> PyResult<Self> {
+    fn s_curve[py: Python<'py>](start, end, duration: f64, *, ramp: Option<f64> = None, **)
+    as "(start, end, duration, *, ramp=None)" -> PyResult<Self> {
         Self::shaped(py, "s_curve", [start, end], duration, ramp, |start, end, duration| {
             core::s_curve(start, end, duration, ramp.unwrap_or(duration / 2.0))
         })

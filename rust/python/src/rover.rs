@@ -243,7 +243,7 @@ getters! { Rover, self, py:
     wheel_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, &self.wheels_and_steered()[0]);
     /// Joint name to wheel name of the wheel drives, in the order of the wheels, as in arrays of speeds.
     traction_joints: PyResult<Bound<'py, PyDict>> = self.joint_dict(py, &joints::in_order_of_wheels(&self.traction));
-    /// Joint name to wheel name of the steering, in the order of `steered_names`, as in arrays of angles.
+    /// Joint name to wheel name of the steering, in the order of `steered_wheel_names`, as in arrays of angles.
     steering_joints: PyResult<Bound<'py, PyDict>> = self.joint_dict(py, &joints::in_order_of_wheels(&self.steering));
     /// Names of the joints that count the other way.
     reversed_joints: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, self.reversed());
@@ -258,10 +258,10 @@ getters! { Rover, self, py:
     /// Between it and `min_radius` some turns are impossible.
     spin_radius: f64 = self.core.spin_radius();
     /// Names of the steered wheels, in the order of steering arrays.
-    steered_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, &self.wheels_and_steered()[1]);
+    steered_wheel_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, &self.wheels_and_steered()[1]);
     /// Names of the steering joints, then of the traction joints, each in the order they were given in: that of
     /// `commands`, and for a rover from a parameter file that of the file.
-    command_joints: PyResult<Bound<'py, PyTuple>> = {
+    joint_names: PyResult<Bound<'py, PyTuple>> = {
         let names = self.steering.iter().chain(&self.traction);
         let names = names.map(|joint| &joint.name);
         PyTuple::new(py, names.collect::<Vec<_>>())
@@ -272,7 +272,8 @@ methods! { Rover:
     #[new]
     fn new[py: Python<'py>](wheels, *, traction_joints: native Option<&Bound<'py, PyMapping>> = None,
         steering_joints: native Option<&Bound<'py, PyMapping>> = None,
-        reversed_joints: native Option<Vec<String>> = None, suspension: native Option<Py<RockerBogie>> = None)
+        reversed_joints: native Option<Vec<String>> = None, suspension: native Option<Py<RockerBogie>> = None, **)
+    as "(wheels, *, traction_joints=None, steering_joints=None, reversed_joints=None, suspension=None)"
     -> PyResult<Self> {
         let wheels = read_wheels(wheels)?;
         let core = Core::new(wheels.into_iter().map(|wheel| wheel.0).collect());
@@ -352,10 +353,15 @@ impl Rover {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let keywords = self.keywords(py)?;
         if keywords.is_empty()
-            && let Some(([d1, d2, d3, d4], radius, range)) = self.core.as_six_wheel()
+            && let Some(([half, to_rear, to_middle, middle], radius, range)) = self.core.as_six_wheel()
         {
-            let mut text =
-                format!("Rover.six_wheel(d1={d1:?}, d2={d2:?}, d3={d3:?}, d4={d4:?}, wheel_radius={radius:?}");
+            let (width, middle_width) = (2.0 * half, 2.0 * middle);
+            let mut text = format!("Rover.six_wheel(front_to_middle={to_middle:?}, middle_to_rear={to_rear:?}");
+            text += &format!(", track_width={width:?}");
+            if middle_width != width {
+                text += &format!(", middle_track_width={middle_width:?}");
+            }
+            text += &format!(", wheel_radius={radius:?}");
             if range != SteeringRange::default() {
                 text += &format!(", steering_limit={}", steering_limit(range));
             }

@@ -4,9 +4,10 @@ mod sources;
 
 use std::sync::Arc;
 
-use numpy::PyUntypedArrayMethods;
+use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple};
+use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 use six_wheel_terrain::terrain::{Heights, Interpolation, Sample, Terrain as Core, normal};
 
 use crate::arguments::{ArgumentKind, shown};
@@ -18,7 +19,7 @@ use crate::workers::{any_workers, fill_rows};
 
 /// Ground as a regular grid of heights.
 ///
-/// Node ``(row, column)`` lies at ``origin + R(orientation) (column dx, row dy)``: x grows with columns, y with
+/// Node ``(row, column)`` lies at ``origin + R(yaw) (column dx, row dy)``: x grows with columns, y with
 /// rows. Between nodes heights are bilinear. NaN is a height that nobody knows; neither it nor the outside is
 /// ever guessed.
 ///
@@ -26,18 +27,29 @@ use crate::workers::{any_workers, fill_rows};
 /// ----------
 /// heights : array_like, shape (rows, columns)
 ///     Heights [m], NaN where unknown. Single precision stays single precision.
+///     Masked arrays are unknown where they are masked. A DataArray of xarray and a DataFrame of pandas have their
+///     place by their coordinates. Arrays of other sources carry no direction: a raster whose first row is the
+///     northern one needs ``north_up=True``, z that counts downwards ``-z``, the matrix of a GridMap
+///     ``matrix[::-1, ::-1].T``.
 /// spacing : float or (float, float)
-///     Between columns and between rows [m].
-/// origin : (float, float)
-///     Place of node (0, 0) in the world [m].
-/// orientation : float
+///     Between columns and between rows [m]; may be left out where heights have coordinates.
+/// origin : (float, float), default (0.0, 0.0)
+///     Place of node (0, 0) in the world [m]: the middle of a cell, not a corner of the map such as ``src.bounds[:2]``.
+/// yaw : float, default 0.0
 ///     Angle from the x axis of the world to the rows, counter-clockwise [rad].
+/// north_up : bool, default False
+///     True if the first row is the northern one, as in images; `origin` stays the place of the south-western node.
+/// nodata : float, optional
+///     Number that stands for an unknown height; NaN if every number is a height.
+/// unit : str or float, optional
+///     Of the heights, as for `read`; default m.
 ///
 /// Raises
 /// ------
 /// ValueError
-///     If there are fewer than two rows or columns, a height is infinite, or the spacing is not positive, or so
-///     small that it can only be in degrees.
+///     If there are fewer than two rows or columns, a height is infinite or 1e15 m and more, the spacing is not
+///     positive, or so small that it can only be in degrees, or some heights look like marks of unknown ones or like
+///     a picture.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Terrain(pub Arc<Core>);
 
@@ -58,6 +70,24 @@ fn columns(shape: &[usize]) -> PyResult<usize> {
         [rows, columns] if *rows >= 2 && *columns >= 2 => Ok(*columns),
         _ => Err(refuse_shape("heights", "have at least two rows and two columns", shape)),
     }
+}
+
+/// Heights of this size may be marks of unknown ones [m].
+const LARGE: f64 = 998.0;
+
+/// Cells that are looked at for a first impression, and the slope from which on they are steep: 79 degrees.
+const SAMPLED: usize = 32;
+const STEEP: f64 = 5.0;
+
+/// True unless it is an array of something else than floating-point numbers.
+fn is_float(heights: &Bound<'_, PyAny>) -> bool {
+    heights.cast::<PyUntypedArray>().map_or(true, |array| array.dtype().kind() == b'f')
+}
+
+/// True for arrays of numbers and lists, which have no place of their own.
+fn is_plain(heights: &Bound<'_, PyAny>) -> bool {
+    let is_array = heights.get_type().is(PyUntypedArray::type_object(heights.py()));
+    is_array || heights.is_instance_of::<PyList>() || heights.is_instance_of::<PyTuple>()
 }
 
 /// One number for both, or two.
@@ -102,10 +132,45 @@ impl Terrain {
         output.finish_number(asked.0)
     }
 
-    /// The arguments that make this very ground.
+    /// The arguments that make this very ground. Its heights are beyond doubt.
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (spacing, origin) = (self.spacing(py), self.origin(py));
-        Ok(dict!(py, heights = self.heights(py)?, spacing, origin, orientation = self.0.orientation()))
+        let (yaw, nodata, unit) = (self.0.orientation(), f64::NAN, "m");
+        Ok(dict!(py, heights = self.heights(py)?, spacing, origin, yaw, nodata, unit))
+    }
+
+    fn from_arguments(
+        heights: &Bound<'_, PyAny>,
+        spacing: &Bound<'_, PyAny>,
+        origin: Option<&Bound<'_, PyAny>>,
+        yaw: f64,
+    ) -> PyResult<Self> {
+        let (heights, columns) = read_heights(heights)?;
+        let spacing = pair("spacing", spacing)?;
+        let origin = match origin.map(|origin| (origin, origin.extract::<[f64; 2]>())) {
+            None => [0.0; 2],
+            Some((_, Ok(origin))) => origin,
+            Some((origin, Err(error))) if is_of_another_kind(origin.py(), &error) => {
+                let got = origin.repr()?.to_string();
+                return Err(refuse("origin", "be two numbers", &got));
+            }
+            Some((_, Err(error))) => return Err(error),
+        };
+        let core = Core::new(heights, columns, spacing, origin, yaw);
+        core.map(|core| Self(Arc::new(core))).or_raise(&[])
+    }
+
+    /// True if heights may be marks of unknown ones, or of another unit: large, or steep in many of some cells.
+    fn is_doubtful(&self) -> bool {
+        let ([rows, columns], [dx, dy]) = (self.0.shape(), self.0.spacing());
+        let steep = (0..SAMPLED).filter(|k| {
+            // Spread over rows and columns by the golden ratio.
+            let share = (0.618_033_988_749_894_9 * *k as f64).fract();
+            let place = [(share * (columns - 1) as f64) as usize, k * (rows - 1) / SAMPLED];
+            let cell = self.0.cell(place[0], place[1]);
+            (cell.along / dx).hypot(cell.across / dy) > STEEP
+        });
+        self.0.largest_height() >= LARGE || steep.count() > SAMPLED / 4
     }
 }
 
@@ -125,7 +190,7 @@ getters! { Terrain, self, py:
     /// Place of node (0, 0) in the world [m].
     origin: (f64, f64) = self.0.origin().into();
     /// Angle from the x axis of the world to the rows, counter-clockwise [rad].
-    orientation: f64 = self.0.orientation();
+    yaw: f64 = self.0.orientation();
     /// The heights [m], shape (rows, columns), as a fresh array.
     heights: PyResult<Bound<'py, PyAny>> = {
         let shape = &self.0.shape();
@@ -142,20 +207,29 @@ pickled_by_keywords!(Terrain: keywords);
 
 methods! { Terrain:
     #[new]
-    fn new[](heights, spacing, origin=None, orientation: Option<f64> = None) -> PyResult<Self> {
-        let (heights, columns) = read_heights(heights)?;
-        let spacing = pair("spacing", spacing)?;
-        let origin = match origin.map(|origin| (origin, origin.extract::<[f64; 2]>())) {
-            None => [0.0; 2],
-            Some((_, Ok(origin))) => origin,
-            Some((origin, Err(error))) if is_of_another_kind(origin.py(), &error) => {
-                let got = origin.repr()?.to_string();
-                return Err(refuse("origin", "be two numbers", &got));
+    fn new[](heights, spacing=None, origin=None, yaw: Option<f64> = None, *, north_up=None, nodata=None, unit=None,
+        **)
+    as "(heights, spacing=None, origin=None, yaw=0.0, *, north_up=None, nodata=None, unit=None)" -> PyResult<Self> {
+        let (py, yaw) = (heights.py(), yaw.unwrap_or_default());
+        py.import("numpy")?; // its types are asked for below, which panics where loading it fails
+        let arrays = || py.import("six_wheel.maps.arrays");
+        let is_nan = |value: &Bound<'_, PyAny>| value.extract::<f64>().is_ok_and(f64::is_nan);
+        let is_metre = |value: &Bound<'_, PyAny>| value.extract::<&str>().is_ok_and(|unit| unit == "m");
+        let as_it_is = north_up.is_none() && nodata.is_none_or(is_nan) && unit.is_none_or(is_metre);
+        if let Some(spacing) = spacing.filter(|_| as_it_is && is_plain(heights)) {
+            let made = Self::from_arguments(heights, spacing, origin, yaw);
+            let is_settled = nodata.is_some() && unit.is_some();
+            let is_doubtful = |made: &Self| made.0.shape()[1] == 3 || made.is_doubtful() || !is_float(heights);
+            let is_array = heights.cast::<PyUntypedArray>().is_ok();
+            if !is_settled && made.as_ref().map_or(is_array, is_doubtful) {
+                arrays()?.call_method1("doubt", (heights, spacing, nodata.is_none(), unit.is_none()))?;
             }
-            Some((_, Err(error))) => return Err(error),
-        };
-        let core = Core::new(heights, columns, spacing, origin, orientation.unwrap_or_default());
-        core.map(|core| Self(Arc::new(core))).or_raise(&[])
+            return made;
+        }
+        let options = dict!(py, spacing, origin, north_up, nodata, unit);
+        let grid = arrays()?.call_method("read", (heights, ), Some(&options))?;
+        let (heights, spacing, origin): (Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>) = grid.extract()?;
+        Self::from_arguments(&heights, &spacing, Some(&origin), yaw)
     }
 
     /// Heights at points of the world.
@@ -178,7 +252,7 @@ methods! { Terrain:
     /// -------
     /// float or ndarray, shape (...)
     ///     Heights [m]; NaN off the map and where a height that enters is unknown.
-    fn height[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+    fn height_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 1, (out, dtype), threads, |height, _, target| {
             target[0] = height;
@@ -192,7 +266,7 @@ methods! { Terrain:
     /// xy : array_like, shape (..., 2)
     ///     Points [m].
     /// method : {'bilinear', 'bicubic'}
-    ///     As for `height`. On a crease of the bilinear surface, those of the cell that comes after it.
+    ///     As for `height_at`. On a crease of the bilinear surface, those of the cell that comes after it.
     /// out : ndarray, shape (..., 2), optional
     ///     Array for the result.
     /// dtype : dtype, optional
@@ -204,7 +278,7 @@ methods! { Terrain:
     /// -------
     /// ndarray, shape (..., 2)
     ///     Slopes along x and y of the world; NaN off the map and where a height that enters is unknown.
-    fn gradient[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+    fn gradient_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 2, (out, dtype), threads, |_, gradient, target| {
             target.copy_from_slice(&gradient);
@@ -218,7 +292,7 @@ methods! { Terrain:
     /// xy : array_like, shape (..., 2)
     ///     Points [m].
     /// method : {'bilinear', 'bicubic'}
-    ///     As for `gradient`.
+    ///     As for `gradient_at`.
     /// out : ndarray, shape (..., 3), optional
     ///     Array for the result.
     /// dtype : dtype, optional
@@ -230,7 +304,7 @@ methods! { Terrain:
     /// -------
     /// ndarray, shape (..., 3)
     ///     Normals in world axes; NaN off the map and where a height that enters is unknown.
-    fn normal[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
+    fn normal_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 3, (out, dtype), threads, |_, gradient, target| {
             target.copy_from_slice(normal(gradient).as_slice());
@@ -269,7 +343,7 @@ impl Terrain {
         let ([rows, columns], [dx, dy], [x, y]) = (self.0.shape(), self.0.spacing(), self.0.origin());
         let turned = match self.0.orientation() {
             0.0 => String::new(),
-            orientation => format!(", orientation={orientation:?}"),
+            yaw => format!(", yaw={yaw:?}"),
         };
         format!("Terrain(<{rows} x {columns} heights>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){turned})")
     }

@@ -167,7 +167,7 @@ methods! { Wheel:
     #[new]
     fn new[py: Python<'py>](name: String, x: f64, y: f64, *, radius: f64, steered: bool = false,
         heading: Option<f64> = None, steering_limit=None, scrub: Option<f64> = None, trail: Option<f64> = None,
-        roller_angle: Option<f64> = None, driven: Option<bool> = None, castor: bool = false)
+        roller_angle: Option<f64> = None, driven: Option<bool> = None, castor: bool = false, **)
     as "(name, x, y, *, radius, steered=False, heading=0.0, steering_limit=None, scrub=0.0, trail=0.0, roller_angle=None, driven=None, castor=False)"
     -> PyResult<Self> {
         let range = steering_range(steering_limit)?;

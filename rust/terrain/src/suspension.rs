@@ -78,11 +78,59 @@ pub struct SteeringCommand {
     pub scrub: Vec<f64>,
 }
 
+/// A published rocker-bogie.
+#[derive(Clone, Copy, Debug)]
+pub struct Preset {
+    /// Its name in [`RockerBogie::preset`].
+    pub name: &'static str,
+    /// Source of the dimensions.
+    pub source: &'static str,
+    make: fn() -> Result<RockerBogie, Error>,
+}
+
+/// Every preset, by name.
+pub const PRESETS: [Preset; 4] = [
+    Preset {
+        name: "perseverance",
+        source: "nasa-jpl/m2020-urdf-models, rover/m2020.urdf (c422fc6)",
+        make: RockerBogie::perseverance,
+    },
+    Preset {
+        name: "curiosity",
+        source: "Project Chrono Curiosity model (BSD-3-Clause), read off a 3D model to about 1 cm; \
+                 origin moved from the chassis by (-0.089, 0, -0.001), radius half the nominal wheel diameter",
+        make: RockerBogie::curiosity,
+    },
+    Preset {
+        name: "rocky7",
+        source: "nealseegmiller/wmrde, Rocky 7 model after Tarokh and McDermott (da081e4)",
+        make: RockerBogie::rocky7,
+    },
+    Preset {
+        name: "open_source_rover",
+        source: "nasa-jpl/osr-rover-code, ROS/osr_gazebo/urdf/osr.urdf.xacro (8d1de34); wheel radius from its \
+                 osr_params.yaml (e7c9e87); steering axes taken through the wheel centres, from which they \
+                 are up to 6 mm behind and 20 mm inside in the model",
+        make: RockerBogie::open_source_rover,
+    },
+];
+
 impl RockerBogie {
     /// A rover with this suspension. Fails if a dimension makes no sense.
     #[inline]
     pub fn new(dimensions: Dimensions) -> Result<Self, Error> {
         Ok(Self { chain: Chain::rocker_bogie(&dimensions)?, links: dimensions.links(), dimensions })
+    }
+
+    /// A published rocker-bogie by name.
+    pub fn preset(name: &str) -> Result<Self, Error> {
+        match PRESETS.iter().find(|preset| preset.name == name) {
+            Some(preset) => (preset.make)(),
+            None => {
+                let rule = format!("be one of {}", PRESETS.map(|preset| preset.name).join(", "));
+                Err(Error::value("name", rule, format!("{name:?}")))
+            }
+        }
     }
 
     /// Rocky 7. Frame R as in the papers: between the bogie axes, to 3.5 um.

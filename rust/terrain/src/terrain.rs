@@ -5,7 +5,10 @@
 //! asked for. NaN is a height nobody knows. Neither it nor the outside is ever guessed: both are answers
 //! ([`Sample`]).
 
+mod cell;
 mod spline;
+
+pub use cell::Cell;
 
 use std::sync::{Arc, OnceLock};
 
@@ -19,6 +22,9 @@ use six_wheel_numerics::error::{Error, finite, number, numbers};
 
 /// Spacings below this are no metres: an arc second of a map in degrees is 2.8e-4 [m].
 const SMALLEST_SPACING: f64 = 1e-3;
+
+/// Heights from here on have no digits for a wheel, as coordinates have none [m]; squares of smaller ones have doubles.
+const LARGEST_HEIGHT: f64 = 1e15;
 
 /// Interpolation of heights between nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,47 +67,6 @@ pub enum Sample {
     Outside,
 }
 
-/// The corners of a cell: `height = h00 + b a + c b' + d a b'` with `a, b'` from 0 to 1 along columns and rows.
-#[derive(Clone, Copy, Debug)]
-pub struct Cell {
-    /// Height of the corner with the lowest column and row [m].
-    pub h00: f64,
-    /// Rise along the columns at that corner, over the whole cell [m].
-    pub along: f64,
-    /// Rise along the rows at that corner, over the whole cell [m].
-    pub across: f64,
-    /// Height of the opposite corner above the sum of both rises [m].
-    pub twist: f64,
-}
-
-impl Cell {
-    /// Height at the fractions `a` of a column and `b` of a row [m].
-    #[inline]
-    pub fn height(&self, a: f64, b: f64) -> f64 {
-        self.h00 + self.along * a + (self.across + self.twist * a) * b
-    }
-
-    /// Derivatives by `a` and `b` [m].
-    #[inline]
-    pub fn slope(&self, a: f64, b: f64) -> [f64; 2] {
-        [self.along + self.twist * b, self.across + self.twist * a]
-    }
-
-    /// Height of the highest corner, which no point of the cell is above [m].
-    #[inline]
-    pub fn highest(&self) -> f64 {
-        let opposite = self.along + self.across + self.twist;
-        self.h00 + self.along.max(self.across).max(opposite).max(0.0)
-    }
-
-    /// True if all four corners are known.
-    #[inline]
-    pub fn is_known(&self) -> bool {
-        // NaN in any of the corners is NaN in the twist, and heights are finite otherwise.
-        !self.twist.is_nan()
-    }
-}
-
 /// A regular grid of heights. Immutable; clones share the heights.
 #[derive(Clone, Debug)]
 pub struct Terrain {
@@ -112,6 +77,8 @@ pub struct Terrain {
     origin: [f64; 2],
     orientation: f64,
     turn: Direction,
+    /// Largest size of a height [m].
+    largest: f64,
     /// Made when it is first asked for.
     pyramid: OnceLock<Arc<Pyramid>>,
 }
@@ -133,7 +100,7 @@ impl PartialEq for Terrain {
 
 impl Terrain {
     /// A grid of `columns` heights per row. Fails unless there are at least two rows and columns, every height
-    /// is finite or NaN, and the place makes sense.
+    /// is below 1e15 m or NaN, and the place makes sense.
     #[inline]
     pub fn new(
         heights: Heights,
@@ -148,9 +115,13 @@ impl Terrain {
             let shape = format!("shape ({rows}, {columns})");
             return Err(Error::value("heights", rule, shape));
         }
-        if let Some(k) = (0..heights.len()).find(|&k| heights.at(k).is_infinite()) {
+        let largest = heights.largest();
+        if let Some(k) =
+            (0..heights.len()).find(|&k| largest >= LARGEST_HEIGHT && heights.at(k).abs() >= LARGEST_HEIGHT)
+        {
             let place = format!("heights[{}, {}]", k / columns, k % columns);
-            return Err(Error::value(place, "be finite, or nan where unknown", number(heights.at(k))));
+            let rule = if heights.at(k).is_infinite() { "be finite" } else { "be below 1e15 m" };
+            return Err(Error::value(place, format!("{rule}, or nan where unknown"), number(heights.at(k))));
         }
         for step in spacing {
             if !(step.is_finite() && step > 0.0) {
@@ -163,7 +134,7 @@ impl Terrain {
             }
         }
         finite("origin", &origin)?;
-        finite("orientation", &[orientation])?;
+        finite("yaw", &[orientation])?;
         let reach = spacing[0] * columns as f64 + spacing[1] * rows as f64;
         if reach + origin[0].abs() + origin[1].abs() >= 1e15 {
             // Beyond, neighbouring doubles lie further apart than a wheel is large.
@@ -177,6 +148,7 @@ impl Terrain {
             origin,
             orientation,
             turn: Direction::from(orientation),
+            largest,
             pyramid: OnceLock::new(),
         })
     }
@@ -184,6 +156,11 @@ impl Terrain {
     /// The heights, row after row.
     pub fn heights(&self) -> &Heights {
         &self.heights
+    }
+
+    /// Largest size of a known height [m].
+    pub fn largest_height(&self) -> f64 {
+        self.largest
     }
 
     /// Lowest and highest heights in windows; made at the first call, from all heights. Fails if there is no memory
@@ -232,7 +209,13 @@ impl Terrain {
     /// A point of the world [m] in numbers of columns and rows from node (0, 0).
     #[inline]
     pub fn grid_from_world(&self, x: f64, y: f64) -> [f64; 2] {
-        let [u, v] = self.grid_axes([x - self.origin[0], y - self.origin[1]]);
+        self.grid_from_offset(x - self.origin[0], y - self.origin[1])
+    }
+
+    /// A point in numbers of columns and rows, by its distances from node (0, 0) along x and y of the world [m].
+    #[inline]
+    pub fn grid_from_offset(&self, x: f64, y: f64) -> [f64; 2] {
+        let [u, v] = self.grid_axes([x, y]);
         [u / self.spacing[0], v / self.spacing[1]]
     }
 
@@ -291,7 +274,12 @@ impl Terrain {
 
     /// Height and gradient of the ground at a point of the world [m].
     pub fn sample(&self, x: f64, y: f64, interpolation: Interpolation) -> Sample {
-        let [u, v] = self.grid_from_world(x, y);
+        self.sample_offset(x - self.origin[0], y - self.origin[1], interpolation)
+    }
+
+    /// The same at these distances from node (0, 0) along x and y of the world [m].
+    pub fn sample_offset(&self, x: f64, y: f64, interpolation: Interpolation) -> Sample {
+        let [u, v] = self.grid_from_offset(x, y);
         if !self.on_grid(u, v) {
             return Sample::Outside;
         }

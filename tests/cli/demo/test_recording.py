@@ -108,7 +108,13 @@ def test_path_is_scaled_just_enough(result):
 
 
 def test_path_that_is_wide_enough_keeps_its_size():
-    small = Rover.six_wheel(d1=0.02, d2=0.03, d3=0.03, d4=0.025, wheel_radius=0.01)
+    small = Rover.six_wheel(
+        front_to_middle=0.03,
+        middle_to_rear=0.03,
+        track_width=0.04,
+        middle_track_width=0.05,
+        wheel_radius=0.01,
+    )
     result = demo.drive_path(small, "small", TIMES, POSES)
     assert result.scale == 1.0
 
@@ -129,7 +135,7 @@ def test_wheels_turn_steadily_while_the_rover_stands(result):
         result.steering[np.add(inside, 1)] - 2 * result.steering[inside] + result.steering[np.add(inside, -1)]
     )
     assert np.abs(bends).max() < 1e-12
-    assert np.all(result.speeds[resting] == 0.0)
+    assert np.all(result.wheel_speeds[resting] == 0.0)
 
 
 @pytest.mark.parametrize(

@@ -75,7 +75,7 @@ def test_other_parameters_are_those_of_the_new_drive(tmp_path: Path) -> None:
     limits = only(speed=0.3, **GIVEN)
     drive(ROVER, tmp_path / "commands.csv", slow, loop=Loop(limits))
     driven = replay(slow).recorded
-    np.testing.assert_array_equal(replayed.again.speeds, driven.speeds)
+    np.testing.assert_array_equal(replayed.again.wheel_speeds, driven.wheel_speeds)
     np.testing.assert_array_equal(replayed.again.steering, driven.steering)
     np.testing.assert_array_equal(replayed.again.poses, driven.poses)
 

@@ -67,7 +67,7 @@ def record(path: Path, periods: int = 800, options: Options | None = None) -> No
         for step in filter(None, steps):
             recorder.step(step)
             if step.steering is not None:
-                steering, speeds = step.steering, np.array(step.speeds)
+                steering, speeds = step.steering, np.array(step.wheel_speeds)
         if k % 200 == 0:
             recorder.diagnostics(now, statuses(loop, "rover"))
     recorder.change({"end": True}, now)
@@ -109,7 +109,7 @@ def test_other_parameters_make_a_difference_and_no_other(path):
     assert slower.again.path_length < plain.recorded.path_length
     np.testing.assert_array_equal(slower.again.odometry_end, plain.recorded.odometry_end)
     noisy = replay(path, {"noise.speed": 0.5})
-    np.testing.assert_array_equal(noisy.again.speeds, noisy.recorded.speeds)
+    np.testing.assert_array_equal(noisy.again.wheel_speeds, noisy.recorded.wheel_speeds)
     assert not noisy.same_bits  # the covariances
     other = replay(path, {"wheel_radius": 0.2, "joint_state_timeout": 1.0})
     assert other.after.rover.wheels[0].radius == 0.2

@@ -68,7 +68,7 @@ class Peer:
         self.names = [*rover.steering_joints, *rover.traction_joints]
         self.steering = [0.0] * len(rover.steering_joints)
         self.angles = [0.0] * len(rover.traction_joints)
-        self.speeds = [0.0] * len(rover.traction_joints)
+        self.wheel_speeds = [0.0] * len(rover.traction_joints)
         self.clients: dict[str, Any] = {}  # of services, by name
         self.commands: list[Any] = []
         self.odometry: list[Odometry] = []
@@ -106,14 +106,14 @@ class Peer:
         self.commands.append(message)
         steered = len(self.steering)
         self.steering = list(message.position[:steered])
-        self.speeds = list(message.velocity[steered:])
+        self.wheel_speeds = list(message.velocity[steered:])
 
     def state(self) -> JointState:
         """Joint states of the robot at this moment."""
         state = JointState(name=self.names)
         state.header.stamp.sec, state.header.stamp.nanosec = divmod(self._stamp, 1_000_000_000)
         state.position = [*self.steering, *self.angles]
-        state.velocity = [*[0.0] * len(self.steering), *self.speeds]
+        state.velocity = [*[0.0] * len(self.steering), *self.wheel_speeds]
         return state
 
     def spin(self, duration: float, until: Callable[[], object] | None = None) -> bool:
@@ -128,7 +128,7 @@ class Peer:
                 self._next = max(self._next, now - 5 * PERIOD) + PERIOD
                 stamp = time.time_ns()
                 step, self._stamp = (stamp - self._stamp) * 1e-9, stamp
-                self.angles = [a + step * w for a, w in zip(self.angles, self.speeds, strict=True)]
+                self.angles = [a + step * w for a, w in zip(self.angles, self.wheel_speeds, strict=True)]
                 if (state := self.alter(self.state())) is not None:
                     self._states.publish(state)
                 self._count += 1
@@ -203,4 +203,4 @@ def driving(peer: "Peer", twist: Sequence[float] = TWIST) -> None:
     _, speeds = peer.rover.inverse(twist)
     wheels = list(peer.rover.wheel_names)
     wanted = speeds[[wheels.index(wheel) for wheel in peer.rover.traction_joints.values()]]
-    peer.until(lambda: peer.commands and np.allclose(peer.speeds, wanted, atol=1e-9), peer.last_report)
+    peer.until(lambda: peer.commands and np.allclose(peer.wheel_speeds, wanted, atol=1e-9), peer.last_report)

@@ -37,7 +37,7 @@ def end(peer, process, *signals):
     peer.until(lambda: process.process.poll() is not None)
     peer.spin(0.2)  # what is under way
     assert process.process.returncode == 0, process.said
-    assert not any(peer.speeds)
+    assert not any(peer.wheel_speeds)
     assert "Traceback" not in process.said
     stamp = peer.commands[-1].header.stamp
     return stamp.sec + 1e-9 * stamp.nanosec - first
@@ -94,4 +94,4 @@ def test_a_transition_to_unconfigured_in_motion_leaves_the_wheels_at_rest(start,
         change.call_async(request)
         peer.spin(0.1)
     peer.until_silent()
-    assert not any(peer.speeds)
+    assert not any(peer.wheel_speeds)

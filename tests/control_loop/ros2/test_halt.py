@@ -35,7 +35,7 @@ def trigger(peer, name):
 
 
 def speeds(replayed):
-    return np.abs(replayed.recorded.speeds).max(axis=1)
+    return np.abs(replayed.recorded.wheel_speeds).max(axis=1)
 
 
 def test_halt_and_release_by_service(start, peer, rover_file, tmp_path):
@@ -52,12 +52,12 @@ def test_halt_and_release_by_service(start, peer, rover_file, tmp_path):
     peer.commands.clear()
     answer = trigger(peer, "halt")
     assert answer.success
-    peer.until(lambda: not any(peer.speeds))
+    peer.until(lambda: not any(peer.wheel_speeds))
     assert 0.5 / RADIUS < max(peer.decelerations()) < 1.01 * HALTS / RADIUS
     assert halted[-1]
     peer.diagnostics.clear()
     peer.until(lambda: peer.diagnosed("motion: halted; ~/release ends it"))
-    assert not any(peer.speeds)  # though commands kept coming
+    assert not any(peer.wheel_speeds)  # though commands kept coming
     assert trigger(peer, "release").success
     driving(peer)
     assert halted[-1] is False
@@ -78,12 +78,12 @@ def test_a_topic_halts_and_does_not_release(start, peer, rover_file):
     peer.until(key.get_subscription_count)
     key.publish(Bool(data=False))
     peer.spin(0.3)
-    assert any(peer.speeds)
+    assert any(peer.wheel_speeds)
     key.publish(Bool(data=True))
-    peer.until(lambda: not any(peer.speeds))
+    peer.until(lambda: not any(peer.wheel_speeds))
     key.publish(Bool(data=False))
     peer.spin(1.0)
-    assert not any(peer.speeds)
+    assert not any(peer.wheel_speeds)
 
 
 def test_a_joint_that_sticks_halts_and_is_named(start, peer, rover_file, tmp_path):
@@ -110,7 +110,7 @@ def test_a_joint_that_sticks_halts_and_is_named(start, peer, rover_file, tmp_pat
     assert status.level == b"\x02"
     assert values["stuck joint"] == "fl_steer"
     assert abs(float(values["error of the stuck joint [rad]"])) >= 0.2
-    peer.until(lambda: not any(peer.speeds))
+    peer.until(lambda: not any(peer.wheel_speeds))
     peer.alter = lambda state: state
     peer.until(lambda: trigger(peer, "release").success)
     driving(peer)

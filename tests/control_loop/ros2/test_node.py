@@ -54,7 +54,7 @@ def test_it_drives_and_says_where_it_is(start, peer, rover_file):
     peer.until(lambda: peer.diagnosed("rover_controller: motion: as wanted"))
     peer.wanted = None
     peer.until(lambda: peer.diagnosed("commands must keep coming"))
-    peer.until(lambda: not any(peer.speeds))
+    peer.until(lambda: not any(peer.wheel_speeds))
 
 
 def test_faults_of_joint_states_are_said_and_stop_it(start, peer, rover_file):
@@ -93,7 +93,7 @@ def test_faults_of_joint_states_are_said_and_stop_it(start, peer, rover_file):
         peer.diagnostics.clear()
         peer.alter = alter
         peer.until(lambda word=word: peer.diagnosed(word), lambda word=word: word)
-        peer.until(lambda: not any(peer.speeds))
+        peer.until(lambda: not any(peer.wheel_speeds))
 
     def shuffled(state: JointState) -> JointState:
         order = np.random.default_rng(state.header.stamp.nanosec).permutation(len(state.name)).tolist()
@@ -166,7 +166,7 @@ def test_without_velocities_a_rover_that_needs_them_stops(start, peer, rover_fil
         peer.diagnostics.clear()
         peer.alter = alter
         peer.until(lambda word=word: peer.diagnosed(word), lambda word=word: word)
-        peer.until(lambda: not any(peer.speeds))
+        peer.until(lambda: not any(peer.wheel_speeds))
 
 
 def test_killed_in_motion_and_started_again_it_goes_on(start, peer, rover_file):
@@ -174,7 +174,7 @@ def test_killed_in_motion_and_started_again_it_goes_on(start, peer, rover_file):
     driving(peer)
     first.end(signal.SIGKILL)
     peer.spin(0.3)
-    before = list(peer.speeds)
+    before = list(peer.wheel_speeds)
     peer.commands.clear()
     start("node", str(rover_file))
     peer.until(lambda: peer.commands)
@@ -193,7 +193,7 @@ def test_told_to_end_it_stops_the_rover_first(start, peer, rover_file):
     process.process.send_signal(signal.SIGINT)
     peer.until(lambda: process.process.poll() is not None)
     assert process.process.returncode == 0
-    assert not any(peer.speeds)
+    assert not any(peer.wheel_speeds)
     assert 0.0 < max(peer.decelerations()) < hardest(peer)  # no step to zero
 
 
@@ -237,9 +237,9 @@ def test_parameters(start, peer, rover_file):
     assert (speed.read_only, radius.read_only) == (False, True)
     assert speed.floating_point_range[0].to_value == 1e6
     peer.wanted = (1.0, 0.0, 0.0)
-    peer.until(lambda: peer.speeds and max(peer.speeds) == pytest.approx(0.3 / 0.2))
+    peer.until(lambda: peer.wheel_speeds and max(peer.wheel_speeds) == pytest.approx(0.3 / 0.2))
     assert set_parameter(peer, "limits.speed", 0.1).successful
-    peer.until(lambda: max(peer.speeds) == pytest.approx(0.1 / 0.2))
+    peer.until(lambda: max(peer.wheel_speeds) == pytest.approx(0.1 / 0.2))
     for name, value, word in (
         ("limits.speed", -1.0, "range"),
         ("wheel_radius", 0.3, "read-only"),
@@ -276,7 +276,7 @@ def test_lifecycle(start, peer, rover_file):
     peer.until(lambda: peer.diagnosed("a request must be one that the node can serve"))
     driving(peer)
     assert change(4)
-    peer.until(lambda: not any(peer.speeds))
+    peer.until(lambda: not any(peer.wheel_speeds))
     peer.until_silent()
     assert change(2)
     assert state() == "unconfigured"
@@ -334,7 +334,7 @@ def test_a_record_is_replayed_to_the_bit(start, peer, rover_file, tmp_path):
     changed = compare(replay(tmp_path / "run.mcap", {"limits.acceleration": 0.25}))
     assert not changed.same_bits
     # Speeding up was recorded with twice the acceleration: at no row of it were the wheels as fast as now.
-    fastest = np.abs(replayed.recorded.speeds).max(axis=1)
+    fastest = np.abs(replayed.recorded.wheel_speeds).max(axis=1)
     speeding_up = np.count_nonzero(np.diff(fastest) > 0.0)
     assert changed.differing >= speeding_up > 0
     # The next one does not write over it.

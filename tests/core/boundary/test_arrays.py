@@ -10,9 +10,10 @@ from hypothesis.extra import numpy as npst
 
 import six_wheel as sw
 from tests.core.boundary.boundary_rover import SPEEDS, STEERING, TWISTS, read_only
+from tests.rovers import SIX_SIZES
 from tests.rovers import SIX_WHEELS as ROVER
 
-ROCKY = sw.RockerBogie.rocky7()
+ROCKY = sw.RockerBogie.preset("rocky7")
 
 
 def unaligned(array: np.ndarray) -> np.ndarray:
@@ -197,21 +198,28 @@ def test_the_first_bad_row_is_named():
 
 BAD_DIMENSIONS = [
     (name, value)
-    for name in ("d1", "d2", "d3", "wheel_radius", "steering_limit")
+    for name in ("front_to_middle", "middle_to_rear", "track_width", "wheel_radius", "steering_limit")
     for value in (0.0, -0.1, math.nan, math.inf, -math.inf)
     if (name, value) != ("steering_limit", math.inf)  # endless
 ]
-BAD_DIMENSIONS += [("d4", value) for value in (-0.1, math.nan, math.inf)]
+BAD_DIMENSIONS += [("middle_track_width", value) for value in (-0.1, math.nan, math.inf)]
 
 
 @pytest.mark.parametrize(("name", "value"), BAD_DIMENSIONS)
 def test_bad_dimensions(name, value):
-    good = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15, "steering_limit": 1.0}
+    good = {
+        "front_to_middle": 0.5,
+        "middle_to_rear": 0.5,
+        "track_width": 0.8,
+        "middle_track_width": 0.9,
+        "wheel_radius": 0.15,
+        "steering_limit": 1.0,
+    }
     with pytest.raises(ValueError, match=f"^{name} must be finite and .*, got {value}$"):
         sw.Rover.six_wheel(**{**good, name: value})
 
 
 @pytest.mark.parametrize("value", ["0.4", None, True, [0.4], 1j])
 def test_dimensions_of_the_wrong_type(value):
-    with pytest.raises(sw.ArgumentTypeError, match="^d1 must be a number, got "):
-        sw.Rover.six_wheel(value, 0.5, 0.5, 0.45, 0.15)
+    with pytest.raises(sw.ArgumentTypeError, match="^front_to_middle must be a number, got "):
+        sw.Rover.six_wheel(**SIX_SIZES | {"front_to_middle": value})

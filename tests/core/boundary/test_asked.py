@@ -19,7 +19,7 @@ TWISTS = np.random.default_rng(0).uniform((0.5, 0.0, -0.3), (1.0, 0.0, 0.3), (RO
 STEERING, SPEEDS = ROVER.inverse(TWISTS)
 ASIDE = np.array((0.0, 0.1, 1.0))
 POINTS = TWISTS[:, 1:]
-AXLES = sw.FourAxle(hinges=(0.4, 0.3), axle_length=0.2, wheel_radius=0.1)
+AXLES = sw.FourAxle(pivots=(0.4, 0.3), axle_length=0.2, wheel_radius=0.1)
 CONTROLS = TWISTS[:50_000].reshape(500, 100, 3)
 
 # Every call that takes rows and gives arrays as they are, with what says how.
@@ -40,13 +40,13 @@ BATCHES = {
     "concurrent_angles": lambda **how: AXLES.concurrent_angles(2 + POINTS, **how),
 }
 GROUND = sw.Terrain(np.random.default_rng(1).uniform(0, 0.1, (9, 9)), 0.1, (-0.4, -0.4))
-ARM = sw.RockerBogie.rocky7()
+ARM = sw.RockerBogie.preset("rocky7")
 ANGLES = (0.1 * TWISTS[:, 0], 0.1 * TWISTS[:, 1:])  # rho, beta
 OTHERS = {
     "commands": lambda **how: tuple(ROVER.commands(TWISTS, **how).values()),
-    "height": lambda **how: GROUND.height(POINTS, **how),
-    "gradient": lambda **how: GROUND.gradient(POINTS, method="bicubic", **how),
-    "normal": lambda **how: GROUND.normal(POINTS, **how),
+    "height": lambda **how: GROUND.height_at(POINTS, **how),
+    "gradient": lambda **how: GROUND.gradient_at(POINTS, method="bicubic", **how),
+    "normal": lambda **how: GROUND.normal_at(POINTS, **how),
     "contains": lambda **how: GROUND.contains(2 * POINTS, **how),
     "icr_offset": lambda **how: ARM.icr_offset(*ANGLES, **how),
     "frames": lambda **how: tuple(ARM.frames(*ANGLES, **how).values()),
@@ -56,12 +56,12 @@ OTHERS = {
     ),
     "admissible": lambda **how: ROVER.admissible(TWISTS, **how),
     "project strictly": lambda **how: ROVER.project(TWISTS, "yaw_rate", out=np.empty_like(TWISTS), **how),
-    "fit": lambda **how: _of(ROVER.fit(STEERING, SPEEDS, **how), ("twist", "residual", "weights", "rank")),
+    "fit": lambda **how: _of(ROVER.fit(STEERING, SPEEDS, **how), ("twist", "residuals", "weights", "rank")),
     "robust": lambda **how: _of(
-        ROVER.fit(STEERING, SPEEDS, method="robust", **how), ("twist", "residual", "weights")
+        ROVER.fit(STEERING, SPEEDS, method="robust", **how), ("twist", "residuals", "weights")
     ),
     "sensitivity": lambda **how: _of(
-        ROVER.sensitivity(STEERING, SPEEDS, **how), ("twist", "speeds", "steering", "x")
+        ROVER.sensitivity(STEERING, SPEEDS, **how), ("twist", "wheel_speeds", "steering", "x")
     ),
 }
 
@@ -101,7 +101,7 @@ def test_every_call_that_takes_rows_of_any_shape_takes_threads():
         arguments, found, _ = (inspect.getdoc(call) or "").partition("\nReturns\n")
         if found and "shape (..." in arguments:
             taken[name] = "threads" in inspect.signature(call).parameters
-    assert {"Rover.inverse", "Suspension.slip", "Terrain.height"} < taken.keys()
+    assert {"Rover.inverse", "Suspension.slip", "Terrain.height_at"} < taken.keys()
     assert [name for name, threads in taken.items() if not threads] == []
 
 
@@ -114,7 +114,7 @@ def test_every_call_that_gives_arrays_as_they_are_has_out_and_dtype():
         if re.match(r"(float or |\w+(, \w+)* : )?ndarray, shape \(\.\.\.", result):
             found.add(name.rstrip("."))
             lacking += [name] if not {"out", "dtype"} <= set(inspect.signature(call).parameters) else []
-    assert {"Rover.inverse", "FourAxle.inverse", "Terrain.height", "exp", "wrap_angle"} <= found
+    assert {"Rover.inverse", "FourAxle.inverse", "Terrain.height_at", "exp", "wrap_angle"} <= found
     assert lacking == []
 
 
@@ -192,7 +192,7 @@ ODD = {
         'heading of wheel "wheel_0" is 90 rad, 14.32 turns; 90 degrees are 1.571 radians',
     ),
     "degrees for rollers": (
-        lambda: sw.Rover.mecanum(0.3, 0.3, 0.1, roller_angle=45),
+        lambda: sw.Rover.mecanum(0.6, 0.6, 0.1, roller_angle=45),
         'roller_angle of wheel "front_left" is -45 rad, -7.162 turns; -45 degrees are -0.7854 radians',
     ),
     "exchanged": (lambda: sw.Rover.differential(0.1, 0.5), "two lengths may have changed places"),

@@ -14,12 +14,12 @@ STRAIGHT = FourAxleState()
 
 @pytest.fixture(scope="module")
 def car() -> FourAxle:
-    return FourAxle(hinges=(0.4, 0.3), axle_length=0.2, wheel_radius=0.1)
+    return FourAxle(pivots=(0.4, 0.3), axle_length=0.2, wheel_radius=0.1)
 
 
 @pytest.fixture(scope="module")
 def tandem() -> FourAxle:
-    return FourAxle(hinges=(0.4, 0.0), axle_length=0.3, wheel_radius=0.1)
+    return FourAxle(pivots=(0.4, 0.0), axle_length=0.3, wheel_radius=0.1)
 
 
 def test_repr_equality_pickle(car, tandem):
@@ -30,7 +30,7 @@ def test_repr_equality_pickle(car, tandem):
         assert hash(copy.deepcopy(each)) == hash(each)
     assert car != tandem
     assert narrow.steering_range == (-1.0, 1.0)
-    assert (car.hinges, car.axle_length, car.wheel_radius, car.tolerance) == ((0.4, 0.3), 0.2, 0.1, 1e-3)
+    assert (car.pivots, car.axle_length, car.wheel_radius, car.tolerance) == ((0.4, 0.3), 0.2, 0.1, 1e-3)
     assert isinstance(car.rover, sw.Rover)
     assert car.rover.wheel_names == ("front_left", "front_right", "rear_left", "rear_right")
     plan = car.turn_sequence(STRAIGHT, 0.5, speed=0.5, steer="rear")
@@ -48,10 +48,10 @@ def test_whatever_numpy_takes_is_taken(car):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (((0.0, 0.3), 0.2, 0.1), r"hinges\[0\] must be finite and positive, got 0.0"),
-        (((0.4, -0.3), 0.2, 0.1), r"hinges\[1\] must be finite and not negative, got -0.3"),
-        (((0.4, np.nan), 0.2, 0.1), r"hinges\[1\] must be"),
-        (((0.4,), 0.2, 0.1), r"hinges must have shape"),
+        (((0.0, 0.3), 0.2, 0.1), r"pivots\[0\] must be finite and positive, got 0.0"),
+        (((0.4, -0.3), 0.2, 0.1), r"pivots\[1\] must be finite and not negative, got -0.3"),
+        (((0.4, np.nan), 0.2, 0.1), r"pivots\[1\] must be"),
+        (((0.4,), 0.2, 0.1), r"pivots must have shape"),
         (((0.4, 0.3), 0.0, 0.1), "axle_length must be finite and positive"),
         (((0.4, 0.3), 0.2, np.inf), "wheel_radius must be finite and positive"),
         (((0.4, 0.3), "long", 0.1), "axle_length must be a number"),
@@ -70,10 +70,10 @@ def test_a_tolerance_that_cannot_be(tolerance):
 
 def test_bad_angles_and_points(car, tandem):
     for angles, message in [
-        ((np.nan, 0, 0, 0), "angles must be finite"),
-        ((2.0, 0, 0, 0), "angles must lie within"),
-        ((0, 0, 0), r"angles must have shape"),
-        (np.zeros((2, 4)), r"angles must have shape \(4,\)"),
+        ((np.nan, 0, 0, 0), "steering must be finite"),
+        ((2.0, 0, 0, 0), "steering must lie within"),
+        ((0, 0, 0), r"steering must have shape"),
+        (np.zeros((2, 4)), r"steering must have shape \(4,\)"),
     ]:
         with pytest.raises(ValueError, match=message):
             car.mobility(angles)
@@ -91,13 +91,13 @@ def test_bad_angles_and_points(car, tandem):
 
 
 def test_bad_states_steps_and_paces(car):
-    with pytest.raises(ValueError, match="front must be 'locked' or 'free', got 'open'"):
-        FourAxleState(front="open")
+    with pytest.raises(ValueError, match="front_brake must be 'locked' or 'free', got 'open'"):
+        FourAxleState(front_brake="open")
     with pytest.raises(ValueError, match="pose must be 3 finite numbers"):
         FourAxleState(pose=(0, 0))
     with pytest.raises(ValueError, match="duration must be finite and not negative"):
         FourAxleStep("back", -1.0, "locked", "locked", (1, 1, 1, 1))
-    with pytest.raises(ValueError, match="speeds must be 4 finite numbers"):
+    with pytest.raises(ValueError, match="wheel_speeds must be 4 finite numbers"):
         FourAxleStep("fast", 1.0, "locked", "locked", (1, 1, 1, np.inf))
     with pytest.raises(sw.ArgumentTypeError, match="state must be a FourAxleState, got tuple"):
         car.lock((0, 0, 0, 0), "rear")
@@ -121,13 +121,13 @@ def test_bad_states_steps_and_paces(car):
     with pytest.raises(ValueError, match="curvature must be finite"):
         car.turn_sequence(STRAIGHT, np.inf)
     with pytest.raises(ValueError, match="both pairs locked"):
-        car.turn_sequence(FourAxleState(rear="free"), 0.5)
+        car.turn_sequence(FourAxleState(rear_brake="free"), 0.5)
     assert car.turn_sequence(STRAIGHT, 0.5).reason == "asked for at speed 0"
     with pytest.raises(sw.InfeasibleMotionError, match="let the robot move"):
         car.drive(FourAxleState((0.2, 0.2, -0.2, -0.2)), 0.5, 1.0)
-    with pytest.raises(ValueError, match="front must be 'locked' or 'free'"):
-        car.forward(np.zeros(4), np.zeros(4), front="ajar")
-    with pytest.raises(ValueError, match="speeds"):
+    with pytest.raises(ValueError, match="front_brake must be 'locked' or 'free'"):
+        car.forward(np.zeros(4), np.zeros(4), front_brake="ajar")
+    with pytest.raises(ValueError, match="wheel_speeds"):
         car.forward(np.zeros(4), (1e308, 1e308, 1e308, 1e308))
 
 
@@ -152,18 +152,18 @@ def test_the_picture_shows_both_pairs_and_every_place_of_action(car):
 def test_samples(car):
     plan = car.turn_sequence(STRAIGHT, 0.5, speed=0.5, steer="rear", brake_time=0.25)
     result = car.simulate(plan, 0.1)
-    count = len(result.times)
+    count = len(result.stamps)
     assert result.poses.shape == result.twists.shape == (count, 3)
-    assert result.angles.shape == result.speeds.shape == result.residual.shape == (count, 4)
+    assert result.steering.shape == result.wheel_speeds.shape == result.residuals.shape == (count, 4)
     assert result.ends.shape == (len(plan),)
     np.testing.assert_allclose(
-        result.times[result.ends], np.cumsum([step.duration for step in plan]), atol=1e-14
+        result.stamps[result.ends], np.cumsum([step.duration for step in plan]), atol=1e-14
     )
-    assert np.diff(result.times).max() <= 0.1 + 1e-12
+    assert np.diff(result.stamps).max() <= 0.1 + 1e-12
     assert result.rover == car.rover
     assert result.steps == plan.steps
     empty = car.simulate([], 0.1)
-    assert (empty.times.tolist(), empty.final) == ([0.0], STRAIGHT)
+    assert (empty.stamps.tolist(), empty.final) == ([0.0], STRAIGHT)
 
 
 def test_a_simulation_refuses_the_brake_that_a_state_would(car):
@@ -171,9 +171,9 @@ def test_a_simulation_refuses_the_brake_that_a_state_would(car):
         FourAxleStep("turn", 0.5, "locked", "free", (0, 0, 1, 1)),
         FourAxleStep("lock", 0.0, "locked", "locked", (0, 0, 0, 0)),
     ]
-    with pytest.raises(sw.InfeasibleMotionError, match=r"sequence\[1\]: angles must let the robot move"):
+    with pytest.raises(sw.InfeasibleMotionError, match=r"sequence\[1\]: steering must let the robot move"):
         car.simulate(steps, 0.1)
     with pytest.raises(sw.InfeasibleMotionError, match=r"sequence\[0\]"):
         car.simulate([FourAxleStep("adrift", 1.0, "free", "free", (1, 1, 1, 1))], 0.1)
-    with pytest.raises(ValueError, match=r"sequence\[0\]: angles must lie within"):
+    with pytest.raises(ValueError, match=r"sequence\[0\]: steering must lie within"):
         car.simulate([FourAxleStep("too far", 5.0, "locked", "free", (0, 0, 3, 3))], 0.1)

@@ -9,7 +9,7 @@ import six_wheel as sw
 from six_wheel.simulation.planar import Slip
 
 ROVER = sw.Rover.preset("perseverance")
-ARM = sw.RockerBogie.perseverance()
+ARM = sw.RockerBogie.preset("perseverance")
 GROUND = sw.Terrain(np.zeros((50, 50)), spacing=0.5)
 STAND = ARM.settle(GROUND, (10, 10, 0))
 COURSE = (np.arange(3.0), np.zeros((3, 3)))
@@ -46,7 +46,7 @@ WRONG = {
     ),
     "in space": (
         lambda: sw.Odometry3(ROVER),
-        "arm must be a Suspension, such as a RockerBogie, got a Rover: give one like sw.RockerBogie.",
+        "suspension must be a Suspension, such as a RockerBogie, got a Rover: give one like sw.RockerBogie.",
     ),
     "heights": (
         lambda: ARM.settle(np.zeros((3, 3)), (0, 0, 0)),
@@ -103,9 +103,9 @@ WRONG = {
         lambda: sw.simulate(ROVER, COURSE, slip=0.1),
         "slip must be a Slip or several, got 0.1",
     ),
-    "simulated encoder": (
-        lambda: sw.simulate(ROVER, COURSE, encoder=0.1),
-        "encoder must be an Encoder, several of them or a dict of them by name, got 0.1",
+    "simulated encoders": (
+        lambda: sw.simulate(ROVER, COURSE, wheel_encoders=0.1),
+        "wheel_encoders must be an Encoder, several of them or a dict of them by name, got 0.1",
     ),
     "simulated ground": (
         lambda: sw.simulate(ARM, COURSE, ground=5),

@@ -50,7 +50,7 @@ BOUNDS = {
         lambda value: sw.Rover.ackermann(1.0, 0.6, 0.2, steering_limit={"front_left": value}),
     ),
     "swerve": (10 * math.pi, lambda value: sw.Rover.swerve(CORNERS, 0.1, steering_limit=value)),
-    "RockerBogie": (math.pi, lambda value: sw.RockerBogie.rocky7().replace(steering_limit=value)),
+    "RockerBogie": (math.pi, lambda value: sw.RockerBogie.preset("rocky7").replace(steering_limit=value)),
     "rigid": (math.pi, lambda value: sw.Suspension.rigid(CENTRES, 0.1, steered=[0], steering_limit=value)),
     "preset": (math.pi, lambda value: sw.Rover.preset("perseverance", steering_limit=value)),
 }

@@ -15,7 +15,7 @@ from six_wheel import profiles
 from six_wheel.kinematics.four_axle import FourAxleState, FourAxleStep
 from tests.rovers import SIX_SIZES, SIX_WHEELS
 
-ARM = sw.RockerBogie.rocky7()
+ARM = sw.RockerBogie.preset("rocky7")
 SIX = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.2)
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 
@@ -35,7 +35,9 @@ VALUES = {
             "period": 0.1,
         },
     ),
-    sw.Encoder: (sw.Encoder(4096), {"resolution": 100.0, "gear": 30.0, "modulus": 65536.0, "offset": 0.1}),
+    sw.Encoder: (
+        sw.Encoder(4096), {"ticks_per_turn": 100.0, "gear_ratio": 30.0, "wraps_at": 65536.0, "offset": 0.1},
+    ),
     sw.Gyroscope: (
         sw.Gyroscope(),
         {"noise": 0.1, "bias": 0.2, "bias_noise": 0.3, "bias_walk": 0.4, "scale_noise": 0.5},
@@ -60,13 +62,13 @@ VALUES = {
     sw.FourAxle: (
         sw.FourAxle((0.4, 0.3), 0.2, 0.1),
         {
-            "hinges": (0.5, 0.3), "axle_length": 0.3, "wheel_radius": 0.2, "steering_limit": 1.0,
+            "pivots": (0.5, 0.3), "axle_length": 0.3, "wheel_radius": 0.2, "steering_limit": 1.0,
             "tolerance": 0.01,
         },
     ),
     sw.Terrain: (
         sw.Terrain(np.eye(3), 0.1),
-        {"heights": np.ones((2, 2)), "spacing": (0.2, 0.3), "origin": (1.0, 2.0), "orientation": 0.3},
+        {"heights": np.ones((2, 2)), "spacing": (0.2, 0.3), "origin": (1.0, 2.0), "yaw": 0.3},
     ),
     sw.Costmap: (
         sw.Costmap(np.eye(3), 0.1, (1.0, 2.0), frame="map"),
@@ -87,13 +89,16 @@ VALUES = {
     sw.Pose: (sw.Pose(0.1, 0.2, 0.3), {"x": 1.0, "y": 2.0, "yaw": 3.0}),
     FourAxleState: (
         FourAxleState(),
-        {"angles": (0.1, 0.2, 0.3, 0.4), "front": "free", "rear": "free", "pose": (1.0, 2.0, 3.0)},
+        {
+            "steering": (0.1, 0.2, 0.3, 0.4), "front_brake": "free", "rear_brake": "free",
+            "pose": (1.0, 2.0, 3.0),
+        },
     ),
     FourAxleStep: (
         FourAxleStep("turn", 1.0, "free", "locked", (1.0, None, 2.0, 3.0)),
         {
-            "action": "wait", "duration": 2.0, "front": "locked", "rear": "free",
-            "speeds": (None, 1.0, 2.0, 3.0), "end": FourAxleState(),
+            "action": "wait", "duration": 2.0, "front_brake": "locked", "rear_brake": "free",
+            "wheel_speeds": (None, 1.0, 2.0, 3.0), "end": FourAxleState(),
         },
     ),
     sw.Rover: (
@@ -101,7 +106,7 @@ VALUES = {
         {
             "wheels": [wheel.replace(radius=0.2) for wheel in SIX.wheels],
             "traction_joints": {f"drive_{name}": name for name in SIX.wheel_names},
-            "steering_joints": {f"steer_{name}": name for name in SIX.steered_names},
+            "steering_joints": {f"steer_{name}": name for name in SIX.steered_wheel_names},
             "reversed_joints": ["front_left_wheel_joint"],
             "suspension": ARM,
         },
@@ -173,10 +178,8 @@ def test_each_argument_can_be_replaced(name, argument):
 @pytest.mark.parametrize("name", CASES)
 def test_an_unknown_name_lists_those_there_are(name):
     value, changes = CASES[name]
-    with pytest.raises(
-        TypeError, match=re.escape(f"{name}.replace() has no argument 'nonsense'; there are ")
-    ) as caught:
-        value.replace(nonsense=1)
+    with pytest.raises(TypeError, match=re.escape(f"{name}.replace() has no zzz; it takes ")) as caught:
+        value.replace(zzz=1)
     assert all(re.search(rf"\b{argument}\b", str(caught.value)) for argument in changes)
 
 
@@ -208,11 +211,11 @@ def test_a_rover_with_other_wheels():
     larger = rover.replace(radius=0.08)
     assert [wheel.radius for wheel in larger.wheels] == [0.08] * 6
     assert larger.wheel_names == rover.wheel_names
-    assert (larger.command_joints, larger.reversed_joints) == (rover.command_joints, rover.reversed_joints)
+    assert (larger.joint_names, larger.reversed_joints) == (rover.joint_names, rover.reversed_joints)
     one = rover.replace("front_left", scrub=0.03)
     assert [wheel.scrub for wheel in one.wheels] == [0.03, 0, 0, 0, 0, 0]
     assert one.wheels[1:] == rover.wheels[1:]
-    assert one.command_joints == rover.command_joints
+    assert one.joint_names == rover.joint_names
     narrow = rover.replace(steering_limit=0.5)
     assert [wheel.steering_limit for wheel in narrow.wheels] == [0.5, 0.5, None, None, 0.5, 0.5]
     both = rover.replace(radius=0.2, reversed_joints=None)
@@ -237,9 +240,9 @@ def test_wheels_that_change_stand_on_no_suspension_of_before():
         (
             lambda: SIX.replace("front_left", wheels=[]),
             TypeError,
-            "no argument 'wheels'; there are x, y, radius",
+            "has no wheels; it takes x, y, radius",
         ),
-        (lambda: SIX.replace("front_left", name="a"), TypeError, "no argument 'name'"),
+        (lambda: SIX.replace("front_left", name="a"), TypeError, "has no name; it takes x"),
         (
             lambda: SIX.replace("middle_left", steering_limit=1.0),
             ValueError,

@@ -13,7 +13,18 @@ from tests.rovers import SIX_WHEELS as ROVER
 
 
 def test_middle_wheels_may_meet_on_the_centre_line():
-    assert sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.0, 0.15).wheels[2].y == 0.0
+    assert (
+        sw.Rover.six_wheel(
+            front_to_middle=0.5,
+            middle_to_rear=0.5,
+            track_width=0.8,
+            middle_track_width=0.0,
+            wheel_radius=0.15,
+        )
+        .wheels[2]
+        .y
+        == 0.0
+    )
 
 
 def wheel(name="w", x=0.0, y=0.0, **keywords):

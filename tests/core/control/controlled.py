@@ -28,7 +28,7 @@ ALL = 1.0 + 1e-6
 
 
 def shot(now: float, out: sw.ControllerOutput) -> slow.Shot:
-    return slow.Shot(now, out.twist, out.steering, out.speeds)
+    return slow.Shot(now, out.twist, out.steering, out.wheel_speeds)
 
 
 def drive(controller, seconds, *, start=0.0, dt=0.01, commands=()):

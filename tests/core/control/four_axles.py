@@ -15,5 +15,5 @@ def cars(draw: st.DrawFn, *, rigid: bool = False) -> FourAxle:
     return FourAxle((draw(st.floats(0.1, 1.0)), h_y), draw(st.floats(0.05, 0.4)), draw(st.floats(0.03, 0.3)))
 
 
-def hinges_of(car: FourAxle) -> np.ndarray:
-    return reference.hinge_points(*car.hinges)
+def pivots_of(car: FourAxle) -> np.ndarray:
+    return reference.pivot_points(*car.pivots)

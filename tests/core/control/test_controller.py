@@ -42,7 +42,7 @@ def test_the_picture_of_the_readme():
     assert controller.command((0.5, 0.0, 0.3), 0.0) is True
     out = controller.step(0.0)
     assert out.steering.shape == (4,)
-    assert out.speeds.shape == (6,)
+    assert out.wheel_speeds.shape == (6,)
     assert out.twist.shape == (3,)
     assert out.steering_rates.shape == (4,)
     assert isinstance(out.reasons, Reason)
@@ -65,7 +65,7 @@ def test_every_output_is_what_the_inverse_says(rover, twist):
         if out.twist.any():
             steering, speeds = rover.inverse(out.twist, previous=out.steering)
             np.testing.assert_allclose(out.steering, steering, rtol=0, atol=1e-9)
-            np.testing.assert_allclose(out.speeds, speeds, rtol=0, atol=1e-9)
+            np.testing.assert_allclose(out.wheel_speeds, speeds, rtol=0, atol=1e-9)
 
 
 @given(six_wheel_rovers(st.floats(0.3, 2.0)), any_twists())
@@ -206,13 +206,13 @@ def test_old_and_early_stamps():
     assert controller.step(1.16).twist[0] == 0.2
 
 
-@pytest.mark.parametrize("now", [1.0, 0.5, math.nan, math.inf])
-def test_a_clock_that_does_not_advance_is_an_error_without_effect(now):
+@pytest.mark.parametrize("stamp", [1.0, 0.5, math.nan, math.inf])
+def test_a_clock_that_does_not_advance_is_an_error_without_effect(stamp):
     controller = sw.Controller(ROVER, LIMITS)
     controller.command((0.2, 0, 0), 1.0)
     controller.step(1.0)
-    with pytest.raises(ValueError, match="^now must be"):
-        controller.step(now)
+    with pytest.raises(ValueError, match="^stamp must be"):
+        controller.step(stamp)
     twin = sw.Controller(ROVER, LIMITS)
     twin.command((0.2, 0, 0), 1.0)
     twin.step(1.0)

@@ -43,7 +43,7 @@ def test_measured_angles_that_cannot_be_are_errors_without_effect(measured, rule
     with pytest.raises(ValueError, match=f"^measured must {rule}"):
         controller.step(0.1, measured)
     np.testing.assert_array_equal(controller.step(0.1).steering, twin.step(0.1).steering)
-    assert controller.now == 0.1
+    assert controller.stamp == 0.1
 
 
 @pytest.mark.parametrize(("align", "share"), [("cosine", math.cos(0.5)), ("hold", 0.0), (None, 1.0)])
@@ -64,7 +64,7 @@ def test_it_starts_from_the_measured_angles():
     controller = sw.Controller(ROVER, LIMITS, steering=[0.1, 0, 0, 0])
     assert controller.step(0.0).steering[0] == 0.1
     controller.reset()
-    assert controller.now is None
+    assert controller.stamp is None
     assert controller.steering[0] == 0.1
 
 
@@ -82,7 +82,7 @@ def test_discretised_commands_do_not_skew(twist, limits):
     np.testing.assert_allclose((x, y), np.multiply(twist[:2], share * period), atol=1e-12)
     assert share <= 1 + 1e-12
     assert np.hypot(*out.twist[:2]) <= limits.speed * ALL
-    assert np.max(np.abs(out.speeds)) <= limits.wheel_speed * ALL
+    assert np.max(np.abs(out.wheel_speeds)) <= limits.wheel_speed * ALL
     # A rover that cannot follow is left alone.
     controller = sw.Controller(ROVER, only(), period=period, discretise=True)
     controller.command((0.5, 0, 0.2), 0.0)
@@ -158,7 +158,7 @@ def test_a_wheel_with_scrub_rolls_while_it_is_steered():
     assert len(turning) > 50
     for out in turning:
         expected = rover.inverse(out.twist, previous=out.steering, steering_rates=out.steering_rates)[1]
-        np.testing.assert_allclose(out.speeds, expected, atol=1e-9)
+        np.testing.assert_allclose(out.wheel_speeds, expected, atol=1e-9)
     assert max(slow.excess(limits, [shot(*pair) for pair in log]).values()) <= ALL
 
 
@@ -239,7 +239,7 @@ def test_the_quick_way_is_the_general_one():
         general.command(np.array(twist, dtype=">f8"), np.float64(now))
         a = quick.step(now, tuple(quick.steering))
         b = general.step(now, measured=np.array(general.steering, dtype=np.longdouble))
-        np.testing.assert_array_equal(a.speeds, b.speeds)
+        np.testing.assert_array_equal(a.wheel_speeds, b.wheel_speeds)
         np.testing.assert_array_equal(a.steering, b.steering)
         assert a.reasons == b.reasons
 

@@ -14,7 +14,7 @@ import six_wheel as sw
 from six_wheel import FourAxle, FourAxleState, FourAxleStep
 from six_wheel.kinematics.four_axle import FourAxleSimulation, TurnSequence
 from six_wheel.reference.control import four_axle as reference
-from tests.core.control.four_axles import H_X, H_Y, LENGTH, RADIUS, cars, hinges_of
+from tests.core.control.four_axles import H_X, H_Y, LENGTH, RADIUS, cars, pivots_of
 
 STRAIGHT = FourAxleState()
 
@@ -27,21 +27,21 @@ def drive_through(car: FourAxle, plan: TurnSequence, start: FourAxleState) -> Fo
     result = car.simulate(plan, 0.02, state=start)
     if not plan.steps:
         return result
-    assert result.residual.max() < SLIP
+    assert result.residuals.max() < SLIP
     expected = plan.steps[-1].end
-    np.testing.assert_allclose(result.final.angles, expected.angles, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(result.final.steering, expected.steering, rtol=0, atol=1e-10)
     np.testing.assert_allclose(result.final.pose, expected.pose, rtol=0, atol=1e-10)
     for step in plan:
-        both_free = step.front == step.rear == "free"
-        assert not both_free or (step.duration == 0.0 and not any(step.speeds))
-    assert (result.final.front, result.final.rear) == ("locked", "locked")
-    assert car.mobility(result.final.angles).degree >= 1
+        both_free = step.front_brake == step.rear_brake == "free"
+        assert not both_free or (step.duration == 0.0 and not any(step.wheel_speeds))
+    assert (result.final.front_brake, result.final.rear_brake) == ("locked", "locked")
+    assert car.mobility(result.final.steering).degree_of_mobility >= 1
     return result
 
 
 def test_a_lock_that_would_freeze_the_robot_says_why_and_what_would_do(car):
     front = car.concurrent_angles((0.0, 1.0))[:2]
-    state = FourAxleState((*front, -0.3, -0.3), rear="free")
+    state = FourAxleState((*front, -0.3, -0.3), rear_brake="free")
     before = copy.deepcopy(state)
     with pytest.raises(sw.InfeasibleMotionError, match="smallest singular value") as caught:
         car.lock(state, "rear")
@@ -49,12 +49,12 @@ def test_a_lock_that_would_freeze_the_robot_says_why_and_what_would_do(car):
     left, right = map(float, re.findall(r"rear must be at \(([^,]+), ([^)]+)\)", str(caught.value))[0])
     # Six digits: the rear axles that meet where the front ones do.
     np.testing.assert_allclose((left, right), car.concurrent_angles((0.0, 1.0))[2:], atol=1e-6)
-    locked = car.lock(dataclasses.replace(state, angles=(*front, left, right)), "rear")
-    assert locked.rear == "locked"
+    locked = car.lock(dataclasses.replace(state, steering=(*front, left, right)), "rear")
+    assert locked.rear_brake == "locked"
 
 
 def test_beside_axles_in_line_the_remedy_is_the_nearest_turn(car):
-    state = FourAxleState((0.0, 0.0, -0.3, -0.2), rear="free")
+    state = FourAxleState((0.0, 0.0, -0.3, -0.2), rear_brake="free")
     with pytest.raises(sw.InfeasibleMotionError) as caught:
         car.lock(state, "rear")
     remedy = tuple(map(float, re.findall(r"rear must be at \(([^,]+), ([^)]+)\)", str(caught.value))[0]))
@@ -70,16 +70,16 @@ def test_the_tolerance_has_two_sides(factor, locks):
     scale = np.array((1.0, 1.0, 1.0 / math.hypot(H_X, H_Y)))
 
     def slip(askew):
-        rows = reference.side_slip_rows(hinges_of(car), np.add(angles, (0, 0, 0, askew)))
+        rows = reference.side_slip_rows(pivots_of(car), np.add(angles, (0, 0, 0, askew)))
         return np.linalg.svd(rows * scale)[1][2] / 2
 
     low, high = 0.0, 0.01
     for _ in range(60):
         middle = (low + high) / 2
         low, high = (middle, high) if slip(middle) < 1e-4 else (low, middle)
-    state = FourAxleState(np.add(angles, (0, 0, 0, factor * low)), rear="free")
+    state = FourAxleState(np.add(angles, (0, 0, 0, factor * low)), rear_brake="free")
     if locks:
-        assert car.lock(state, "rear").rear == "locked"
+        assert car.lock(state, "rear").rear_brake == "locked"
     else:
         with pytest.raises(sw.InfeasibleMotionError):
             car.lock(state, "rear")
@@ -87,7 +87,7 @@ def test_the_tolerance_has_two_sides(factor, locks):
 
 def test_releasing_both_pairs_is_refused_where_the_body_would_be_adrift(car):
     state = car.release(STRAIGHT, "rear")
-    assert (state.front, state.rear) == ("locked", "free")
+    assert (state.front_brake, state.rear_brake) == ("locked", "free")
     with pytest.raises(sw.InfeasibleMotionError, match="lock rear first"):
         car.release(state, "front")
     assert car.lock(state, "rear") == STRAIGHT
@@ -111,24 +111,24 @@ def test_a_dual_differential_drive_turns_in_six_steps_without_a_stop(car, first,
         f"{action} {pair}" for pair in ("rear", "front") for action in ("free", "turn", "lock")
     ]
     result = drive_through(car, plan, state)
-    np.testing.assert_allclose(result.final.angles, car.inverse((1, 0, second))[0], rtol=0, atol=1e-10)
-    motion = car.mobility(result.final.angles).motion[0]
+    np.testing.assert_allclose(result.final.steering, car.inverse((1, 0, second))[0], rtol=0, atol=1e-10)
+    motion = car.mobility(result.final.steering).motion[0]
     np.testing.assert_allclose(motion[2] / motion[0], second, rtol=0, atol=1e-9)
     # It never stands, and after every lock all four wheels roll.
-    hinge_speeds = np.hypot(*result.twists[:, :2].T) + np.abs(result.twists[:, 2]) * car.hinges[0]
-    assert hinge_speeds.min() > 0.05 * speed
+    pivot_speeds = np.hypot(*result.twists[:, :2].T) + np.abs(result.twists[:, 2]) * car.pivots[0]
+    assert pivot_speeds.min() > 0.05 * speed
 
 
 @settings(max_examples=40)
 @given(cars(), st.floats(-1.2, 1.2), st.floats(0.05, 1.0), st.sampled_from(("front", "rear")))
 def test_hinged_axles_turn_one_pair_under_way(car, curvature, speed, steer):
-    assume(abs(curvature) * (car.hinges[1] + car.axle_length) < 0.7)
+    assume(abs(curvature) * (car.pivots[1] + car.axle_length) < 0.7)
     plan = car.turn_sequence(STRAIGHT, curvature, speed=speed, steer=steer, pivot_rate=0.5)
     assert not plan.stops, plan.reason
     result = drive_through(car, plan, STRAIGHT)
-    abreast = car.hinges[0] if steer == "rear" else -car.hinges[0]
+    abreast = car.pivots[0] if steer == "rear" else -car.pivots[0]
     if abs(curvature) > 1e-6:
-        motion = car.mobility(result.final.angles).motion[0]
+        motion = car.mobility(result.final.steering).motion[0]
         np.testing.assert_allclose(motion[2] * abreast + motion[1], 0, atol=1e-9)
         np.testing.assert_allclose(motion[2] / motion[0], curvature, rtol=0, atol=1e-9)
 
@@ -138,7 +138,7 @@ def test_from_rear_to_front_steering_and_back(car):
     plan = car.turn_sequence(rear, 0.8, speed=0.5, steer="front")
     assert (plan.stops, plan.reason) == (False, "")
     assert [step.action for step in plan][1::3] == ["turn rear", "turn front"]
-    np.testing.assert_allclose(plan.steps[2].end.angles, 0, atol=1e-12)  # in between, straight ahead
+    np.testing.assert_allclose(plan.steps[2].end.steering, 0, atol=1e-12)  # in between, straight ahead
     drive_through(car, plan, rear)
     front = plan.steps[-1].end
     back = car.turn_sequence(front, -0.8, speed=0.5, steer="rear")
@@ -162,7 +162,7 @@ def test_hinged_axles_cannot_turn_about_a_point_abreast_of_the_middle_without_a_
     # Front locked straight ahead: its line is x = h_x, the target is not on it: re-aimed rear axles freeze.
     target = car.concurrent_angles((0.0, 1.0))
     frozen = car.mobility((0, 0, *target[2:]))
-    assert frozen.degree == 0
+    assert frozen.degree_of_mobility == 0
     assert frozen.slip > 0.03  # 38 mm per metre driven
     plan = car.turn_sequence(STRAIGHT, 1.0, speed=0.5)
     assert plan.stops
@@ -172,47 +172,47 @@ def test_hinged_axles_cannot_turn_about_a_point_abreast_of_the_middle_without_a_
     ]  # fmt: skip
     result = drive_through(car, plan, STRAIGHT)
     np.testing.assert_allclose(result.poses, 0, atol=1e-14)  # it stood
-    np.testing.assert_allclose(result.final.angles, target, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(result.final.steering, target, rtol=0, atol=1e-12)
 
 
 @settings(max_examples=40)
 @given(cars(), st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2))
 def test_standing_every_point_can_be_aimed_at_from_every_other(car, x, y, next_x, next_y):
     for point in ((x, y), (next_x, next_y)):
-        assume(np.hypot(*(hinges_of(car) - point).T).min() > 1e-2)
+        assume(np.hypot(*(pivots_of(car) - point).T).min() > 1e-2)
     state = FourAxleState(car.concurrent_angles((x, y)))
     plan = car.aim_sequence(state, (next_x, next_y), pivot_rate=0.7)
     result = drive_through(car, plan, state)
     np.testing.assert_allclose(result.poses, 0, atol=1e-12)
-    assert np.abs(np.diff(result.angles, axis=0)).max(initial=0.0) <= 0.7 * 0.02 * (1 + 1e-9)
+    assert np.abs(np.diff(result.steering, axis=0)).max(initial=0.0) <= 0.7 * 0.02 * (1 + 1e-9)
 
 
 def test_spinning_in_place(car):
     plan = car.aim_sequence(STRAIGHT, (0.0, 0.0))
     aimed = plan.steps[-1].end
     result = car.simulate((*plan, car.drive(aimed, 0.5, math.pi)), 0.05)
-    assert result.residual.max() < SLIP
-    np.testing.assert_allclose(result.final.pose, (0, 0, math.pi), atol=1e-13)  # hinges 0.5 m away at 0.5 m/s
+    assert result.residuals.max() < SLIP
+    np.testing.assert_allclose(result.final.pose, (0, 0, math.pi), atol=1e-13)  # pivots 0.5 m away at 0.5 m/s
 
 
 def test_changing_the_rear_speeds_alone_would_slip(tandem):
     # The front wheels as they were hold the robot on its course, and the rear axle, turned, drags across it.
     naive = FourAxleStep("turn rear", 0.6, "locked", "free", (5.0, 5.0, 6.5, 3.5))
-    assert tandem.simulate([naive], 0.05).residual.max() > 0.05
+    assert tandem.simulate([naive], 0.05).residuals.max() > 0.05
     planned = tandem.turn_sequence(STRAIGHT, 1.0, speed=0.5).steps[1]
-    assert planned.speeds[:2] == (None, None)
-    np.testing.assert_allclose(planned.speeds[2:], naive.speeds[2:], rtol=1e-12)
-    assert tandem.simulate([planned], 0.05).residual.max() < SLIP
+    assert planned.wheel_speeds[:2] == (None, None)
+    np.testing.assert_allclose(planned.wheel_speeds[2:], naive.wheel_speeds[2:], rtol=1e-12)
+    assert tandem.simulate([planned], 0.05).residuals.max() < SLIP
 
 
 def test_speeds_that_follow_can_be_fed_to_the_drives(tandem):
     plan = tandem.turn_sequence(STRAIGHT, 1.0, speed=0.5)
     result = tandem.simulate(plan, 0.01)
     row = result.ends[1] - 3
-    state, speeds = result.angles[row], result.speeds[row]
-    fed = tandem.forward(state, speeds, rear="free")
+    state, speeds = result.steering[row], result.wheel_speeds[row]
+    fed = tandem.forward(state, speeds, rear_brake="free")
     np.testing.assert_allclose(fed.twist, result.twists[row], rtol=0, atol=1e-12)
-    assert fed.residual.max() < SLIP
+    assert fed.residuals.max() < SLIP
 
 
 # Simulation
@@ -227,9 +227,9 @@ def test_a_free_rear_axle_follows_the_closed_form(front, rear, speed, turning, t
     assume(abs(angle) < 1.5)
     difference = 0.3 * turning
     speeds = (None, None, (speed - difference) / RADIUS, (speed + difference) / RADIUS)
-    start = FourAxleState((front, front, rear, rear), rear="free")
+    start = FourAxleState((front, front, rear, rear), rear_brake="free")
     result = car.simulate([FourAxleStep("turn", time, "locked", "free", speeds)], time / 3, state=start)
-    np.testing.assert_allclose(result.final.angles, (front, front, angle, angle), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(result.final.steering, (front, front, angle, angle), rtol=0, atol=1e-11)
     np.testing.assert_allclose(result.final.pose, pose, rtol=0, atol=1e-11)
 
 
@@ -242,9 +242,11 @@ def test_free_hinged_axles_follow_the_reference(speed, difference, time):
     assume(np.abs(angles).max() < 1.2)
     step = FourAxleStep("turn", time, "locked", "free", (None, None, rims[0] / RADIUS, rims[1] / RADIUS))
     result = car.simulate([step], 0.1)
-    np.testing.assert_allclose(result.final.angles[2:], angles, rtol=0, atol=1e-9)  # the reference's own step
+    np.testing.assert_allclose(
+        result.final.steering[2:], angles, rtol=0, atol=1e-9
+    )  # the reference's own step
     np.testing.assert_allclose(result.final.pose, pose, rtol=0, atol=1e-9)
-    assert result.residual.max() < SLIP
+    assert result.residuals.max() < SLIP
 
 
 @settings(max_examples=20)
@@ -258,7 +260,7 @@ def test_half_steps_make_whole_ones(car, curvature, speed):
     ]
     whole, half = car.simulate(plan, 10.0), car.simulate(halves, 0.03)
     np.testing.assert_allclose(half.final.pose, whole.final.pose, rtol=0, atol=1e-10)
-    np.testing.assert_allclose(half.final.angles, whole.final.angles, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(half.final.steering, whole.final.steering, rtol=0, atol=1e-10)
 
 
 def test_locked_driving_is_an_arc(car):

@@ -68,7 +68,7 @@ def test_modules_lead():
     np.testing.assert_array_equal(state.steering[-1], end[0])
     timed = profiles.module_transition(OSR, start, end, 2.0, shape="trapezoid")
     np.testing.assert_allclose(timed.at(1.0).steering, end[0] / 2, atol=1e-15)
-    np.testing.assert_allclose(timed.at(1.0).speeds, end[1] / 2, atol=1e-15)
+    np.testing.assert_allclose(timed.at(1.0).wheel_speeds, end[1] / 2, atol=1e-15)
     alone = profiles.module_transition(
         OSR, start, end, steering_rate=RATE, wheel_acceleration=1.0, synchronise="none"
     )

@@ -38,7 +38,7 @@ def test_transitions_are_values(plan):
 
 @pytest.mark.parametrize("plan", PLANS, ids=lambda plan: type(plan).__name__)
 def test_shapes_of_what_comes_out(plan):
-    joints, wheels = len(plan.rover.steered_names), len(plan.rover.wheels)
+    joints, wheels = len(plan.rover.steered_wheel_names), len(plan.rover.wheels)
     for times in [0.5, [0.1, 0.2], np.zeros((2, 3)), np.zeros(0), np.linspace(0, 1, 100)]:
         state = plan.at(times)
         widths = [(3,), (joints,), (wheels,), (joints,), (joints,), ()]

@@ -61,7 +61,7 @@ def assert_kept(rover: sw.Rover, plan: profiles.IcrTransition, limits: dict[str,
         times = np.linspace(phase.start, phase.start + phase.duration * (1 - 1e-9), STEPS)
         state, step = plan.at(times), times[1] - times[0]
         # Rounding of what is differenced.
-        noise = 1e-14 * (1 + np.abs(state.speeds).max()) / step
+        noise = 1e-14 * (1 + np.abs(state.wheel_speeds).max()) / step
 
         def slope(values: np.ndarray, step: float = step) -> np.ndarray:
             return np.diff(values, axis=0) / step
@@ -77,7 +77,7 @@ def assert_kept(rover: sw.Rover, plan: profiles.IcrTransition, limits: dict[str,
         assert largest(slope(state.steering_accelerations)) <= limit.get("steering_jerk", unlimited) * (
             1 + 1e-6
         )
-        assert largest(slope(state.speeds[:, motor])) <= limit["wheel_acceleration"]
+        assert largest(slope(state.wheel_speeds[:, motor])) <= limit["wheel_acceleration"]
         change = slope(state.twist)
         assert np.hypot(change[:, 0], change[:, 1]).max() <= limit.get("acceleration", unlimited)
         assert largest(change[:, 2]) <= limit.get("angular_acceleration", unlimited)
@@ -101,7 +101,7 @@ def test_every_limit_holds_at_every_instant_and_nothing_scrubs(rover):
             middle.twist, previous=middle.steering, steering_rates=middle.steering_rates
         )
         np.testing.assert_allclose(middle.steering, steering, atol=1e-9)
-        np.testing.assert_allclose(middle.speeds, speeds, atol=1e-9)
+        np.testing.assert_allclose(middle.wheel_speeds, speeds, atol=1e-9)
         # No angle jumps where one phase ends and the next begins.
         for phase in plan.phases:
             around = plan.at(np.clip([phase.start - 1e-9, phase.start + 1e-9], 0.0, plan.duration))
@@ -134,7 +134,13 @@ def copied(wheel: sw.Wheel) -> dict:
 
 def test_the_figures_of_the_page(capsys):
     """Open Source Rover at 0.3 m/s, servos of 60 deg/s: scrub that the angles force, and time."""
-    plain = reference.Rover.six_wheel(d1=0.177, d2=0.310, d3=0.274, d4=0.253, wheel_radius=0.075)
+    plain = reference.Rover.six_wheel(
+        front_to_middle=0.274,
+        middle_to_rear=0.310,
+        track_width=0.354,
+        middle_track_width=0.506,
+        wheel_radius=0.075,
+    )
     lines = [f"{'':24}{'independent':>14}{'synchronised':>14}{'ours':>14}"]
     expected = {
         "straight to R = 0.6 m": (STRAIGHT, (28.8, 9.9), 0.604),
@@ -222,7 +228,14 @@ def test_a_single_joint_takes_its_own_least_time(jerk):
 
 
 def test_over_a_spin_island_the_rover_stops_and_turns_its_wheels():
-    rover = sw.Rover.six_wheel(0.4, 0.3, 0.3, 0.45, 0.15, steering_limit=math.radians(60))
+    rover = sw.Rover.six_wheel(
+        front_to_middle=0.3,
+        middle_to_rear=0.3,
+        track_width=0.8,
+        middle_track_width=0.9,
+        wheel_radius=0.15,
+        steering_limit=math.radians(60),
+    )
     assert 0 < rover.spin_radius < rover.min_radius
     limits = {"steering_rate": 1.0, "acceleration": 0.5, "angular_acceleration": 1.0}
     plan = profiles.icr_transition(rover, (0.4, 0, 0.1), (0, 0, 0.5), **limits)
@@ -288,7 +301,7 @@ def test_right_through_a_pivot_the_wheel_only_rolls_back():
     state = plan.at(np.linspace(0, plan.duration, 101))
     assert plan.stops == 0
     np.testing.assert_allclose(state.steering[:, 0], 0.0, atol=1e-15)
-    assert state.speeds[0, 0] > 0 > state.speeds[-1, 0]
+    assert state.wheel_speeds[0, 0] > 0 > state.wheel_speeds[-1, 0]
 
 
 def test_a_pivot_under_the_centre_turns_before_its_wheel_rolls():

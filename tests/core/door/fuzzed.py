@@ -52,7 +52,7 @@ def one(given: bytes) -> None:
     a, b, c = (array(data, memory) for _ in range(3))
     calls = [
         lambda: rover.inverse(a, out=(b, c)),
-        lambda: rover.inverse(a, previous=b, previous_speeds=c),
+        lambda: rover.inverse(a, previous=b, previous_wheel_speeds=c),
         lambda: rover.inverse(a, centre=b, steering_rates=c),
         lambda: rover.forward(a, b, out=c),
         lambda: rover.fit(a, b, method="robust"),

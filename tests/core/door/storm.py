@@ -18,7 +18,7 @@ import numpy as np
 import six_wheel as sw
 
 SWERVE = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1)
-ARM = sw.RockerBogie.perseverance()
+ARM = sw.RockerBogie.preset("perseverance")
 GROUND = sw.Terrain(np.round(0.2 * np.random.default_rng(1).normal(size=(60, 60)), 3), 1.0, (-20.0, -20.0))
 ROWS = [0, 1, 2, 7, 31, 32, 33, 500, 20_001]
 DTYPES = ["d", "d", "d", "f", "e", ">f8", "i4", "u8", "i1", "g", ">i2"]
@@ -38,10 +38,10 @@ CALLS: dict[str, tuple[list[int], list[int], int, Call]] = {
     "compose": ([3, 3], [], 10**6, lambda a, b, threads=1: sw.compose(a, b)),
     "wrap_angle": ([3], [], 10**6, lambda a, threads=1: sw.wrap_angle(a)),
     "integrate": ([3], [], 10**6, lambda a, **k: sw.integrate(a, 0.1, **k)),
-    "height": ([2], [], 10**6, lambda a, threads=1: GROUND.height(a)),
+    "height": ([2], [], 10**6, lambda a, threads=1: GROUND.height_at(a)),
     "settle": ([3], [], 40, lambda a, **k: ARM.settle(GROUND, a, **k).z),
     "bounds": ([3], [], 500, lambda a, **k: ARM.bounds(GROUND, a, **k).roll),
-    "traction": ([3, 3, 3], [], 40, lambda a, b, c, threads=1: ARM.traction(0.1, 0.1, a, b, c).speeds),
+    "traction": ([3, 3, 3], [], 40, lambda a, b, c, threads=1: ARM.traction(0.1, 0.1, a, b, c).wheel_speeds),
 }  # fmt: skip
 
 

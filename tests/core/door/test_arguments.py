@@ -14,7 +14,7 @@ ROVER = sw.Rover.preset("perseverance")
 SWERVE = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1)
 TWISTS = np.random.default_rng(1).normal(size=(5, 3)) * [1.0, 0.0, 0.3]
 STEERING, SPEEDS = ROVER.inverse(TWISTS)
-ROCKY, ARM = sw.RockerBogie.rocky7(), sw.RockerBogie.perseverance()
+ROCKY, ARM = sw.RockerBogie.preset("rocky7"), sw.RockerBogie.preset("perseverance")
 LEVEL = sw.Terrain(np.zeros((100, 100)), 0.1)
 STAND = ARM.settle(LEVEL, (5.0, 5.0, 0.0))
 
@@ -34,7 +34,7 @@ FIRST_CALLS = [
     "sw.exp((1.0, 0.0, 0.0))",
     "sw.integrate([(1.0, 0.0, 0.0)], 0.1)",
     "sw.Rover.preset('perseverance')",
-    "sw.Odometry3(sw.RockerBogie.rocky7()).state.pose",
+    "sw.Odometry3(sw.RockerBogie.preset('rocky7')).state.pose",
     "sw.FourAxle((0.3, 0.0), 0.2, 0.1)",
     "sw.Terrain([(0.0, 1.0), (0.0, 1.0)], 0.1)",
 ]
@@ -50,7 +50,6 @@ FIRST_CALLS = [
         ("twist", lambda rows: sw.exp(rows)),
         ("poses", lambda rows: sw.differentiate(rows, 0.1)),
         ("start", lambda rows: sw.integrate(TWISTS, 0.1, rows)),
-        ("heights", lambda rows: sw.Terrain(rows, 0.1)),
         ("poses", lambda rows: ARM.settle(LEVEL, rows)),
         ("poses", lambda rows: ARM.bounds(LEVEL, rows)),
     ],
@@ -60,6 +59,17 @@ def test_a_masked_array_is_refused_by_name(mask, argument, call):
     rows[2, 0] = 1e9
     with pytest.raises(sw.ArgumentTypeError, match=f"^{argument} must be without a mask, got a masked array"):
         call(mask(rows))
+
+
+def test_masked_heights_are_unknown_where_they_are_masked():
+    for kind in (np.float64, np.float32):
+        heights = np.ma.masked_greater(np.array([[0, 1, 2], [3, 4, 9]], kind), 5)
+        expected = np.where(heights.mask, np.nan, heights.data)
+        np.testing.assert_array_equal(sw.Terrain(heights, 0.1).heights, expected)
+    rows = np.zeros((3, 3))
+    for mask in ("in a list", "in a tuple of lists"):
+        with pytest.raises(sw.ArgumentTypeError, match="^heights must be without a mask"):
+            sw.Terrain(MASKED[mask](rows), 0.1)
 
 
 def test_masked_numbers_and_logs_are_refused_by_name():
@@ -72,10 +82,8 @@ def test_masked_numbers_and_logs_are_refused_by_name():
         sw.dead_reckon(ROVER, STEERING, np.ma.array(SPEEDS), np.arange(5.0))
     with pytest.raises(ValueError, match="^twist must be without a mask"):
         sw.Controller(ROVER).command(np.ma.array([1.0, 0.0, 0.0]), 0.0)
-    with pytest.raises(ValueError, match="^heights must be without a mask"):
-        sw.Terrain(np.ma.masked_less(np.zeros((3, 3), np.float32), -1.0), 0.1)
-    with pytest.raises(ValueError, match="^d1 must be without a mask"):
-        sw.Rover.six_wheel(np.ma.array(0.4), 0.5, 0.5, 0.45, 0.15)
+    with pytest.raises(ValueError, match="^track_width must be without a mask"):
+        sw.Rover.differential(np.ma.array(0.4), 0.15)
 
 
 # What an argument's own code raises
@@ -121,7 +129,7 @@ CALLS = {
     "Noise": lambda a: sw.Noise(a),
     "Terrain": lambda a: sw.Terrain(a, 0.1),
     "Terrain, spacing": lambda a: sw.Terrain(np.zeros((3, 3)), a),
-    "height": lambda a: LEVEL.height(a),
+    "height": lambda a: LEVEL.height_at(a),
     "settle": lambda a: ARM.settle(LEVEL, a),
     "settle, steering": lambda a: ARM.settle(LEVEL, (5.0, 5.0, 0.0), a),
     "bounds, yaw_margin": lambda a: ARM.bounds(LEVEL, (5.0, 5.0, 0.0), a),
@@ -200,11 +208,11 @@ def test_compose_and_exp_and_log():
 def test_inverse(rows):
     twists = np.resize(TWISTS, (rows, 3))
     previous, rolling = np.array([0.1, 0.2, -0.1, 0.3]), np.linspace(-1, 1, 6)
-    wide = {"previous": np.tile(previous, (rows, 1)), "previous_speeds": np.tile(rolling, (rows, 1))}
+    wide = {"previous": np.tile(previous, (rows, 1)), "previous_wheel_speeds": np.tile(rolling, (rows, 1))}
     wanted = ROVER.inverse(twists, **wide)
     for given in (
-        {"previous": previous, "previous_speeds": rolling},
-        {"previous": previous.tolist(), "previous_speeds": rolling[None]},
+        {"previous": previous, "previous_wheel_speeds": rolling},
+        {"previous": previous.tolist(), "previous_wheel_speeds": rolling[None]},
     ):
         for one, other in zip(ROVER.inverse(twists, **given), wanted, strict=True):
             np.testing.assert_array_equal(one, other)
@@ -226,7 +234,7 @@ def test_forward_and_fit_and_sensitivity(rows):
     np.testing.assert_allclose(found, ROVER.forward(STEERING, np.tile(SPEEDS[0], (5, 1))), rtol=0, atol=1e-14)
     few = speeds[:7]
     fit, wanted = ROVER.fit(STEERING[0], few), ROVER.fit(wide[:7], few[: len(few)])
-    np.testing.assert_array_equal(fit.residual, wanted.residual)
+    np.testing.assert_array_equal(fit.residuals, wanted.residuals)
     assert fit.worst_wheel == wanted.worst_wheel
     np.testing.assert_array_equal(
         ROVER.sensitivity(STEERING[0], few).steering, ROVER.sensitivity(wide[: len(few)], few).steering

@@ -37,8 +37,8 @@ CALLS = {
     "rollout_cost": "ROVER.rollout_cost(HUGE(10**10 * 50, 3).reshape(10**10, 50, 3), 0.1)",
     "dead_reckon": "sw.dead_reckon(ROVER, HUGE(10**12, 4), HUGE(10**12, 6), HUGE(10**12, 1)[:, 0])",
     "Odometry.run": "sw.Odometry(ROVER).run(HUGE(10**7, 4), HUGE(10**7, 6), np.arange(1e7))",
-    "Controller.run": "sw.Controller(ROVER).run([0.0], [(0.1, 0.0, 0.0)], HUGE(10**12, 1)[:, 0])",
-    "Controller.run, steps": "sw.Controller(ROVER).run([0.0], [(0.1, 0.0, 0.0)], np.arange(1.0, 2e7))",
+    "Controller.run": "sw.Controller(ROVER).run([(0.1, 0.0, 0.0)], [0.0], HUGE(10**12, 1)[:, 0])",
+    "Controller.run, steps": "sw.Controller(ROVER).run([(0.1, 0.0, 0.0)], [0.0], np.arange(1.0, 2e7))",
     "Profile.at": "sw.profiles.linear(0.0, 1.0, 2.0).at(HUGE(10**12, 1))",
     "Profile.at, axes": "sw.profiles.linear([0.0] * 50, [1.0] * 50, 2.0).at(np.zeros(10**7))",
     "Profile": "sw.profiles.linear(HUGE(10**12, 1)[:, 0], 1.0, 2.0)",
@@ -55,8 +55,8 @@ CALLS = {
     "feasible, pyramid": "ARM.feasible(sw.Terrain(np.zeros((5000, 5000), np.float32), 0.1), (9.0, 9.0, 0.0))",
     "Terrain": "sw.Terrain(HUGE(10**12, 4), 0.1)",
     "Terrain, single": "sw.Terrain(np.broadcast_to(np.float32(0.0), (17_000, 17_000)), 0.1)",
-    "height": "GROUND.height(HUGE(10**12, 2))",
-    "normal": "GROUND.normal(HUGE(10**12, 2))",
+    "height": "GROUND.height_at(HUGE(10**12, 2))",
+    "normal": "GROUND.normal_at(HUGE(10**12, 2))",
     "contains": "GROUND.contains(HUGE(10**12, 2))",
     "traction": "ARM.traction(0.1, 0.1, *[HUGE(10**12, 3)] * 3)",
     "inverse on the ground": "ARM.inverse(STAND, HUGE(10**12, 2))",
@@ -78,7 +78,8 @@ import six_wheel as sw
 def HUGE(rows, width):
     return np.broadcast_to(np.float64(0.5), (rows, width))
 
-ROVER, ROCKY, ARM = sw.Rover.preset("perseverance"), sw.RockerBogie.rocky7(), sw.RockerBogie.perseverance()
+ROVER = sw.Rover.preset("perseverance")
+ROCKY, ARM = (sw.RockerBogie.preset(name) for name in ("rocky7", "perseverance"))
 GROUND = sw.Terrain(np.zeros((100, 100)), 0.1)
 STAND = ARM.settle(GROUND, (5.0, 5.0, 0.0))
 limit = int(sys.argv[1])
@@ -179,7 +180,7 @@ def test_threads_that_cannot_start_are_done_without(threads):
         for one, other in zip(rover.inverse(twists, threads={threads}), expected):
             assert np.array_equal(one, other)
         assert np.array_equal(sw.integrate(twists.reshape(600, 100, 3), 0.1, threads={threads}), logs)
-        arm, ground = sw.RockerBogie.perseverance(), sw.Terrain(np.zeros((50, 50)), 0.1)
+        arm, ground = sw.RockerBogie.preset("perseverance"), sw.Terrain(np.zeros((50, 50)), 0.1)
         poses = np.tile([2.5, 2.5, 0.1], (400, 1))
         assert arm.settle(ground, poses, threads={threads}).status[-1] == sw.SettleStatus.settled
         assert arm.feasible(ground, poses, threads={threads}).ok.all()

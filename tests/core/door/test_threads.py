@@ -53,8 +53,8 @@ ROWS = [400_000 * factor for factor in (1, 1, 2, 2, 4, 4, 8, 8, 8, 8)]
 def test_whoever_waits_for_a_controller_lets_other_threads_run():
     for rows in ROWS:
         times, controller = np.arange(1.0, rows) / 100.0, sw.Controller(ROVER)
-        run = partial(controller.run, [0.0], [(0.05, 0.0, 0.0)], times)
-        seen, now = while_running(run, lambda controller=controller: controller.now)
+        run = partial(controller.run, [(0.05, 0.0, 0.0)], [0.0], times)
+        seen, now = while_running(run, lambda controller=controller: controller.stamp)
         assert now == times[-1]  # after the run, never in the midst
         if seen > 3:
             return
@@ -85,7 +85,7 @@ def test_eight_threads_on_one_object(kind):
                 now = next(clock) / 100.0
                 controller.step(now)
             controller.command((0.01, 0.0, 0.0), now)
-            assert controller.now is not None
+            assert controller.stamp is not None
 
     else:
         odometry = sw.Odometry(ROVER, readings="increments")
@@ -157,7 +157,7 @@ def test_a_child_of_a_fork_during_a_batch():
             ROVER.project(twists, out=out)
 
     def run() -> None:
-        controller.run([0.0], [(0.05, 0.0, 0.0)], times)
+        controller.run([(0.05, 0.0, 0.0)], [0.0], times)
 
     workers = [threading.Thread(target=batches), threading.Thread(target=run)]
     for worker in workers:
@@ -172,7 +172,7 @@ def test_a_child_of_a_fork_during_a_batch():
             ROVER.project(twists[:50], out=out[:50])  # in use by the parent's thread, which is not here
             ROVER.inverse((0.05, 0.0, 0.01), out=single)
             with contextlib.suppress(RuntimeError):  # or the run was over, or had not begun
-                _ = controller.now
+                _ = controller.stamp
             fresh = sw.Controller(ROVER)
             fresh.step(0.0)
             code = 0

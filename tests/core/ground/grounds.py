@@ -7,8 +7,7 @@ import numpy as np
 import six_wheel as sw
 
 ROVERS = {
-    name: getattr(sw.RockerBogie, name)()
-    for name in ("rocky7", "perseverance", "curiosity", "open_source_rover")
+    name: sw.RockerBogie.preset(name) for name in ("rocky7", "perseverance", "curiosity", "open_source_rover")
 }
 LEVEL = ("perseverance", "curiosity")  # their wheel centres are level with all joints at 0
 

@@ -23,8 +23,8 @@ QUANTITIES = ("z", "roll", "pitch", "tilt", "clearance", "rocker", "bogies", "wh
 
 def rovers() -> dict[str, sw.RockerBogie]:
     return {
-        "perseverance": sw.RockerBogie.perseverance(),
-        "curiosity": sw.RockerBogie.curiosity(),
+        "perseverance": sw.RockerBogie.preset("perseverance"),
+        "curiosity": sw.RockerBogie.preset("curiosity"),
         "in front": sw.RockerBogie(**IN_FRONT),
         "bar": sw.RockerBogie(**IN_FRONT, differential_bar=(0.5, 0.3, 0.4)),
     }
@@ -99,7 +99,7 @@ def test_a_bar_between_the_rockers_is_allowed_for() -> None:
 
 def test_on_level_ground_they_are_what_settles() -> None:
     level = sw.Terrain(np.full((90, 90), 2.5), 0.1)
-    bound = sw.RockerBogie.perseverance().bounds(level, (4.5, 4.5, 0.7))
+    bound = sw.RockerBogie.preset("perseverance").bounds(level, (4.5, 4.5, 0.7))
     assert bound.status == "bounded"
     # The wheels' radius plus the height of their centres differ by 2e-5 m in these dimensions.
     for name in ("roll", "pitch", "rocker", "bogies"):
@@ -132,7 +132,7 @@ def test_on_a_plane_they_hold_the_plane(slope: tuple[float, float]) -> None:
 
 def test_every_kernel_and_number_of_threads_gives_the_same_to_the_bit() -> None:
     ground = sw.Terrain.yard(30, 0.1, 0.15, seed=5)
-    rover, poses = sw.RockerBogie.perseverance(), some(ground, 1003, 5)
+    rover, poses = sw.RockerBogie.preset("perseverance"), some(ground, 1003, 5)
     plain = rover.bounds(ground, poses, level="scalar")
     for options in [*({"level": kernel} for kernel in sw.simd_levels()), {"threads": 3}]:
         other = rover.bounds(ground, poses, **options)
@@ -146,7 +146,7 @@ def test_every_kernel_and_number_of_threads_gives_the_same_to_the_bit() -> None:
 
 def test_margins_hold_every_pose_within_them() -> None:
     ground = sw.Terrain.yard(30, 0.1, 0.05, seed=6, roughness=0.05)
-    rover, random = sw.RockerBogie.perseverance(), np.random.default_rng(6)
+    rover, random = sw.RockerBogie.preset("perseverance"), np.random.default_rng(6)
     poses = some(ground, 300, 6, margin=4.0)
     wide = rover.bounds(ground, poses, 0.2, position_margin=0.15)
     known = wide.status == "bounded"
@@ -165,7 +165,7 @@ def test_an_error_of_the_map_is_allowed_for() -> None:
     ground = sw.Terrain.yard(30, 0.1, 0.05, seed=8, roughness=0.05)
     noise = np.random.default_rng(8).uniform(-0.02, 0.02, ground.shape)
     true = sw.Terrain(ground.heights + noise, 0.1)
-    rover, poses = sw.RockerBogie.perseverance(), some(ground, 400, 8)
+    rover, poses = sw.RockerBogie.preset("perseverance"), some(ground, 400, 8)
     bound, stand = rover.bounds(ground, poses, map_error=0.02), rover.settle(true, poses)
     known = (bound.status == "bounded") & (stand.status == "settled")
     assert known.sum() > 100
@@ -177,7 +177,7 @@ def test_what_is_not_known_is_said() -> None:
     heights = np.zeros((120, 120))
     heights[60, 60] = np.nan
     ground = sw.Terrain(heights, 0.1)
-    rover = sw.RockerBogie.perseverance()
+    rover = sw.RockerBogie.preset("perseverance")
     bound = rover.bounds(ground, [(6, 6, 0), (0.5, 6, 0), (1e300, 0, 0), (3.5, 3.5, 1e9), (9, 3.5, -1e18)])
     assert list(bound.status) == ["unknown_cells", "off_map", "off_map", "bounded", "bounded"]
     assert np.isnan(bound.roll[:3]).all()
@@ -205,14 +205,14 @@ def test_what_is_not_known_is_said() -> None:
 def test_bad_input_is_named(options: dict[str, Any], message: str) -> None:
     level = sw.Terrain(np.zeros((90, 90)), 0.1)
     with pytest.raises(ValueError, match=message.replace("(", r"\(").replace(")", r"\)")):
-        sw.RockerBogie.perseverance().bounds(level, [(4.5, 4.5, 0.0)], **options)
+        sw.RockerBogie.preset("perseverance").bounds(level, [(4.5, 4.5, 0.0)], **options)
     with pytest.raises(ValueError, match="poses"):
-        sw.RockerBogie.perseverance().bounds(level, [(math.nan, 4.5, 0.0)])
+        sw.RockerBogie.preset("perseverance").bounds(level, [(math.nan, 4.5, 0.0)])
 
 
 def test_feasible_is_what_settling_says() -> None:
     ground = sw.Terrain.yard(30, 0.1, 0.1, seed=9)
-    rover, poses = sw.RockerBogie.perseverance(), some(ground, 800, 9)
+    rover, poses = sw.RockerBogie.preset("perseverance"), some(ground, 800, 9)
     limits = sw.FeasibilityLimits(clearance=0.2)
     found = rover.feasible(ground, poses, limits)
     stand = rover.settle(ground, poses)
@@ -251,10 +251,10 @@ def test_feasible_is_what_settling_says() -> None:
 def test_bounds_are_the_same_at_every_call() -> None:
     """Only bounds of the default belly and ranges are kept between calls."""
     ground = sw.Terrain.yard(20, 0.1, 0.1, seed=9)
-    rover, poses = sw.RockerBogie.perseverance(), some(ground, 200, 9)
+    rover, poses = sw.RockerBogie.preset("perseverance"), some(ground, 200, 9)
     first, belly = rover.bounds(ground, poses), (-0.2, 0.2, 0.1, 1.5)
     narrow, high = (rover.bounds(ground, poses, **how) for how in ({"within": (0.2,) * 3}, {"belly": belly}))
-    for again in (rover.bounds(ground, poses), sw.RockerBogie.perseverance().bounds(ground, poses)):
+    for again in (rover.bounds(ground, poses), sw.RockerBogie.preset("perseverance").bounds(ground, poses)):
         np.testing.assert_array_equal(again.clearance, first.clearance)
         np.testing.assert_array_equal(again.status, first.status)
     assert (narrow.status != first.status).any()
@@ -263,7 +263,7 @@ def test_bounds_are_the_same_at_every_call() -> None:
 
 
 def test_feasible_says_why_not() -> None:
-    rover = sw.RockerBogie.perseverance()
+    rover = sw.RockerBogie.preset("perseverance")
     x = 0.1 * np.arange(120)
     steep = sw.Terrain(np.tile(0.5 * x, (120, 1)), 0.1)
     assert rover.feasible(steep, (6, 6, 0)).reason == "pitch"
@@ -278,7 +278,7 @@ def test_feasible_says_why_not() -> None:
 
 
 def test_loads_carry_the_weight_and_balance() -> None:
-    rover = sw.RockerBogie.perseverance()
+    rover = sw.RockerBogie.preset("perseverance")
     level = sw.Terrain(np.zeros((120, 120)), 0.1)
     stand = rover.settle(level, (6, 6, 0.4))
     found = rover.stability(stand, mass=1025.0, centre_of_mass=(0.1, 0.05, 0.8), gravity=3.71)
@@ -299,7 +299,7 @@ def test_loads_carry_the_weight_and_balance() -> None:
 
 @pytest.mark.parametrize("mass", [0.0, -1.0, math.nan, math.inf])
 def test_a_mass_that_is_none_is_refused(mass: float) -> None:
-    rover = sw.RockerBogie.perseverance()
+    rover = sw.RockerBogie.preset("perseverance")
     level = sw.Terrain(np.zeros((120, 120)), 0.1)
     with pytest.raises(ValueError, match="mass must be finite and positive, got"):
         rover.stability(rover.settle(level, (6, 6, 0)), mass=mass)
@@ -310,7 +310,7 @@ def test_the_reference_is_inside_and_hardly_narrower(name: str) -> None:
     from six_wheel.reference.ground.bounds import bounds, boxes
     from six_wheel.reference.ground.terrain import Terrain
 
-    size = {**sw.RockerBogie.perseverance().dimensions} if name == "perseverance" else dict(IN_FRONT)
+    size = {**sw.RockerBogie.preset("perseverance").dimensions} if name == "perseverance" else dict(IN_FRONT)
     rover = rovers()[name]
     ground = sw.Terrain.yard(20, 0.1, 0.03, seed=4, roughness=0.05)
     plain, patches = Terrain(ground.heights, 0.1), boxes(size)

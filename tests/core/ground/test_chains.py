@@ -23,9 +23,11 @@ EXOMARS = {
 }
 CHAINS = {
     "triple_bogie": sw.Suspension.triple_bogie(**EXOMARS),
-    "zoe": sw.Suspension.zoe(),
+    "zoe": sw.Suspension.preset("zoe"),
     "rigid": sw.Suspension.rigid(BOX, 0.2, steered=[0, 1]),
-    "bar": sw.RockerBogie(**sw.RockerBogie.perseverance().dimensions | {"differential_bar": (0.6, 0.2, 0.3)}),
+    "bar": sw.RockerBogie(
+        **sw.RockerBogie.preset("perseverance").dimensions | {"differential_bar": (0.6, 0.2, 0.3)}
+    ),
 }
 
 
@@ -50,11 +52,11 @@ def test_every_chain_settles_on_hills(name):
     np.testing.assert_array_equal((np.abs(stand.gap) < 1e-9).sum(-1), touching)
     assert stand.gap.min() > -1e-9
     contacts = stand.contacts[stand.gap < 1e-9]
-    np.testing.assert_allclose(ground.height(contacts[:, :2]), contacts[:, 2], atol=1e-9)
+    np.testing.assert_allclose(ground.height_at(contacts[:, :2]), contacts[:, 2], atol=1e-9)
 
 
 def test_the_pivots_of_zoe_steer():
-    zoe, ground = sw.Suspension.zoe(), sw.Terrain(np.zeros((80, 80)), 0.1)
+    zoe, ground = sw.Suspension.preset("zoe"), sw.Terrain(np.zeros((80, 80)), 0.1)
     stand = zoe.settle(ground, (4.0, 4.0, 0.0), (0.4, -0.4))
     left = stand.wheel_centres[0] - [4.0 + 1.91 / 2, 4.0, stand.z]
     np.testing.assert_allclose(left, 0.82 * np.array([-math.sin(0.4), math.cos(0.4), 0]) - [0, 0, 0.119])
@@ -75,7 +77,7 @@ def test_of_four_wheels_on_a_body_three_touch_and_bear_the_weight():
 def test_a_bar_leaves_the_rockers_nearly_opposite():
     ground = sw.Terrain(hills(), 0.1)
     poses = random_poses(50, 20.0, 3.0, 2)
-    gear = sw.RockerBogie.perseverance().settle(ground, poses)
+    gear = sw.RockerBogie.preset("perseverance").settle(ground, poses)
     bar = CHAINS["bar"].settle(ground, poses)
     difference = np.abs(numbers_of(bar) - numbers_of(gear)).max(-1)
     assert (difference > 0).all()
@@ -90,7 +92,7 @@ def test_chains_are_values(name):
         assert same == chain
         assert hash(same) == hash(chain)
         assert same.settle(ground, (4.0, 4.0, 0.3)).z == chain.settle(ground, (4.0, 4.0, 0.3)).z
-    assert chain != sw.RockerBogie.rocky7()
+    assert chain != sw.RockerBogie.preset("rocky7")
     assert chain != "chain"
 
 

@@ -48,7 +48,7 @@ def test_a_gap_is_the_least_of_a_dense_rim() -> None:
         h, u = np.array([math.cos(yaw), math.sin(yaw), 0]), np.array([0, 0, 1.0])
         found = plain.gap(land, centre, h, u, 0.26)
         rim = centre + 0.26 * (np.sin(t)[:, None] * h - np.cos(t)[:, None] * u)
-        dense = (rim[:, 2] - land.height(rim[:, :2])).min()
+        dense = (rim[:, 2] - land.height_at(rim[:, :2])).min()
         # Within half a sample, at slopes of the ground up to 2 against the rim: 0.26 m * 2.2e-5 rad * 2.
         assert dense - 2e-5 < found.value <= dense + 1e-12
 
@@ -68,7 +68,7 @@ def test_a_plane_only_turns_the_answer(dimensions: dict) -> None:
     level = plain.settle(plain.Terrain(np.zeros((40, 40)), 1.0), chain, (20, 20, 0))
     for command in ((0.3, 0.0), (0.1, 0.05), (-0.1, 0.08), (0.0, 0.1)):
         there, here = plain.inverse(chain, stand, *command), plain.inverse(chain, level, *command)
-        np.testing.assert_allclose(there.speeds, here.speeds, atol=1e-10)
+        np.testing.assert_allclose(there.wheel_speeds, here.wheel_speeds, atol=1e-10)
         np.testing.assert_allclose(there.steering, here.steering, atol=1e-9)
 
 
@@ -100,13 +100,13 @@ def test_rates_are_differences_of_settled_poses(dimensions: dict) -> None:
         rolled = plain.forward(
             chain,
             stand,
-            told.speeds,
+            told.wheel_speeds,
             angular_velocity=told.twist[3:],
             joint_rates=told.joint_rates,
             weights=np.tile([1.0, 0.0], (6, 1)),
         )
         np.testing.assert_allclose(rolled.twist, told.twist, atol=1e-9)
-        np.testing.assert_allclose(rolled.residual[:, :2], 0, atol=1e-9)
+        np.testing.assert_allclose(rolled.residuals[:, :2], 0, atol=1e-9)
 
 
 def test_level_ground_is_the_planar_model() -> None:
@@ -114,13 +114,13 @@ def test_level_ground_is_the_planar_model() -> None:
     chain = plain.rocker_bogie(**PERSEVERANCE)
     stand = plain.settle(plain.Terrain(np.zeros((40, 40)), 1.0), chain, (20, 20, 0.3))
     for speed, yaw_rate in ((0.1, 0.0), (0.1, 0.05), (0.02, -0.3), (-0.1, 0.02)):
-        planar = RockerBogie.perseverance().steer(speed, yaw_rate, 0, (0, 0))
+        planar = RockerBogie.preset("perseverance").steer(speed, yaw_rate, 0, (0, 0))
         told = plain.inverse(chain, stand, speed, yaw_rate)
         np.testing.assert_allclose(told.steering, planar.steering, atol=1e-12)
-        np.testing.assert_allclose(told.speeds, planar.wheel_speeds, atol=1e-12)
+        np.testing.assert_allclose(told.wheel_speeds, planar.wheel_speeds, atol=1e-12)
         resting = plain.traction(chain, speed, yaw_rate / speed, (0, 0, yaw_rate), np.zeros(3), np.zeros(3))
         np.testing.assert_allclose(resting.steering, planar.steering, atol=1e-12)
-        np.testing.assert_allclose(resting.speeds, planar.wheel_speeds, atol=1e-12)
+        np.testing.assert_allclose(resting.wheel_speeds, planar.wheel_speeds, atol=1e-12)
 
 
 def test_a_bogie_at_its_stop_lets_a_wheel_hang() -> None:

@@ -85,7 +85,7 @@ def states_found(rover, ground, pose, starts, seed):
     """
     spacing, step, random = ground.spacing[0], 1e-5, np.random.default_rng(seed)
     numbers = random.uniform(-0.9, 0.9, (starts, 6))
-    numbers[:, 0] = ground.height(pose[:2]) + random.uniform(-0.2, 0.3, starts)
+    numbers[:, 0] = ground.height_at(pose[:2]) + random.uniform(-0.2, 0.3, starts)
     gaps = sampled_gaps(rover, ground.heights, spacing, pose, numbers)
     for _ in range(25):
         beside = [

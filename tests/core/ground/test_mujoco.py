@@ -84,7 +84,7 @@ def model(rover, heights, spacing, pose, numbers):
 def finer(ground, size):
     """The same surface on lines four times as close, on which triangles are nearly bilinear."""
     fine = np.minimum(0.1 / FINE * np.arange(round(FINE * size / 0.1) + 1), size - 1e-12)
-    return ground.height(np.stack(np.meshgrid(fine, fine), -1))
+    return ground.height_at(np.stack(np.meshgrid(fine, fine), -1))
 
 
 def at_rest(rover, heights, pose, numbers, steps=3000):
@@ -96,7 +96,7 @@ def at_rest(rover, heights, pose, numbers, steps=3000):
 
 
 def test_a_physics_engine_comes_to_rest_in_the_same_place():
-    rover, size = sw.RockerBogie.perseverance(), 12.0
+    rover, size = sw.RockerBogie.preset("perseverance"), 12.0
     ground = sw.Terrain(hills(size), 0.1)
     heights = finer(ground, size)
     for pose in [(6.0, 6.0, 0.4), (5.0, 7.0, 2.0), (7.2, 4.6, -1.1)]:
@@ -123,7 +123,7 @@ def allowed(ground, contacts, normals):
 @pytest.mark.parametrize("name", ["perseverance", "curiosity"])
 def test_so_it_does_among_rocks(name, cover):
     """Wherever every wheel carries a share of the weight: `SOAK=n` for n times as many poses."""
-    rover, size = getattr(sw.RockerBogie, name)(), 12.0
+    rover, size = sw.RockerBogie.preset(name), 12.0
     worst, tried = 0.0, 0
     for seed in range(SOAK):
         ground = sw.Terrain.yard(size, 0.1, cover=cover, seed=seed)

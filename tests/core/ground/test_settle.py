@@ -158,7 +158,7 @@ def test_contacts_lie_on_the_ground_and_normals_are_square_to_the_rim():
     rover = ROVERS["perseverance"]
     ground, *_ = ground_for(rover)
     stand = rover.settle(ground, poses_for(rover, 500))
-    np.testing.assert_allclose(ground.height(stand.contacts[..., :2]), stand.contacts[..., 2], atol=1e-10)
+    np.testing.assert_allclose(ground.height_at(stand.contacts[..., :2]), stand.contacts[..., 2], atol=1e-10)
     np.testing.assert_allclose(np.linalg.norm(stand.normals, axis=-1), 1, atol=1e-15)
     spokes = stand.contacts - stand.wheel_centres
     np.testing.assert_allclose(np.linalg.norm(spokes, axis=-1), rover.dimensions["wheel_radius"], rtol=1e-12)

@@ -60,7 +60,7 @@ def test_derivatives_of_margins_are_differences(name, shape):
             column += 1
     assert told.by_dimension.clearance.shape == (60, column)
     assert margins_of(rover, ground, poses, belly, centre).by_pose is None
-    assert repr(told.by_pose).startswith("MarginJacobian(tip_over_angle=array(")
+    assert repr(told.by_pose).startswith("MarginJacobian(tip_over_angle=<60 x ")
 
 
 # Stops

@@ -19,7 +19,7 @@ def made(name: str) -> sw.Suspension:
         return sw.Suspension.pivoting_axles(
             wheelbase=1.91, track_width=1.64, drop=0.119, wheel_radius=0.325, steering_limit=math.pi
         )
-    dimensions = dict(getattr(sw.RockerBogie, name)().dimensions)
+    dimensions = dict(sw.RockerBogie.preset(name).dimensions)
     return sw.RockerBogie(**dimensions | {"steering_limit": math.pi})
 
 
@@ -45,7 +45,7 @@ def test_wherever_a_rover_settles_it_can_go(name: str) -> None:
     told = arm.inverse(stand, asked(arm, count, 5))
     stands = np.isfinite(stand.z)
     assert stands.mean() > 0.99
-    for values in (told.steering, told.speeds, told.twist, told.joint_rates):
+    for values in (told.steering, told.wheel_speeds, told.twist, told.joint_rates):
         np.testing.assert_array_equal(np.isfinite(values).all(-1), stands)
 
 
@@ -53,7 +53,7 @@ def there_and_back(arm: Any, stand: sw.SettledPose, commands: np.ndarray, sides:
     """Wheel rates to motion, of wheels of which some need not hold sideways."""
     told = arm.inverse(stand, commands, **more)
     weights = np.column_stack([np.ones(len(sides)), sides])
-    back = arm.forward(stand, None, told.speeds, weights=weights)
+    back = arm.forward(stand, None, told.wheel_speeds, weights=weights)
     assert np.isfinite(stand.z).mean() > 0.99
     # What rounding leaves of 1e-16, in systems whose columns are a thousandth of each other at worst.
     np.testing.assert_allclose(back.twist, told.twist, rtol=0, atol=1e-9)
@@ -99,5 +99,5 @@ def test_on_level_ground_it_is_the_rover_seen_from_above(name: str) -> None:
     told = arm.inverse(stand, commands)
     assert isinstance(arm, sw.RockerBogie)
     above = arm.steer(*commands.T, 0, (0, 0))
-    np.testing.assert_allclose(told.speeds, above.wheel_speeds, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(told.wheel_speeds, above.wheel_speeds, rtol=0, atol=1e-12)
     np.testing.assert_allclose(told.steering, above.steering, rtol=0, atol=1e-12)

@@ -17,15 +17,17 @@ LEVELS = sw.simd_levels()[1:]
 
 def vehicles() -> dict[str, sw.Suspension]:
     """Bogies behind and in front, a bar, joints with stops, and chains that are no rocker-bogies."""
-    perseverance = dict(sw.RockerBogie.perseverance().dimensions)
+    perseverance = dict(sw.RockerBogie.preset("perseverance").dimensions)
     return {
-        "rocky7": sw.RockerBogie(**dict(sw.RockerBogie.rocky7().dimensions) | {"steering_limit": math.pi}),
+        "rocky7": sw.RockerBogie(
+            **dict(sw.RockerBogie.preset("rocky7").dimensions) | {"steering_limit": math.pi}
+        ),
         "perseverance": sw.RockerBogie(**perseverance | {"steering_limit": math.pi}),
         "bar": sw.RockerBogie(
             **perseverance
             | {"differential_bar": (0.6, 0.2, 0.3), "steered": "all", "steering_limit": math.pi}
         ),
-        "in front": sw.RockerBogie.open_source_rover(),
+        "in front": sw.RockerBogie.preset("open_source_rover"),
         "stops": sw.RockerBogie(
             **perseverance
             | {"rocker_limit": (-0.05, 0.05), "bogie_limit": (-0.1, 0.1), "steering_limit": math.pi}
@@ -58,7 +60,7 @@ VEHICLES = vehicles()
 def widths(arm: sw.Suspension) -> tuple[int, int, int]:
     """Wheels, free angles, steering joints."""
     still = arm.traction(0, 0, (0, 0, 0), [0.0] * len(arm.free_joints), [0.0] * len(arm.free_joints))
-    return still.speeds.size, len(arm.free_joints), still.steering.size
+    return still.wheel_speeds.size, len(arm.free_joints), still.steering.size
 
 
 def told(arm: sw.Suspension, seed: int, count: int = COUNT) -> Any:
@@ -106,9 +108,9 @@ def alike(found: Any, other: Any, names: tuple[str, ...], part: float = 1e-12) -
         assert (error <= part * np.maximum(size, 1)).all(), (name, error.max(), int(error.argmax()))
 
 
-COMMAND = ("steering", "speeds", "twist", "joint_rates", "scale")
-MOTION = ("twist", "joint_rates", "residual")
-TRACTION = ("speeds", "steering", "contact_angles", "lifted", "vertical_speed")
+COMMAND = ("steering", "wheel_speeds", "twist", "joint_rates", "scale")
+MOTION = ("twist", "joint_rates", "residuals")
+TRACTION = ("wheel_speeds", "steering", "contact_angles", "lifted", "vertical_speed")
 
 
 @pytest.mark.parametrize("name", VEHICLES)
@@ -233,8 +235,8 @@ def test_contacts_stay_on_their_side_of_the_rim(level: str) -> None:
     stand.contact_angles += math.pi * (rng.random((COUNT, 6)) < 0.5)
     command, angles = (0.1, 0.05), stand.steering
     here, near = (arm.inverse(stand, command, steering=a, level=level) for a in (angles, angles + 1e-9))
-    np.testing.assert_allclose(near.speeds, here.speeds, rtol=0, atol=1e-7)
-    back, aside = (arm.forward(stand, a, here.speeds, level=level) for a in (angles, angles + 1e-9))
+    np.testing.assert_allclose(near.wheel_speeds, here.wheel_speeds, rtol=0, atol=1e-7)
+    back, aside = (arm.forward(stand, a, here.wheel_speeds, level=level) for a in (angles, angles + 1e-9))
     np.testing.assert_allclose(aside.twist, back.twist, rtol=0, atol=1e-7)
 
 
@@ -249,7 +251,7 @@ def test_axles_that_steer_both_their_wheels_are_shared() -> None:
         blind = arm.traction(*given, yaw_rate=commands[:, 1], level=level)
         seen = arm.inverse(stand, commands, level=level)
         np.testing.assert_allclose(blind.steering, seen.steering, rtol=0, atol=1e-12)
-        np.testing.assert_allclose(blind.speeds, seen.speeds, rtol=0, atol=1e-11)
+        np.testing.assert_allclose(blind.wheel_speeds, seen.wheel_speeds, rtol=0, atol=1e-11)
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -260,18 +262,19 @@ def test_a_batch_is_its_rows(level: str) -> None:
     rng = np.random.default_rng(5)
     commands = rng.uniform(-0.2, 0.2, (20_003, 2))
     whole = arm.inverse(stand, commands, level=level)
-    moved = arm.forward(stand, stand.steering, whole.speeds, level=level)
+    moved = arm.forward(stand, stand.steering, whole.wheel_speeds, level=level)
     drive = (commands[:, 0], commands[:, 1], np.zeros((20_003, 3)), stand.joints, stand.joints)
     driven = arm.traction(*drive, level=level)
     # What is known in some rows only is nothing to their neighbours.
     gappy, rates = (
-        np.where(rng.random(rows.shape) < 0.1, math.nan, rows) for rows in (whole.speeds, whole.joint_rates)
+        np.where(rng.random(rows.shape) < 0.1, math.nan, rows)
+        for rows in (whole.wheel_speeds, whole.joint_rates)
     )
     known = arm.forward(stand, stand.steering, gappy, rates, level=level)
     for threads in (2, 3):
         again = arm.inverse(stand, commands, level=level, threads=threads)
         alike(again, whole, COMMAND, 0)
-        again = arm.forward(stand, stand.steering, whole.speeds, level=level, threads=threads)
+        again = arm.forward(stand, stand.steering, whole.wheel_speeds, level=level, threads=threads)
         alike(again, moved, MOTION, 0)
         alike(arm.traction(*drive, level=level, threads=threads), driven, TRACTION, 0)
     for first in (1, 20_000):
@@ -313,7 +316,7 @@ def test_one_call_is_a_row(name: str) -> None:
                 assert getattr(quick, number).shape == getattr(general, number).shape
         np.testing.assert_array_equal(arm.forward(stand, None, speeds).twist, general.twist)
         assert repr(quick) == repr(general)
-    bad = {"speeds": (angles, speeds[:-1]), "speeds must be finite": (angles, speeds + math.inf)}
+    bad = {"wheel_speeds": (angles, speeds[:-1]), "wheel_speeds must be finite": (angles, speeds + math.inf)}
     if steered:
         bad |= {"steering": (angles[:-1], speeds), "steering must be finite": (angles + math.nan, speeds)}
     for words, arguments in bad.items():
@@ -327,13 +330,16 @@ def test_nothing_to_do(level: str) -> None:
     arm = VEHICLES["perseverance"]
     still = np.empty((0, 3))
     assert arm.forward(told(arm, 6, 0), None, np.empty((0, 6)), level=level).twist.shape == (0, 6)
-    assert arm.traction(np.empty(0), np.empty(0), still, still, still, level=level).speeds.shape == (0, 6)
+    assert arm.traction(np.empty(0), np.empty(0), still, still, still, level=level).wheel_speeds.shape == (
+        0,
+        6,
+    )
 
 
 @pytest.mark.parametrize("threads", [1, 3])
 def test_the_first_row_that_steers_too_far_is_named(threads: int) -> None:
     """However many look at once; an empty batch is one."""
-    dimensions = dict(sw.RockerBogie.perseverance().dimensions)
+    dimensions = dict(sw.RockerBogie.preset("perseverance").dimensions)
     arm = sw.RockerBogie(**dimensions | {"steering_limit": 0.6})
     stand = told(arm, 6, 30_001)
     for level in (stand.steering, stand.joints, stand.roll, stand.pitch):
@@ -344,7 +350,7 @@ def test_the_first_row_that_steers_too_far_is_named(threads: int) -> None:
     with pytest.raises(sw.InfeasibleMotionError, match=r"command\[20070\] must let \w+ steer within"):
         arm.inverse(stand, commands, threads=threads)
     nothing = arm.inverse(told(arm, 6, 0), np.empty((0, 2)), threads=threads)
-    assert nothing.speeds.shape == (0, 6)
+    assert nothing.wheel_speeds.shape == (0, 6)
 
 
 @pytest.mark.parametrize("call", ["slip", "stability", "settle", "bounds", "feasible"])

@@ -11,7 +11,7 @@ import six_wheel as sw
 from tests.core.ground.grounds import hills
 
 COUNT = 37
-ARM = sw.RockerBogie.perseverance()
+ARM = sw.RockerBogie.preset("perseverance")
 GROUND = sw.Terrain(hills(), 0.1)
 RNG = np.random.default_rng(1)
 POSES = RNG.uniform([4, 4, -3], [16, 16, 3], (COUNT, 3))
@@ -20,25 +20,25 @@ COMMANDS = np.column_stack([np.full(COUNT, 0.05), RNG.uniform(-0.02, 0.02, COUNT
 TOLD = ARM.inverse(STAND, COMMANDS)
 RATES = RNG.uniform(-0.1, 0.1, (COUNT, 3))
 DRIVE = (COMMANDS[:, 0], 0.1, np.zeros((COUNT, 3)), STAND.joints, RATES)
-MOTION = ARM.forward(STAND, None, TOLD.speeds)
+MOTION = ARM.forward(STAND, None, TOLD.wheel_speeds)
 XY = POSES[:, :2]
 
 # A call, what of its result is written, and with which widths.
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, tuple[int, ...]]]] = {
     "inverse": (
         lambda **how: ARM.inverse(STAND, COMMANDS, **how),
-        {"steering": (4,), "speeds": (6,), "twist": (6,), "joint_rates": (3,), "scale": ()},
+        {"steering": (4,), "wheel_speeds": (6,), "twist": (6,), "joint_rates": (3,), "scale": ()},
     ),
     "forward": (
-        lambda **how: ARM.forward(STAND, None, TOLD.speeds, **how),
-        {"twist": (6,), "joint_rates": (3,), "residual": (6, 3)},
+        lambda **how: ARM.forward(STAND, None, TOLD.wheel_speeds, **how),
+        {"twist": (6,), "joint_rates": (3,), "residuals": (6, 3)},
     ),
     "traction": (
         lambda **how: ARM.traction(*DRIVE, **how),
-        {"speeds": (6,), "steering": (4,), "contact_angles": (6,)},
+        {"wheel_speeds": (6,), "steering": (4,), "contact_angles": (6,)},
     ),
     "slip": (
-        lambda **how: ARM.slip(STAND, TOLD.speeds, MOTION.twist, MOTION.joint_rates, **how),
+        lambda **how: ARM.slip(STAND, TOLD.wheel_speeds, MOTION.twist, MOTION.joint_rates, **how),
         {"ratio": (6,), "angle": (6,)},
     ),
     "bounds": (
@@ -54,9 +54,9 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, tuple[int, ...]]]] = {
         lambda **how: ARM.stability(STAND, mass=1025.0, **how),
         {"loads": (6,), "tip_over_angle": (), "clearance": (), "joint_margins": (3,), "tilt": ()},
     ),
-    "height": (lambda **how: SimpleNamespace(all=GROUND.height(XY, **how)), {"all": ()}),
-    "gradient": (lambda **how: SimpleNamespace(all=GROUND.gradient(XY, **how)), {"all": (2,)}),
-    "normal": (lambda **how: SimpleNamespace(all=GROUND.normal(XY, **how)), {"all": (3,)}),
+    "height": (lambda **how: SimpleNamespace(all=GROUND.height_at(XY, **how)), {"all": ()}),
+    "gradient": (lambda **how: SimpleNamespace(all=GROUND.gradient_at(XY, **how)), {"all": (2,)}),
+    "normal": (lambda **how: SimpleNamespace(all=GROUND.normal_at(XY, **how)), {"all": (3,)}),
 }
 
 
@@ -129,7 +129,7 @@ def test_bad_outputs_are_refused_and_nothing_is_written(name: str) -> None:
 
 
 def test_what_is_read_is_not_written() -> None:
-    speeds = np.array(TOLD.speeds)
+    speeds = np.array(TOLD.wheel_speeds)
     with pytest.raises(ValueError, match="^out must not overlap the input"):
         ARM.forward(STAND, None, speeds, out=speeds)
     with pytest.raises(ValueError, match=r"^out\[1\] must not overlap the input"):
@@ -139,7 +139,7 @@ def test_what_is_read_is_not_written() -> None:
         ARM.traction(*DRIVE[:4], rates[:, ::2], out=(rates,))
     plane = np.zeros((COUNT, 4))
     with pytest.raises(ValueError, match="^out must not overlap the input"):
-        GROUND.gradient(plane[:, :2], out=plane[:, 1:3])
+        GROUND.gradient_at(plane[:, :2], out=plane[:, 1:3])
     poses, margins = np.array(POSES), np.zeros((COUNT, 2))
     with pytest.raises(ValueError, match=r"^out\[1\] must not overlap the input"):
         ARM.bounds(GROUND, poses, out=(None, poses[:, 1:]))
@@ -148,7 +148,7 @@ def test_what_is_read_is_not_written() -> None:
     with pytest.raises(ValueError, match=r"^out\[2\] must not overlap the input"):
         ARM.feasible(GROUND, poses, out=(None, None, poses[:, 2]))
     np.testing.assert_array_equal(poses, POSES)
-    np.testing.assert_array_equal(speeds, TOLD.speeds)
+    np.testing.assert_array_equal(speeds, TOLD.wheel_speeds)
 
 
 @pytest.mark.parametrize("kernel", sw.simd_levels())
@@ -188,7 +188,7 @@ def test_one_pose() -> None:
     np.testing.assert_array_equal(steering, outs[0])
     np.testing.assert_array_equal(plain[-1], speeds)
     assert len(plain) == 2
-    assert repr(plain).startswith("GroundCommand(steering=array(")
+    assert repr(plain).startswith("GroundCommand(steering=[")
     outs = (np.empty(()), np.empty(()), np.empty(()))
     safe = ARM.feasible(GROUND, POSES[0], out=outs)
     assert safe.clearance is outs[2]

@@ -70,7 +70,7 @@ def test_limits_too_large_to_meet_are_none(name, limit):
     controller.command((100.0, 0.0, 10.0), 0.0)
     for k in range(20):
         out = controller.step(0.02 * k)
-        assert np.isfinite([*out.steering, *out.steering_rates, *out.speeds, *out.twist]).all()
+        assert np.isfinite([*out.steering, *out.steering_rates, *out.wheel_speeds, *out.twist]).all()
     np.testing.assert_allclose(out.twist, (100.0, 0.0, 10.0))
 
 
@@ -163,7 +163,7 @@ def test_a_log_that_raises_leaves_everything_as_it_was():
 def test_no_wheel_is_the_worst_where_all_agree():
     cart = CART
     fit = cart.fit(None, [0.0, 0.0])
-    assert (fit.residual == 0.0).all()
+    assert (fit.residuals == 0.0).all()
     assert fit.worst_wheel is None
     many = ROVER.fit([0.0] * 4, [[0.0] * 6, [1.0, 0, 0, 0, 0, 0]])
     assert many.worst_wheel[0] is None
@@ -277,7 +277,7 @@ def test_what_no_rover_has_is_not_taken_in():
         sw.Wheel("w", 3.0, 0.01, radius=0.01, steered=True, steering_limit=0.01, scrub=-1.737594360102449e308)
     odometry = sw.Odometry(ROVER)
     odometry.update([0.0] * 4, [0.0] * 6, 0.0)
-    spatial = sw.Odometry3(sw.RockerBogie.perseverance())
+    spatial = sw.Odometry3(sw.RockerBogie.preset("perseverance"))
     spatial.update([0.0] * 4, [0.0] * 6, 0.0, joints=[0.0] * 3, attitude=[0.0, 0.0])
     for estimate, far in ((odometry, (0.0, -1e160, 0.0)), (spatial, (0.0, -1e160, 0.0, 0.0, 0.0, 0.0))):
         before = estimate.state.pose

@@ -59,7 +59,7 @@ KINDS = ["noise1e-10", "noise1e-8", "noise1e-4", "noise0.01", "noise0.1", "ramp"
 
 def earliest(rover: sw.Rover, limits: dict[str, float], twists: np.ndarray, times: np.ndarray) -> float:
     """First time [s] at which joints driven from 0 at their limits could be where the command of then is."""
-    angles, _ = rover.inverse(twists, previous=np.zeros(len(rover.steered_names)))
+    angles, _ = rover.inverse(twists, previous=np.zeros(len(rover.steered_wheel_names)))
     far = np.max(np.abs(angles), axis=1)
     rate, change = limits["steering_rate"], limits.get("steering_acceleration", math.inf)
     time = far / rate
@@ -84,9 +84,9 @@ def check(vehicle: str, name: str, rate: float, kind: str, every: int, seed: int
     twists = stream(kind, times, seed)
     held = rover.project(twists[np.arange(times.size) // every * every])
     controller = sw.Controller(rover, sw.Limits(**limits), timeout=None)
-    run = controller.run(times[::every], twists[::every], times)
+    run = controller.run(twists[::every], times[::every], times)
     first = earliest(rover, limits, held, times)
-    moving = np.max(np.abs(run.speeds), axis=1) > 0
+    moving = np.max(np.abs(run.wheel_speeds), axis=1) > 0
     assert moving.any(), "it never starts"
     assert times[np.argmax(moving)] <= 1.1 * first + 0.25 + 3.0 / rate
     way = np.sum(np.hypot(run.twist[:, 0], run.twist[:, 1])) / rate
@@ -131,7 +131,7 @@ def test_no_rover_rests_longer_than_its_joints_take(
     twists = np.stack([0.5 + 0 * times, 0 * times, yaw_rate * (1.0 + noise * draws)], axis=1)
     projected = rover.project(twists)
     latest = 1.1 * earliest(rover, limits, projected, times) + 0.25 + 3.0 / rate
-    measured = np.zeros(len(rover.steered_names))
+    measured = np.zeros(len(rover.steered_wheel_names))
     for now, twist in zip(times, twists, strict=True):
         controller.command(twist, now)
         out = controller.step(now, measured)
@@ -150,7 +150,7 @@ def test_wheels_with_trail_go_on_in_a_direction_that_is_nearly_right(noise):
     times = np.arange(0.0, 10.0, 0.01)
     draws = np.random.default_rng(0).uniform(-1.0, 1.0, times.size)
     twists = np.stack([0.5 + 0 * times, 0 * times, 0.3 * (1.0 + noise * draws)], axis=1)
-    run = controller.run(times, twists, times)
+    run = controller.run(twists, times, times)
     first = float(np.max(np.abs(rover.inverse((0.5, 0.0, 0.3))[0])))
     assert times[np.argmax(np.any(run.twist, axis=1))] <= 1.1 * first + 0.25 + 0.03
     assert np.sum(run.twist[:, 0]) * 0.01 > 0.9 * 0.5 * (10.0 - first - 0.5)
@@ -166,7 +166,7 @@ def test_a_goal_that_moves_slower_than_the_joints_is_met():
         times = np.arange(0.0, 10.0, 0.01)
         angle = np.minimum(0.3 + 0.2 * share * times, 1.2)  # of the middle of the front axle
         twists = np.stack([0.3 * np.cos(angle), 0 * times, 0.3 * np.sin(angle) / 0.6], axis=1)
-        run = controller.run(times, twists, times)
+        run = controller.run(twists, times, times)
         moving = np.nonzero(np.any(run.twist, axis=1))[0]
         assert moving.size
         assert times[moving[0]] <= 1.1 * 0.3 / (0.2 * (1 - share)) + 0.25 + 0.03
@@ -182,7 +182,7 @@ def test_goals_on_both_sides_of_what_counts_as_near(step, stops):
 
     controller = sw.Controller(rover, sw.Limits(steering_rate=1.0, acceleration=0.5), timeout=None)
     times = np.arange(0.0, 4.0, 0.01)
-    controller.run([0.0, 2.0], [twist(0.2), (0.0, 0.0, 0.0)], times)
+    controller.run([twist(0.2), (0.0, 0.0, 0.0)], [0.0, 2.0], times)
     assert controller.stopped
     assert controller.steering[0] == pytest.approx(0.2)
     controller.command(twist(0.2 + step), 4.0)
@@ -208,8 +208,10 @@ def test_a_spin_is_limited_where_only_linear_limits_are_given():
     reach = max(math.hypot(wheel.x, wheel.y) for wheel in rover.wheels)
     controller = sw.Controller(rover, sw.Limits(acceleration=0.5), timeout=None)
     times = np.arange(0.0, 5.0, 0.02)
-    run = controller.run([0.0], [(0.0, 0.0, 0.6)], times)
+    run = controller.run([(0.0, 0.0, 0.6)], [0.0], times)
     change = np.max(np.abs(np.diff(run.twist[:, 2]))) / 0.02
     assert change == pytest.approx(0.5 / reach)
-    assert np.max(np.abs(np.diff(run.speeds, axis=0))) / 0.02 * rover.wheels[0].radius <= 0.5 * (1 + 1e-9)
+    assert np.max(np.abs(np.diff(run.wheel_speeds, axis=0))) / 0.02 * rover.wheels[0].radius <= 0.5 * (
+        1 + 1e-9
+    )
     assert run.twist[-1, 2] == 0.6

@@ -26,7 +26,7 @@ def turning(radius: float) -> tuple[float, float, float]:
 def test_consistent_readings_have_no_residual(rover, twist, method):
     fit = rover.fit(*rover.inverse(twist), method=method)
     np.testing.assert_allclose(fit.twist, twist, rtol=0, atol=1e-12)
-    assert fit.residual.max() < 1e-12
+    assert fit.residuals.max() < 1e-12
     assert fit.rank == 3
     if method != "middle_wheels":
         np.testing.assert_array_equal(np.round(fit.weights, 9), np.ones(6))
@@ -49,7 +49,7 @@ def test_one_faulty_wheel_is_named_and_outvoted(radius, side, wheel):
     assert abs(fit.twist[2] - twist[2]) * 0.3 < 0.01 * size
     assert abs(fit.twist[0] - vx) < 0.01 * size
     assert fit.worst_wheel == OSR.wheel_names[wheel]
-    assert np.argmax(fit.residual) == np.argmin(fit.weights) == wheel
+    assert np.argmax(fit.residuals) == np.argmin(fit.weights) == wheel
 
 
 def test_what_a_faulty_middle_wheel_does_to_each_method():
@@ -101,6 +101,6 @@ def test_batches_and_single_fits_agree():
     fit = OSR.fit(steering, speeds, method="robust")
     one = OSR.fit(steering[1, 2], speeds[1, 2], method="robust")
     np.testing.assert_array_equal(fit.twist[1, 2], one.twist)
-    np.testing.assert_array_equal(fit.residual[1, 2], one.residual)
+    np.testing.assert_array_equal(fit.residuals[1, 2], one.residuals)
     assert fit.worst_wheel[1][2] == one.worst_wheel == "rear_left"
-    assert repr(one).startswith("TwistFit(twist=array(")
+    assert repr(one).startswith("TwistFit(twist=[")

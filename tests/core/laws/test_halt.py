@@ -60,7 +60,7 @@ def test_a_stuck_joint_is_named_in_time_and_not_pressed_against(align):
     assert robot.controller.halted
     assert robot.controller.stopped
     assert out.steering[1] == 0.0
-    assert not np.any(out.speeds)
+    assert not np.any(out.wheel_speeds)
 
 
 def test_a_joint_that_frees_itself_in_time_is_not_stuck():
@@ -132,7 +132,7 @@ def test_a_halt_in_every_phase(steps):
     robot.controller.halt()
     assert robot.controller.command((0.5, 0.0, 0.0), robot.now) is False
     radius = OSR.wheels[0].radius
-    before = np.abs(robot.step().speeds).max() * radius
+    before = np.abs(robot.step().wheel_speeds).max() * radius
     count = math.ceil(before / (2.0 * DT)) + 2
     for _ in range(count):
         out = robot.step()
@@ -146,7 +146,7 @@ def test_a_halt_in_every_phase(steps):
         robot.now += DT
         assert not out.reasons
         np.testing.assert_array_equal(out.steering, rest)
-    assert not np.any(out.speeds)
+    assert not np.any(out.wheel_speeds)
 
 
 def test_a_release_in_motion_is_refused():
@@ -161,15 +161,15 @@ def test_a_release_in_motion_is_refused():
 
 def test_an_infinite_halt_rests_in_the_next_step():
     controller = sw.Controller(OSR, LIMITS.replace(halt_deceleration=math.inf), timeout=None)
-    controller.run([0.0], [(0.5, 0.0, 0.0)], np.arange(0.0, 3.0, DT))
+    controller.run([(0.5, 0.0, 0.0)], [0.0], np.arange(0.0, 3.0, DT))
     controller.halt()
-    assert not np.any(controller.step(3.0).speeds)
+    assert not np.any(controller.step(3.0).wheel_speeds)
 
 
 def test_a_reset_moves_no_joint():
     """It commanded every joint to 0 in one step."""
     controller = sw.Controller(OSR, LIMITS, timeout=None)
-    controller.run([0.0], [(0.5, 0.0, 0.5)], np.arange(0.0, 3.0, DT))
+    controller.run([(0.5, 0.0, 0.5)], [0.0], np.arange(0.0, 3.0, DT))
     steering = controller.steering
     assert np.max(np.abs(steering)) > 0.3
     controller.halt()
@@ -190,7 +190,7 @@ def test_a_reset_moves_no_joint():
 def test_limits_of_a_living_controller():
     controller = sw.Controller(OSR, LIMITS, timeout=None)
     times = np.arange(0.0, 4.0, DT)
-    controller.run([0.0], [(0.8, 0.0, 0.0)], times)
+    controller.run([(0.8, 0.0, 0.0)], [0.0], times)
     assert controller.twist[0] == pytest.approx(0.8)
     controller.limits = controller.limits.replace(speed=0.3, acceleration=0.25)
     assert controller.limits == sw.Limits(
@@ -210,10 +210,10 @@ def test_limits_of_a_living_controller():
 
 def test_a_pause_counts_as_the_longest_step():
     controller = sw.Controller(OSR, LIMITS, timeout=None)
-    controller.run([0.0], [(0.5, 0.0, 0.0)], np.arange(0.0, 0.5, DT))
+    controller.run([(0.5, 0.0, 0.0)], [0.0], np.arange(0.0, 0.5, DT))
     before = controller.twist[0]
     out = controller.step(10.5)
     assert out.reasons & Reason.PAUSED
     assert out.twist[0] == pytest.approx(before + 0.5 * 0.1)
-    with pytest.raises(ValueError, match="now must be later than the last step"):
+    with pytest.raises(ValueError, match="stamp must be later than the last step"):
         controller.step(10.5)

@@ -20,7 +20,7 @@ def test_joints_zip_with_arrays_though_a_file_had_them_in_another_order():
     commands = ROVER.commands(TWIST)
     assert dict(zip(ROVER.steering_joints, steering, strict=True)).items() <= commands.items()
     assert dict(zip(ROVER.traction_joints, speeds, strict=True)).items() <= commands.items()
-    assert list(commands) == list(ROVER.command_joints)
+    assert list(commands) == list(ROVER.joint_names)
     assert list(commands)[:4] == list(STEERING)  # as given
 
 
@@ -29,18 +29,20 @@ def test_the_controller_commands_by_name():
     controller.command(TWIST, 0.0)
     for k in range(300):
         output = controller.step(0.001 * k)
-    assert list(output.commands) == list(ROVER.command_joints)
+    assert list(output.commands) == list(ROVER.joint_names)
     assert output.commands == pytest.approx(ROVER.commands(output.twist), abs=1e-12)
-    run = controller.run([0.31], [TWIST], np.arange(0.4, 0.5, 0.01))
+    run = controller.run([TWIST], [0.31], np.arange(0.4, 0.5, 0.01))
     shapes = {name: values.shape for name, values in run.commands.items()}
-    assert shapes == dict.fromkeys(ROVER.command_joints, (10,))
-    np.testing.assert_array_equal(run.commands["a"], run.steering[:, ROVER.steered_names.index("front_left")])
+    assert shapes == dict.fromkeys(ROVER.joint_names, (10,))
+    np.testing.assert_array_equal(
+        run.commands["a"], run.steering[:, ROVER.steered_wheel_names.index("front_left")]
+    )
 
 
 def test_a_rover_keeps_the_order_it_was_given():
     again = eval(repr(ROVER), {"Rover": sw.Rover, "Wheel": sw.Wheel})
     assert again == ROVER
-    assert again.command_joints == ROVER.command_joints
+    assert again.joint_names == ROVER.joint_names
 
 
 def test_flags_print_their_names():
@@ -63,7 +65,7 @@ def test_reasons_have_texts_of_their_own():
     both = sw.Reason.STALE | sw.Reason.SPEED
     assert str(both) == f"{sw.Reason.SPEED}; {sw.Reason.STALE}"
     assert both.help == f"{sw.Reason.SPEED.help}; {sw.Reason.STALE.help}"
-    assert str(sw.Reason(0)) == f"{sw.Reason(0)}" == "as commanded"
+    assert str(sw.Reason(0)) == f"{sw.Reason(0)}" == "none"
     assert sw.Reason(0).help == ""
     assert f"{both:d}" == "65568"
     assert pickle.loads(pickle.dumps(both)) == both == sw.Reason(65568)

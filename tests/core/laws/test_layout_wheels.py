@@ -7,20 +7,21 @@ from numpy.testing import assert_allclose
 
 import six_wheel as sw
 from six_wheel import Rover, reference
+from tests.rovers import SIX_SIZES
 
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 LAYOUTS = {
-    "six_wheel": lambda **more: Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, **more),
+    "six_wheel": lambda **more: Rover.six_wheel(**SIX_SIZES, **more),
     "swerve": lambda **more: Rover.swerve(CORNERS, 0.1, **more),
     "ackermann": lambda **more: Rover.ackermann(1.0, 0.6, 0.2, **more),
     "tricycle": lambda **more: Rover.tricycle(1.0, 0.6, 0.2, **more),
     "bicycle": lambda **more: Rover.bicycle(1.0, 0.2, **more),
     "differential": lambda **more: Rover.differential(0.5, 0.1, wheels_per_side=2, wheelbase=0.4, **more),
     "tracked": lambda **more: Rover.tracked(0.5, 0.1, **more),
-    "mecanum": lambda **more: Rover.mecanum(0.3, 0.2, 0.05, **more),
+    "mecanum": lambda **more: Rover.mecanum(0.6, 0.4, 0.05, **more),
     "omni": lambda **more: Rover.omni(CORNERS, [0.1, 0.2, 0.3, 0.4], 0.05, **more),
 }
-STEERING = [name for name, make in LAYOUTS.items() if make().steered_names]
+STEERING = [name for name, make in LAYOUTS.items() if make().steered_wheel_names]
 
 
 def values(rover, name):
@@ -75,7 +76,7 @@ def test_names(layout):
 def test_steering_ranges(layout):
     make = LAYOUTS[layout]
     plain = make()
-    steered = plain.steered_names
+    steered = plain.steered_wheel_names
     ranges = [(-0.5 - 0.1 * k, 0.6) for k in range(len(steered))]
 
     def found(**more):

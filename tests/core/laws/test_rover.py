@@ -13,7 +13,13 @@ import six_wheel as sw
 from six_wheel import Rover, Wheel  # noqa: F401  (names that a repr refers to)
 from tests.strategies import any_twists, forward_twists, layouts, six_wheel_rovers
 
-FIRST = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15}
+FIRST = {
+    "front_to_middle": 0.5,
+    "middle_to_rear": 0.5,
+    "track_width": 0.8,
+    "middle_track_width": 0.9,
+    "wheel_radius": 0.15,
+}
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +40,7 @@ def test_inverse_then_forward_is_the_identity_over_a_million_cases():
     generator = np.random.default_rng(20261121)
     worst_twist = worst_residual = 0.0
     for _ in range(1000):
-        rover = sw.Rover.six_wheel(*generator.uniform(0.05, 3.0, 4), generator.uniform(0.02, 0.5))
+        rover = sw.Rover.six_wheel(**{name: generator.uniform(0.05, 3.0) for name in FIRST})
         twists = np.zeros((1000, 3))
         twists[:, 0] = generator.uniform(-3, 3, 1000) * 10.0 ** generator.uniform(-3, 0, 1000)
         twists[:, 2] = generator.uniform(-3, 3, 1000) * 10.0 ** generator.uniform(-3, 0, 1000)
@@ -42,7 +48,7 @@ def test_inverse_then_forward_is_the_identity_over_a_million_cases():
         steering, speeds = rover.inverse(twists)
         fit = rover.fit(steering, speeds)
         worst_twist = max(worst_twist, np.abs(rover.forward(steering, speeds) - twists).max())
-        worst_residual = max(worst_residual, fit.residual.max())
+        worst_residual = max(worst_residual, fit.residuals.max())
     print(f"worst twist error {worst_twist:.2e}, worst residual {worst_residual:.2e} m/s")
     assert worst_twist < 1e-12  # rounding: speeds up to 12 m/s, 2e-15 each
     assert worst_residual < 1e-12
@@ -58,7 +64,7 @@ def test_inverse_then_forward_is_the_identity_for_any_layout(rover, twist):
 @given(six_wheel_rovers(), forward_twists())
 def test_every_wheel_axis_passes_through_the_icr(rover, twist):
     steering, _ = rover.inverse(twist)
-    angles = dict(zip(rover.steered_names, steering, strict=True))
+    angles = dict(zip(rover.steered_wheel_names, steering, strict=True))
     icr = rover.icr(twist)
     assume(np.isfinite(icr).all())
     for wheel in rover.wheels:
@@ -224,7 +230,7 @@ def test_a_wheel_under_the_icr_holds_its_angle():
 
 def test_limits_of_turning():
     rover = sw.Rover.six_wheel(**FIRST, steering_limit=math.radians(60))
-    # d1 +- D / tan(60 degrees)
+    # half the track width +- D / tan(60 degrees)
     assert rover.min_radius == pytest.approx(0.4 + 0.5 / math.sqrt(3), rel=1e-12)
     assert rover.spin_radius == pytest.approx(0.4 - 0.5 / math.sqrt(3), rel=1e-12)
     assert rover.min_radius == pytest.approx(0.689, abs=5e-4)

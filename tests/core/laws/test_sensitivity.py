@@ -24,7 +24,7 @@ def rovers() -> dict[str, sw.Rover]:
         "six_wheel": SIX_WHEELS,
         "differential": PAIR,
         "tricycle": sw.Rover.tricycle(0.6, 0.4, 0.1),
-        "mecanum": sw.Rover.mecanum(0.3, 0.2, 0.05),
+        "mecanum": sw.Rover.mecanum(0.6, 0.4, 0.05),
         "swerve": sw.Rover.swerve([(0.3, 0.2), (-0.3, 0.1), (0.0, -0.4)], 0.1),
     }
 
@@ -35,7 +35,7 @@ ROVERS = rovers()
 def readings(rover: sw.Rover) -> list[np.ndarray]:
     """Steering angles, speeds and steering rates that contradict each other."""
     generator = np.random.default_rng(3)
-    joints, wheels = len(rover.steered_names), len(rover.wheels)
+    joints, wheels = len(rover.steered_wheel_names), len(rover.wheels)
     return [
         generator.uniform(-1, 1, joints),
         generator.uniform(-3, 3, wheels),
@@ -66,7 +66,9 @@ def twist(rover: reference.Rover, log: list[np.ndarray]) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ROVERS)
-@pytest.mark.parametrize(("position", "quantity"), [(0, "steering"), (1, "speeds"), (2, "steering_rates")])
+@pytest.mark.parametrize(
+    ("position", "quantity"), [(0, "steering"), (1, "wheel_speeds"), (2, "steering_rates")]
+)
 def test_by_the_readings(name, position, quantity):
     rover = ROVERS[name]
     log = readings(rover)
@@ -100,7 +102,7 @@ def test_slip_is_a_reading_that_errs():
     rover = ROVERS["six_wheel"]
     steering, speeds = rover.inverse((0.5, 0.0, 0.3))
     found = rover.sensitivity(steering, speeds)
-    np.testing.assert_allclose(found.slip * 0.15, found.speeds, rtol=1e-14)
+    np.testing.assert_allclose(found.slip * 0.15, found.wheel_speeds, rtol=1e-14)
     np.testing.assert_array_equal(found.twist, rover.forward(steering, speeds))
 
 
@@ -110,7 +112,7 @@ def test_batches_are_their_rows():
     steering, speeds = generator.uniform(-1, 1, (3, 40, 4)), generator.uniform(-3, 3, (3, 40, 6))
     found = rover.sensitivity(steering, speeds)
     one = rover.sensitivity(steering[2, 7], speeds[2, 7])
-    for name in ("twist", "speeds", "steering", "x", "heading", "trail"):
+    for name in ("twist", "wheel_speeds", "steering", "x", "heading", "trail"):
         np.testing.assert_array_equal(getattr(found, name)[2, 7], getattr(one, name))
 
 
@@ -119,13 +121,13 @@ def test_only_what_is_asked_for():
     assert found.radius.shape == found.y.shape == (3, 2)
     assert found.x is None
     assert repr(found) == "TwistJacobian(of the twist by radius, y)"
-    with pytest.raises(ValueError, match="quantities must name some of speeds, .*, got 'size'"):
+    with pytest.raises(ValueError, match="quantities must name some of wheel_speeds, .*, got 'size'"):
         ROVERS["differential"].sensitivity(None, [1.0, 2.0], quantities=["size"])
 
 
 def test_what_forward_refuses_has_no_derivative():
     rover = ROVERS["six_wheel"]
-    with pytest.raises(ValueError, match="speeds must be finite"):
+    with pytest.raises(ValueError, match="wheel_speeds must be finite"):
         rover.sensitivity(np.zeros(4), [np.nan] * 6)
     lonely = sw.Rover([sw.Wheel("w", 0.0, 0.0, radius=0.1)])
     with pytest.raises(sw.UnderdeterminedError):

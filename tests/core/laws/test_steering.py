@@ -80,7 +80,7 @@ def test_turns_of_the_cable_are_counted(way):
     previous, speeds = np.zeros(4), np.full(4, 20.0)
     travelled = 0
     for step in range(0, 3 * 360, 5):
-        steering, speeds = rover.inverse(towards(way * step), previous=previous, previous_speeds=speeds)
+        steering, speeds = rover.inverse(towards(way * step), previous=previous, previous_wheel_speeds=speeds)
         assert np.ptp(steering) < 1e-12
         jump = abs(steering[0] - previous[0])
         if step <= 500:
@@ -151,7 +151,7 @@ def test_a_real_turn_does_not_split_the_modules():
 def test_modules_keep_rolling_the_way_they_do(rolling):
     """Ways that differ by less than 10 degrees do not turn wheels round: 5 either side of a quarter turn."""
     for degrees in np.arange(80.0, 100.1, 0.1):
-        steering, speeds = WIDE.inverse(towards(degrees), previous_speeds=[rolling] * 4)
+        steering, speeds = WIDE.inverse(towards(degrees), previous_wheel_speeds=[rolling] * 4)
         decided = 1.0 if degrees < 90 else -1.0
         expected = rolling if 85.01 < degrees < 94.99 else decided
         if abs(abs(degrees - 90) - 5) > 0.01:
@@ -167,7 +167,7 @@ def test_hysteresis_walked_from_both_sides(start):
     flips = []
     for degrees in [*there, *there[::-1]]:
         before = np.sign(speeds[0])
-        _, speeds = WIDE.inverse(towards(degrees), previous_speeds=speeds)
+        _, speeds = WIDE.inverse(towards(degrees), previous_wheel_speeds=speeds)
         if before and np.sign(speeds[0]) != before:
             flips.append(degrees)
     first, second = flips
@@ -193,7 +193,7 @@ def test_a_tie_goes_forwards():
 
 def test_a_range_that_allows_one_way_only_decides():
     # At +-90 degrees of range nothing is left to agree about: past a quarter turn only backwards is possible.
-    steering, speeds = SWERVE.inverse(towards(92.0), previous_speeds=[1.0] * 4)
+    steering, speeds = SWERVE.inverse(towards(92.0), previous_wheel_speeds=[1.0] * 4)
     assert_allclose(np.degrees(steering), -88.0, atol=1e-12)
     assert_array_equal(np.sign(speeds), -1.0)
 
@@ -208,7 +208,7 @@ DEGREES = st.integers(-180, 179).map(lambda d: d + 0.5)  # off the edges of the 
 )
 def test_the_choice_is_that_of_the_reference(direction, previous, rolling):
     plain = reference.Rover.like(WIDE)
-    keywords = {"previous": np.radians(previous), "previous_speeds": np.array(rolling, dtype=float)}
+    keywords = {"previous": np.radians(previous), "previous_wheel_speeds": np.array(rolling, dtype=float)}
     ours = WIDE.inverse(towards(direction), **keywords)
     theirs = plain.inverse(towards(direction), **keywords)
     assert_allclose(ours[0], theirs[0], rtol=0, atol=1e-9)
@@ -223,8 +223,8 @@ def test_the_choice_is_that_of_the_reference(direction, previous, rolling):
 def test_what_was_never_changes_the_motion(twist, previous, rolling):
     for keywords in (
         {"previous": previous},
-        {"previous_speeds": rolling},
-        {"previous": previous, "previous_speeds": rolling},
+        {"previous_wheel_speeds": rolling},
+        {"previous": previous, "previous_wheel_speeds": rolling},
     ):
         steering, speeds = WIDE.inverse(twist, **keywords)
         assert_allclose(WIDE.forward(steering, speeds), twist, rtol=0, atol=1e-12)

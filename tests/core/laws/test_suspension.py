@@ -14,7 +14,7 @@ from six_wheel import RockerBogie  # noqa: F401  (the name that a repr refers to
 from six_wheel.reference.ground import suspension as reference
 from tests.core.laws.suspensions import ROCKY
 
-PRESETS = {name: getattr(sw.RockerBogie, name)() for name in ("rocky7", "perseverance", "curiosity")}
+PRESETS = {name: sw.RockerBogie.preset(name) for name in ("rocky7", "perseverance", "curiosity")}
 FRAMES = ["D", "B1", "B2", *(f"S{i}" for i in range(1, 7)), *(f"A{i}" for i in range(1, 7))]
 WHEELS = [f"A{i}" for i in range(1, 7)]
 NAMES = ("front_left", "front_right", "middle_left", "middle_right", "rear_left", "rear_right")

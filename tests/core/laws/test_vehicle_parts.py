@@ -31,7 +31,7 @@ ONE_STEERED = [Wheel("front", 0.5, 0.0, radius=0.1, steered=True), castor("a", -
 
 @pytest.mark.parametrize(("rover", "degrees"), [
     (OMNI, (3, 0)),
-    (Rover.mecanum(0.3, 0.2, 0.05), (3, 0)),
+    (Rover.mecanum(0.6, 0.4, 0.05), (3, 0)),
     (CART, (2, 0)),
     (THREE_AXLES, (2, 0)),
     (Rover.tracked(0.5, 0.1, icr_left=0.4), (2, 0)),
@@ -97,7 +97,7 @@ def test_castors_have_no_say(twist, garbage):
     assert_allclose(ROBOT.forward(None, readings), (vx, 0.0, omega), rtol=0, atol=1e-12)
     for method in ("least_squares", "robust", "middle_wheels"):
         fit = ROBOT.fit(None, readings, method=method)
-        assert_array_equal(fit.residual[2:], 0.0)
+        assert_array_equal(fit.residuals[2:], 0.0)
         assert_allclose(fit.twist, (vx, 0.0, omega), rtol=0, atol=1e-12)
     assert ROBOT.admissible((vx, 0.0, omega))
 
@@ -129,7 +129,7 @@ def test_a_tricycle_measures_with_its_front_wheel_alone(v, angle):
     assert_allclose(rover.forward([angle], speeds), expected, rtol=0, atol=1e-14)
     fit = rover.fit([angle], speeds)
     assert_allclose(fit.twist, expected, rtol=0, atol=1e-14)
-    assert_allclose(fit.residual, 0.0, atol=1e-14)
+    assert_allclose(fit.residuals, 0.0, atol=1e-14)
     # One encoder more, and it counts: a rear wheel that reads nothing at all pulls at the estimate.
     assert fit.sigma_min < rover.fit([angle], [v / 0.1, 0.0, math.nan]).sigma_min + 1e-12
     plain = reference.Rover.like(rover)
@@ -165,7 +165,7 @@ def test_steering_while_driving_is_no_slip(offsets, twist, rates):
     steering, speeds = rover.inverse(twist, steering_rates=rates)
     fit = rover.fit(steering, speeds, steering_rates=rates)
     assert_allclose(fit.twist, twist, rtol=0, atol=1e-12)
-    assert_allclose(fit.residual, 0.0, atol=1e-12)
+    assert_allclose(fit.residuals, 0.0, atol=1e-12)
 
 
 def test_what_it_costs_to_forget_the_steering_rates():
@@ -175,7 +175,7 @@ def test_what_it_costs_to_forget_the_steering_rates():
     error = rover.forward(steering, speeds) - (0.5, 0.0, 0.0)
     print(f"error without steering rates: {error} m/s, m/s, rad/s")
     assert_allclose(error, (-0.05, 0.0, 0.0), rtol=0, atol=1e-14)
-    assert_allclose(rover.fit(steering, speeds).residual, 0.0, atol=1e-14)  # and no residual tells of it
+    assert_allclose(rover.fit(steering, speeds).residuals, 0.0, atol=1e-14)  # and no residual tells of it
     assert_allclose(rover.forward(steering, speeds, steering_rates=rates), (0.5, 0, 0), rtol=0, atol=1e-14)
     # A trail turns the wheels instead: 3 cm at 1 rad/s is 3 cm/s aside.
     rover = offset_rover(trail=0.03)
@@ -208,7 +208,7 @@ def test_what_no_wheel_sees_is_named_or_taken_to_be_zero(rover, angles, speeds, 
 
     fit = rover.fit(angles, speeds, allow_underdetermined=True)
     assert fit.rank == 2
-    assert_allclose(fit.residual, 0.0, atol=1e-15)
+    assert_allclose(fit.residuals, 0.0, atol=1e-15)
     assert_array_equal(rover.forward(angles, speeds, allow_underdetermined=True), fit.twist)
     assert_array_equal(rover.forward(*rows, allow_underdetermined=True), [fit.twist] * 3)
     plain = reference.Rover.like(rover)
@@ -272,8 +272,8 @@ nan, inf = math.nan, math.inf
     ("tricycle", (1.0, 0.0, 0.1), {}, "track_width must be finite and positive, got 0.0"),
     ("bicycle", (inf, 0.1), {}, "wheelbase must be finite and positive, got inf"),
     ("bicycle", (1.0, 0.0), {}, "wheel_radius must be finite and positive, got 0.0"),
-    ("mecanum", (0.0, 0.2, 0.1), {}, "half_wheelbase must be finite and positive, got 0.0"),
-    ("mecanum", (0.3, nan, 0.1), {}, "half_track must be finite and positive, got nan"),
+    ("mecanum", (0.0, 0.2, 0.1), {}, "wheelbase must be finite and positive, got 0.0"),
+    ("mecanum", (0.3, nan, 0.1), {}, "track_width must be finite and positive, got nan"),
     ("mecanum", (0.3, 0.2, 0.0), {}, "wheel_radius must be finite and positive, got 0.0"),
     ("mecanum", (0.3, 0.2, 0.1), {"roller_angle": nan}, "roller_angle must be finite and no multiple of pi"),
     ("omni", (CORNERS, [0.0] * 4, 0.0), {}, "wheel_radius must be finite and positive, got 0.0"),
@@ -318,10 +318,10 @@ def test_bad_wheels_are_named(keywords, message):
     (lambda r: r.inverse((1, 0, 0), centre=(0, 0, 0)), "centre must have shape (..., 2), got shape (3,)"),
     (lambda r: r.inverse([(1, 0, 0)] * 3, centre=[(0, 0)] * 2),
      "centre must have shape (3, 2), got shape (2, 2)"),
-    (lambda r: r.inverse((1, 0, 0), previous_speeds=(nan, 0)),
-     "previous_speeds must be finite, got (nan, 0.0)"),
-    (lambda r: r.inverse((1, 0, 0), previous_speeds=(0,)),
-     "previous_speeds must have shape (..., 2), got shape (1,)"),
+    (lambda r: r.inverse((1, 0, 0), previous_wheel_speeds=(nan, 0)),
+     "previous_wheel_speeds must be finite, got (nan, 0.0)"),
+    (lambda r: r.inverse((1, 0, 0), previous_wheel_speeds=(0,)),
+     "previous_wheel_speeds must have shape (..., 2), got shape (1,)"),
 ])  # fmt: skip
 def test_bad_options_are_named(call, message):
     with pytest.raises(ValueError, match="must") as caught:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from six_wheel import Rover, Wheel, reference
+from tests.rovers import SIX_SIZES
 from tests.strategies import any_twists, layouts, lengths, offsets, six_wheel_rovers
 
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
@@ -110,7 +111,7 @@ def test_inverse_then_forward_is_the_identity(rover, twist):
     steering, speeds = rover.inverse(twist)
     fit = rover.fit(steering, speeds)
     assert_allclose(fit.twist, twist, rtol=0, atol=ROUNDING)
-    assert_allclose(fit.residual, 0.0, atol=ROUNDING)
+    assert_allclose(fit.residuals, 0.0, atol=ROUNDING)
     assert_array_equal(rover.forward(steering, speeds, level="scalar"), fit.twist)
     assert fit.rank == 3
 
@@ -208,7 +209,7 @@ def test_core_and_reference_agree(rover, twist, centre, seed):
     assert_allclose(core.sigma_min, fit.sigma_min, rtol=0, atol=1e-9)
     if fit.sigma_min > 1e-2 or fit.sigma_min == 0.0:
         assert_allclose(core.twist, fit.twist, rtol=0, atol=1e-9)
-        assert_allclose(core.residual, fit.residual, rtol=0, atol=1e-9)
+        assert_allclose(core.residuals, fit.residuals, rtol=0, atol=1e-9)
 
     ours, theirs = rover.mobility(angles), plain.mobility(angles)
     assert_allclose(ours.singular_values, theirs.singular_values, rtol=0, atol=1e-9)
@@ -221,7 +222,7 @@ def test_core_and_reference_agree(rover, twist, centre, seed):
 
 
 @pytest.mark.parametrize(("name", "arguments", "keywords"), [
-    ("six_wheel", (0.4, 0.5, 0.6, 0.45, 0.1), {"steering_limit": 1.0}),
+    ("six_wheel", (), SIX_SIZES | {"steering_limit": 1.0}),
     ("swerve", (CORNERS, 0.1), {"steering_limit": (-7.0, 8.0)}),
     ("differential", (0.5, (0.1, 0.11)), {}),
     *(("differential", (0.5, 0.1), {"wheels_per_side": n, "wheelbase": 0.9}) for n in (2, 3, 4)),
@@ -298,7 +299,7 @@ def test_tracks_that_skid(left, right, ahead, v_left, v_right):
 
 @given(lengths(), lengths(), radii, st.floats(0.3, 1.3), any_twists())
 def test_mecanum(half_base, half_track, radius, angle, twist):
-    rover = Rover.mecanum(half_base, half_track, radius, roller_angle=angle)
+    rover = Rover.mecanum(2 * half_base, 2 * half_track, radius, roller_angle=angle)
     vx, vy, omega = twist
     cot = 1 / math.tan(angle)
     aside, lever = cot * vy, (half_track + cot * half_base) * omega
@@ -308,7 +309,7 @@ def test_mecanum(half_base, half_track, radius, angle, twist):
 
 def test_mecanum_rows_of_a_recorded_robot():
     # The recording's rows, found by regression: (v - w - L r), (-v - w - L r), (v + w - L r), (-v + w - L r).
-    rover = Rover.mecanum(0.2, 0.15, 0.05)
+    rover = Rover.mecanum(0.4, 0.3, 0.05)
     L, sign = 0.35, np.array([1, -1, 1, -1])
     rows = np.array([(1, -1, -L), (-1, -1, -L), (1, 1, -L), (-1, 1, -L)])
     assert_allclose(rover.inverse(np.eye(3))[1].T * 0.05, rows * sign[:, None], rtol=0, atol=1e-15)

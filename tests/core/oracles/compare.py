@@ -50,7 +50,7 @@ def shares(
 
 def readings(generator: np.random.Generator, rover: sw.Rover) -> tuple[Array, Array]:
     """Steering angles and speeds: mostly ordinary, some of any size there is."""
-    steering = generator.normal(size=(BLOCK, len(rover.steered_names))) * 2
+    steering = generator.normal(size=(BLOCK, len(rover.steered_wheel_names))) * 2
     speeds = generator.normal(size=(BLOCK, len(rover.wheels))) * 10
     odd = generator.random(BLOCK) < 0.1
     speeds[odd] *= 10.0 ** generator.uniform(-320, 300, (int(odd.sum()), 1))
@@ -70,7 +70,7 @@ def compared(generator: np.random.Generator, name: str) -> Iterator[tuple[str, s
     rover = ROVERS[name]
     twists = possible(rover, random_twists(generator, BLOCK))
     steering, speeds = readings(generator, rover)
-    previous = generator.normal(size=(len(twists), len(rover.steered_names)))
+    previous = generator.normal(size=(len(twists), len(rover.steered_wheel_names)))
     controls = np.clip(random_twists(generator, BLOCK), -1e3, 1e3).reshape(-1, STEPS, 3)
     each = {
         "inverse": (twists, lambda kernel: np.hstack(rover.inverse(twists, level=kernel))),

@@ -15,4 +15,4 @@ QUICK = ["inverse", "forward", "project", "admissible"]
 
 
 def outputs(rover: sw.Rover, fill: float = 7.0) -> tuple[np.ndarray, np.ndarray]:
-    return np.full(len(rover.steered_names), fill), np.full(len(rover.wheels), fill)
+    return np.full(len(rover.steered_wheel_names), fill), np.full(len(rover.wheels), fill)

@@ -17,7 +17,14 @@ twists = st.tuples(speed, speed, speed).map(np.array)
 lengths = st.floats(0.1, 1.5)
 
 
-rovers = st.builds(Rover.six_wheel, lengths, lengths, lengths, lengths, st.floats(0.05, 0.3))
+rovers = st.builds(
+    Rover.six_wheel,
+    front_to_middle=lengths,
+    middle_to_rear=lengths,
+    track_width=lengths,
+    middle_track_width=lengths,
+    wheel_radius=st.floats(0.05, 0.3),
+)
 
 
 limits = st.floats(0.1, 1.5)

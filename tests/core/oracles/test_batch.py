@@ -78,7 +78,7 @@ def test_inverse(kernel, rover):
 @ALL_ROVERS
 def test_forward(kernel, rover):
     generator = np.random.default_rng(2)
-    joints, wheels = len(rover.steered_names), len(rover.wheels)
+    joints, wheels = len(rover.steered_wheel_names), len(rover.wheels)
     steering = generator.normal(size=(ROWS, joints)) * 2
     speeds = generator.normal(size=(ROWS, wheels)) * 10
     odd = generator.random(ROWS) < 0.1
@@ -115,17 +115,17 @@ def bits(arrays: Iterable[np.ndarray]) -> list[bytes]:
     return [(array + 0.0).tobytes() for array in arrays]
 
 
-GIVEN = ["previous", "previous_speeds", "steering_rates"]
+GIVEN = ["previous", "previous_wheel_speeds", "steering_rates"]
 
 
 def same_at_every_level(rover: sw.Rover, given_: list[str]) -> None:
     """The inverse with these inputs has the same bits at every level."""
     generator = np.random.default_rng(14)
     twists = possible(rover, np.concatenate([corners(rover), random_twists(generator, ROWS)]))
-    shape = len(twists), len(rover.steered_names)
+    shape = len(twists), len(rover.steered_wheel_names)
     every = {
         "previous": generator.normal(size=shape) * generator.choice([0.0, 0.3, 3.0, 1e9], size=shape),
-        "previous_speeds": generator.normal(size=(len(twists), len(rover.wheels))),
+        "previous_wheel_speeds": generator.normal(size=(len(twists), len(rover.wheels))),
         # Zero for wheels with trail: what they can do depends on it.
         "steering_rates": generator.normal(size=shape)
         * [not w.trail for w in rover.wheels if w.steered]
@@ -196,8 +196,10 @@ def test_a_failed_forward_writes_nothing(kernel, value, row):
     steering, speeds = np.zeros((131, 4)), np.ones((131, 6))
     speeds[row, 3] = value
     out = np.full((131, 3), 7.0)
-    rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 150.0)
-    with pytest.raises(ValueError, match=rf"^speeds\[{row}\] must be"):
+    rover = sw.Rover.six_wheel(
+        front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=150.0
+    )
+    with pytest.raises(ValueError, match=rf"^wheel_speeds\[{row}\] must be"):
         rover.forward(steering, speeds, out=out, level=kernel)
     assert (out == 7.0).all()
 
@@ -216,7 +218,7 @@ def test_a_failed_rollout_writes_nothing(kernel, bad):
 def test_wheels_without_encoder(kernel):
     rover = sw.Rover.ackermann(2.0, 1.2, 0.3)
     generator = np.random.default_rng(4)
-    joints, wheels = len(rover.steered_names), len(rover.wheels)
+    joints, wheels = len(rover.steered_wheel_names), len(rover.wheels)
     steering, speeds = generator.normal(size=(200, joints)), generator.normal(size=(200, wheels))
     passive = [i for i, w in enumerate(rover.wheels) if not w.driven]
     speeds[50:120, passive] = math.nan

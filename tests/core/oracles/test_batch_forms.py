@@ -91,7 +91,7 @@ def test_whatever_is_returned_fresh_is_checked(kernel, threads):
             sw.integrate(form, 0.1, **options)
         with pytest.raises(ValueError, match=r"^controls\[666, 33\] must be finite"):
             sw.rollout(form.reshape(1000, 50, 3), 0.1, **options)
-    with pytest.raises(ValueError, match=r"^speeds\[44444\] must be"):
+    with pytest.raises(ValueError, match=r"^wheel_speeds\[44444\] must be"):
         ROVERS["perseverance"].forward(steering, speeds.astype("f4"), **options)
     with pytest.raises(ValueError, match=r"^dt\[44444\] must be finite and not negative"):
         sw.integrate(

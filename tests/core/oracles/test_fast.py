@@ -59,7 +59,7 @@ def test_the_quick_way_is_taken():
 def test_one_call_is_a_row_of_the_plain_core(rover):
     generator = np.random.default_rng(11)
     twists = possible(rover, np.concatenate([corners(rover)[::5], random_twists(generator, 2000)]))[:4000]
-    previous = generator.normal(size=(len(twists), len(rover.steered_names))) * 2
+    previous = generator.normal(size=(len(twists), len(rover.steered_wheel_names))) * 2
     for given_ in (None, previous):
         expected = rover.inverse(twists, previous=given_, level="scalar")
         found = [
@@ -74,7 +74,7 @@ def test_one_call_is_a_row_of_the_plain_core(rover):
 def test_inverse_of_any_layout(rover, twists, data):
     angle = st.floats(-4, 4)
     previous = data.draw(
-        st.lists(angle, min_size=len(rover.steered_names), max_size=len(rover.steered_names))
+        st.lists(angle, min_size=len(rover.steered_wheel_names), max_size=len(rover.steered_wheel_names))
     )
     for twist in twists:
         twist = tuple(rover.project(twist, keep="nearest").tolist())
@@ -95,7 +95,7 @@ def test_forward_of_any_layout(rover, data):
         return st.lists(st.floats(-size, size), min_size=count, max_size=count)
 
     steering, rates = (
-        data.draw(numbers(len(rover.steered_names), 7)),
+        data.draw(numbers(len(rover.steered_wheel_names), 7)),
         data.draw(numbers(len(rover.wheels), 30)),
     )
     expected = rover.forward(steering, rates, level="scalar")
@@ -148,7 +148,7 @@ def test_present_angles(rover, scale):
     """Batches with present angles go through the kernel of one row."""
     generator = np.random.default_rng(12)
     twists = possible(rover, np.concatenate([corners(rover), random_twists(generator, 5000 * SOAK)]))
-    shape = len(twists), len(rover.steered_names)
+    shape = len(twists), len(rover.steered_wheel_names)
     if scale == "corners":
         angles = [0.0, -0.0, math.pi / 2, -math.pi / 2, math.pi, -math.pi, 5e-324, 1e300]
         previous = generator.choice(angles, size=shape)
@@ -165,7 +165,7 @@ def test_present_angles(rover, scale):
 def test_a_batch_with_present_angles_is_its_single_calls(rover):
     generator = np.random.default_rng(4)
     twists = possible(rover, generator.normal(size=(60, 3)))
-    previous = generator.normal(size=(len(twists), len(rover.steered_names)))
+    previous = generator.normal(size=(len(twists), len(rover.steered_wheel_names)))
     steering, rates = rover.inverse(twists, previous=previous)
     for k, twist in enumerate(twists):
         one = rover.inverse(twist, previous=previous[k])
@@ -264,7 +264,7 @@ def both_ways(call: Callable[..., Any], slow: dict[str, Any]) -> None:
 @pytest.mark.parametrize("what", STRANGE)
 @pytest.mark.parametrize("rover", [ROVER, SWERVE, ROVERS["differential"]], ids=["six", "swerve", "unsteered"])
 def test_strange_inputs(rover, what):
-    joints, wheels = len(rover.steered_names), len(rover.wheels)
+    joints, wheels = len(rover.steered_wheel_names), len(rover.wheels)
     steering, rates = [0.1] * joints, [1.0] * wheels
 
     def one(count: int) -> Any:  # fresh every time: a generator is used up
@@ -284,7 +284,7 @@ def test_strange_inputs(rover, what):
 
 @pytest.mark.parametrize("what", STRANGE)
 def test_strange_outputs(what):
-    joints, wheels = len(ROVER.steered_names), len(ROVER.wheels)
+    joints, wheels = len(ROVER.steered_wheel_names), len(ROVER.wheels)
 
     def results(**slow: Any) -> Any:
         steering, rates, pose = (strange_arrays(count)[what] for count in (joints, wheels, 3))

@@ -52,8 +52,8 @@ def test_every_way_of_naming_arguments():
     ):
         assert [array.tolist() for array in call()] == expected
     twist = ROVER.forward(*out).tolist()
-    assert ROVER.forward(speeds=out[1], steering=out[0]).tolist() == twist
-    assert ROVER.forward(out[0], speeds=out[1], out=None).tolist() == twist
+    assert ROVER.forward(wheel_speeds=out[1], steering=out[0]).tolist() == twist
+    assert ROVER.forward(out[0], wheel_speeds=out[1], out=None).tolist() == twist
     with pytest.raises(TypeError, match="doesn't apply to a 'int' object"):
         sw.Rover.inverse(3, TWIST)
 
@@ -80,6 +80,6 @@ def test_failures_write_nothing():
             ROVER.inverse(TWIST, previous=np.array([0.0, bad, 0.0, 0.0]), out=out)
         assert all((array == 7.0).all() for array in out)
         target = np.full(3, 7.0)
-        with pytest.raises(ValueError, match="^speeds must be finite"):
+        with pytest.raises(ValueError, match="^wheel_speeds must be finite"):
             ROVER.forward(np.zeros(4), np.array([1.0, bad, 1, 1, 1, 1]), out=target)
         assert (target == 7.0).all()

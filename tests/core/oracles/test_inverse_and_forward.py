@@ -29,7 +29,7 @@ def assert_same_commands(rover, ours, theirs):
 @given(layouts(offset=True), any_twists(), st.floats(-2, 2))
 def test_inverse(rover, twist, rate):
     twist = rover.project(twist)
-    rates = np.full(len(rover.steered_names), rate)
+    rates = np.full(len(rover.steered_wheel_names), rate)
     for keywords in ({}, {"steering_rates": rates}):
         ours = rover.inverse(twist, **keywords)
         assert_same_commands(rover, ours, twin(rover).inverse(twist, **keywords))
@@ -51,7 +51,7 @@ def test_fit(rover, steering, speeds, method):
     theirs = twin(rover).fit(steering, speeds, method=method)
     # The smallest singular value of these rovers is above 0.1: errors grow tenfold at most.
     np.testing.assert_allclose(ours.twist, theirs.twist, rtol=0, atol=1e-11)
-    np.testing.assert_allclose(ours.residual, theirs.residual, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(ours.residuals, theirs.residuals, rtol=0, atol=1e-11)
     np.testing.assert_allclose(ours.sigma_min, theirs.sigma_min, rtol=0, atol=1e-12)
     np.testing.assert_array_equal(ours.weights, theirs.weights)
     assert ours.rank == theirs.rank

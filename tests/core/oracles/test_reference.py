@@ -32,8 +32,20 @@ from tests.core.oracles.reference_rovers import (
     twists,
 )
 
-FIRST = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15}
-OPEN_SOURCE = {"d1": 0.177, "d2": 0.310, "d3": 0.274, "d4": 0.253, "wheel_radius": 0.075}
+FIRST = {
+    "front_to_middle": 0.5,
+    "middle_to_rear": 0.5,
+    "track_width": 0.8,
+    "middle_track_width": 0.9,
+    "wheel_radius": 0.15,
+}
+OPEN_SOURCE = {
+    "front_to_middle": 0.274,
+    "middle_to_rear": 0.310,
+    "track_width": 0.354,
+    "middle_track_width": 0.506,
+    "wheel_radius": 0.075,
+}
 PRINTED = 5e-7  # the cases are printed with six digits
 ROUNDING = 1e-12  # a few operations on numbers of order one
 
@@ -149,7 +161,7 @@ def test_robust_fit_finds_the_wheel_that_reads_half_as_much_again(radius, wheel)
     fit = rover.fit(steering, speeds, method="robust")
     scale = max(abs(twist[0]), 0.3 * abs(twist[2]))
     np.testing.assert_allclose(fit.twist, twist, rtol=0, atol=0.001 * scale)  # a tenth of what is promised
-    assert np.argmax(fit.residual) == np.argmin(fit.weights) == wheel
+    assert np.argmax(fit.residuals) == np.argmin(fit.weights) == wheel
 
 
 def test_middle_wheel_fault_on_the_open_source_rover():
@@ -172,7 +184,7 @@ def test_fit_reports_rank_weights_and_residuals():
     for method in ("least_squares", "middle_wheels", "robust"):
         fit = rover.fit(steering, speeds, method=method)
         np.testing.assert_allclose(fit.twist, [(0.5, 0.0, 0.3), (0.0, 0.0, 1.0)], atol=ROUNDING)
-        np.testing.assert_allclose(fit.residual, np.zeros((2, 6)), atol=ROUNDING)
+        np.testing.assert_allclose(fit.residuals, np.zeros((2, 6)), atol=ROUNDING)
         np.testing.assert_array_equal(fit.rank, (3, 3))
         assert np.all(fit.sigma_min > 0.1)
     np.testing.assert_array_equal(
@@ -278,7 +290,7 @@ def test_inverse_then_forward_is_the_twist(rover, vx, omega):
     for method in ("least_squares", "robust"):
         fit = rover.fit(*rover.inverse(twist), method=method)
         np.testing.assert_allclose(fit.twist, twist, rtol=0, atol=1e-11)  # rounding over d as small as 0.1 m
-        np.testing.assert_allclose(fit.residual, 0.0, atol=1e-11)
+        np.testing.assert_allclose(fit.residuals, 0.0, atol=1e-11)
 
 
 @given(twists, st.none() | limits)

@@ -69,7 +69,14 @@ def admissible_edges(rover):
 @settings(deadline=None)
 @given(rovers, limits, twists)
 def test_projection_is_the_nearest(rover, limit, twist):
-    rover = Rover.six_wheel(0.4, 0.5, rover.wheels[0].x, 0.45, 0.15, limit)
+    rover = Rover.six_wheel(
+        front_to_middle=rover.wheels[0].x,
+        middle_to_rear=0.5,
+        track_width=0.8,
+        middle_track_width=0.9,
+        wheel_radius=0.15,
+        steering_limit=limit,
+    )
     nearest = rover.project(twist, keep="nearest")
     assert rover.admissible(nearest)
     for edge in admissible_edges(rover):
@@ -102,7 +109,14 @@ def test_projection_of_a_swerve_has_no_better_neighbour(limit, twist, seed):
 @settings(deadline=None)
 @given(rovers, limits, twists)
 def test_projection_keeps_what_it_says(rover, limit, twist):
-    rover = Rover.six_wheel(0.4, rover.wheels[0].x, 0.5, 0.45, 0.15, limit)
+    rover = Rover.six_wheel(
+        front_to_middle=0.5,
+        middle_to_rear=rover.wheels[0].x,
+        track_width=0.8,
+        middle_track_width=0.9,
+        wheel_radius=0.15,
+        steering_limit=limit,
+    )
     asked = admissible_twist(twist[0], twist[2])
     found = rover.project(twist)
     assert rover.admissible(found)
@@ -114,7 +128,14 @@ def test_projection_keeps_what_it_says(rover, limit, twist):
 
 @given(rovers, limits)
 def test_radii_are_the_edges_of_the_possible_turns(rover, limit):
-    rover = Rover.six_wheel(0.4, rover.wheels[0].x, 0.5, 0.45, 0.15, limit)
+    rover = Rover.six_wheel(
+        front_to_middle=0.5,
+        middle_to_rear=rover.wheels[0].x,
+        track_width=0.8,
+        middle_track_width=0.9,
+        wheel_radius=0.15,
+        steering_limit=limit,
+    )
     depth = max(rover.wheels[0].x, -rover.wheels[4].x)
     assert rover.min_radius == pytest.approx(0.4 + depth / math.tan(limit), rel=1e-9)
     assert rover.spin_radius == pytest.approx(max(0.0, 0.4 - depth / math.tan(limit)), abs=1e-9)

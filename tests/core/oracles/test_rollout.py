@@ -17,7 +17,13 @@ from tests.strategies import layouts
 
 SOAK = int(os.environ.get("SOAK", "1"))
 ALL_KERNELS = pytest.mark.parametrize("kernel", sw.simd_levels())
-SIX = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15}
+SIX = {
+    "front_to_middle": 0.5,
+    "middle_to_rear": 0.5,
+    "track_width": 0.8,
+    "middle_track_width": 0.9,
+    "wheel_radius": 0.15,
+}
 ROVERS = {
     "perseverance": sw.Rover.preset("perseverance"),
     "limited": sw.Rover.six_wheel(**SIX, steering_limit=0.9),
@@ -51,7 +57,7 @@ def close(found: np.ndarray, expected: np.ndarray) -> None:
 @pytest.mark.parametrize("given", [False, True], ids=["no previous", "previous"])
 def test_costs_are_those_of_the_reference(kernel, rover, given):
     controls, start = samples(1, 19, 11), (1.0, -2.0, 0.5)
-    previous = np.linspace(-0.5, 0.4, len(rover.steered_names)) if given else None
+    previous = np.linspace(-0.5, 0.4, len(rover.steered_wheel_names)) if given else None
     twin = reference.Rover([reference_wheel(wheel) for wheel in rover.wheels])
     poses, expected = reference.rollout_cost(twin, controls, 0.1, start, previous)
     found = rover.rollout_cost(controls, 0.1, start, previous=previous, level=kernel)
@@ -77,7 +83,7 @@ def test_kernels_agree_with_the_plain_core(kernel, rover, dt):
     controls[5, 7:] = 0.0
     controls[6, :, 1] = 5.0 * controls[6, :, 0]
     dts = 0.1 if dt == "constant" else np.random.default_rng(3).uniform(0.05, 0.2, 37)
-    previous = np.full(len(rover.steered_names), 0.2)
+    previous = np.full(len(rover.steered_wheel_names), 0.2)
     expected = rover.rollout_cost(controls, dts, previous=previous, level="scalar")
     found = rover.rollout_cost(controls, dts, previous=previous, level=kernel)
     for ours, theirs in zip(found[1:], expected[1:], strict=True):
@@ -101,7 +107,7 @@ def test_possible_controls_cost_what_the_inverse_says(kernel, rover):
     found = rover.rollout_cost(controls, 0.1, level=kernel)
     assert found.scrub.max() < 1e-9
     np.testing.assert_array_equal(found.poses, sw.rollout(controls, 0.1, level=kernel))
-    speeds, steering = np.zeros(len(rover.wheels)), np.zeros(len(rover.steered_names))
+    speeds, steering = np.zeros(len(rover.wheels)), np.zeros(len(rover.steered_wheel_names))
     fastest, widest, quickest = [], [], []
     for twist in controls[7]:
         before = steering.copy()
@@ -125,7 +131,7 @@ def test_what_impossible_controls_cost(kernel):
     np.testing.assert_allclose(sideways.steering_rate, math.atan2(0.25, 1.0) / 0.5, rtol=1e-15)
     radius = min(wheel.radius for wheel in rover.wheels)
     np.testing.assert_allclose(sideways.wheel_speed, math.hypot(1.0, 0.25) / radius, rtol=1e-15)
-    previous = np.full(len(rover.steered_names), 0.5)
+    previous = np.full(len(rover.steered_wheel_names), 0.5)
     turned = rover.rollout_cost(controls[:, :1], 0.5, previous=previous, level=kernel)
     np.testing.assert_allclose(turned.steering_rate, 1.0, rtol=1e-15)
 

@@ -94,7 +94,7 @@ def test_mecanum():
     generator = np.random.default_rng(2)
     worst = worst_twist = 0.0
     for length, width, radius in generator.uniform((0.1, 0.1, 0.03), (1.0, 1.0, 0.3), (LAYOUTS, 3)):
-        rover = Rover.mecanum(length, width, radius)
+        rover = Rover.mecanum(2 * length, 2 * width, radius)
         theirs = MecanumDriveKinematics(*(Translation2d(wheel.x, wheel.y) for wheel in rover.wheels))
         twists = random_twists(generator)
         wheels = [theirs.toWheelSpeeds(ChassisSpeeds(*twist)) for twist in twists.tolist()]

@@ -9,7 +9,13 @@ from six_wheel import reference
 from six_wheel.reference.control import planner as plain
 from tests.rovers import THREE_AXLES
 
-SIX = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15}
+SIX = {
+    "front_to_middle": 0.5,
+    "middle_to_rear": 0.5,
+    "track_width": 0.8,
+    "middle_track_width": 0.9,
+    "wheel_radius": 0.15,
+}
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 RING = [math.radians(angle) for angle in (60.0, 180.0, 300.0)]
 ROVERS = {
@@ -24,7 +30,7 @@ ROVERS = {
     "swerve": sw.Rover.swerve(CORNERS, 0.08),
     "narrow swerve": sw.Rover.swerve(CORNERS, 0.08, steering_limit=0.9),
     "differential": THREE_AXLES,
-    "mecanum": sw.Rover.mecanum(half_wheelbase=0.3, half_track=0.25, wheel_radius=0.1),
+    "mecanum": sw.Rover.mecanum(wheelbase=0.6, track_width=0.5, wheel_radius=0.1),
     "omni": sw.Rover.omni(
         [(0.3 * math.cos(a), 0.3 * math.sin(a)) for a in RING], [a + math.pi / 2 for a in RING], 0.06
     ),

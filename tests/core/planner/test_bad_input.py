@@ -81,13 +81,13 @@ def raising(poses, twists):
         ({"goal": (0, np.inf)}, "goal must be finite, got (0.0, inf)"),
         (
             {"out": (np.zeros(4), np.zeros(5))},
-            "out.speeds must be a writeable float64 array of shape (6,), got shape",
+            "out.wheel_speeds must be a writeable float64 array of shape (6,), got shape",
         ),
         (
             {"goal": None},
             "goal must be given, or a path or an extra_cost: without one there is nowhere to go",
         ),
-        ({"out": np.zeros(4)}, "out must be a tuple of two arrays, steering and speeds, got ndarray"),
+        ({"out": np.zeros(4)}, "out must be a tuple of two arrays, steering and wheel_speeds, got ndarray"),
         ({"level": "none"}, "level must be one this machine has"),
         ({"threads": 0}, "threads must be at least 1, got 0"),
         (
@@ -161,11 +161,11 @@ def test_a_callback_must_not_step_its_planner():
 @pytest.mark.parametrize("goal", [(5, 5), None])
 def test_a_rover_that_cannot_move_stays_and_says_why(rover, limits, reason, goal):
     plan = sw.Mppi(rover, sw.Limits(**limits), samples=20, horizon=5)
-    steering = np.full(len(rover.steered_names), 0.25)
+    steering = np.full(len(rover.steered_wheel_names), 0.25)
     found = plan.step((1, 2, 3), steering=steering, goal=goal)
     assert found.reason == reason
     assert not found.twist.any()
-    assert not found.speeds.any()
+    assert not found.wheel_speeds.any()
     np.testing.assert_array_equal(found.steering, steering)
     np.testing.assert_array_equal(found.poses, np.tile((1.0, 2.0, 3.0), (6, 1)))
 

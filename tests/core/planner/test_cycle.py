@@ -15,7 +15,7 @@ BEGUN = {
     f"{name}, {how}": (rover, how)
     for name, rover in ROVERS.items()
     for how in ("at rest", "moving", "loose")
-    if how != "loose" or len(rover.steered_names) >= 2
+    if how != "loose" or len(rover.steered_wheel_names) >= 2
 }
 DT, START = 0.05, (2.0, 1.5, 0.4)
 HILLS = np.random.default_rng(3).random((40, 50)).astype(np.float32)
@@ -25,7 +25,7 @@ GROUND = {"spacing": 0.1, "origin": (0.3, -0.2)}
 
 def begun(rover, drive, how):
     """Motion and angles to begin with, and what the joints are then set for."""
-    steering = np.zeros(len(rover.steered_names))
+    steering = np.zeros(len(rover.steered_wheel_names))
     if how == "moving":
         twist = rover.project((0.3, 0.0, 0.15))
         if len(steering):

@@ -17,7 +17,7 @@ def ramp(angle: float, heading: float = 0.0) -> sw.Terrain:
 
 def simulated(seed: int = 1, **more: Any) -> tuple[sw.RockerBogie, sw.Terrain, Any]:
     """A drive over bumps."""
-    arm = sw.RockerBogie.perseverance()
+    arm = sw.RockerBogie.preset("perseverance")
     x = 0.1 * np.arange(-60, 140)
     heights = 0.12 * np.sin(1.1 * x) * np.cos(0.9 * x[:, None]) + 0.1 * x
     ground = sw.Terrain(heights, spacing=0.1, origin=(-6.0, -6.0))

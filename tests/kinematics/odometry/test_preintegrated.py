@@ -14,7 +14,7 @@ ROVERS = {
     "six_wheel": SIX_WHEELS,
     "differential": PAIR,
     "tricycle": sw.Rover.tricycle(wheelbase=0.6, track_width=0.4, wheel_radius=0.1),
-    "mecanum": sw.Rover.mecanum(0.2, 0.15, 0.05),
+    "mecanum": sw.Rover.mecanum(0.4, 0.3, 0.05),
     "omni": sw.Rover.omni([(0.2, 0), (-0.1, 0.17), (-0.1, -0.17)], np.deg2rad((90, 210, -30)), 0.05),
 }
 NOISE = sw.Noise(speed=0.01, steering=0.005, slip=0.01, side_slip=0.02)

@@ -137,7 +137,7 @@ def test_however_readings_come_they_are_the_same(way):
         plainly = expected.update(log.steering[k], log.angles[k], log.stamps[k], yaw=0.1 * k)
         readings = {"wheel_angles": WAYS[way](log.angles[k]), "yaw": np.float64(0.1 * k), "yaw_rate": None}
         state = odometry.update(WAYS[way](log.steering[k]), stamp=float(log.stamps[k]), **readings)
-        for name in ("pose", "twist", "covariance", "residual", "velocity", "twist_covariance"):
+        for name in ("pose", "twist", "covariance", "residuals", "velocity", "twist_covariance"):
             np.testing.assert_array_equal(getattr(state, name), getattr(plainly, name))
         assert state.stamp == plainly.stamp
     integers = sw.Odometry(VEHICLES["differential"])
@@ -167,7 +167,7 @@ def test_states_that_are_kept_stay_as_they_are():
     for k, state in kept.items():
         np.testing.assert_array_equal(state.pose, track.poses[k])
         np.testing.assert_array_equal(state.covariance, track.covariances[k])
-        np.testing.assert_array_equal(state.residual, track.residuals[k])
+        np.testing.assert_array_equal(state.residuals, track.residuals[k])
         assert state.stamp == log.stamps[k]
 
 
@@ -176,13 +176,13 @@ def test_values_are_values():
     assert noise == pickle.loads(pickle.dumps(noise)) == eval(repr(noise), {"Noise": sw.Noise})
     assert hash(noise) == hash(pickle.loads(pickle.dumps(noise)))
     assert noise != sw.Noise()
-    encoder = sw.Encoder(512, gear=-30.0, modulus=65536, offset=0.1)
+    encoder = sw.Encoder(512, gear_ratio=-30.0, wraps_at=65536, offset=0.1)
     assert encoder == pickle.loads(pickle.dumps(encoder)) == eval(repr(encoder), {"Encoder": sw.Encoder})
-    assert sw.Encoder().angle_per_count == 1.0
+    assert sw.Encoder().angle_per_tick == 1.0
     for wrong in ({"speed": -0.1}, {"steering": math.nan}, {"period": 0.0}, {"slip": math.inf}):
         with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be finite"):
             sw.Noise(**wrong)
-    for wrong in ({"resolution": 0}, {"gear": 0}, {"modulus": -1}, {"offset": math.inf}):
+    for wrong in ({"ticks_per_turn": 0}, {"gear_ratio": 0}, {"wraps_at": -1}, {"offset": math.inf}):
         with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be finite"):
             sw.Encoder(**wrong)
 

@@ -36,8 +36,8 @@ def test_a_whole_log_is_its_rows(known: str) -> None:
         np.testing.assert_array_equal(state.pose, track.poses[k])
         np.testing.assert_array_equal(state.twist, track.twists[k])
         np.testing.assert_array_equal(state.covariance, track.covariances[k])
-        np.testing.assert_array_equal(state.slip, track.slips[k])
-        np.testing.assert_array_equal(state.residual, track.residuals[k])
+        np.testing.assert_array_equal(state.slips, track.slips[k])
+        np.testing.assert_array_equal(state.residuals, track.residuals[k])
     np.testing.assert_allclose(state.transform[:3, 3], state.position)
     assert track.findings()[0].startswith("FIRST")
 
@@ -132,7 +132,7 @@ def test_set_pose_and_reset() -> None:
 
 def test_clocks_and_counters_that_restart() -> None:
     """As in the plane: the second row that fits the one left out before goes on from there."""
-    arm = sw.RockerBogie.perseverance()
+    arm = sw.RockerBogie.preset("perseverance")
     stamps, totals = np.arange(30.0), 0.3 * np.arange(30.0)[:, None] * np.ones(6)
     told = {"joints": np.zeros((30, 3)), "attitude": np.zeros((30, 2))}
     clock = stamps.copy()

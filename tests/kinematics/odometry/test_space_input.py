@@ -13,7 +13,7 @@ from tests.kinematics.odometry.slopes import simulated
 
 def test_eight_threads_take_turns() -> None:
     """None is lost, none torn."""
-    arm = sw.RockerBogie.perseverance()
+    arm = sw.RockerBogie.preset("perseverance")
     odometry, taken = sw.Odometry3(arm), []
 
     def work() -> None:
@@ -33,7 +33,7 @@ def test_eight_threads_take_turns() -> None:
     np.testing.assert_allclose(odometry.state.position, [0.1 * 199 * 0.26288, 0, 0], atol=1e-9)
 
 
-ARM = sw.RockerBogie.perseverance()
+ARM = sw.RockerBogie.preset("perseverance")
 
 
 @pytest.mark.parametrize(
@@ -113,7 +113,7 @@ def test_off_the_ground() -> None:
 
 
 def test_dead_reckon_names_what_is_not_for_it() -> None:
-    arm = sw.RockerBogie.perseverance()
+    arm = sw.RockerBogie.preset("perseverance")
     with pytest.raises(ValueError, match="yaw must be left out for a suspension"):
         sw.dead_reckon(arm, None, None, None, yaw=[0.0])
     with pytest.raises(ValueError, match="joints must be left out for a rover"):

@@ -25,7 +25,7 @@ def test_a_motion_held_over_every_step_is_found_exactly(name):
         np.testing.assert_allclose(state.pose, log.poses[k], rtol=0, atol=1e-11)
         if k:
             np.testing.assert_allclose(state.twist, log.twists[k - 1], rtol=0, atol=1e-11)
-            assert state.residual.max() < 1e-11
+            assert state.residuals.max() < 1e-11
 
 
 def crab(rate: float, span: float, dt: float = 0.05) -> tuple[np.ndarray, ...]:
@@ -159,7 +159,7 @@ def test_covariance_is_always_positive_semidefinite(data):
         data.draw(noises), data.draw(noises), slip=data.draw(noises), side_slip=data.draw(noises)
     )
     odometry = sw.Odometry(rover, noise, inflate=data.draw(st.booleans()))
-    joints, wheels = len(rover.steered_names), len(rover.wheels)
+    joints, wheels = len(rover.steered_wheel_names), len(rover.wheels)
     readings = st.floats(-2.0, 2.0)
     for k in range(data.draw(st.integers(2, 8))):
         steering = data.draw(st.lists(readings, min_size=joints, max_size=joints))
@@ -193,7 +193,7 @@ def test_counters_that_start_over(bits, signed):
     log = drive(rover, n=300)
     per_radian = resolution * gear / math.tau
     counts = np.round(log.angles * per_radian * (1.0 if bits == 16 else 2000.0))
-    encoder = sw.Encoder(resolution * (1.0 if bits == 16 else 2000.0), gear=gear, modulus=modulus)
+    encoder = sw.Encoder(resolution * (1.0 if bits == 16 else 2000.0), gear_ratio=gear, wraps_at=modulus)
     read = (counts + (modulus // 2 if signed else modulus) - 1000) % modulus
     read = np.where(read >= modulus / 2, read - modulus, read) if signed else read
     odometry = sw.Odometry(rover, wheel_encoders=encoder)
@@ -202,7 +202,7 @@ def test_counters_that_start_over(bits, signed):
         state = odometry.update(None, read[k], log.stamps[k])
         wrapped += bool(state.health & sw.OdometryHealth.WRAPPED)
     plainly = sw.Odometry(rover)
-    expected = follow(plainly, log.steering, counts * encoder.angle_per_count, log.stamps)
+    expected = follow(plainly, log.steering, counts * encoder.angle_per_tick, log.stamps)
     np.testing.assert_allclose(state.pose, expected.pose, rtol=0, atol=1e-9)
     assert wrapped >= 1
 
@@ -210,9 +210,9 @@ def test_counters_that_start_over(bits, signed):
 def test_steering_encoders_are_absolute():
     rover = VEHICLES["tricycle"]
     log = drive(rover, n=40)
-    encoder = sw.Encoder(4096, modulus=4096, offset=-3.0)
-    counts = (log.steering + 3.0) / encoder.angle_per_count % 4096
-    odometry = sw.Odometry(rover, steering_encoders={rover.steered_names[0]: encoder})
+    encoder = sw.Encoder(4096, wraps_at=4096, offset=-3.0)
+    counts = (log.steering + 3.0) / encoder.angle_per_tick % 4096
+    odometry = sw.Odometry(rover, steering_encoders={rover.steered_wheel_names[0]: encoder})
     state = follow(odometry, counts, log.angles, log.stamps)
     np.testing.assert_allclose(state.pose, log.poses[-1], rtol=0, atol=1e-10)
 
@@ -220,8 +220,8 @@ def test_steering_encoders_are_absolute():
 def test_a_motor_that_runs_the_other_way_round():
     rover = VEHICLES["differential"]
     log = drive(rover, n=30)
-    encoders = [sw.Encoder(100, gear=10.0), sw.Encoder(50, gear=-4.0)]
-    counts = log.angles / [encoder.angle_per_count for encoder in encoders]
+    encoders = [sw.Encoder(100, gear_ratio=10.0), sw.Encoder(50, gear_ratio=-4.0)]
+    counts = log.angles / [encoder.angle_per_tick for encoder in encoders]
     state = follow(sw.Odometry(rover, wheel_encoders=encoders), log.steering, counts, log.stamps)
     np.testing.assert_allclose(state.pose, log.poses[-1], rtol=0, atol=1e-11)
 

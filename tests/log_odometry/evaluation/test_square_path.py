@@ -51,7 +51,7 @@ def test_spread_is_what_is_left_around_the_centres():
 @pytest.mark.parametrize(
     ("rover", "clockwise", "side", "rule"),
     [
-        (sw.Rover.mecanum(0.1, 0.1, 0.03), [(0, 0)], 1.0, "rover must have two driven, unsteered wheels"),
+        (sw.Rover.mecanum(0.2, 0.2, 0.03), [(0, 0)], 1.0, "rover must have two driven, unsteered wheels"),
         (NOMINAL, [(0, 0, 0)], 1.0, r"clockwise must have shape \(n, 2\)"),
         (NOMINAL, np.empty((0, 2)), 1.0, "clockwise must have shape"),
         (NOMINAL, [(0, math.nan)], 1.0, "clockwise must be finite"),

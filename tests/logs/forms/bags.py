@@ -75,14 +75,14 @@ def bags() -> Iterator[Form]:
     def form(name: str, write: Any, drive: Course = PAIR, **more: Any) -> Form:
         return Form(name, "bags", write, drive.rover, drive.pose, **more)
 
-    known = {"encoders": {"resolution": TICKS}}
+    known = {"wheel_encoders": {"ticks_per_turn": TICKS}}
     yield form("states: angles", states(PAIR.angles))
     yield form("states: rates", states(PAIR.rates, speeds=True))
-    yield form("states: counts", states(PAIR.counts), fix=known, says=("resolution: COUNTS",))
+    yield form("states: counts", states(PAIR.counts), fix=known, says=("ticks_per_turn: COUNTS",))
     yield form("states: counts said", states(PAIR.counts), options=known)
     wrapped = (PAIR.counts + 65_000) % 65_536
-    wraps = {"encoders": {"resolution": TICKS, "modulus": 65_536}}
-    yield form("states: 16 bit", states(wrapped), options=known, fix=wraps, says=("modulus: 65536",))
+    wraps = {"wheel_encoders": {"ticks_per_turn": TICKS, "wraps_at": 65_536}}
+    yield form("states: 16 bit", states(wrapped), options=known, fix=wraps, says=("wraps_at: 65536",))
     for kind, unit, values in (
         ("Float64", "rad", PAIR.angles),
         ("Float32", "rad/s", PAIR.rates),

@@ -14,7 +14,7 @@ from tests.logs.forms.drives import CAR, OMNI, PAIR, SIX, TICKS, Course
 from tests.logs.forms.form import Form
 from tests.logs.forms.text import lines, of
 
-KNOWN = {"encoders": {"resolution": TICKS}}
+KNOWN = {"wheel_encoders": {"ticks_per_turn": TICKS}}
 
 
 def table(drive: Course, wheels: Any, kind: str, steering: Any = None, unit: str = "rad") -> str:
@@ -22,7 +22,7 @@ def table(drive: Course, wheels: Any, kind: str, steering: Any = None, unit: str
     heads = [f"{name} [{kind}]" for name in drive.rover.wheel_names]
     columns = [column.tolist() for column in np.asarray(wheels).T]
     if drive.steering is not None:
-        heads += [f"{name}_steering [{unit}]" for name in drive.rover.steered_names]
+        heads += [f"{name}_steering [{unit}]" for name in drive.rover.steered_wheel_names]
         angles = drive.steering if steering is None else steering
         columns += [column.tolist() for column in np.asarray(angles).T]
     return lines(["time", *heads], [drive.stamps.round(3).tolist(), *columns])
@@ -34,7 +34,12 @@ def counts() -> Iterator[Form]:
         text = table(drive, drive.counts, "ticks")
         yield of(f"{name}: ticks", "counts", text, drive, options=KNOWN)
         yield of(
-            f"{name}: resolution unknown", "counts", text, drive, fix=KNOWN, says=("resolution: COUNTS",)
+            f"{name}: ticks per turn unknown",
+            "counts",
+            text,
+            drive,
+            fix=KNOWN,
+            says=("ticks_per_turn: COUNTS",),
         )
         for bits in (16, 32):
             start = (1 << bits) - 500
@@ -42,9 +47,9 @@ def counts() -> Iterator[Form]:
                 half = (1 << (bits - 1)) if signed else 0
                 begin = start // 2 if signed else start
                 wrapped = (drive.counts + begin + half) % (1 << bits) - half
-                wraps = f"modulus: {1 << bits}"
+                wraps = f"wraps_at: {1 << bits}"
                 kind = "signed" if signed else "unsigned"
-                fix = {"encoders": {"resolution": TICKS, "modulus": 1 << bits}}
+                fix = {"wheel_encoders": {"ticks_per_turn": TICKS, "wraps_at": 1 << bits}}
                 if not signed or bits == 32:
                     wrapped = (
                         (drive.counts + (1 << (bits - 1)) - 300 + half) % (1 << bits) - half
@@ -57,42 +62,42 @@ def counts() -> Iterator[Form]:
                 )
                 if bits == 16:
                     yield of(
-                        f"{name}: {bits} bit {kind}, resolution unknown",
+                        f"{name}: {bits} bit {kind}, ticks per turn unknown",
                         "counts",
                         text,
                         drive,
                         fix=fix,
-                        says=(wraps, "resolution: COUNTS"),
+                        says=(wraps, "ticks_per_turn: COUNTS"),
                     )
     small = np.rint(PAIR.angles * 64.0 / math.tau).astype(np.int64)
-    fix = {"encoders": {"resolution": 64, "modulus": 256}}
+    fix = {"wheel_encoders": {"ticks_per_turn": 64, "wraps_at": 256}}
     yield of(
         "8 bit",
         "counts",
         table(PAIR, small % 256, "ticks"),
-        options={"encoders": {"resolution": 64}},
+        options={"wheel_encoders": {"ticks_per_turn": 64}},
         fix=fix,
-        says=("modulus: 256",),
+        says=("wraps_at: 256",),
     )
-    fix = {"encoders": {"resolution": TICKS, "modulus": TICKS}}
+    fix = {"wheel_encoders": {"ticks_per_turn": TICKS, "wraps_at": TICKS}}
     yield of(
         "wraps every turn",
         "counts",
         table(PAIR, PAIR.counts % int(TICKS), "ticks"),
         options=KNOWN,
         fix=fix,
-        says=("modulus: 4096",),
+        says=("wraps_at: 4096",),
     )
     one = PAIR.counts.copy()
     one[250:, 0] += 1 << 32
-    fix = {"encoders": {"resolution": TICKS, "modulus": 1 << 32}}
+    fix = {"wheel_encoders": {"ticks_per_turn": TICKS, "wraps_at": 1 << 32}}
     yield of(
         "one wheel by 2^32",
         "counts",
         table(PAIR, one, "ticks"),
         options=KNOWN,
         fix=fix,
-        says=("modulus: 4294967296",),
+        says=("wraps_at: 4294967296",),
     )
     fresh = PAIR.counts - np.where(np.arange(len(PAIR.stamps))[:, None] >= 250, PAIR.counts[250], 0)
     yield of(
@@ -104,14 +109,14 @@ def counts() -> Iterator[Form]:
         says=("--max-speed 10", "row"),
     )
     steps = np.diff(PAIR.counts, axis=0, prepend=PAIR.counts[:1])
-    fix = {"encoders": {"resolution": TICKS, "per_sample": True}}
+    fix = {"wheel_encoders": {"ticks_per_turn": TICKS, "increments": True}}
     yield of(
         "increments",
         "counts",
         table(PAIR, steps, "ticks"),
         options=KNOWN,
         fix=fix,
-        says=("per_sample: true",),
+        says=("increments: true",),
     )
     yield of("increments, said", "counts", table(PAIR, steps, "ticks"), options=fix)
     yield of(
@@ -127,7 +132,7 @@ def counts() -> Iterator[Form]:
     yield of(
         "a dead wheel of two", "counts", table(PAIR, dead, "ticks"), options=KNOWN, says=("stands still",)
     )
-    wrong = {"encoders": {"resolution": 8.0}}
+    wrong = {"wheel_encoders": {"ticks_per_turn": 8.0}}
     yield of(
         "far too few counts a turn",
         "counts",
@@ -194,7 +199,7 @@ def vehicles() -> Iterator[Form]:
         )
         bare = table(drive, drive.angles, "rad", degrees, "X").replace(" [X]", "_angle")
         meaning = {
-            f"{wheel}_steering_angle": f"{wheel}_steering [deg]" for wheel in drive.rover.steered_names
+            f"{wheel}_steering_angle": f"{wheel}_steering [deg]" for wheel in drive.rover.steered_wheel_names
         }
         first = next(iter(meaning.items()))
         yield of(
@@ -206,7 +211,7 @@ def vehicles() -> Iterator[Form]:
             says=(f'--column "{first[0]}={first[1]}"',),
         )
         ticks = np.rint(drive.steering * 4096 / math.tau).astype(int)
-        known = {"steering_encoders": {"resolution": 4096}}
+        known = {"steering_encoders": {"ticks_per_turn": 4096}}
         text = table(drive, drive.angles, "rad", ticks, "ticks")
         yield of(f"{name}: steering in ticks", "vehicles", text, drive, options=known)
         yield of(
@@ -215,10 +220,10 @@ def vehicles() -> Iterator[Form]:
             text,
             drive,
             fix=known,
-            says=("steering_encoders: {resolution: COUNTS}",),
+            says=("steering_encoders: {ticks_per_turn: COUNTS}",),
         )
         absolute = table(drive, drive.angles, "rad", ticks % 4096, "ticks")
-        wraps = {"steering_encoders": {"resolution": 4096, "modulus": 4096}}
+        wraps = {"steering_encoders": {"ticks_per_turn": 4096, "wraps_at": 4096}}
         yield of(f"{name}: absolute steering", "vehicles", absolute, drive, options=wraps)
     yield of("omni: rad", "vehicles", table(OMNI, OMNI.angles, "rad"), OMNI)
     part = table(SIX, SIX.angles, "rad").splitlines()

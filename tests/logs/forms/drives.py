@@ -49,7 +49,7 @@ def course(rover: sw.Rover, sideways: bool = False) -> Course:
     omega = 0.12 * np.sin(stamps / 4.0) * speed / 0.35
     twists = np.stack([speed, 0.3 * speed if sideways else 0.0 * speed, omega], axis=1)
     found, rates = map(np.asarray, rover.inverse(twists))
-    steering = found if rover.steered_names else None
+    steering = found if rover.steered_wheel_names else None
     steps = (rates[1:] + rates[:-1]) / 2.0 * PERIOD
     angles = np.vstack([np.zeros(len(rover.wheels)), np.cumsum(steps, axis=0)])
     track = sw.dead_reckon(rover, steering, angles, stamps, plausibility=False)
@@ -57,6 +57,10 @@ def course(rover: sw.Rover, sideways: bool = False) -> Course:
 
 
 PAIR = course(sw.Rover.differential(0.4, 0.1))
-SIX = course(sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15))
+SIX = course(
+    sw.Rover.six_wheel(
+        front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=0.15
+    )
+)
 OMNI = course(MECANUM, sideways=True)
 CAR = course(sw.Rover.ackermann(1.0, 0.6, 0.15, steering_limit=0.6))

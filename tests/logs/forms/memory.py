@@ -53,19 +53,24 @@ def memory() -> Iterator[Form]:
         says=('stamp_unit="ns"',),
     )
     wrapped = (counts + 65_000) % 65_536
-    wraps = {"wheel_encoders": sw.Encoder(TICKS, modulus=65_536)}
-    yield of("arrays: 16 bit", None, wrapped, times, options=known, fix=wraps, says=("modulus=65536",))
+    wraps = {"wheel_encoders": sw.Encoder(TICKS, wraps_at=65_536)}
+    yield of("arrays: 16 bit", None, wrapped, times, options=known, fix=wraps, says=("wraps_at=65536",))
     yield of(
         "arrays: degrees",
         None,
         np.degrees(PAIR.angles),
         times,
         fix={"wheel_encoders": sw.Encoder(360)},
-        says=("resolution=360",),
+        says=("ticks_per_turn=360",),
     )
-    around = {"wheel_encoders": sw.Encoder(modulus=math.tau)}
+    around = {"wheel_encoders": sw.Encoder(wraps_at=math.tau)}
     yield of(
-        "arrays: wraps at 2 pi", None, PAIR.angles % math.tau, times, fix=around, says=("modulus=6.28318531",)
+        "arrays: wraps at 2 pi",
+        None,
+        PAIR.angles % math.tau,
+        times,
+        fix=around,
+        says=("wraps_at=6.28318531",),
     )
     yield of("arrays: rates", None, PAIR.rates, times, options={"readings": "speeds"})
     steered = {"steering_encoders": sw.Encoder(360)}
@@ -75,7 +80,7 @@ def memory() -> Iterator[Form]:
         SIX.angles,
         SIX.stamps,
         drive=SIX,
-        says=("steering_encoders=Encoder(resolution=360)",),
+        says=("steering_encoders=Encoder(ticks_per_turn=360)",),
     )
     yield of(
         "arrays: steering in degrees, said",
@@ -100,7 +105,7 @@ def memory() -> Iterator[Form]:
         yield of(f"{name}: units in headers", frame)
     for name, frame in frames({"time": times, "left_ticks": counts[:, 0], "right_ticks": counts[:, 1]}):
         yield of(f"{name}: ticks", frame, options=known)
-        yield of(f"{name}: ticks unsaid", frame, fix=known, says=("resolution=COUNTS",))
+        yield of(f"{name}: ticks unsaid", frame, fix=known, says=("ticks_per_turn=COUNTS",))
     for name, frame in frames({"time": times, "encL": counts[:, 0], "encR": counts[:, 1]}):
         mapped = {"columns": {"encL": "left [ticks]", "encR": "right [ticks]"}}
         yield of(f"{name}: odd names", frame, options={**known, **mapped})

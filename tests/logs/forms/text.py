@@ -185,21 +185,21 @@ def units() -> Iterator[Form]:
     yield of("degrees as positions", "units", lines(["time", *heads], [times, *wheels]), **fix)
     for name, around, low in (("2 pi", math.tau, 0.0), ("pi to either side", math.tau, math.pi)):
         columns = [((column + low) % around - low).round(9).tolist() for column in PAIR.angles.T]
-        encoders = {"modulus": math.tau}
+        encoders = {"wraps_at": math.tau}
         yield of(
             f"wraps at {name}",
             "units",
             lines(["time", "left [rad]", "right [rad]"], [times, *columns]),
-            fix={"encoders": encoders},
-            says=("--modulus 6.28318531",),
+            fix={"wheel_encoders": encoders},
+            says=("--wraps-at 6.28318531",),
         )
     columns = [(np.degrees(column) % 360.0).round(7).tolist() for column in PAIR.angles.T]
     yield of(
         "wraps at 360 degrees",
         "units",
         lines(["time", "left [deg]", "right [deg]"], [times, *columns]),
-        fix={"encoders": {"modulus": math.tau}},
-        says=("--modulus 6.28318531",),
+        fix={"wheel_encoders": {"wraps_at": math.tau}},
+        says=("--wraps-at 6.28318531",),
     )
     heads, wheels = both(("left", "right"))
     yield of(

@@ -10,7 +10,7 @@ DATA = Path(__file__).parent / "data"
 WHEELS = ROVER.wheel_names
 
 
-STEERED = ROVER.steered_names
+STEERED = ROVER.steered_wheel_names
 
 
 def ros(traction: object = None, steering: object = None, *, extra: str = "", **changes: object) -> str:

@@ -28,8 +28,8 @@ ROVERS = {
     "tricycle_steering_controller": sw.Rover.tricycle(1.2, 0.7, 0.15, driven="rear"),
     "tricycle_controller": sw.Rover.tricycle(1.2, 0.7, 0.15, driven="front", steering_limit=1.4),
     "bicycle_steering_controller": sw.Rover.bicycle(1.0, 0.33),
-    "mecanum_drive_controller": sw.Rover.mecanum(0.2, 0.25, 0.076),
-    "clearpath_mecanum_drive_controller": sw.Rover.mecanum(0.2, 0.25, 0.076),
+    "mecanum_drive_controller": sw.Rover.mecanum(0.4, 0.5, 0.076),
+    "clearpath_mecanum_drive_controller": sw.Rover.mecanum(0.4, 0.5, 0.076),
 }
 
 
@@ -54,7 +54,7 @@ def test_an_ackermann_car_has_two_tracks_in_the_names_of_every_distribution():
         ("rear_left", 0.0, 0.75, True),
         ("rear_right", 0.0, -0.75, True),
     ]
-    assert newer.command_joints[:2] == ("front_right_steering_joint", "front_left_steering_joint")
+    assert newer.joint_names[:2] == ("front_right_steering_joint", "front_left_steering_joint")
 
 
 def test_one_track_and_one_radius_are_the_constructors_car(read):
@@ -240,7 +240,7 @@ def test_wheels_of_a_side_by_name_or_from_front_to_rear(read, pairs):
         text += "".join(f"    {side}_wheel_names: {joints}\n" for side, joints in backwards.items())
         parameters = read(text + "    wheelbase: 0.8\n")
         if pairs > 1:
-            assert parameters.rover.command_joints == (*backwards["right"], *backwards["left"])
+            assert parameters.rover.joint_names == (*backwards["right"], *backwards["left"])
             wheels = {
                 joint: wheel for side in lists for joint, wheel in zip(lists[side], named[side], strict=True)
             }

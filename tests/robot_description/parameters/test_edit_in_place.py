@@ -22,7 +22,7 @@ FILES = sorted(
     if path.stem not in MISTAKEN
 )
 TWO = "kind: differential\n"
-HALVES = "half_wheelbase: 0.5\nhalf_track: 0.25\n"
+HALVES = "wheelbase: 1.0\ntrack_width: 0.5\n"
 CHANGES = {
     "radius": lambda wheel: {"radius": 1.01 * wheel.radius},
     "track": lambda wheel: {"y": 1.02 * wheel.y},
@@ -62,7 +62,15 @@ def test_what_is_written_is_read_as_the_rover(path: Path, change: str) -> None:
     assert again.rover.steering_joints == rover.steering_joints
     # A key that is a product of two may come back one rounding off.
     assert numbers(again.rover) == pytest.approx(numbers(rover), rel=1e-12, abs=1e-12)
-    for name in ("odom_frame_id", "base_frame_id", "limits", "control", "noise", "encoders", "odometry"):
+    for name in (
+        "odom_frame_id",
+        "base_frame_id",
+        "limits",
+        "control",
+        "noise",
+        "wheel_encoders",
+        "odometry",
+    ):
         assert getattr(again, name) == getattr(parameters, name)
     if again.kind == parameters.kind != "custom":  # then it is the same text but for numbers
         assert skeleton(text) == skeleton(path.read_text())
@@ -76,7 +84,7 @@ def test_what_is_written_is_read_as_the_rover(path: Path, change: str) -> None:
         (f"{TWO}wheel_radius: 0.1\ntrack_width: 0.4\n", "icr", "icr_left: 0.22"),
         ("kind: bicycle\nwheelbase: 2\nwheel_radius: 0.1\n", "wheelbase", "wheelbase: 1.94"),
         ("{d1: 0.5, d2: 0.5, d3: 0.5, d4: 0.5, wheel_radius: 0.1}\n", "radius", "wheel_radius: 0.101}"),
-        (f"kind: mecanum\n{HALVES}wheel_radius: 0.1\n", "track", "half_track: 0.255"),
+        (f"kind: mecanum\n{HALVES}wheel_radius: 0.1\n", "track", "track_width: 0.51"),
     ],
 )  # fmt: skip
 def test_the_key_that_says_it_is_changed(tmp_path: Path, keys: str, change: str, line: str) -> None:
@@ -114,14 +122,14 @@ base:
     assert (again.limits, again.noise) == (sw.Limits(speed=1.5), {"slip": 0.02})
 
 
-@pytest.mark.parametrize("given", ["", "encoders: {gear: 2.0}\n"])
+@pytest.mark.parametrize("given", ["", "wheel_encoders: {gear_ratio: 2.0}\n"])
 def test_factors_of_the_readings_are_written(tmp_path: Path, given: str) -> None:
     keys = f"kind: bicycle\nwheelbase: 1.0 # m\nwheel_radius: 0.1\n{given}"
     parameters = read_parameters(write(tmp_path, keys))
-    factors = parameters.encoders | {"scale": 1.02, "steering_gain": {"front": 0.97}}
-    text = text_for(parameters.rover, parameters, {"encoders": factors})
+    factors = parameters.wheel_encoders | {"scale": 1.02, "steering_gain": {"front": 0.97}}
+    text = text_for(parameters.rover, parameters, {"wheel_encoders": factors})
     again = parse_parameters(text)
-    assert (again.rover, again.encoders) == (parameters.rover, factors)
+    assert (again.rover, again.wheel_encoders) == (parameters.rover, factors)
     assert "# m" in text
 
 

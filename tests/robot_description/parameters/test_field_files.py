@@ -98,7 +98,7 @@ car:
 """
     rover = read(car).rover
     assert rover.traction_joints == {"rear_right": "rear_right", "rear_left": "rear_left"}
-    assert rover.command_joints[:2] == ("front_right_steer", "front_left_steer")
+    assert rover.joint_names[:2] == ("front_right_steer", "front_left_steer")
 
 
 def test_one_name_that_tells_less_is_decided_by_the_other(read) -> None:
@@ -151,7 +151,7 @@ def test_an_unknown_type_is_named(read) -> None:
     assert "which is not known: read as diff_drive_controller, whose keys it has" in str(found.warnings[0])
     assert read(mine, kind="diff_drive_controller").warnings == ()
     line = refusal(read, mine, kind="diff_drive_controler")
-    assert "--as must name a kind or a controller, got diff_drive_controler (did you mean" in line
+    assert "--kind must name a kind or a controller, got diff_drive_controler (did you mean" in line
 
 
 def test_several_vehicles_are_never_chosen_from(read) -> None:

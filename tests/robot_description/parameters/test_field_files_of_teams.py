@@ -17,7 +17,16 @@ def test_the_open_source_rover_has_the_joints_of_its_own_nodes(read) -> None:
     dimensions = "{d1: 0.2, d2: 0.3, d3: 0.25, d4: 0.26, wheel_radius: 0.075}"
     text = f"rover:\n  ros__parameters:\n    rover_dimensions: {dimensions}\n"
     rover = read(text).rover
-    assert rover.wheels == sw.Rover.six_wheel(0.2, 0.3, 0.25, 0.26, 0.075).wheels
+    assert (
+        rover.wheels
+        == sw.Rover.six_wheel(
+            front_to_middle=0.25,
+            middle_to_rear=0.3,
+            track_width=0.4,
+            middle_track_width=0.52,
+            wheel_radius=0.075,
+        ).wheels
+    )
     assert rover.traction_joints["drive_left_back"] == "rear_left"
     assert "corner_right_front" in rover.reversed_joints
     with pytest.raises(ParameterFileError, match="rover_dimensions.d2 is missing"):
@@ -51,7 +60,7 @@ controller:
     assert next(iter(found.rover.traction_joints)) == "wheel_FL_joint"
     mecanum = read(text.replace("false", "true"))
     assert mecanum.kind == "mecanum"
-    assert mecanum.rover.wheels == sw.Rover.mecanum(0.15, 0.179, 0.0625).wheels
+    assert mecanum.rover.wheels == sw.Rover.mecanum(0.3, 0.358, 0.0625).wheels
 
 
 def test_clearpaths_mecanum_controller_goes_by_the_order_of_its_joints(read) -> None:

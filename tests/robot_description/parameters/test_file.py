@@ -62,7 +62,7 @@ def test_any_order_of_any_naming_is_the_same_rover(read, style, data):
     assert (*rover.traction_joints.values(),) == WHEELS  # as in the arrays, whatever the file's order
     assert (*rover.steering_joints.values(),) == STEERED
     commands, angles, speeds = rover.commands(TWIST), *ROVER.inverse(TWIST)
-    assert tuple(commands) == rover.command_joints == (*steering, *traction)
+    assert tuple(commands) == rover.joint_names == (*steering, *traction)
     assert [commands[joint] for joint in steering] == [angles[STEERED.index(steering[j])] for j in steering]
     assert [commands[joint] for joint in traction] == [speeds[WHEELS.index(traction[j])] for j in traction]
 
@@ -76,13 +76,21 @@ def test_any_order_of_any_naming_is_the_same_rover(read, style, data):
 @example((1.0,) * 5, None, ["y", "n", "1e3", "010", "null", "~", "0x1", ".nan", "a b", "a.b"], "rover")
 @unhurried
 def test_dump_then_load_is_the_identity(read, d, limit, joints, node):
-    layout = sw.Rover.six_wheel(*d, steering_limit=limit)
+    d1, d2, d3, d4, radius = d
+    layout = sw.Rover.six_wheel(
+        front_to_middle=d3,
+        middle_to_rear=d2,
+        track_width=2 * d1,
+        middle_track_width=2 * d4,
+        wheel_radius=radius,
+        steering_limit=limit,
+    )
     traction = dict(zip(joints[:6], WHEELS, strict=True))
     steering = dict(zip(joints[6:], reversed(STEERED), strict=True))
     rover = sw.Rover(layout.wheels, traction_joints=traction, steering_joints=steering)
     parameters = read(config.dump(rover, node=node, odom_frame_id="o", base_frame_id="b"))
     assert parameters.rover == rover
-    assert list(parameters.rover.command_joints) == [*joints[6:], *joints[:6]]
+    assert list(parameters.rover.joint_names) == [*joints[6:], *joints[:6]]
     assert (parameters.node, parameters.odom_frame_id, parameters.base_frame_id) == (node, "o", "b")
 
 
@@ -241,7 +249,7 @@ def test_joints_stated_beside_the_list(read):
 
 def test_joints_stated_in_place_of_the_list(read):
     rover = read(ros({wheel: f"j{number}" for number, wheel in enumerate(reversed(WHEELS))})).rover
-    assert list(rover.command_joints[-6:]) == [f"j{number}" for number in range(6)]
+    assert list(rover.joint_names[-6:]) == [f"j{number}" for number in range(6)]
     assert rover.traction_joints["j5"] == "front_left"
 
 

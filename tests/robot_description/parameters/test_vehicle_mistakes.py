@@ -31,7 +31,7 @@ def wheel(**keys: object) -> str:
 SWERVE = {"positions": [1, 0, -1, 0], "wheel_radius": 0.1}
 OMNI = {"positions": [1, 0, -1, 0], "headings": [0, 1], "wheel_radius": 0.1}
 PAIR = {"track_width": 0.5, "wheel_radius": 0.1}
-MECANUM = {"half_wheelbase": 1, "half_track": 1, "wheel_radius": 0.1}
+MECANUM = {"wheelbase": 1, "track_width": 1, "wheel_radius": 0.1}
 ARM = "{name: a, x: 0, y: 0, radius: 1}"
 MISTAKES = {
     # what is wrong: (file, line, words of message and remedy); one finding each

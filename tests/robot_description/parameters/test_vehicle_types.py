@@ -26,7 +26,7 @@ ROVERS = {
     "ackermann": sw.Rover.ackermann(0.33, 0.28, 0.06, steering_limit=0.6),
     "tricycle": sw.Rover.tricycle(1.2, 0.7, 0.15, driven="front"),
     "bicycle": sw.Rover.bicycle(1.0, 0.33, steering_limit=0.7),
-    "mecanum": sw.Rover.mecanum(0.2, 0.25, 0.076, roller_angle=0.7854),
+    "mecanum": sw.Rover.mecanum(0.4, 0.5, 0.076, roller_angle=0.7854),
     "omni": sw.Rover.omni(
         [(0.2, 0.0), (-0.1, 0.1732), (-0.1, -0.1732)], [1.5708, 3.6652, 5.7596], wheel_radius=0.04
     ),
@@ -158,7 +158,7 @@ def test_joints_in_any_order_are_one_rover(read, kind, data):
     rover = read(f"{text}\ntraction_joints: {list(joints)}").rover
     assert rover.wheels == ROVERS[kind].wheels
     assert rover.traction_joints == joints
-    assert rover.command_joints[-len(joints) :] == tuple(joints)
+    assert rover.joint_names[-len(joints) :] == tuple(joints)
 
 
 def test_numbered_wheels_take_the_numbers_of_joints_or_their_order(read):
@@ -169,7 +169,7 @@ def test_numbered_wheels_take_the_numbers_of_joints_or_their_order(read):
         assert rover.traction_joints == dict(zip(joints, rover.wheel_names, strict=True))
     rover = read(text + "[m_2, m_0, m_1]").rover
     assert rover.traction_joints == {f"m_{k}": f"module_{k}" for k in range(3)}
-    assert rover.command_joints[-3:] == ("m_2", "m_0", "m_1")
+    assert rover.joint_names[-3:] == ("m_2", "m_0", "m_1")
 
 
 def test_sides_and_numbers_together_tell_the_axle(read):

@@ -19,7 +19,7 @@ ROUNDING = 4e-16  # of headings and roller angles, through a sine and back
 
 def arms() -> dict[str, sw.RockerBogie]:
     names = ("rocky7", "perseverance", "curiosity")
-    made = {name: getattr(sw.RockerBogie, name)() for name in names}
+    made = {name: sw.RockerBogie.preset(name) for name in names}
     said = made["perseverance"].dimensions
     return made | {"with a bar": sw.RockerBogie(**said | {"differential_bar": (0.7, 0.3, 0.4)})}
 
@@ -123,7 +123,7 @@ def test_yourdfpy_reads_what_is_written(name: str, tmp_path: Path) -> None:
             np.testing.assert_allclose(place, frames[f"A{k}"][:3, 3], atol=1e-14)
 
 
-@pytest.mark.parametrize("text", [sw.RockerBogie.perseverance().urdf(), MECANUM.urdf()])
+@pytest.mark.parametrize("text", [sw.RockerBogie.preset("perseverance").urdf(), MECANUM.urdf()])
 def test_urdf_parser_py_reads_what_is_written(text: str) -> None:
     description = pytest.importorskip("urdf_parser_py.urdf")
     robot = description.URDF.from_xml_string(text)

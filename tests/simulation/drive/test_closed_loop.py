@@ -31,7 +31,7 @@ def joints(result: dict[str, np.ndarray], rover: sw.Rover) -> tuple[np.ndarray, 
     """Steering angles and wheel speeds in the order of the rover's wheels."""
     turns = {wheel: joint for joint, wheel in rover.steering_joints.items()}
     drives = {wheel: joint for joint, wheel in rover.traction_joints.items()}
-    steering = [result[turns[wheel]] for wheel in rover.steered_names]
+    steering = [result[turns[wheel]] for wheel in rover.steered_wheel_names]
     speeds = [result[drives[wheel]] for wheel in rover.wheel_names]
     rows = len(result["reasons"])
     return np.array(steering).reshape(-1, rows).T, np.array(speeds).T
@@ -51,8 +51,8 @@ def test_a_run_is_the_steps_one_by_one(name: str) -> None:
     cut = 300
     given_before = int(np.argmax(stamps > times[cut - 1]))
     parts = [
-        run.run(stamps[:given_before], twists[:given_before], times[:cut]),
-        run.run(stamps[given_before:], twists[given_before:], times[cut:]),
+        run.run(twists[:given_before], stamps[:given_before], times[:cut]),
+        run.run(twists[given_before:], stamps[given_before:], times[cut:]),
     ]
     waiting = list(zip(stamps, twists, strict=True))
     for k, now in enumerate(times):
@@ -60,7 +60,7 @@ def test_a_run_is_the_steps_one_by_one(name: str) -> None:
             stamp, twist = waiting.pop(0)
             steps.command(twist, stamp)
         one, part, row = steps.step(now), parts[k >= cut], k - cut * (k >= cut)
-        for field in ("steering", "steering_rates", "speeds", "twist"):
+        for field in ("steering", "steering_rates", "wheel_speeds", "twist"):
             np.testing.assert_array_equal(getattr(part, field)[row], getattr(one, field))
         assert part.reasons[row] == one.reasons
     assert [len(part) for part in parts] == [cut, len(times) - cut]
@@ -72,13 +72,13 @@ def test_a_run_is_the_steps_one_by_one(name: str) -> None:
 @pytest.mark.parametrize(
     ("stamps", "twists", "times", "words"),
     [
-        ([0.0], [[1, 0, 0]], [0.0, 0.0], r"times\[1\] must be later than the step before, at 0"),
-        ([0.0], [[1, 0, 0]], [0.0, np.nan], r"times\[1\] must be finite"),
+        ([0.0], [[1, 0, 0]], [0.0, 0.0], r"step_stamps\[1\] must be later than the step before, at 0"),
+        ([0.0], [[1, 0, 0]], [0.0, np.nan], r"step_stamps\[1\] must be finite"),
         ([2.0], [[1, 0, 0]], [0.0, 1.0], r"stamps\[0\] must not be later than the last step, at 1"),
         ([np.inf], [[1, 0, 0]], [0.0, 1.0], r"stamps\[0\] must be finite"),
         ([0.0], [[1, 0, 0]], [], r"stamps\[0\] must be none without a step"),
         ([0.0, 0.1], [[1, 0, 0]], [1.0], r"twists must have shape \(2, 3\)"),
-        ([0.0], [[1, 0, 0]], [-1.0, 1.0], r"times\[0\] must be later than the step before"),
+        ([0.0], [[1, 0, 0]], [-1.0, 1.0], r"step_stamps\[0\] must be later than the step before"),
     ],
 )
 def test_a_run_that_fails_changes_nothing(stamps: Any, twists: Any, times: Any, words: str) -> None:
@@ -87,9 +87,9 @@ def test_a_run_that_fails_changes_nothing(stamps: Any, twists: Any, times: Any, 
         each.command((0.5, 0.0, 0.2), -0.5)
         each.step(-0.5)
     with pytest.raises(ValueError, match=words):
-        failed.run(stamps, twists, times)
-    assert failed.now == other.now
-    np.testing.assert_array_equal(failed.step(-0.45).speeds, other.step(-0.45).speeds)
+        failed.run(twists, stamps, times)
+    assert failed.stamp == other.stamp
+    np.testing.assert_array_equal(failed.step(-0.45).wheel_speeds, other.step(-0.45).wheel_speeds)
 
 
 # --- laws ------------------------------------------------------------------------------------------------
@@ -166,7 +166,7 @@ def test_it_is_the_controllers_loop(tmp_path: Path) -> None:
             controller.command(twist, stamp)
         out = controller.step(k / RATE)
         np.testing.assert_array_equal(steering[k], out.steering)
-        np.testing.assert_array_equal(speeds[k], out.speeds)
+        np.testing.assert_array_equal(speeds[k], out.wheel_speeds)
         np.testing.assert_array_equal(columns(result, "limited_")[k], out.twist)
         np.testing.assert_array_equal(columns(result, "commanded_")[k], twist)
         assert result["reasons"][k] == out.reasons

@@ -61,7 +61,7 @@ def winding(n: int, step: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
 
 def by_hand(rover: sw.Rover, time: np.ndarray, twists: np.ndarray) -> tuple[np.ndarray, ...]:
     """Steering angles, wheel speeds and poses, row by row."""
-    previous = np.zeros(len(rover.steered_names))
+    previous = np.zeros(len(rover.steered_wheel_names))
     pose = np.zeros(3)
     rows = []
     for k, twist in enumerate(twists):
@@ -86,7 +86,7 @@ def test_a_table_is_driven_as_the_library_drives_its_rows(
     steering, speeds, poses = by_hand(rover, time, twists)
     np.testing.assert_array_equal(result["time"], time)
     for joint, wheel in rover.steering_joints.items():
-        np.testing.assert_array_equal(result[joint], steering[:, rover.steered_names.index(wheel)])
+        np.testing.assert_array_equal(result[joint], steering[:, rover.steered_wheel_names.index(wheel)])
     for joint, wheel in rover.traction_joints.items():
         np.testing.assert_allclose(result[joint], speeds[:, rover.wheel_names.index(wheel)], rtol=1e-14)
     np.testing.assert_allclose(np.column_stack([result[n] for n in ("x", "y", "yaw")]), poses, atol=ROUNDING)
@@ -335,7 +335,9 @@ import six_wheel as sw
 from pathlib import Path
 from six_wheel.simulation.drive import drive
 commands, ending = Path(sys.argv[1]), sys.argv[2]
-rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15)
+rover = sw.Rover.six_wheel(
+    front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=0.15
+)
 summary = drive(rover, commands, commands.with_name("run" + ending), chunk_rows=20_000)
 print(summary.rows, re.search("VmHWM:\\\\s*(\\\\d+) kB", Path("/proc/self/status").read_text())[1])
 """

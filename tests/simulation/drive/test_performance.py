@@ -132,6 +132,6 @@ def test_a_rover_of_any_kind_has_a_picture():
         sw.Rover.swerve(square, 0.05),
         CART,
         sw.Rover.ackermann(2.5, 1.5, 0.3, steering_limit=0.6),
-        sw.Rover.mecanum(0.3, 0.25, 0.08),
+        sw.Rover.mecanum(0.6, 0.5, 0.08),
     ):
         plot.limits_figure(rover, sw.Limits(speed=1.0, wheel_speed=10.0, yaw_rate=math.pi))

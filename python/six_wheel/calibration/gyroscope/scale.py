@@ -1,6 +1,7 @@
 """Scale factor of the readings of a gyroscope, and a check of their axis."""
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from scipy.special import stdtrit
@@ -115,7 +116,8 @@ def _true_headings(log: WheelLog, offset: float) -> Floats:
 
 def _wheel_headings(rover: Rover, log: WheelLog) -> Floats:
     """Headings by the wheels alone, NaN in rows that cannot be used."""
-    track = dead_reckon(rover, log.steering, log.wheel_angles, log.stamps, covariances=False, residuals=False)
+    how: dict[str, Any] = {"covariances": False, "residuals": False, "plausibility": False}
+    track = dead_reckon(rover, log.steering, log.wheel_angles, log.stamps, **how)
     headings = track.poses[:, 2].copy()
     headings[track.left_out] = np.nan
     return headings

@@ -8,6 +8,7 @@ import numpy as np
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.estimates import timed_path
 from six_wheel.calibration.fitting import solve
+from six_wheel.calibration.log_checks.copies import cut
 from six_wheel.calibration.model import Model
 from six_wheel.calibration.problem import Problem
 from six_wheel.kinematics.odometry.dimensions import size
@@ -59,7 +60,7 @@ def slipped(problem: Problem, records: Sequence[WheelLog], parts: int) -> list[S
             values = solve(replace(problem, drives=rest), values).values
     reach = size(model.nominal)
     found = []
-    for number, (drive, log) in enumerate(zip(problem.drives, records, strict=True)):
+    for drive, log in zip(problem.drives, records, strict=True):
         lost = _lost(model, drive, values)
         stretches = tuple(
             one for one in lost if one.distance > LARGE * reach or one.end - one.start > LASTING
@@ -69,7 +70,7 @@ def slipped(problem: Problem, records: Sequence[WheelLog], parts: int) -> list[S
             longest = max(stretches, key=lambda one: one.distance)
             middle = (longest.start + longest.end) / 2.0
             part = int(np.clip(np.searchsorted(edges, middle), 1, parts))
-            found.append(Slip(number, drive.name, part, parts, stretches))
+            found.append(Slip(drive.number, drive.name, part, parts, stretches))
     return found
 
 
@@ -106,16 +107,7 @@ def clean(
         if len(log.stamps[rows]) < FEWEST_ROWS:
             continue
         name = f"{log.name or session} from {log.stamps[rows][0]:.1f} s to {log.stamps[rows][-1]:.1f} s"
-        piece = replace(
-            log,
-            stamps=log.stamps[rows],
-            steering=None if log.steering is None else log.steering[rows],
-            wheel_angles=log.wheel_angles[rows],
-            yaw=None if log.yaw is None else log.yaw[rows],
-            yaw_rate=None if log.yaw_rate is None else log.yaw_rate[rows],
-            name=name,
-            session=session,
-        )
+        piece = replace(cut(log, rows), name=name, session=session)
         try:
             pieces.append((piece, ready(piece)))
         except ValueError:

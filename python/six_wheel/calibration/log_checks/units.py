@@ -45,7 +45,7 @@ class Reading(NamedTuple):
 
 
 FACTORS = (
-    (2.0, "a gear or resolution is taken twice, or a radius for a diameter"),
+    (2.0, "a gear or the ticks per turn are taken twice, or a radius for a diameter"),
     (0.5, "a gear of 2 is missing, or a diameter is taken for a radius"),
     (4.0, "edges are counted four times a tick"),
     (0.25, "ticks are a quarter of what they are"),
@@ -72,7 +72,7 @@ def mistaken(problem: Problem, solution: Solution) -> list[str]:
         by, misfit = _factor(model, drives)
         other = all(abs(math.log(by / listed)) > ANOTHER for listed, _ in FACTORS)
         if other and misfit * FAR_BETTER <= best:
-            remedy = "check resolution and gear of the encoders, the radius, and the units of both"
+            remedy = "check ticks_per_turn and gear_ratio of the encoders, the radius, and the units of both"
             best, likely = misfit, [Reading(f"the wheels turn {by:.2g} times as far", remedy, _turned(by))]
     if best * FAR_BETTER <= given:
         return [_better(given, best, likely)]
@@ -117,7 +117,7 @@ def _factor(model: Model, drives: Sequence[Drive]) -> tuple[float, float]:
         seen = np.linalg.norm(np.diff(np.nan_to_num(drive.truth.at(times)), axis=0) * reach, axis=1)
         there = drive.truth.covers(times)
         known = there[1:] & there[:-1]
-        pace = np.linalg.norm(model.nominal.forward(drive.steering, drive.speeds) * reach, axis=1)
+        pace = np.linalg.norm(model.nominal.forward(drive.steering, drive.wheel_speeds) * reach, axis=1)
         driven = np.diff(np.interp(times, drive.stamps, np.concatenate(([0.0], np.cumsum(pace * drive.dt)))))
         ways += seen[known].sum(), driven[known].sum()
     if not ways.all():
@@ -128,7 +128,7 @@ def _factor(model: Model, drives: Sequence[Drive]) -> tuple[float, float]:
 
 
 def _turned(by: float | Floats) -> Callable[[Drive], Drive]:
-    return lambda drive: replace(drive, speeds=drive.speeds * by)
+    return lambda drive: replace(drive, wheel_speeds=drive.wheel_speeds * by)
 
 
 def _steered(by: float) -> Callable[[Drive], Drive]:
@@ -173,14 +173,14 @@ def _truths() -> Iterator[Reading]:
 def _readings(rover: Rover) -> Iterator[Reading]:
     """Other ways to read the wheels and steering joints of a log."""
     for by, why in FACTORS:
-        remedy = f"{why}; check resolution and gear of the encoders, and the unit of the columns"
+        remedy = f"{why}; check ticks_per_turn and gear_ratio of the encoders, and the unit of the columns"
         yield Reading(f"the wheels turn {by:.3g} times as far", remedy, _turned(by))
-    backwards = "give the encoders a negative gear"
+    backwards = "give the encoders a negative gear_ratio"
     yield Reading("all wheels count the other way round", backwards, _turned(-1.0))
     for number, name in enumerate(rover.wheel_names):
         signs = np.ones(len(rover.wheels))
         signs[number] = -1.0
-        remedy = f"give the encoder of {name} a negative gear"
+        remedy = f"give the encoder of {name} a negative gear_ratio"
         yield Reading(f"wheel {name} counts the other way round", remedy, _turned(signs))
     if (order := _mirrored(rover)) is not None:
         steered = [number for number, wheel in enumerate(rover.wheels) if wheel.steered]
@@ -188,10 +188,12 @@ def _readings(rover: Rover) -> Iterator[Reading]:
         yield Reading(
             "left and right are swapped",
             "exchange the columns or the names of the wheels on both sides",
-            lambda drive: replace(drive, speeds=drive.speeds[:, order], steering=drive.steering[:, joints]),
+            lambda drive: replace(
+                drive, wheel_speeds=drive.wheel_speeds[:, order], steering=drive.steering[:, joints]
+            ),
         )
-    if rover.steered_names:
-        remedy = "give the steering encoders a negative gear"
+    if rover.steered_wheel_names:
+        remedy = "give the steering encoders a negative gear_ratio"
         yield Reading("steering angles count the other way round", remedy, _steered(-1.0))
         units = "write deg into the header, or convert them"
         yield Reading("steering angles are in degrees", units, _steered(math.radians(1.0)))

@@ -31,7 +31,7 @@ class FitOptions(NamedTuple):
             help="How much stretches count in which it slipped; auto leaves long ones out.",
         ),
     ] = "auto"
-    window: Annotated[
+    segment: Annotated[
         list[float] | None, typer.Option(help="Length of the stretches that are compared [m]; several times.")
     ] = None
     confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95
@@ -53,7 +53,7 @@ class FitOptions(NamedTuple):
         """Arguments of `calibrate`."""
         names = [name.strip() for name in self.parameters.split(",") if name.strip()]
         options = self._asdict() | {"parameters": "auto" if names == ["auto"] else names}
-        return options | {"window": self.window or None, "client": options.pop("cluster")}
+        return options | {"window": options.pop("segment") or None, "client": options.pop("cluster")}
 
 
 def calibrate(

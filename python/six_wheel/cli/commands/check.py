@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from six_wheel.robot_description.urdf import Robot
     from six_wheel.simulation.drive.performance import Bound
 
-GROUPS = ("encoders", "steering_encoders", "odometry", "gyroscope", "truth")
+GROUPS = ("wheel_encoders", "steering_encoders", "odometry", "gyroscope", "truth")
 GUESSED = (
     "a guess, wide on purpose: slip of {slip:g} m per root m both ways; `six-wheel calibrate` measures it"
 )

@@ -143,5 +143,5 @@ def _verdict(difference: "Difference", changed: bool) -> list[tuple[str, object]
         ("for the first time", f"{difference.first:.3f} s after the first command"),
         ("speed", f"by up to {difference.twist:.4g} m/s"),
         ("steering angles", f"by up to {difference.steering:.4g} rad"),
-        ("wheel speeds", f"by up to {difference.speeds:.4g} rad/s"),
+        ("wheel speeds", f"by up to {difference.wheel_speeds:.4g} rad/s"),
     ]

@@ -148,7 +148,7 @@ def _summary(summary: "Summary", limits: "Limits", halt: float | None = None) ->
         """Text of a peak if it has a finite limit, otherwise None."""
         return largest(peak, unit, limit) if math.isfinite(limit) else None
 
-    angle, residual = summary.steering_angle, summary.residual
+    angle, residual = summary.steering_angle, summary.residuals
     x, y, yaw = summary.end_pose
     vx, vy, omega = summary.changed
     changes: object = summary.projected_rows

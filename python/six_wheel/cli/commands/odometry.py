@@ -83,9 +83,9 @@ class Estimate(NamedTuple):
 class ManyLogs(NamedTuple):
     """Options for several logs."""
 
-    ending: Annotated[str, typer.Option(metavar=".csv|.parquet", help="Of the tracks of several logs.")] = (
-        ".csv"
-    )
+    output_format: Annotated[
+        str, typer.Option(metavar=".csv|.parquet", help="Of the tracks of several logs.")
+    ] = ".csv"
     cluster: Annotated[
         str | None,
         typer.Option(metavar="ADDRESS", help="Dask scheduler for several logs, as tcp://10.0.0.7:8786."),
@@ -111,7 +111,9 @@ def odometry(
     example: ExampleOption = False,
     log_reading: LogReading,
     estimate: Estimate,
-    length: Annotated[float, typer.Option(help="Of the stretches for the error per distance [m].")] = 0.5,
+    segment: Annotated[
+        float, typer.Option(help="Length of the stretches for the error per distance [m].")
+    ] = 0.5,
     file: Reading,
     many: ManyLogs,
     chunk_rows: Annotated[int, typer.Option(help="Most rows in memory at a time.")] = 65_536,
@@ -124,7 +126,7 @@ def odometry(
             "truth": files.truth,
             "log_options": log_reading.options(chosen),
             "settings": estimate.settings(chosen, log_reading.max_speed),
-            "length": length,
+            "length": segment,
         }
 
     if len(paths) > 1 or (path.is_dir() and not (path / "metadata.yaml").exists()):
@@ -188,7 +190,7 @@ def _reckon_all(chosen: Chosen, paths: list[Path], files: Files, many: ManyLogs,
             chosen.rover,
             paths,
             files.output,
-            ending=many.ending,
+            ending=many.output_format,
             client=many.cluster,
             workers=many.workers,
             tell=progress,

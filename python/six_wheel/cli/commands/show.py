@@ -1,15 +1,18 @@
-"""`six-wheel show`: a rover from above, as it makes one motion."""
+"""`six-wheel show`: a rover from above, as it makes one motion; a map, its relief and slope."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from six_wheel.cli.map_options import MapReading
 from six_wheel.cli.shared import (
     Chosen,
     Reading,
     choose,
     choose_suspension,
+    grid,
+    new_console,
     warn,
 )
 
@@ -17,6 +20,23 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Motion = tuple[float, float, float]
+MAPS = (
+    ".tif",
+    ".tiff",
+    ".asc",
+    ".img",
+    ".cub",
+    ".nc",
+    ".grd",
+    ".xyz",
+    ".vrt",
+    ".lbl",
+    ".zip",
+    ".gz",
+    ".bag",
+    ".db3",
+)
+# Files that are maps; others are when an option of maps is given.
 SPEED = 0.5  # [m/s] of the motion that is drawn where none is given and no limit is lower
 
 
@@ -24,7 +44,7 @@ def show(
     rover: Annotated[
         str,
         typer.Argument(
-            metavar="ROVER", help="Parameter file, URDF, name of a preset, or with --layout a record."
+            metavar="ROVER", help="Parameter file, URDF, name of a preset, a map, or with --layout a record."
         ),
     ],
     twist: Annotated[
@@ -36,7 +56,8 @@ def show(
         typer.Option(
             "-o",
             "--output",
-            help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png or ROVER_from_the_side.png",
+            help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png, ROVER_from_the_side.png, "
+            "MAP_map.png",
         ),
     ] = None,
     layout: Annotated[
@@ -50,9 +71,12 @@ def show(
         bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie.")
     ] = False,
     *,
+    map_reading: MapReading,
     reading: Reading,
 ) -> None:
-    if layout is not None:
+    if Path(rover).suffix.lower() in MAPS or any(option is not None for option in map_reading):
+        print(_draw_map(Path(rover), map_reading, output))
+    elif layout is not None:
         print(_write_layout(rover, reading, layout))
     elif side:
         print(_draw_side(rover, reading, output))
@@ -60,14 +84,32 @@ def show(
         print(_draw_above(rover, reading, output, twist))
 
 
+def _draw_map(path: Path, reading: MapReading, output: Path | None) -> Path:
+    """Draw a map, with what it seems to be on the console; where the picture is."""
+    import warnings
+
+    from six_wheel.cli.report.map import map_facts
+    from six_wheel.maps.reading import read_with, system_of
+    from six_wheel.plotting.ground.map import map_figure
+    from six_wheel.plotting.saving import picture_path
+
+    target = picture_path(output or Path(f"{path.name.partition('.')[0]}_map.png"))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        ground = read_with(path, reading.options())
+    warn([warning.message for warning in caught])
+    new_console().print(grid(map_facts(ground, system_of(path))))
+    return _save(map_figure(ground, title=path.name), target, [path] if path.is_file() else [])
+
+
 def _draw_side(rover: str, reading: Reading, output: Path | None) -> Path:
     """Draw a suspension from the side; where the picture is."""
     from six_wheel.plotting.ground.side import side_figure
     from six_wheel.plotting.saving import picture_path
 
-    arm, name = choose_suspension(rover, reading)
+    suspension, name = choose_suspension(rover, reading)
     target = picture_path(output or Path(f"{name}_from_the_side.png"))
-    return _save(side_figure(arm, title=name), target, [])
+    return _save(side_figure(suspension, title=name), target, [])
 
 
 def _draw_above(rover: str, reading: Reading, output: Path | None, twist: Motion | None) -> Path:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+from six_wheel.cli.map_options import MapReading
 from six_wheel.cli.shared import (
     Chosen,
     Reading,
@@ -28,9 +29,9 @@ class Run(NamedTuple):
     """Options of the drive."""
 
     start: Annotated[
-        str | None,
+        tuple[float, float, float] | None,
         typer.Option(
-            metavar="X,Y,YAW",
+            metavar="X Y YAW",
             help="First pose [m, m, rad]; default that of a path, the middle of a map or the origin.",
         ),
     ] = None
@@ -54,7 +55,7 @@ class Pictures(NamedTuple):
         Path | None,
         typer.Option(help="Picture of the drive, over a map in three dimensions: .png, .svg or .pdf."),
     ] = None
-    speeds: Annotated[
+    plot_speeds: Annotated[
         Path | None,
         typer.Option(help="Picture of the wheels' speeds against those on level ground: .png, .svg or .pdf."),
     ] = None
@@ -84,11 +85,12 @@ def simulate(
     *,
     run: Run,
     pictures: Pictures,
+    map_reading: MapReading,
     reading: Reading,
 ) -> None:
-    if ground is None and pictures.speeds is not None:
-        rule = "--speeds must come with --ground: level ground is all there is"
-        raise ValueError(f"{rule}, got {pictures.speeds}")
+    if ground is None and pictures.plot_speeds is not None:
+        rule = "--plot-speeds must come with --ground: level ground is all there is"
+        raise ValueError(f"{rule}, got {pictures.plot_speeds}")
     if ground is not None and run.stick is not None:
         raise ValueError(f"--stick must be left out with --ground, got {run.stick}")
     chosen = choose(rover, reading) if ground is None else None
@@ -104,14 +106,17 @@ def simulate(
 
         if output.suffix.lower() not in ENDINGS:
             table_format(output, ENDINGS)
-    way = _way(commands, None if run.start is None else _start(run.start), run.speed)
+    way = _way(commands, run.start, run.speed)
     if chosen is not None:
         rows = _on_a_plane(chosen, way, run, output, pictures.plot)
     else:
         assert suspended is not None
         assert ground is not None
-        rows = _over_ground(*suspended, ground, way, run, output, pictures)
-    files = [("results", output), ("picture", pictures.plot), ("speeds", pictures.speeds)]
+        from six_wheel.maps.reading import read_with
+
+        land = read_with(ground, map_reading.options())
+        rows = _over_ground(*suspended, (land, ground.name), way, run, output, pictures)
+    files = [("results", output), ("picture", pictures.plot), ("speeds", pictures.plot_speeds)]
     new_console().print(grid([*rows, *files]))
 
 
@@ -165,11 +170,15 @@ def _on_a_plane(
     noise = Noise(**said.noise) if said is not None and said.noise else None
     encoders: dict[str, Any] = {}
     for name, given in (
-        ("encoder", said.encoders if said is not None else {}),
-        ("steering_encoder", said.steering_encoders if said is not None else {}),
+        ("wheel_encoders", said.wheel_encoders if said is not None else {}),
+        ("steering_encoders", said.steering_encoders if said is not None else {}),
     ):
-        counts = {key: given[key] for key in ("resolution", "gear", "modulus") if given.get(key) is not None}
-        if "resolution" in counts:
+        counts = {
+            key: given[key]
+            for key in ("ticks_per_turn", "gear_ratio", "wraps_at")
+            if given.get(key) is not None
+        }
+        if "ticks_per_turn" in counts:
             encoders[name] = Encoder(**counts)
     gyroscope = None
     if said is not None and (known := said.known_gyroscope) is not None:
@@ -250,34 +259,35 @@ def _stick(text: str) -> "Stick":
 
 
 def _over_ground(
-    arm: "RockerBogie",
+    suspension: "RockerBogie",
     name: str,
-    ground: Path,
+    ground: "tuple[Terrain, str]",
     way: Way,
     run: Run,
     output: Path | None,
     pictures: Pictures,
 ) -> list[tuple[str, object]]:
-    from six_wheel._core import Terrain
     from six_wheel.cli.report.ground import ground_facts
     from six_wheel.simulation.ground_writing import write_ground
     from six_wheel.simulation.on_terrain import GroundSimulation
     from six_wheel.simulation.run_simulation import simulate as simulated
 
-    land = Terrain.read(ground)
+    land, map_name = ground
     start = way.start or (*_middle(land), 0.0)
-    done = simulated(arm, way.path, ground=land, start=start, rate=run.rate, speed=way.speed, seed=run.seed)
+    done = simulated(
+        suspension, way.path, ground=land, start=start, rate=run.rate, speed=way.speed, seed=run.seed
+    )
     assert isinstance(done, GroundSimulation)
     if output is not None:
-        write_ground(done, arm, output)
+        write_ground(done, suspension, output)
     if any(pictures):
         from six_wheel.plotting import ground_figure, save, speeds_figure
 
-        title = f"{name} over {ground.name}"
+        title = f"{name} over {map_name}"
         if pictures.plot is not None:
-            save(ground_figure(done, arm, land, title=title), pictures.plot)
-        if pictures.speeds is not None:
-            save(speeds_figure(done, arm, title=title), pictures.speeds)
+            save(ground_figure(done, suspension, land, title=title), pictures.plot)
+        if pictures.plot_speeds is not None:
+            save(speeds_figure(done, suspension, title=title), pictures.plot_speeds)
     return [*ground_facts(done)]
 
 
@@ -285,13 +295,5 @@ def _middle(land: "Terrain") -> tuple[float, float]:
     """Middle of a map, x and y [m]."""
     (rows, columns), (dx, dy), (x, y) = land.shape, land.spacing, land.origin
     ahead, aside = dx * (columns - 1) / 2, dy * (rows - 1) / 2
-    cos, sin = math.cos(land.orientation), math.sin(land.orientation)
+    cos, sin = math.cos(land.yaw), math.sin(land.yaw)
     return x + cos * ahead - sin * aside, y + sin * ahead + cos * aside
-
-
-def _start(text: str) -> tuple[float, float, float]:
-    try:
-        x, y, yaw = (float(number) for number in text.split(","))
-    except ValueError:
-        raise ValueError(f'--start must be three numbers, x,y,yaw, got "{text}"') from None
-    return x, y, yaw

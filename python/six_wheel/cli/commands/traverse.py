@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from six_wheel.cli.map_options import MapReading
 from six_wheel.cli.shared import SUSPENDED, choose_suspension, grid, new_console, progress_bar
 
 if TYPE_CHECKING:
@@ -32,14 +33,14 @@ LimitOption = Annotated[
 
 
 def traverse(
-    map: Annotated[Path, typer.Argument(metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII.")],
     rover: Annotated[
         str,
-        typer.Option(
-            metavar="NAME",
+        typer.Argument(
+            metavar="ROVER",
             help=f"{', '.join(SUSPENDED)}, or a parameter file or URDF with a suspension.",
         ),
     ],
+    map: Annotated[Path, typer.Argument(metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII.")],
     output: LayersOption,
     headings: Annotated[int, typer.Option(help="How many, evenly spaced.")] = 16,
     limit: LimitOption = None,
@@ -49,8 +50,10 @@ def traverse(
     ] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; default one per core.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture: .png, .svg or .pdf.")] = None,
+    *,
+    map_reading: MapReading,
 ) -> None:
-    arm, name = choose_suspension(rover)
+    suspension, name = choose_suspension(rover)
     if not output.parent.is_dir():
         raise ValueError(f"{output}: there is no folder {output.parent}")
     if plot is not None:
@@ -64,7 +67,7 @@ def traverse(
     with progress_bar("tiles") as update:
         done = run(
             map,
-            arm,
+            suspension,
             output,
             headings=headings,
             limits=limits,
@@ -72,6 +75,7 @@ def traverse(
             cluster=cluster,
             workers=workers,
             tell=lambda done, total: update(done, total),
+            **map_reading.given(),
         )
     if plot is not None:
         from six_wheel.plotting import save, traverse_figure

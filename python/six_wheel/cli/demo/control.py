@@ -46,7 +46,7 @@ class ControlResult:
         Of the steps [s].
     commanded, twists : ndarray, shape (n, 3)
         The command of every step, and the motion it got [m/s, m/s, rad/s].
-    steering, steering_rates, speeds : ndarray, shape (n, joints)
+    steering, steering_rates, wheel_speeds : ndarray, shape (n, joints)
         Joint commands [rad, rad/s, rad/s].
     reasons : ndarray, shape (n,)
         Bits of `Reason`.
@@ -60,7 +60,7 @@ class ControlResult:
     twists: Floats
     steering: Floats
     steering_rates: Floats
-    speeds: Floats
+    wheel_speeds: Floats
     reasons: NDArray[np.uint32]
 
     @property
@@ -76,7 +76,7 @@ class ControlResult:
     def standing(self) -> float:
         """Longest time for which the rover stands although it is told to drive [s]."""
         driving = np.hypot(self.commanded[:, 0], self.commanded[:, 1]) > STANDING
-        waits = driving & ~self.speeds.any(axis=1)
+        waits = driving & ~self.wheel_speeds.any(axis=1)
         edges = np.flatnonzero(np.diff(np.concatenate([[0], waits.astype(np.int8), [0]])))
         return float(np.max(np.diff(edges)[::2], initial=0.0) / RATE)
 
@@ -103,13 +103,13 @@ def drive_controlled(result: DemoResult, noise: float, limits: Limits = LIMITS) 
     commanded = _at(times, result.times[:-1] - begin, result.twists)
     controller = Controller(rover, limits, period=1.0 / RATE)
     random = np.random.default_rng(SEED)
-    measured = np.zeros(len(rover.steered_names))
+    measured = np.zeros(len(rover.steered_wheel_names))
     outputs = []
     for now, twist in zip(times.tolist(), commanded.tolist(), strict=True):
         controller.command((twist[0], twist[1], twist[2]), now)
         outputs.append(controller.step(now, measured))
         measured = outputs[-1].steering + noise * random.standard_normal(len(measured))
-    columns = ("twist", "steering", "steering_rates", "speeds")
+    columns = ("twist", "steering", "steering_rates", "wheel_speeds")
     twists, steering, rates, speeds = (
         np.array([getattr(output, name) for output in outputs]) for name in columns
     )
@@ -127,7 +127,7 @@ def _at(times: Floats, stamps: Floats, values: ArrayLike) -> Floats:
 def draw_control(result: ControlResult) -> Figure:
     """The path; commanded and driven speed, joints and reasons over time."""
     values = np.hstack(
-        [result.commanded, result.twists, result.steering, result.steering_rates, result.speeds]
+        [result.commanded, result.twists, result.steering, result.steering_rates, result.wheel_speeds]
     )
     course = Course(values.shape[1])
     course.add(result.times, values, result.reasons)

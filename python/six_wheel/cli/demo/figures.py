@@ -34,7 +34,7 @@ def draw(results: Sequence[DemoResult]) -> Figure:
         colors = _colors(result)
         for wheel, angles in zip(steered, result.steering.T, strict=True):
             steering.plot(times, np.degrees(angles), **colors[wheel.name])
-        for wheel, rates in zip(wheels, result.speeds.T, strict=True):
+        for wheel, rates in zip(wheels, result.wheel_speeds.T, strict=True):
             speeds.plot(times, rates, **colors[wheel.name], label=wheel.name.replace("_", " "))
         tidy(steering, "", "steering [°]")
         tidy(speeds, "time [s]", "wheel speed [rad/s]")
@@ -59,11 +59,11 @@ def write_commands(result: DemoResult, path: Path) -> None:
     rover = result.rover
     joint_of = {wheel: joint for joint, wheel in rover.steering_joints.items()}
     wheel_joint_of = {wheel: joint for joint, wheel in rover.traction_joints.items()}
-    joints = [joint_of[name] for name in rover.steered_names] + [
+    joints = [joint_of[name] for name in rover.steered_wheel_names] + [
         wheel_joint_of[name] for name in rover.wheel_names
     ]
     stop = np.zeros((1, 3)), result.steering[-1:], np.zeros((1, len(rover.wheels)))
-    commands = zip((result.twists, result.steering, result.speeds), stop, strict=True)
+    commands = zip((result.twists, result.steering, result.wheel_speeds), stop, strict=True)
     columns = [result.times[:, None], *map(np.concatenate, commands), result.odometry]
     header = ",".join(["time", "vx", "vy", "omega", *joints, "x", "y", "yaw"])
     rows = np.concatenate(columns, axis=1) + 0.0  # -0 is 0
@@ -110,7 +110,11 @@ _ROWS = (
 
 def _cells(result: DemoResult) -> list[str]:
     rover, deviation = result.rover, result.deviation
-    angles, rates, speeds = np.abs(result.steering), np.abs(result.steering_rates), np.abs(result.speeds)
+    angles, rates, speeds = (
+        np.abs(result.steering),
+        np.abs(result.steering_rates),
+        np.abs(result.wheel_speeds),
+    )
     distance, turn = result.closing_error
     moving = np.any(result.asked != 0.0, axis=1)
     possible = np.asarray(rover.admissible(result.asked[moving]))
@@ -125,8 +129,8 @@ def _cells(result: DemoResult) -> list[str]:
         _share(float(np.max(deviation)), result.length),
         f"{int(np.sum(possible)):,} of {len(possible):,}",
         f"{1e3 * float(np.sqrt(np.mean(slip**2))):.2f} mm/s RMS",
-        f"{math.degrees(angles.max()):.1f}°, {_which(rover.steered_names, angles)}",
-        f"{math.degrees(rates.max()):.0f}°/s, {_which(rover.steered_names, rates)}, "
+        f"{math.degrees(angles.max()):.1f}°, {_which(rover.steered_wheel_names, angles)}",
+        f"{math.degrees(rates.max()):.0f}°/s, {_which(rover.steered_wheel_names, rates)}, "
         f"{result.times[int(np.argmax(rates.max(axis=1)))]:.0f} s",
         f"{speeds.max():.2f} rad/s, {_which(rover.wheel_names, speeds)}",
     ]

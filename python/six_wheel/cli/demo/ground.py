@@ -14,8 +14,8 @@ START = (6.0, 12.0, 0.0)
 
 def drive_yard() -> tuple[RockerBogie, Terrain, GroundSimulation]:
     """The rover, the yard and the drive over it; the same every time."""
-    arm = RockerBogie.perseverance()
+    suspension = RockerBogie.preset("perseverance")
     yard = Terrain.yard((SIDE, SIDE), SPACING, cover=COVER, seed=SEED)
-    run = simulate(arm, COMMANDS, ground=yard, rate=5.0, start=START)
+    run = simulate(suspension, COMMANDS, ground=yard, rate=5.0, start=START)
     assert isinstance(run, GroundSimulation)
-    return arm, yard, run
+    return suspension, yard, run

@@ -60,7 +60,7 @@ class DemoResult:
     """(n - 1, 3) twists the rover was given."""
     steering: Floats
     """(n - 1, steered wheels) joint angles [rad]."""
-    speeds: Floats
+    wheel_speeds: Floats
     """(n - 1, wheels) wheel speeds [rad/s]."""
     driven: Floats
     """(n, 3) where the twists lead."""
@@ -197,7 +197,7 @@ def drive_path(rover: Rover, name: str, times: ArrayLike, poses: ArrayLike) -> D
         asked=asked,
         twists=twists,
         steering=steering,
-        speeds=speeds,
+        wheel_speeds=speeds,
         driven=integrate(twists, steps, start),
         odometry=integrate(rover.forward(steering, speeds), steps, start),
     )

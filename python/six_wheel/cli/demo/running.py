@@ -69,12 +69,12 @@ def run(directory: Path, *, console: Console) -> None:
     written.append(directory / "demo_control.png")
     save(draw_control(through[-1]), written[-1])
 
-    arm, yard, over = drive_yard()
+    suspension, yard, over = drive_yard()
     console.print(figures.table("Perseverance over a yard of rocks", ["", ""], ground_facts(over)))
     title = f"Perseverance over rocks on {COVER:.0%} of the ground"
     for name, figure in (
-        ("demo_ground.png", ground_figure(over, arm, yard, title=title)),
-        ("demo_ground_speeds.png", speeds_figure(over, arm, title=title)),
+        ("demo_ground.png", ground_figure(over, suspension, yard, title=title)),
+        ("demo_ground_speeds.png", speeds_figure(over, suspension, title=title)),
     ):
         written.append(directory / name)
         save(figure, written[-1])
@@ -92,7 +92,7 @@ def time_against_reference(result: DemoResult) -> list[list[str]]:
     jobs = []
     for method, one, many in (
         ("inverse", [twist], [result.twists]),
-        ("forward", core.inverse(twist), [result.steering, result.speeds]),
+        ("forward", core.inverse(twist), [result.steering, result.wheel_speeds]),
     ):
         few = [array[::40] for array in many]  # the reference takes rows one by one: some stand for all
         calls = (("one call", one, 1, one, 1), ("per row of a batch", many, len(many[0]), few, len(few[0])))

@@ -10,14 +10,14 @@ __all__ = ["ground_facts"]
 def ground_facts(run: GroundSimulation) -> list[tuple[str, str]]:
     """Results of a drive: names and values, a row each."""
     assert run.stand is not None
-    assert run.speeds is not None
-    assert run.flat_speeds is not None
+    assert run.wheel_speeds is not None
+    assert run.flat_wheel_speeds is not None
     assert run.slip is not None
-    stand, flat = run.stand, run.flat_speeds
+    stand, flat = run.stand, run.flat_wheel_speeds
     statuses = np.asarray(stand.status).astype(str).tolist()
     tilt = np.degrees(np.arccos(np.cos(stand.roll) * np.cos(stand.pitch)))
     driving = np.abs(flat) > 1e-9
-    off = np.abs(run.speeds - flat)[driving] / np.abs(flat)[driving]
+    off = np.abs(run.wheel_speeds - flat)[driving] / np.abs(flat)[driving]
     counted = ", ".join(f"{status} {statuses.count(status):,}" for status in dict.fromkeys(statuses))
     return [
         ("samples", f"{len(run.stamps):,}, {counted}"),

@@ -70,7 +70,7 @@ def overview(path: Path, rover: Rover | None = None, options: LogOptions | None 
         try:
             with open_log(path, rover, options or LogOptions()) as log:
                 rows = sum(len(chunk.stamps) for chunk in log.chunks())
-                facts = facts | {"rows that can be used": f"{rows:,}", "wheels are read as": log.reading}
+                facts = facts | {"rows that can be used": f"{rows:,}", "wheels are read as": log.readings}
         except ValueError as error:
             refusal = str(error).removeprefix(f"{path}: ")
     return LogOverview(tuple(columns), facts, refusal)

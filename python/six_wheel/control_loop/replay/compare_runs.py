@@ -46,7 +46,7 @@ class Difference:
         When commands differ for the first time [s], from the first step of the record.
     differing : int
         Steps with other commands.
-    twist, steering, speeds : float
+    twist, steering, wheel_speeds : float
         Largest differences: of the motion's speed [m/s], of a steering angle [rad], of a wheel's speed
         [rad/s].
     """
@@ -59,7 +59,7 @@ class Difference:
     differing: int = 0
     twist: float = 0.0
     steering: float = 0.0
-    speeds: float = 0.0
+    wheel_speeds: float = 0.0
     rows: list[tuple[str, str, str]] = field(default_factory=list)
 
 
@@ -76,7 +76,7 @@ def compare(replayed: Replayed) -> Difference:
         apart: Floats = np.abs(getattr(one, name)[left] - getattr(other, name)[right])
         return apart
 
-    steering, speeds, twists = gap("steering"), gap("speeds"), gap("twists")
+    steering, speeds, twists = gap("steering"), gap("wheel_speeds"), gap("twists")
     apart = steering.any(axis=1) | speeds.any(axis=1)
     return Difference(
         replayed.same_bits,
@@ -86,7 +86,7 @@ def compare(replayed: Replayed) -> Difference:
         differing=int(apart.sum()),
         twist=float(np.hypot(*twists[:, :2].T).max()),
         steering=float(steering.max(initial=0.0)),
-        speeds=float(speeds.max(initial=0.0)),
+        wheel_speeds=float(speeds.max(initial=0.0)),
         rows=rows,
     )
 
@@ -104,7 +104,7 @@ def _figures(run: Run) -> Figures:
         float(speed[:-1][onwards] @ steps),
         float(speed.max(initial=0.0)),
         float(np.abs(run.twists[:, 2]).max(initial=0.0)),
-        float(np.abs(run.speeds).max(initial=0.0)),
+        float(np.abs(run.wheel_speeds).max(initial=0.0)),
         float(rates.max(initial=0.0)),
         path[-1],
         run.poses[-1] if len(run.poses) else None,

@@ -63,7 +63,7 @@ def replay(
     before = settings_of(record)
     after = before.changed(changes) if changes else before
     rover = before.rover
-    if after.rover.command_joints != rover.command_joints:
+    if after.rover.joint_names != rover.joint_names:
         raise ValueError("changes must leave the joints of the rover as they are: the record is of those")
     if made_by == DRIVE:
         result = replay_drive(record, before, after, output, progress)

@@ -27,7 +27,7 @@ class Run:
     ----------
     times : ndarray, shape (n,)
         Of the commands.
-    steering, speeds : ndarray, shape (n, joints)
+    steering, wheel_speeds : ndarray, shape (n, joints)
         In the order of the rover's joints [rad, rad/s].
     twists : ndarray, shape (n, 3)
     reasons : list of str, n
@@ -43,7 +43,7 @@ class Run:
 
     times: NDArray[np.int64]
     steering: Floats
-    speeds: Floats
+    wheel_speeds: Floats
     twists: Floats
     reasons: list[str]
     stamps: NDArray[np.int64]
@@ -86,7 +86,16 @@ class Replayed:
         one, other = self.recorded, self.again
         return one.reasons == other.reasons and all(
             getattr(one, name).tobytes() == getattr(other, name).tobytes()
-            for name in ("times", "steering", "speeds", "twists", "stamps", "poses", "motions", "covariances")
+            for name in (
+                "times",
+                "steering",
+                "wheel_speeds",
+                "twists",
+                "stamps",
+                "poses",
+                "motions",
+                "covariances",
+            )
         )
 
 
@@ -105,9 +114,9 @@ class Collected:
 
     def add(self, step: Step) -> None:
         """Add the outputs of a step."""
-        if step.steering is not None and step.speeds is not None:
+        if step.steering is not None and step.wheel_speeds is not None:
             self.times.append(step.now)
-            self.joints.append([*step.steering, *step.speeds])
+            self.joints.append([*step.steering, *step.wheel_speeds])
             self.twists.append(step.twist)
             self.reasons.append(rover_record.reason_names(step.reasons))
         if step.state is not None and step.stamp is not None:

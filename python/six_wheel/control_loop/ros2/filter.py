@@ -53,7 +53,7 @@ class FilterNode(BaseNode):
             super()._on_timer()
 
     def _publish(self, step: Step) -> None:
-        if step.speeds is None:
+        if step.wheel_speeds is None:
             return
         # At rest it is said once; whoever else wants to drive then may.
         self._rests = self._rests + 1 if step.twist == (0.0, 0.0, 0.0) and self.loop.stopped else 0

@@ -105,8 +105,8 @@ class RoverNode(BaseNode):
         self._record_change({"up": up}, now)
 
     def _publish(self, step: Step) -> None:
-        if step.steering is not None and step.speeds is not None:
-            self._interface.publish(step.now, step.steering, step.speeds)
+        if step.steering is not None and step.wheel_speeds is not None:
+            self._interface.publish(step.now, step.steering, step.wheel_speeds)
         self._publish_outputs(step)
 
     def _publish_outputs(self, step: Step) -> None:

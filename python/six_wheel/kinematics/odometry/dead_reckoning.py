@@ -8,13 +8,15 @@ from typing import Any, Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from six_wheel._core import Gyroscope, Noise, Odometry, Rover, Suspension, Terrain
+from six_wheel._core import Gyroscope, Noise, Odometry, Odometry3, Rover, Suspension, Terrain
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry import tabular_input
 from six_wheel.kinematics.odometry.dead_reckoning3 import Track3, reckon
 from six_wheel.kinematics.odometry.headers.renamed import Columns
 from six_wheel.kinematics.odometry.headers.time_columns import scale_of
 from six_wheel.kinematics.odometry.plausibility.arrays import FEW, array_checks, check_arrays
 from six_wheel.kinematics.odometry.sensor_frames import mount, seen_by, start_of_body
+from six_wheel.kinematics.odometry.table_headers import names
 from six_wheel.kinematics.odometry.tracks import Track
 
 __all__ = ["dead_reckon", "dead_reckon_chunks", "table_columns"]
@@ -67,6 +69,7 @@ def dead_reckon(
 ) -> Track3: ...
 
 
+@checked(Odometry, Odometry3)
 def dead_reckon(
     rover: Rover | Suspension,
     steering: Any,
@@ -221,6 +224,7 @@ def _refuse(arguments: Mapping[str, object], where: str) -> None:
             raise ValueError(f"{argument} must be left out {where}, got one")
 
 
+@checked(Odometry)
 def dead_reckon_chunks(
     rover: Rover,
     table: Any,
@@ -280,4 +284,4 @@ def table_columns(rover: Rover) -> dict[str, tuple[str, ...]]:
     alone or with ``.position`` or ``.velocity`` behind; wheels by their own names as well. The ``"stamp"`` is
     in seconds, or a column of dates. A wheel without a motor may have no column.
     """
-    return tabular_input.names(rover)
+    return names(rover)

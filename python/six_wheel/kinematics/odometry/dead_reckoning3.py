@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from six_wheel._core import Noise, Odometry3, Suspension, Terrain
+from six_wheel.kinematics.objects.short_text import described, few
+from six_wheel.kinematics.objects.tables import Columns, Tabular, pose_columns
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, findings, rows_with
 
 if TYPE_CHECKING:
@@ -20,14 +22,14 @@ __all__ = ["Track3"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track3:
+class Track3(Tabular):
     """Poses of a rover on ground over a whole log, one row per sample.
 
     Rows that were left out (`health`) hold the state of the row before; their slips are NaN.
 
     Attributes
     ----------
-    arm : Suspension
+    suspension : Suspension
         Whose log it was.
     stamps : ndarray, shape (n,)
         As given [s].
@@ -45,7 +47,7 @@ class Track3:
         `OdometryHealth` flags.
     """
 
-    arm: Suspension
+    suspension: Suspension
     stamps: Floats
     poses: Floats
     twists: Floats
@@ -104,16 +106,22 @@ class Track3:
         """One line per kind of flag: how many rows, and the first of them."""
         return findings(self.health)
 
+    def _columns(self) -> Columns:
+        places = {"x": "m", "y": "m", "z": "m", "roll": "rad", "pitch": "rad", "yaw": "rad"}
+        rates = {"vx": "m/s", "vy": "m/s", "vz": "m/s", "wx": "rad/s", "wy": "rad/s", "wz": "rad/s"}
+        columns = pose_columns(self.stamps, self.poses, places)
+        columns |= {name: (unit, self.twists[:, k]) for k, (name, unit) in enumerate(rates.items())}
+        return columns | {"health": ("", self.health)}
+
     def __repr__(self) -> str:
-        lines = [f"Track3({len(self)} rows"]
-        if len(self):
-            x, y, z = self.positions[-1]
-            lines[0] += f", {self.stamps[-1] - self.stamps[0]:.6g} s, ends at ({x:.4f}, {y:.4f}, {z:.4f})"
-        return "\n  ".join([lines[0], *self.findings()]) + ")"
+        return described("Track3", self.stamps, self.poses)
+
+    def __str__(self) -> str:
+        return "\n  ".join([repr(self), *few(self.findings())])
 
 
 def reckon(
-    arm: Suspension,
+    suspension: Suspension,
     steering: Any,
     wheel_angles: ArrayLike | None,
     stamps: ArrayLike | None,
@@ -141,7 +149,7 @@ def reckon(
         options = {**log.options, **options}
     if wheel_angles is None or stamps is None:
         raise ValueError("wheel_angles and stamps must be given for a suspension, got none of them")
-    odometry = Odometry3(arm, noise, ground=ground, **options)
+    odometry = Odometry3(suspension, noise, ground=ground, **options)
     odometry.reset(start, start_covariance)
     return odometry.run(
         steering,

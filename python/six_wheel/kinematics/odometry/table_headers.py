@@ -37,7 +37,7 @@ def names(rover: Rover, readings: str = "angles") -> dict[str, tuple[str, ...]]:
     steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
     traction = {wheel: joint for joint, wheel in rover.traction_joints.items()}
     known: dict[str, tuple[str, ...]] = {"stamp": STAMPS}
-    for wheel in rover.steered_names:
+    for wheel in rover.steered_wheel_names:
         joint = steering.get(wheel, f"{wheel}_steering_joint")
         known[joint] = tuple(joint + ending for ending in ENDINGS["angles"])
     for wheel in rover.wheel_names:
@@ -69,7 +69,7 @@ def meaning_of(
     except ValueError as error:
         plain = str(error)
     readings = str(options.get("readings", "angles"))
-    default: Reading = "speed" if readings == "speeds" else "angle"
+    default: Reading = "speeds" if readings == "speeds" else "angles"
     names = renamed(headers, columns or {})
     try:
         by_name = joint_columns(names, rover, default, units, stamp_unit)
@@ -93,7 +93,7 @@ def _of_columns(
     if known["time"].stated:
         scales[found["stamp"]] = known["time"].unit.scale
     backwards = set()
-    for part, wheels in (("steering", rover.steered_names), ("wheel", rover.wheel_names)):
+    for part, wheels in (("steering", rover.steered_wheel_names), ("wheel", rover.wheel_names)):
         for wheel in wheels:
             name = wheel if part == "wheel" else steering.get(wheel, f"{wheel}_steering_joint")
             column = known.get(f"{part} {wheel}")
@@ -107,7 +107,7 @@ def _of_columns(
                 raise ValueError(f"{name} must name a column, got {header!r} of {', '.join(headers)}")
             found[name] = str(header)
     wheels_of = [column for name, column in known.items() if name.startswith("wheel ")]
-    kind = {"angle": "angles", "speed": "speeds", "ticks": "ticks"}[by_name.reading]
+    kind = by_name.readings
     return Meaning(
         found,
         scales,

@@ -76,7 +76,7 @@ def concatenate(rover: Rover, tracks: Sequence[Track]) -> Track:
         return tracks[0]
     if not tracks:
         none = np.zeros((0, len(rover.wheels)))
-        track = Odometry(rover).run(np.zeros((0, len(rover.steered_names))), none, np.zeros(0))
+        track = Odometry(rover).run(np.zeros((0, len(rover.steered_wheel_names))), none, np.zeros(0))
         return replace(track)
     joined: dict[str, Any] = {}
     for column in fields(Track):
@@ -121,7 +121,7 @@ def table(
     """A log in a frame, a dict of columns or a Parquet file."""
     of_file = isinstance(source, str | os.PathLike)
     opened = _parquet(Path(source)) if of_file else None
-    schema = opened.schema_arrow if opened is not None else getattr(source, "schema", None)
+    schema: Any = opened.schema_arrow if opened is not None else getattr(source, "schema", None)
     headers = list(map(str, schema.names if opened is not None else _headers(source)))
     meaning = meaning_of(rover, headers, columns, sensors, options, _units(schema), stamp_unit)
     if meaning.readings == "ticks" and options.get("wheel_encoders") is None:
@@ -170,7 +170,7 @@ def _checks(rover: Rover, options: Mapping[str, Any], meaning: Meaning) -> Readi
     steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
     named = {"stamp": meaning.found["stamp"]}
     named |= {wheel: meaning.found[wheel] for wheel in rover.wheel_names}
-    for wheel in rover.steered_names:
+    for wheel in rover.steered_wheel_names:
         named[f"{wheel} steering"] = meaning.found[steering.get(wheel, f"{wheel}_steering_joint")]
     return array_checks(rover, options, named, meaning.clock_stated, meaning.units_stated)
 

@@ -4,10 +4,22 @@ from __future__ import annotations  # NumPy is not loaded for its names
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Self
 
 from six_wheel._core import Encoder, Noise, Odometry, OdometryState, Rover
 from six_wheel.kinematics.flags import NamedFlag
+from six_wheel.kinematics.objects.short_text import described, few, short_repr
+from six_wheel.kinematics.objects.tables import (
+    Columns,
+    Tabular,
+    covariance_columns,
+    covariances_of,
+    headers_of,
+    pose_columns,
+    rows_of,
+    times_of,
+    twist_columns,
+)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -85,7 +97,7 @@ def findings(health: NDArray[np.uint32]) -> list[str]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track:
+class Track(Tabular):
     """Poses of a rover over a whole log, one row per sample.
 
     Rows that were left out (`health`) hold the state of the row before; their residuals are NaN.
@@ -123,26 +135,6 @@ class Track:
         return len(self.stamps)
 
     @property
-    def pose(self) -> Floats:
-        """`poses`."""
-        return self.poses
-
-    @property
-    def twist(self) -> Floats:
-        """`twists`."""
-        return self.twists
-
-    @property
-    def covariance(self) -> Floats | None:
-        """`covariances`."""
-        return self.covariances
-
-    @property
-    def residual(self) -> Floats | None:
-        """`residuals`."""
-        return self.residuals
-
-    @property
     def left_out(self) -> NDArray[np.int64]:
         """Rows that were left out."""
         import numpy as np
@@ -173,12 +165,50 @@ class Track:
         """
         return SlipReport.of(self, threshold, gap, shortest)
 
+    def _columns(self) -> Columns:
+        columns = pose_columns(self.stamps, self.poses) | twist_columns(self.twists)
+        if self.covariances is not None:
+            columns |= covariance_columns(self.covariances)
+        if self.residuals is not None:
+            names = self.rover.wheel_names
+            columns |= {f"residual_{name}": ("m/s", self.residuals[:, k]) for k, name in enumerate(names)}
+        return columns | {"health": ("", self.health)}
+
+    @classmethod
+    def from_pandas(cls, frame: Any, rover: Rover) -> Self:
+        """A track of the columns that `to_pandas` makes, from a DataFrame or a dict of columns.
+
+        Parameters
+        ----------
+        frame : DataFrame or mapping
+            With ``time``, ``x``, ``y`` and ``yaw`` [s, m, m, rad]; what else a track holds is None, or 0,
+            where its columns are missing.
+        rover : Rover
+            Whose track it is.
+
+        Raises
+        ------
+        ValueError
+            If a column is missing.
+        """
+        import numpy as np
+
+        headers = set(headers_of(frame))
+        stamps, poses = times_of(frame), rows_of(frame, ("x", "y", "yaw"))
+        twists = rows_of(frame, ("vx", "vy", "omega")) if "vx" in headers else np.zeros_like(poses)
+        names = tuple(f"residual_{name}" for name in rover.wheel_names)
+        residuals = rows_of(frame, names) if headers.issuperset(names) else None
+        covariances = covariances_of(frame, len(stamps))
+        health = np.zeros(len(stamps), dtype=np.uint32)
+        if "health" in headers:
+            health = np.asarray(frame["health"], dtype=np.uint32)
+        return cls(rover, stamps, poses, twists, covariances, residuals, None, health)
+
     def __repr__(self) -> str:
-        lines = [f"Track({len(self)} rows"]
-        if len(self):
-            x, y, yaw = self.poses[-1]
-            lines[0] += f", {self.stamps[-1] - self.stamps[0]:.6g} s, ends at ({x:.4f}, {y:.4f}, {yaw:.4f})"
-        return "\n  ".join([lines[0], *self.findings()]) + ")"
+        return described("Track", self.stamps, self.poses)
+
+    def __str__(self) -> str:
+        return "\n  ".join([repr(self), *few(self.findings())])
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +262,7 @@ class SlipWindow:
         return cls(begin, end, int(rows[first]), int(rows[last]), names[wheel], distance, worst)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class SlipReport:
     """Per wheel and over time, how the wheels contradict the motion that fits all of them best.
 
@@ -245,6 +275,10 @@ class SlipReport:
     rows: int
     told: bool = True
     """True where the wheels can contradict each other: two wheels of a differential drive cannot."""
+
+    def __repr__(self) -> str:
+        found = {"wheels": len(self.wheels), "rows": self.rows, "windows": len(self.windows)}
+        return short_repr("SlipReport", found | {"worst_wheel": self.worst_wheel, "told": self.told})
 
     @property
     def worst_wheel(self) -> str | None:
@@ -333,5 +367,5 @@ def can_contradict(rover: Rover, largest: float = math.inf) -> bool:
     driven = np.array([wheel.driven for wheel in rover.wheels])
     heard = [speeds] if largest > ROUNDING else [speeds, np.where(driven, speeds, np.nan)]
     return all(
-        np.nanmax(rover.fit(steering, one, allow_underdetermined=True).residual) > ROUNDING for one in heard
+        np.nanmax(rover.fit(steering, one, allow_underdetermined=True).residuals) > ROUNDING for one in heard
     )

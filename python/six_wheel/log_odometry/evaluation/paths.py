@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import wrap_angle
+from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats, as_poses, inverse, joined
 from six_wheel.log_odometry.evaluation.relative import (
@@ -176,7 +178,9 @@ class Evaluation:
         }
 
 
-def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Reference) -> tuple[ArrayLike, ArrayLike]:
+def at_same_times(
+    estimate: ArrayLike | Track | Track3, truth: ArrayLike | Reference
+) -> tuple[ArrayLike, ArrayLike]:
     """Poses of both at the same times: a `Track` and a `GroundTruth` (or what `as_truth` takes) by stamps.
 
     Raises
@@ -186,7 +190,7 @@ def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Reference) -> 
     """
     if hasattr(truth, "stamps"):
         truth = as_truth(truth)
-        if not isinstance(estimate, Track):
+        if not isinstance(estimate, Track | Track3):
             raise ValueError(
                 f"estimate must be a Track where truth is a GroundTruth, got {type(estimate).__name__}"
             )
@@ -196,12 +200,18 @@ def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Reference) -> 
             theirs = f"{truth.stamps[0]:g} to {truth.stamps[-1]:g} s"
             ours = f"{estimate.stamps[0]:g} to {estimate.stamps[-1]:g} s" if len(estimate) else "no rows"
             raise ValueError(f"truth must overlap the track in time, got {theirs} and {ours}")
-        return estimate.poses[known], real[known]
-    return estimate.poses if isinstance(estimate, Track) else estimate, truth
+        return _planar(estimate)[known], real[known]
+    return _planar(estimate) if isinstance(estimate, Track | Track3) else estimate, truth
 
 
+def _planar(track: Track | Track3) -> Floats:
+    """Poses x, y, yaw of a track; those of one in space as seen from above."""
+    return track.poses if isinstance(track, Track) else track.poses[:, [0, 1, 5]]
+
+
+@checked()
 def evaluate(
-    estimate: ArrayLike | Track,
+    estimate: ArrayLike | Track | Track3,
     truth: ArrayLike | Reference,
     *,
     length: float = 0.5,
@@ -211,9 +221,10 @@ def evaluate(
 
     Parameters
     ----------
-    estimate, truth : array_like, shape (n, 3), or Track and GroundTruth
-        Poses at the same times [m, m, rad]; a `GroundTruth` is interpolated at the stamps of a `Track`, whose
-        rows outside it are left out. The `WheelLog` that has it, or another `Track`, serves as well.
+    estimate, truth : array_like, shape (n, 3), or Track or Track3 and GroundTruth
+        Poses at the same times [m, m, rad]; of a `Track3` x, y and yaw count, as a truth has no height. A
+        `GroundTruth` is interpolated at the stamps of a track, whose rows outside it are left out. The
+        `WheelLog` that has it, or another `Track`, serves as well.
     length, stride
         Of the relative error; see `segments`.
 

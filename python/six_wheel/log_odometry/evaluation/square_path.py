@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover, Wheel
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.rover_edit import with_wheels
 
@@ -56,6 +57,7 @@ class SquareTest:
         )
 
 
+@checked()
 def umbmark(rover: Rover, clockwise: ArrayLike, counter_clockwise: ArrayLike, side: float) -> SquareTest:
     """Wheel diameters and track width of a differential drive from its return errors on a square.
 

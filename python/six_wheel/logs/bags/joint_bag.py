@@ -30,7 +30,7 @@ class JointBag(Bag):
     path : Path
         A folder with metadata.yaml, a .mcap or .db3 file.
     rover : Rover
-    reading : {"angle", "speed"}, optional
+    readings : {"angles", "speeds"}, optional
         What to take of the wheels where both are there; angles without it.
     topics : sequence of str, optional
 
@@ -38,11 +38,11 @@ class JointBag(Bag):
     ----------
     names : list of str
         ``"steering NAME"`` and ``"wheel NAME"`` of what is in the bag.
-    reading : {"angle", "speed"}
+    readings : {"angles", "speeds"}
     """
 
     def __init__(
-        self, path: Path, rover: Rover, reading: Reading | None = None, topics: Sequence[str] | None = None
+        self, path: Path, rover: Rover, readings: Reading | None = None, topics: Sequence[str] | None = None
     ) -> None:
         super().__init__(path)
         self._choose([JOINT_STATE], topics, usual="joint_states")
@@ -51,12 +51,12 @@ class JointBag(Bag):
         self._joints |= {joint: f"steering {wheel}" for joint, wheel in rover.steering_joints.items()}
         self._turned = frozenset(rover.reversed_joints)
         try:
-            self.reading = self._look(rover, reading)
+            self.readings = self._look(rover, readings)
         except BaseException:
             self.close()
             raise
 
-    def _look(self, rover: Rover, reading: Reading | None) -> Reading:
+    def _look(self, rover: Rover, readings: Reading | None) -> Reading:
         """Reads ahead for the joints of the bag, and returns the kind of reading for the wheels."""
         kinds: dict[str, set[Reading]] = {}
         strangers: dict[str, None] = {}
@@ -66,15 +66,15 @@ class JointBag(Bag):
                     strangers[joint] = None
                     continue
                 known = kinds.setdefault(name, set())
-                known |= {"angle"} if math.isfinite(position) else set()
-                known |= {"speed"} if math.isfinite(velocity) else set()
+                known |= {"angles"} if math.isfinite(position) else set()
+                known |= {"speeds"} if math.isfinite(velocity) else set()
             lacking = [j for j, wheel in rover.steering_joints.items() if not kinds.get(f"steering {wheel}")]
             if number >= LOOK_AHEAD and not lacking:
                 break
         self.findings = Findings(self.path)  # all of it is read again
         listed = ", ".join([*(j for j, name in self._joints.items() if name in kinds), *strangers]) or "none"
         for joint, wheel in rover.steering_joints.items():
-            if "angle" not in kinds.get(f"steering {wheel}", ()):
+            if "angles" not in kinds.get(f"steering {wheel}", ()):
                 hint = did_you_mean([joint], _like_wheels(strangers))
                 raise TableError(f"{self.path}: no position of joint {joint} among {listed}{hint}")
         wheels = {name: known for name, known in kinds.items() if name.startswith("wheel ") and known}
@@ -83,7 +83,7 @@ class JointBag(Bag):
             hint = did_you_mean([*rover.traction_joints], _like_wheels(strangers))
             raise TableError(f"{self.path}: no joint of any wheel ({joints}) among {listed}{hint}")
         self.names = [name for name in dict.fromkeys(self._joints.values()) if kinds.get(name)]
-        choices: tuple[Reading, ...] = ("angle", "speed") if reading is None else (reading,)
+        choices: tuple[Reading, ...] = ("angles", "speeds") if readings is None else (readings,)
         for choice in choices:
             if all(choice in known for known in wheels.values()):
                 return choice
@@ -114,7 +114,7 @@ class JointBag(Bag):
             self.position = number
             for joint, position, velocity in self._states(message):
                 if (name := self._joints.get(joint)) in series:
-                    speed = name.startswith("wheel ") and self.reading == "speed"
+                    speed = name.startswith("wheel ") and self.readings == "speeds"
                     value = velocity if speed else position
                     flaw = series[name].add(number, stamp, -value if joint in self._turned else value)
                     if flaw and name == first:

@@ -31,7 +31,7 @@ class TopicBag(JointBag):
     rover : Rover
     topics : mapping
         Topic, with a field and an index where there are several numbers, to a header as tables have it.
-    reading : {"angle", "speed", "ticks"}, optional
+    readings : {"angles", "speeds", "ticks"}, optional
         What the numbers are where the headers do not say.
 
     Raises
@@ -41,11 +41,11 @@ class TopicBag(JointBag):
     """
 
     def __init__(
-        self, path: Path, rover: Rover, topics: Mapping[str, str], reading: Reading | None = None
+        self, path: Path, rover: Rover, topics: Mapping[str, str], readings: Reading | None = None
     ) -> None:
         Bag.__init__(self, path)
         try:
-            found = joint_columns(["time [ns]", *topics.values()], rover, reading)
+            found = joint_columns(["time [ns]", *topics.values()], rover, readings)
         except BaseException:
             self.close()
             raise
@@ -54,7 +54,7 @@ class TopicBag(JointBag):
             for name, column in found.columns.items()
             if name.startswith(("wheel ", "steering "))
         }
-        self.reading, self.names = found.reading, list(self.columns)
+        self.readings, self.names = found.readings, list(self.columns)
         self.counted = {
             name.removeprefix("steering ")
             for name, column in self.columns.items()

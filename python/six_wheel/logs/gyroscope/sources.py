@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.odometry.headers.columns import TIME, Column, find_columns
+from six_wheel.kinematics.odometry.headers.columns import Column
 from six_wheel.kinematics.odometry.headers.rate_columns import rate_columns
+from six_wheel.kinematics.odometry.headers.renamed import Columns
+from six_wheel.kinematics.odometry.headers.time_columns import time_columns
 from six_wheel.logs.gyroscope.rates import RATES, Floats, about_z
 from six_wheel.logs.skip_bad_rows import Sieve, Source, TolerantTable
 
@@ -32,10 +34,10 @@ def readings_of(
         yield seconds(batch.time[there]) - offset, scale * rates[there]
 
 
-def rate_table(path: Path, columns: Mapping[str, str] | None) -> TolerantTable:
+def rate_table(path: Path, columns: Columns | None, stamp_unit: str | None = None) -> TolerantTable:
     """The same table again, of which only times and the gyroscope are read."""
 
     def find(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
-        return find_columns(headers, (TIME,)) | rate_columns(headers, field_units)
+        return time_columns(headers, field_units, stamp_unit) | rate_columns(headers, field_units)
 
     return TolerantTable(path, find, columns, RATES)

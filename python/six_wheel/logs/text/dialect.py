@@ -86,7 +86,7 @@ def open_text(path: Path) -> BinaryIO:
             copy.close()
             raise TableError(f"the text cannot be read: {' '.join(str(error).split())}") from None
         copy.seek(0)
-        return copy  # type: ignore[return-value]
+        return copy
 
 
 def _encoding(head: bytes) -> str | None:

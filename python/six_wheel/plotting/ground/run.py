@@ -31,14 +31,16 @@ def _times(run: GroundSimulation, count: int) -> list[int]:
     return [int(row) for row in standing[np.linspace(0, len(standing) - 1, count).astype(int)]]
 
 
-def ground_figure(run: GroundSimulation, arm: RockerBogie, ground: Terrain, *, title: str = "") -> Figure:
+def ground_figure(
+    run: GroundSimulation, suspension: RockerBogie, ground: Terrain, *, title: str = ""
+) -> Figure:
     """Draw a drive in three dimensions, with its film strip below.
 
     Parameters
     ----------
     run : GroundSimulation
         What `simulate` returned.
-    arm : RockerBogie
+    suspension : RockerBogie
         Who drove.
     ground : Terrain
         What it drove over.
@@ -54,30 +56,30 @@ def ground_figure(run: GroundSimulation, arm: RockerBogie, ground: Terrain, *, t
     # A square as wide as the picture, its middle in that of the upper part: a space is clipped to its square.
     square = 11 / 7.4
     space = figure.add_axes((0.0, 0.61 - square / 2, 1.0, square), projection="3d", facecolor="none")
-    _draw_space(space, run, arm, ground)
+    _draw_space(space, run, suspension, ground)
     strip = figure.add_gridspec(1, FRAMES, left=0.01, right=0.99, bottom=0.02, top=0.2, wspace=0.04)
-    _draw_film([figure.add_subplot(strip[k]) for k in range(FRAMES)], run, arm)
+    _draw_film([figure.add_subplot(strip[k]) for k in range(FRAMES)], run, suspension)
     figure.text(0.012, 0.985, title, ha="left", va="top", color=INK, weight="bold")
     return figure
 
 
-def film_figure(run: GroundSimulation, arm: RockerBogie, *, title: str = "") -> Figure:
+def film_figure(run: GroundSimulation, suspension: RockerBogie, *, title: str = "") -> Figure:
     """Draw the rover from its left at six times of a drive."""
     figure = Figure(figsize=(14, 3.2), layout="constrained")
     figure.suptitle(title, x=0.01, ha="left", color=INK)
-    _draw_film(list(figure.subplots(1, FRAMES)), run, arm)
+    _draw_film(list(figure.subplots(1, FRAMES)), run, suspension)
     return figure
 
 
-def speeds_figure(run: GroundSimulation, arm: RockerBogie, *, title: str = "") -> Figure:
+def speeds_figure(run: GroundSimulation, suspension: RockerBogie, *, title: str = "") -> Figure:
     """Draw how fast the wheels turn, against what the same commands ask for on level ground."""
-    assert run.speeds is not None
-    assert run.flat_speeds is not None
+    assert run.wheel_speeds is not None
+    assert run.flat_wheel_speeds is not None
     figure = Figure(figsize=(11, 6), layout="constrained")
     figure.suptitle(title, x=0.01, ha="left", color=INK)
     panels = figure.subplots(3, 2, sharex=True, sharey=True)
     for axes, name, speed, flat in zip(
-        panels.flat, arm.wheel_names, run.speeds.T, run.flat_speeds.T, strict=True
+        panels.flat, suspension.wheel_names, run.wheel_speeds.T, run.flat_wheel_speeds.T, strict=True
     ):
         axes.plot(run.stamps, speed, color=CENTRE, lw=1.0, label="on this ground")
         axes.plot(run.stamps, flat, color=INK, lw=1.0, ls="--", label="on level ground")
@@ -87,7 +89,7 @@ def speeds_figure(run: GroundSimulation, arm: RockerBogie, *, title: str = "") -
     return figure
 
 
-def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terrain) -> None:
+def _draw_space(axes: Any, run: GroundSimulation, suspension: RockerBogie, ground: Terrain) -> None:
     assert run.truth is not None
     assert run.stand is not None
     poses, stand = run.truth.poses, run.stand
@@ -95,7 +97,7 @@ def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terr
     counts = np.maximum(2, np.ceil(FACETS * (high - low) / (high - low).max()).astype(int))
     x, y = (np.linspace(low[k], high[k], counts[k]) for k in (0, 1))
     places = np.stack(np.meshgrid(x, y), axis=-1)
-    heights = np.asarray(ground.height(places))
+    heights = np.asarray(ground.height_at(places))
     sun = LightSource(azdeg=300, altdeg=40)
     bright = sun.hillshade(
         np.nan_to_num(heights, nan=float(np.nanmin(heights))), vert_exag=1.5, dx=x[1] - x[0]
@@ -113,10 +115,10 @@ def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terr
         shade=False,
     )
     centres = np.asarray(stand.transform)[:, :3, 3]
-    on_ground = np.asarray(ground.height(poses[:, :2])) + 0.05
+    on_ground = np.asarray(ground.height_at(poses[:, :2])) + 0.05
     axes.plot(poses[:, 0], poses[:, 1], on_ground, color=CENTRE, lw=2.0, zorder=10)
     for row in _times(run, ROVERS):
-        _draw_rover(axes, arm, stand, row)
+        _draw_rover(axes, suspension, stand, row)
     known = np.concatenate([heights.ravel(), centres[:, 2]])
     known = known[np.isfinite(known)]
     tall = max(np.ptp(known), 0.5) + 1.0
@@ -133,15 +135,15 @@ def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terr
     axes.grid(False)
 
 
-def _draw_rover(axes: Any, arm: RockerBogie, stand: SettledPose, row: int) -> None:
+def _draw_rover(axes: Any, suspension: RockerBogie, stand: SettledPose, row: int) -> None:
     """Links and wheels at one pose."""
     transform, joints = stand.transform[row], stand.joints[row]
-    frames = arm.frames(joints[0], joints[1:], stand.steering[row])
+    frames = suspension.frames(joints[0], joints[1:], stand.steering[row])
     world = {name: transform @ frame for name, frame in frames.items()}
-    radius = arm.dimensions["wheel_radius"]
+    radius = suspension.dimensions["wheel_radius"]
     t = np.linspace(0, 2 * np.pi, RIM)
     rim = radius * np.stack([np.sin(t), np.zeros(RIM), -np.cos(t)], axis=-1)
-    for link in arm.links:
+    for link in suspension.links:
         if link.parent != "R" and link.frame != "D":
             ends = np.array([world[link.parent][:3, 3], world[link.frame][:3, 3]])
             axes.plot(*ends.T, color=INK, lw=1.2, zorder=11)
@@ -150,11 +152,11 @@ def _draw_rover(axes: Any, arm: RockerBogie, stand: SettledPose, row: int) -> No
         axes.plot(*(rim @ wheel[:3, :3].T + wheel[:3, 3]).T, color=WHEEL, lw=1.6, zorder=12)
 
 
-def _draw_film(panels: list[Axes], run: GroundSimulation, arm: RockerBogie) -> None:
+def _draw_film(panels: list[Axes], run: GroundSimulation, suspension: RockerBogie) -> None:
     assert run.stand is not None
     for axes, row in zip(panels, _times(run, len(panels)), strict=True):
-        one = arm.settle(run.stand.ground, run.stand.poses[row], run.stand.steering[row])
-        draw_side_view(axes, arm, one)
+        one = suspension.settle(run.stand.ground, run.stand.poses[row], run.stand.steering[row])
+        draw_side_view(axes, suspension, one)
         axes.set_title(f"{run.stamps[row]:.0f} s", fontsize="small", color=SOFT)
         axes.set_xticks([])
         axes.set_yticks([])

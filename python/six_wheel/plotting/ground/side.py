@@ -98,7 +98,7 @@ def _draw_ground(axes: Axes, rover: RockerBogie, stand: SettledPose) -> None:
     along = np.linspace(ahead.min() - reach, ahead.max() + reach, 800)
     heading, left = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
     offset = float((centres[1, :2] - [x, y]) @ left)
-    height = stand.ground.height(np.array([x, y]) + along[:, None] * heading + offset * left)
+    height = stand.ground.height_at(np.array([x, y]) + along[:, None] * heading + offset * left)
     bottom = np.nanmin(height) - reach / 2
     axes.fill_between(along, height, bottom, color=TRACK, zorder=0)
     axes.plot(along, height, color=INK, lw=1, zorder=1)

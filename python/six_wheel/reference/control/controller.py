@@ -29,8 +29,8 @@ def _ratios(rover: Rover, limits: Any, twist: Floats) -> Iterator[tuple[str, flo
     yield "YAW_RATE", abs(omega) / limits.yaw_rate
     # It falls with the square of the scale.
     yield "LATERAL_ACCELERATION", math.sqrt(speed * abs(omega) / limits.lateral_acceleration)
-    _, speeds = rover.inverse(twist)
-    yield "WHEEL_SPEED", float(np.max(np.abs(speeds))) / limits.wheel_speed
+    _, wheel_speeds = rover.inverse(twist)
+    yield "WHEEL_SPEED", float(np.max(np.abs(wheel_speeds))) / limits.wheel_speed
 
 
 def saturated(rover: Rover, limits: Any, twist: ArrayLike) -> tuple[Floats, str | None]:
@@ -92,18 +92,21 @@ class Stepper:
     limits: Any
     twist: Floats
     steering: Floats
-    speeds: Floats
+    wheel_speeds: Floats
 
     def step(self, goal: ArrayLike, dt: float) -> None:
         """Move on by `dt` towards a goal that the rover can reach by turning its wheels."""
         wanted = np.asarray(goal, dtype=float)
         share = _largest(lambda share: self._allowed(self.twist + share * (wanted - self.twist), dt))
         self.twist = self.twist + share * (wanted - self.twist)
-        self.steering, self.speeds = self.rover.inverse(self.twist, previous=self.steering)
+        self.steering, self.wheel_speeds = self.rover.inverse(self.twist, previous=self.steering)
 
     def _allowed(self, twist: Floats, dt: float) -> bool:
-        steering, speeds = self.rover.inverse(twist, previous=self.steering)
-        step = [Shot(0.0, self.twist, self.steering, self.speeds), Shot(dt, twist, steering, speeds)]
+        steering, wheel_speeds = self.rover.inverse(twist, previous=self.steering)
+        step = [
+            Shot(0.0, self.twist, self.steering, self.wheel_speeds),
+            Shot(dt, twist, steering, wheel_speeds),
+        ]
         return max(excess(self.limits, step).values(), default=0.0) <= 1.0
 
 
@@ -125,7 +128,7 @@ class Shot:
     time: float
     twist: Floats
     steering: Floats
-    speeds: Floats
+    wheel_speeds: Floats
 
 
 def excess(limits: Any, log: Sequence[Shot]) -> dict[str, float]:
@@ -136,7 +139,7 @@ def excess(limits: Any, log: Sequence[Shot]) -> dict[str, float]:
     time = np.array([shot.time for shot in log])
     twist = np.array([shot.twist for shot in log])
     steering = np.array([shot.steering for shot in log]).reshape(len(log), -1)
-    speeds = np.array([shot.speeds for shot in log])
+    wheel_speeds = np.array([shot.wheel_speeds for shot in log])
     linear = np.hypot(twist[:, 0], twist[:, 1])
 
     def slope(values: Floats, times: Floats) -> tuple[Floats, Floats]:
@@ -154,8 +157,8 @@ def excess(limits: Any, log: Sequence[Shot]) -> dict[str, float]:
         "speed": float(np.max(linear)),
         "yaw_rate": float(np.max(np.abs(twist[:, 2]))),
         "lateral_acceleration": float(np.max(linear * np.abs(twist[:, 2]))),
-        "wheel_speed": float(np.max(np.abs(speeds))),
-        "wheel_acceleration": float(np.max(np.abs(slope(speeds, time)[0]), initial=0.0)),
+        "wheel_speed": float(np.max(np.abs(wheel_speeds))),
+        "wheel_acceleration": float(np.max(np.abs(slope(wheel_speeds, time)[0]), initial=0.0)),
         "jerk": largest(jerk[:, :2]),
         "angular_jerk": largest(jerk[:, 2:]),
         "steering_rate": float(np.max(np.abs(rate), initial=0.0)),

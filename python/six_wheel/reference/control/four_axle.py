@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 
-SIDES = np.array((1.0, -1.0, 1.0, -1.0))  # left of the hinge, right of it
+SIDES = np.array((1.0, -1.0, 1.0, -1.0))  # left of the pivot, right of it
 
 
-def hinge_points(h_x: float, h_y: float) -> Floats:
+def pivot_points(h_x: float, h_y: float) -> Floats:
     """Hinges in the body [m], shape (4, 2)."""
     return np.array(((h_x, h_y), (h_x, -h_y), (-h_x, h_y), (-h_x, -h_y)))
 
@@ -25,56 +25,56 @@ def headings(angles: ArrayLike) -> tuple[Floats, Floats]:
     return e, np.stack((-e[:, 1], e[:, 0]), axis=-1)
 
 
-def hinge_velocities(hinges: Floats, twist: ArrayLike) -> Floats:
+def pivot_velocities(pivots: Floats, twist: ArrayLike) -> Floats:
     """u = (vx - omega y, vy + omega x), shape (4, 2) [m/s]."""
     vx, vy, omega = np.asarray(twist, dtype=np.float64)
-    return np.stack((vx - omega * hinges[:, 1], vy + omega * hinges[:, 0]), axis=-1)
+    return np.stack((vx - omega * pivots[:, 1], vy + omega * pivots[:, 0]), axis=-1)
 
 
-def wheel_ends(hinges: Floats, axle_length: float, pose: ArrayLike, angles: ArrayLike) -> Floats:
+def wheel_ends(pivots: Floats, axle_length: float, pose: ArrayLike, angles: ArrayLike) -> Floats:
     """Places of the wheels in the world [m], shape (4, 2)."""
     x, y, yaw = np.asarray(pose, dtype=np.float64)
     _, n = headings(angles)
-    in_body = hinges + axle_length * SIDES[:, None] * n
+    in_body = pivots + axle_length * SIDES[:, None] * n
     turn = np.array(((np.cos(yaw), -np.sin(yaw)), (np.sin(yaw), np.cos(yaw))))
     ends: Floats = in_body @ turn.T + (x, y)
     return ends
 
 
 def wheel_end_velocities(
-    hinges: Floats, axle_length: float, twist: ArrayLike, angles: ArrayLike, rates: ArrayLike
+    pivots: Floats, axle_length: float, twist: ArrayLike, angles: ArrayLike, rates: ArrayLike
 ) -> Floats:
     """c = u - scrub (omega + phi_dot) e, scrub = +-L, in body axes, shape (4, 2) [m/s]."""
     e, _ = headings(angles)
     turning = np.asarray(twist, dtype=np.float64)[2] + np.asarray(rates, dtype=np.float64)
-    ends: Floats = hinge_velocities(hinges, twist) - (axle_length * SIDES * turning)[:, None] * e
+    ends: Floats = pivot_velocities(pivots, twist) - (axle_length * SIDES * turning)[:, None] * e
     return ends
 
 
-def side_slip_rows(hinges: Floats, angles: ArrayLike) -> Floats:
+def side_slip_rows(pivots: Floats, angles: ArrayLike) -> Floats:
     """n . u = 0 as rows for (vx, vy, omega), shape (4, 3)."""
     _, n = headings(angles)
-    return np.column_stack((n, hinges[:, 0] * n[:, 1] - hinges[:, 1] * n[:, 0]))
+    return np.column_stack((n, pivots[:, 0] * n[:, 1] - pivots[:, 1] * n[:, 0]))
 
 
-def concurrent_angles(hinges: Floats, icr: ArrayLike) -> Floats:
-    """Headings square to the way from each hinge to the point, folded into a quarter turn to either side."""
-    dx, dy = (np.asarray(icr, dtype=np.float64) - hinges).T
+def concurrent_angles(pivots: Floats, icr: ArrayLike) -> Floats:
+    """Headings square to the way from each pivot to the point, folded into a quarter turn to either side."""
+    dx, dy = (np.asarray(icr, dtype=np.float64) - pivots).T
     heading = np.arctan2(-dx, dy)
     folded: Floats = heading - np.pi * np.round(heading / np.pi)
     return folded
 
 
 def forward(
-    hinges: Floats, axle_length: float, angles: ArrayLike, rim_speeds: ArrayLike, free: ArrayLike
+    pivots: Floats, axle_length: float, angles: ArrayLike, rim_speeds: ArrayLike, free: ArrayLike
 ) -> tuple[Floats, Floats, Floats]:
     """Twist, pivot rates and slip per wheel, from driven wheels; `free` says which axles turn."""
     e, _ = headings(angles)
     loose = np.flatnonzero(np.asarray(free))
     rows = np.zeros((8, 3 + len(loose)))
-    rows[:4, :3] = side_slip_rows(hinges, angles)
+    rows[:4, :3] = side_slip_rows(pivots, angles)
     scrub = axle_length * SIDES
-    rows[4:, :3] = np.column_stack((e, hinges[:, 0] * e[:, 1] - hinges[:, 1] * e[:, 0] - scrub))
+    rows[4:, :3] = np.column_stack((e, pivots[:, 0] * e[:, 1] - pivots[:, 1] * e[:, 0] - scrub))
     rows[4 + loose, 3 + np.arange(len(loose))] = -scrub[loose]
     wanted = np.concatenate((np.zeros(4), np.asarray(rim_speeds, dtype=np.float64)))
     found = np.asarray(np.linalg.lstsq(rows, wanted, rcond=None)[0], dtype=np.float64)
@@ -127,8 +127,8 @@ def rear_steering(
 ) -> tuple[Floats, Floats]:
     """Hinged axles, the front ones locked straight ahead and following, the rear ones free and driven.
 
-    From straight ahead at the origin. The centre of rotation stays abreast of the front hinges at 1 / kappa;
-    the rear hinges move at (1 -+ h_y kappa, -2 h_x kappa) v, and the axles follow. Both rolling rows are
+    From straight ahead at the origin. The centre of rotation stays abreast of the front pivots at 1 / kappa;
+    the rear pivots move at (1 -+ h_y kappa, -2 h_x kappa) v, and the axles follow. Both rolling rows are
     solved for v and kappa', and summed up by Runge-Kutta's rule. Returns rear angles (left, right), pose.
     """
     sides = np.array((1.0, -1.0))

@@ -357,6 +357,12 @@ def costs(
     return np.asarray(total)
 
 
+def goal_yaw_cost(ends: Floats, goal: Floats, weights: Mapping[str, float]) -> Floats:
+    """Cost (rollouts,) of the yaw of the last poses (rollouts, 3) at a goal x, y, yaw."""
+    x, y, yaw = (ends - np.asarray(goal)).T
+    return np.asarray(weights["goal_yaw"] * (1.0 - np.cos(yaw)) / (1.0 + np.hypot(x, y)))
+
+
 def mean(total: Floats, wishes: Floats, temperature: float) -> tuple[Floats, Floats]:
     """Weights (rollouts,) of costs, and the mean (steps, components) of the wishes with them."""
     share = np.exp((total.min() - total) / temperature)

@@ -77,7 +77,7 @@ def strain(
 ) -> Strain:
     """Follow a transition through a time without stops and measure what it does.
 
-    `at` gives `twist`, `steering`, `steering_rates` and `speeds` at a time [s], as transitions do.
+    `at` gives `twist`, `steering`, `steering_rates` and `wheel_speeds` at a time [s], as transitions do.
     """
     step = duration / steps
     states = [at(start + k * step * (1 - 1e-12)) for k in range(steps + 1)]
@@ -86,12 +86,14 @@ def strain(
         return max(float(np.max(np.abs(b - a), initial=0.0)) / step for a, b in itertools.pairwise(values))
 
     lengths = [math.hypot(*(b.twist - a.twist)[:2]) / step for a, b in itertools.pairwise(states)]
-    residuals = [rover.fit(s.steering, s.speeds, steering_rates=s.steering_rates).residual for s in states]
+    residuals = [
+        rover.fit(s.steering, s.wheel_speeds, steering_rates=s.steering_rates).residuals for s in states
+    ]
     return Strain(
         steering_rate=change([state.steering for state in states]),
         steering_acceleration=change([state.steering_rates for state in states]),
-        wheel_speed=max(float(np.max(np.abs(state.speeds))) for state in states),
-        wheel_acceleration=change([state.speeds for state in states]),
+        wheel_speed=max(float(np.max(np.abs(state.wheel_speeds))) for state in states),
+        wheel_acceleration=change([state.wheel_speeds for state in states]),
         acceleration=max(lengths),
         angular_acceleration=change([state.twist[2:] for state in states]),
         scrub=max(float(np.max(residual)) for residual in residuals),

@@ -65,7 +65,7 @@ def _extremes(ground: Terrain, pose: Floats, box: Floats) -> tuple[float, float]
     cos, sin = math.cos(yaw), math.sin(yaw)
     u, v = np.meshgrid(np.linspace(box[0], box[1], 25), np.linspace(box[2], box[3], 25))
     points = np.stack([x + cos * u - sin * v, y + sin * u + cos * v], axis=-1).reshape(-1, 2)
-    heights = ground.height(points)
+    heights = ground.height_at(points)
     return float(np.min(heights)), float(np.max(heights))
 
 

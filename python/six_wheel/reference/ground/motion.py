@@ -80,13 +80,13 @@ class Forward:
 
     twist: Floats
     joint_rates: Floats
-    residual: Floats  # (wheels, 3): along n, T and l [m/s], what the contacts slip; NaN for hanging wheels
+    residuals: Floats  # (wheels, 3): along n, T and l [m/s], what the contacts slip; NaN for hanging wheels
 
 
 def forward(
     chain: Chain,
     stand: SettledPose,
-    speeds: ArrayLike,
+    wheel_speeds: ArrayLike,
     *,
     steering_rates: ArrayLike | None = None,
     joint_rates: ArrayLike | None = None,
@@ -127,7 +127,7 @@ def forward(
     weight = np.broadcast_to(weight if weight.ndim == 2 else weight[:, None], (count, 2))
     root = np.sqrt(np.concatenate([weight.max(axis=1)[on], weight[on, 0], weight[on, 1]]))
     rows = np.concatenate([contacts.normal[on], rolls[on], contacts.left[on]])
-    turned = [contacts.steered[on, 0] * swivel[on], -radii[on] * np.asarray(speeds, float)[on]]
+    turned = [contacts.steered[on, 0] * swivel[on], -radii[on] * np.asarray(wheel_speeds, float)[on]]
     told = np.concatenate([*turned, contacts.steered[on, 1] * swivel[on]])
     slipping = root * (rows @ known + told)
     known = known - spread @ np.linalg.lstsq(root[:, None] * (rows @ spread), slipping, rcond=None)[0]
@@ -141,7 +141,7 @@ class Inverse:
     """Steering angles and wheel speeds for a wanted motion, with twist and joint rates."""
 
     steering: Floats
-    speeds: Floats  # [rad/s]
+    wheel_speeds: Floats  # [rad/s]
     twist: Floats
     joint_rates: Floats
 
@@ -242,7 +242,7 @@ class Traction:
     """Wheels without a map."""
 
     steering: Floats
-    speeds: Floats
+    wheel_speeds: Floats
     contact_angles: Floats
     vertical: float  # vz of the body's origin [m/s]
 
@@ -277,11 +277,11 @@ def traction(
         ahead, aside = float(command[k] @ h), float(command[k] @ a)
         steering.append(math.atan2(aside, ahead) if ahead >= 0 else math.atan2(-aside, -ahead))
     posture = Posture(chain, joints, steering)
-    speeds, angles = [], []
+    wheel_speeds, angles = [], []
     for k, wheel in enumerate(chain.wheels):
         along, lift = float(centres[k] @ posture.forward[k]), float(centres[k] @ posture.up[k])
         way = 1.0 if along >= 0 else -1.0
         angles.append(math.atan2(way * lift, way * along))
         link = turn + np.einsum("j,jc->c", rates, posture.turns[k])
-        speeds.append(way * math.hypot(along, lift) / wheel.radius - link @ posture.axle[k])
-    return Traction(np.array(steering), np.array(speeds), np.array(angles), vertical)
+        wheel_speeds.append(way * math.hypot(along, lift) / wheel.radius - link @ posture.axle[k])
+    return Traction(np.array(steering), np.array(wheel_speeds), np.array(angles), vertical)

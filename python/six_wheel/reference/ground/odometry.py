@@ -73,7 +73,7 @@ def unmapped(
     joints: Floats,
     steering: Floats,
     swivels: Floats,
-    speeds: Floats,
+    wheel_speeds: Floats,
     motion: Floats,
     before: Floats,
     doubt: float,
@@ -102,7 +102,7 @@ def unmapped(
         up = inward[k]
         tangent = np.cross(axle[k], up)
         if len(motion):
-            rolled = radius * (speeds[k] + axle[k] @ turning[k] @ motion)
+            rolled = radius * (wheel_speeds[k] + axle[k] @ turning[k] @ motion)
             length = rolled**2 / (abs(rolled) + doubt)
             kept = math.exp(-length / (MEMORY * doubt)) if doubt > 0 else 0.0
             slopes[k] = kept * slopes[k] + (1 - kept) * (up @ velocity[k] @ motion) / rolled
@@ -118,7 +118,7 @@ def unmapped(
     return Rows(together, along, left, np.zeros(1), swept, slopes)
 
 
-def solve(chain: Chain, rows: Rows, known: dict[int, float], speeds: Floats) -> Floats:
+def solve(chain: Chain, rows: Rows, known: dict[int, float], wheel_speeds: Floats) -> Floats:
     """The motion: exact conditions first, then least squares; unsteered wheels share a row."""
     width = rows.along.shape[1]
     fixed = np.array([np.eye(width)[column] for column in known] or np.zeros((0, width)))
@@ -132,17 +132,17 @@ def solve(chain: Chain, rows: Rows, known: dict[int, float], speeds: Floats) -> 
     left[straight] = left[straight].mean(axis=0)
     radii = np.array([wheel.radius for wheel in chain.wheels])
     told = np.concatenate([rows.along * radii[:, None], left])
-    wanted = np.concatenate([speeds * radii, -rows.swept]) - told @ offset
+    wanted = np.concatenate([wheel_speeds * radii, -rows.swept]) - told @ offset
     motion: Floats = offset + space @ np.linalg.lstsq(told @ space, wanted, rcond=None)[0]
     return motion
 
 
 def chorded(chain: Chain, angles: Floats, turned: Floats) -> tuple[Floats, Floats]:
     """Turns and steering of the wheels over a step, times ``sinc(steered / 2)``: along the chord."""
-    steered, speeds = np.zeros(len(turned)), turned.copy()
+    steered, wheel_speeds = np.zeros(len(turned)), turned.copy()
     steered[chain.steered] = angles[1] - angles[0]
     chord = np.sinc(steered / math.tau)
-    return speeds * chord, steered * chord
+    return wheel_speeds * chord, steered * chord
 
 
 def dead_reckon(
@@ -197,7 +197,7 @@ def _by_joints(
     doubt: float,
 ) -> tuple[Floats, float, Floats]:
     """Way in the body, change of yaw and slopes: the body turns about its own z as the wheels say."""
-    speeds, swivels = chorded(chain, angles, turned)
+    wheel_speeds, swivels = chorded(chain, angles, turned)
     yaw, motion = 0.0, np.zeros(0)
 
     def turn(yaw: float) -> Floats:
@@ -206,23 +206,23 @@ def _by_joints(
     middle = joints.mean(axis=0), angles.mean(axis=0)
     for _ in range(ROUNDS):
         about = turn(yaw)
-        rows = unmapped(chain, *middle, swivels, speeds, motion, slopes, doubt)
+        rows = unmapped(chain, *middle, swivels, wheel_speeds, motion, slopes, doubt)
         bent = dict(enumerate(joints[1] - joints[0], start=6))
-        motion = solve(chain, rows, {3: about[0], 4: about[1], **bent}, speeds)
+        motion = solve(chain, rows, {3: about[0], 4: about[1], **bent}, wheel_speeds)
         yaw += (motion[5] - about[2]) / ends[1][2, 2]
     return screw(np.concatenate([motion[:3], turn(yaw)]))[0], yaw, rows.slopes
 
 
 def _by_ground(chain: Chain, ground: Terrain, pose: Floats, angles: Floats, turned: Floats) -> Floats:
     """End of a step in plan by the midpoint rule: half the motion of the start leads to the middle."""
-    speeds, swivels = chorded(chain, angles, turned)
+    wheel_speeds, swivels = chorded(chain, angles, turned)
 
     def motion(plan: ArrayLike, steering: Floats) -> Floats:
         stand = settle(ground, chain, plan, steering)
         contacts = touch(chain, stand)
         lifted, swept = contacts.steered.T * swivels
         rows = Rows(contacts.normal, contacts.along, contacts.left, lifted, swept, np.zeros(0))
-        return solve(chain, rows, {}, speeds)[:6]
+        return solve(chain, rows, {}, wheel_speeds)[:6]
 
     def after(tangent: Floats) -> Floats:
         way, turn = screw(tangent)

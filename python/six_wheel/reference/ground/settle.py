@@ -65,13 +65,13 @@ def gap(ground: Terrain, centre: Floats, forward: Floats, up: Floats, radius: fl
     def rise(t: Floats) -> Floats:
         """Derivative of the distance by t, over the radius."""
         tangent = np.multiply.outer(np.cos(t), forward) + np.multiply.outer(np.sin(t), up)
-        slope = ground.gradient(rim(t)[..., :2])
+        slope = ground.gradient_at(rim(t)[..., :2])
         risen: Floats = tangent[..., 2] - np.sum(slope * tangent[..., :2], axis=-1)
         return risen
 
     def above(t: Floats) -> Floats:
         point = rim(t)
-        height: Floats = point[..., 2] - ground.height(point[..., :2])
+        height: Floats = point[..., 2] - ground.height_at(point[..., :2])
         return height
 
     angles = 2 * math.pi * np.arange(SAMPLES) / SAMPLES - math.pi
@@ -91,7 +91,7 @@ def gap(ground: Terrain, centre: Floats, forward: Floats, up: Floats, radius: fl
     angle = found[best : best + 1]
     sides = angle + np.array([-1e-9, 1e-9])
     left, right = rise(sides)
-    slopes = ground.gradient(rim(sides)[:, :2])
+    slopes = ground.gradient_at(rim(sides)[:, :2])
     share = right / (right - left) if left < 0 < right else 0.5
     point = rim(angle)[0]
     return Gap(float(above(angle)[0]), float(angle[0]), point, share * slopes[0] + (1 - share) * slopes[1])
@@ -198,7 +198,7 @@ def _height(ground: Terrain, chain: Chain, pose: ArrayLike) -> float:
     x, y, yaw = np.asarray(pose, float)
     turn = axis_turn((0, 0, 1), yaw)
     places = np.array([x, y, 0]) + np.array([wheel.centre for wheel in chain.wheels]) @ turn.T
-    heights = ground.height(places[:, :2])
+    heights = ground.height_at(places[:, :2])
     wheel = chain.wheels[0]
     known = heights[~np.isnan(heights)]
     return float(known.mean() if known.size else 0) + wheel.radius - wheel.centre[2]
@@ -284,5 +284,5 @@ def _why_not(ground: Terrain, chain: Chain, pose: Floats) -> str:
         places = (pose[:2] + (turn @ wheel.centre)[:2]) + along[:, None] * turn[:2, 0]
         if ((places < low) | (places > high)).any():
             return "off_map"
-        unknown |= bool(np.isnan(ground.height(places)).any())
+        unknown |= bool(np.isnan(ground.height_at(places)).any())
     return "unknown_cells" if unknown else "not_converged"

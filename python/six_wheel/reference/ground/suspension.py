@@ -126,15 +126,15 @@ class RockerBogie:
     def steer(self, speed: float, yaw_rate: float, rho: float, beta: Sequence[float]) -> Steer:
         """The formulas of the paper, corrected: every steered wheel has its own x and its own half track."""
         x_R = self.icr_offset(rho, beta)
-        psi, speeds, scrub = [], [], []
+        psi, wheel_speeds, scrub = [], [], []
         for i, (x, y, _) in enumerate(self.wheels(rho, beta), start=1):
             forward, sideways = speed - yaw_rate * y, yaw_rate * (x + x_R)
             if i in self.steered:
                 # Within a quarter turn: a wheel that would point backwards rolls backwards instead.
                 sign = -1.0 if forward < 0 else 1.0
                 psi.append(math.atan2(sign * sideways, sign * forward))
-                speeds.append(sign * math.hypot(forward, sideways) / self.k10)
+                wheel_speeds.append(sign * math.hypot(forward, sideways) / self.k10)
             else:
-                speeds.append(forward / self.k10)
+                wheel_speeds.append(forward / self.k10)
                 scrub.append(sideways)
-        return Steer(np.array(psi), np.array(speeds), np.array(scrub))
+        return Steer(np.array(psi), np.array(wheel_speeds), np.array(scrub))

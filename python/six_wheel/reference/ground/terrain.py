@@ -35,13 +35,13 @@ class Terrain:
         corners = np.array([self.grid[i + a, j + b] for a in (0, 1) for b in (0, 1)])
         return i, j, u - j, v - i, np.where(inside, corners, np.nan)
 
-    def height(self, xy: ArrayLike) -> Floats:
+    def height_at(self, xy: ArrayLike) -> Floats:
         """Heights (...) [m] at points (..., 2); NaN outside and beside unknown cells."""
         _, _, a, b, (low, right, up, far) = self._cells(xy)
         height: Floats = (low * (1 - a) + right * a) * (1 - b) + (up * (1 - a) + far * a) * b
         return height
 
-    def gradient(self, xy: ArrayLike) -> Floats:
+    def gradient_at(self, xy: ArrayLike) -> Floats:
         """Slopes (..., 2) along x and y of the cell under a point; NaN as for heights."""
         _, _, a, b, (low, right, up, far) = self._cells(xy)
         dx, dy = np.broadcast_to(self.spacing, 2)
@@ -49,9 +49,9 @@ class Terrain:
         across = ((up - low) * (1 - a) + (far - right) * a) / dy
         return np.stack([along, across], axis=-1)
 
-    def normal(self, xy: ArrayLike) -> Floats:
+    def normal_at(self, xy: ArrayLike) -> Floats:
         """Unit normals (..., 3), upwards."""
-        slope = self.gradient(xy)
+        slope = self.gradient_at(xy)
         normal = np.concatenate([-slope, np.ones_like(slope[..., :1])], axis=-1)
         unit: Floats = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
         return unit

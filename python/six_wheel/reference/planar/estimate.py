@@ -15,7 +15,7 @@ class TwistFit(NamedTuple):
     """A twist (..., 3) fitted to wheel readings, and how well every wheel agrees with it."""
 
     twist: Floats
-    residual: Floats  # (..., wheels) [m/s], length of what is left of the wheel's two rows
+    residuals: Floats  # (..., wheels) [m/s], length of what is left of the wheel's two rows
     rank: int | NDArray[np.int64]
     sigma_min: float | Floats  # smallest of the three singular values of the weighted rows
     weights: Floats  # (..., wheels)
@@ -45,12 +45,12 @@ def robust(a: Floats, b: Floats, fit: TwistFit, metric: Floats, least: float) ->
     The scale starts where every wheel has a say, at the largest residual, and is halved down to the noise:
     three times the median residual, or `least`. It never grows again, so the steps converge.
     """
-    scale = max(float(np.max(fit.residual)), least)
+    scale = max(float(np.max(fit.residuals)), least)
     for _ in range(100):
-        scale = min(scale, max(0.5 * scale, 3.0 * float(np.median(fit.residual)), least))
+        scale = min(scale, max(0.5 * scale, 3.0 * float(np.median(fit.residuals)), least))
         if scale == 0.0:
             break
-        weights = 1.0 / (1.0 + (fit.residual / scale) ** 2) ** 2
+        weights = 1.0 / (1.0 + (fit.residuals / scale) ** 2) ** 2
         change = float(np.max(np.abs(weights - fit.weights)))
         fit = weighted(a, b, weights, metric)
         if change <= 1e-12:

@@ -39,12 +39,25 @@ class Layout:
 
     @classmethod
     def six_wheel(
-        cls, d1: float, d2: float, d3: float, d4: float, wheel_radius: float, steering_limit: Limit = None
+        cls,
+        *,
+        front_to_middle: float,
+        middle_to_rear: float,
+        track_width: float,
+        middle_track_width: float | None = None,
+        wheel_radius: float,
+        steering_limit: Limit = None,
     ) -> Self:
-        """Four steered corners: `d1`, `d4` half tracks, `d2`, `d3` centre to rear and front axle [m]."""
+        """Four steered corners; the origin is between the middle wheels."""
+        half = track_width / 2.0
+        inner = half if middle_track_width is None else middle_track_width / 2.0
         middle: dict[str, Any] = {"radius": wheel_radius}
         corner = middle | {"steered": True, "steering_limit": steering_limit}
-        axles = ("front", d3, d1, corner), ("middle", 0.0, d4, middle), ("rear", -d2, d1, corner)
+        axles = (
+            ("front", front_to_middle, half, corner),
+            ("middle", 0.0, inner, middle),
+            ("rear", -middle_to_rear, half, corner),
+        )
         return cls(tuple(Wheel(f"{a}_{b}", x, sign * y, **w) for a, x, y, w in axles for b, sign in SIDES))
 
     @classmethod
@@ -138,8 +151,8 @@ class Layout:
     @classmethod
     def mecanum(
         cls,
-        half_wheelbase: float,
-        half_track: float,
+        wheelbase: float,
+        track_width: float,
         wheel_radius: float,
         *,
         roller_angle: float = math.pi / 4.0,
@@ -149,8 +162,8 @@ class Layout:
             tuple(
                 Wheel(
                     f"{axle}_{side}",
-                    ahead * half_wheelbase,
-                    left * half_track,
+                    ahead * wheelbase / 2.0,
+                    left * track_width / 2.0,
                     radius=wheel_radius,
                     roller_angle=-ahead * left * roller_angle,
                 )

@@ -48,8 +48,13 @@ def _worst(rover: Rover, twists: Floats, dts: Floats, previous: MaybeArray) -> F
         slips += [
             float(row[1] @ twist) for wheel, row in zip(rover.wheels, rows, strict=True) if wheel.steered
         ]
-        speeds = [rim / wheel.radius for rim, wheel in zip(along, rover.wheels, strict=True)]
+        wheel_speeds = [rim / wheel.radius for rim, wheel in zip(along, rover.wheels, strict=True)]
         rate = 0.0 if k == 0 and previous is None else np.abs(angles - held).max(initial=0.0) / dt
-        costs[k] = np.abs(speeds).max(), np.abs(angles).max(initial=0.0), rate, np.abs(slips).max(initial=0.0)
+        costs[k] = (
+            np.abs(wheel_speeds).max(),
+            np.abs(angles).max(initial=0.0),
+            rate,
+            np.abs(slips).max(initial=0.0),
+        )
         held = angles
     return np.asarray(costs.max(axis=0, initial=0.0))

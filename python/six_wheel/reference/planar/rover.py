@@ -64,24 +64,24 @@ class Rover(Layout):
         previous: MaybeArray = None,
         steering_rates: MaybeArray = None,
         centre: ArrayLike = (0.0, 0.0),
-        previous_speeds: MaybeArray = None,
+        previous_wheel_speeds: MaybeArray = None,
     ) -> tuple[Floats, Floats]:
         """Twists (..., 3) -> steering angles (..., steered) [rad] and wheel speeds (..., wheels) [rad/s].
 
         `twist` is that of the point `centre` (2,) or (..., 2) [m]. `previous` [rad] and `steering_rates`
-        [rad/s] are (steered,) or (..., steered), `previous_speeds` [rad/s] (wheels,) or (..., wheels); 0 by
-        default.
+        [rad/s] are (steered,) or (..., steered), `previous_wheel_speeds` [rad/s] (wheels,) or (...,
+        wheels); 0 by default.
         Raises `InfeasibleMotionError` on a twist the rover cannot make, `ValueError` on NaN or infinity.
         """
         twists = rowwise(_moved, finite("twist", twist), finite("centre", centre))
         lead = twists.shape[:-1]
-        steering, speeds = np.empty((*lead, len(self.steered))), np.empty((*lead, len(self.wheels)))
+        steering, wheel_speeds = np.empty((*lead, len(self.steered))), np.empty((*lead, len(self.wheels)))
         held = or_zeros("previous", previous, steering.shape)
         rates = or_zeros("steering_rates", steering_rates, steering.shape)
-        rolling = or_zeros("previous_speeds", previous_speeds, speeds.shape)
+        rolling = or_zeros("previous_wheel_speeds", previous_wheel_speeds, wheel_speeds.shape)
         for i in np.ndindex(lead):
-            steering[i], speeds[i] = self._inverse(twists[i], held[i], rates[i], rolling[i])
-        return steering, speeds
+            steering[i], wheel_speeds[i] = self._inverse(twists[i], held[i], rates[i], rolling[i])
+        return steering, wheel_speeds
 
     def _inverse(
         self, twist: Floats, previous: Floats, rates: Floats, rolling: Floats
@@ -109,18 +109,18 @@ class Rover(Layout):
     def forward(
         self,
         steering: MaybeArray,
-        speeds: ArrayLike,
+        wheel_speeds: ArrayLike,
         steering_rates: MaybeArray = None,
         allow_underdetermined: bool = False,
     ) -> Floats:
         """The twist (..., 3) that fits all wheels best; `UnderdeterminedError` if they leave it open."""
-        fit = self.fit(steering, speeds, steering_rates=steering_rates)
+        fit = self.fit(steering, wheel_speeds, steering_rates=steering_rates)
         if np.any(np.asarray(fit.rank) < 3) and not allow_underdetermined:
             raise UnderdeterminedError(f"wheels must determine the twist, got rank {fit.rank}")
         return fit.twist
 
     def fit(
-        self, steering: MaybeArray, speeds: ArrayLike, method: Method = "least_squares",
+        self, steering: MaybeArray, wheel_speeds: ArrayLike, method: Method = "least_squares",
         steering_rates: MaybeArray = None
     ) -> TwistFit:  # fmt: skip
         """Least squares on the rows of every wheel; steering (..., steered), speeds (..., wheels).
@@ -136,8 +136,8 @@ class Rover(Layout):
                 "method must be another one for a rover without unsteered wheels, got 'middle_wheels'"
             )
         silent = [not wheel.driven or wheel.castor for wheel in self.wheels]
-        rim = np.asarray(speeds, dtype=float) * [wheel.radius for wheel in self.wheels]
-        finite("speeds", np.where(np.isnan(rim) & silent, 0.0, rim))
+        rim = np.asarray(wheel_speeds, dtype=float) * [wheel.radius for wheel in self.wheels]
+        finite("wheel_speeds", np.where(np.isnan(rim) & silent, 0.0, rim))
         angles = np.zeros((*rim.shape[:-1], 0)) if steering is None else finite("steering", steering)
         lead, wheels = np.broadcast_shapes(angles.shape[:-1], rim.shape[:-1]), len(self.wheels)
         angles = np.broadcast_to(angles, (*lead, len(self.steered)))

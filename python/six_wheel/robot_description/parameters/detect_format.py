@@ -105,7 +105,7 @@ def _asked(section: Section, asked: str, error: Report) -> Form | None:
     guess = closest(asked, forms)
     names = ", ".join([*KINDS, *(form.name for form in FOREIGN)])
     remedy = f"did you mean {guess}?" if guess else f"known are {names}"
-    error(section.line, (), f"--as must name a kind or a controller, got {one_line(asked)}", remedy)
+    error(section.line, (), f"--kind must name a kind or a controller, got {one_line(asked)}", remedy)
     return None
 
 
@@ -116,11 +116,11 @@ def _of_unknown_type(section: Section, by_keys: Form | None, error: Report, warn
     node, type_ = one_line(section.node or "the file"), one_line(str(section.type))
     what = f"{node} has the type {type_}, which is not known"
     if by_keys is not None and by_keys.needed <= section.data.keys():
-        remedy = "say with --as what it is, if that is wrong"
+        remedy = "say with --kind what it is, if that is wrong"
         warning(line, at, f"{what}: read as {by_keys.name}, whose keys it has", remedy)
         return by_keys
     names = ", ".join(sorted({form.name for form in FOREIGN if form.controller}))
-    remedy = f"known are {names}; describe the vehicle with a kind, or read its keys as another's with --as"
+    remedy = f"known are {names}; describe the vehicle with a kind, or read its keys as another's with --kind"
     error(line, at, what, remedy)
     return None
 
@@ -137,7 +137,7 @@ def _report_unknown(section: Section, error: Report) -> None:
     message = f"nothing here says where the wheels are; the keys are {listed}"
     remedy = (
         "give the file of the drive controller or the URDF, or add a kind and its keys; "
-        "--as reads the keys as a controller's"
+        "--kind reads the keys as a controller's"
     )
     error(section.line, (), message, remedy)
 

@@ -33,7 +33,7 @@ QUANTITIES = ("x", "y", "heading", "radius", "scrub", "trail", "roller_angle")
 SAME = 1e-12  # [m or rad], and of the value: what rounding leaves of a key that is a product of two
 STEPS = 8  # of Newton's method; keys enter linearly or in products of two, for which three are enough
 # Groups of values that a calibration finds beside the rover.
-KEPT = ("encoders", "noise", "odometry", "gyroscope", "truth", "calibration")
+KEPT = ("wheel_encoders", "noise", "odometry", "gyroscope", "truth", "calibration")
 COUNTS = frozenset({"wheels_per_side"})
 
 
@@ -53,8 +53,8 @@ def text_for(
         The file to mend. If its keys cannot say what the rover is, the result has ``kind: custom``, and the
         frames, limits and so on of the file.
     beside : mapping, optional
-        What keys of every rover shall hold, such as ``{"encoders": {...}, "noise": {...}}``; what they hold
-        now where nothing, or None, is given.
+        What keys of every rover shall hold, such as ``{"wheel_encoders": {...}, "noise": {...}}``; what they
+        hold now where nothing, or None, is given.
     remarks : sequence of str
         Comments for the top of the file.
 

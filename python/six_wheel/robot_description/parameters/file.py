@@ -100,7 +100,7 @@ class Parameters:
     limits: Limits = field(default_factory=Limits)
     control: dict[str, Any] = field(default_factory=dict)
     noise: dict[str, float] = field(default_factory=dict)
-    encoders: Values = field(default_factory=dict)
+    wheel_encoders: Values = field(default_factory=dict)
     steering_encoders: Values = field(default_factory=dict)
     columns: dict[str, str] | list[str] = field(default_factory=dict)
     topics: dict[str, str] | list[str] = field(default_factory=dict)

@@ -164,11 +164,11 @@ def _by_elimination(entries: list[_Entry], wheels: tuple[str, ...]) -> list[_Ent
 
 
 def check_wheels(section: Section, values: Mapping[str, Any], rover: Rover, report: Report) -> None:
-    """The wheels that the keys of encoders and odometry name are there."""
-    steered = (rover.steered_names, rover.steering_joints)
+    """The wheels that the keys of wheel_encoders and odometry name are there."""
+    steered = (rover.steered_wheel_names, rover.steering_joints)
     for group, key, (wheels, joints) in (
-        ("encoders", "reversed", (rover.wheel_names, rover.traction_joints)),
-        ("encoders", "steering_gain", steered),
+        ("wheel_encoders", "reversed", (rover.wheel_names, rover.traction_joints)),
+        ("wheel_encoders", "steering_gain", steered),
         ("steering_encoders", "reversed", steered),
         ("steering_encoders", "offsets", steered),
         ("odometry", "wheel_noise", (rover.wheel_names, ())),

@@ -164,22 +164,22 @@ class NoiseKeys(BaseModel):
 
 
 class _Counting(BaseModel):
-    resolution: Annotated[Number, asks_core(Encoder, "resolution")] = optional(
-        "the counts of one turn of the shaft it sits on"
+    ticks_per_turn: Annotated[Number, asks_core(Encoder, "ticks_per_turn")] = optional(
+        "the ticks of one turn of the shaft it sits on"
     )
-    gear: Annotated[Number, asks_core(Encoder, "gear")] = optional(
+    gear_ratio: Annotated[Number, asks_core(Encoder, "gear_ratio")] = optional(
         "the turns of that shaft for one of the joint"
     )
-    modulus: Annotated[Number, asks_core(Encoder, "modulus")] = optional(
+    wraps_at: Annotated[Number, asks_core(Encoder, "wraps_at")] = optional(
         "where a reading begins again at 0, such as 65536"
     )
     reversed: list[Name] = optional("a list of the wheels whose readings run the other way")
 
 
 class EncoderKeys(_Counting):
-    """Keys of `Parameters.encoders`, by which the readings of the wheels become angles."""
+    """Keys of `Parameters.wheel_encoders`, by which the readings of the wheels become angles."""
 
-    per_sample: Flag = optional("whether a row counts from the row before")
+    increments: Flag = optional("whether a row counts from the row before")
     scale: Positive = optional("a factor for the angles of all wheels")
     steering_gain: dict[str, Positive] = optional("a mapping of steered wheel to a factor for its angle")
 
@@ -259,7 +259,7 @@ class Common(BaseModel):
     limits: LimitKeys = optional(_any_of(LimitKeys))
     control: ControlKeys = optional(_any_of(ControlKeys))
     noise: NoiseKeys = optional(_any_of(NoiseKeys))
-    encoders: EncoderKeys = optional(_any_of(EncoderKeys))
+    wheel_encoders: EncoderKeys = optional(_any_of(EncoderKeys))
     steering_encoders: SteeringEncoderKeys = optional(_any_of(SteeringEncoderKeys))
     columns: dict[str, str] | list[str] = optional(
         'a mapping of header to what it is read as, such as {encL: "left [ticks]"}, or a list of names'

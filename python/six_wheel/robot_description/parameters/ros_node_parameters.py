@@ -323,7 +323,7 @@ def _report_none(
     guess = closest(node or "", names.values())
     parts = {part for name in names.values() for part in name.split("/")}
     family = next((family for family, known in _FAMILIES.items() if known & parts), None)
-    remedy = "give one of them a kind and its keys, or say with --as what it is"
+    remedy = "give one of them a kind and its keys, or say with --kind what it is"
     if guess:
         remedy = f"did you mean {guess}?"
     elif family is not None and node is None:

@@ -123,7 +123,7 @@ GROUPS: dict[str, type[BaseModel]] = {
     "limits": LimitKeys,
     "control": ControlKeys,
     "noise": NoiseKeys,
-    "encoders": EncoderKeys,
+    "wheel_encoders": EncoderKeys,
     "steering_encoders": SteeringEncoderKeys,
     "odometry": OdometryKeys,
     "gyroscope": GyroscopeKeys,

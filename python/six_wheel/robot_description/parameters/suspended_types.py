@@ -41,7 +41,7 @@ IN_FRONT: Values = {
 }
 
 
-AXLES: Values = {"hinges": (1.0, 1.0), "axle_length": 1.0, "wheel_radius": 1.0}
+AXLES: Values = {"pivots": (1.0, 1.0), "axle_length": 1.0, "wheel_radius": 1.0}
 
 
 WHEEL_RADIUS = "the wheels' radius, in metres"
@@ -119,10 +119,10 @@ class RockerBogieKeys(SteeredKeys):
 
 
 class FourAxleKeys(SteeredKeys):
-    hinges: Annotated[
-        list[Finite], Field(min_length=2, max_length=2), asks_core(FourAxle, "hinges", **AXLES)
-    ] = required("[x, y], half the distance of the hinges along and across the body, in metres")
-    axle_length: Length = required("the distance from hinge to wheel, in metres")
+    pivots: Annotated[
+        list[Finite], Field(min_length=2, max_length=2), asks_core(FourAxle, "pivots", **AXLES)
+    ] = required("[x, y], half the distance of the pivots along and across the body, in metres")
+    axle_length: Length = required("the distance from pivot to wheel, in metres")
     wheel_radius: Length = required(WHEEL_RADIUS)
 
 

@@ -68,10 +68,11 @@ TELLING = frozenset(
 MAX_AXLES = 32  # of two wheels each; a rover has at most 64
 
 _SIX: Values = dict.fromkeys(DIMENSIONS, 1.0)
+_AXLES: Values = dict.fromkeys(("front_to_middle", "middle_to_rear", "track_width", "wheel_radius"), 1.0)
 _CAR: Values = {"wheelbase": 1.0, "track_width": 1.0, "wheel_radius": 1.0}
 # Far apart, so that one of them alone is never on the wrong side of the other.
 _PAIR: Values = {"track_width": 1.0, "wheel_radius": 1.0, "icr_left": 1e50, "icr_right": -1e50}
-_MECANUM: Values = {"half_wheelbase": 1.0, "half_track": 1.0, "wheel_radius": 1.0}
+_MECANUM = _CAR
 _ROLLER: Values = {"name": "wheel", "x": 0.0, "y": 0.0, "radius": 1.0}
 
 _DRIVEN = "the wheels that have motors: front, rear or all"
@@ -90,19 +91,26 @@ class _Preset(SteeredKeys):
 
 
 class _SixWheel(SteeredKeys):
-    d1: Annotated[Number, asks_core(Rover.six_wheel, "d1", **_SIX)] = required(
+    d1: Annotated[Number, asks_core(Rover.six_wheel, "track_width", **_AXLES)] = required(
         "half the distance between left and right corner wheels, in metres"
     )
-    d2: Annotated[Number, asks_core(Rover.six_wheel, "d2", **_SIX)] = required(
+    d2: Annotated[Number, asks_core(Rover.six_wheel, "middle_to_rear", **_AXLES)] = required(
         "the distance from middle to rear axle, in metres"
     )
-    d3: Annotated[Number, asks_core(Rover.six_wheel, "d3", **_SIX)] = required(
+    d3: Annotated[Number, asks_core(Rover.six_wheel, "front_to_middle", **_AXLES)] = required(
         "the distance from middle to front axle, in metres"
     )
-    d4: Annotated[Number, asks_core(Rover.six_wheel, "d4", **_SIX)] = required(
+    d4: Annotated[Number, asks_core(Rover.six_wheel, "middle_track_width", **_AXLES)] = required(
         "half the distance between middle wheels, in metres"
     )
     wheel_radius: Length = required(WHEEL_RADIUS)
+
+
+def _six_wheel(d1: float, d2: float, d3: float, d4: float, **others: Any) -> Rover:
+    """The rover whose corner and middle wheels are `d1` and `d4` to either side of the middle."""
+    return Rover.six_wheel(
+        front_to_middle=d3, middle_to_rear=d2, track_width=2 * d1, middle_track_width=2 * d4, **others
+    )
 
 
 def _pairs(positions: list[Any]) -> list[Any]:
@@ -161,8 +169,8 @@ class _Omni(OwnKeys):
 
 
 class _Mecanum(OwnKeys):
-    half_wheelbase: Length = required("the distance from the middle to each axle, in metres")
-    half_track: Length = required("the distance from the middle to the wheels on each side, in metres")
+    wheelbase: Length = required(_WHEELBASE)
+    track_width: Length = required(_TRACK_WIDTH)
     wheel_radius: Length = required(WHEEL_RADIUS)
     roller_angle: Annotated[Number, asks_core(Rover.mecanum, "roller_angle", **_MECANUM)] = optional(
         "the angle between the axes of rollers and wheel, in radians"
@@ -263,7 +271,7 @@ def _preset(values: Values) -> Rover:
     limit = as_argument(values.get("steering_limit"))
     if limit is None:
         return rover
-    if not rover.steered_names:
+    if not rover.steered_wheel_names:
         raise ValueError(f"steering_limit is given, but no wheel of the preset {values['preset']} steers")
     return Rover.preset(values["preset"], steering_limit=limit)
 
@@ -271,7 +279,7 @@ def _preset(values: Values) -> Rover:
 def _check_preset_kind(section: Section, values: Values, error: Report, warning: Report) -> None:
     kind, name = values.get("kind"), values.get("preset")
     steered = {"front_left", "front_right", "rear_left", "rear_right"}
-    six = name is not None and {*Rover.preset(name).steered_names} == steered
+    six = name is not None and {*Rover.preset(name).steered_wheel_names} == steered
     if kind is not None and name is not None and not (kind == "six_wheel" and six):
         message = f"kind {one_line(str(kind))} does not fit the preset {name}"
         error(section.line_of(("kind",)), ("kind",), message, "leave out kind")
@@ -318,7 +326,7 @@ def _own_lists(values: Values, rover: Rover) -> list[JointList]:
     silent = all(place is None or said.count(place) > 1 for place in said)
     order: Literal["names", "silent"] = "silent" if silent else "names"
     driven = tuple(wheel.name for wheel in rover.wheels if wheel.driven)
-    steered = rover.steered_names
+    steered = rover.steered_wheel_names
     rest = {
         wheels: tuple(name for name in rover.wheel_names if name not in wheels)
         for wheels in (driven, steered)
@@ -357,7 +365,7 @@ _RADIUS = {"wheel_radius": 1.0}
 KINDS: dict[str, Form] = {
     form.kind: form
     for form in (
-        _kind("six_wheel", _SixWheel, stand_in=_SIX),
+        _kind("six_wheel", _SixWheel, _calls(_six_wheel, _SixWheel), stand_in=_SIX),
         _kind("swerve", _Swerve, stand_in=_RADIUS, check=_check_counts),
         _kind("differential", _Differential, stand_in=_CAR, check=_check_axles),
         _kind("tracked", _Tracked, stand_in=_CAR),

@@ -14,7 +14,7 @@ from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETER
 
 __all__ = ["dump", "text_of"]
 
-_SIX = Rover.six_wheel(d1=1.0, d2=1.0, d3=1.0, d4=1.0, wheel_radius=1.0)
+_SIX = Rover.six_wheel(front_to_middle=1.0, middle_to_rear=1.0, track_width=2.0, wheel_radius=1.0)
 
 
 def dump(

@@ -10,7 +10,7 @@ from six_wheel._core import Limits, RockerBogie, Rover, Wheel, unit_questions, w
 from six_wheel.robot_description.diagnostics import Finding
 from six_wheel.robot_description.urdf.macros import expanded, has_macros
 from six_wheel.robot_description.urdf.suspension import Suspension, find_suspension
-from six_wheel.robot_description.urdf.tree import MAX_BYTES, Notes, read_tree
+from six_wheel.robot_description.urdf.tree import MAX_BYTES, Notes, Tree, read_tree
 from six_wheel.robot_description.urdf.wheels import FoundWheel, find_wheels, names_of
 
 __all__ = ["Robot", "read_urdf"]
@@ -38,6 +38,8 @@ class Robot:
         -1 if the file is z down.
     warnings : tuple of Finding
         What is ambiguous, or had to be decided.
+    tree : Tree or None
+        All links and joints.
     """
 
     path: Path
@@ -49,6 +51,7 @@ class Robot:
     limits: Limits = field(default_factory=Limits)
     up: float = 1.0
     warnings: tuple[Finding, ...] = ()
+    tree: Tree | None = field(default=None, repr=False)
 
 
 def read_urdf(
@@ -102,7 +105,7 @@ def parse_urdf(
         notes.warn(says, likely)
     _say_of_slip(wheels, notes)
     warnings = tuple(sorted(notes.warnings, key=lambda finding: finding.line or 0))
-    return Robot(path, tree.name, tree.root, rover, wheels, suspension, limits, tree.up, warnings)
+    return Robot(path, tree.name, tree.root, rover, wheels, suspension, limits, tree.up, warnings, tree)
 
 
 def _text(path: Path, arguments: Mapping[str, str] | None, notes: Notes) -> str:

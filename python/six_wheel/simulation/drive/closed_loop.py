@@ -204,7 +204,7 @@ class ControlledDrive(Engine):
                 raise RowError(self._row, f"the rover must stop within {MOST_STEPS:,} steps of the last row")
             times, run = self._run(min(END_STEPS, self.block_rows))
             idle = (run.reasons & (Reason.STALE | Reason.HALTED) > 0) | asleep
-            still = idle & ~run.speeds.any(axis=1) & ~run.steering_rates.any(axis=1)
+            still = idle & ~run.wheel_speeds.any(axis=1) & ~run.steering_rates.any(axis=1)
             if self._controller.stopped and still[-1]:
                 rows = len(still) - int(np.argmin(still[::-1])) + 1 if not still.all() else 1
                 yield self._columns(times, run, rows)
@@ -244,7 +244,7 @@ class ControlledDrive(Engine):
             self._halt_step = None
         times = np.arange(self._step, self._step + count) / self._rate
         given = int(np.searchsorted(self._stamps, times[-1], side="right"))
-        run = self._controller.run(self._stamps[:given], self._twists[:given], times)
+        run = self._controller.run(self._twists[:given], self._stamps[:given], times)
         # Index of the latest command at every step; 0 is the one before these.
         latest = np.searchsorted(self._stamps[:given], times, side="right")
         self._given = np.vstack([self._commanded, self._twists[:given]])[latest]
@@ -258,7 +258,7 @@ class ControlledDrive(Engine):
     def _columns(self, times: Floats, run: Any, count: int) -> list[Any]:
         """The columns of the first `count` of these steps."""
         times, given = times[:count], self._given[:count]
-        steering, speeds, rates = run.steering[:count], run.speeds[:count], run.steering_rates[:count]
+        steering, speeds, rates = run.steering[:count], run.wheel_speeds[:count], run.steering_rates[:count]
         twists, reasons = run.twist[:count], run.reasons[:count]
         since = times * self._per_second
         written = self._start + (np.rint(since).astype(np.int64) if self._whole else since)

@@ -16,6 +16,7 @@ from six_wheel.kinematics.profiles import time_optimal
 from six_wheel.kinematics.rover_edit import limits_given
 
 __all__ = ["Bound", "Rim", "Stop", "bound", "defaults", "halt_from", "rim", "stop_from", "time_to_full_lock"]
+__all__ += ["within"]
 
 Floats = NDArray[np.float64]
 
@@ -65,6 +66,11 @@ def _fastest(controller: Controller, twist: ArrayLike) -> Bound:
     return Bound(np.array(output.twist), output.reasons)
 
 
+def within(rover: Rover, limits: Limits, twist: ArrayLike) -> Bound:
+    """The motion that comes of a twist in the end, and what keeps it from being as commanded."""
+    return _fastest(_lasting(rover, limits), twist)
+
+
 def bound(rover: Rover, limits: Limits, twist: ArrayLike) -> Bound | None:
     """The fastest motion along a twist; None if nothing limits it."""
     wanted = FAR * np.asarray(twist, dtype=np.float64)
@@ -92,7 +98,7 @@ def defaults(rover: Rover, limits: Limits) -> dict[str, float]:
     """The limits that were left out and have a default, by name, with that."""
     given, filled = limits_given(limits), limits_given(limits.on(rover))
     left_out = {name: value for name, value in filled.items() if name not in given and math.isfinite(value)}
-    if not rover.steered_names:
+    if not rover.steered_wheel_names:
         left_out.pop("steering_rate", None)
     return left_out
 

@@ -51,7 +51,7 @@ class Summary:
     steering_angle: Peak = field(default_factory=Peak)
     steering_rate: Peak = field(default_factory=Peak)
     wheel_speed: Peak = field(default_factory=Peak)
-    residual: Peak = field(default_factory=Peak)
+    residuals: Peak = field(default_factory=Peak)
     speed: Peak = field(default_factory=Peak)
     yaw_rate: Peak = field(default_factory=Peak)
     acceleration: Peak = field(default_factory=Peak)
@@ -99,7 +99,7 @@ class Engine:
             raise ValueError(f'keep must be one of {", ".join(KEEP)}, got "{keep}"')
         self.rover, self.keep, self.summary, self.trace = rover, keep, Summary(), Trace()
         self.time_unit = time_unit
-        self._steered, self._wheels = list(rover.steered_names), list(rover.wheel_names)
+        self._steered, self._wheels = list(rover.steered_wheel_names), list(rover.wheel_names)
         # Rows come out in the order of the user's joints, which is not that of the rover's wheels.
         self.joints = steering, traction = joints_as_given(rover)
         self._steering_order = [self._steered.index(wheel) for wheel in steering.values()]
@@ -184,7 +184,7 @@ class Engine:
             (summary.steering_rate, changes(steering, self._steering), self._steered, row + first),
             (summary.wheel_speed, speeds, self._wheels, row),
             (summary.wheel_acceleration, changes(speeds, self._speeds), self._wheels, row + first),
-            (summary.residual, fit.residual, self._wheels, row),
+            (summary.residuals, fit.residuals, self._wheels, row),
             (summary.speed, np.hypot(*fit.twist[:, :2].T)[:, None], ["body"], row),
             (summary.yaw_rate, fit.twist[:, 2:], ["body"], row),
             (summary.acceleration, np.hypot(*linear.T)[:, None], ["body"], row + first),
@@ -195,7 +195,7 @@ class Engine:
         self._steering, self._speeds = steering[-1], speeds[-1]
         angles = steering.T[self._steering_order] * self._steering_signs
         joints = [*angles, *speeds.T[self._traction_order] * self._traction_signs]
-        return [time, *joints, *poses.T, *fit.twist.T, *fit.residual.T]
+        return [time, *joints, *poses.T, *fit.twist.T, *fit.residuals.T]
 
     def _project(self, chunk: Chunk) -> Floats:
         if self.keep is None:

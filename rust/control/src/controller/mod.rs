@@ -361,11 +361,11 @@ impl Controller {
 
     /// Fails unless the time is later than that of the last step.
     fn check_time(&self, now: f64) -> Result<(), Error> {
-        finite("now", &[now])?;
+        finite("stamp", &[now])?;
         match self.clock {
             Some(last) if now <= last => {
                 let rule = format!("be later than the last step, at {}", number(last));
-                Err(Error::value("now", rule, number(now)))
+                Err(Error::value("stamp", rule, number(now)))
             }
             _ => Ok(()),
         }

@@ -27,10 +27,10 @@ impl Controller {
     pub fn run(&mut self, stamps: &[f64], twists: &[[f64; 3]], times: &[f64], out: Steps<'_>) -> Result<(), Error> {
         let mut last = self.clock;
         for (row, &time) in times.iter().enumerate() {
-            finite("times", &[time]).map_err(|error| error.at_row(row))?;
+            finite("step_stamps", &[time]).map_err(|error| error.at_row(row))?;
             if let Some(last) = last.filter(|last| time <= *last) {
                 let rule = format!("be later than the step before, at {}", number(last));
-                return Err(Error::value("times", rule, number(time)).at_row(row));
+                return Err(Error::value("step_stamps", rule, number(time)).at_row(row));
             }
             last = Some(time);
         }

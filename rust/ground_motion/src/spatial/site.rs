@@ -83,7 +83,8 @@ impl Place {
     /// determined.
     pub fn slopes(&self, chain: &Chain) -> Option<[(f64, Vector3<f64>); 3]> {
         let steering = &self.steering[..self.steered];
-        let placed = self.stand.place(chain, self.pose, steering)?;
+        // Derivatives are the same wherever the body is.
+        let placed = chain.place(PlanPose { x: 0.0, y: 0.0, ..self.pose }, &self.stand.state, steering)?;
         let by = six_wheel_terrain::ground::by_pose(chain, &placed, &self.stand)?;
         Some(std::array::from_fn(|k| {
             let about = placed.roll_axis * by[1][k] + placed.pitch_axis * by[2][k];

@@ -25,6 +25,8 @@ pub(crate) struct FitConstants {
     unseen: Unseen,
     /// None where the equations depend on the readings, or sizes are extreme.
     block: Option<BlockConstants>,
+    /// Without them, least squares have the twist of the forward kinematics, to the bit.
+    forward: Option<ForwardConstants>,
 }
 
 /// Constants of whole registers of rows.
@@ -77,7 +79,9 @@ impl BlockConstants {
 impl FitConstants {
     /// The constants of a rover.
     pub fn new(rover: &RoverData, method: Method, unseen: Unseen) -> Self {
-        Self { method, unseen, block: BlockConstants::new(rover, method, unseen) }
+        let block = BlockConstants::new(rover, method, unseen);
+        let has_forward = block.is_none() && method == Method::LeastSquares;
+        Self { method, unseen, block, forward: has_forward.then(|| ForwardConstants::new(rover)) }
     }
 
     /// Fits every row.
@@ -85,13 +89,13 @@ impl FitConstants {
         let Some(constants) = &self.block else {
             return (0..fits.twists.len()).try_for_each(|k| self.solve_row(rover, log, k, fits));
         };
-        let plan = Plan { of: self, constants, rover };
+        let input = FitInput { of: self, constants, rover };
         let (joints, wheels) = (rover.steered().len(), constants.weights.len());
         with_columns(joints + 4 * wheels, |columns| {
             if constants.robust.is_none() {
-                return level.run_any(Solve::<false> { plan, log, fits, columns, late: &mut [] });
+                return level.run_any(Solve::<false> { input, log, fits, columns, late: &mut [] });
             }
-            with_columns(3 * wheels, |late| level.run_any(Solve::<true> { plan, log, fits, columns, late }))
+            with_columns(3 * wheels, |late| level.run_any(Solve::<true> { input, log, fits, columns, late }))
         })
     }
 
@@ -102,7 +106,10 @@ impl FitConstants {
         let (residual, weights) = (row_mut(fits.residual, wheels, row), row_mut(fits.weights, wheels, row));
         let fit = rover.fit_rarely(measured, (self.method, self.unseen), residual, weights);
         let fit = fit.map_err(|error| error.at_row(row))?;
-        fits.twists[row] = fit.twist.into();
+        fits.twists[row] = match &self.forward {
+            Some(forward) => forward.solve_row(rover, measured, self.unseen)?.into(),
+            None => fit.twist.into(),
+        };
         (fits.ranks[row], fits.sigmas[row]) = (fit.rank as i64, fit.sigma_min);
         Ok(())
     }
@@ -110,7 +117,7 @@ impl FitConstants {
 
 /// Constants with the rover, and with the fit of rare rows.
 #[derive(Clone, Copy)]
-struct Plan<'a> {
+struct FitInput<'a> {
     of: &'a FitConstants,
     constants: &'a BlockConstants,
     rover: &'a RoverData,
@@ -118,7 +125,7 @@ struct Plan<'a> {
 
 /// Fits that are not robust have a kernel of their own: beside the rounds of robust ones theirs took 14 % more instructions.
 struct Solve<'a, 'b, const ROBUST: bool> {
-    plan: Plan<'a>,
+    input: FitInput<'a>,
     log: Log<'a>,
     fits: &'a mut Fits<'b>,
     /// One per steering angle; per wheel one for its speed and then its residual, one for its weight, two for what it reads.
@@ -132,7 +139,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let Plan { of, constants, rover } = self.plan;
+        let FitInput { of, constants, rover } = self.input;
         let (joints, wheels) = (rover.steered().len(), constants.weights.len());
         let (readings, rest) = self.columns.split_at_mut(joints + wheels);
         let (weights, kept) = rest.split_at_mut(wheels);
@@ -163,7 +170,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
                 now.begin(simd, robust, count);
                 now.go_on(simd, robust, &EARLY);
                 if late.block.left + now.left > BLOCK {
-                    late.settle(simd, self.plan, self.log, self.fits, residuals)?;
+                    late.settle(simd, self.input, self.log, self.fits, residuals)?;
                 }
                 for k in 0..now.left {
                     late.rows[late.block.left % BLOCK] = first + now.row(k);
@@ -186,7 +193,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
         }
         // A row before the one that failed may fail only now.
         if ROBUST {
-            late.settle(simd, self.plan, self.log, self.fits, &mut readings[joints..])?;
+            late.settle(simd, self.input, self.log, self.fits, &mut readings[joints..])?;
         }
         done
     }
@@ -205,7 +212,7 @@ impl SlowRows<'_> {
     fn settle<S: Vector>(
         &mut self,
         simd: S,
-        Plan { of, constants, rover }: Plan<'_>,
+        FitInput { of, constants, rover }: FitInput<'_>,
         log: Log<'_>,
         fits: &mut Fits<'_>,
         residuals: &mut [Column],

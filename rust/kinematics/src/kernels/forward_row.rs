@@ -51,16 +51,22 @@ impl<const CENTRED: bool, const JOINTS: usize> Kernel for ForwardRow<'_, CENTRED
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Option<Twist> {
         let Self { constants, measured } = self;
-        let [mut sines, mut cosines] = [[0.0; JOINTS]; 2];
-        let angles = measured.steering.chunks(S::F64_LANES);
-        for (k, (angles, heading)) in angles.zip(S::as_simd_f64s(&constants.headings).0).enumerate() {
-            let heading = Lanes::load(simd, std::slice::from_ref(heading), 0);
-            let (sin, cos) = sin_cos(simd, padded(simd, angles) + heading);
-            sin.store(S::as_mut_simd_f64s(&mut sines).0, k);
-            cos.store(S::as_mut_simd_f64s(&mut cosines).0, k);
+        let mut directions = [[0.0; JOINTS]; 3];
+        for (group, headings) in constants.headings.iter().take(JOINTS / GROUP).enumerate() {
+            for k in 0..GROUP / S::F64_LANES {
+                let first = group * GROUP + k * S::F64_LANES;
+                let Some(angles) = measured.steering.get(first..).filter(|angles| !angles.is_empty()) else {
+                    break;
+                };
+                let angles = padded(simd, angles);
+                let (sin, cos) = sin_cos(simd, angles + Lanes::load(simd, S::as_simd_f64s(headings).0, k));
+                for (column, lanes) in directions.iter_mut().zip([angles, sin, cos]) {
+                    lanes.store(S::as_mut_simd_f64s(column).0, first / S::F64_LANES);
+                }
+            }
         }
-        let row = SingleRow { measured, sines: &sines, cosines: &cosines };
-        let sums = constants.sum::<Scalar, SingleRow<'_>, false, CENTRED>(Scalar, row, &mut []);
+        let row = SingleRow { measured, directions: &directions };
+        let sums = constants.sum::<Scalar, SingleRow<'_, JOINTS>, false, CENTRED>(Scalar, row, &mut []);
         let (unknowns, is_solved) = constants.solve::<Scalar, CENTRED>(Scalar, &sums);
         if !is_solved.any() {
             return None;
@@ -70,15 +76,22 @@ impl<const CENTRED: bool, const JOINTS: usize> Kernel for ForwardRow<'_, CENTRED
     }
 }
 
-/// One row, its directions known.
+/// One row, with the angles of its joints and their sines and cosines with the headings.
 #[derive(Clone, Copy)]
-struct SingleRow<'a> {
+struct SingleRow<'a, const JOINTS: usize> {
     measured: Measured<'a>,
-    sines: &'a [f64],
-    cosines: &'a [f64],
+    directions: &'a [[f64; JOINTS]; 3],
 }
 
-impl<'a> ReadingLanes<'a, Scalar> for SingleRow<'a> {
+impl<const JOINTS: usize> SingleRow<'_, JOINTS> {
+    /// A number of a joint, of which there are no more.
+    #[inline(always)]
+    fn number(self, column: usize, joint: usize) -> Lanes<Scalar> {
+        Lanes::splat(Scalar, self.directions[column][joint % JOINTS])
+    }
+}
+
+impl<'a, const JOINTS: usize> ReadingLanes<'a, Scalar> for SingleRow<'a, JOINTS> {
     type Cell = f64;
 
     #[inline(always)]
@@ -97,17 +110,18 @@ impl<'a> ReadingLanes<'a, Scalar> for SingleRow<'a> {
     }
 
     #[inline(always)]
-    fn angle(self, simd: Scalar, joint: usize) -> Lanes<Scalar> {
-        Lanes::splat(simd, self.measured.steering[joint])
+    fn angle(self, _: Scalar, joint: usize) -> Lanes<Scalar> {
+        self.number(0, joint)
     }
 
     #[inline(always)]
-    fn direction(self, simd: Scalar, joint: usize, _: Lanes<Scalar>, _: f64) -> [Lanes<Scalar>; 2] {
-        [Lanes::splat(simd, self.sines[joint]), Lanes::splat(simd, self.cosines[joint])]
+    fn direction(self, _: Scalar, joint: usize, _: Lanes<Scalar>, _: f64) -> [Lanes<Scalar>; 2] {
+        [self.number(1, joint), self.number(2, joint)]
     }
 
     #[inline(always)]
     fn rate(self, simd: Scalar, joint: usize) -> Option<Lanes<Scalar>> {
+        #[expect(clippy::manual_map, reason = "a closure over registers would be a call")]
         match self.measured.steering_rates {
             Some(rates) => Some(Lanes::splat(simd, rates[joint])),
             None => None,

@@ -6,7 +6,7 @@
 
 use nalgebra::Matrix3;
 
-use super::wheel_lanes::{GROUP, level};
+use super::wheel_lanes::{Eight, GROUP, level};
 use super::wheel_rows::{Offset, RowKind, WheelRows};
 use crate::rover_data::RoverData;
 use crate::table::Log;
@@ -32,17 +32,17 @@ pub(crate) struct ForwardConstants {
     pub joints: usize,
     /// Level of one row.
     pub level: Level,
-    /// Directions of the steered wheels at steering angle 0 [rad], whole registers of them.
-    pub headings: Vec<f64>,
+    /// Directions of the steered wheels at steering angle 0 [rad].
+    pub headings: Vec<Eight>,
     /// False where every row is one of [`RoverData::forward_rarely`]: the twist is never determined, or sizes are extreme.
     pub is_regular: bool,
     /// Of the normal equations, `00 01 02 11 12 22`: the part that does not depend on the angles.
     normal: [f64; 6],
     /// From the right-hand side to the unknowns, where all of the normal equations do not.
     pub solution: Option<[[f64; 3]; 3]>,
-    /// Mean of the pivots [m], and their root mean square distance from it [m].
+    /// Mean of the pivots [m], and one over their root mean square distance from it [1/m].
     centre: [f64; 2],
-    size: f64,
+    per_size: f64,
 }
 
 impl ForwardConstants {
@@ -61,8 +61,8 @@ impl ForwardConstants {
             }
         }
         let joints = rover.steered().len();
-        let mut headings = vec![0.0; joints.next_multiple_of(GROUP)];
-        for (heading, &i) in headings.iter_mut().zip(rover.steered()) {
+        let mut headings = vec![[0.0; GROUP]; joints.div_ceil(GROUP)];
+        for (heading, &i) in headings.as_flattened_mut().iter_mut().zip(rover.steered()) {
             *heading = rover.wheels()[i].heading;
         }
         let has_offset = |i: &usize| !rover.wheels()[*i].is_centred();
@@ -76,7 +76,7 @@ impl ForwardConstants {
             normal,
             solution: solution.map(|solution| [0, 1, 2].map(|k| solution.row(k).transpose().into())),
             centre: rover.centre.into(),
-            size: rover.size,
+            per_size: 1.0 / rover.size,
         }
     }
 
@@ -159,14 +159,14 @@ impl ForwardConstants {
                     y = rolled.mul_add(splat(along[1]), y);
                     z = rolled.mul_add(splat(along[2]), z);
                 }
-                RowKind::Steered(heading, offset) => {
+                RowKind::Steered => {
                     let angle = readings.angle(simd, joint);
                     angles = angle.mul_add(angle, angles);
-                    let direction = readings.direction(simd, joint, angle, heading);
+                    let direction = readings.direction(simd, joint, angle, wheel.heading);
                     let [sin, cos] = direction;
                     let (mut u, mut v) = (rolled * cos, rolled * sin);
                     let mut arm = wheel.arm(simd);
-                    if let Some(offset) = offset
+                    if let Some(offset) = wheel.offset
                         && !CENTRED
                     {
                         arm = Offset::offset_point(arm, offset.shares, direction);
@@ -230,11 +230,11 @@ impl ForwardConstants {
         }
         let mut joint = 0;
         for wheel in &self.wheels {
-            let RowKind::Steered(heading, offset) = wheel.kind else {
+            if wheel.kind != RowKind::Steered {
                 continue;
-            };
-            if let Some(offset) = offset {
-                let angle = steering[joint].load(simd, k) + splat(heading);
+            }
+            if let Some(offset) = wheel.offset {
+                let angle = steering[joint].load(simd, k) + splat(wheel.heading);
                 let (sin, cos) = sin_cos(simd, angle);
                 add_moments(&mut normal, Offset::offset_point(wheel.arm(simd), offset.shares, [sin, cos]));
             }
@@ -246,7 +246,7 @@ impl ForwardConstants {
     /// The twist whose unknowns about the centre of the pivots these are.
     #[inline(always)]
     pub fn unshifted<S: Vector>(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-        let omega = z * (1.0 / self.size);
+        let omega = z * self.per_size;
         [x + omega * self.centre[1], y - omega * self.centre[0], omega]
     }
 }

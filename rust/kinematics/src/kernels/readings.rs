@@ -74,6 +74,7 @@ impl<'a, S: Vector> ReadingLanes<'a, S> for Register<'a> {
 
     #[inline(always)]
     fn rate(self, simd: S, joint: usize) -> Option<Lanes<S>> {
+        #[expect(clippy::manual_map, reason = "a closure over registers would be a call")]
         match self.columns.rates.get(joint) {
             Some(rate) => Some(rate.load(simd, self.k)),
             None => None,

@@ -49,6 +49,17 @@ impl PoseMeasurement {
 }
 
 impl Odometry {
+    /// Pose at an instant of the last `lag` seconds, or as long after the last sample: between two samples on the arc of the
+    /// step, after the last one as if the rover had gone on as before.
+    pub fn pose_at(&self, stamp: f64) -> Result<Pose, Error> {
+        let last = self.stamp();
+        let (state, then) = match self.history.locate(stamp, last)? {
+            Some(Instant { entry, .. }) => (&entry.state, entry.stamp),
+            None => (&self.state, last.unwrap_or(stamp)),
+        };
+        Ok(state.pose().compose(state.twist.exp(stamp - then)))
+    }
+
     /// A pose from outside at some instant of the last `lag` seconds, with its covariance in world axes, infinite
     /// variances where it says nothing. Between two samples the rover is taken to be on the arc of the step; after
     /// the last one it is taken to have gone on as before.

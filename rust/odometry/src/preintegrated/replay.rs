@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Matrix6, Matrix6x3, Quaternion, UnitQuaternion, Vector3,
 use pulp::Scalar;
 
 use super::space::{Motion3, left_jacobian, right_jacobian};
-use super::{PLANE, Preintegrated, Tangent};
+use super::{ErrorFrame, PLANE, Preintegrated};
 use crate::health::Health;
 use crate::motion::Motion as StepMotion;
 use crate::planar::Odometry;
@@ -22,7 +22,7 @@ use six_wheel_numerics::simd::lanes::Lanes;
 
 /// A motion with its covariance and derivatives, in axes of its end.
 #[derive(Clone, Debug)]
-pub struct Replayed {
+pub struct PreintegratedMotion {
     /// `begin_from_end`
     pub motion: Motion3,
     /// Its turn about z with all its full turns, in the plane [rad].
@@ -33,13 +33,13 @@ pub struct Replayed {
     pub columns: Vec<(Column, Vector6<f64>)>,
 }
 
-impl Replayed {
-    /// The covariance in another tangent space.
-    pub fn covariance_in(&self, tangent: Tangent) -> Matrix6<f64> {
-        let change = match tangent {
-            Tangent::End => return self.covariance,
-            Tangent::Begin => self.motion.adjoint(),
-            Tangent::Coordinates => {
+impl PreintegratedMotion {
+    /// The covariance in another frame.
+    pub fn covariance_in(&self, frame: ErrorFrame) -> Matrix6<f64> {
+        let change = match frame {
+            ErrorFrame::End => return self.covariance,
+            ErrorFrame::Begin => self.motion.adjoint(),
+            ErrorFrame::Coordinates => {
                 let turned = Motion3 { translation: Vector3::zeros(), ..self.motion };
                 turned.adjoint()
             }
@@ -97,7 +97,7 @@ fn embedding() -> Matrix6x3<f64> {
 impl Preintegrated {
     /// Rotation of the body over the step that ends with sample `k`, by the attitudes; none in the plane.
     fn relative_rotation(&self, k: usize) -> UnitQuaternion<f64> {
-        if !self.rules.in_space {
+        if !self.options.in_space {
             return UnitQuaternion::identity();
         }
         let [before, after] = [k - 1, k].map(|row| rotation(self.samples.attitudes[row]));
@@ -105,11 +105,11 @@ impl Preintegrated {
     }
 
     /// Integrates the samples once more, with covariance and all derivatives.
-    pub fn replay(&self) -> Result<Replayed, Error> {
+    pub fn replay(&self) -> Result<PreintegratedMotion, Error> {
         let mut odometry = self.fresh.clone();
         odometry.work.constants.is_constant = false; // every step is fitted, and has derivatives
         let shared = odometry.work.fit.old.len();
-        let tilts = if self.rules.in_space { 2 } else { 0 };
+        let tilts = if self.options.in_space { 2 } else { 0 };
         let mut sums = Sums {
             settled: Matrix6::zeros(),
             carried: vec![Vector6::zeros(); shared + tilts],
@@ -130,7 +130,7 @@ impl Preintegrated {
             sums.settled += carried * carried.transpose();
         }
         let to_end = motion.inverse().adjoint();
-        Ok(Replayed {
+        Ok(PreintegratedMotion {
             covariance: to_end * sums.settled * to_end.transpose(),
             columns: sums.columns.into_iter().map(|(column, by)| (column, to_end * by)).collect(),
             motion,
@@ -156,7 +156,7 @@ impl Sums {
         let turned = relative.scaled_axis();
         let by_rates =
             sample.yaw_rate.map(|rate| f64::midpoint(odometry.reference.yaw_rate.unwrap_or(rate), rate) * dt);
-        let from_attitude = of.rules.in_space && by_rates.is_none();
+        let from_attitude = of.options.in_space && by_rates.is_none();
         let gyro_turn = if from_attitude { Some(turned.z) } else { by_rates };
         let Odometry { rover, settings, reference, angles, turned: rotations, work, .. } = &mut *odometry;
         let measured = StepMotion {
@@ -176,7 +176,7 @@ impl Sums {
         step *= share;
         let answer = motion.adjoint() * left_jacobian(&step) * share;
         self.add_plane_errors(odometry, dt, share, &(answer * embedding()));
-        if of.rules.in_space {
+        if of.options.in_space {
             let by_turn = if from_attitude { odometry.work.gain.into() } else { Vector3::zeros() };
             self.tilt(of, &turned, &relative, &by_turn, &answer);
         }
@@ -228,7 +228,7 @@ impl Sums {
         let first = self.carried.len() - 2;
         for (axis, carried) in self.carried[first..].iter_mut().enumerate() {
             let mut error = Vector3::zeros();
-            error[axis] = of.rules.attitude_noise;
+            error[axis] = of.options.attitude_noise;
             let [old, new] = [-(inverse * (relative.inverse() * error)), inverse * error].map(|d| {
                 let (ahead, left, turn) = (by_turn.x * d.z, by_turn.y * d.z, by_turn.z * d.z);
                 answer * Vector6::new(ahead, left, 0.0, d.x, d.y, turn)

@@ -7,8 +7,8 @@ fn noise() -> Noise {
     Noise { speed: 0.02, steering: 0.01, slip: 0.01, side_slip: 0.02, ..Noise::READINGS }
 }
 
-fn rules(gyroscope: Option<Gyroscope>) -> Rules {
-    Rules {
+fn options(gyroscope: Option<Gyroscope>) -> PreintegrationOptions {
+    PreintegrationOptions {
         settings: Settings { noise: noise(), ..Settings::default() },
         gyroscope,
         in_space: false,
@@ -54,16 +54,16 @@ fn drive(into: &mut Preintegrated, rows: std::ops::Range<usize>, bias: f64) {
             wheels: &wheels,
             stamp: t,
             yaw: None,
-            yaw_rate: into.rules.gyroscope.map(|_| 0.3 * t.cos() + bias),
+            yaw_rate: into.options.gyroscope.map(|_| 0.3 * t.cos() + bias),
         };
         let half = 0.1 * (0.8 * t).sin();
-        let attitude = into.rules.in_space.then(|| [half.sin(), 0.0, 0.0, half.cos()]);
+        let attitude = into.options.in_space.then(|| [half.sin(), 0.0, 0.0, half.cos()]);
         into.add(sample, attitude).unwrap();
     }
 }
 
-fn whole(rover: Rover, rules: Rules) -> Preintegrated {
-    let mut motion = Preintegrated::new(rover, rules).unwrap();
+fn whole(rover: Rover, options: PreintegrationOptions) -> Preintegrated {
+    let mut motion = Preintegrated::new(rover, options).unwrap();
     drive(&mut motion, 0..80, 0.0);
     motion
 }
@@ -71,14 +71,14 @@ fn whole(rover: Rover, rules: Rules) -> Preintegrated {
 #[test]
 fn a_replay_is_the_motion_of_odometry() {
     for gyroscope in [None, Some(Gyroscope::default())] {
-        let motion = whole(rover(|_, _| {}), rules(gyroscope));
+        let motion = whole(rover(|_, _| {}), options(gyroscope));
         let replayed = motion.replay().unwrap();
         let pose = motion.pose().unwrap();
         assert!((replayed.yaw - pose.yaw).abs() < 1e-13);
         assert!((replayed.motion.translation.x - pose.x).abs() < 1e-13);
         assert!((replayed.motion.translation.y - pose.y).abs() < 1e-13);
         let covariance = motion.covariance().unwrap();
-        let again = replayed.covariance_in(Tangent::Coordinates);
+        let again = replayed.covariance_in(ErrorFrame::Coordinates);
         for (i, row) in PLANE.into_iter().enumerate() {
             for (k, column) in PLANE.into_iter().enumerate() {
                 let apart = (covariance[i][k] - again[(row, column)]).abs();
@@ -90,7 +90,7 @@ fn a_replay_is_the_motion_of_odometry() {
 
 #[test]
 fn parts_are_the_whole() {
-    let motion = whole(rover(|_, _| {}), rules(Some(Gyroscope::default())));
+    let motion = whole(rover(|_, _| {}), options(Some(Gyroscope::default())));
     let all = motion.replay().unwrap();
     for stamp in [0.0, 0.02, 0.05, 1.0, 1.234, 3.94, 3.95] {
         let [first, second] = motion.split(stamp).unwrap();
@@ -121,7 +121,7 @@ fn parts_are_the_whole() {
 
 #[test]
 fn derivatives_are_differences() {
-    let plain = whole(rover(|_, _| {}), rules(None));
+    let plain = whole(rover(|_, _| {}), options(None));
     let all = plain.replay().unwrap();
     let step = 1e-6;
     for i in 0..4 {
@@ -144,7 +144,7 @@ fn derivatives_are_differences() {
                         }
                     }
                 });
-                whole(changed, rules(None)).replay().unwrap().motion
+                whole(changed, options(None)).replay().unwrap().motion
             };
             let back = all.motion.inverse();
             let difference = (back.compose(&moved(step)).log() - back.compose(&moved(-step)).log()) / (2.0 * step);
@@ -158,7 +158,7 @@ fn derivatives_are_differences() {
 fn the_bias_of_a_gyroscope_has_its_derivative() {
     let with = |bias: f64| {
         let gyroscope = Gyroscope { bias, ..Gyroscope::default() };
-        whole(rover(|_, _| {}), rules(Some(gyroscope))).replay().unwrap()
+        whole(rover(|_, _| {}), options(Some(gyroscope))).replay().unwrap()
     };
     let (here, more, less) = (with(0.01), with(0.01 + 1e-5), with(0.01 - 1e-5));
     let back = here.motion.inverse();
@@ -168,7 +168,7 @@ fn the_bias_of_a_gyroscope_has_its_derivative() {
 
 #[test]
 fn residuals_answer_as_their_differences_do() {
-    let motion = whole(rover(|_, _| {}), rules(None)).replay().unwrap().motion;
+    let motion = whole(rover(|_, _| {}), options(None)).replay().unwrap().motion;
     let first = Motion3::exp(&Vector6::new(0.3, -1.0, 0.2, 0.1, -0.2, 0.8));
     let off = Motion3::exp(&Vector6::new(0.05, 0.02, -0.01, 0.1, 0.05, -0.2));
     let second = first.compose(&motion).compose(&off);
@@ -197,11 +197,14 @@ fn residuals_answer_as_their_differences_do() {
 #[test]
 fn a_tilted_plane_is_a_plane() {
     // The same wheels on a slope: seen along it, the same motion.
-    let flat = whole(rover(|_, _| {}), rules(None)).replay().unwrap();
+    let flat = whole(rover(|_, _| {}), options(None)).replay().unwrap();
     let tilt = UnitQuaternion::from_euler_angles(0.4, -0.7, 2.0);
-    let mut sloped =
-        Preintegrated::new(rover(|_, _| {}), Rules { in_space: true, attitude_noise: 0.01, ..rules(None) }).unwrap();
-    let (mut source, mut yaw) = (whole(rover(|_, _| {}), rules(None)), 0.0);
+    let mut sloped = Preintegrated::new(
+        rover(|_, _| {}),
+        PreintegrationOptions { in_space: true, attitude_noise: 0.01, ..options(None) },
+    )
+    .unwrap();
+    let (mut source, mut yaw) = (whole(rover(|_, _| {}), options(None)), 0.0);
     source = source.part(0..80, 0.0, 1.0).unwrap();
     for k in 0..80 {
         if k > 0 {

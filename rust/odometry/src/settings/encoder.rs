@@ -33,10 +33,10 @@ impl Encoder {
             }
             _ => Ok(()),
         };
-        positive("resolution", self.resolution)?;
-        positive("modulus", self.modulus)?;
+        positive("ticks_per_turn", self.resolution)?;
+        positive("wraps_at", self.modulus)?;
         if !(self.gear.is_finite() && self.gear != 0.0) {
-            return Err(Error::value("gear", "be finite and not 0", number(self.gear)));
+            return Err(Error::value("gear_ratio", "be finite and not 0", number(self.gear)));
         }
         if !self.offset.is_finite() {
             return Err(Error::value("offset", "be finite", number(self.offset)));

@@ -3,14 +3,14 @@
 //! Motions are counted in the components that the fixed wheels leave: along their rolling direction and turning, or all
 //! three where no wheel is fixed.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::steered_joint::{SteeredJoint, window};
 use crate::numbers::squares::{Form, ROUNDING, needed, product, square};
 use six_wheel_control::controller::Limits;
 use six_wheel_kinematics::rover::{Mount, Rover};
-use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::wheels::{Direction, Pivot};
 use six_wheel_numerics::error::{Error, short};
 use six_wheel_numerics::simd::vec3::inner_product;
@@ -18,24 +18,7 @@ use six_wheel_numerics::simd::vec3::inner_product;
 /// Ends of ranges this near to a quarter turn are none [rad].
 const WHOLE: f64 = 1e-9;
 /// Overshoot of a direction that is at an end, as a share.
-const AT_AN_END: f64 = 1e-9;
-
-/// A steered wheel: the velocity of its pivot along the middle of its range and across it.
-#[derive(Clone, Debug)]
-pub(crate) struct Joint {
-    pub along: Vec<f64>,
-    pub across: Vec<f64>,
-    /// Steering angle of the middle, and how far it turns to either side, a quarter turn at most [rad].
-    pub middle: f64,
-    pub half: f64,
-}
-
-impl Joint {
-    /// Straight ahead, or as near as its range lets it [rad].
-    pub fn straight(&self) -> f64 {
-        0.0_f64.clamp(self.middle - self.half, self.middle + self.half)
-    }
-}
+pub(super) const AT_AN_END: f64 = 1e-9;
 
 /// A gap between the directions a rover of two components can drive in: its ends, and what leads to them.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +53,7 @@ pub(crate) struct RoverLimits {
     pub lengths: Vec<f64>,
     /// Mean over the pivots of their squared speed.
     pub metric: Form,
-    pub joints: Vec<Joint>,
+    pub joints: Vec<SteeredJoint>,
     pub gaps: Vec<DirectionGap>,
     /// A motion well inside every range, if no wheel is fixed.
     pub inside: Option<Vec<f64>>,
@@ -156,7 +139,7 @@ impl RoverLimits {
     }
 
     /// A row of a twist as a row of components.
-    fn row(&self, row: [f64; 3]) -> Vec<f64> {
+    pub(super) fn row(&self, row: [f64; 3]) -> Vec<f64> {
         self.body.iter().map(|part| inner_product(part, &row)).collect()
     }
 
@@ -208,7 +191,7 @@ impl RoverLimits {
                 continue;
             };
             let Direction { sin, cos } = Direction::from(wheel.heading + middle);
-            self.joints.push(Joint {
+            self.joints.push(SteeredJoint {
                 along: self.row(pivot(cos, sin)),
                 across: self.row(pivot(-sin, cos)),
                 middle,
@@ -218,96 +201,22 @@ impl RoverLimits {
     }
 
     /// Largest excess of a motion over a range, as a share of its size; 0 or less if it is within all.
-    fn beyond(&self, motion: &[f64]) -> f64 {
+    pub(super) fn beyond(&self, motion: &[f64]) -> f64 {
         let size = square(&self.metric, motion).max(0.0).sqrt();
-        let over = |joint: &Joint| {
+        let over = |joint: &SteeredJoint| {
             let (sin, cos) = joint.half.sin_cos();
             inner_product(&joint.across, motion).abs() * cos - inner_product(&joint.along, motion).abs() * sin
         };
         self.narrow_joints().map(over).fold(f64::NEG_INFINITY, f64::max) / size
     }
 
-    /// Finds the gaps between possible directions, or that none is possible.
-    fn directions(&mut self, rover: &Rover) {
-        if self.stuck.is_some() {
-            return;
-        }
-        if self.free == 3 {
-            self.find_inside();
-            return;
-        }
-        let size = rover.size;
-        let angle = |row: &[f64]| (-row[0] * size).atan2(row[1]).rem_euclid(PI);
-        let others: Vec<Vec<f64>> = rover.banks().iter().skip(1).map(|bank| self.row(bank.row.into())).collect();
-        // Further banks leave one direction at most.
-        if let Some(first) = others.iter().find(|row| row.iter().any(|part| part.abs() > ROUNDING)) {
-            let only = direction(angle(first), size);
-            let slides = |row: &Vec<f64>| inner_product(row, &only).abs() > AT_AN_END;
-            if others.iter().any(slides) || self.beyond(&only) > AT_AN_END {
-                self.stuck = Some(ImmobileReason::Rover);
-            } else {
-                self.gaps.push(self.gap([only, only.map(|part| -part)]));
-            }
-            return;
-        }
-        let mut ends: Vec<f64> = Vec::new();
-        for joint in self.narrow_joints() {
-            let (sin, cos) = joint.half.sin_cos();
-            for side in [-1.0, 1.0] {
-                let row: Vec<f64> = (0..2).map(|k| joint.across[k] * cos + side * joint.along[k] * sin).collect();
-                ends.push(angle(&row));
-            }
-        }
-        ends.sort_by(f64::total_cmp);
-        ends.dedup_by(|b, a| (*b - *a).abs() <= AT_AN_END);
-        if !ends.is_empty() {
-            self.find_gaps(&ends, size);
-        }
-    }
-
-    /// Finds the gaps between directions whose angles are the ends of ranges, in rising order.
-    fn find_gaps(&mut self, ends: &[f64], size: f64) {
-        let count = ends.len();
-        let is_open = |k: usize| {
-            let next = if k + 1 < count { ends[k + 1] } else { ends[0] + PI };
-            self.beyond(&direction(f64::midpoint(ends[k], next), size)) <= 0.0
-        };
-        let open: Vec<bool> = (0..count).map(is_open).collect();
-        // An end beside something open, or possible by itself.
-        let is_allowed = |&k: &usize| {
-            open[k] || open[(k + count - 1) % count] || self.beyond(&direction(ends[k], size)) <= AT_AN_END
-        };
-        let allowed: Vec<usize> = (0..count).filter(is_allowed).collect();
-        if allowed.is_empty() {
-            self.stuck = Some(ImmobileReason::Rover);
-            return;
-        }
-        for (place, &k) in allowed.iter().enumerate().filter(|(_, k)| !open[**k]) {
-            let next = allowed.get(place + 1).map_or(ends[allowed[0]] + PI, |&next| ends[next]);
-            self.gaps.push(self.gap([direction(ends[k], size), direction(next, size)]));
-        }
-    }
-
     /// Joints that turn less than a quarter turn to either side.
-    fn narrow_joints(&self) -> impl Iterator<Item = &Joint> {
+    pub(super) fn narrow_joints(&self) -> impl Iterator<Item = &SteeredJoint> {
         self.joints.iter().filter(|joint| joint.half < FRAC_PI_2 - WHOLE)
     }
 
-    fn gap(&self, ends: [[f64; 2]; 2]) -> DirectionGap {
-        let metric = &self.metric;
-        let square = ends.map(|end| square(metric, &end));
-        let mut shares = [[0.0; 2]; 2];
-        for (k, end) in ends.iter().enumerate() {
-            shares[k] = [
-                (metric[0] * end[0] + metric[1] / 2.0 * end[1]) / square[k],
-                (metric[1] / 2.0 * end[0] + metric[2] * end[1]) / square[k],
-            ];
-        }
-        DirectionGap { ends, shares, per_length: square.map(|square| 1.0 / square.sqrt()) }
-    }
-
     /// A motion as far inside every range as there is among the simple ones.
-    fn find_inside(&mut self) {
+    pub(super) fn find_inside(&mut self) {
         if self.narrow_joints().next().is_none() {
             return;
         }
@@ -367,24 +276,4 @@ impl RoverLimits {
         }
         twist
     }
-}
-
-/// The motion in this direction: an angle whose tangent is yaw rate times size over speed.
-fn direction(angle: f64, size: f64) -> [f64; 2] {
-    [angle.cos(), angle.sin() / size]
-}
-
-/// Middle and half of the angles a steered wheel is planned with: its range within the limit, a quarter turn to either
-/// side at most. Nothing if there is none.
-fn window(range: SteeringRange, limit: f64) -> Option<(f64, f64)> {
-    let (lower, upper) = (range.lower.max(-limit), range.upper.min(limit));
-    if lower > upper {
-        return None;
-    }
-    let middle = if upper - lower > PI {
-        0.0_f64.clamp(lower + FRAC_PI_2, upper - FRAC_PI_2)
-    } else {
-        f64::midpoint(lower, upper)
-    };
-    Some((middle, ((upper - lower) / 2.0).min(FRAC_PI_2)))
 }

@@ -1,6 +1,7 @@
 //! A rover and its limits in one precision, as the lanes take them.
 
-use super::limits::{DirectionGap, Joint, RoverLimits};
+use super::limits::{DirectionGap, RoverLimits};
+use super::steered_joint::SteeredJoint;
 use crate::numbers::squares::Form;
 use six_wheel_numerics::simd::float::Float;
 use six_wheel_numerics::simd::vec3::inner_product;
@@ -11,7 +12,7 @@ pub(crate) struct Wheel<R, const M: usize> {
 }
 
 impl<R: Float, const M: usize> Wheel<R, M> {
-    fn of(joint: &Joint) -> Self {
+    fn of(joint: &SteeredJoint) -> Self {
         Self { along: row(&joint.along), across: row(&joint.across) }
     }
 }
@@ -148,13 +149,13 @@ impl<R: Float, const M: usize> Model<R, M> {
 }
 
 /// The joints, without those that turn as an earlier one does, or as its mirror image.
-fn distinct_joints(joints: &[Joint]) -> impl Iterator<Item = &Joint> {
+fn distinct_joints(joints: &[SteeredJoint]) -> impl Iterator<Item = &SteeredJoint> {
     let alike = |a: &[f64], b: &[f64]| {
         let pairs = || a.iter().zip(b);
         pairs().all(|(a, b)| a == b) || pairs().all(|(a, b)| *a == -b)
     };
     joints.iter().enumerate().filter_map(move |(k, joint)| {
-        let same = |other: &Joint| alike(&joint.along, &other.along) && alike(&joint.across, &other.across);
+        let same = |other: &SteeredJoint| alike(&joint.along, &other.along) && alike(&joint.across, &other.across);
         (!joints[..k].iter().any(same)).then_some(joint)
     })
 }

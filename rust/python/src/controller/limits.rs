@@ -116,7 +116,9 @@ methods! { Limits:
         angular_acceleration: Option<f64> = None, angular_deceleration: Option<f64> = None,
         angular_jerk: Option<f64> = None, lateral_acceleration: Option<f64> = None, wheel_speed: Option<f64> = None,
         wheel_acceleration: Option<f64> = None, steering_limit: Option<f64> = None, steering_rate: Option<f64> = None,
-        steering_acceleration: Option<f64> = None, halt_deceleration: Option<f64> = None) -> PyResult<Self> {
+        steering_acceleration: Option<f64> = None, halt_deceleration: Option<f64> = None, **)
+    as "(*, speed=None, yaw_rate=None, acceleration=None, deceleration=None, jerk=None, angular_acceleration=None, angular_deceleration=None, angular_jerk=None, lateral_acceleration=None, wheel_speed=None, wheel_acceleration=None, steering_limit=None, steering_rate=None, steering_acceleration=None, halt_deceleration=None)"
+    -> PyResult<Self> {
         let core = Core::new([
             speed, yaw_rate, acceleration, deceleration, jerk, angular_acceleration, angular_deceleration, angular_jerk,
             lateral_acceleration, wheel_speed, wheel_acceleration, steering_limit, steering_rate, steering_acceleration,

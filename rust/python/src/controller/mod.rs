@@ -77,7 +77,7 @@ pub struct Controller {
 getters! { Controller, self, py:
     /// True from `halt`, or from the step that finds a stuck joint, until `release`.
     halted: PyResult<bool> = Ok(self.core.lock(py)?.halted());
-    /// What is driven.
+    /// The rover that is driven.
     rover: Py<Rover> = self.rover.clone_ref(py);
     /// The limits of its motion. They may be replaced at any time, from the next step on: a motion beyond the new ones comes
     /// down within them without a stop, and command, clock and halt stay. ValueError, and no change, if the rover cannot
@@ -91,11 +91,19 @@ getters! { Controller, self, py:
     /// The steering angles commanded by the last step [rad], shape (steered wheels,).
     steering: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, self.core.lock(py)?.steering()));
     /// Time of the last step [s], or None.
-    now: PyResult<Option<f64>> = Ok(self.core.lock(py)?.now());
-    /// Whether body and joints stand still.
+    stamp: PyResult<Option<f64>> = Ok(self.core.lock(py)?.now());
+    /// True if body and joints stand still.
     stopped: PyResult<bool> = Ok(self.core.lock(py)?.stopped());
-    /// How far the body's origin moves, at most, if a stop begins with the next step [m].
+    /// Largest distance that the body's origin moves if a stop begins with the next step [m].
     stopping_distance: PyResult<f64> = Ok(self.core.lock(py)?.stopping_distance());
+}
+
+copied_by! { Controller,
+    "keep its `steering` and `twist`, and make another one with them",
+    |this, py| {
+        let core = Shared::new(this.core.lock(py)?.clone());
+        Ok(Self { core, rover: this.rover.clone_ref(py), joints: this.joints, wheels: this.wheels })
+    }
 }
 
 /// The options by name, as Python writes them.
@@ -119,7 +127,7 @@ methods! { Controller:
     fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, timeout: Option<f64> = (Some(0.5)),
         period: Option<f64> = None, max_step: f64 = 0.1, mode: &str = "free", align: Option<&str> = (Some("cosine")),
         align_tolerance: f64 = 0.02, following_error: Option<f64> = (Some(0.2)),
-        following_time: Option<f64> = (Some(0.5)), discretise: bool = false, steering=None, twist=None)
+        following_time: Option<f64> = (Some(0.5)), discretise: bool = false, steering=None, twist=None, **)
     as "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, following_error=0.2, following_time=0.5, discretise=False, steering=None, twist=None)"
     -> PyResult<Self> {
         let options = Options {
@@ -190,26 +198,26 @@ methods! { Controller:
     ///
     /// Parameters
     /// ----------
-    /// now : float
-    ///     The time [s]; later than that of the last step. The first one starts the clock.
+    /// stamp : float
+    ///     When the joints are commanded [s]; later than the last step. The first one starts the clock.
     /// measured : array_like, shape (steered wheels,), optional
     ///     Where the steering joints are [rad].
     ///
     /// Returns
     /// -------
     /// ControllerOutput
-    ///     `commands` by joint name, `twist`, `reasons`; `steering`, `steering_rates` and `speeds` in the order of
+    ///     `commands` by joint name, `twist`, `reasons`; `steering`, `steering_rates` and `wheel_speeds` in the order of
     ///     the wheels.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     If the time is not later than the last, or an angle is not finite. The controller stays as it was. Angles
+    ///     If the stamp is not later than that of the last step, or an angle is not finite. The controller stays as it was. Angles
     ///     beyond a limit are none: the joints come back inside at their rates.
-    fn step[&self, py: Python<'py>](now: f64, measured=None) -> PyResult<ControllerOutput> {
+    fn step[&self, py: Python<'py>](stamp: f64, measured=None) -> PyResult<ControllerOutput> {
         let measured = Rows::read_beside("measured", measured, self.joints, &[])?;
         let mut core = self.core.lock(py)?;
-        core.step(now, measured.as_ref().map(Rows::flat)).or_raise(&[])?;
+        core.step(stamp, measured.as_ref().map(Rows::flat)).or_raise(&[])?;
         Ok(ControllerOutput::of(&core, self.rover.clone_ref(py)))
     }
 }

@@ -8,7 +8,7 @@ use six_wheel_control::controller::{Controller, reason};
 
 use crate::rover::Rover;
 
-/// What one step of a `Controller` commands. Arrays are made when they are asked for.
+/// The commands of one step of a `Controller`. Arrays are made when they are asked for.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct ControllerOutput {
     twist: [f64; 3],
@@ -69,18 +69,20 @@ fn reason(py: Python<'_>, bits: u32) -> PyResult<Bound<'_, PyAny>> {
 }
 
 getters! { ControllerOutput, self, py:
+    /// The rover.
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Joint commands by joint name, as `Rover.commands`: steering [rad], then wheel speeds [rad/s].
     commands: PyResult<Bound<'py, PyDict>> = {
-        let (steering, speeds) = (self.steering(py), self.speeds(py));
+        let (steering, speeds) = (self.steering(py), self.wheel_speeds(py));
         let rover = self.rover.get();
         rover.named_values(py, steering.as_any(), speeds.as_any())
     };
-    /// Steering angles [rad], shape (steered wheels,), in the order of `Rover.steered_names`.
+    /// Steering angles [rad], shape (steered wheels,), in the order of `Rover.steered_wheel_names`.
     steering: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.numbers[..self.joints]);
-    /// Rates of the steering angles [rad/s], shape (steered wheels,), in the order of `Rover.steered_names`.
+    /// Rates of the steering angles [rad/s], shape (steered wheels,), in the order of `Rover.steered_wheel_names`.
     steering_rates: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.numbers[self.joints..2 * self.joints]);
     /// Wheel speeds [rad/s], shape (wheels,), in the order of `Rover.wheel_names`.
-    speeds: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.numbers[2 * self.joints..self.errors()]);
+    wheel_speeds: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.numbers[2 * self.joints..self.errors()]);
     /// Measured steering angles minus the last commands [rad], shape (steered wheels,), or None if the step was given none.
     joint_errors: Option<Bound<'py, PyArray1<f64>>> =
         self.measured.then(|| PyArray1::from_slice(py, &self.numbers[self.errors()..]));
@@ -95,26 +97,25 @@ getters! { ControllerOutput, self, py:
     speed_share: f64 = self.speed_share;
     /// The motion they make, ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (3,).
     twist: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.twist);
-    /// Why it is not the motion asked for: a `Reason`, empty if it is.
+    /// The causes for which it is not the motion asked for: a `Reason`, empty if it is.
     reasons: PyResult<Bound<'py, PyAny>> = reason(py, self.reasons);
 }
 
-#[pymethods]
-impl ControllerOutput {
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let part = |values: &[f64]| {
-            let texts: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
-            format!("[{}]", texts.join(", "))
-        };
-        Ok(format!(
-            "ControllerOutput(steering={}, speeds={}, twist={}, reasons={})",
-            part(&self.numbers[..self.joints]),
-            part(&self.numbers[2 * self.joints..self.errors()]),
-            part(&self.twist),
-            reason(py, self.reasons)?.repr()?,
-        ))
-    }
+pickled_by_fields! { ControllerOutput, this, py:
+    (
+        twist: [f64; 3] = this.twist,
+        reasons: u32 = this.reasons,
+        speed_share: f64 = this.speed_share,
+        worst_joint: Option<usize> = this.worst_joint,
+        measured: bool = this.measured,
+        numbers: Vec<f64> = this.numbers.to_vec(),
+        joints: usize = this.joints,
+        rover: Py<Rover> = &this.rover,
+    )
+    Self { twist, reasons, speed_share, worst_joint, measured, numbers: numbers.into(), joints, rover }
 }
+
+repr_of_attributes! { ControllerOutput: steering wheel_speeds twist reasons }
 
 /// Name and bit of every reason.
 #[pyfunction]

@@ -24,7 +24,7 @@ fn command<'py>(this: Borrowed<'_, 'py, Controller>, [twist, stamp]: Arguments<'
     Some(truth(this.py(), taken.ok()?))
 }
 
-fast_method!(Step<2>: Controller, c"step", [c"now", c"measured"], 2, step);
+fast_method!(Step<2>: Controller, c"step", [c"stamp", c"measured"], 2, step);
 
 #[inline(always)]
 fn step<'py>(this: Borrowed<'_, 'py, Controller>, [now, measured]: Arguments<'_, 'py, 2>) -> Answer<'py> {

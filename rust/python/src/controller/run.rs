@@ -10,14 +10,14 @@ use crate::convert::{Results, Rows, Scalars, compute_rows, memory};
 use crate::rover::Rover;
 
 result_class! {
-    /// What the steps of `Controller.run` command, one row a step.
+    /// The commands of `Controller.run`, one row a step.
     pub struct ControllerRun {
-        /// Steering angles [rad], shape (n, steered wheels), in the order of `Rover.steered_names`.
+        /// Steering angles [rad], shape (n, steered wheels), in the order of `Rover.steered_wheel_names`.
         steering: Py<PyAny>,
         /// Rates of the steering angles [rad/s], shape (n, steered wheels).
         steering_rates: Py<PyAny>,
         /// Wheel speeds [rad/s], shape (n, wheels), in the order of `Rover.wheel_names`.
-        speeds: Py<PyAny>,
+        wheel_speeds: Py<PyAny>,
         /// The motions they make, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (n, 3).
         twist: Py<PyAny>,
         /// Bits of `Reason`, shape (n,), uint32.
@@ -33,28 +33,28 @@ methods! { Controller:
     ///
     /// Parameters
     /// ----------
+    /// twists : array_like, shape (m, 3)
+    ///     The commands, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
     /// stamps : array_like, shape (m,)
     ///     When the commands were given [s]. They come in this order, each before the first step that is not
     ///     earlier than its stamp.
-    /// twists : array_like, shape (m, 3)
-    ///     The commands, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-    /// times : array_like, shape (n,)
-    ///     Times of the steps [s], increasing.
+    /// step_stamps : array_like, shape (n,)
+    ///     Stamps of the steps [s], increasing.
     ///
     /// Returns
     /// -------
     /// ControllerRun
-    ///     `steering`, `speeds`, `twist`, `reasons`, `steering_rates`, one row a step.
+    ///     `steering`, `wheel_speeds`, `twist`, `reasons`, `steering_rates`, one row a step.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     If a time is not later than the one before it, a stamp is later than all of them, one of them is not
+    ///     If a step is not later than the one before it, a command is later than all of them, one of them is not
     ///     finite, or the shapes do not fit. The controller stays as it was.
-    fn run[&self, py: Python<'py>](stamps, twists, times) -> PyResult<ControllerRun> {
-        let times = Scalars::read("times", times)?;
+    fn run[&self, py: Python<'py>](twists, stamps, step_stamps) -> PyResult<ControllerRun> {
+        let times = Scalars::read("step_stamps", step_stamps)?;
         let count = times.flat().len();
-        times.fit_exactly("times", &[count])?;
+        times.fit_exactly("step_stamps", &[count])?;
         let stamps = Scalars::read("stamps", stamps)?;
         let commands = stamps.flat().len();
         stamps.fit_exactly("stamps", &[commands])?;
@@ -70,17 +70,19 @@ methods! { Controller:
         let mut guard = self.core.lock(py)?;
         let core = &mut *guard;
         compute_rows(py, count, &[count.max(commands)], || core.run(stamps, twists, times, steps))?;
-        let [steering, steering_rates, speeds, twist] = results.finish_arrays()?;
+        let [steering, steering_rates, wheel_speeds, twist] = results.finish_arrays()?;
         let (rover, reasons) = (self.rover.clone_ref(py), PyArray1::from_vec(py, reasons).unbind());
-        Ok(ControllerRun { steering, steering_rates, speeds, twist, reasons, rover })
+        Ok(ControllerRun { steering, steering_rates, wheel_speeds, twist, reasons, rover })
     }
 }
 
 getters! { ControllerRun, self, py:
+    /// The rover.
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Joint commands by joint name, as `Rover.commands`: arrays (n,) of steering [rad] and wheel speeds [rad/s].
     commands: PyResult<Bound<'py, PyDict>> = {
         let rover = self.rover.get();
-        rover.named_values(py, self.steering.bind(py), self.speeds.bind(py))
+        rover.named_values(py, self.steering.bind(py), self.wheel_speeds.bind(py))
     };
 }
 

@@ -50,12 +50,21 @@ fn index(row: usize, leading: &[usize]) -> String {
     format!("[{}]", places.join(", "))
 }
 
-/// Fails unless the numbers of every row are finite.
-pub(super) fn check_finite(argument: &'static str, values: &[f64], width: usize, leading: &[usize]) -> PyResult<()> {
+/// Fails unless the numbers of every row are finite; a row that has no answer may also be NaN throughout.
+pub(super) fn check_finite(
+    argument: &'static str,
+    values: &[f64],
+    width: usize,
+    leading: &[usize],
+    has_no_answer: impl Fn(usize) -> bool,
+) -> PyResult<()> {
     if are_finite(values) {
         return Ok(());
     }
     for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
+        if values.iter().all(|value| value.is_nan()) && has_no_answer(row) {
+            continue;
+        }
         finite(argument, values).map_err(|error| raise(error.at_row(row), leading))?;
     }
     Ok(())

@@ -2,7 +2,6 @@
 
 use numpy::npyffi::PyArrayObject;
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
-use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
 use six_wheel_kinematics::table::Table;
@@ -10,7 +9,7 @@ use six_wheel_kinematics::table::Table;
 use super::array::{read_array, three_numbers};
 use super::broadcast::{Broadcast, joined};
 use super::errors::{check_finite, refuse, refuse_shape, shape_text};
-use super::memory::{self, BorrowedArray};
+use super::memory::{self, BorrowedArray, repeated};
 use super::numpy_module::numpy;
 use super::strided::Strided;
 
@@ -134,7 +133,12 @@ impl<'py> Rows<'py> {
 
     /// Fails unless every number is finite.
     pub fn check_finite(&self, argument: &'static str) -> PyResult<()> {
-        check_finite(argument, self.flat(), self.width, &self.leading)
+        self.check_finite_where(argument, |_| false)
+    }
+
+    /// Fails unless every number is finite; a row that has no answer may also be NaN throughout.
+    pub fn check_finite_where(&self, argument: &'static str, has_no_answer: impl Fn(usize) -> bool) -> PyResult<()> {
+        check_finite(argument, self.flat(), self.width, &self.leading, has_no_answer)
     }
 
     /// All numbers, row after row.
@@ -201,7 +205,7 @@ impl Broadcast for Rows<'_> {
     fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
         let shape = joined(leading, self.width);
         if let Data::Array(memory) = &self.data {
-            let wide = spread(&memory.array, &joined(&self.leading, self.width), &shape)?;
+            let wide = repeated(&memory.array, &joined(&self.leading, self.width), &shape)?;
             *self = Self::of(argument, &wide, self.width)?;
             return Ok(());
         }
@@ -332,7 +336,7 @@ impl Broadcast for Blocks<'_> {
 
     fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
         if let Some(array) = self.array() {
-            let wide = spread(array, &self.shape(), &self.shape_over(leading))?;
+            let wide = repeated(array, &self.shape(), &self.shape_over(leading))?;
             *self = Self::of(argument, &wide, self.width())?;
         } else if let Self::Flat(rows) = self {
             rows.spread(argument, leading)?;
@@ -379,20 +383,4 @@ pub(super) fn contiguous<'py>(argument: &str, array: &Bound<'py, PyUntypedArray>
         array,
         _held: held,
     })
-}
-
-/// A view of an array with more rows: axes of length 1, and those it has not got, repeat what there is. Whoever
-/// has changed the shape of the array since it was read is told so.
-pub(super) fn spread<'py>(
-    array: &Bound<'py, PyUntypedArray>,
-    was: &[usize],
-    shape: &[usize],
-) -> PyResult<Bound<'py, PyUntypedArray>> {
-    let py = array.py();
-    memory::count(shape)?;
-    if array.shape() != was {
-        return Err(PyValueError::new_err("the shape of an array must stay while it is read"));
-    }
-    let wide = numpy(py)?.call_method1(intern!(py, "broadcast_to"), (array, shape.to_vec()))?;
-    Ok(wide.cast_into()?)
 }

@@ -8,13 +8,14 @@ use std::thread::{self, ThreadId};
 
 use numpy::npyffi::{PY_ARRAY_API, PyArray_Descr, npy_intp};
 use numpy::{PyArrayDescrMethods, PyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
-use pyo3::exceptions::PyMemoryError;
+use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::ffi::PyObject;
+use pyo3::intern;
 use pyo3::prelude::*;
 use six_wheel_numerics::places::Places;
 
 use super::errors::{refuse, shape_text};
-use super::numpy_module::{Array, ready};
+use super::numpy_module::{Array, numpy, ready};
 use super::pool;
 
 /// An array in use.
@@ -208,4 +209,20 @@ pub fn array<'py, T: numpy::Element + Copy>(
     // SAFETY: a new contiguous array, known to nobody else.
     unsafe { numpy::PyArrayMethods::as_slice_mut(&array)? }.copy_from_slice(values);
     Ok(array)
+}
+
+/// A view of an array with more rows: axes of length 1, and those it has not got, repeat what there is. Whoever
+/// has changed the shape of the array since it was read is told so.
+pub(super) fn repeated<'py>(
+    array: &Bound<'py, PyUntypedArray>,
+    was: &[usize],
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyUntypedArray>> {
+    let py = array.py();
+    count(shape)?;
+    if array.shape() != was {
+        return Err(PyValueError::new_err("the shape of an array must stay while it is read"));
+    }
+    let wide = numpy(py)?.call_method1(intern!(py, "broadcast_to"), (array, shape.to_vec()))?;
+    Ok(wide.cast_into()?)
 }

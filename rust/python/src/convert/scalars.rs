@@ -8,7 +8,8 @@ use six_wheel_kinematics::geometry::Steps;
 use super::array::read_array;
 use super::broadcast::Broadcast;
 use super::errors::{check_finite, refuse_shape, shape_text};
-use super::input::{Memory, contiguous, spread};
+use super::input::{Memory, contiguous};
+use super::memory::repeated;
 
 /// One number, or one per row.
 pub struct Scalars<'py> {
@@ -67,7 +68,7 @@ impl<'py> Scalars<'py> {
 
     /// Fails unless every number is finite.
     pub fn check_finite(&self, argument: &'static str) -> PyResult<()> {
-        check_finite(argument, self.flat(), 1, &self.shape)
+        check_finite(argument, self.flat(), 1, &self.shape, |_| false)
     }
 
     /// Fails unless it has this shape.
@@ -106,7 +107,7 @@ impl Broadcast for Scalars<'_> {
     /// One number stays one.
     fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
         if let Some(each) = &self.each {
-            *self = Self::of(argument, &spread(&each.array, &self.shape, leading)?)?;
+            *self = Self::of(argument, &repeated(&each.array, &self.shape, leading)?)?;
         }
         Ok(())
     }

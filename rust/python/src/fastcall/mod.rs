@@ -34,6 +34,7 @@
 
 mod arguments;
 mod arrays;
+pub mod keywords;
 #[macro_use]
 mod method;
 

@@ -35,7 +35,7 @@ methods! { FourAxle:
     /// state : FourAxleState
     ///     Pose and angles at the beginning.
     /// speed : float
-    ///     Root mean square speed of the hinges [m/s]: straight ahead the speed of the body. Negative
+    ///     Root mean square speed of the pivots [m/s]: straight ahead the speed of the body. Negative
     ///     backwards.
     /// duration : float
     ///     Duration [s].
@@ -60,7 +60,7 @@ methods! { FourAxle:
     /// Free the rear, let its wheels turn it, lock it, then the same in front; or the other way round, or by
     /// way of straight ahead; a pair that stays is left out. Under way the free pair has constant wheel
     /// speeds and the drives of the locked pair follow. That needs the axles of the locked pair in line:
-    /// rigid axles always are, hinged ones at angle 0. Where it cannot be, the robot stops: one pair turns
+    /// rigid axles always are, those on two pivots at angle 0. Where it cannot be, the robot stops: one pair turns
     /// while the other and its wheels hold the body.
     ///
     /// Parameters
@@ -70,10 +70,10 @@ methods! { FourAxle:
     /// curvature : float
     ///     To turn with [1/m], positive to the left; 0 is straight ahead.
     /// steer : {'both', 'front', 'rear'}
-    ///     Axles that turn: the centre of rotation lies abreast of the origin, of the rear hinges, of the
-    ///     front hinges.
+    ///     Axles that turn: the centre of rotation lies abreast of the origin, of the rear pivots, of the
+    ///     front pivots.
     /// speed : float, default 0.0
-    ///     Root mean square speed of the hinges to begin with [m/s]; 0 to re-aim standing.
+    ///     Root mean square speed of the pivots to begin with [m/s]; 0 to re-aim standing.
     /// pivot_rate : float, default 0.5
     ///     Rate of the faster axle where the pair turns slowest [rad/s].
     /// brake_time : float, default 0.0
@@ -145,8 +145,8 @@ methods! { FourAxle:
     /// Returns
     /// -------
     /// FourAxleSimulation
-    ///     ``.times``, ``.poses``, ``.angles``, ``.twists``, ``.speeds``, ``.residual``, ``.ends``,
-    ///     ``.final``.
+    ///     ``.stamps``, ``.poses``, ``.steering``, ``.twists``, ``.wheel_speeds``, ``.residuals``,
+    ///     ``.ends``, ``.final``.
     ///
     /// Raises
     /// ------
@@ -166,12 +166,12 @@ methods! { FourAxle:
             py,
             rover = &self.rover,
             steps = PyTuple::new(py, given)?,
-            times = vector(py, track.times),
+            stamps = vector(py, track.times),
             poses = array(py, &track.poses)?,
-            angles = array(py, &track.angles)?,
+            steering = array(py, &track.angles)?,
             twists = array(py, &track.twists)?,
-            speeds = array(py, &track.speeds)?,
-            residual = array(py, &track.residual)?,
+            wheel_speeds = array(py, &track.speeds)?,
+            residuals = array(py, &track.residual)?,
             ends = vector(py, ends),
             final = write_state(py, &end)?
         );

@@ -17,18 +17,18 @@ use values::{array, axles, brake, drives, raised, value, vector};
 
 /// Four axles on lockable pivots: four-wheel steering, dual differential drive, and their hybrid.
 ///
-/// Each axle hangs on a hinge and carries a driven wheel at its outer end. Two brakes lock the pivots of the
+/// Each axle turns about a pivot and carries a driven wheel at its outer end. Two brakes lock the pivots of the
 /// front and of the rear pair; a free axle is turned by its wheel: ``(e . u - r q) / scrub - omega`` is
-/// its rate. Hinges on the centre line carry one rigid axle per pair: two differential drives in tandem.
+/// its rate. Pivots on the centre line carry one rigid axle per pair: two differential drives in tandem.
 /// Axles come in the order front left, front right, rear left, rear right; their angles are the headings of
 /// the wheels in the body.
 ///
 /// Parameters
 /// ----------
-/// hinges : (float, float)
-///     Half the distance of the hinges along and across the body [m]; across it may be 0.
+/// pivots : (float, float)
+///     Half the distance of the pivots along and across the body [m]; across it may be 0.
 /// axle_length : float
-///     Hinge to wheel [m].
+///     Pivot to wheel [m].
 /// wheel_radius : float
 ///     Hub to ground [m].
 /// steering_limit : float or (float, float), optional
@@ -56,18 +56,18 @@ impl FourAxle {
     }
 
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (hinges, axle_length, wheel_radius) = (self.hinges(py), self.axle_length(py), self.wheel_radius(py));
+        let (pivots, axle_length, wheel_radius) = (self.pivots(py), self.axle_length(py), self.wheel_radius(py));
         let (steering_limit, tolerance) = (self.steering_range(py), self.tolerance(py));
-        Ok(dict!(py, hinges, axle_length, wheel_radius, steering_limit, tolerance))
+        Ok(dict!(py, pivots, axle_length, wheel_radius, steering_limit, tolerance))
     }
 }
 
 getters! { FourAxle, self, py:
     /// The same vehicle as a `Rover` with four steered wheels, for all that needs no brakes.
     rover: Py<Rover> = self.rover.clone_ref(py);
-    /// Half the distance of the hinges along and across the body [m].
-    hinges: (f64, f64) = self.core.hinges().into();
-    /// Hinge to wheel [m].
+    /// Half the distance of the pivots along and across the body [m].
+    pivots: (f64, f64) = self.core.pivots().into();
+    /// Pivot to wheel [m].
     axle_length: f64 = self.core.axle_length();
     /// Hub to ground [m].
     wheel_radius: f64 = self.core.wheel_radius();
@@ -86,11 +86,11 @@ pickled_by_keywords!(FourAxle: keywords);
 
 methods! { FourAxle:
     #[new]
-    fn new[py: Python<'py>](hinges: [f64; 2], axle_length: f64, wheel_radius: f64, *, steering_limit=None,
-        tolerance: Option<f64> = None)
-    as "(hinges, axle_length, wheel_radius, *, steering_limit=None, tolerance=0.001)" -> PyResult<Self> {
+    fn new[py: Python<'py>](pivots: [f64; 2], axle_length: f64, wheel_radius: f64, *, steering_limit=None,
+        tolerance: Option<f64> = None, **)
+    as "(pivots, axle_length, wheel_radius, *, steering_limit=None, tolerance=0.001)" -> PyResult<Self> {
         let core = core::FourAxle::new(
-            hinges,
+            pivots,
             axle_length,
             wheel_radius,
             steering_range(steering_limit)?.unwrap_or_default(),
@@ -108,7 +108,7 @@ methods! { FourAxle:
     /// previous : array_like, shape (..., 4), optional
     ///     Present axle angles [rad].
     /// out : (ndarray, ndarray), shapes (..., 4) and (..., 4), optional
-    ///     Arrays for angles and speeds.
+    ///     Arrays for steering and wheel speeds.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64.
     /// threads : int, optional
@@ -116,7 +116,7 @@ methods! { FourAxle:
     ///
     /// Returns
     /// -------
-    /// angles, speeds : ndarray, shape (..., 4)
+    /// steering, wheel_speeds : ndarray, shape (..., 4)
     ///     Axle angles [rad] and wheel speeds [rad/s].
     ///
     /// Raises
@@ -130,23 +130,23 @@ methods! { FourAxle:
 
     /// Motion of the body and the free pivots at these wheel speeds, by least squares over both rows of every wheel.
     ///
-    /// With one pair free and the drives of the other following, the rows may leave open how fast hinged
-    /// axles go along; the motion is then the one that lasts, under which the axle lines go on to share a
+    /// With one pair free and the drives of the other following, the rows may leave open how fast
+    /// axles on two pivots go along; the motion is then the one that lasts, under which the axle lines go on to share a
     /// point.
     ///
     /// Parameters
     /// ----------
-    /// angles : array_like, shape (4,)
+    /// steering : array_like, shape (4,)
     ///     Axle angles [rad].
-    /// speeds : sequence of float or None, length 4
+    /// wheel_speeds : sequence of float or None, length 4
     ///     Wheel speeds [rad/s]; None where the drive follows.
-    /// front, rear : {'locked', 'free'}
+    /// front_brake, rear_brake : {'locked', 'free'}
     ///     Brakes of the two pairs.
     ///
     /// Returns
     /// -------
     /// FourAxleMotion
-    ///     ``.twist``, ``.pivot_rates``, ``.speeds``, ``.residual``, ``.rank``.
+    ///     ``.twist``, ``.pivot_rates``, ``.wheel_speeds``, ``.residuals``, ``.rank``.
     ///
     /// Raises
     /// ------
@@ -154,10 +154,12 @@ methods! { FourAxle:
     ///     If the wheels do not determine body and free pivots.
     /// ValueError
     ///     If a value is not finite, an angle out of range, or the angles of a rigid axle differ.
-    fn forward[&self, py: Python<'py>](angles, speeds, *, front: &str = "locked", rear: &str = "locked")
+    fn forward[&self, py: Python<'py>](steering, wheel_speeds, *, front_brake: &str = "locked",
+        rear_brake: &str = "locked")
     -> PyResult<Bound<'py, PyAny>> {
-        let set = Brakes { front: brake("front", front)?, rear: brake("rear", rear)? };
-        let motion = self.core.forward(&axles("angles", angles)?, set, &drives("speeds", speeds)?).map_err(raised)?;
+        let set = Brakes { front: brake("front_brake", front_brake)?, rear: brake("rear_brake", rear_brake)? };
+        let motion = self.core.forward(&axles("steering", steering)?, set, &drives("wheel_speeds", wheel_speeds)?);
+        let motion = motion.map_err(raised)?;
         let twist: [f64; 3] = motion.twist.into();
         value(py, "FourAxleMotion")?.call1((
             vector(py, twist.to_vec()),
@@ -218,20 +220,20 @@ impl FourAxle {
     ///
     /// Parameters
     /// ----------
-    /// angles : array_like, shape (4,)
+    /// steering : array_like, shape (4,)
     ///     Axle angles [rad].
     ///
     /// Returns
     /// -------
     /// FourAxleMobility
-    ///     ``.rank``, ``.degree``, ``.singular_values``, ``.motion``, ``.slip``, ``.margin``.
+    ///     ``.rank``, ``.degree_of_mobility``, ``.singular_values``, ``.motion``, ``.slip``, ``.margin``.
     ///
     /// Raises
     /// ------
     /// ValueError
     ///     If an angle is not finite or out of range, or the angles of a rigid axle differ.
-    fn mobility<'py>(&self, py: Python<'py>, angles: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let mobility = self.core.mobility(&axles("angles", angles)?).map_err(raised)?;
+    fn mobility<'py>(&self, py: Python<'py>, steering: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let mobility = self.core.mobility(&axles("steering", steering)?).map_err(raised)?;
         let free: Vec<[f64; 3]> = mobility.free().iter().map(|twist| (*twist).into()).collect();
         value(py, "FourAxleMobility")?.call1((
             mobility.rank,
@@ -247,7 +249,7 @@ impl FourAxle {
         let core = &self.core;
         let mut text = format!(
             "FourAxle({:?}, {:?}, {:?}",
-            <(f64, f64)>::from(core.hinges()),
+            <(f64, f64)>::from(core.pivots()),
             core.axle_length(),
             core.wheel_radius()
         );
@@ -261,7 +263,7 @@ impl FourAxle {
     }
 
     fn __hash__(&self) -> u64 {
-        let (core, [x, y]) = (&self.core, self.core.hinges());
+        let (core, [x, y]) = (&self.core, self.core.pivots());
         hash_of_numbers([x, y, core.axle_length(), core.wheel_radius(), core.tolerance()])
     }
 }

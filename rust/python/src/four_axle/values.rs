@@ -54,17 +54,17 @@ fn brake_name(brake: Brake) -> &'static str {
     if brake == Brake::Locked { "locked" } else { "free" }
 }
 
-/// The attributes `front` and `rear`.
+/// The attributes `front_brake` and `rear_brake`.
 pub fn brakes(given: &Bound<'_, PyAny>) -> PyResult<Brakes> {
     let of = |name: &str| brake(name, &given.getattr(name)?.extract::<String>()?);
-    Ok(Brakes { front: of("front")?, rear: of("rear")? })
+    Ok(Brakes { front: of("front_brake")?, rear: of("rear_brake")? })
 }
 
 /// A `FourAxleState`.
 pub fn read_state(given: &Bound<'_, PyAny>) -> PyResult<State> {
     check_class("state", given, "FourAxleState")?;
     Ok(State {
-        angles: given.getattr("angles")?.extract()?,
+        angles: given.getattr("steering")?.extract()?,
         brakes: brakes(given)?,
         pose: given.getattr("pose")?.extract::<[f64; 3]>()?.into(),
     })
@@ -85,7 +85,7 @@ pub fn read_step(given: &Bound<'_, PyAny>) -> PyResult<core::Step> {
         action: given.getattr("action")?.extract()?,
         duration: given.getattr("duration")?.extract()?,
         brakes: brakes(given)?,
-        speeds: drives("speeds", &given.getattr("speeds")?)?,
+        speeds: drives("wheel_speeds", &given.getattr("wheel_speeds")?)?,
         end: State::default(),
     })
 }

@@ -127,7 +127,7 @@ fn inverse<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, command]: Arguments
     Some(command.into_any())
 }
 
-fast_method!(ForwardCall<3>: Suspension, c"forward", [c"stand", c"steering", c"speeds"], 3, forward);
+fast_method!(ForwardCall<3>: Suspension, c"forward", [c"stand", c"steering", c"wheel_speeds"], 3, forward);
 
 #[inline(always)]
 fn forward<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, steering, speeds]: Arguments<'_, 'py, 3>) -> Answer<'py> {

@@ -48,7 +48,7 @@ methods! { Suspension:
     /// Returns
     /// -------
     /// GroundCommand
-    ///     `steering` [rad] and `speeds` [rad/s], into which it unpacks, with `twist`, `joint_rates` and `scale`.
+    ///     `steering` [rad] and `wheel_speeds` [rad/s], into which it unpacks, with `twist`, `joint_rates` and `scale`.
     ///
     /// Raises
     /// ------
@@ -73,7 +73,7 @@ methods! { Suspension:
         };
         let count: usize = leading.iter().product();
         let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let kept = Rows::read_finite_beside("steering", steering, steered, &leading)?;
+        let kept = steering.map(|kept| stands.read_beside("steering", kept, steered, &leading)).transpose()?;
         let mut how = Command { view: self::view(view)?, offset: self.motion.offset, wheel_speed: f64::INFINITY };
         if let Some(limit) = max_wheel_speed {
             how.wheel_speed = number("max_wheel_speed", limit)?;
@@ -83,7 +83,7 @@ methods! { Suspension:
             }
         }
         let workers = any_workers(threads, level)?;
-        let out = Out::read(out, ["steering", "speeds", "twist", "joint_rates", "scale"])?;
+        let out = Out::read(out, ["steering", "wheel_speeds", "twist", "joint_rates", "scale"])?;
         let single = leading.is_empty() && !out.is_given();
         let [a, b, c, d] = [steered, wheels, 6, joints].map(|width| joined(&leading, width));
         let mut results = out.results(py, [a, b, c, d, leading.clone()], true)?;
@@ -113,7 +113,7 @@ methods! { Suspension:
     /// steering : array_like, shape (..., steered wheels) or None
     ///     Steering angles [rad], where they are not those of the stand; contacts are then moved on the planes the
     ///     wheels stand on.
-    /// speeds : array_like, shape (..., wheels)
+    /// wheel_speeds : array_like, shape (..., wheels)
     ///     Speed of every wheel against the link that carries it [rad/s], NaN where there is none.
     /// joint_rates : array_like, shape (..., joints), optional
     ///     Measured rates of the free angles [rad/s], NaN where there is none.
@@ -124,7 +124,7 @@ methods! { Suspension:
     /// weights : array_like, shape (wheels,) or (wheels, 2), optional
     ///     Weight of every wheel, for instance its load, or of its rolling and its side slip apart; default 1.
     /// out : ndarray or tuple of ndarray, optional
-    ///     Arrays for the twist, or twist, joint rates and residual, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     Arrays for the twist, or twist, joint rates and residuals, in this order; what is left out, or None, is fresh. Nothing is written by
     ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
@@ -134,7 +134,7 @@ methods! { Suspension:
     /// Returns
     /// -------
     /// GroundMotion
-    ///     `twist` [m/s, rad/s], `joint_rates` [rad/s], `residual` [m/s].
+    ///     `twist` [m/s, rad/s], `joint_rates` [rad/s], `residuals` [m/s].
     ///
     /// Raises
     /// ------
@@ -142,22 +142,25 @@ methods! { Suspension:
     ///     If a number is not finite, a weight negative or a shape does not fit.
     ///
     /// Source: N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.
-    fn forward[&self, py: Python<'py>](stand, steering: native Option<&Bound<'py, PyAny>>, speeds, joint_rates=None,
+    fn forward[&self, py: Python<'py>](stand, steering: native Option<&Bound<'py, PyAny>>, wheel_speeds, joint_rates=None,
         angular_velocity=None, *, steering_rates=None, weights=None, out=None, threads: Option<i64> = None,
         level: Option<&str> = None) -> PyResult<GroundMotion> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
         let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let speeds = Rows::read("speeds", speeds, wheels)?;
+        let speeds = Rows::read("wheel_speeds", wheel_speeds, wheels)?;
         let leading = if stands.is_single() { speeds.leading.clone() } else { stands.leading().to_vec() };
-        speeds.check_leading("speeds", &leading)?;
+        speeds.check_leading("wheel_speeds", &leading)?;
         let beside = |name: &'static str, value, width| Rows::read_beside(name, value, width, &leading);
-        let steering = Rows::read_finite_beside("steering", steering, steered, &leading)?;
+        let of_joints = |name, rows: Option<&Bound<'py, PyAny>>| {
+            rows.map(|rows| stands.read_beside(name, rows, steered, &leading)).transpose()
+        };
+        let steering = of_joints("steering", steering)?;
         let measured = beside("joint_rates", joint_rates, joints)?;
         let turning = beside("angular_velocity", angular_velocity, 3)?;
-        let steering_rates = Rows::read_finite_beside("steering_rates", steering_rates, steered, &leading)?;
+        let steering_rates = of_joints("steering_rates", steering_rates)?;
         let gaps =
-            [("speeds", Some(&speeds)), ("joint_rates", measured.as_ref()), ("angular_velocity", turning.as_ref())];
+            [("wheel_speeds", Some(&speeds)), ("joint_rates", measured.as_ref()), ("angular_velocity", turning.as_ref())];
         for (name, rows) in gaps {
             let mut numbers = rows.into_iter().flat_map(|rows| rows.flat());
             if numbers.any(|rate| rate.is_infinite()) {
@@ -168,7 +171,7 @@ methods! { Suspension:
         let count = speeds.count();
         let workers = any_workers(threads, level)?;
         let shapes = [joined(&leading, 6), joined(&leading, joints), joined(&joined(&leading, wheels), 3)];
-        let out = Out::read_or_first(out, ["twist", "joint_rates", "residual"])?;
+        let out = Out::read_or_first(out, ["twist", "joint_rates", "residuals"])?;
         let mut results = out.results(py, shapes, false)?;
         let footings = stands.footings();
         let readings = ReadingRows {

@@ -33,7 +33,7 @@ pub fn array<T: Element + Copy>(py: Python<'_>, values: &[T]) -> PyResult<Py<PyA
 
 /// Steering angles and wheel speeds for a wanted motion on the ground, and the motion that follows.
 ///
-/// Unpacks into steering and speeds.
+/// Unpacks into steering and wheel speeds.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct GroundCommand(pub(super) Columns<5, CommandRow>);
 
@@ -53,7 +53,7 @@ getters! { GroundCommand, self, py:
     /// Steering angles, shape (..., steered wheels) [rad].
     steering: PyResult<Py<PyAny>> = self.0.get(py, 0, |one| array(py, &one.steering[..one.steered]));
     /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
-    speeds: PyResult<Py<PyAny>> = self.0.get(py, 1, |one| array(py, &one.speeds[..one.wheels]));
+    wheel_speeds: PyResult<Py<PyAny>> = self.0.get(py, 1, |one| array(py, &one.speeds[..one.wheels]));
     /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
     twist: PyResult<Py<PyAny>> = self.0.get(py, 2, |one| array(py, one.twist.as_flattened()));
     /// Rates of the free angles, shape (..., joints) [rad/s].
@@ -62,7 +62,18 @@ getters! { GroundCommand, self, py:
     scale: PyResult<Py<PyAny>> = self.0.get(py, 4, |one| Ok(PyFloat::new(py, one.scale).into_any().unbind()));
 }
 
-repr_of_attributes! { GroundCommand: steering speeds }
+repr_of_attributes! { GroundCommand: steering wheel_speeds }
+
+pickled_by_fields! { GroundCommand, this, py:
+    (
+        steering: Py<PyAny> = this.steering(py)?,
+        wheel_speeds: Py<PyAny> = this.wheel_speeds(py)?,
+        twist: Py<PyAny> = this.twist(py)?,
+        joint_rates: Py<PyAny> = this.joint_rates(py)?,
+        scale: Py<PyAny> = this.scale(py)?,
+    )
+    Self(Columns::Batch([steering, wheel_speeds, twist, joint_rates, scale]))
+}
 
 #[pymethods]
 impl GroundCommand {
@@ -73,13 +84,13 @@ impl GroundCommand {
     fn __getitem__(&self, py: Python<'_>, index: isize) -> PyResult<Py<PyAny>> {
         match index {
             0 | -2 => self.steering(py),
-            1 | -1 => self.speeds(py),
-            _ => Err(PyIndexError::new_err("a command holds steering and speeds")),
+            1 | -1 => self.wheel_speeds(py),
+            _ => Err(PyIndexError::new_err("a command holds steering and wheel_speeds")),
         }
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
-        PyTuple::new(py, [self.steering(py)?, self.speeds(py)?])?.try_iter()
+        PyTuple::new(py, [self.steering(py)?, self.wheel_speeds(py)?])?.try_iter()
     }
 }
 
@@ -110,7 +121,16 @@ getters! { GroundMotion, self, py:
     joint_rates: PyResult<Py<PyAny>> = self.0.get(py, 1, |one| array(py, &one.joint_rates[..one.joints]));
     /// Velocity of every touching point along the normal of the ground, along the rim and to the left,
     /// shape (..., wheels, 3) [m/s]; NaN in the air.
-    residual: PyResult<Py<PyAny>> = self.0.get(py, 2, |one| one.residuals(py));
+    residuals: PyResult<Py<PyAny>> = self.0.get(py, 2, |one| one.residuals(py));
 }
 
 repr_of_attributes! { GroundMotion: twist joint_rates }
+
+pickled_by_fields! { GroundMotion, this, py:
+    (
+        twist: Py<PyAny> = this.twist(py)?,
+        joint_rates: Py<PyAny> = this.joint_rates(py)?,
+        residuals: Py<PyAny> = this.residuals(py)?,
+    )
+    Self(Columns::Batch([twist, joint_rates, residuals]))
+}

@@ -103,6 +103,27 @@ impl<'py> Stands<'py> {
         self.leading().is_empty()
     }
 
+    /// Reads numbers beside the poses. Where a pose does not stand they may be NaN, as other calls give them for it.
+    pub fn read_beside(
+        &self,
+        name: &'static str,
+        value: &Bound<'py, PyAny>,
+        width: usize,
+        leading: &[usize],
+    ) -> PyResult<Rows<'py>> {
+        let rows = Rows::read_over(name, value, width, leading)?;
+        rows.check_finite_where(name, |row| !self.stands(if self.is_single() { 0 } else { row }))?;
+        Ok(rows)
+    }
+
+    /// True if a pose stands.
+    fn stands(&self, row: usize) -> bool {
+        match self {
+            Self::Settled(stand) => stand.get().stands[row].status.stands(),
+            Self::Told(told) => !told.roll.flat()[row].is_nan(),
+        }
+    }
+
     /// As the core takes them.
     pub fn footings(&self) -> SettledPoses<'_> {
         match self {

@@ -27,7 +27,7 @@ methods! { Suspension:
     /// ----------
     /// stand : SettledPose
     ///     Result of `settle`, at the steering angles of the moment, shape (...).
-    /// speeds : array_like, shape (..., wheels)
+    /// wheel_speeds : array_like, shape (..., wheels)
     ///     Measured speed of every wheel against the link that carries it [rad/s].
     /// twist : array_like, shape (..., 6)
     ///     ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, from elsewhere [m/s, rad/s].
@@ -48,16 +48,16 @@ methods! { Suspension:
     /// ------
     /// ValueError
     ///     If a number is not finite or a shape does not fit.
-    fn slip[&self, py: Python<'py>](stand, speeds, twist, joint_rates, *, out=None, threads: Option<i64> = None)
+    fn slip[&self, py: Python<'py>](stand, wheel_speeds, twist, joint_rates, *, out=None, threads: Option<i64> = None)
     -> PyResult<WheelSlip> {
         let workers = any_workers(threads, None)?;
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
         let leading = stands.leading().to_vec();
-        let speeds = Rows::read_finite_over("speeds", speeds, wheels, &leading)?;
-        let twists = Rows::read_finite_over("twist", twist, 6, &leading)?;
-        let rates = Rows::read_finite_over("joint_rates", joint_rates, joints, &leading)?;
+        let speeds = stands.read_beside("wheel_speeds", wheel_speeds, wheels, &leading)?;
+        let twists = stands.read_beside("twist", twist, 6, &leading)?;
+        let rates = stands.read_beside("joint_rates", joint_rates, joints, &leading)?;
         let shapes = [(); 2].map(|()| joined(&leading, wheels));
         let mut results = Out::read(out, ["ratio", "angle"])?.results(py, shapes, false)?;
         let footings = stands.footings();
@@ -87,6 +87,7 @@ result_class! {
         /// True if the statistic is above the threshold: the rover slips.
         slipping: bool,
     }
+    repr { slip statistic threshold probability slipping }
 }
 
 #[pymethods]
@@ -120,17 +121,6 @@ impl BodySlip {
             *command = wanted.flat()[k] - share * slips.flat()[k];
         }
         command.finish_object()
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(format!(
-            "BodySlip(slip={}, statistic={:?}, threshold={:?}, probability={:?}, slipping={})",
-            self.slip.bind(py).repr()?,
-            self.statistic,
-            self.threshold,
-            self.probability,
-            if self.slipping { "True" } else { "False" }
-        ))
     }
 }
 

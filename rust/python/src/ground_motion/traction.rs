@@ -27,7 +27,7 @@ pub struct TractionRow {
 
 getters! { Traction, self, py:
     /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
-    speeds: PyResult<Py<PyAny>> = self.0.get(py, 0, |one| array(py, &one.speeds[..one.wheels]));
+    wheel_speeds: PyResult<Py<PyAny>> = self.0.get(py, 0, |one| array(py, &one.speeds[..one.wheels]));
     /// Steering angles, shape (..., steered wheels) [rad].
     steering: PyResult<Py<PyAny>> = self.0.get(py, 1, |one| array(py, &one.steering[..one.steered]));
     /// Angle at which every wheel touches the ground, positive towards the front, shape (..., wheels) [rad].
@@ -38,7 +38,18 @@ getters! { Traction, self, py:
     vertical_speed: PyResult<Py<PyAny>> = self.0.get(py, 4, |one| Ok(PyFloat::new(py, one.vertical).into_any().unbind()));
 }
 
-repr_of_attributes! { Traction: speeds steering }
+repr_of_attributes! { Traction: wheel_speeds steering }
+
+pickled_by_fields! { Traction, this, py:
+    (
+        wheel_speeds: Py<PyAny> = this.wheel_speeds(py)?,
+        steering: Py<PyAny> = this.steering(py)?,
+        contact_angles: Py<PyAny> = this.contact_angles(py)?,
+        lifted: Py<PyAny> = this.lifted(py)?,
+        vertical_speed: Py<PyAny> = this.vertical_speed(py)?,
+    )
+    Self(Columns::Batch([wheel_speeds, steering, contact_angles, lifted, vertical_speed]))
+}
 
 /// One finite number for all rows, or one for each.
 fn read_speeds<'py>(name: &'static str, value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<Scalars<'py>> {
@@ -105,7 +116,7 @@ methods! { Suspension:
     ///     A wheel that moves across its link faster than `lift_speed` [m/s], and than a slope of `lift_angle` [rad]
     ///     would push it at the commanded speed, is flagged in `lifted`: a wheelie, or a fall.
     /// out : tuple of ndarray, optional
-    ///     Arrays for speeds, steering and contact angles, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     Arrays for wheel speeds, steering and contact angles, in this order; what is left out, or None, is fresh. Nothing is written by
     ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
@@ -115,7 +126,7 @@ methods! { Suspension:
     /// Returns
     /// -------
     /// Traction
-    ///     `speeds` [rad/s], `steering` [rad], `contact_angles` [rad], `lifted`, `vertical_speed` [m/s].
+    ///     `wheel_speeds` [rad/s], `steering` [rad], `contact_angles` [rad], `lifted`, `vertical_speed` [m/s].
     ///
     /// Raises
     /// ------
@@ -141,7 +152,7 @@ methods! { Suspension:
         let lift = read_lift(lift_angle, lift_speed)?;
         let workers = any_workers(threads, level)?;
         let shapes = [wheels, steered, wheels].map(|width| joined(&leading, width));
-        let mut results = Out::read(out, ["speeds", "steering", "contact_angles"])?.results(py, shapes, true)?;
+        let mut results = Out::read(out, ["wheel_speeds", "steering", "contact_angles"])?.results(py, shapes, true)?;
         let mut lifted = memory::filled(false, count * wheels)?;
         let mut vertical = memory::filled(0.0, count)?;
         let driving = Driving {

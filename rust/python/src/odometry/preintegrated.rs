@@ -4,10 +4,12 @@ mod parts;
 
 use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple, PyType};
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_numerics::error::Error;
-use six_wheel_odometry::preintegrated::{Column, Replayed, Residual, Rules, Tangent};
+use six_wheel_odometry::preintegrated::{
+    Column, ErrorFrame, PreintegratedMotion, PreintegrationOptions, Residual, Samples,
+};
 use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 
 use super::input::{settings, steering_left_out};
@@ -24,6 +26,8 @@ const BIAS: &str = "gyroscope_bias";
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 /// Columns by their name.
 type Named = Vec<(String, Vec<Column>)>;
+/// Stamps, readings of steering joints and of wheels, yaw rates, attitudes.
+type RestoredSamples = (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>, Vec<[f64; 4]>);
 /// Error, its derivatives by two poses, and those by what may change.
 type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'py, PyDict>);
 
@@ -64,8 +68,10 @@ type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'
 pub struct Preintegrated {
     core: Core,
     rover: Py<Rover>,
+    /// Options of the constructor that were given, by name.
+    given: Py<PyDict>,
     /// Of the samples so far.
-    replayed: Option<Replayed>,
+    replayed: Option<PreintegratedMotion>,
 }
 
 impl ArgumentKind for Preintegrated {
@@ -84,9 +90,9 @@ getters! { Preintegrated, self, py:
     /// The rover.
     rover: Py<Rover> = self.rover.clone_ref(py);
     /// Standard deviations of readings and slip.
-    noise: Noise = self.core.rules().settings.noise.into();
+    noise: Noise = self.core.options().settings.noise.into();
     /// Error model of the gyroscope; None without one.
-    gyroscope: Option<Gyroscope> = self.core.rules().gyroscope.map(Gyroscope);
+    gyroscope: Option<Gyroscope> = self.core.options().gyroscope.map(Gyroscope);
 }
 
 methods! { Preintegrated:
@@ -94,12 +100,15 @@ methods! { Preintegrated:
     fn new[](rover: Bound<'py, Rover>, noise: Option<Bound<'py, Noise>> = None, *,
         gyroscope: Option<Bound<'py, Gyroscope>> = None, readings: &str = "angles", wheel_encoders=None,
         steering_encoders=None, method: &str = "least_squares", in_space: bool = false,
-        attitude_noise: Option<f64> = None)
+        attitude_noise: Option<f64> = None, **)
     as "(rover, noise=None, *, gyroscope=None, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
     -> PyResult<Self> {
+        let py = rover.py();
+        let given = dict!(py, noise = &noise, gyroscope = &gyroscope, readings, wheel_encoders, steering_encoders, method,
+            in_space, attitude_noise);
         let core = &rover.get().core;
         let [wheels, steered] = rover.get().wheels_and_steered();
-        let rules = Rules {
+        let options = PreintegrationOptions {
             settings: Settings {
                 method: method.parse::<Method>().or_raise(&[])?,
                 ..settings(noise, readings, [wheel_encoders, steering_encoders], [&wheels, &steered])?
@@ -108,7 +117,8 @@ methods! { Preintegrated:
             in_space,
             attitude_noise: attitude_noise.unwrap_or(0.01),
         };
-        Ok(Self { core: Core::new(core.clone(), rules).or_raise(&[])?, rover: rover.clone().unbind(), replayed: None })
+        let core = Core::new(core.clone(), options).or_raise(&[])?;
+        Ok(Self { core, rover: rover.clone().unbind(), given: given.unbind(), replayed: None })
     }
 
     /// Takes in one sample, or all rows of a log. The first one is where the motion begins.
@@ -275,7 +285,7 @@ impl Preintegrated {
     ///     ``delta exp(e)``, in axes of the body at the end; ``exp(e) delta``, at the beginning; or ``delta + e``, the
     ///     coordinates of the end seen from the beginning, as `OdometryState.covariance`.
     fn covariance_in<'py>(&mut self, py: Python<'py>, tangent: &str) -> PyResult<Matrix<'py>> {
-        let all = [("end", Tangent::End), ("begin", Tangent::Begin), ("coordinates", Tangent::Coordinates)];
+        let all = [("end", ErrorFrame::End), ("begin", ErrorFrame::Begin), ("coordinates", ErrorFrame::Coordinates)];
         let chosen = choice("tangent", tangent, |name| format!("'{name}'"), &all)?;
         if let Some(covariance) = self.core.covariance().filter(|_| tangent == "coordinates") {
             return Ok(PyArray2::from_vec2(py, &covariance.map(Vec::from))?);
@@ -347,6 +357,31 @@ impl Preintegrated {
             all => format!("x={:.4} m, y={:.4} m, z={:.4} m", all[3], all[7], all[11]),
         };
         Ok(format!("Preintegrated({samples} samples, {duration} s, {place})"))
+    }
+
+    /// The motion of these samples, as `__reduce__` lists them.
+    #[classmethod]
+    fn _restore(
+        class: &Bound<'_, PyType>,
+        rover: Py<Rover>,
+        given: Bound<'_, PyDict>,
+        samples: RestoredSamples,
+        shares: [f64; 2],
+    ) -> PyResult<Self> {
+        let empty = class.call((rover,), Some(&given))?.cast_into::<Self>()?;
+        let (stamps, steering, wheels, rates, attitudes) = samples;
+        let samples = Samples { stamps, steering, wheels, rates, attitudes };
+        let empty = empty.borrow();
+        Ok(empty.with(empty.core.with_samples(samples, shares).or_raise(&[])?, class.py()))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let (py, this) = (slf.py(), slf.borrow());
+        let (samples, shares) = this.core.samples();
+        let Samples { stamps, steering, wheels, rates, attitudes } = samples.clone();
+        let samples: RestoredSamples = (stamps, steering, wheels, rates, attitudes);
+        let fields = (&this.rover, &this.given, samples, shares).into_pyobject(py)?;
+        crate::classes::restored_by(slf.as_any(), &fields.iter().collect::<Vec<_>>())
     }
 
     fn __copy__(&self, py: Python<'_>) -> Self {

@@ -29,7 +29,7 @@ use state::Odometry3State;
 ///
 /// Parameters
 /// ----------
-/// arm : Suspension
+/// suspension : Suspension
 ///     Any suspension: a `RockerBogie`, or another chain.
 /// noise : Noise, optional
 ///     Standard deviations of readings and slip, default ``Noise()``. `yaw_rate` is that of the gyroscope, and of the
@@ -67,18 +67,18 @@ use state::Odometry3State;
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Odometry3 {
     work: Shared<Core>,
-    arm: Py<Suspension>,
+    suspension: Py<Suspension>,
     ground: Option<Py<Terrain>>,
 }
 
 impl Odometry3 {
     fn widths(&self) -> [usize; 3] {
-        let chain = &self.arm.get().chain;
+        let chain = &self.suspension.get().chain;
         [chain.wheels().len(), chain.steering().len(), chain.joints().len()]
     }
 
     fn state_of(&self, core: &Core, py: Python<'_>) -> Odometry3State {
-        Odometry3State::of(core, self.arm.clone_ref(py))
+        Odometry3State::of(core, self.suspension.clone_ref(py))
     }
 
     /// Changes the core, and answers with the state after that.
@@ -93,24 +93,33 @@ getters! { Odometry3, self, py:
     /// Estimate after the last sample.
     state: PyResult<Odometry3State> = Ok(self.state_of(&*self.work.lock(py)?, py));
     /// The suspension.
-    arm: Py<Suspension> = self.arm.clone_ref(py);
+    suspension: Py<Suspension> = self.suspension.clone_ref(py);
     /// The ground; None if it is not known.
     ground: Option<Py<Terrain>> = self.ground.as_ref().map(|ground| ground.clone_ref(py));
     /// Standard deviations of readings and slip.
     noise: PyResult<Noise> = Ok(self.work.lock(py)?.settings().common.noise.into());
 }
 
+copied_by! { Odometry3,
+    "keep its `state`, and start another one with set_pose(state.pose, state.covariance)",
+    |this, py| {
+        let core = this.work.lock(py)?.clone();
+        let ground = this.ground.as_ref().map(|ground| ground.clone_ref(py));
+        Ok(Self { work: Shared::new(core), suspension: this.suspension.clone_ref(py), ground })
+    }
+}
+
 methods! { Odometry3:
     #[new]
-    fn new[](arm: Bound<'py, Suspension>, noise: Option<Bound<'py, Noise>> = None, *,
+    fn new[](suspension: Bound<'py, Suspension>, noise: Option<Bound<'py, Noise>> = None, *,
         ground: Option<Bound<'py, Terrain>> = None, attitude_noise: Option<f64> = None, joint_noise: Option<f64> = None,
         readings: &str = "angles", wheel_encoders=None, steering_encoders=None, slip_threshold: Option<f64> = None,
         max_gap: Option<f64> = None, max_speed: Option<f64> = None, max_steering_rate: Option<f64> = None,
-        lag: Option<f64> = None, history: usize = 1024)
-    as "(arm, noise=None, *, ground=None, attitude_noise=0.002, joint_noise=0.001, readings='angles', wheel_encoders=None, steering_encoders=None, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, lag=0.0, history=1024)"
+        lag: Option<f64> = None, history: usize = 1024, **)
+    as "(suspension, noise=None, *, ground=None, attitude_noise=0.002, joint_noise=0.001, readings='angles', wheel_encoders=None, steering_encoders=None, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, lag=0.0, history=1024)"
     -> PyResult<Self> {
-        ready(arm.py())?;
-        let chain = &arm.get().chain;
+        ready(suspension.py())?;
+        let chain = &suspension.get().chain;
         let wheels: Vec<&str> = chain.wheels().iter().map(|wheel| &*wheel.name).collect();
         let steered: Vec<&str> = (0..chain.steering().len()).map(|joint| chain.steered_name(joint)).collect();
         let common = Settings {
@@ -130,7 +139,7 @@ methods! { Odometry3:
         };
         let map = ground.as_ref().map(|ground| ground.get().0.clone());
         let core = Core::new(chain.clone(), map, settings).or_raise(&[])?;
-        Ok(Self { work: Shared::new(core), arm: arm.clone().unbind(), ground: ground.map(Bound::unbind) })
+        Ok(Self { work: Shared::new(core), suspension: suspension.clone().unbind(), ground: ground.map(Bound::unbind) })
     }
 
     /// Takes in one sample.
@@ -156,7 +165,7 @@ methods! { Odometry3:
     /// Returns
     /// -------
     /// Odometry3State
-    ///     `pose`, `twist`, `covariance`, `residual`, `slip` and more.
+    ///     `pose`, `twist`, `covariance`, `residuals`, `slips` and more.
     ///
     /// Raises
     /// ------
@@ -250,8 +259,8 @@ methods! { Odometry3:
         let finish = |out: Option<Output<'py>>| out.map(Output::finish).transpose();
         let stamps = memory::array(py, log.stamps.flat(), &[rows])?;
         let (poses, twists, covariances) = (poses.finish()?, twists.finish()?, finish(covariances)?);
-        let (arm, slips, health) = (&self.arm, finish(slips)?, PyArray1::from_vec(py, flags));
-        let keywords = dict!(py, arm, stamps, poses, twists, covariances, slips, health);
+        let (suspension, slips, health) = (&self.suspension, finish(slips)?, PyArray1::from_vec(py, flags));
+        let keywords = dict!(py, suspension, stamps, poses, twists, covariances, slips, health);
         build_track(&keywords, "Track3")
     }
 
@@ -316,6 +325,6 @@ impl Odometry3 {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let state = Py::new(py, self.state(py)?)?;
-        Ok(format!("Odometry3({})", state.bind(py).repr()?))
+        Ok(crate::classes::cut(format!("Odometry3({})", state.bind(py).repr()?)))
     }
 }

@@ -181,6 +181,8 @@ pub fn matrix<'py>(py: Python<'py>, numbers: &[f64], width: usize) -> PyResult<B
 }
 
 getters! { OdometryState, self, py:
+    /// The rover.
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// When the sample was taken [s]; None before the first one.
     stamp: Option<f64> = self.stamp;
     /// ``[x, y, yaw]`` in the world, the yaw with its full turns, shape (3,) [m, m, rad].
@@ -197,7 +199,7 @@ getters! { OdometryState, self, py:
     /// the first step, and after a command or a pose from outside.
     twist_covariance: PyResult<Bound<'py, PyArray2<f64>>> = matrix(py, whole(self.twist_covariance).as_flattened(), 3);
     /// Speed at which each wheel's contact slid over the last step, shape (wheels,) [m/s].
-    residual: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.residual);
+    residuals: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &self.residual);
     /// Flags of the sample, an `OdometryHealth`.
     health: PyResult<Bound<'py, PyAny>> = py.import("six_wheel.kinematics.odometry")?.getattr("OdometryHealth")?.call1((self.health,));
     /// Say of each wheel over the last step, shape (wheels,), 0 to 1.
@@ -234,6 +236,26 @@ methods! { OdometryState:
     fn twist_covariance_6x6[&self, py: Python<'py>](unmeasured: f64 = 1e6) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let known = self.twist_covariance.map(|value| if value.is_finite() { value } else { unmeasured });
         spatial(py, &whole(known), unmeasured)
+    }
+}
+
+pickled_by_fields! { OdometryState, this, py:
+    (
+        stamp: Option<f64> = this.stamp,
+        poses: [[f64; 3]; 3] = [this.pose, this.twist, this.velocity],
+        covariances: [[f64; 6]; 2] = [this.covariance, this.twist_covariance],
+        residual: Vec<f64> = this.residual.to_vec(),
+        weights: Option<Vec<f64>> = this.weights.as_deref().map(<[f64]>::to_vec),
+        health: u32 = this.health,
+        rover: Py<Rover> = &this.rover,
+    )
+    {
+        let ([pose, twist, velocity], [covariance, twist_covariance]) = (poses, covariances);
+        let (residual, weights) = (residual.as_slice().into(), weights.map(Vec::into_boxed_slice));
+        let known = Known {
+            stamp, pose, twist, velocity, covariance, twist_covariance, residual, weights, health, rover
+        };
+        Self(Renewed::new(known))
     }
 }
 

@@ -103,7 +103,7 @@ value_of_numbers!(Noise: given);
 methods! { Noise:
     #[new]
     fn new[py: Python<'py>](speed: Option<f64> = None, steering: Option<f64> = None, *, slip: Option<f64> = None,
-        side_slip: Option<f64> = None, yaw: Option<f64> = None, yaw_rate: Option<f64> = None, period: Option<f64> = None)
+        side_slip: Option<f64> = None, yaw: Option<f64> = None, yaw_rate: Option<f64> = None, period: Option<f64> = None, **)
     as "(speed=None, steering=None, *, slip=None, side_slip=None, yaw=0.0, yaw_rate=0.0, period=None)"
     -> PyResult<Self> {
         let measured = [speed, steering, slip, side_slip].map(|value| value.is_some());
@@ -124,16 +124,16 @@ methods! { Noise:
     }
 }
 
-/// An encoder as it is: how much it counts, through which gear, and where its counter starts over.
+/// An encoder: its ticks per turn, the gear before it, and where its counter starts over.
 ///
 /// Parameters
 /// ----------
-/// resolution : float, optional
-///     Counts per turn of the shaft it sits on. Without it the reading is in radians (or radians per second).
-/// gear : float, default 1.0
+/// ticks_per_turn : float, optional
+///     Ticks per turn of the shaft it sits on. Without it the reading is in radians (or radians per second).
+/// gear_ratio : float, default 1.0
 ///     Turns of that shaft per turn of the wheel or steering joint; negative if it runs the other way round.
-/// modulus : float, optional
-///     Counts after which the counter starts over: ``2**16``, ``2**32``, or `resolution` for an absolute encoder.
+/// wraps_at : float, optional
+///     Ticks after which the counter starts over: ``2**16``, ``2**32``, or `ticks_per_turn` for an absolute encoder.
 ///     Between two samples a counter is taken to have gone the shorter way.
 /// offset : float, default 0.0
 ///     Angle of a steering joint where the counter is zero [rad].
@@ -141,28 +141,28 @@ methods! { Noise:
 /// Raises
 /// ------
 /// ValueError
-///     If a number is not finite, resolution or modulus not positive, or the gear 0.
+///     If a number is not finite, ticks_per_turn or wraps_at not positive, or gear_ratio 0.
 #[pyclass(frozen, module = "six_wheel", from_py_object)]
 #[derive(Clone, Copy)]
 pub struct Encoder(pub CoreEncoder);
 
 getters! { Encoder, self, py:
-    /// Counts per turn of the shaft it sits on; None if it reads radians.
-    resolution: Option<f64> = self.0.resolution;
+    /// Ticks per turn of the shaft it sits on; None if it reads radians.
+    ticks_per_turn: Option<f64> = self.0.resolution;
     /// Turns of that shaft per turn of the joint.
-    gear: f64 = self.0.gear;
-    /// Counts after which the counter starts over; None if it never does.
-    modulus: Option<f64> = self.0.modulus;
+    gear_ratio: f64 = self.0.gear;
+    /// Ticks after which the counter starts over; None if it never does.
+    wraps_at: Option<f64> = self.0.modulus;
     /// Angle of the joint where the counter is zero [rad].
     offset: f64 = self.0.offset;
-    /// Angle of the joint per count [rad].
-    angle_per_count: f64 = self.0.angle_per_count();
+    /// Angle of the joint per tick [rad].
+    angle_per_tick: f64 = self.0.angle_per_count();
 }
 
 impl Encoder {
     fn numbers(&self) -> [(&'static str, Option<f64>); 4] {
         let CoreEncoder { resolution, gear, modulus, offset } = self.0;
-        [("resolution", resolution), ("gear", Some(gear)), ("modulus", modulus), ("offset", Some(offset))]
+        [("ticks_per_turn", resolution), ("gear_ratio", Some(gear)), ("wraps_at", modulus), ("offset", Some(offset))]
     }
 }
 
@@ -170,13 +170,13 @@ value_of_numbers!(Encoder);
 
 methods! { Encoder:
     #[new]
-    fn new[](resolution: Option<f64> = None, *, gear: Option<f64> = None, modulus: Option<f64> = None,
-        offset: Option<f64> = None)
-    as "(resolution=None, *, gear=1.0, modulus=None, offset=0.0)" -> PyResult<Self> {
+    fn new[](ticks_per_turn: Option<f64> = None, *, gear_ratio: Option<f64> = None, wraps_at: Option<f64> = None,
+        offset: Option<f64> = None, **)
+    as "(ticks_per_turn=None, *, gear_ratio=1.0, wraps_at=None, offset=0.0)" -> PyResult<Self> {
         let encoder = CoreEncoder {
-            resolution,
-            gear: gear.unwrap_or(1.0),
-            modulus,
+            resolution: ticks_per_turn,
+            gear: gear_ratio.unwrap_or(1.0),
+            modulus: wraps_at,
             offset: offset.unwrap_or(0.0),
         };
         encoder.check().or_raise(&[])?;
@@ -245,7 +245,7 @@ value_of_numbers!(Gyroscope);
 methods! { Gyroscope:
     #[new]
     fn new[](noise: Option<f64> = None, *, bias: Option<f64> = None, bias_noise: Option<f64> = None,
-        bias_walk: Option<f64> = None, scale_noise: Option<f64> = None)
+        bias_walk: Option<f64> = None, scale_noise: Option<f64> = None, **)
     as "(noise=0.005, *, bias=0.0, bias_noise=0.05, bias_walk=0.0001, scale_noise=0.0)" -> PyResult<Self> {
         let usual = CoreGyroscope::default();
         let known = CoreGyroscope {

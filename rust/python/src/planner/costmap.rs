@@ -75,7 +75,7 @@ impl Costmap {
 methods! { Costmap:
     #[new]
     fn new[py: Python<'py>](values, spacing, origin=None, *, lethal: Option<f64> = None, outside: Option<f64> = None,
-        frame: Option<String> = None)
+        frame: Option<String> = None, **)
     as "(values, spacing, origin=(0.0, 0.0), *, lethal=None, outside=None, frame=None)" -> PyResult<Self> {
         let numpy = py.import("numpy")?;
         let array = numpy.call_method1("asarray", (values,))?;
@@ -101,6 +101,77 @@ methods! { Costmap:
         let core = Core::new(array.to_vec()?, [rows, columns], spacing, origin, lethal, outside);
         Ok(Self { core: core.or_raise(&[])?, frame })
     }
+}
+
+methods! { Costmap:
+    #[staticmethod]
+    /// Costs of an occupancy grid, as nav2 and ROS have it.
+    ///
+    /// Parameters
+    /// ----------
+    /// msg : nav_msgs/OccupancyGrid, or any object with ``info`` and ``data``
+    ///     Occupancy in percent, -1 where nothing is known, row after row from the origin of the map.
+    /// inflation : float, default 0.0
+    ///     Distance from an obstacle over which the cost falls linearly from `lethal` to 0 [m]; only the obstacle is forbidden.
+    /// unknown : float, default 0.5
+    ///     Cost of a cell of which nothing is known, 0 to 1; from `lethal` on it is an obstacle.
+    /// lethal : float, default 0.65
+    ///     Cost from which on a place is forbidden: occupancy of 65 %, as nav2 has it.
+    ///
+    /// Returns
+    /// -------
+    /// Costmap
+    ///     Costs from 0 to 1, in the frame of the message.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the grid is turned, its size is not that of the data, or an argument makes no sense.
+    fn from_occupancy_grid[py: Python<'py>](msg, *, inflation=None, unknown=None, lethal=None, **)
+    as "(msg, *, inflation=0.0, unknown=0.5, lethal=0.65)" -> PyResult<Bound<'py, PyAny>> {
+        made_by(py, "from_occupancy_grid", msg, [inflation, unknown, lethal])
+    }
+
+    #[staticmethod]
+    /// Costs of a map as nav2 saves it: a YAML file beside its image.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or PathLike
+    ///     The YAML file, with ``image``, ``resolution``, ``origin``, ``negate``, ``occupied_thresh`` and ``free_thresh``;
+    ///     its image is a PGM, or whatever Pillow reads where it is installed.
+    /// inflation, unknown, lethal : float, optional
+    ///     As for `from_occupancy_grid`; `lethal` by default the ``occupied_thresh`` of the file.
+    ///
+    /// Returns
+    /// -------
+    /// Costmap
+    ///     Costs from 0 to 1.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the file is no such map.
+    /// OSError
+    ///     If a file cannot be read.
+    fn read[py: Python<'py>](path, *, inflation=None, unknown=None, lethal=None, **)
+    as "(path, *, inflation=0.0, unknown=0.5, lethal=None)" -> PyResult<Bound<'py, PyAny>> {
+        made_by(py, "read_costmap", path, [inflation, unknown, lethal])
+    }
+}
+
+/// A costmap by a function of `six_wheel.maps.costmaps`, without the arguments that were left out.
+fn made_by<'py>(
+    py: Python<'py>,
+    function: &str,
+    source: &Bound<'py, PyAny>,
+    options: [Option<&Bound<'py, PyAny>>; 3],
+) -> PyResult<Bound<'py, PyAny>> {
+    let given = PyDict::new(py);
+    for (name, value) in ["inflation", "unknown", "lethal"].into_iter().zip(options) {
+        value.map_or(Ok(()), |value| given.set_item(name, value))?;
+    }
+    py.import("six_wheel.maps.costmaps")?.getattr(function)?.call((source,), Some(&given))
 }
 
 #[pymethods]

@@ -95,9 +95,9 @@ pub fn points(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]
     memory::gathered(rows.flat().chunks_exact(width).map(|row| [row[0], row[1]]))
 }
 
-/// A place of two coordinates, or those of a pose.
-pub fn place(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
+/// A place of two coordinates, or a pose: its place and its yaw.
+pub fn pose_or_place(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<(Option<[f64; 2]>, Option<f64>)> {
     let (row, _) = two_or_three(Rows::read, argument, value)?;
     row.check_leading(argument, &[])?;
-    Ok([row.flat()[0], row.flat()[1]])
+    Ok((Some([row.flat()[0], row.flat()[1]]), row.flat().get(2).copied()))
 }

@@ -14,7 +14,7 @@ result_class! {
         /// Angles of the steering joints after this step, shape (steered wheels,) [rad].
         steering: Py<PyAny>,
         /// Speeds of the wheels, shape (wheels,) [rad/s].
-        speeds: Py<PyAny>,
+        wheel_speeds: Py<PyAny>,
         /// The motions the plan leads to, within the limits, shape (horizon, 3) [m/s, m/s, rad/s].
         twists: Py<PyAny>,
         /// The poses they lead to, the first one where the rover is, shape (horizon + 1, 3) [m, m, rad].
@@ -25,8 +25,9 @@ result_class! {
         cost: f64,
         /// Effective number of rollouts: one over the sum of their squared weights.
         effective_samples: f64,
-        /// Reason for which the rover has to stay where it is; empty if it may move.
-        reason: &'static str,
+        /// Reason for which the rover stays, or should stay: it cannot move, every way is blocked, or it is at its goal;
+        /// empty if it may move.
+        reason: String,
     }
 }
 
@@ -34,23 +35,27 @@ impl MppiPlan {
     pub(super) fn of(
         py: Python<'_>,
         outcome: &CycleOutput,
+        blocked: bool,
         state: &State,
-        [steering, speeds]: [Array<'_>; 2],
+        [steering, wheel_speeds]: [Array<'_>; 2],
     ) -> PyResult<Self> {
         Ok(Self {
             twist: PyArray1::from_slice(py, &outcome.twist).into_any().unbind(),
             steering: steering.into_any().unbind(),
-            speeds: speeds.into_any().unbind(),
+            wheel_speeds: wheel_speeds.into_any().unbind(),
             twists: triples(py, &outcome.twists)?.into_any().unbind(),
             poses: triples(py, &outcome.poses)?.into_any().unbind(),
             controls: triples(py, &state.controls)?.into_any().unbind(),
             cost: outcome.cost,
             effective_samples: outcome.effective,
             reason: match outcome.stuck {
-                None => "",
                 Some(ImmobileReason::Rover) => "no motion lets all wheels of this rover roll",
                 Some(ImmobileReason::SteeringLimit) => "a steered wheel has no angle within steering_limit",
-            },
+                None if blocked => "every rollout and the plan come to a lethal place of the costmap",
+                None if outcome.arrived => "the rover is at its goal",
+                None => "",
+            }
+            .into(),
         })
     }
 }

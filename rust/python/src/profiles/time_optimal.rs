@@ -106,7 +106,8 @@ methods! { Profile:
     #[staticmethod]
     fn time_optimal[py: Python<'py>](start, end, *, velocity, acceleration=None, jerk=None, start_velocity=None,
         start_acceleration=None, end_velocity=None, end_acceleration=None, minimum_velocity=None,
-        minimum_acceleration=None, duration: Option<f64> = None, synchronise: &str = "time") -> PyResult<Self> {
+        minimum_acceleration=None, duration: Option<f64> = None, synchronise: &str = "time", **)
+    as "(start, end, *, velocity, acceleration=None, jerk=None, start_velocity=None, start_acceleration=None, end_velocity=None, end_acceleration=None, minimum_velocity=None, minimum_acceleration=None, duration=None, synchronise='time')" -> PyResult<Self> {
         let mut given = Given { keywords: PyDict::new(py), all: Vec::new() };
         given.add("start", Values::read("start", start)?);
         given.add("end", Values::read("end", end)?);

@@ -121,7 +121,8 @@ methods! { BodyTransition:
     fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3],
         duration: Option<f64> = None, *, shape: Option<&str> = None, acceleration: Option<f64> = None,
         angular_acceleration: Option<f64> = None, jerk: Option<f64> = None, angular_jerk: Option<f64> = None,
-        synchronise: Option<&str> = None, previous=None) -> PyResult<Self> {
+        synchronise: Option<&str> = None, previous=None, **)
+    as "(rover, start_twist, end_twist, duration=None, *, shape=None, acceleration=None, angular_acceleration=None, jerk=None, angular_jerk=None, synchronise=None, previous=None)" -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let [start, end] = [start_twist, end_twist].map(|twist| twist.map(|number| number + 0.0));
         let duration = keywords.duration(duration)?;
@@ -151,12 +152,12 @@ methods! { BodyTransition:
     }
 }
 
-/// The pair (steering, speeds).
+/// The pair (steering, wheel speeds).
 fn modules(argument: &str, rover: &Rover, value: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<f64>)> {
     let pair: Vec<Bound<'_, PyAny>> = value
         .try_iter()
         .and_then(Iterator::collect)
-        .map_err(|_| refuse(argument, "be a pair (steering, speeds)", "something else"))?;
+        .map_err(|_| refuse(argument, "be a pair (steering, wheel_speeds)", "something else"))?;
     match pair.as_slice() {
         [steering, speeds] => Ok((
             row(&format!("{argument}[0]"), steering, rover.joints())?,
@@ -164,7 +165,7 @@ fn modules(argument: &str, rover: &Rover, value: &Bound<'_, PyAny>) -> PyResult<
         )),
         _ => {
             let got = format!("{} values", pair.len());
-            Err(refuse(argument, "be a pair (steering, speeds)", &got))
+            Err(refuse(argument, "be a pair (steering, wheel_speeds)", &got))
         }
     }
 }
@@ -200,7 +201,8 @@ methods! { ModuleTransition:
     fn between[py: Python<'py>](rover: Bound<'py, Rover>, start, end, duration: Option<f64> = None, *,
         shape: Option<&str> = None, steering_rate: Option<f64> = None, steering_acceleration: Option<f64> = None,
         steering_jerk: Option<f64> = None, wheel_acceleration: Option<f64> = None, wheel_jerk: Option<f64> = None,
-        synchronise: Option<&str> = None) -> PyResult<Self> {
+        synchronise: Option<&str> = None, **)
+    as "(rover, start, end, duration=None, *, shape=None, steering_rate=None, steering_acceleration=None, steering_jerk=None, wheel_acceleration=None, wheel_jerk=None, synchronise=None)" -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let from = modules("start", rover.get(), start)?;
         let to = modules("end", rover.get(), end)?;
@@ -292,7 +294,8 @@ methods! { IcrTransition:
     fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3], *,
         steering_rate: f64, steering_acceleration: Option<f64> = None, steering_jerk: Option<f64> = None,
         wheel_speed: Option<f64> = None, wheel_acceleration: Option<f64> = None, acceleration: Option<f64> = None,
-        angular_acceleration: Option<f64> = None, previous=None) -> PyResult<Self> {
+        angular_acceleration: Option<f64> = None, previous=None, **)
+    as "(rover, start_twist, end_twist, *, steering_rate, steering_acceleration=None, steering_jerk=None, wheel_speed=None, wheel_acceleration=None, acceleration=None, angular_acceleration=None, previous=None)" -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let [start, end] = [start_twist, end_twist].map(|twist| twist.map(|number| number + 0.0));
         let limits = IcrLimits {

@@ -9,7 +9,7 @@ use super::joints::Joint;
 use crate::convert::{one_twist, refuse};
 
 impl Rover {
-    /// Joint name to value with the joint's sign, in the order of `command_joints`; whole arrays for batches.
+    /// Joint name to value with the joint's sign, in the order of `joint_names`; whole arrays for batches.
     pub fn named_values<'py>(
         &self,
         py: Python<'py>,
@@ -40,7 +40,7 @@ methods! { Rover:
     /// twist : array_like, shape (..., 3)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
     /// previous : array_like, shape (..., steered wheels), optional
-    ///     Present steering angles [rad], in the order of `steered_names`.
+    ///     Present steering angles [rad], in the order of `steered_wheel_names`.
     /// dtype : dtype, optional
     ///     float32 for arrays of single precision, default float64.
     /// threads : int, optional
@@ -49,7 +49,7 @@ methods! { Rover:
     /// Returns
     /// -------
     /// dict of str to float or ndarray
-    ///     Steering joints [rad], then traction joints [rad/s], in the order of `command_joints`: for a rover
+    ///     Steering joints [rad], then traction joints [rad/s], in the order of `joint_names`: for a rover
     ///     from a parameter file, the order of the file.
     ///
     /// Raises
@@ -75,7 +75,7 @@ methods! { Rover:
     /// Returns
     /// -------
     /// (ndarray, ndarray), shapes (..., steered wheels) and (..., wheels)
-    ///     In the order of `steered_names` and `wheel_names`, with the wheels' signs: what `forward`,
+    ///     In the order of `steered_wheel_names` and `wheel_names`, with the wheels' signs: what `forward`,
     ///     `Odometry.update` and `Controller.step` take. NaN for a wheel that no joint drives.
     ///
     /// Raises
@@ -112,5 +112,30 @@ methods! { Rover:
         };
         let every: Vec<usize> = (0..self.count()).collect();
         Ok((columns(&self.steering, self.core.steered())?, columns(&self.traction, &every)?))
+    }
+}
+
+methods! { Rover:
+    /// Wheel speeds slowed down by one factor, so that the fastest wheel is within its limit and the path stays.
+    ///
+    /// Parameters
+    /// ----------
+    /// wheel_speeds : array_like
+    ///     Wheel speeds [rad/s], the wheels in the last axis; each row has its own factor.
+    /// max_wheel_speed : float or array_like, shape (wheels,)
+    ///     Largest speed of all wheels, or of each [rad/s].
+    ///
+    /// Returns
+    /// -------
+    /// ndarray
+    ///     Speeds of the same shape; those that are within the limits are as they were.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a limit is not positive, or a shape does not fit.
+    fn desaturate[slf: &Bound<'py, Self>](wheel_speeds, max_wheel_speed) -> PyResult<Bound<'py, PyAny>> {
+        let module = slf.py().import("six_wheel.kinematics.objects.desaturation")?;
+        module.call_method1("desaturate", (slf, wheel_speeds, max_wheel_speed))
     }
 }

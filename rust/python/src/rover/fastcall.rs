@@ -84,7 +84,7 @@ fn twist_row<'a, 'py: 'a, const N: usize>(
     (!rows.any(|row| row.overlaps(target))).then(|| (out.to_owned(), target))
 }
 
-fast_method!(Forward<3>: Rover, c"forward", [c"steering", c"speeds", c"out"], 2, forward);
+fast_method!(Forward<3>: Rover, c"forward", [c"steering", c"wheel_speeds", c"out"], 2, forward);
 
 #[inline(always)]
 fn forward<'py>(this: Borrowed<'_, 'py, Rover>, [steering, speeds, out]: Arguments<'_, 'py, 3>) -> Answer<'py> {

@@ -16,7 +16,7 @@ result_class! {
         /// ``[vx, vy, omega]`` in body axes, shape (..., 3) [m/s, m/s, rad/s].
         twist: Py<PyAny>,
         /// Speed at which each wheel contradicts the twist, shape (..., wheels) [m/s].
-        residual: Py<PyAny>,
+        residuals: Py<PyAny>,
         /// Independent directions of the twist that the readings determine: 3 if all.
         rank: Py<PyAny>,
         /// Smallest singular value of the stacked, weighted rows of the wheel equation.
@@ -28,15 +28,17 @@ result_class! {
         rover: Py<Rover>,
         leading: Vec<usize>,
     }
-    repr { twist residual rank sigma_min weights worst_wheel }
+    repr { twist residuals rank sigma_min weights worst_wheel }
 }
 
 getters! { TwistFit, self, py:
+    /// The rover.
+    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Name of the wheel with the largest residual, None where there is none; nested lists of them for a batch.
     worst_wheel: PyResult<Py<PyAny>> = {
         let rover = self.rover.get();
-        let residual = self.residual.bind(py).cast::<PyArrayDyn<f64>>()?.try_readonly()?;
-        let wheels = residual.as_slice()?.chunks_exact(rover.count());
+        let residuals = self.residuals.bind(py).cast::<PyArrayDyn<f64>>()?.try_readonly()?;
+        let wheels = residuals.as_slice()?.chunks_exact(rover.count());
         rover.names_of(
             py,
             memory::gathered(wheels.map(|slid| worst_wheel(slid).map_or(-1, |wheel| wheel as i64)))?,
@@ -68,7 +70,7 @@ methods! { Rover:
     /// ----------
     /// steering : array_like, shape (..., steered wheels)
     ///     Steering angles [rad]; None for a rover that does not steer.
-    /// speeds : array_like, shape (..., wheels)
+    /// wheel_speeds : array_like, shape (..., wheels)
     ///     Wheel speeds [rad/s]; NaN where a passive wheel has no encoder.
     /// method : {'least_squares', 'middle_wheels', 'robust'}
     ///     All wheels alike; the unsteered wheels alone; or re-weighted so that a wheel that disagrees with
@@ -83,7 +85,7 @@ methods! { Rover:
     /// Returns
     /// -------
     /// TwistFit
-    ///     `twist`, `residual` [m/s], `rank`, `sigma_min`, `weights`, `worst_wheel`.
+    ///     `twist`, `residuals` [m/s], `rank`, `sigma_min`, `weights`, `worst_wheel`.
     ///
     /// Raises
     /// ------
@@ -91,28 +93,28 @@ methods! { Rover:
     ///     If the wheels that count do not determine the twist.
     /// ValueError
     ///     If a value is not finite, a shape does not fit or the method is unknown.
-    fn fit[slf: &Bound<'py, Self>, py: Python<'py>](steering, speeds, *, method: &str = "least_squares",
+    fn fit[slf: &Bound<'py, Self>, py: Python<'py>](steering, wheel_speeds, *, method: &str = "least_squares",
         steering_rates=None, allow_underdetermined: bool = false, threads: Option<i64> = None) -> PyResult<TwistFit> {
         let workers = any_workers(threads, None)?;
         let this = slf.get();
         let method = method.parse::<Method>().or_raise(&[])?;
-        let readings = this.read_log(steering, speeds, steering_rates)?.flat()?;
+        let readings = this.read_log(steering, wheel_speeds, steering_rates)?.flat()?;
         let leading = readings.speeds.leading.as_slice();
         let widths = [3, this.count(), this.count()];
         let mut results = Results::fresh(py, widths.map(|width| joined(leading, width)))?;
-        let [twists, residual, weights] = results.flat();
+        let [twists, residuals, weights] = results.flat();
         let count = readings.speeds.count();
         let (mut ranks, mut sigmas) = (memory::filled(0, count)?, memory::filled(0.0, count)?);
         let unseen = unseen(allow_underdetermined);
         let log = readings.log();
         let fits =
-            batch::Fits { twists: twists.as_chunks_mut().0, ranks: &mut ranks, sigmas: &mut sigmas, residual, weights };
+            batch::Fits { twists: twists.as_chunks_mut().0, ranks: &mut ranks, sigmas: &mut sigmas, residual: residuals, weights };
         compute_rows(py, count, leading, || batch::fit(&this.core, log, method, unseen, fits, workers))?;
-        let [twist, residual, weights] = results.finish_arrays()?;
+        let [twist, residuals, weights] = results.finish_arrays()?;
         let (rank, sigma_min) = (scalar_or_array(py, ranks, leading)?, scalar_or_array(py, sigmas, leading)?);
         Ok(TwistFit {
             twist,
-            residual,
+            residuals,
             rank,
             sigma_min,
             weights,

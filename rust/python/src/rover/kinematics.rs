@@ -68,7 +68,7 @@ impl<'py> Tables<'py> {
         let flat = |argument, blocks: Option<Blocks<'py>>| blocks.map(|blocks| blocks.flat(argument)).transpose();
         Ok(Readings {
             steering: flat("steering", self.steering)?,
-            speeds: self.speeds.flat("speeds")?,
+            speeds: self.speeds.flat("wheel_speeds")?,
             rates: flat("steering_rates", self.rates)?,
             leading: self.leading,
         })
@@ -100,15 +100,18 @@ impl Rover {
         steering_rates: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Tables<'py>> {
         let py = speeds.py();
-        let mut speeds = Blocks::read("speeds", speeds, self.count())?;
+        let mut speeds = Blocks::read("wheel_speeds", speeds, self.count())?;
         let steering = (!steering.is_none()).then_some(steering);
         let mut angles = Blocks::read_optional("steering", steering, self.joints())?;
         if angles.is_none() && self.joints() > 0 {
             return Err(refuse("steering", "hold the angles of the steered wheels", "None"));
         }
         let mut rates = Blocks::read_optional("steering_rates", steering_rates, self.joints())?;
-        let all =
-            [Some(named("speeds", &mut speeds)), given("steering", &mut angles), given("steering_rates", &mut rates)];
+        let all = [
+            Some(named("wheel_speeds", &mut speeds)),
+            given("steering", &mut angles),
+            given("steering_rates", &mut rates),
+        ];
         let leading = together(all.into_iter().flatten())?;
         if let Some(angles) = &angles {
             let asked = units::angles(&self.core, angles.table(), angles.count());
@@ -136,11 +139,11 @@ methods! { Rover:
     /// centre : array_like, shape (2,) or (..., 2), optional
     ///     The point ``[x, y]`` whose velocity `twist` is [m], and about which the rover turns if that is
     ///     zero; default the origin.
-    /// previous_speeds : array_like, shape (..., wheels), optional
+    /// previous_wheel_speeds : array_like, shape (..., wheels), optional
     ///     Present wheel speeds [rad/s]. A wheel that would have to turn by about 90 degrees either way goes
     ///     with the others of its kind: the way they roll already, otherwise the shorter one for all.
     /// out : (ndarray, ndarray), optional
-    ///     Arrays for the results; they may be `previous` and `previous_speeds` themselves.
+    ///     Arrays for the results; they may be `previous` and `previous_wheel_speeds` themselves.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
@@ -152,7 +155,7 @@ methods! { Rover:
     /// -------
     /// steering : ndarray, shape (..., steered wheels)
     ///     Steering angles [rad].
-    /// speeds : ndarray, shape (..., wheels)
+    /// wheel_speeds : ndarray, shape (..., wheels)
     ///     Wheel speeds [rad/s].
     ///
     /// Raises
@@ -165,8 +168,8 @@ methods! { Rover:
     ///
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
     pub fn inverse[&self, py: Python<'py>](twist, *more, previous=None, steering_rates=None, centre=None,
-        previous_speeds=None, out=None, dtype=None, threads: Option<i64> = None, level: Option<&str> = None)
-    as "($self, twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, level=None)"
+        previous_wheel_speeds=None, out=None, dtype=None, threads: Option<i64> = None, level: Option<&str> = None)
+    as "($self, twist, *, previous=None, steering_rates=None, centre=None, previous_wheel_speeds=None, out=None, dtype=None, threads=None, level=None)"
     -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
         one_twist("Rover.inverse((vx, vy, omega))", 1, more)?;
         let precision = Precision::read(py, dtype, out)?;
@@ -174,19 +177,19 @@ methods! { Rover:
         let mut centres = Rows::read_optional("centre", centre, 2)?;
         let mut previous = Blocks::read_optional("previous", previous, self.joints())?;
         let mut rates = Blocks::read_optional("steering_rates", steering_rates, self.joints())?;
-        let mut rolling = Blocks::read_optional("previous_speeds", previous_speeds, self.count())?;
+        let mut rolling = Blocks::read_optional("previous_wheel_speeds", previous_wheel_speeds, self.count())?;
         let all = [
             Some(named("twist", &mut twists)),
             // One for all rows stays one.
             given("centre", &mut centres).filter(|(_, centres)| !centres.leading().is_empty()),
             given("previous", &mut previous),
             given("steering_rates", &mut rates),
-            given("previous_speeds", &mut rolling),
+            given("previous_wheel_speeds", &mut rolling),
         ];
         let leading = together(all.into_iter().flatten())?;
         centres.as_ref().map_or(Ok(()), |centres| centres.check_finite("centre"))?;
         let about = centres.as_ref().map(|centres| ReferencePoint { twists: twists.table(), centres: centres.pairs() });
-        let outputs = out_tuple::<2>(out, "be a pair of arrays (steering, speeds)")?;
+        let outputs = out_tuple::<2>(out, "be a pair of arrays (steering, wheel_speeds)")?;
         for (input, out) in [&mut previous, &mut rolling].into_iter().zip(&outputs) {
             if let (Some(input), Some(out)) = (input, out) {
                 input.release_if(out)?;
@@ -219,7 +222,7 @@ methods! { Rover:
     /// ----------
     /// steering : array_like, shape (..., steered wheels)
     ///     Steering angles [rad]; None for a rover that does not steer.
-    /// speeds : array_like, shape (..., wheels)
+    /// wheel_speeds : array_like, shape (..., wheels)
     ///     Wheel speeds [rad/s]; NaN where a passive wheel has no encoder.
     /// steering_rates : array_like, shape (..., steered wheels), optional
     ///     Rates of the steering angles [rad/s], default 0; they matter to wheels with scrub or trail.
@@ -246,9 +249,9 @@ methods! { Rover:
     ///     If the wheels do not determine the twist.
     /// ValueError
     ///     If a value is not finite or a shape does not fit.
-    fn forward[&self, py: Python<'py>](steering, speeds, *, steering_rates=None, allow_underdetermined: bool = false,
+    fn forward[&self, py: Python<'py>](steering, wheel_speeds, *, steering_rates=None, allow_underdetermined: bool = false,
         out=None, dtype=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<AnyArray<'py>> {
-        let readings = self.read_log(steering, speeds, steering_rates)?;
+        let readings = self.read_log(steering, wheel_speeds, steering_rates)?;
         let leading = readings.leading.as_slice();
         let mut twists = Output::asked(py, (out, dtype), &joined(leading, 3))?;
         let fresh = twists.is_unseen();

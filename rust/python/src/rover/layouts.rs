@@ -45,12 +45,12 @@ methods! { Rover:
     ///
     /// Parameters
     /// ----------
-    /// d1 : float
-    ///     Half track of the corner wheels [m].
-    /// d2, d3 : float
-    ///     Middle axle to rear axle, and to front axle [m].
-    /// d4 : float
-    ///     Half track of the middle wheels [m]; may be 0.
+    /// front_to_middle, middle_to_rear : float
+    ///     Front axle to middle axle, and middle axle to rear axle [m].
+    /// track_width : float
+    ///     Left to right corner wheel [m].
+    /// middle_track_width : float, optional
+    ///     Left to right middle wheel [m]; may be 0, default `track_width`.
     /// wheel_radius : float
     ///     Hub to ground [m].
     /// steering_limit : float, (float, float), sequence or mapping, optional
@@ -69,11 +69,14 @@ methods! { Rover:
     ///
     /// Source: the corner-steering geometry of NASA's Mars rovers as used by the JPL Open Source Rover.
     #[staticmethod]
-    fn six_wheel[py: Python<'py>](d1: f64, d2: f64, d3: f64, d4: f64, wheel_radius: f64, steering_limit=None, *,
-        scrub=None, trail=None, names: native Option<Vec<String>> = None)
-    as "(d1, d2, d3, d4, wheel_radius, steering_limit=None, *, scrub=0.0, trail=0.0, names=None)" -> PyResult<Self> {
+    fn six_wheel[py: Python<'py>](*, front_to_middle: f64, middle_to_rear: f64, track_width: f64,
+        middle_track_width: Option<f64> = None, wheel_radius: f64, steering_limit=None, scrub=None, trail=None,
+        names: native Option<Vec<String>> = None, **)
+    as "(*, front_to_middle, middle_to_rear, track_width, middle_track_width=None, wheel_radius, steering_limit=None, scrub=0.0, trail=0.0, names=None)"
+    -> PyResult<Self> {
+        let halves = [track_width / 2.0, middle_to_rear, front_to_middle, middle_track_width.unwrap_or(track_width) / 2.0];
         let given = PerWheel { steering_limit, scrub, trail, names };
-        given.fit(py, Core::six_wheel([d1, d2, d3, d4], wheel_radius, SteeringRange::default()))
+        given.fit(py, Core::six_wheel(halves, wheel_radius, SteeringRange::default()))
     }
 
     /// A vehicle whose wheels are all steered.
@@ -102,7 +105,7 @@ methods! { Rover:
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
     #[staticmethod]
     fn swerve[py: Python<'py>](positions, wheel_radius: f64, *, steering_limit=None,
-        names: native Option<Vec<String>> = None, scrub=None, trail=None)
+        names: native Option<Vec<String>> = None, scrub=None, trail=None, **)
     as "(positions, wheel_radius, *, steering_limit=None, names=None, scrub=0.0, trail=0.0)" -> PyResult<Self> {
         let positions = self::positions(positions)?;
         let given = PerWheel { steering_limit, scrub, trail, names: None };
@@ -146,7 +149,7 @@ methods! { Rover:
     #[staticmethod]
     fn differential[py: Python<'py>](track_width: f64, wheel_radius, *, wheels_per_side: i64 = 1,
         wheelbase: Option<f64> = None, icr_left: Option<f64> = None, icr_right: Option<f64> = None,
-        icr_forward: Option<f64> = None, scrub=None, trail=None, names: native Option<Vec<String>> = None)
+        icr_forward: Option<f64> = None, scrub=None, trail=None, names: native Option<Vec<String>> = None, **)
     as "(track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
     -> PyResult<Self> {
         let given = PerWheel { scrub, trail, names, ..PerWheel::default() };
@@ -200,11 +203,11 @@ methods! { Rover:
     #[staticmethod]
     fn tracked[py: Python<'py>](track_width: f64, wheel_radius, *, icr_left: Option<f64> = None,
         icr_right: Option<f64> = None, icr_forward: Option<f64> = None, scrub=None, trail=None,
-        names: native Option<Vec<String>> = None)
+        names: native Option<Vec<String>> = None, **)
     as "(track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
     -> PyResult<Self> {
         let (left, right, forward) = (icr_left, icr_right, icr_forward);
-        Self::differential(py, track_width, wheel_radius, 1, None, left, right, forward, scrub, trail, names)
+        Self::differential(py, track_width, wheel_radius, 1, None, left, right, forward, scrub, trail, names, None)
     }
 
     /// A published rover by name; `Rover.presets` lists them.
@@ -221,7 +224,8 @@ methods! { Rover:
     /// ValueError
     ///     If there is no such preset.
     #[staticmethod]
-    fn preset[py: Python<'py>](name: &str, *, steering_limit=None) -> PyResult<Self> {
+    fn preset[py: Python<'py>](name: &str, *, steering_limit=None, **)
+    as "(name, *, steering_limit=None)" -> PyResult<Self> {
         Self::named(py, presets::preset(name, steering_range(steering_limit)?))
     }
 }

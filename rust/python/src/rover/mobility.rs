@@ -35,6 +35,23 @@ getters! { Mobility, self, py:
     };
 }
 
+pickled_by_fields! { Mobility, this, py:
+    (
+        degree_of_mobility: usize = this.0.degree_of_mobility,
+        degree_of_steerability: usize = this.0.degree_of_steerability,
+        rank: usize = this.0.rank,
+        singular_values: [f64; 3] = this.0.singular_values,
+        motions: Vec<[f64; 3]> = this.0.motions.iter().map(|twist| <[f64; 3]>::from(*twist)).collect::<Vec<_>>(),
+    )
+    Self(Core {
+        degree_of_mobility,
+        degree_of_steerability,
+        rank,
+        singular_values,
+        motions: motions.into_iter().map(Into::into).collect(),
+    })
+}
+
 #[pymethods]
 impl Mobility {
     fn __repr__(&self) -> String {

@@ -14,7 +14,7 @@ const MOST_NAMES: usize = 1000;
 
 /// Every quantity by the name of its attribute.
 const NAMES: [(&str, Quantity); 12] = [
-    ("speeds", Quantity::Speed),
+    ("wheel_speeds", Quantity::Speed),
     ("steering", Quantity::Steering),
     ("steering_rates", Quantity::SteeringRate),
     ("slip", Quantity::Slip),
@@ -49,7 +49,7 @@ getters! { Sensitivity, self, py:
     /// ``[vx, vy, omega]`` in body axes, shape (..., 3) [m/s, m/s, rad/s].
     twist: Option<Py<PyAny>> = self.twist.as_ref().map(|twist| twist.clone_ref(py));
     /// By the reading of each wheel's speed [rad/s], shape (..., 3, wheels).
-    speeds: Option<Py<PyAny>> = self.get(py, "speeds");
+    wheel_speeds: Option<Py<PyAny>> = self.get(py, "wheel_speeds");
     /// By the reading of each steering angle [rad], shape (..., 3, steered wheels).
     steering: Option<Py<PyAny>> = self.get(py, "steering");
     /// By the rate of each steering angle [rad/s], shape (..., 3, steered wheels).
@@ -74,11 +74,23 @@ getters! { Sensitivity, self, py:
     roller_angle: Option<Py<PyAny>> = self.get(py, "roller_angle");
 }
 
+pickled_by_fields! { Sensitivity, this, py:
+    (
+        twist: Option<Py<PyAny>> = &this.twist,
+        names: Vec<String> = this.columns.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
+        arrays: Vec<Py<PyAny>> = this.columns.iter().map(|(_, array)| array).collect::<Vec<_>>(),
+    )
+    {
+        let names = wanted(Some(&names.into_pyobject(py)?))?;
+        Self { twist, columns: names.into_iter().map(|(name, _)| name).zip(arrays).collect() }
+    }
+}
+
 #[pymethods]
 impl Sensitivity {
     fn __repr__(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|(name, _)| *name).collect();
-        format!("TwistJacobian(of the twist by {})", names.join(", "))
+        crate::classes::cut(format!("TwistJacobian(of the twist by {})", names.join(", ")))
     }
 }
 
@@ -111,7 +123,7 @@ methods! { Rover:
     /// ----------
     /// steering : array_like, shape (..., steered wheels)
     ///     Steering angles [rad]; None for a rover that does not steer.
-    /// speeds : array_like, shape (..., wheels)
+    /// wheel_speeds : array_like, shape (..., wheels)
     ///     Wheel speeds [rad/s]; NaN where a passive wheel has no encoder.
     /// steering_rates : array_like, shape (..., steered wheels), optional
     ///     Rates of the steering angles [rad/s], default 0; they matter to wheels with scrub or trail.
@@ -131,11 +143,11 @@ methods! { Rover:
     ///     If the wheels do not determine the twist.
     /// ValueError
     ///     If a value is not finite, a shape does not fit or a quantity is unknown.
-    fn sensitivity[&self, py: Python<'py>](steering, speeds, *, steering_rates=None, quantities=None,
+    fn sensitivity[&self, py: Python<'py>](steering, wheel_speeds, *, steering_rates=None, quantities=None,
         threads: Option<i64> = None) -> PyResult<Sensitivity> {
         let workers = any_workers(threads, None)?;
         let wanted = wanted(quantities)?;
-        let readings = self.read_log(steering, speeds, steering_rates)?.flat()?;
+        let readings = self.read_log(steering, wheel_speeds, steering_rates)?.flat()?;
         let leading = readings.speeds.leading.as_slice();
         let mut twists = Output::fresh(py, &joined(leading, 3))?;
         let mut columns = Vec::with_capacity(wanted.len());

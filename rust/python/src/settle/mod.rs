@@ -45,7 +45,8 @@ methods! { Suspension:
     /// poses : array_like, shape (..., 3)
     ///     Rows ``[x, y, yaw]`` of the body's origin in the world [m, m, rad].
     /// steering : array_like, shape (steered,) or (..., steered), optional
-    ///     Steering angles [rad], default 0.
+    ///     Steering angles [rad], default 0. A pose whose angles are all NaN, as `inverse` gives them for a pose that does not
+    ///     stand, has not converged.
     /// derivatives : bool
     ///     True to compute `by_pose` and `by_dimension`.
     /// centre_of_mass : (float, float, float), optional

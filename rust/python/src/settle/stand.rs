@@ -7,11 +7,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyString;
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_terrain::ground::{self, Contact, DIMENSIONS, by_dimension, by_pose, rim_point};
-use six_wheel_terrain::suspension::{Placed, PlanPose};
+use six_wheel_terrain::suspension::{MAX_FREE, Placed, PlanPose};
 use six_wheel_terrain::terrain::Terrain;
 
 use crate::arguments::ArgumentKind;
-use crate::convert::{Array, Output, memory, scalar_or_array};
+use crate::convert::{Array, OrRaise, Output, memory, scalar_or_array};
 use crate::suspension::{RockerBogie, Suspension};
 
 /// Settled poses of a rover on ground, as many as were asked for, each with its status.
@@ -44,11 +44,11 @@ impl Stand {
         if self.steering.len() > joints { &self.steering[row * joints..][..joints] } else { &self.steering }
     }
 
-    /// The chain at a row; None where it does not stand.
+    /// The chain at a row, by its distances from node (0, 0) of the ground; None where it does not stand.
     pub fn placed(&self, row: usize) -> Option<Placed<'_>> {
         let chain = &self.suspension.get().chain;
         let pose = PlanPose::from(self.poses[row]);
-        self.stands[row].place(chain, pose, self.angles(row))
+        self.stands[row].place(chain, &self.ground, pose, self.angles(row))
     }
 
     fn wheels(&self) -> usize {
@@ -96,25 +96,27 @@ impl Stand {
         &self,
         py: Python<'py>,
         last: &[usize],
-        fill: impl Fn(&Placed<'_>, &ground::Stand, &mut [f64]),
+        fill: impl Fn(usize, &Placed<'_>, &mut [f64]),
     ) -> PyResult<Array<'py>> {
-        self.array(py, last, |k, stand, row| {
+        self.array(py, last, |k, _, row| {
             row.fill(f64::NAN);
             if let Some(placed) = self.placed(k) {
-                fill(&placed, stand, row);
+                fill(k, &placed, row);
             }
         })
     }
 
-    /// A point per wheel.
+    /// A point per wheel, in the world.
     fn points<'py, P: Into<[f64; 3]>>(
         &self,
         py: Python<'py>,
         point: impl Fn(&Placed<'_>, &Contact, usize) -> P,
     ) -> PyResult<Array<'py>> {
-        self.where_placed(py, &[self.wheels(), 3], |placed, stand, row| {
+        let [x0, y0] = self.ground.origin();
+        self.where_placed(py, &[self.wheels(), 3], |k, placed, row| {
             for (wheel, target) in row.as_chunks_mut().0.iter_mut().enumerate() {
-                *target = point(placed, &stand.wheels[wheel], wheel).into();
+                let [x, y, z] = point(placed, &self.stands[k].wheels[wheel], wheel).into();
+                *target = [x0 + x, y0 + y, z];
             }
         })
     }
@@ -197,12 +199,13 @@ getters! { Stand, self, py:
         }
     });
     /// ``world_from_body``, shape (..., 4, 4): takes coordinates in the body to the world [m].
-    transform: PyResult<Array<'py>> = self.where_placed(py, &[4, 4], |placed, _, row| {
-        for i in 0..3 {
+    transform: PyResult<Array<'py>> = self.where_placed(py, &[4, 4], |k, placed, row| {
+        let [x, y, _] = self.poses[k];
+        for (i, origin) in [x, y, placed.origin.z].into_iter().enumerate() {
             for j in 0..3 {
                 row[4 * i + j] = placed.rotation[(i, j)];
             }
-            row[4 * i + 3] = placed.origin[i];
+            row[4 * i + 3] = origin;
         }
         row[12..].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);
     });
@@ -216,8 +219,8 @@ getters! { Stand, self, py:
         }
         let chain = &self.suspension.get().chain;
         let count = chain.state_count();
-        let array = self.where_placed(py, &[count, 3], |placed, stand, row| {
-            if let Some(found) = by_pose(chain, placed, stand) {
+        let array = self.where_placed(py, &[count, 3], |k, placed, row| {
+            if let Some(found) = by_pose(chain, placed, &self.stands[k]) {
                 row.copy_from_slice(&found.as_flattened()[..3 * count]);
             }
         });
@@ -233,13 +236,34 @@ getters! { Stand, self, py:
             return Ok(None);
         }
         let (chain, of) = (&suspension.get().chain, rover.get().core().dimensions());
-        let array = self.where_placed(py, &[6, DIMENSIONS], |placed, stand, row| {
-            if let Some(found) = by_dimension(chain, of, placed, stand) {
+        let array = self.where_placed(py, &[6, DIMENSIONS], |k, placed, row| {
+            if let Some(found) = by_dimension(chain, of, placed, &self.stands[k]) {
                 row.copy_from_slice(found.as_flattened());
             }
         });
         array.map(Some)
     };
+}
+
+pickled_by_fields! { Stand, this, py:
+    (
+        suspension: Py<Suspension> = &this.suspension,
+        ground: Py<crate::terrain::Terrain> = this.ground(py),
+        poses: Vec<[f64; 3]> = &this.poses,
+        steering: Vec<f64> = &this.steering,
+        codes: Vec<(u8, [i8; MAX_FREE], u8)> =
+            this.stands.iter().map(|stand| (stand.status as u8, stand.stops, stand.hanging)).collect::<Vec<_>>(),
+        numbers: Vec<Vec<f64>> = this.stands.iter().map(|stand| stand.numbers().to_vec()).collect::<Vec<_>>(),
+        leading: Vec<usize> = &this.leading,
+        derivatives: bool = this.derivatives,
+    )
+    {
+        let parts = codes.into_iter().zip(&numbers);
+        let stands = parts.map(|((status, stops, hanging), numbers)| ground::Stand::from_parts(status, stops, hanging, numbers));
+        let stands = stands.collect::<Result<Vec<_>, _>>().or_raise(&[])?;
+        let ground = ground.get().0.clone();
+        Self { suspension, ground, poses, steering, stands, leading, derivatives }
+    }
 }
 
 #[pymethods]
@@ -248,21 +272,15 @@ impl Stand {
         self.leading.first().copied().unwrap_or(1)
     }
 
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        if self.leading.is_empty() {
-            let text = |value: Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
-            return Ok(format!(
-                "SettledPose(status={}, z={}, roll={}, pitch={}, joints={})",
-                self.status(py)?,
-                text(self.z(py)?)?,
-                text(self.roll(py)?)?,
-                text(self.pitch(py)?)?,
-                text(self.joints(py)?.into_any().unbind())?,
-            ));
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        let this = slf.get();
+        if this.leading.is_empty() {
+            let names = ["status", "z", "roll", "pitch", "joints"];
+            return crate::classes::repr_of_attributes("SettledPose", slf.as_any(), &names);
         }
         let mut counts = Vec::new();
         for status in ground::Status::ALL {
-            let count = self.stands.iter().filter(|stand| stand.status.told() == status).count();
+            let count = this.stands.iter().filter(|stand| stand.status.told() == status).count();
             if count > 0 {
                 counts.push(format!("{count} {}", status.name()));
             }

@@ -38,6 +38,11 @@ impl Suspension {
     /// The face of a chain, and how it is made again.
     fn made(chain: Result<Chain, Error>, name: &'static str, arguments: Bound<'_, PyDict>) -> PyResult<Self> {
         let chain = chain.or_raise(&[])?;
+        for (name, value) in arguments.copy()?.iter() {
+            if value.is_none() {
+                arguments.del_item(name)?;
+            }
+        }
         Ok(Self { made: Some((name, arguments.unbind())), ..Self::of(chain) })
     }
 }
@@ -73,7 +78,7 @@ fn pairs(steered: &str) -> PyResult<[bool; 3]> {
 
 impl ArgumentKind for Suspension {
     const KIND: &'static str = "a Suspension, such as a RockerBogie";
-    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| "one like sw.RockerBogie.perseverance()".into();
+    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| r#"one like sw.RockerBogie.preset("perseverance")"#.into();
 }
 
 getters! { Suspension, self, py:
@@ -120,7 +125,8 @@ methods! { Suspension:
     #[staticmethod]
     fn triple_bogie[py: Python<'py>](*, bogie_pivot: [f64; 3], bogie_to_front: [f64; 3], bogie_to_middle: [f64; 3],
         rear_pivot: [f64; 3], rear_to_wheel: [f64; 3], wheel_radius: f64, steered: &str = "corners",
-        steering_limit=None, bogie_limit=None) -> PyResult<Self> {
+        steering_limit=None, bogie_limit=None, **)
+    as "(*, bogie_pivot, bogie_to_front, bogie_to_middle, rear_pivot, rear_to_wheel, wheel_radius, steered='corners', steering_limit=None, bogie_limit=None)" -> PyResult<Self> {
         let of = TripleBogie {
             bogie_pivot,
             bogie_to_front,
@@ -168,8 +174,9 @@ methods! { Suspension:
     /// ValueError
     ///     If a length is not positive or a limit makes no sense.
     #[staticmethod]
-    fn pivoting_axles[py: Python<'py>](*, wheelbase: f64, track_width: f64, drop: f64, wheel_radius: f64,
-        steering_limit=None, roll_limit=None) -> PyResult<Self> {
+    pub fn pivoting_axles[py: Python<'py>](*, wheelbase: f64, track_width: f64, drop: f64, wheel_radius: f64,
+        steering_limit=None, roll_limit=None, **)
+    as "(*, wheelbase, track_width, drop, wheel_radius, steering_limit=None, roll_limit=None)" -> PyResult<Self> {
         let (steer, roll) = (steering(py, steering_limit)?, joint_range("roll_limit", roll_limit)?);
         let chain = Chain::pivoting_axles(wheelbase, track_width, drop, wheel_radius, steer, roll);
         let arguments = dict!(py, wheelbase, track_width, drop, wheel_radius, steering_limit, roll_limit);
@@ -201,7 +208,8 @@ methods! { Suspension:
     ///     If there are too few or too many wheels, or a number makes no sense.
     #[staticmethod]
     fn rigid[py: Python<'py>](centres, wheel_radius: f64, *, names: native Option<Vec<String>> = None,
-        steered: native Vec<usize> = (Vec::new()), steering_limit=None) -> PyResult<Self> {
+        steered: native Vec<usize> = (Vec::new()), steering_limit=None, **)
+    as "(centres, wheel_radius, *, names=None, steered=(), steering_limit=None)" -> PyResult<Self> {
         let rows = Rows::read_table("centres", centres, 3)?;
         let range = steering(py, steering_limit)?;
         let count = rows.count();
@@ -229,20 +237,6 @@ methods! { Suspension:
 
 #[pymethods]
 impl Suspension {
-    /// Zoe: four wheels on two passively steered axles, of which the rear one rolls.
-    ///
-    /// No limits are published.
-    ///
-    /// Source: nealseegmiller/wmrde, src/demo/zoemodel.cpp (84e1e9f), with its front axle fixed in roll.
-    #[staticmethod]
-    fn zoe(py: Python<'_>) -> PyResult<Self> {
-        let (wheelbase, track_width, drop, wheel_radius) = (1.91, 1.64, 0.119, 0.325);
-        let (steer, roll) = (SteeringRange::default(), JointRange::default());
-        let chain = Chain::pivoting_axles(wheelbase, track_width, drop, wheel_radius, steer, roll);
-        let arguments = dict!(py, wheelbase, track_width, drop, wheel_radius);
-        Self::made(chain, "pivoting_axles", arguments)
-    }
-
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let Some((name, arguments)) = &self.made else { return Ok("Suspension(...)".into()) };
         repr_of_call(&format!("Suspension.{name}"), [], arguments.bind(py))

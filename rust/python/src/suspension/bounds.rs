@@ -37,7 +37,7 @@ result_class! {
         wheel_drop: Py<PyAny>,
     }
     hidden {
-        worth: Vec<Knowledge>,
+        codes: Vec<u8>,
         leading: Vec<usize>,
     }
     repr { z roll pitch tilt clearance rocker bogies wheel_drop status }
@@ -46,8 +46,8 @@ result_class! {
 getters! { PoseBounds, self, py:
     /// Validity of the intervals, shape (...): `six_wheel.BoundsStatus`.
     status: PyResult<Py<PyAny>> = {
-        let codes = self.worth.iter().map(|worth| *worth as u8);
-        let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
+        let codes = memory::gathered(self.codes.iter().copied())?;
+        let codes = scalar_or_array(py, codes, &self.leading)?;
         let module = py.import("six_wheel.kinematics.statuses")?;
         module.call_method1("bound_statuses", (codes,)).map(Bound::unbind)
     };
@@ -211,6 +211,7 @@ methods! { RockerBogie:
         })?;
         let [z, roll, pitch, tilt, clearance, rocker, bogies, wheel_drop] = results.finish()?;
         let leading = leading.to_vec();
-        Ok(PoseBounds { z, roll, pitch, tilt, clearance, rocker, bogies, wheel_drop, worth: status, leading })
+        let codes = memory::gathered(status.iter().map(|status| *status as u8))?;
+        Ok(PoseBounds { z, roll, pitch, tilt, clearance, rocker, bogies, wheel_drop, codes, leading })
     }
 }

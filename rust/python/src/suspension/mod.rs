@@ -3,6 +3,7 @@
 mod base;
 mod bounds;
 mod chain;
+mod presets;
 mod rocker_bogie;
 mod steer;
 

@@ -73,7 +73,7 @@ impl RockerBogie {
         Ok(PyClassInitializer::from(base).add_subclass(Self(core, UsualPlans::new())))
     }
 
-    fn named(py: Python<'_>, core: Result<Core, Error>) -> PyResult<Py<Self>> {
+    pub(super) fn named(py: Python<'_>, core: Result<Core, Error>) -> PyResult<Py<Self>> {
         Py::new(py, Self::build(core)?)
     }
 
@@ -100,9 +100,9 @@ result_class! {
     /// One row of the Denavit-Hartenberg table: ``Rotz(gamma) Transz(d) Transx(a) Rotx(alpha)`` from the parent.
     pub struct Link {
         /// Name of the frame.
-        frame: &'static str,
+        frame: String,
         /// Name of the frame it starts from; R is the rover's own.
-        parent: &'static str,
+        parent: String,
         /// Name of the joint whose angle is added to `gamma`, or None.
         joint: Option<String>,
         /// Sign with which it is; 0 without a joint.
@@ -147,8 +147,8 @@ getters! { RockerBogie, self, py:
     links: PyResult<Bound<'py, PyTuple>> = {
         let table = self.0.links();
         let links = table.map(|row| Link {
-            frame: row.frame,
-            parent: row.parent.map_or("R", |parent| table[parent].frame),
+            frame: row.frame.into(),
+            parent: row.parent.map_or("R", |parent| table[parent].frame).into(),
             joint: row.joint.map(|(joint, _)| self.joint_name(joint)),
             sign: row.joint.map_or(0.0, |(_, sign)| sign),
             gamma: row.gamma,
@@ -184,7 +184,8 @@ methods! { RockerBogie:
     #[new]
     fn new[py: Python<'py>](rocker_pivot, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None,
         bogie_to_rear=None, wheel_radius=None, steered: &str = "corners", steering_limit=None, *, rocker_to_rear=None,
-        bogie_to_front=None, rocker_limit=None, bogie_limit=None, differential_bar=None)
+        bogie_to_front=None, rocker_limit=None, bogie_limit=None, differential_bar=None, **)
+    as "(rocker_pivot, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None, bogie_to_rear=None, wheel_radius=None, steered='corners', steering_limit=None, *, rocker_to_rear=None, bogie_to_front=None, rocker_limit=None, bogie_limit=None, differential_bar=None)"
     -> PyResult<PyClassInitializer<Self>> {
         let steered = steered.parse::<Steered>();
         let bogie = match (rocker_to_rear, bogie_to_front) {
@@ -232,50 +233,6 @@ methods! { RockerBogie:
 
 #[pymethods]
 impl RockerBogie {
-    /// Rocky 7: two steered front wheels, limited to 60 degrees.
-    ///
-    /// Frame R as in the papers, between the bogie joints to 3.5 um, 0.085 m above the ground.
-    ///
-    /// Source: nealseegmiller/wmrde, Rocky 7 model after Tarokh and McDermott (da081e4).
-    #[staticmethod]
-    fn rocky7(py: Python<'_>) -> PyResult<Py<Self>> {
-        Self::named(py, Core::rocky7())
-    }
-
-    /// Perseverance: four steered corners.
-    ///
-    /// Frame R on the ground under the middle of the middle wheels. No steering limit is published.
-    ///
-    /// Source: nasa-jpl/m2020-urdf-models, rover/m2020.urdf (c422fc6).
-    #[staticmethod]
-    fn perseverance(py: Python<'_>) -> PyResult<Py<Self>> {
-        Self::named(py, Core::perseverance())
-    }
-
-    /// Curiosity, to about 1 cm: four steered corners.
-    ///
-    /// Frame R on the ground under the middle of the middle wheels. No steering limit is published.
-    ///
-    /// Source: Project Chrono Curiosity model (BSD-3-Clause), read off a 3D model; origin moved from the
-    /// chassis by (-0.089, 0, -0.001), radius half the nominal wheel diameter.
-    #[staticmethod]
-    fn curiosity(py: Python<'_>) -> PyResult<Py<Self>> {
-        Self::named(py, Core::curiosity())
-    }
-
-    /// The Open Source Rover of JPL: bogies in front, four steered corners.
-    ///
-    /// Frame R on the ground under the middle of the middle wheels, with all joints at 0; the model's wheel
-    /// centres then differ in height by 5 mm. Steering axes are taken through the wheel centres; in the model
-    /// they run up to 6 mm behind and 20 mm inside. No steering limit is published.
-    ///
-    /// Source: nasa-jpl/osr-rover-code, ROS/osr_gazebo/urdf/osr.urdf.xacro (8d1de34); wheel radius from its
-    /// osr_params.yaml (e7c9e87).
-    #[staticmethod]
-    fn open_source_rover(py: Python<'_>) -> PyResult<Py<Self>> {
-        Self::named(py, Core::open_source_rover())
-    }
-
     /// The text of a URDF from which `load` makes a rover on this suspension, and which viewers open.
     ///
     /// Parameters

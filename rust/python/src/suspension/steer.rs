@@ -93,7 +93,7 @@ methods! { RockerBogie:
     ///     Angles of the left and the right bogie against their rockers [rad].
     /// previous : array_like, shape (..., steered wheels), optional
     ///     Present steering angles [rad], default 0; a wheel whose pivot rests holds them.
-    /// previous_speeds : array_like, shape (..., 6), optional
+    /// previous_wheel_speeds : array_like, shape (..., 6), optional
     ///     Present wheel speeds [rad/s]: which way round wheels go on that could go either way.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
@@ -112,7 +112,7 @@ methods! { RockerBogie:
     ///
     /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
     /// ICRA 1999.
-    fn steer[&self, py: Python<'py>](speed, yaw_rate, rho, beta, *, previous=None, previous_speeds=None,
+    fn steer[&self, py: Python<'py>](speed, yaw_rate, rho, beta, *, previous=None, previous_wheel_speeds=None,
         threads: Option<i64> = None) -> PyResult<SteeringCommand> {
         let workers = any_workers(threads, None)?;
         let steered = self.steered().len();
@@ -120,13 +120,13 @@ methods! { RockerBogie:
         let mut speeds = Scalars::read_finite("speed", speed)?;
         let mut yaw_rates = Scalars::read_finite("yaw_rate", yaw_rate)?;
         let mut previous = Rows::read_optional("previous", previous, steered)?;
-        let mut rolling = Rows::read_optional("previous_speeds", previous_speeds, WHEELS.len())?;
+        let mut rolling = Rows::read_optional("previous_wheel_speeds", previous_wheel_speeds, WHEELS.len())?;
         let all = joints
             .both()
             .into_iter()
             .chain([named("speed", &mut speeds), named("yaw_rate", &mut yaw_rates)])
             .chain(given("previous", &mut previous))
-            .chain(given("previous_speeds", &mut rolling));
+            .chain(given("previous_wheel_speeds", &mut rolling));
         let leading = together(all)?;
         let (previous, rolling) = (previous.as_ref().map(Rows::flat), rolling.as_ref().map(Rows::flat));
         let motion = |k| (speeds.at(k), yaw_rates.at(k), joints.row(k));

@@ -7,9 +7,10 @@ use super::Terrain;
 methods! { Terrain:
     /// The map of a file.
     ///
-    /// GeoTIFF, PDS and whatever else GDAL reads (extra ``[terrain]``), ESRI ASCII grids, lists of extents and heights
-    /// as text, and ``grid_map_msgs/GridMap`` in ROS bags (extra ``[bags]``). Coordinates stay those of the map's
-    /// own frame.
+    /// GeoTIFF, PDS, NetCDF and whatever else GDAL reads (extra ``[terrain]``), ESRI ASCII grids, tables of x, y and z,
+    /// lists of extents and heights as text, these in .zip and .gz, ``grid_map_msgs/GridMap`` in ROS bags (extra
+    /// ``[bags]``), and YAML with ``map:``, the file's name, and these options. Coordinates stay those of the map's own
+    /// frame. What is in doubt (units, places, marks of unknown heights) is refused with the option that settles it.
     ///
     /// Parameters
     /// ----------
@@ -21,6 +22,20 @@ methods! { Terrain:
     ///     Topic of a bag, default the only one with maps.
     /// layer : str, optional
     ///     Layer of a grid map, default ``elevation`` or the only one.
+    /// band : int or str, optional
+    ///     Number, from 1, or name of the band or variable that holds heights; default the only one, or the only one
+    ///     that is called so.
+    /// nodata : float, optional
+    ///     Number that stands for an unknown height, beside the file's own; NaN if every number is a height.
+    /// unit : str or float, optional
+    ///     Of the heights: ``m``, ``cm``, ``mm``, ``km``, ``ft``, ``us-ft``, ``in``, or its length [m]; default the
+    ///     file's own.
+    /// north_up : bool, optional
+    ///     True if the first row of a file without a place is the northern one; default as its form has it.
+    /// spacing : float or (float, float), optional
+    ///     Between columns and between rows of a file without a place [m].
+    /// origin : (float, float), optional
+    ///     Middle of the south-western cell of a file without a place [m]; default (0, 0).
     ///
     /// Returns
     /// -------
@@ -34,10 +49,13 @@ methods! { Terrain:
     /// ImportError
     ///     If the library that reads such files is not installed.
     /// TerrainFileError
-    ///     If it is no map, its coordinates are degrees, or the window is off it.
+    ///     If it is no map, its coordinates are degrees, the window is off it, or something about it is in doubt.
     #[staticmethod]
-    fn read[](path, *, window=None, topic=None, layer=None) -> PyResult<Bound<'py, PyAny>> {
-        let options = dict!(path.py(), window, topic, layer);
+    fn read[](path, *, window=None, topic=None, layer=None, band=None, nodata=None, unit=None, north_up=None,
+        spacing=None, origin=None, **)
+    as "(path, *, window=None, topic=None, layer=None, band=None, nodata=None, unit=None, north_up=None, spacing=None, origin=None)"
+    -> PyResult<Bound<'py, PyAny>> {
+        let options = dict!(path.py(), window, topic, layer, band, nodata, unit, north_up, spacing, origin);
         let module = path.py().import("six_wheel.maps")?;
         module.call_method("read", (path,), Some(&options))
     }
@@ -72,7 +90,8 @@ methods! { Terrain:
     /// Source: M. Golombek, D. Rapp, Size-frequency distributions of rocks on Mars and Earth analog sites, Journal of
     /// Geophysical Research 102, 1997.
     #[staticmethod]
-    fn yard[py: Python<'py>](size=None, spacing: f64 = 0.05, cover: f64 = 0.1, seed=None, *, roughness: f64 = 0.1)
+    fn yard[py: Python<'py>](size=None, spacing: f64 = 0.05, cover: f64 = 0.1, seed=None, *, roughness: f64 = 0.1, **)
+    as "(size=None, spacing=0.05, cover=0.1, seed=None, *, roughness=0.1)"
     -> PyResult<Bound<'py, PyAny>> {
         let options = dict!(py, spacing, cover, roughness);
         for (name, value) in [("size", size), ("seed", seed)] {

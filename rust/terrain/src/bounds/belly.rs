@@ -72,7 +72,8 @@ impl Belly {
         self.clearance(ground, placed.origin, &placed.rotation)
     }
 
-    /// Least vertical distance of the ground below the rectangle [m], negative where it goes into it. None where the
+    /// Least vertical distance of the ground below the rectangle [m], negative where it goes into it. The origin of the
+    /// body is by its distances from node (0, 0) of the map. None where the
     /// rectangle leaves the map, is over ground nobody knows, or faces upwards.
     ///
     /// In a cell the ground less a plane is a saddle: it is highest on the rim of what it is looked at on. So the
@@ -91,7 +92,7 @@ impl Belly {
         let corner = |x: f64, y: f64| origin + rotation * Vector3::new(x, y, self.z);
         let ([rear, front], w) = (self.x, self.half_width);
         let corners = [corner(rear, -w), corner(front, -w), corner(front, w), corner(rear, w)];
-        let places = corners.map(|corner| Vector2::from(ground.grid_from_world(corner.x, corner.y)));
+        let places = corners.map(|corner| Vector2::from(ground.grid_from_offset(corner.x, corner.y)));
         if !places.iter().all(|place| ground.on_grid(place.x, place.y)) {
             return None;
         }

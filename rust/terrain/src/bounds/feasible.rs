@@ -196,7 +196,7 @@ impl<'a> Judge<'a> {
     /// Decided by how the rover settles.
     fn by_settling(&self, pose: [f64; 3], stand: &Stand) -> Verdict {
         let chain = self.settler.chain;
-        let Some(placed) = stand.place(chain, pose.into(), &[]) else {
+        let Some(placed) = stand.place(chain, self.settler.ground, pose.into(), &[]) else {
             return Verdict::refused(match stand.status {
                 Status::OffMap => Reason::OffMap,
                 Status::UnknownCells => Reason::UnknownCells,

@@ -170,7 +170,7 @@ impl<const N: usize> Answer<'_, N> {
         if let (By::Dimension(_), Some(by_radius)) = (self.by, moved.last_mut()) {
             *by_radius += spoke;
         }
-        let [u, v] = self.ground.grid_from_world(point.x, point.y);
+        let [u, v] = self.ground.grid_from_offset(point.x, point.y);
         let on_line = [u, v].map(|place| (place - place.round()).abs() < ON_A_LINE);
         let upwards = contact.upwards();
         let along = self.in_grid(tangent);
@@ -233,7 +233,8 @@ impl<const N: usize> Answer<'_, N> {
                 Some(moved.map(|moved| moved.dot(&up) / up.z))
             }
             Lowest::Edge { point, way, line } => {
-                let Sample::Known { gradient, .. } = self.ground.sample(point.x, point.y, Interpolation::Bilinear)
+                let Sample::Known { gradient, .. } =
+                    self.ground.sample_offset(point.x, point.y, Interpolation::Bilinear)
                 else {
                     return None;
                 };

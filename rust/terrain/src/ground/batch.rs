@@ -6,15 +6,20 @@
 //! closed it. Whatever is more than that (unknown ground, the end of the map, a joint past its stop, a wall as high as a wheel,
 //! no end of rounds) is left to [`Settler::settle_near`].
 
+pub(crate) mod pivots;
+pub(crate) mod poses;
+mod round;
+pub(crate) mod scan;
+
 use pulp::Scalar;
 
-use super::newton::ActiveSet;
-use super::pivots::{PivotOrder, solve};
-use super::poses::{CHUNK, LEFT, Left, PoseBatch, ROUNDS, SettleRange, column, scatter};
+use self::pivots::{PivotOrder, solve};
+use self::poses::{CHUNK, LEFT, Left, PoseBatch, ROUNDS, SettleRange, column, scatter};
+use self::scan::{AllWheels, RimScan, Site, StateLanes, WheelByWheel};
+use super::active_set::ActiveSet;
 use super::rims::circles::{FAR, cells, floor};
 use super::rims::contact::booleans;
 use super::rims::extent::Extent;
-use super::scan::{AllWheels, RimScan, Site, StateLanes, WheelByWheel};
 use super::settler::Settler;
 use super::stand::Stand;
 use crate::suspension::{MAX_STATE, MAX_WHEELS};
@@ -175,7 +180,7 @@ pub(crate) fn initial_state<S: Vector>(simd: S, site: &Site<'_>, here: &mut Stat
             return zero.lt(zero);
         }
         let (step, smallest) = solve(simd, site.order, &mut scan.rows);
-        let is_solved = scan.touches & Lanes::splat(simd, super::pivots::SMALLEST_PIVOT).le(smallest);
+        let is_solved = scan.touches & Lanes::splat(simd, pivots::SMALLEST_PIVOT).le(smallest);
         let moves = goes_on & is_solved;
         for &(k, _) in site.order.columns() {
             let (most, limit) = (Lanes::splat(simd, START_TURN), Lanes::splat(simd, START_ANGLE));

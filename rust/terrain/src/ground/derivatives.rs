@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
+use super::active_set::ActiveSet;
 use super::linear_system::LinearSystem;
-use super::newton::ActiveSet;
 use super::stand::{Contact, Stand, gap_slopes, rim_point};
 use crate::suspension::{Bogie, Chain, Dimensions, MAX_FREE, MAX_STATE, Placed};
 

@@ -13,7 +13,8 @@ use std::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::newton::{ActiveSet, LARGEST_ANGLE, NewtonResult, OnePose};
+use super::active_set::ActiveSet;
+use super::newton::{LARGEST_ANGLE, NewtonResult, OnePose};
 use super::pivots::PivotOrder;
 use super::rims::contact::RimSegment;
 use super::settler::{Settler, Status};
@@ -70,7 +71,7 @@ impl Settler<'_> {
     /// a failure.
     pub(crate) fn grown(&self, pose: &OnePose<'_>) -> Result<NewtonResult, Status> {
         let at = pose.plan_pose();
-        let Sample::Known { height: datum, .. } = self.ground.sample(at.x, at.y, Interpolation::Bilinear) else {
+        let Sample::Known { height: datum, .. } = self.ground.sample_offset(at.x, at.y, Interpolation::Bilinear) else {
             return Err(Status::NotConverged);
         };
         let order = PivotOrder::new(self.chain, &ActiveSet::NONE);

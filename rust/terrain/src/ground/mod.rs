@@ -6,21 +6,20 @@
 //! answer, with its status), [`stand`] (the answer as numbers), [`rows`] (the calls), [`derivatives`] (of the answer, by the pose
 //! and by dimensions).
 
+mod active_set;
 mod batch;
 mod derivatives;
 mod growth;
 mod linear_system;
 mod newton;
-mod pivots;
-mod poses;
 mod rims;
-mod round;
 mod rows;
-mod scan;
 mod settle;
 mod settler;
 mod stand;
 mod stops;
+
+use batch::{pivots, poses, scan};
 
 pub use derivatives::{DIMENSIONS, by_dimension, by_pose, shift_by_dimension};
 pub use rows::settle;

@@ -5,6 +5,7 @@
 
 use pulp::Scalar;
 
+use super::active_set::{ActiveSet, CLOSED_GAP};
 use super::batch::initial_state;
 use super::pivots::{PivotOrder, Rows, SMALLEST_PIVOT, solve};
 use super::poses::PoseOnGrid;
@@ -13,7 +14,7 @@ use super::rims::contact::{RimContact, RimSegment, find_contacts};
 use super::scan::{RimScan, Site, StateLanes, WheelGap};
 use super::settler::{Settler, Status};
 use super::stand::Contact;
-use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
+use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
@@ -25,9 +26,6 @@ const LARGEST_TURN: f64 = 0.3;
 /// Angles beyond this are no way to stand [rad].
 pub(crate) const LARGEST_ANGLE: f64 = 1.35;
 
-/// A gap is closed if it is at most the first [m] and the second times the height: some roundings of heights of that size.
-pub(crate) const CLOSED_GAP: [f64; 2] = [2e-12, 2e-15];
-
 /// A gap below this [m] that no step closes any more is closed but for rounding.
 const ROUNDING: f64 = 1e-10;
 
@@ -36,40 +34,6 @@ const STEPS: usize = 40;
 
 /// Steps that may close no gap before another start is tried.
 const STALLS: usize = 5;
-
-/// The active set: joints held at an angle, and wheels in the air.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ActiveSet {
-    /// Angles of the joints that are held.
-    pub joints: [Option<f64>; MAX_FREE],
-    /// Bits of the wheels that are left in the air.
-    pub hanging: u32,
-}
-
-impl ActiveSet {
-    /// Nothing held, nothing in the air.
-    pub const NONE: Self = Self { joints: [None; MAX_FREE], hanging: 0 };
-
-    /// True if a wheel touches.
-    #[inline]
-    pub fn touches(&self, wheel: usize) -> bool {
-        self.hanging >> wheel & 1 == 0
-    }
-
-    /// The numbers of a state of so many that may change, in their order.
-    pub fn free_columns(&self, count: usize) -> impl Iterator<Item = usize> {
-        let joints = self.joints;
-        (0..count).filter(move |&k| k < 3 || joints[k - 3].is_none())
-    }
-
-    /// A state with the joints held where they are.
-    pub fn held(&self, mut state: State) -> State {
-        for (angle, held) in state[3..].iter_mut().zip(self.joints) {
-            *angle = held.unwrap_or(*angle);
-        }
-        state
-    }
-}
 
 /// A chain whose gaps are closed, or the best that an attempt came to.
 #[derive(Clone, Debug)]
@@ -128,6 +92,7 @@ pub(crate) struct OnePose<'a> {
     chain: &'a Chain,
     ground: &'a Terrain,
     level: Level,
+    /// By its distances from node (0, 0) of the map.
     pose: PlanPose,
     on_grid: PoseOnGrid,
     steering: &'a [f64],
@@ -139,6 +104,7 @@ impl<'a> OnePose<'a> {
     pub fn new(settler: &Settler<'a>, pose: PlanPose, steering: &'a [f64]) -> Self {
         let Settler { chain, ground, level, .. } = *settler;
         let on_grid = PoseOnGrid::new(ground, pose);
+        let pose = pose.relative_to(ground.origin());
         Self { chain, ground, level, pose, on_grid, steering, over: [1.0, 0.0] }
     }
 
@@ -147,12 +113,12 @@ impl<'a> OnePose<'a> {
         Self { over: [share, datum], ..self }
     }
 
-    /// The pose in the plane.
+    /// The pose in the plane, by its distances from node (0, 0) of the map.
     pub fn plan_pose(&self) -> PlanPose {
         self.pose
     }
 
-    /// The chain in the world. None where a differential does not reach.
+    /// The chain, by its distances from node (0, 0) of the map. None where a differential does not reach.
     pub fn place(&self, state: &State) -> Option<Placed<'a>> {
         self.chain.place(self.pose, state, self.steering)
     }

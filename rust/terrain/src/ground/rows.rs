@@ -13,8 +13,13 @@ const WORTH_A_THREAD: usize = 64;
 /// Nodes of a map for every pose up to which it is worth to know its highest places beforehand.
 const WORTH_A_PYRAMID: usize = 64;
 
-/// Settles every pose. Steering angles are one row for all poses or one per pose, none if all are 0. Fails, with
-/// nothing written, where a number is not finite.
+/// True for steering angles of a pose that does not stand, as the motion on the ground gives them: all are NaN.
+fn has_no_answer(steering: &[f64]) -> bool {
+    !steering.is_empty() && steering.iter().all(|angle| angle.is_nan())
+}
+
+/// Settles every pose. Steering angles are one row for all poses or one per pose, none if all are 0. A pose with a row of
+/// NaN has not converged. Fails, with nothing written, where another number is not finite.
 pub fn settle(
     settler: &Settler<'_>,
     poses: &[[f64; 3]],
@@ -26,8 +31,11 @@ pub fn settle(
     for (k, pose) in poses.iter().enumerate() {
         finite("poses", pose).map_err(|error| error.at_row(k))?;
     }
+    let one = steering.len() == joints;
     for (k, angles) in steering.chunks_exact(joints.max(1)).enumerate() {
-        let one = steering.len() == joints;
+        if has_no_answer(angles) && (!one || poses.len() == 1) {
+            continue;
+        }
         finite("steering", angles).map_err(|error| if one { error } else { error.at_row(k) })?;
     }
     let angles = |k: usize| {
@@ -56,14 +64,21 @@ pub(crate) fn settle_part<'a>(
 ) {
     let padded = |k: usize| {
         let mut padded = [0.0; MAX_WHEELS];
-        for (padded, angle) in padded.iter_mut().zip(angles(k)) {
-            *padded = *angle;
+        if !has_no_answer(angles(k)) {
+            for (padded, angle) in padded.iter_mut().zip(angles(k)) {
+                *padded = *angle;
+            }
         }
         padded
     };
     let steered = !poses.is_empty() && !angles(0).is_empty();
     for (k, near) in batch::settle(settler, poses, &padded, steered, stands) {
-        stands[k] = settler.settle_near(poses[k].into(), angles(k), near);
+        if !has_no_answer(angles(k)) {
+            stands[k] = settler.settle_near(poses[k].into(), angles(k), near);
+        }
+    }
+    for (_, stand) in stands.iter_mut().enumerate().filter(|(k, _)| has_no_answer(angles(*k))) {
+        *stand = Stand::nothing(Status::NotConverged);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Settling of one pose on the ground: what rounds of [`super::batch`] leave, with restarts, stops and the status of a failure.
 
-use super::newton::{ActiveSet, NewtonResult, OnePose};
+use super::active_set::ActiveSet;
+use super::newton::{NewtonResult, OnePose};
 use super::pivots::PivotOrder;
 use super::rims::contact::RimSegment;
 use super::settler::{Settler, Status};

@@ -8,6 +8,7 @@ use super::settler::Status;
 use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
 use crate::terrain::Terrain;
 use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::error::Error;
 
 /// A settled pose, without the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,6 +82,23 @@ impl Stand {
         }
     }
 
+    /// The settled pose of this code of a status, these stops, bits of wheels in the air, and [`Self::numbers`]. Fails if
+    /// there is no such status, or not as many numbers.
+    pub fn from_parts(status: u8, stops: [i8; MAX_FREE], hanging: u8, numbers: &[f64]) -> Result<Self, Error> {
+        let known = Status::ALL.into_iter().chain([Status::TipsOver]).find(|known| *known as u8 == status);
+        let status = known.ok_or_else(|| Error::value("status", "be a code of a status", status.to_string()))?;
+        let Ok(&numbers) = <&[f64; NUMBERS]>::try_from(numbers) else {
+            return Err(Error::value("numbers", format!("be {NUMBERS}"), numbers.len().to_string()));
+        };
+        let mut stand = Self { status, stops, hanging, ..Self::nothing(status) };
+        let (state, contacts) = numbers.split_at(MAX_STATE);
+        stand.state.copy_from_slice(state);
+        for (contact, &[gap, sin, cos, by_x, by_y, next]) in stand.wheels.iter_mut().zip(contacts.as_chunks().0) {
+            *contact = Contact { gap, at: Direction { sin, cos }, gradient: [by_x, by_y], next };
+        }
+        Ok(stand)
+    }
+
     /// The state, then of every wheel gap, sine and cosine of the contact angle, gradient and next angle.
     #[inline]
     pub fn numbers(&self) -> &[f64; NUMBERS] {
@@ -99,22 +117,28 @@ impl Stand {
         self.hanging >> wheel & 1 == 0
     }
 
-    /// The chain where it stands; None where it does not.
-    pub fn place<'a>(&self, chain: &'a Chain, pose: PlanPose, steering: &[f64]) -> Option<Placed<'a>> {
+    /// The chain where it stands, by its distances from node (0, 0) of the ground; None where it does not stand.
+    pub fn place<'a>(
+        &self,
+        chain: &'a Chain,
+        ground: &Terrain,
+        pose: PlanPose,
+        steering: &[f64],
+    ) -> Option<Placed<'a>> {
         if !self.status.stands() {
             return None;
         }
-        chain.place(pose, &self.state, steering)
+        chain.place(pose.relative_to(ground.origin()), &self.state, steering)
     }
 
-    /// Contact point of a wheel, on its rim [m].
+    /// Contact point of a wheel, on its rim, from where the chain's coordinates count [m].
     #[inline]
     pub fn point(&self, chain: &Chain, placed: &Placed<'_>, wheel: usize) -> Vector3<f64> {
         rim_point(chain, placed, wheel, self.wheels[wheel].at)
     }
 }
 
-/// A point of a wheel's rim in the world [m].
+/// A point of a wheel's rim, from where the chain's coordinates count [m].
 pub fn rim_point(chain: &Chain, placed: &Placed<'_>, wheel: usize, at: Direction) -> Vector3<f64> {
     let frame = placed.wheel(wheel);
     frame.centre + (frame.forward * at.sin - frame.up * at.cos) * chain.wheels()[wheel].radius

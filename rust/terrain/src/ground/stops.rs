@@ -9,8 +9,9 @@
 
 use nalgebra::Vector3;
 
+use super::active_set::ActiveSet;
 use super::linear_system::LinearSystem;
-use super::newton::{ActiveSet, NewtonResult, OnePose};
+use super::newton::{NewtonResult, OnePose};
 use super::settler::Settler;
 use super::stand::rim_point;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, State};
@@ -66,6 +67,11 @@ impl StopCandidate {
         self.holds() && self.load >= -ROUNDING
     }
 
+    /// Less than that of another one if the body is less tilted: minus the cosine of its tilt.
+    fn tilt(&self) -> f64 {
+        -(self.attempt.state[1].cos() * self.attempt.state[2].cos())
+    }
+
     fn is_better_than(&self, other: Option<&Self>) -> bool {
         let worth = |standing: &Self| (standing.stands(), standing.holds());
         other.is_none_or(|other| worth(self) > worth(other) || worth(self) == worth(other) && self.load > other.load)
@@ -89,33 +95,43 @@ impl Settler<'_> {
         stops
     }
 
-    /// Stands with as many joints at stops and wheels in the air as it takes, near a state.
+    /// Stands with as few joints at stops, and so as few wheels in the air, as it takes, near a state; among several such ways
+    /// with the least tilt.
     pub(crate) fn stand(&self, pose: &OnePose<'_>, near: &State, first: Stops) -> Option<StopCandidate> {
         let mut found: Option<StopCandidate> = None;
-        // A joint may be past its stop only for another one that is: some of them first. Elsewhere, and with wheels
-        // in the air that no stop lets hang, only where loads have to decide and do not like what was found.
-        for (starts, whose) in [
-            (parts(first), LiftedWheels::Lowered),
-            (self.all_stops(), LiftedWheels::Lowered),
-            (self.all_stops(), LiftedWheels::Any),
-        ] {
-            if found.as_ref().is_some_and(|found| !found.open) {
+        // Wheels in the air that no stop lets hang only where loads have to decide and do not like what was found.
+        for whose in [LiftedWheels::Lowered, LiftedWheels::Any] {
+            let is_open = |found: &Option<StopCandidate>| found.as_ref().is_none_or(|found| found.open);
+            if !is_open(&found) {
                 break;
             }
             let mut tried = Vec::with_capacity(27); // three to the power of three
-            let mut waiting = starts;
-            while let Some(stops) = waiting.pop() {
-                if tried.contains(&stops) {
-                    continue;
-                }
-                tried.push(stops);
-                let best = self.best_of(pose, near, stops, whose, &mut waiting);
-                let best = best.filter(|best| best.holds() && best.is_better_than(found.as_ref()));
-                if let Some(best) = best {
-                    if best.stands() {
-                        return Some(best);
+            let mut waiting = if whose == LiftedWheels::Lowered { parts(first) } else { self.all_stops() };
+            for number in 0..=MAX_FREE {
+                // A joint may be past its stop only for another one that is: some of them first, then others.
+                for elsewhere in [false, true] {
+                    if elsewhere && number > 0 && is_open(&found) {
+                        waiting.extend(self.all_stops());
                     }
-                    found = Some(best);
+                    let mut standing: Option<StopCandidate> = None;
+                    while let Some(stops) = waiting.iter().rposition(|stops| held(stops) == number) {
+                        let stops = waiting.remove(stops);
+                        if tried.contains(&stops) {
+                            continue;
+                        }
+                        tried.push(stops);
+                        let Some(best) = self.best_of(pose, near, stops, whose, &mut waiting) else { continue };
+                        if best.stands() {
+                            if standing.as_ref().is_none_or(|standing| best.tilt() < standing.tilt()) {
+                                standing = Some(best);
+                            }
+                        } else if best.holds() && best.is_better_than(found.as_ref()) {
+                            found = Some(best);
+                        }
+                    }
+                    if standing.is_some() {
+                        return standing;
+                    }
                 }
             }
         }
@@ -261,10 +277,10 @@ impl Settler<'_> {
         weight
     }
 
-    /// Every combination of stops there is, those with few last.
+    /// Every combination of stops there is.
     fn all_stops(&self) -> Vec<Stops> {
         let joints = self.chain.joints();
-        let mut all: Vec<Stops> = (0..27)
+        (0..27)
             .map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1])
             .filter(|stops| {
                 stops.iter().enumerate().all(|(k, &stop)| match joints.get(k) {
@@ -276,20 +292,16 @@ impl Settler<'_> {
                     },
                 })
             })
-            .collect();
-        all.sort_by_key(|stops| std::cmp::Reverse(held(stops)));
-        all
+            .collect()
     }
 }
 
-/// Stops and what is left of them without some, those with few last; without all of them only if there are none.
+/// Stops and what is left of them without some; without all of them only if there are none.
 fn parts(stops: Stops) -> Vec<Stops> {
-    let mut parts: Vec<Stops> = (0..1_u32 << MAX_FREE)
+    (0..1_u32 << MAX_FREE)
         .map(|kept| std::array::from_fn(|k| if kept >> k & 1 == 1 { stops[k] } else { 0 }))
         .filter(|part| held(part) > 0 || held(&stops) == 0)
-        .collect();
-    parts.sort_by_key(|part| std::cmp::Reverse(held(part)));
-    parts
+        .collect()
 }
 
 /// Number of joints at a stop.

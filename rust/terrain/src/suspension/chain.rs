@@ -104,6 +104,15 @@ pub struct PlanPose {
     pub yaw: f64,
 }
 
+impl PlanPose {
+    /// The same pose by its distances from a point [m]. Coordinates of maps may be so large that they leave a wheel's
+    /// place few digits.
+    #[inline]
+    pub fn relative_to(self, [x, y]: [f64; 2]) -> Self {
+        Self { x: self.x - x, y: self.y - y, ..self }
+    }
+}
+
 impl From<[f64; 3]> for PlanPose {
     fn from([x, y, yaw]: [f64; 3]) -> Self {
         Self { x, y, yaw }

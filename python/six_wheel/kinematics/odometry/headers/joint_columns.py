@@ -27,9 +27,9 @@ from six_wheel.kinematics.odometry.headers.rate_columns import rate_columns
 from six_wheel.kinematics.odometry.headers.time_columns import time_columns
 from six_wheel.kinematics.odometry.plausibility.proposals import columns
 
-Reading: TypeAlias = Literal["angle", "speed", "ticks"]
+Reading: TypeAlias = Literal["angles", "speeds", "ticks"]
 READINGS: tuple[Reading, ...] = get_args(Reading)
-_BEST_FIRST: tuple[Reading, ...] = ("angle", "ticks", "speed")
+_BEST_FIRST: tuple[Reading, ...] = ("angles", "ticks", "speeds")
 
 _TURN, _DEGREE = 2 * math.pi, math.pi / 180
 _ANGLES = (
@@ -48,8 +48,8 @@ _AT_RIM = (
     ),
 )
 _UNITS: Mapping[Reading, tuple[Unit, ...]] = {
-    "angle": (*_ANGLES, *_AT_RIM[0]),
-    "speed": (
+    "angles": (*_ANGLES, *_AT_RIM[0]),
+    "speeds": (
         unit("rad/s", 1.0, "rad_s radps rad_per_s rad_s_1 radians_per_second"),
         unit("deg/s", _DEGREE, "deg_s degps dps deg_per_s deg_s_1 degrees_per_second"),
         unit("rev/s", _TURN, "rev_s revps rps rev_per_s revolutions_per_second"),
@@ -59,8 +59,8 @@ _UNITS: Mapping[Reading, tuple[Unit, ...]] = {
     "ticks": (unit("ticks", 1.0, "ticks tick counts count pulses pulse cnt cts"),),
 }
 _WORDS: Mapping[Reading, tuple[str, ...]] = {
-    "angle": ("position", "pos", "angle"),
-    "speed": ("velocity", "vel", "speed", "rate"),
+    "angles": ("position", "pos", "angle"),
+    "speeds": ("velocity", "vel", "speed", "rate"),
     "ticks": ("encoder", "enc", "ticks", "tick", "counts", "count", "cnt", "cts", "pulses", "pulse"),
 }
 _SHORT = frozenset(("enc", "cnt", "cts", "pulse"))  # that messages do not recommend
@@ -106,7 +106,7 @@ class JointColumns:
     columns : dict
         ``"time"``, ``"steering NAME"`` and ``"wheel NAME"`` of the rover's wheels, those of the truth and of
         a gyroscope.
-    reading : {"angle", "speed", "ticks"}
+    readings : {"angles", "speeds", "ticks"}
         What the wheels' columns are.
     silent : tuple of str
         Wheels with a motor but without a column.
@@ -115,7 +115,7 @@ class JointColumns:
     """
 
     columns: dict[str, Column]
-    reading: Reading
+    readings: Reading
     silent: tuple[str, ...]
     reversed: frozenset[str] = frozenset()
 
@@ -123,7 +123,7 @@ class JointColumns:
 def joint_columns(
     headers: Sequence[str],
     rover: Rover,
-    reading: Reading | None = None,
+    readings: Reading | None = None,
     field_units: Mapping[int, str] | None = None,
     stamp_unit: str | None = None,
 ) -> JointColumns:
@@ -134,7 +134,7 @@ def joint_columns(
     headers : sequence of str
     rover : Rover
         Whose joints and wheels the headers name.
-    reading : {"angle", "speed", "ticks"}, optional
+    readings : {"angles", "speeds", "ticks"}, optional
         What a wheel's column is if its header does not say, and which to take if there are several.
     field_units : mapping, optional
         Column to unit, for headers that state none.
@@ -147,12 +147,12 @@ def joint_columns(
         If there is no time, no wheel, a steered wheel without its angle, two columns for one joint or wheels
         read in different ways.
     """
-    if reading is not None and reading not in READINGS:
-        raise ValueError(f'reading must be one of {", ".join(READINGS)}, got "{reading}"')
+    if readings is not None and readings not in READINGS:
+        raise ValueError(f'readings must be one of {", ".join(READINGS)}, got "{readings}"')
     found = time_columns(headers, field_units, stamp_unit)
     found |= truth_columns(headers) | rate_columns(headers, field_units)
     taken = {column.index for column in found.values()}
-    steering = _stems(rover.steered_names, rover.steering_joints, _STEERING_FORMS)
+    steering = _stems(rover.steered_wheel_names, rover.steering_joints, _STEERING_FORMS)
     wheels = _stems(rover.wheel_names, rover.traction_joints, _WHEEL_FORMS)
     backwards = {words(joint) for joint in rover.reversed_joints}
     turned: set[str] = set()
@@ -169,8 +169,8 @@ def joint_columns(
                 continue
             name, rest = f"{part} {named[0]}", named[1]
             turned |= {name} if named[2] in backwards else set()
-            meaning = _reading(rest, given, "angle" if part == "steering" else reading)
-            if meaning is None or (part == "steering" and meaning[0] == "speed"):
+            meaning = _reading(rest, given, "angles" if part == "steering" else readings)
+            if meaning is None or (part == "steering" and meaning[0] == "speeds"):
                 if meaning is None and (given or not rest):
                     doubts.setdefault(name, _doubt(header, text, rest, given, part))
                 break
@@ -179,7 +179,7 @@ def joint_columns(
                 rule = f'{name} must be in one column, got "{kinds[meaning[0]].header}" and "{header}"'
                 raise TableError(f"{rule}; rename or drop all but one")
             unit_of = _at_the_rim(meaning[1], rover, named[0]) if part == "wheel" else meaning[1]
-            stated = given is not None or rest not in _WORDS[meaning[0]] or meaning[0] == reading
+            stated = given is not None or rest not in _WORDS[meaning[0]] or meaning[0] == readings
             kinds[meaning[0]] = Column(index, header, unit_of, stated)
             break
     for name, doubt in doubts.items():
@@ -187,7 +187,7 @@ def joint_columns(
             raise TableError(doubt)
     _refuse_missing(by_reading, headers, rover)
     wheel_columns = {name: kinds for name, kinds in by_reading.items() if name.startswith("wheel ")}
-    choices = _BEST_FIRST if reading is None else (reading, *_BEST_FIRST)
+    choices = _BEST_FIRST if readings is None else (readings, *_BEST_FIRST)
     chosen = next((kind for kind in choices if all(kind in kinds for kinds in wheel_columns.values())), None)
     if chosen is None:
         shown = ", ".join(
@@ -195,9 +195,9 @@ def joint_columns(
             for kinds in wheel_columns.values()
             for kind, column in kinds.items()
         )
-        raise TableError(f"wheels must be read in one way, all as angle, speed or ticks, got {shown}")
+        raise TableError(f"wheels must be read in one way, all as angles, speeds or ticks, got {shown}")
     found |= {
-        name: kinds.get("angle") or kinds["ticks"]
+        name: kinds.get("angles") or kinds["ticks"]
         for name, kinds in by_reading.items()
         if name not in wheel_columns
     }
@@ -253,7 +253,7 @@ def _named(text: str, stems: Mapping[str, str]) -> tuple[str, str, str] | None:
 
 
 def _doubt(header: str, text: str, rest: str, given: str | None, part: str) -> str:
-    kinds: Sequence[Reading] = ("angle", "ticks") if part == "steering" else READINGS
+    kinds: Sequence[Reading] = ("angles", "ticks") if part == "steering" else READINGS
     units = {spelling for kind in kinds for each in _UNITS[kind] for spelling in each.spellings}
     if rest and given is not None and words(given) in units:
         said = ", ".join(sorted({word for kind in kinds for word in _WORDS[kind]} - _SHORT))

@@ -33,24 +33,25 @@ def array_checks(
     known, wheels = headers or {}, options.get("wheel_encoders")
     joints = options.get("steering_encoders")
     each = [_of(wheels, place, name) for place, name in enumerate(rover.wheel_names)]
-    steered = [_of(joints, place, name) for place, name in enumerate(rover.steered_names)]
+    steered = [_of(joints, place, name) for place, name in enumerate(rover.steered_wheel_names)]
     described = Readings(
         rover,
         kind=str(options.get("readings", "angles")),
         wheels=[Column(known.get(name, f"wheel_angles of {name}"), name) for name in rover.wheel_names],
         steering=[
-            Column(known.get(f"{name} steering", f"steering of {name}"), name) for name in rover.steered_names
+            Column(known.get(f"{name} steering", f"steering of {name}"), name)
+            for name in rover.steered_wheel_names
         ],
         time=known.get("stamp", "stamps"),
         named=headers is not None,
         clock_stated=clock_stated,
         wheels_stated=wheels is not None or units_stated,
         steering_stated=joints is not None or units_stated,
-        wraps=any(one.modulus is not None for one in each),
-        steering_wraps=any(one.modulus is not None for one in steered),
-        turn=each[0].resolution if each else None,
+        wraps=any(one.wraps_at is not None for one in each),
+        steering_wraps=any(one.wraps_at is not None for one in steered),
+        turn=each[0].ticks_per_turn if each else None,
         increments_stated="readings" in options,
-        scale=np.array([one.angle_per_count for one in each]),
+        scale=np.array([one.angle_per_tick for one in each]),
         max_speed=options.get("max_speed"),
         max_gap=options.get("max_gap"),
         first_row=0,
@@ -67,7 +68,7 @@ def check_arrays(checks: ReadingChecks, steering: Any, wheels: Any, stamps: Any)
         return
     if any(each is not None and each.dtype.kind not in "fiu" for each in (times, raw, angles)):
         return
-    steered = len(checks.readings.rover.steered_names)
+    steered = len(checks.readings.rover.steered_wheel_names)
     fits = angles is not None and angles.shape == (len(times), steered) and steered
     checks.take(times, raw, None, angles if fits else None)
     checks.finish()

@@ -261,7 +261,7 @@ class ReadingChecks:
             if before is not None:
                 whole = np.concatenate((before[place : place + 1], whole))
             turns = [self.readings.turn] if self.readings.turn else []
-            found = find_jumps(whole, turns, all_whole(samples))
+            found = find_jumps(whole, turns, all_whole(samples), steering)
             reset = not steering and self.readings.max_speed is None
             if found is not None and (reset or found.wraps_at is not None):
                 shift = 0 if before is None else 1
@@ -291,19 +291,20 @@ class ReadingChecks:
         numbers: NDArray[np.int64] | None,
     ) -> None:
         known = self.readings
+        scale = np.ones(1) if known.scale is None else known.scale
         if angles is None and (known.scale is None or known.wraps or known.kind == "increments"):
             return
         times = stamps[chosen]
         if angles is not None:
             turned = angles[chosen]
         elif known.kind == "speeds":
-            rates = raw[chosen] * known.scale
+            rates = raw[chosen] * scale
             periods = np.diff(times, prepend=times[0])[:, None]
             turned = np.cumsum(np.nan_to_num(rates * periods), axis=0)
             turned[:, np.isnan(rates).all(axis=0)] = np.nan
             turned += 0.0 if self._last is None else self._last[2]
         else:
-            turned = raw[chosen] * known.scale
+            turned = raw[chosen] * scale
         self._turned = turned[-1].copy()
         if self._last is not None and len(self._last[2]):
             times = np.concatenate(([self._last[0]], times))
@@ -343,11 +344,11 @@ class ReadingChecks:
         rest = f"{at_its_word().option} ({at_its_word().argument}) takes them as they are"
         if known.kind in ("ticks", "increments"):
             guess = "are there as many counts in a turn, and are its stamps seconds?"
-            return f"{what}: {guess} Give --resolution COUNTS, or {stamp_unit('ms')}; {rest}"
+            return f"{what}: {guess} Give --ticks-per-turn COUNTS, or {stamp_unit('ms')}; {rest}"
         proposal = degrees(known.wheels, known.kind == "speeds", known.named)
         more = "" if known.clock_stated else f", or {stamp_unit('ms').option}"
         guess = "degrees, or counts, or stamps in another unit?"
-        counts = f"--resolution COUNTS{more}"
+        counts = f"--ticks-per-turn COUNTS{more}"
         return f"{what}: {guess} Give {proposal}; for others {counts}; {rest}"
 
     def _check_gaps(self, stamps: Floats, rates: Floats, numbers: NDArray[np.int64] | None) -> None:

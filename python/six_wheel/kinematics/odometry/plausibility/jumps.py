@@ -49,7 +49,9 @@ def may_jump(samples: Floats, steps: Floats) -> bool:
     return len(moving) > LEAST and longest > APART * float(np.quantile(moving, 0.9))
 
 
-def find_jumps(column: Floats, turns: Sequence[float] = (), whole: bool = False) -> Jumps | None:
+def find_jumps(
+    column: Floats, turns: Sequence[float] = (), whole: bool = False, steering: bool = False
+) -> Jumps | None:
     """The jumps of a column (n,) of totals.
 
     Parameters
@@ -60,6 +62,8 @@ def find_jumps(column: Floats, turns: Sequence[float] = (), whole: bool = False)
         Counts of a turn, at which such a column may well start over.
     whole : bool
         Whether the readings are whole numbers.
+    steering : bool
+        Whether they are those of a joint, which may turn quickly to the other solution, half a turn away.
     """
     there = np.flatnonzero(np.isfinite(column))
     values = column[there]
@@ -71,8 +75,10 @@ def find_jumps(column: Floats, turns: Sequence[float] = (), whole: bool = False)
     found = np.flatnonzero(sizes > max(SHARE * span, 0.0))
     found = _lasting(steps, found)
     found = found[_calm(sizes, found)]
-    if len(found) and (wraps_at := _modulus(values, steps, found, span, turns, whole)) is not None:
-        return Jumps(there[found + 1], wraps_at, float(values[found[0]]), float(values[found[0] + 1]))
+    if len(found):
+        wraps_at, known = _wrap(values, steps, found, span, turns, whole)
+        if wraps_at is not None and (known or whole or not steering):
+            return Jumps(there[found + 1], wraps_at, float(values[found[0]]), float(values[found[0] + 1]))
     found = np.flatnonzero(sizes > APART * _around(sizes))
     found = _lasting(steps, found)
     found = found[_is_reset(values, found, whole)]
@@ -101,15 +107,16 @@ def _calm(sizes: Floats, found: NDArray[np.int64]) -> NDArray[np.bool_]:
     return np.full(len(found), calm)
 
 
-def _modulus(
+def _wrap(
     values: Floats,
     steps: Floats,
     found: NDArray[np.int64],
     span: float,
     turns: Sequence[float],
     whole: bool,
-) -> float | None:
-    """The number at which a column starts over, from its jumps; None if they have none in common."""
+) -> tuple[float | None, bool]:
+    """The number at which a column starts over, from its jumps, None if they have none in common; and whether
+    it is the range of a usual counter or a turn."""
     usual = np.delete(np.abs(steps), found)
     most = float(usual.max(initial=0.0))
     # What the wheel did meanwhile is taken from the steps on both sides.
@@ -123,18 +130,18 @@ def _modulus(
     guess, spread = float(np.median(sizes)), float(sizes.max() - sizes.min())
     room = most + (1.0 if whole else 1e-9 * guess)
     if spread > 2.0 * room or guess <= 2.0 * most:
-        return None
+        return None, False
     if onward:  # a bit that was read wrong, in a column that goes on beyond it
-        return next((each for each in POWERS if abs(each - guess) <= room), None)
+        return next((each for each in POWERS if abs(each - guess) <= room), None), True
     known = [*turns, *POWERS, *DECIMALS, *TURNS]
     lowest = span + (1.0 if whole else 0.0)
     fits = [each for each in known if abs(each - guess) <= room and each >= lowest * (1.0 - 1e-9)]
     fits += [each for each in (math.tau, 360.0, 1.0) if abs(each - guess) <= room and each >= span * 0.999]
     if fits:
-        return min(fits, key=lambda each: abs(each - guess))
+        return min(fits, key=lambda each: abs(each - guess)), True
     if len(found) < 2:
-        return None
-    return float(round(max(guess, lowest))) if whole else guess
+        return None, False
+    return (float(round(max(guess, lowest))) if whole else guess), False
 
 
 def _around(sizes: Floats) -> Floats:

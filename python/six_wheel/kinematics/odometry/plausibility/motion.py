@@ -82,7 +82,7 @@ def _of_body(
         wheel = int(np.nanargmax(rims[row]))
         return row, wheel, f"gains or loses {gained[row - 1] / 9.81:.3g} g at the rim"
     try:
-        turned = None if steering is None else steering[there]
+        turned = np.zeros((int(there.sum()), 0)) if steering is None else steering[there]
         twists = np.asarray(rover.forward(turned, np.nan_to_num(rates[there])))
     except ValueError:
         return None
@@ -91,13 +91,15 @@ def _of_body(
     whirling[1:] &= whirling[:-1]
     whirling[0] = False
     pulled = np.abs(twists[:, 2]) * np.hypot(twists[:, 0], twists[:, 1])
-    for found, what in (
-        (pulled > HARDEST_TURN, lambda k: f"makes the rover turn with {pulled[k] / 9.81:.3g} g"),
-        (whirling, lambda k: f"makes the rover turn at {abs(twists[k, 2]):.3g} rad/s"),
+    for found, figures, unit in (
+        (pulled > HARDEST_TURN, pulled / 9.81, "with {:.3g} g"),
+        (whirling, np.abs(twists[:, 2]), "at {:.3g} rad/s"),
     ):
         if found.any():
-            row = int(rows[np.argmax(found)])
-            return row, int(np.nanargmax(rims[row])), what(int(np.argmax(found)))
+            first = int(np.argmax(found))
+            row = int(rows[first])
+            what = f"makes the rover turn {unit.format(figures[first])}"
+            return row, int(np.nanargmax(rims[row])), what
     return None
 
 
@@ -140,5 +142,5 @@ def check_steering(rover: Rover, steering: Floats, joints: Sequence[Column], row
 
 def _range(wheel: Wheel) -> float:
     """The largest angle at which a joint may be measured [rad]."""
-    most = max(map(abs, wheel.steering_range))
+    most = max(map(abs, wheel.steering_range or (math.inf,)))
     return max(1.5 * most, most + PLAY)

@@ -60,21 +60,19 @@ def encoders(
     steering: bool = False,
 ) -> Proposal:
     """What a counter counts and where it starts over; COUNTS is what only the owner knows."""
-    name = "steering_encoders" if steering else "encoders"
-    argument = "steering_encoders" if steering else "wheel_encoders"
+    name = "steering_encoders" if steering else "wheel_encoders"
     given: dict[str, str] = {}
     if wraps_at is not None:
-        given["modulus"] = number(wraps_at)
+        given["wraps_at"] = number(wraps_at)
     if counts or turn is not None:
-        given["resolution"] = "COUNTS" if turn is None else number(turn)
+        given["ticks_per_turn"] = "COUNTS" if turn is None else number(turn)
     keys = [f"{key}: {value}" for key, value in given.items()]
-    options = [f"--{key} {value}" for key, value in given.items()]
-    python = [f"{argument}=Encoder({', '.join(f'{key}={value}' for key, value in given.items())})"] * bool(
-        given
-    )
+    options = [f"--{key.replace('_', '-')} {value}" for key, value in given.items()]
+    arguments = ", ".join(f"{key}={value}" for key, value in given.items())
+    python = [f"{name}=Encoder({arguments})"] if given else []
     if increments:
-        keys.append("per_sample: true")
-        options.append("--per-sample")
+        keys.append("increments: true")
+        options.append("--increments")
         python.append('readings="increments"')
     key = f"{name}: {{{', '.join(keys)}}}"
     return Proposal(key, "" if steering else " ".join(options), ", ".join(python))

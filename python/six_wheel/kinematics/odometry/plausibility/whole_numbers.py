@@ -73,7 +73,7 @@ def check_increments_as_totals(readings: Floats, column: Column, row: int) -> No
     if flips > FLIPS and span >= LEVELS and way > 3.0 * span and float(np.median(np.abs(moves))) < span:
         what = f'"{column.header}" goes to and fro between {there.min():.0f} and {there.max():.0f}'
         proposal = encoders(increments=True)
-        rest = "they are totals with per_sample: false"
+        rest = "they are totals with increments: false"
         raise ImplausibleReadingError(
             f"{what} from row {row} on, as counts of each row would: give {proposal}; {rest}"
         )

@@ -29,7 +29,7 @@ def mecanum(values: Values) -> Rover:
     total = values[_SUM] * values.get("wheel_separation_multiplier", 1.0)
     ahead = values.get("half_wheelbase", total / 2)
     radius = values["kinematics.wheels_radius"] * abs(values.get("wheel_radius_multiplier", 1.0))
-    at_middle = Rover.mecanum(ahead, total - ahead, radius)
+    at_middle = Rover.mecanum(2 * ahead, 2 * (total - ahead), radius)
     x, y, theta = (values.get(key, 0.0) for key in _OFFSET)
     if x == y == theta == 0.0:
         return at_middle

@@ -21,7 +21,7 @@ def stated_joints(values: Values, rover: Rover) -> list[JointList]:
     """Lists of joints that the file or its robot states as wheel to joint."""
     lists = []
     for key, steers in (("traction_joints", False), ("steering_joints", True)):
-        wheels = rover.steered_names if steers else tuple(w.name for w in rover.wheels if w.driven)
+        wheels = rover.steered_wheel_names if steers else tuple(w.name for w in rover.wheels if w.driven)
         if key in values:
             others = tuple(name for name in rover.wheel_names if name not in wheels)
             lists.append(JointList(key, wheels, others, steers=steers))

@@ -181,7 +181,7 @@ def right_before_left(values: Values, rover: Rover) -> list[JointList]:
     """Lists that the controller reads by position."""
     names = rover.wheel_names
     driven = tuple(wheel.name for wheel in rover.wheels if wheel.driven)[::-1]
-    steered = rover.steered_names[::-1]
+    steered = rover.steered_wheel_names[::-1]
     lists = []
     kinds = ((DRIVES, driven, "has no motor", False), (STEERS, steered, "does not steer", True))
     for keys, wheels, lack, steers in kinds:
@@ -193,7 +193,7 @@ def right_before_left(values: Values, rover: Rover) -> list[JointList]:
 
 
 def steered_wheel(values: Values, rover: Rover) -> list[JointList]:
-    steered = rover.steered_names
+    steered = rover.steered_wheel_names
     others = tuple(name for name in rover.wheel_names if name not in steered)
     return [
         JointList("traction_joint_name", steered, others, "has no motor"),

@@ -4,18 +4,18 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use six_wheel_odometry::preintegrated::space::Motion3;
-use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, PLANE, Replayed};
+use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, PLANE, PreintegratedMotion};
 
 use super::{BIAS, Core, Matrix, NAMES, Named, Preintegrated, SLIPS};
 use crate::convert::{OrRaise, Rows, Scalars, compute, numbers, raise, refuse};
 
 impl Preintegrated {
     pub(super) fn with(&self, core: Core, py: Python<'_>) -> Self {
-        Self { core, rover: self.rover.clone_ref(py), replayed: None }
+        Self { core, rover: self.rover.clone_ref(py), given: self.given.clone_ref(py), replayed: None }
     }
 
     pub(super) fn in_space(&self) -> bool {
-        self.core.rules().in_space
+        self.core.options().in_space
     }
 
     /// Rows of a tangent that count.
@@ -23,7 +23,7 @@ impl Preintegrated {
         if self.in_space() { &[0, 1, 2, 3, 4, 5] } else { &PLANE }
     }
 
-    pub(super) fn replayed(&mut self, py: Python<'_>) -> PyResult<&Replayed> {
+    pub(super) fn replayed(&mut self, py: Python<'_>) -> PyResult<&PreintegratedMotion> {
         if self.replayed.is_none() {
             let core = &self.core;
             let replayed = compute(py, core.len(), || core.replay()).map_err(|e| raise(e, &[]))?;

@@ -24,11 +24,11 @@ pub struct Odometry3State {
     slip: [[f64; 2]; MAX_WHEELS],
     wheels: usize,
     health: u32,
-    arm: Py<Suspension>,
+    suspension: Py<Suspension>,
 }
 
 impl Odometry3State {
-    pub fn of(odometry: &Odometry3, arm: Py<Suspension>) -> Self {
+    pub fn of(odometry: &Odometry3, suspension: Py<Suspension>) -> Self {
         let slips = odometry.slip();
         let mut slip = [[0.0; 2]; MAX_WHEELS];
         slip[..slips.len()].copy_from_slice(slips);
@@ -41,11 +41,11 @@ impl Odometry3State {
             slip,
             wheels: slips.len(),
             health: odometry.health().0,
-            arm,
+            suspension,
         }
     }
 
-    fn residuals(&self) -> Vec<f64> {
+    fn sliding_speeds(&self) -> Vec<f64> {
         let slips = self.slip[..self.wheels].iter();
         slips.map(|[along, aside]| sliding(*along, *aside)).collect()
     }
@@ -76,9 +76,9 @@ getters! { Odometry3State, self, py:
     /// step, and after a pose was set.
     twist_covariance: PyResult<Matrix<'py>> = matrix(py, self.twist_covariance.as_flattened(), 6);
     /// Speed at which each wheel's contact slid over the last step, shape (wheels,) [m/s]; NaN in the air.
-    residual: Vector<'py> = PyArray1::from_vec(py, self.residuals());
+    residuals: Vector<'py> = PyArray1::from_vec(py, self.sliding_speeds());
     /// The same along the rim, forwards, and to the left, shape (wheels, 2) [m/s].
-    slip: PyResult<Matrix<'py>> = matrix(py, self.slip[..self.wheels].as_flattened(), 2);
+    slips: PyResult<Matrix<'py>> = matrix(py, self.slip[..self.wheels].as_flattened(), 2);
     /// Flags of the sample, an `OdometryHealth`.
     health: PyResult<Bound<'py, PyAny>> = py.import("six_wheel.kinematics.odometry")?.getattr("OdometryHealth")?.call1((self.health,));
     /// ``world_from_body`` as a quaternion x, y, z, w, shape (4,).
@@ -88,9 +88,27 @@ getters! { Odometry3State, self, py:
     };
     /// Name of the wheel that disagrees most; None if none does.
     worst_wheel: Option<Bound<'py, PyString>> = {
-        let worst = worst_wheel(&self.residuals())?;
-        Some(PyString::new(py, &self.arm.get().chain.wheels()[worst].name))
+        let worst = worst_wheel(&self.sliding_speeds())?;
+        Some(PyString::new(py, &self.suspension.get().chain.wheels()[worst].name))
     };
+}
+
+pickled_by_fields! { Odometry3State, this, py:
+    (
+        stamp: Option<f64> = this.stamp,
+        poses: [[f64; 6]; 2] = [this.pose.numbers(), this.twist],
+        covariances: [[[f64; 6]; 6]; 2] = [this.covariance, this.twist_covariance],
+        slips: Vec<[f64; 2]> = this.slip[..this.wheels].to_vec(),
+        health: u32 = this.health,
+        suspension: Py<Suspension> = &this.suspension,
+    )
+    {
+        let mut slip = [[0.0; 2]; MAX_WHEELS];
+        let wheels = slips.len().min(MAX_WHEELS);
+        slip[..wheels].copy_from_slice(&slips[..wheels]);
+        let ([pose, twist], [covariance, twist_covariance]) = (poses, covariances);
+        Self { stamp, pose: pose.into(), twist, covariance, twist_covariance, slip, wheels, health, suspension }
+    }
 }
 
 #[pymethods]
@@ -103,6 +121,6 @@ impl Odometry3State {
             .map(|k| format!("{}={:.4} ± {} m", names[k], numbers[k], deviation(k)))
             .chain((3..6).map(|k| format!("{}={:.4} rad", names[k], numbers[k])))
             .collect();
-        format!("Odometry3State({})", places.join(", "))
+        crate::classes::cut(format!("Odometry3State({})", places.join(", ")))
     }
 }

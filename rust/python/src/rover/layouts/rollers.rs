@@ -15,8 +15,8 @@ methods! { Rover:
     ///
     /// Parameters
     /// ----------
-    /// half_wheelbase, half_track : float
-    ///     Middle to axle, and to wheel [m].
+    /// wheelbase, track_width : float
+    ///     Front to rear axle, and left to right wheel [m]: whole lengths, where other libraries take halves.
     /// wheel_radius : float
     ///     Hub to ground [m].
     /// roller_angle : float
@@ -32,13 +32,13 @@ methods! { Rover:
     /// ValueError
     ///     If a length is not finite and positive, or the rollers leave nothing to drive.
     #[staticmethod]
-    fn mecanum[py: Python<'py>](half_wheelbase: f64, half_track: f64, wheel_radius: f64, *,
-        roller_angle: Option<f64> = None, scrub=None, trail=None, names: native Option<Vec<String>> = None)
-    as "(half_wheelbase, half_track, wheel_radius, *, roller_angle=0.7853981633974483, scrub=0.0, trail=0.0, names=None)"
+    fn mecanum[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *,
+        roller_angle: Option<f64> = None, scrub=None, trail=None, names: native Option<Vec<String>> = None, **)
+    as "(wheelbase, track_width, wheel_radius, *, roller_angle=0.7853981633974483, scrub=0.0, trail=0.0, names=None)"
     -> PyResult<Self> {
         let angle = roller_angle.unwrap_or(std::f64::consts::FRAC_PI_4);
         let given = PerWheel { scrub, trail, names, ..PerWheel::default() };
-        given.fit(py, Core::mecanum(half_wheelbase, half_track, wheel_radius, angle))
+        given.fit(py, Core::mecanum(wheelbase, track_width, wheel_radius, angle))
     }
 
     /// Omni wheels, any number of them and any way round.
@@ -65,7 +65,7 @@ methods! { Rover:
     ///     If a value is not finite, the radius not positive, or the rollers leave nothing to drive.
     #[staticmethod]
     fn omni[py: Python<'py>](positions, headings, wheel_radius: f64, *, roller_angle: Option<f64> = None,
-        names: native Option<Vec<String>> = None, scrub=None, trail=None)
+        names: native Option<Vec<String>> = None, scrub=None, trail=None, **)
     as "(positions, headings, wheel_radius, *, roller_angle=1.5707963267948966, names=None, scrub=0.0, trail=0.0)"
     -> PyResult<Self> {
         let positions = super::positions(positions)?;

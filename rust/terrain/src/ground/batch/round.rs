@@ -1,15 +1,15 @@
 //! A round of Newton's method for as many poses as there are lanes.
 
-use super::newton::CLOSED_GAP;
 use super::pivots::solve;
 use super::poses::{DONE, LEFT, LOOK, PoseBatch, ROUNDS, SettleRange, SolveState, column, gather, scatter};
-use super::rims::circles::{FAR, RIMS, spread};
-use super::rims::contact::booleans;
-use super::rims::extent::{Extent, MARGIN};
-use super::rims::interval::TIE;
 use super::scan::{RimScan, StateLanes, UPPER, WheelSearch};
-use super::settler::Status;
-use super::stand::{Contact, Stand};
+use crate::ground::active_set::CLOSED_GAP;
+use crate::ground::rims::circles::{FAR, RIMS, spread};
+use crate::ground::rims::contact::booleans;
+use crate::ground::rims::extent::{Extent, MARGIN};
+use crate::ground::rims::interval::TIE;
+use crate::ground::settler::Status;
+use crate::ground::stand::{Contact, Stand};
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS};
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};

@@ -1,6 +1,6 @@
 //! Newton's step for the gaps of a chain, a pose in every lane.
 
-use super::newton::ActiveSet;
+use crate::ground::active_set::ActiveSet;
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
@@ -29,7 +29,7 @@ impl PivotOrder {
     /// Equations of the wheels of a chain that touch, for the angles that are free.
     pub fn new(chain: &Chain, hold: &ActiveSet) -> Self {
         let wheels = chain.wheels().len();
-        let touching = (1_u32 << wheels) - 1 & !hold.hanging;
+        let touching = ((1_u32 << wheels) - 1) & !hold.hanging;
         let moved = |wheel: usize, k: usize| chain.movers(wheel).iter().any(|(_, joint)| 3 + joint == k);
         let bits =
             |k: usize| (0..wheels).filter(|&wheel| k < 3 || moved(wheel, k)).fold(0, |bits, wheel| bits | 1 << wheel);

@@ -6,8 +6,8 @@
 use pulp::Scalar;
 
 use super::pivots::{PivotOrder, Rows};
-use super::rims::circles::{FAR, RIMS, RimLanes, WheelCircle, spread};
-use super::rims::extent::Extent;
+use crate::ground::rims::circles::{FAR, RIMS, RimLanes, WheelCircle, spread};
+use crate::ground::rims::extent::Extent;
 use crate::suspension::kinematics::{ChainAngles, LinkPoses, WheelPose};
 use crate::suspension::lanes::{Turned, Vectors, sum};
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS};
@@ -120,9 +120,9 @@ impl<W: Vector> WheelSearch<Scalar> for AllWheels<W> {
         let mut scan = RimScan::empty(simd, poses.reaches);
         let circles = here.circles(simd, site, &poses, per_metre);
         let mut last = [[0.0; RIMS]; 2];
-        for wheel in 0..RIMS {
-            for k in 0..2 {
-                last[k][wheel] = here.contacts[wheel.min(MAX_WHEELS - 1)][k].last(simd);
+        for (k, last) in last.iter_mut().enumerate() {
+            for (wheel, last) in last.iter_mut().enumerate() {
+                *last = here.contacts[wheel.min(MAX_WHEELS - 1)][k].last(simd);
             }
         }
         let half_width = extent.half_width(wide, Lanes::splat(wide, reach.last(simd)));
@@ -137,16 +137,15 @@ impl<W: Vector> WheelSearch<Scalar> for AllWheels<W> {
             let numbers = [found.gap, found.at[0], found.at[1], found.slope[0], found.slope[1], clear];
             for k in 0..6 {
                 let lanes = spread(numbers[k]);
-                for lane in 0..W::F64_LANES.min(RIMS - first) {
-                    gaps[k][first + lane] = lanes[lane];
-                }
+                let width = W::F64_LANES.min(RIMS - first);
+                gaps[k][first..first + width].copy_from_slice(&lanes[..width]);
             }
             first += W::F64_LANES;
         }
         for wheel in 0..count {
             let mut of_wheel = [Lanes::splat(simd, 0.0); 6];
-            for k in 0..6 {
-                of_wheel[k] = Lanes::splat(simd, gaps[k][wheel]);
+            for (lanes, gaps) in of_wheel.iter_mut().zip(&gaps) {
+                *lanes = Lanes::splat(simd, gaps[wheel]);
             }
             let [gap, sin, cos, along, across, clear] = of_wheel;
             let found = WheelGap { gap, at: [sin, cos], slope: [along, across], clear };
@@ -242,12 +241,13 @@ impl StateLanes<Scalar> {
         per_metre: [Lanes<Scalar>; 2],
     ) -> [WheelCircle; RIMS] {
         let mut circles = [WheelCircle { centre: [0.0; 3], forward: [0.0; 3], up: [0.0; 3] }; RIMS];
-        for wheel in 0..site.chain.wheels().len().min(MAX_WHEELS) {
+        let wheels = site.chain.wheels().len().min(MAX_WHEELS);
+        for (wheel, circle) in circles[..wheels].iter_mut().enumerate() {
             let rims = self.rims(simd, site, wheel, &poses.wheel(simd, wheel), per_metre);
             for k in 0..3 {
-                circles[wheel].centre[k] = rims.centre[k].last(simd);
-                circles[wheel].forward[k] = rims.forward[k].last(simd);
-                circles[wheel].up[k] = rims.up[k].last(simd);
+                circle.centre[k] = rims.centre[k].last(simd);
+                circle.forward[k] = rims.forward[k].last(simd);
+                circle.up[k] = rims.up[k].last(simd);
             }
         }
         for wheel in site.chain.wheels().len()..RIMS {

@@ -1,11 +1,11 @@
 //! Numbers of the poses that are settled together, and the way from and to registers.
 
 use super::pivots::PivotOrder;
-use super::rims::circles::{FAR, RIMS, spread};
-use super::rims::extent::Extent;
 use super::scan::{Site, StateLanes};
-use super::settler::Settler;
-use super::stand::Stand;
+use crate::ground::rims::circles::{FAR, RIMS, spread};
+use crate::ground::rims::extent::Extent;
+use crate::ground::settler::Settler;
+use crate::ground::stand::Stand;
 use crate::suspension::{MAX_STATE, MAX_WHEELS, PlanPose, State};
 use crate::terrain::Terrain;
 use six_wheel_kinematics::wheels::Direction;
@@ -123,19 +123,19 @@ pub(super) fn scatter<S: Vector, const N: usize>(column: &mut [f64; N], rows: &[
 
 /// A pose in the axes of the grid.
 #[derive(Clone, Copy)]
-pub(super) struct PoseOnGrid {
+pub(crate) struct PoseOnGrid {
     /// From node (0, 0) [m].
     pub origin: [f64; 2],
     pub heading: Direction,
 }
 
 impl PoseOnGrid {
-    pub fn new(ground: &Terrain, PlanPose { x, y, yaw }: PlanPose) -> Self {
-        let [x0, y0] = ground.origin();
+    pub fn new(ground: &Terrain, pose: PlanPose) -> Self {
+        let PlanPose { x, y, yaw } = pose.relative_to(ground.origin());
         let turn = ground.turn();
         let (sin, cos) = yaw.sin_cos();
         let heading = Direction { sin: sin * turn.cos - cos * turn.sin, cos: cos * turn.cos + sin * turn.sin };
-        Self { origin: ground.grid_axes([x - x0, y - y0]), heading }
+        Self { origin: ground.grid_axes([x, y]), heading }
     }
 }
 

@@ -1,0 +1,106 @@
+"""`six-wheel view`: a rover or a record in the browser."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import typer
+
+from six_wheel.cli.shared import Reading
+
+Three = tuple[float, float, float]
+
+
+class Scene(NamedTuple):
+    """Options of what is shown at first."""
+
+    ground: Annotated[
+        str | None,
+        typer.Option(
+            metavar="MAP|yard|flat",
+            help="What a suspension stands on: a map, rocks by seed (the default), or a plane.",
+        ),
+    ] = None
+    rover: Annotated[
+        str | None, typer.Option(metavar="ROVER", help="Whose record it is, where it does not say so itself.")
+    ] = None
+    at: Annotated[
+        Three | None,
+        typer.Option(metavar="X Y YAW", help="First pose [m, m, rad]. Default: the middle of the map."),
+    ] = None
+    twist: Annotated[
+        Three | None,
+        typer.Option(metavar="VX VY OMEGA", help="First motion [m/s, m/s, rad/s]. Default: a left turn."),
+    ] = None
+    steering_limit: Annotated[
+        float | None, typer.Option(metavar="DEG", help="Largest steering angle at first [degrees].")
+    ] = None
+    time: Annotated[
+        float | None, typer.Option(metavar="S", help="Time in a record at first, since its first row [s].")
+    ] = None
+
+
+class Page(NamedTuple):
+    """Options of the page."""
+
+    port: Annotated[int, typer.Option(help="Port on this machine; 0 takes a free one.")] = 0
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Only print the address.")] = False
+    export: Annotated[
+        Path | None,
+        typer.Option(metavar="PAGE.html", help="Write the page, which then needs no server, and end."),
+    ] = None
+    theme: Annotated[str, typer.Option(metavar="dark|light", help="Of the page.")] = "dark"
+
+
+def view(
+    what: Annotated[
+        str,
+        typer.Argument(
+            metavar="[WHAT]",
+            help="Name of a preset; parameter file, URDF or xacro file; record: .mcap, .csv, .parquet, "
+            "folder of a bag.",
+        ),
+    ] = "perseverance",
+    *,
+    scene: Scene,
+    page: Page,
+    reading: Reading,
+) -> None:
+    import math
+
+    from six_wheel.view.opening import browse
+    from six_wheel.view.server import free_port, require
+
+    require()
+    free_port(page.port)
+    from six_wheel.view.subject import find_subject
+
+    subject = find_subject(
+        what,
+        scene.ground,
+        rover=scene.rover,
+        at=scene.at,
+        node=reading.node,
+        kind=reading.kind,
+        wheel_radius=reading.wheel_radius,
+    )
+    from six_wheel.view.viewing import View
+
+    limit = None if scene.steering_limit is None else math.radians(scene.steering_limit)
+    shown = View(subject, twist=scene.twist, steering_limit=limit, port=page.port, theme=page.theme)
+    with shown:
+        if scene.time is not None:
+            shown.time = scene.time
+        if page.export is not None:
+            print(shown.save(page.export).resolve())
+            return
+        try:
+            print(f"{shown.url}  (Ctrl-C ends)", flush=True)
+            if not page.no_browser:
+                browse(shown.url)
+            shown.wait()
+        except KeyboardInterrupt:
+            shown.close()
+            sys.stdout.flush()
+            os._exit(0)  # threads of a server with a browser on it would be waited for

@@ -1,0 +1,68 @@
+"""Options for what a map leaves open, the same for every command that reads one."""
+
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import typer
+
+if TYPE_CHECKING:
+    from six_wheel.maps.files import Options
+
+
+class MapReading(NamedTuple):
+    """Answers to what a map leaves open: see `Terrain.read`."""
+
+    band: Annotated[
+        str | None, typer.Option(metavar="BAND", help="Number or name of the map's band of heights.")
+    ] = None
+    nodata: Annotated[
+        float | None,
+        typer.Option(help="Number that stands for an unknown height; nan if every number is a height."),
+    ] = None
+    unit: Annotated[
+        str | None,
+        typer.Option(metavar="UNIT", help="Of the heights: m, cm, mm, km, ft, us-ft, in, or its length [m]."),
+    ] = None
+    north_up: Annotated[
+        bool | None,
+        typer.Option(
+            "--north-up/--south-up", help="First row of a map without a place; default as its form has it."
+        ),
+    ] = None
+    spacing: Annotated[
+        str | None,
+        typer.Option(metavar="D or DX,DY", help="Between heights of a map without a place [m]."),
+    ] = None
+    origin: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y", help="South-western cell's middle of a map without a place [m]."),
+    ] = None
+
+    def options(self) -> "Options":
+        """The same as those of `Terrain.read`."""
+        from six_wheel.maps.files import Options
+
+        origin = None if self.origin is None else _numbers("--origin", self.origin, (2,))
+        spacing = None if self.spacing is None else _numbers("--spacing", self.spacing, (1, 2))
+        return Options(
+            band=self.band,
+            nodata=self.nodata,
+            unit=self.unit,
+            north_up=self.north_up,
+            spacing=spacing if spacing is None or len(spacing) == 2 else spacing[0],
+            origin=origin,  # type: ignore[arg-type]
+        )
+
+    def given(self) -> dict[str, Any]:
+        """Those that are given, by name."""
+        return {name: value for name, value in self.options()._asdict().items() if value is not None}
+
+
+def _numbers(name: str, text: str, counts: tuple[int, ...]) -> tuple[float, ...]:
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) not in counts:
+        rule = "be two numbers, x,y" if counts == (2,) else "be one number or two, dx,dy"
+        raise ValueError(f'{name} must {rule}, got "{text}"')
+    return numbers

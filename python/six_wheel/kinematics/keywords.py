@@ -1,0 +1,108 @@
+"""Messages for keywords and names that are not there, with the nearest one and all there are."""
+
+import difflib
+import inspect
+import re
+from collections.abc import Callable, Iterable
+from functools import wraps
+from typing import Any, TypeVar
+
+__all__ = ["checked", "did_you_mean", "unknown_keyword"]
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+# What a keyword of others, or of old, is here; the first that the call has counts.
+NAMES = {
+    "arm": ("suspension",),
+    "center": ("centre",),
+    "d1": ("track_width",),
+    "d2": ("middle_to_rear",),
+    "d3": ("front_to_middle",),
+    "d4": ("middle_track_width",),
+    "encoder": ("wheel_encoders",),
+    "gear": ("gear_ratio",),
+    "half_track": ("track_width",),
+    "half_wheelbase": ("wheelbase",),
+    "hinges": ("pivots",),
+    "modulus": ("wraps_at",),
+    "orientation": ("yaw",),
+    "reading": ("readings",),
+    "resolution": ("ticks_per_turn", "spacing"),
+    "speeds": ("wheel_speeds",),
+}
+# What means the same by another number.
+SENTENCES = {
+    "bits": ("wraps_at", "bits=16 is wraps_at=65536"),
+    "cell_size": ("spacing", "cell_size is spacing"),
+    "d1": ("track_width", "d1 is half of track_width"),
+    "d4": ("middle_track_width", "d4 is half of middle_track_width"),
+    "half_track": ("track_width", "half_track is half of track_width"),
+    "half_wheelbase": ("wheelbase", "half_wheelbase is half of wheelbase"),
+    "frequency": ("period", "give period = 1 / frequency"),
+    "rate": ("period", "give period = 1 / rate"),
+}
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """`; did you mean ...?` with the nearest known name, or nothing where none is near."""
+    names = list(known)
+    meant = [new for new in NAMES.get(name, ()) if new in names] or difflib.get_close_matches(name, names, 1)
+    return f"; did you mean {meant[0]}?" if meant else ""
+
+
+def unknown_keyword(call: str, name: str, signature: str | Iterable[str]) -> str:
+    """The message for a keyword that a call does not have.
+
+    Parameters
+    ----------
+    call : str
+        As it is called, without parentheses.
+    name : str
+        The keyword that was given.
+    signature : str or iterable of str
+        The parameters of the call as `inspect.signature` shows them, or their names.
+    """
+    if isinstance(signature, str):
+        found = re.findall(r"[(,]\s*(\w+)\s*(?=[=,)])", re.sub(r"\([^()]*\)(?!$)", "0", signature))
+        names = [each for each in found if not each.isdigit()]
+    else:
+        names = list(signature)
+    needed, sentence = SENTENCES.get(name, ("", ""))
+    hint = f": {sentence}." if needed in names else did_you_mean(name, names) or ";"
+    hint = hint if hint.endswith((".", "?", ";")) else f"{hint}."
+    return f"{call}() has no {name}{hint} {'It' if hint[-1] != ';' else 'it'} takes {', '.join(names)}"
+
+
+def checked(*others: Callable[..., Any], call: str = "") -> Callable[[_F], _F]:
+    """Decorator of a public function: a keyword that it does not have is refused with the nearest one.
+
+    Parameters
+    ----------
+    others : callables
+        Those that its ``**options`` go to: their keywords are its own.
+    call : str, optional
+        Its public name, default that of the function.
+    """
+
+    def decorate(function: _F) -> _F:
+        name = call or function.__name__
+        together: list[Callable[..., Any]] = [function, *others]
+        signatures = [inspect.signature(each) for each in together]
+        named = {
+            parameter.name
+            for signature in signatures
+            for parameter in signature.parameters.values()
+            if parameter.kind in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY)
+        }
+        shown = [each for signature in signatures for each in signature.parameters if each in named]
+
+        @wraps(function)
+        def call_checked(*arguments: Any, **keywords: Any) -> Any:
+            if not keywords.keys() <= named:
+                wrong = next(each for each in keywords if each not in named)
+                raise TypeError(unknown_keyword(name, wrong, dict.fromkeys(shown)))
+            return function(*arguments, **keywords)
+
+        return call_checked  # type: ignore[return-value]
+
+    return decorate

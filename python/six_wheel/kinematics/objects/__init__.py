@@ -1,0 +1,1 @@
+"""What all objects share: short text, tables of their columns."""

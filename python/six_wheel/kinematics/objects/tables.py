@@ -1,0 +1,170 @@
+"""Columns of results over time: as arrays, pandas and Arrow tables, and CSV files."""
+
+from __future__ import annotations  # NumPy is not loaded for its names
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from six_wheel.kinematics.errors import as_path
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from six_wheel._core import Rover
+
+__all__ = ["Columns", "Tabular", "covariance_columns", "pose_columns", "rows_of", "times_of", "twist_columns"]
+
+Columns: TypeAlias = "dict[str, tuple[str, NDArray[Any]]]"
+"""Unit and values, shape (n,), by name."""
+TWIST = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
+UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+
+
+class Tabular:
+    """A result with one row per sample, which is a table as well.
+
+    Methods take the keywords of its columns: ``rover=`` of a `WheelLog`, for columns by the names of joints.
+    """
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:
+
+        def _columns(self, *args: Any, **names: Any) -> Columns: ...
+
+    def to_arrays(self, **names: Any) -> dict[str, NDArray[Any]]:
+        """The columns by name, arrays of shape (n,), in the units of `to_arrow`."""
+        return {name: values for name, (_, values) in self._columns(**names).items()}
+
+    def to_pandas(self, **names: Any) -> Any:
+        """The columns as a `pandas.DataFrame`.
+
+        Raises
+        ------
+        ModuleNotFoundError
+            If pandas is not installed; the message has the install line.
+        """
+        pandas = _needed("pandas", "pandas")
+        return pandas.DataFrame(self.to_arrays(**names))
+
+    def to_arrow(self, **names: Any) -> Any:
+        """The columns as a `pyarrow.Table`, each with its ``unit`` in the metadata of its field.
+
+        Raises
+        ------
+        ModuleNotFoundError
+            If pyarrow is not installed; the message has the install line.
+        """
+        arrow = _needed("pyarrow", "six-wheel[cli]")
+        columns = self._columns(**names)
+        fields = [
+            arrow.field(name, arrow.from_numpy_dtype(values.dtype), metadata={"unit": unit} if unit else None)
+            for name, (unit, values) in columns.items()
+        ]
+        return arrow.table(
+            [arrow.array(values) for _, values in columns.values()], schema=arrow.schema(fields)
+        )
+
+    def to_csv(self, path: str | os.PathLike[str], **names: Any) -> None:
+        """Write the columns to a CSV file with all their digits.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        import csv
+
+        columns = self.to_arrays(**names)
+        with as_path("path", path).open("w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(columns)
+            writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+
+
+def pose_columns(
+    stamps: NDArray[Any],
+    poses: NDArray[Any],
+    names: Mapping[str, str] = {"x": "m", "y": "m", "yaw": "rad"},
+) -> Columns:
+    """Time and poses."""
+    times: Columns = {"time": ("s", stamps)}
+    return times | {name: (unit, poses[:, k]) for k, (name, unit) in enumerate(names.items())}
+
+
+def twist_columns(twists: NDArray[Any]) -> Columns:
+    """Twists in the plane."""
+    return {name: (unit, twists[:, k]) for k, (name, unit) in enumerate(TWIST.items())}
+
+
+def covariance_columns(covariances: NDArray[Any]) -> Columns:
+    """The upper half of covariances of x, y and yaw."""
+    names = ("x", "y", "yaw")
+    columns: Columns = {}
+    for i, k in UPPER:
+        unit = {0: "m^2", 1: "m rad", 2: "rad^2"}[(i == 2) + (k == 2)]
+        columns[f"covariance_{names[i]}_{names[k]}"] = (unit, covariances[:, i, k])
+    return columns
+
+
+def joint_columns(rover: Rover | None, kind: str, readings: NDArray[Any], unit: str) -> Columns:
+    """Readings of wheels or steering joints by the names of the joints, or by number without a rover."""
+    columns = range(readings.shape[1])
+    if rover is None:
+        return {f"{kind}_{k}": (unit, readings[:, k]) for k in columns}
+    wheels = rover.wheel_names if kind == "wheel" else rover.steered_wheel_names
+    joints = rover.traction_joints if kind == "wheel" else rover.steering_joints
+    by_wheel = {wheel: joint for joint, wheel in joints.items()}
+    return {by_wheel.get(wheels[k], wheels[k]): (unit, readings[:, k]) for k in columns}
+
+
+def covariances_of(frame: Any, count: int) -> NDArray[np.float64] | None:
+    """Covariances of x, y and yaw, shape (count, 3, 3), from columns of their upper half; None without."""
+    import numpy as np
+
+    if "covariance_x_x" not in headers_of(frame):
+        return None
+    names = ("x", "y", "yaw")
+    upper = rows_of(frame, tuple(f"covariance_{names[i]}_{names[k]}" for i, k in UPPER))
+    covariances = np.zeros((count, 3, 3))
+    for (i, k), column in zip(UPPER, upper.T, strict=True):
+        covariances[:, i, k] = covariances[:, k, i] = column
+    return covariances
+
+
+def headers_of(frame: Any) -> list[str]:
+    """Names of the columns of a frame, or of a mapping of columns."""
+    return list(map(str, getattr(frame, "columns", frame)))
+
+
+def rows_of(frame: Any, names: tuple[str, ...]) -> NDArray[np.float64]:
+    """Columns of a frame side by side; ValueError names those that are missing."""
+    import numpy as np
+
+    headers = headers_of(frame)
+    if missing := [name for name in names if name not in headers]:
+        raise ValueError(f"frame must have the columns {', '.join(missing)}, got {', '.join(headers)}")
+    return np.stack([np.asarray(frame[name], dtype=float) for name in names], axis=-1)
+
+
+def times_of(frame: Any) -> NDArray[np.float64]:
+    """The times of a frame [s], from a column ``time`` or ``stamp``."""
+    headers = headers_of(frame)
+    name = next((name for name in ("time", "stamp", "stamps", "t") if name in headers), None)
+    if name is None:
+        raise ValueError(f"frame must have a column time or stamp [s], got {', '.join(headers)}")
+    times: NDArray[np.float64] = rows_of(frame, (name,))[:, 0]
+    return times
+
+
+def _needed(module: str, package: str) -> Any:
+    """A module that is imported when a method needs it."""
+    from importlib import import_module
+
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as error:
+        message = f'this table needs {module}: pip install "{package}"'
+        raise ModuleNotFoundError(message, name=error.name) from None

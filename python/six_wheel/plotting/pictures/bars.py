@@ -1,0 +1,179 @@
+"""Bars: derivatives of a twist, margins and intervals of a pose."""
+
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from six_wheel.plotting.drawing import (
+    AXLE,
+    FORBIDDEN,
+    INK,
+    MOTION,
+    SERIES,
+    SOFT,
+    new_figure,
+    number,
+    tidy,
+    write_title,
+)
+
+__all__ = ["bounds_bars", "feasible_bars", "jacobian_bars", "named_bars", "slip_bars", "stability_bars"]
+
+WIDTH = 7.2  # [in]
+QUANTITIES = (
+    "wheel_speeds", "steering", "steering_rates", "slip", "side_slip", "x", "y", "heading", "radius", "scrub",
+    "trail", "roller_angle",
+)  # fmt: skip
+
+
+def jacobian_bars(found: Any, *, title: str | None) -> Figure:
+    """A `TwistJacobian`: derivatives of the twist by quantity and wheel; of a batch their mean size."""
+    known = [
+        name for name in QUANTITIES if getattr(found, name) is not None and np.size(getattr(found, name))
+    ]
+    columns = 3
+    rows = -(-len(known) // columns)
+    figure = new_figure(WIDTH, 0.8 + 1.6 * rows)
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axes, name in zip(panels, known, strict=False):
+        table = np.asarray(getattr(found, name), dtype=float)
+        table = table if table.ndim == 2 else np.abs(table.reshape(-1, *table.shape[-2:])).mean(axis=0)
+        places = np.arange(table.shape[1])
+        for k, (part, row) in enumerate(zip(("vx", "vy", "omega"), table, strict=True)):
+            axes.bar(places + 0.27 * (k - 1), row, 0.25, color=SERIES[k], label=part)
+        axes.set_xticks(places, [str(place + 1) for place in places])
+        tidy(axes, "", "")
+        axes.set_title(f"by {name.replace('_', ' ')}", loc="left", fontsize=9, color=INK)
+    for axes in panels[len(known) :]:
+        axes.set_visible(False)
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=3, frameon=False, fontsize=9
+    )
+    figure.suptitle(
+        title or "derivatives of the twist by the quantities of each wheel",
+        x=0.01,
+        ha="left",
+        fontsize=10,
+        color=INK,
+    )
+    return figure
+
+
+def named_bars(
+    values: Mapping[str, float], *, title: str | None, below: str, bad: frozenset[str] = frozenset()
+) -> Figure:
+    """A row for each name with its number at the bar; those that are bad in another colour, hatched."""
+    figure = new_figure(WIDTH, 1.2 + 0.36 * len(values))
+    axes = figure.add_subplot()
+    for place, (name, value) in enumerate(values.items()):
+        shown = value if np.isfinite(value) else 0.0
+        colour, hatch = (FORBIDDEN, "///") if name in bad else (MOTION, "")
+        axes.barh(place, shown, color=colour, hatch=hatch, edgecolor="white", height=0.55)
+        shown_as = number(value, ".3g") if np.isfinite(value) else str(value)
+        axes.annotate(f" {shown_as} ", (max(shown, 0.0), place), color=INK, fontsize=9, va="center")
+    axes.set_yticks(range(len(values)), list(values))
+    axes.invert_yaxis()
+    axes.axvline(0.0, color=SOFT, linewidth=0.8)
+    axes.margins(x=0.15)
+    tidy(axes, "", "")
+    axes.tick_params(axis="y", labelsize=9, labelcolor=INK)
+    write_title(axes, title, below)
+    return figure
+
+
+def stability_bars(found: Any, *, title: str | None) -> Figure:
+    """A `Stability`: loads of the wheels and margins; of several poses the least of each."""
+    loads = np.asarray(found.loads, dtype=float)
+    loads = loads.reshape(-1, loads.shape[-1]).min(axis=0)
+    values = {f"load of wheel {k + 1} [N]": float(load) for k, load in enumerate(loads)}
+    for name, unit in (("tip_over_angle", "rad"), ("clearance", "m"), ("tilt", "rad")):
+        values[f"{name.replace('_', ' ')} [{unit}]"] = float(np.min(getattr(found, name)))
+    joints = (
+        np.asarray(found.joint_margins, dtype=float)
+        .reshape(-1, np.shape(found.joint_margins)[-1])
+        .min(axis=0)
+    )
+    values |= {f"joint {k + 1} to its stop [rad]": float(margin) for k, margin in enumerate(joints)}
+    figure = new_figure(WIDTH, 1.6 + 0.36 * len(loads))
+    weights, margins = figure.subplots(1, 2)
+    for axes, part, words in (
+        (weights, {name: value for name, value in values.items() if "load" in name}, "vertical load [N]"),
+        (margins, {name: value for name, value in values.items() if "load" not in name}, "margin"),
+    ):
+        names = [name.removeprefix("load of ").removesuffix(" [N]") for name in part]
+        heights = [value if np.isfinite(value) else 0.0 for value in part.values()]
+        colours = [FORBIDDEN if value < 0.0 else AXLE for value in part.values()]
+        axes.barh(range(len(part)), heights, color=colours, height=0.55)
+        for place, value in enumerate(part.values()):
+            axes.annotate(
+                f" {value:.3g}", (max(heights[place], 0.0), place), va="center", fontsize=8, color=INK
+            )
+        axes.set_yticks(range(len(part)), names)
+        axes.invert_yaxis()
+        axes.margins(x=0.2)
+        tidy(axes, words, "")
+    write_title(weights, title, "least over the poses; negative ones in red" if loads.size else "")
+    return figure
+
+
+def bounds_bars(found: Any, *, title: str | None) -> Figure:
+    """`PoseBounds`: the interval of every quantity; of several poses their hull."""
+    names = {
+        "z": "m",
+        "roll": "rad",
+        "pitch": "rad",
+        "tilt": "rad",
+        "clearance": "m",
+        "rocker": "rad",
+        "wheel_drop": "m",
+    }
+    figure = new_figure(WIDTH, 3.6)
+    axes = figure.add_subplot()
+    for place, (name, unit) in enumerate(names.items()):
+        ends = np.asarray(getattr(found, name), dtype=float).reshape(-1, 2)
+        low, high = np.nanmin(ends[:, 0], initial=np.inf), np.nanmax(ends[:, 1], initial=-np.inf)
+        if not low <= high:
+            continue
+        axes.plot([low, high], [place, place], color=AXLE, linewidth=7, solid_capstyle="butt")
+        words = f"{low:.3g} to {high:.3g} {unit}"
+        axes.annotate(
+            words, (high, place), (6, 0), textcoords="offset points", va="center", fontsize=9, color=INK
+        )
+    axes.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
+    axes.invert_yaxis()
+    axes.axvline(0.0, color=SOFT, linewidth=0.8)
+    axes.margins(x=0.3)
+    tidy(axes, "interval [m or rad]", "")
+    status = np.unique(np.asarray(found.status).astype(str))
+    write_title(axes, title, f"bounds of a pose: {', '.join(status)}")
+    return figure
+
+
+def feasible_bars(found: Any, *, title: str | None) -> Figure:
+    """A `Feasibility`: margins of a pose and the reason; of several poses how many have each reason."""
+    if np.ndim(found.ok):
+        reasons, counts = np.unique(np.asarray(found.reason).astype(str), return_counts=True)
+        values = {str(reason): float(count) for reason, count in zip(reasons, counts, strict=True)}
+        return named_bars(values, title=title, below="poses by reason", bad=frozenset(values) - {"ok"})
+    values = {
+        "least margin": float(found.margin),
+        "tilt [rad]": float(found.tilt),
+        "clearance [m]": float(found.clearance),
+    }
+    words = "the rover may stand here" if found.ok else f"the rover may not stand here: {found.reason}"
+    return named_bars(
+        values, title=title, below=words, bad=frozenset() if found.ok else frozenset({"least margin"})
+    )
+
+
+def slip_bars(found: Any, *, title: str | None) -> Figure:
+    """A `BodySlip`: the slip by component, and its statistic against the threshold."""
+    values = {f"slip, component {k + 1}": float(part) for k, part in enumerate(found.slip)}
+    values |= {"chi-squared statistic": found.statistic, "threshold": found.threshold}
+    bad = frozenset({"chi-squared statistic"}) if found.slipping else frozenset()
+    words = "the rover slips" if found.slipping else "no more than noise"
+    return named_bars(values, title=title, below=f"{words}, probability {found.probability:.2g}", bad=bad)

@@ -1,0 +1,155 @@
+"""Maps from above: ground, costs, plans and rollouts."""
+
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LightSource, LinearSegmentedColormap
+from matplotlib.figure import Figure
+
+from six_wheel._core import Costmap, Terrain
+from six_wheel.plotting.drawing import CENTRE, INK, MOTION, SOFT, TRACK, new_figure, tidy, write_title
+from six_wheel.plotting.planning import draw_costmap
+
+__all__ = [
+    "costmap_figure",
+    "draw_ground",
+    "plan_path_figure",
+    "planner_figure",
+    "rollouts_figure",
+    "terrain_figure",
+]
+
+NODES = 400  # of a drawn map along its longer side
+ROLLOUTS = 300  # that are drawn
+SUN = LightSource(azdeg=315, altdeg=40)
+
+
+def draw_ground(axes: Axes, ground: Terrain) -> None:
+    """Relief with contour lines; what is not known stays white."""
+    heights = np.asarray(ground.heights, dtype=float)
+    step = max(1, -(-max(heights.shape) // NODES))
+    heights = heights[::step, ::step]
+    rows, columns = heights.shape
+    (dx, dy), (x0, y0) = np.multiply(ground.spacing, step), ground.origin
+    filled = np.nan_to_num(heights, nan=float(np.nanmin(heights)))
+    bright = SUN.hillshade(filled, vert_exag=2.0, dx=dx, dy=dy)
+    colours = LinearSegmentedColormap.from_list("ground", [INK, TRACK, "#ffffff"])
+    cos, sin = np.cos(ground.yaw), np.sin(ground.yaw)
+    along, up = np.meshgrid(np.arange(columns) * dx, np.arange(rows) * dy)
+    x, y = x0 + cos * along - sin * up, y0 + sin * along + cos * up
+    shown = np.where(np.isfinite(heights), bright, np.nan)
+    axes.pcolormesh(
+        x, y, shown, cmap=colours, vmin=-0.4, vmax=1.2, shading="nearest", rasterized=True, zorder=0
+    )
+    if np.nanmax(heights) > np.nanmin(heights):
+        lines = axes.contour(x, y, heights, levels=8, colors=INK, linewidths=0.6, alpha=0.6, zorder=0.5)
+        axes.clabel(lines, fontsize=7, fmt="%.2g")
+    axes.set_aspect("equal")
+
+
+def terrain_figure(ground: Terrain, *, title: str | None) -> Figure:
+    """A `Terrain`: relief with contour lines [m]."""
+    figure = new_figure(7.2, 6.0)
+    axes = figure.add_subplot()
+    draw_ground(axes, ground)
+    tidy(axes, "x [m]", "y [m]")
+    heights = np.asarray(ground.heights)
+    rows, columns = heights.shape
+    words = f"{rows} x {columns} nodes, heights {np.nanmin(heights):.3g} to {np.nanmax(heights):.3g} m"
+    write_title(axes, title, words)
+    return figure
+
+
+def costmap_figure(costmap: Costmap, *, title: str | None) -> Figure:
+    """A `Costmap`: costs in grey, what is lethal dark and hatched."""
+    figure = new_figure(7.2, 6.0)
+    axes = figure.add_subplot()
+    _draw_costs(axes, costmap)
+    figure.colorbar(axes.images[0], ax=axes, label="cost", shrink=0.8)
+    values = costmap.values
+    frame = "" if costmap.frame is None else f" in frame {costmap.frame}"
+    write_title(axes, title, f"{values.shape[0]} x {values.shape[1]} cells{frame}; lethal ones hatched")
+    return figure
+
+
+def _draw_costs(axes: Axes, costmap: Costmap) -> None:
+    draw_costmap(axes, costmap)
+    values, lethal = np.asarray(costmap.values, dtype=float), costmap.lethal
+    if lethal is not None and (values >= lethal).any():
+        (dx, dy), (x, y) = costmap.spacing, costmap.origin
+        places = x + dx * np.arange(values.shape[1]), y + dy * np.arange(values.shape[0])
+        axes.contourf(
+            *places, values >= lethal, levels=[0.5, 1.5], colors="none", hatches=["xxx"], zorder=0.6
+        )
+    tidy(axes, "x [m]", "y [m]")
+
+
+def plan_path_figure(plan: Any, *, title: str | None) -> Figure:
+    """An `MppiPlan`: the poses it leads to, and their motion."""
+    figure = new_figure(7.2, 5.0)
+    axes = figure.add_subplot()
+    _draw_poses(axes, np.asarray(plan.poses))
+    axes.set_aspect("equal", adjustable="datalim")
+    tidy(axes, "x [m]", "y [m]")
+    vx, vy, omega = plan.twist
+    words = f"now vx {vx:.3g} m/s, vy {vy:.3g} m/s, omega {omega:.3g} rad/s; cost {plan.cost:.3g}"
+    write_title(axes, title, f"{words}\n{plan.reason}" if plan.reason else words)
+    return figure
+
+
+def _draw_poses(axes: Axes, poses: Any, colour: str = MOTION) -> None:
+    """A path of poses, with a stroke along the heading at some."""
+    axes.plot(*poses[:, :2].T, color=colour, linewidth=2.2, zorder=5)
+    some = poses[np.linspace(0, len(poses) - 1, 8).astype(int)]
+    axes.quiver(
+        *some[:, :2].T, np.cos(some[:, 2]), np.sin(some[:, 2]), color=INK, width=0.004, scale=25, zorder=6
+    )
+    axes.plot(*poses[0, :2], "o", color="white", markeredgecolor=INK, markersize=7, zorder=7)
+
+
+def _draw_rollouts(axes: Axes, figure: Figure, paths: Any, costs: Any, words: str) -> None:
+    """Paths (k, t, 2 or 3) coloured by a number, the smallest on top."""
+    order = np.argsort(-np.asarray(costs))
+    order = order[np.linspace(0, len(order) - 1, min(len(order), ROLLOUTS)).astype(int)]
+    lines = LineCollection(list(paths[order][..., :2]), cmap="cividis", linewidths=0.9, alpha=0.8, zorder=3)
+    lines.set_array(np.asarray(costs)[order])
+    axes.add_collection(lines)
+    axes.autoscale_view()
+    figure.colorbar(lines, ax=axes, label=words, shrink=0.8)
+
+
+def planner_figure(planner: Any, *, title: str | None) -> Figure:
+    """An `Mppi`: the rollouts of its last cycle by their cost, from where it was then, and its plan."""
+    from six_wheel._core import rollout
+
+    figure = new_figure(7.2, 5.4)
+    axes = figure.add_subplot()
+    if len(planner.costs):
+        _draw_rollouts(
+            axes, figure, np.asarray(rollout(planner.wishes, planner.dt)), planner.costs, "cost of a rollout"
+        )
+    _draw_poses(axes, np.asarray(rollout(planner.state["controls"][None], planner.dt))[0])
+    axes.set_aspect("equal", adjustable="datalim")
+    tidy(axes, "ahead of the rover [m]", "to its left [m]")
+    write_title(
+        axes, title, f"wishes of {planner.samples} rollouts of {planner.horizon} steps; green: the plan"
+    )
+    return figure
+
+
+def rollouts_figure(found: Any, *, title: str | None) -> Figure:
+    """A `RolloutCost`: its paths, by the largest speed of a wheel."""
+    poses = np.asarray(found.poses).reshape(-1, *np.shape(found.poses)[-2:])
+    speeds = np.asarray(found.wheel_speed).ravel()
+    figure = new_figure(7.2, 5.0)
+    axes = figure.add_subplot()
+    _draw_rollouts(axes, figure, poses, speeds, "largest wheel speed [rad/s]")
+    axes.set_aspect("equal", adjustable="datalim")
+    tidy(axes, "x [m]", "y [m]")
+    write_title(axes, title, f"{len(poses)} rollouts")
+    axes.plot(*poses[0, 0, :2], "o", color=CENTRE, markeredgecolor=SOFT, zorder=6)
+    return figure

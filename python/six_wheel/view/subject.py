@@ -1,0 +1,263 @@
+"""The thing to be shown: a rover with its limits, the ground below it, a record of it."""
+
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
+import os
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Limits, RockerBogie, Rover, Suspension, Terrain
+from six_wheel.kinematics.errors import ArgumentTypeError
+
+if TYPE_CHECKING:
+    from six_wheel.robot_description.urdf import Robot
+    from six_wheel.view.records.record import Record
+
+__all__ = ["Subject", "find_ground", "find_subject", "named_rover", "triple"]
+
+Floats = NDArray[np.float64]
+WHEEL_SPEED = 1.0  # [rad/s] of a wheel where nothing limits it: rovers are slow
+DESCRIPTIONS = (".urdf", ".xacro")
+PARAMETERS = (".yaml", ".yml", ".json")
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A rover, its suspension if it has one, its limits, and a record of it if there is one.
+
+    Attributes
+    ----------
+    rover : Rover
+        On level ground, in the neutral position of its suspension.
+    suspension : RockerBogie or None
+    name : str
+    limits : Limits
+    ground : Terrain or None
+        None is a plane.
+    record : Record or None
+    robot : Robot or None
+        With the meshes of its description.
+    given : str or None
+        What a command line or a script calls it; None for an object made in a program.
+    ground_given : str or None
+        The same of the ground.
+    start : tuple of float
+        First pose [m, m, rad].
+    """
+
+    rover: Rover
+    suspension: RockerBogie | None = None
+    name: str = "rover"
+    limits: Limits = Limits()  # noqa: RUF009 - immutable
+    ground: Terrain | None = None
+    record: Record | None = None
+    robot: Robot | None = None
+    given: str | None = None
+    ground_given: str | None = None
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def radius(self) -> float:
+        """Of the largest wheel [m]: what is drawn is as large as it says."""
+        return max(wheel.radius for wheel in self.rover.wheels)
+
+    @property
+    def size(self) -> float:
+        """Largest extent of the wheels seen from above [m]."""
+        places = np.array([[wheel.x, wheel.y] for wheel in self.rover.wheels])
+        return float(max(*np.ptp(places, axis=0), 4.0 * self.radius))
+
+    @cached_property
+    def origin(self) -> Floats:
+        """Of what is drawn, in the world (3,) [m]: the browser has single precision, maps long numbers."""
+        x, y, _ = self.start
+        height = 0.0 if self.ground is None else float(self.ground.height_at((x, y)))
+        return np.array([x, y, height if np.isfinite(height) else 0.0])
+
+    @property
+    def wheel_speed(self) -> float:
+        """The limit of the wheels, or a likely one [rad/s]."""
+        limit = self.limits.wheel_speed
+        return limit if np.isfinite(limit) else WHEEL_SPEED
+
+    @property
+    def steering_limit(self) -> float | None:
+        """Largest angle that the limits and the joints allow [rad]; None without steered wheels."""
+        ranges = [wheel.steering_range for wheel in self.rover.wheels if wheel.steering_range is not None]
+        if not ranges:
+            return None
+        widest = max(max(abs(low), abs(high)) for low, high in ranges)
+        return float(min(widest, self.limits.steering_limit, np.pi))  # half a turn is any direction
+
+    @property
+    def top_speed(self) -> float:
+        """Half the range of the sliders for speeds [m/s]."""
+        limit = self.limits.speed
+        return 1.5 * (limit if np.isfinite(limit) else self.wheel_speed * self.radius)
+
+    @property
+    def top_yaw_rate(self) -> float:
+        """Half the range of the slider for yaw rates [rad/s]."""
+        limit = self.limits.yaw_rate
+        return 1.5 * limit if np.isfinite(limit) else 2.0 * self.top_speed / self.size
+
+
+def find_subject(
+    what: Any,
+    ground: Any = None,
+    *,
+    rover: Any = None,
+    at: Any = None,
+    node: str | None = None,
+    kind: str | None = None,
+    wheel_radius: float | None = None,
+) -> Subject:
+    """The subject that an argument means; `rover` says whose a record is where it does not say so itself.
+
+    Raises
+    ------
+    ValueError
+        If it is a file or a name that cannot be used: one line.
+    TypeError
+        If it is nothing that can be shown.
+    """
+    reading: dict[str, Any] = {"node": node, "kind": kind, "wheel_radius": wheel_radius}
+    from six_wheel.view.records.reading import find_record, is_record
+
+    if is_record(what):
+        owner = None if rover is None else named_rover(rover, **reading)
+        record = find_record(what, None if owner is None else owner.rover)
+        limits = record.limits if owner is None else owner.limits
+        suspension = record.suspension or (
+            known_suspension(record.rover) if owner is None else owner.suspension
+        )
+        given = os.fspath(what) if isinstance(what, str | os.PathLike) else None
+        found = Subject(record.rover, suspension, record.name, limits, record.ground, record, given=given)
+    else:
+        found = named_rover(what, **reading)
+    if ground is None and found.ground is None and found.suspension is not None and found.record is None:
+        ground = "yard"
+    if ground is not None:
+        if found.suspension is None and not (isinstance(ground, str) and ground == "flat"):
+            raise ValueError(
+                f"ground must be left out for a rover without a suspension, got {_shown(ground)}"
+            )
+        made = find_ground(ground, found.size)
+        given = ground if isinstance(ground, str) else None
+        found = replace(found, ground=made, ground_given=given)
+    start = found.start
+    if (given_start := triple("at", at)) is not None:
+        start = given_start
+    elif found.record is not None:
+        start = tuple(np.nan_to_num(found.record.poses[0]).tolist())
+    elif found.ground is not None:
+        start = _middle(found.ground)
+    return replace(found, start=(float(start[0]), float(start[1]), float(start[2])))
+
+
+def find_ground(ground: Any, size: float) -> Terrain | None:
+    """A map, what `Terrain.read` takes, ``"yard"`` (rocks, as large as the rover needs) or ``"flat"``."""
+    if isinstance(ground, Terrain):
+        return ground
+    if ground == "flat":
+        return None
+    if ground == "yard":
+        extent = 17.0 * size
+        # Rocks of a yard are as large as on Mars: the yard of a smaller rover is that of a large one, scaled.
+        scale = size / 2.3
+        yard = Terrain.yard(extent / scale, 0.1, 0.09, 3, roughness=0.25)
+        return Terrain(np.asarray(yard.heights, dtype=np.float64) * scale, 0.1 * scale)
+    return Terrain.read(ground)
+
+
+def named_rover(
+    what: Any, *, node: str | None = None, kind: str | None = None, wheel_radius: float | None = None
+) -> Subject:
+    """The subject of a rover, a suspension, a preset's name or a file with a rover."""
+    if isinstance(what, RockerBogie):
+        return Subject(what.planar(0.0, (0.0, 0.0)), what)
+    if isinstance(what, Rover):
+        return Subject(what, known_suspension(what))
+    if isinstance(what, Suspension):
+        raise ArgumentTypeError(f"x must be a RockerBogie to be shown on its links, got {what!r}")
+    if not isinstance(what, str | os.PathLike):
+        raise ArgumentTypeError(
+            f"x must be a Rover, a RockerBogie, a preset, a Track, a WheelLog, a drive or a path, "
+            f"got {type(what).__name__}"
+        )
+    path, given = Path(what), os.fspath(what)
+    if path.suffix.lower() in DESCRIPTIONS:
+        from six_wheel.robot_description.urdf import read_urdf
+
+        robot = read_urdf(path, wheel_radius=wheel_radius)
+        name = path.name.partition(".")[0]
+        return Subject(robot.rover, robot.rover.suspension, name, robot.limits, robot=robot, given=given)
+    if wheel_radius is not None:
+        raise ValueError(f"--wheel-radius is for a URDF or xacro file, got {given}")
+    if path.is_file() or path.suffix:
+        if path.suffix.lower() not in PARAMETERS:
+            raise ValueError(
+                f"{given}: the ending must be .yaml, .json, .urdf, .xacro, .mcap, .csv or .parquet"
+                if path.exists()
+                else f"{given}: no such file"
+            )
+        from six_wheel.robot_description.parameters.file import read_parameters
+
+        parameters = read_parameters(path, node=node, kind=kind)
+        rover = parameters.rover
+        return Subject(rover, rover.suspension, path.stem, parameters.limits, given=given)
+    presets = list(Rover.presets())
+    if given not in presets:
+        close = get_close_matches(given, presets, 1)
+        hint = f'did you mean "{close[0]}"? ' if close else ""
+        raise ValueError(f'x must be a file or a preset, got "{given}"; {hint}there are {", ".join(presets)}')
+    suspension = preset_suspension(given)
+    rover = Rover.preset(given) if suspension is None else suspension.planar(0.0, (0.0, 0.0))
+    return Subject(rover, suspension, given, given=given)
+
+
+def preset_suspension(name: str) -> RockerBogie | None:
+    """The rocker-bogie of a preset, if it has one."""
+    return RockerBogie.preset(name) if name in RockerBogie.presets() else None
+
+
+def known_suspension(rover: Rover) -> RockerBogie | None:
+    """The suspension of a rover, or of the preset that it is."""
+    if rover.suspension is not None:
+        return rover.suspension
+    for name in Rover.presets():
+        if Rover.preset(name).wheels == rover.wheels:
+            return preset_suspension(name)
+    return None
+
+
+def triple(name: str, values: Any) -> tuple[float, float, float] | None:
+    """Three finite numbers."""
+    if values is None:
+        return None
+    try:
+        found = tuple(float(value) for value in values)
+    except (TypeError, ValueError):
+        raise ArgumentTypeError(f"{name} must be three numbers, got {values!r}") from None
+    if len(found) != 3 or not np.isfinite(found).all():
+        raise ValueError(f"{name} must be three finite numbers, got {values!r}")
+    return found[0], found[1], found[2]
+
+
+def _middle(ground: Terrain) -> tuple[float, float, float]:
+    """The middle of a map."""
+    rows, columns = ground.shape
+    along, up = (columns - 1) * ground.spacing[0] / 2.0, (rows - 1) * ground.spacing[1] / 2.0
+    c, s = np.cos(ground.yaw), np.sin(ground.yaw)
+    x, y = ground.origin
+    return float(x + c * along - s * up), float(y + s * along + c * up), 0.0
+
+
+def _shown(ground: Any) -> str:
+    return ground if isinstance(ground, str) else type(ground).__name__

@@ -1,0 +1,16 @@
+//! Samples of a motion, as they were taken in.
+
+/// Samples between two instants, first one included.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Samples {
+    /// [s]
+    pub stamps: Vec<f64>,
+    /// Readings of the steering joints, row after row.
+    pub steering: Vec<f64>,
+    /// Readings of the wheels, row after row.
+    pub wheels: Vec<f64>,
+    /// Yaw rates without the bias [rad/s]; NaN where there is none.
+    pub rates: Vec<f64>,
+    /// Unit quaternions x, y, z, w; none in the plane.
+    pub attitudes: Vec<[f64; 4]>,
+}

@@ -1,0 +1,40 @@
+//! Gaps that are to be closed: the active set of joints and wheels, and when a gap counts as closed.
+
+use crate::suspension::{MAX_FREE, State};
+
+/// A gap is closed if it is at most the first [m] and the second times the height: some roundings of heights of that size.
+pub(crate) const CLOSED_GAP: [f64; 2] = [2e-12, 2e-15];
+
+/// The active set: joints held at an angle, and wheels in the air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ActiveSet {
+    /// Angles of the joints that are held.
+    pub joints: [Option<f64>; MAX_FREE],
+    /// Bits of the wheels that are left in the air.
+    pub hanging: u32,
+}
+
+impl ActiveSet {
+    /// Nothing held, nothing in the air.
+    pub const NONE: Self = Self { joints: [None; MAX_FREE], hanging: 0 };
+
+    /// True if a wheel touches.
+    #[inline]
+    pub fn touches(&self, wheel: usize) -> bool {
+        self.hanging >> wheel & 1 == 0
+    }
+
+    /// The numbers of a state of so many that may change, in their order.
+    pub fn free_columns(&self, count: usize) -> impl Iterator<Item = usize> {
+        let joints = self.joints;
+        (0..count).filter(move |&k| k < 3 || joints[k - 3].is_none())
+    }
+
+    /// A state with the joints held where they are.
+    pub fn held(&self, mut state: State) -> State {
+        for (angle, held) in state[3..].iter_mut().zip(self.joints) {
+            *angle = held.unwrap_or(*angle);
+        }
+        state
+    }
+}

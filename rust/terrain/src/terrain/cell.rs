@@ -1,0 +1,42 @@
+//! A cell of a grid of heights.
+
+/// The corners of a cell: `height = h00 + b a + c b' + d a b'` with `a, b'` from 0 to 1 along columns and rows.
+#[derive(Clone, Copy, Debug)]
+pub struct Cell {
+    /// Height of the corner with the lowest column and row [m].
+    pub h00: f64,
+    /// Rise along the columns at that corner, over the whole cell [m].
+    pub along: f64,
+    /// Rise along the rows at that corner, over the whole cell [m].
+    pub across: f64,
+    /// Height of the opposite corner above the sum of both rises [m].
+    pub twist: f64,
+}
+
+impl Cell {
+    /// Height at the fractions `a` of a column and `b` of a row [m].
+    #[inline]
+    pub fn height(&self, a: f64, b: f64) -> f64 {
+        self.h00 + self.along * a + (self.across + self.twist * a) * b
+    }
+
+    /// Derivatives by `a` and `b` [m].
+    #[inline]
+    pub fn slope(&self, a: f64, b: f64) -> [f64; 2] {
+        [self.along + self.twist * b, self.across + self.twist * a]
+    }
+
+    /// Height of the highest corner, which no point of the cell is above [m].
+    #[inline]
+    pub fn highest(&self) -> f64 {
+        let opposite = self.along + self.across + self.twist;
+        self.h00 + self.along.max(self.across).max(opposite).max(0.0)
+    }
+
+    /// True if all four corners are known.
+    #[inline]
+    pub fn is_known(&self) -> bool {
+        // NaN in any of the corners is NaN in the twist, and heights are finite otherwise.
+        !self.twist.is_nan()
+    }
+}

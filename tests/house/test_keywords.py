@@ -1,0 +1,147 @@
+"""A keyword that a call does not have is refused with the nearest one: constructors, layouts, functions."""
+
+import inspect
+import re
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import six_wheel as sw
+from six_wheel import _core, profiles
+from six_wheel.kinematics.keywords import unknown_keyword
+from tests.rovers import SIX_SIZES
+
+ROVER = sw.Rover.preset("perseverance")
+FUNCTIONS = ("calibrate", "dead_reckon", "load", "simulate", "umbmark")
+# Arguments that are needed: those that are missing are named first.
+NEEDED: dict[str, tuple[Any, ...]] = {
+    "Costmap.from_occupancy_grid": (None,),
+    "Costmap.read": ("map.yaml",),
+    "BodyTransition.between": (ROVER, (0, 0, 0), (0.1, 0, 0), 1.0),
+    "Controller": (ROVER,),
+    "Costmap": (np.zeros((2, 2)), 1.0),
+    "FourAxle": ((1.0, 1.0), 0.3, 0.1),
+    "ModuleTransition.between": (ROVER, 0, 0),
+    "Mppi": (ROVER,),
+    "Odometry": (ROVER,),
+    "Odometry3": (sw.RockerBogie.preset("rocky7"),),
+    "Preintegrated": (ROVER,),
+    "Profile.linear": (0, 1, 1),
+    "Profile.s_curve": (0, 1, 1),
+    "Profile.trapezoid": (0, 1, 1),
+    "RockerBogie": ((0, 0, 0),),
+    "RockerBogie.preset": ("rocky7",),
+    "Rover": ([],),
+    "Rover.ackermann": (1, 1, 1),
+    "Rover.bicycle": (1, 1),
+    "Rover.differential": (1, 1),
+    "Rover.mecanum": (1, 1, 1),
+    "Rover.omni": ([], [], 1),
+    "Rover.preset": ("perseverance",),
+    "Rover.swerve": ([], 1),
+    "Rover.tracked": (1, 1),
+    "Rover.tricycle": (1, 1, 1),
+    "Suspension.preset": ("zoe",),
+    "Suspension.rigid": ([], 1),
+    "Terrain": ([[0, 0], [0, 0]], 1),
+    "Terrain.read": ("map.tif",),
+}
+BY_NAME: dict[str, dict[str, Any]] = {
+    "IcrTransition.between": {
+        "rover": ROVER, "start_twist": (0, 0, 0), "end_twist": (0, 0, 0), "steering_rate": 1,
+    },
+    "Profile.time_optimal": {"start": 0, "end": 1, "velocity": 1},
+    "Rover.six_wheel": dict(SIX_SIZES),
+    "Suspension.pivoting_axles": {"wheelbase": 1, "track_width": 1, "drop": 0.1, "wheel_radius": 0.1},
+    "Suspension.triple_bogie": {
+        **dict.fromkeys(
+            ("bogie_pivot", "bogie_to_front", "bogie_to_middle", "rear_pivot", "rear_to_wheel"), (0, 0, 0)
+        ),
+        "wheel_radius": 0.1,
+    },
+    "Wheel": {"name": "one", "x": 0, "y": 0, "radius": 0.1},
+}  # fmt: skip
+
+
+def calls() -> Iterator[tuple[str, Callable[..., Any]]]:
+    """Constructors and static methods of the core that take keywords, and the functions written in Python."""
+    for name in _core.__all__:
+        made = getattr(_core, name)
+        if not inspect.isclass(made):
+            continue
+        if made.__text_signature__:
+            yield name, made
+        for part, member in vars(made).items():
+            if isinstance(member, staticmethod) and not part.startswith("_") and parameters(member.__func__):
+                yield f"{name}.{part}", member.__func__
+    for name in FUNCTIONS:
+        yield name, getattr(sw, name)
+
+
+def parameters(call: Callable[..., Any]) -> list[str]:
+    kinds = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+    return [name for name, each in inspect.signature(call).parameters.items() if each.kind in kinds]
+
+
+CALLS = dict(calls())
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_misspelt_keyword_is_refused_with_the_nearest_one(name: str) -> None:
+    call = CALLS[name]
+    names = parameters(call)
+    longest = max(names, key=len)
+    wrong = longest[:-1] + "q" if len(longest) > 2 else longest + "q"
+    with pytest.raises(TypeError) as caught:
+        call(*NEEDED.get(name, ()), **BY_NAME.get(name, {}), **{wrong: 1})
+    text = str(caught.value)
+    assert text.startswith(f"{name}() has no {wrong}; did you mean ")
+    assert all(re.search(rf"\b{each}\b", text.partition("takes ")[2]) for each in names)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: sw.Limits(max_speed=1.0), "Limits() has no max_speed; did you mean speed? It takes speed, "),
+        (lambda: sw.Encoder(resolution=64), "Encoder() has no resolution; did you mean ticks_per_turn? It "),
+        (lambda: sw.Encoder(64, bits=16), "Encoder() has no bits: bits=16 is wraps_at=65536. It takes ticks"),
+        (lambda: sw.Noise(rate=50), "Noise() has no rate: give period = 1 / rate. It takes speed, steering"),
+        (lambda: sw.Terrain([[0, 0]], 1, resolution=1), "Terrain() has no resolution; did you mean spacing?"),
+        (lambda: sw.Costmap([[0, 0]], 1, resolution=1), "Costmap() has no resolution; did you mean spacing?"),
+        (
+            lambda: sw.Rover.six_wheel(**SIX_SIZES, d1=0.4),
+            "Rover.six_wheel() has no d1: d1 is half of track_width. It takes front_to_middle, ",
+        ),
+        (lambda: sw.FourAxle((1, 1), 1, 1, hinges=1), "FourAxle() has no hinges; did you mean pivots?"),
+        (lambda: sw.dead_reckon(None, None, nosie=1), "dead_reckon() has no nosie; did you mean noise? It "),
+        (lambda: sw.simulate(None, None, encoder=1), "simulate() has no encoder; did you mean wheel_encod"),
+        (
+            lambda: sw.Limits().replace(sped=1.0),
+            "Limits.replace() has no sped; did you mean speed? It takes ",
+        ),
+        (lambda: profiles.trapezoid(0, 1, 1, rmap=1), "Profile.trapezoid() has no rmap; did you mean ramp?"),
+    ],
+)
+def test_the_message_says_what_is_meant(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises(TypeError, match="^" + re.escape(message)):
+        call()
+
+
+def test_far_from_every_name_there_is_no_guess() -> None:
+    assert unknown_keyword("call", "xyz", ["speed"]) == "call() has no xyz; it takes speed"
+
+
+def test_a_picture_names_the_public_call() -> None:
+    pytest.importorskip("matplotlib")
+    rover = sw.Rover.preset("perseverance")
+    with pytest.raises(TypeError, match=r"^sw.plot\(\) has no twst; did you mean twist\?"):
+        sw.plot(rover, twst=(0.1, 0, 0))
+
+
+def test_a_module_suggests_names() -> None:
+    with pytest.raises(
+        AttributeError, match=r"^module 'six_wheel' has no attribute 'Rovr'; did you mean Rover\?"
+    ):
+        sw.Rovr  # noqa: B018

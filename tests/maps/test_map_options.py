@@ -1,0 +1,120 @@
+"""Options for what a map leaves open: the same in Python, on the command line and in a file of parameters."""
+
+import math
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import six_wheel as sw
+from six_wheel.maps import TerrainFileError, traverse
+from tests.cli_runs import Run
+from tests.maps.forms.ground import CELL, Form, grid, is_right
+from tests.maps.forms.images import filled, north_up, tif
+from tests.maps.forms.others import esri, written
+
+rasterio = pytest.importorskip("rasterio", reason="needs rasterio")
+pytestmark = pytest.mark.filterwarnings("ignore::rasterio.errors.NotGeoreferencedWarning")
+
+UNPLACED: dict[str, Any] = {"spacing": CELL, "unit": "mm", "nodata": -9999}
+FORM = Form("", "", lambda folder: sw.Terrain.read, place=None)
+
+
+def unplaced(folder: Path) -> Path:
+    tif(np.where(filled(-9999) == -9999, -9999, filled(-9999) * 1000), transform=None, crs=None)(folder)
+    return folder / "map.tif"
+
+
+def test_python_and_files_of_parameters_agree(tmp_path: Path) -> None:
+    path = unplaced(tmp_path)
+    ground = sw.Terrain.read(path, **UNPLACED)
+    assert is_right(ground, FORM)
+    described = tmp_path / "map.yaml"
+    described.write_text("map: map.tif\nspacing: 0.5\nunit: mm\nnodata: -9999\n")
+    assert sw.Terrain.read(described) == ground
+    moved = sw.Terrain.read(described, origin=(3.0, 4.0))
+    assert moved.origin == (3.0, 4.0)
+    described.write_text("map: map.tif\nspacings: 0.5\n")
+    with pytest.raises(TerrainFileError, match="must hold map, the name of a file, and options among window"):
+        sw.Terrain.read(described)
+
+
+def test_every_question_is_asked_before_anything_is_computed(tmp_path: Path) -> None:
+    path, suspension, output = unplaced(tmp_path), sw.RockerBogie.preset("perseverance"), tmp_path / "out.tif"
+    options: dict[str, Any] = {}
+    for name, value in (("spacing", CELL), ("nodata", -9999), ("unit", "mm")):
+        with pytest.raises(TerrainFileError, match=rf"{name}=") as told:
+            sw.Terrain.read(path, **options)
+        with pytest.raises(TerrainFileError) as same:
+            traverse(path, suspension, output, headings=1, workers=1, **options)
+        assert str(same.value) == str(told.value)
+        options[name] = value
+    done = traverse(path, suspension, output, headings=1, workers=1, **options)
+    assert done.cells == grid().size
+    assert not (tmp_path / "out.tif.tiles").exists()
+
+
+def test_the_command_line_asks_and_is_answered(run: Run, tmp_path: Path) -> None:
+    path, picture = unplaced(tmp_path), tmp_path / "picture.png"
+    code, _, refusal = run("show", str(path), "-o", str(picture))
+    assert code != 0
+    assert "spacing=" in refusal
+    answers = ["--spacing", "0.5", "--unit", "mm", "--nodata", "-9999"]
+    code, shown, words = run("show", str(path), "-o", str(picture), *answers)
+    assert code == 0, words
+    assert picture.stat().st_size > 0
+    for words in ("24 x 30 of 0.5 x 0.5 m", "1.67% of the cells", "no known system"):
+        assert words in shown
+    commands = tmp_path / "commands.csv"
+    commands.write_text("time,vx,vy,omega\n0,0.1,0,0\n1,0.1,0,0\n")
+    start = ["--start", "7", "3", "0"]
+    code, _, words = run("simulate", "perseverance", str(commands), "--ground", str(path), *start, *answers)
+    assert code == 0, words
+
+
+def test_marks_that_are_heights_stay_heights(tmp_path: Path) -> None:
+    path = tmp_path / "map.asc"
+    written(esri(-500.0), "map.asc")(tmp_path)
+    assert np.nanmin(sw.Terrain.read(path).heights) == -500
+    heights = grid(-9999.0)
+    with pytest.raises(
+        ValueError, match=r"12 heights are -9999, the first at row 5, column 20: nodata=-9999"
+    ):
+        sw.Terrain(heights, CELL)
+    kept = sw.Terrain(heights, CELL, nodata=math.nan)
+    assert kept.heights.min() == -9999
+    assert kept.replace(yaw=0.1).heights.min() == -9999
+
+
+def test_stretched_projections_are_told_with_both_factors(tmp_path: Path) -> None:
+    tif(filled(np.nan), crs="EPSG:3857", transform=north_up(1.5e6, 5_621_521.0))(tmp_path)
+    with pytest.warns(match=r"distances 1\.4\d\d times as long along x and 1\.4\d\d along y .*EPSG:32633"):
+        sw.Terrain.read(tmp_path / "map.tif")
+    tif(filled(np.nan))(tmp_path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sw.Terrain.read(tmp_path / "map.tif")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (
+            {"unit": "parsec"},
+            "unit must be m, cm, mm, dm, km, ft, us-ft, in or its length in metres, got 'parsec'",
+        ),
+        ({"unit": -1}, "unit must be m, cm"),
+        ({"nodata": "a"}, "nodata must be a number, got 'a'"),
+        ({"spacing": (1, -1)}, "spacing must be finite and positive, .*north_up=True"),
+        ({"spacing": (1, 1, 1)}, "spacing must be two numbers"),
+        ({"origin": 3}, "origin must be two numbers, got 3"),
+        ({"band": 7}, "has no band 7, it has 1"),
+        ({"spacing": 1.0}, "has a place of its own: leave spacing and origin out"),
+    ],
+)
+def test_wrong_options_are_named(options: dict[str, Any], message: str, tmp_path: Path) -> None:
+    tif(filled(np.nan))(tmp_path)
+    with pytest.raises(ValueError, match=message):
+        sw.Terrain.read(tmp_path / "map.tif", **options)

@@ -1,0 +1,87 @@
+"""Tracks and logs as columns, and back."""
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import six_wheel as sw
+from six_wheel.log_odometry.evaluation import evaluate
+from tests.objects.samples import ROVER, samples
+
+pytest.importorskip("scipy", reason="calibration needs SciPy")
+pandas = pytest.importorskip("pandas")
+
+TABLES = ("Track", "Track3", "WheelLog", "Simulation", "GroundSimulation", "GroundTruth")
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_all_forms_have_the_same_columns(name, tmp_path):
+    one = samples()[name]
+    arrays = one.to_arrays()
+    assert next(iter(arrays)) == "time"
+    assert {len(values) for values in arrays.values()} == {len(one)}
+    frame = one.to_pandas()
+    assert list(frame.columns) == list(arrays)
+    one.to_csv(tmp_path / "table.csv")
+    read = pandas.read_csv(tmp_path / "table.csv")
+    for column, values in arrays.items():
+        np.testing.assert_array_equal(frame[column], values)
+        np.testing.assert_array_equal(read[column], values)  # every digit
+    arrow = pytest.importorskip("pyarrow") and one.to_arrow()
+    assert arrow.column_names == list(arrays)
+    assert arrow.schema.field("time").metadata == {b"unit": b"s"}
+
+
+def test_a_track_comes_back_from_its_frame():
+    track = samples()["Track"]
+    again = sw.Track.from_pandas(track.to_pandas(), ROVER)
+    for name in ("stamps", "poses", "twists", "covariances", "residuals", "health"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(track, name))
+    bare = sw.Track.from_pandas({"t": [0.0, 1.0], "x": [0, 1], "y": [0, 0], "yaw": [0, 0]}, ROVER)
+    assert (bare.covariances, bare.residuals, len(bare)) == (None, None, 2)
+
+
+def test_a_log_comes_back_from_its_frame():
+    log = samples()["WheelLog"]
+    again = sw.WheelLog.from_pandas(log.to_pandas(rover=ROVER), ROVER)
+    for name in ("stamps", "steering", "wheel_angles"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(log, name))
+    np.testing.assert_allclose(again.truth.poses, log.truth.at(log.stamps), atol=0)
+
+
+@pytest.mark.parametrize(
+    ("frame", "message"),
+    [
+        ({"x": [0.0], "y": [0.0], "yaw": [0.0]}, "frame must have a column time or stamp"),
+        ({"time": [0.0], "x": [0.0]}, "frame must have the columns y, yaw, got time, x"),
+    ],
+)
+def test_a_frame_without_what_is_needed(frame, message):
+    with pytest.raises(ValueError, match=message):
+        sw.Track.from_pandas(pandas.DataFrame(frame), ROVER)
+
+
+def test_a_table_without_its_library_says_how_to_install_it():
+    code = (
+        "import sys; sys.modules['pandas'] = None\n"
+        "import numpy as np, six_wheel as sw\n"
+        "truth = sw.GroundTruth([0.0, 1.0], np.zeros((2, 3)))\n"
+        "try: truth.to_pandas()\n"
+        "except ModuleNotFoundError as error: print(error)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stdout == 'this table needs pandas: pip install "pandas"\n'
+
+
+def test_a_track_in_space_is_compared_as_seen_from_above():
+    drive, track = samples()["GroundSimulation"], samples()["Track3"]
+    found = evaluate(track, drive.truth)
+    same = evaluate(track.poses[:, [0, 1, 5]], drive.truth.at(track.stamps))
+    assert found.first.rmse == same.first.rmse
+    assert found.distance == pytest.approx(1.2, abs=0.05)  # 12 s at 0.1 m/s
+    assert math.isfinite(found.aligned.rmse)

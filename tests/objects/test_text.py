@@ -1,0 +1,53 @@
+"""Representations fit one line, or can be pasted back; text is short; members of enumerations have theirs."""
+
+import enum
+import inspect
+
+import pytest
+
+pytest.importorskip("scipy", reason="walks every public name, and calibration needs SciPy")
+
+import six_wheel as sw
+from tests.objects.samples import public_classes, samples
+
+# Values whose representation is the call that makes them, whatever its length.
+CALLS = {
+    "BodyTransition",
+    "Controller",
+    "FeasibilityLimits",
+    "FourAxleStep",
+    "IcrTransition",
+    "Limits",
+    "ModuleTransition",
+    "Profile",
+    "RockerBogie",
+    "Rover",
+    "Suspension",
+    "Wheel",
+}
+LINES = {"SlipReport": 2 + 6 + 1}  # a line for each of the wheels
+
+
+@pytest.mark.parametrize("name", sorted(kind.__name__ for kind in public_classes()))
+def test_representations_fit_one_line(name):
+    one = samples()[name]
+    assert "\n" not in repr(one)
+    assert len(repr(one)) <= 120 or name in CALLS
+    assert len(str(one).splitlines()) <= LINES.get(name, 6)
+    assert repr(one).startswith((name, "<", "profiles.", f"{name}.", "Suspension."))
+
+
+def test_members_of_enumerations_have_their_meaning():
+    kinds = [kind for kind in vars(sw).values() if inspect.isclass(kind) and issubclass(kind, enum.Enum)]
+    kinds += [sw.Reason, sw.OdometryHealth, sw.SettleStatus, sw.BoundsStatus, sw.FeasibilityReason]
+    for kind in set(kinds):
+        source = inspect.getsource(kind)
+        for member in kind:
+            own = member.__doc__ if member.__doc__ != kind.__doc__ else None
+            after = source.partition(f"    {member.name} = ")[2].partition("\n")[2].lstrip()
+            assert own or after.startswith('"""') or member.value == 0, f"{kind.__name__}.{member.name}"
+
+
+def test_no_reason_is_none():
+    assert str(sw.Reason(0)) == "none"
+    assert sw.Reason.SPEED.__doc__ == sw.Reason.SPEED.help

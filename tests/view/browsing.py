@@ -1,0 +1,87 @@
+"""A page of a view in a headless browser."""
+
+import os
+import shutil
+from pathlib import Path
+from typing import Any
+
+SOFTWARE = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+PATIENCE = 60_000  # [ms] of a machine that draws by software while it does other things
+DESK, TELEPHONE = (1280, 800), (390, 800)  # [px]
+
+
+def find_chromium() -> str | None:
+    """Chromium of CHROMIUM or on the PATH."""
+    for name in (os.environ.get("CHROMIUM", ""), *NAMES):
+        if name and (found := shutil.which(name)):
+            return found
+    return None
+
+
+def launch(driver: Any) -> Any | None:
+    """A browser that draws by software; None if there is none, not even playwright's own."""
+    path = find_chromium()
+    if path is None and not Path(driver.chromium.executable_path).exists():
+        return None
+    return driver.chromium.launch(executable_path=path, args=list(SOFTWARE))
+
+
+class Page:
+    """A page, with what it complained of and what it asked other hosts for."""
+
+    def __init__(self, browser: Any, url: str, size: tuple[int, int] = DESK) -> None:
+        self.complaints: list[str] = []
+        self.elsewhere: list[str] = []
+        self.frames = [0, 0]  # web socket frames received, and their bytes
+        self.page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+        self.page.set_default_timeout(PATIENCE)
+        self.page.on("console", lambda each: self._said(each.type, each.text))
+        self.page.on("pageerror", lambda error: self._said("error", str(error)))
+        self.page.on("request", lambda request: self._asked(request.url, url))
+        self.page.on("websocket", self._listen)
+        self.page.goto(url)
+        self.page.wait_for_selector("canvas")
+
+    def ready(self, text: str) -> None:
+        """Wait until the panel has a text, and the picture is drawn."""
+        self.page.wait_for_selector(f"text={text}")
+        self.page.wait_for_timeout(2500)
+
+    def shot(self, path: Path | None = None) -> bytes:
+        """A picture, without viser's note that there is no graphics processor."""
+        for button in self.page.locator(".mantine-Notification-closeButton").all():
+            button.click()
+        self.page.wait_for_timeout(500)
+        options = {} if path is None or path.suffix == ".png" else {"type": "jpeg", "quality": 86}
+        return bytes(self.page.screenshot(path=path, **options))
+
+    def type(self, row: str, value: str) -> None:
+        """Write a number into the field of a slider, whose name stands in its row."""
+        field = (
+            self.page.get_by_text(row, exact=True)
+            .locator("xpath=ancestor::*[.//input][1]")
+            .locator("input")
+            .last
+        )
+        field.fill(value)
+        field.press("Enter")
+
+    def close(self) -> None:
+        """Close the page."""
+        self.page.close()
+
+    def _said(self, kind: str, text: str) -> None:
+        if kind == "error":
+            self.complaints.append(text)
+
+    def _asked(self, asked: str, own: str) -> None:
+        if not asked.startswith((own, own.replace("http", "ws"), "data:", "blob:")):
+            self.elsewhere.append(asked)
+
+    def _listen(self, socket: Any) -> None:
+        def received(data: Any) -> None:
+            self.frames[0] += 1
+            self.frames[1] += len(data)
+
+        socket.on("framereceived", received)
