@@ -157,13 +157,14 @@ class ReadingChecks:
         known = self.readings
         if not self._rows and not known.clock_stated:
             check_origin(float(stamps[0]), known.time, self._row(0, numbers))
-        chosen = self._stretches(stamps)
-        self._look(raw, steering, numbers)
-        self._check_jumps(stamps, raw, steering, chosen, numbers)
-        turned = steering if joints is None else joints
-        self._check_motion(stamps, raw, angles, turned, chosen, numbers)
-        if known.kind == "speeds":
-            self._check_gaps(stamps, raw, numbers)
+        with np.errstate(invalid="ignore", over="ignore"):  # rows without numbers are left to others
+            chosen = self._stretches(stamps)
+            self._look(raw, steering, numbers)
+            self._check_jumps(stamps, raw, steering, chosen, numbers)
+            turned = steering if joints is None else joints
+            self._check_motion(stamps, raw, angles, turned, chosen, numbers)
+            if known.kind == "speeds":
+                self._check_gaps(stamps, raw, numbers)
         self._rows += len(stamps)
         last = None if steering is None else steering[-1]
         self._last = (float(stamps[-1]), raw[-1].copy(), self._turned, last)

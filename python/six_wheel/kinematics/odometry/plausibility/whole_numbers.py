@@ -41,7 +41,8 @@ def check_counts(wheels: Floats, columns: Sequence[Column], row: int, steering: 
         steps = np.abs(np.diff(there))
         longest = float(steps.max())
         moves = steps[steps > 0.0]
-        several = len(moves) >= ROWS and float(np.median(moves)) >= FEW
+        # Steps that are all the same are no recording.
+        several = len(moves) >= ROWS and float(np.median(moves)) >= FEW and len(np.unique(moves)) > 1
         if longest > LONG_STEP or (several and len(np.unique(there)) >= VALUES):
             at = row + int(np.argmax(steps)) + 1
             what = f'"{column.header}" holds whole numbers, with a step of {longest:.0f} in row {at}'
