@@ -306,6 +306,7 @@ class ReadingChecks:
             turned += 0.0 if self._last is None else self._last[2]
         else:
             turned = raw[chosen] * scale
+        turned = np.where(np.isfinite(turned), turned, np.nan)
         self._turned = turned[-1].copy()
         if self._last is not None and len(self._last[2]):
             times = np.concatenate(([self._last[0]], times))
@@ -326,7 +327,7 @@ class ReadingChecks:
             self._clock_known = bool(rims.any())
         middles = None
         if steering is not None:
-            middles = steering[ends]
+            middles = np.where(np.isfinite(steering[ends]), steering[ends], np.nan)
             if not known.steering_stated:
                 check_steering(known.rover, middles, known.steering, self._row(0, numbers), known.named)
         if known.max_speed is not None:
