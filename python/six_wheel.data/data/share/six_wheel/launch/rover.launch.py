@@ -1,4 +1,4 @@
-"""Drive a rover: ``ros2 launch six_wheel rover.launch.py rover:=rover.yaml``; ``--show-args`` lists the arguments."""
+"""Drive a rover: ``ros2 launch six_wheel rover.launch.py rover:=rover.yaml``."""
 
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
