@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 ROS := .venv-ros
 BIN := $(VENV)/bin
-SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv') Cargo.toml Cargo.lock pyproject.toml \
+SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv' -o -path '*.data/*' -type f) Cargo.toml Cargo.lock pyproject.toml \
 	$(wildcard rust/*/Cargo.toml)
 
 PAGES = $(wildcard docs/*.md docs/*/*.md)

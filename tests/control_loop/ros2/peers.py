@@ -27,10 +27,12 @@ TWIST = (0.5, 0.0, 0.2)
 
 
 class Process:
-    """`six-wheel` in a process of its own, ended by its id."""
+    """`six-wheel`, or another program, in a process of its own, ended by its id."""
 
-    def __init__(self, *arguments: str, folder: Path) -> None:
-        command = [sys.executable, "-m", "six_wheel", *arguments]
+    def __init__(
+        self, *arguments: str, folder: Path, program: Sequence[str] = (sys.executable, "-m", "six_wheel")
+    ) -> None:
+        command = [*program, *arguments]
         self._log = folder / f"process_{time.monotonic_ns()}.txt"
         with self._log.open("w") as log:
             self.process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=subprocess.STDOUT)
