@@ -196,7 +196,7 @@ def dead_reckon(
     odometry.reset(start, start_covariance)
     if stamps is not None and stamp_unit is not None:
         stamps = np.asarray(stamps) / round(1.0 / scale_of(stamp_unit))
-    if wheel_angles is not None and stamps is not None and plausibility and len(stamps) >= FEW:  # type: ignore[arg-type]
+    if wheel_angles is not None and stamps is not None and plausibility and _rows(stamps) >= FEW:
         checks = array_checks(rover, options, clock_stated=stamp_unit is not None)
         check_arrays(checks, steering, wheel_angles, stamps)
     if wheel_angles is not None and stamps is not None and progress is None:
@@ -209,6 +209,14 @@ def dead_reckon(
         tracks = list(tabular_input.follow(odometry, source, common, progress))
         track = tabular_input.concatenate(rover, tracks)
     return track if place is None else seen_by(track, place)
+
+
+def _rows(stamps: Any) -> int:
+    """The number of stamps; 0 for a single number, which `Odometry.run` refuses in its words."""
+    try:
+        return len(stamps)
+    except TypeError:
+        return next(iter(np.shape(stamps)), 0)
 
 
 def _readings_of(source: tabular_input.Source) -> dict[str, str]:
