@@ -108,7 +108,7 @@ fn one_call_takes_no_memory() -> Result<(), Error> {
 #[test]
 fn a_batch_takes_no_memory() -> Result<(), Error> {
     for level in Level::available() {
-        let workers = Workers { level, threads: 1, fresh: false };
+        let workers = Workers { level, ..Workers::PLAIN };
         for (rover, rows) in rovers()?.into_iter().flat_map(|rover| [(rover.clone(), 9), (rover, 1000)]) {
             let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
             let mut twists = vec![<[f64; 3]>::from(TWIST); rows];

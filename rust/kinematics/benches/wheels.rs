@@ -53,7 +53,7 @@ fn batches(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(ROWS as u64));
     let inputs = Inputs::default();
     for level in Level::available() {
-        let workers = Workers { level, threads: 1, fresh: false };
+        let workers = Workers { level, ..Workers::PLAIN };
         let name = |job: &str| format!("{job}, {}", level.name());
         group.bench_function(name("inverse"), |bencher| {
             bencher.iter(|| batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers));

@@ -14,6 +14,8 @@ pub enum ErrorKind {
     Underdetermined,
     /// The request does not fit into memory.
     Memory,
+    /// The caller ended the call before it was through.
+    Interrupted,
 }
 
 /// "`argument` must `rule`, got `value`": the text of every failure of this crate.
@@ -35,6 +37,11 @@ impl Error {
     /// A wrong value.
     pub fn value(argument: impl Into<Cow<'static, str>>, rule: impl Into<String>, value: impl Into<String>) -> Self {
         Self { kind: ErrorKind::Value, argument: argument.into(), row: None, rule: rule.into(), value: value.into() }
+    }
+
+    /// The end of a call that its caller does not want to go on.
+    pub fn interrupted() -> Self {
+        Self::value("call", "not be interrupted", "an interruption").of_kind(ErrorKind::Interrupted)
     }
 
     /// The same failure, of another kind.

@@ -12,6 +12,7 @@ mod samples;
 pub mod space;
 
 use nalgebra::{Matrix6, Vector6};
+use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
 
 use super::planar::Odometry;
 use super::settings::gyroscope::Gyroscope;
@@ -212,13 +213,20 @@ impl Preintegrated {
     }
 
     /// Takes in all rows of a log, or none of them.
-    pub fn add_log(&mut self, log: Recording<'_>, attitudes: Option<&[[f64; 4]]>) -> Result<(), Error> {
+    pub fn add_log(
+        &mut self,
+        log: Recording<'_>,
+        attitudes: Option<&[[f64; 4]]>,
+        is_interrupted: IsInterrupted,
+    ) -> Result<(), Error> {
         let (wheels, joints) = (self.rover().wheels().len(), self.rover().steered().len());
         let before = self.len();
         self.reserve(log.stamps.len())?;
         for k in 0..log.stamps.len() {
             let attitude = attitudes.map(|attitudes| attitudes[k]);
-            if let Err(error) = self.add(log.row(wheels, joints, k), attitude) {
+            let ends = k % BETWEEN_CHECKS == BETWEEN_CHECKS - 1 && is_interrupted();
+            let added = if ends { Err(Error::interrupted()) } else { self.add(log.row(wheels, joints, k), attitude) };
+            if let Err(error) = added {
                 self.truncate(before)?;
                 return Err(error.at_row(k));
             }

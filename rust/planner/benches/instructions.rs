@@ -32,7 +32,7 @@ use six_wheel_terrain::terrain::Terrain;
 const RUNS: usize = 64;
 const ROWS: usize = 256;
 const TWIST: Twist = Twist { vx: 0.5, vy: 0.0, omega: 0.3 };
-const WORKERS: Workers = Workers { level: Level::Avx2, threads: 1, fresh: false };
+const WORKERS: Workers = Workers { level: Level::Avx2, ..Workers::PLAIN };
 
 /// A rover, and a log of it over all turning radii.
 struct Drive {

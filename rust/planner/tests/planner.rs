@@ -65,7 +65,7 @@ fn cycles_after_the_first_take_no_memory() -> Result<(), Error> {
             let options = Options { samples: 1000, horizon: 30, precision, ..Options::default() };
             let extra = vec![0.1; options.samples];
             let mut planner = Mppi::new(&rover, limits, options)?;
-            let workers = Workers { level: Level::best(), threads, fresh: false };
+            let workers = Workers { level: Level::best(), threads, ..Workers::PLAIN };
             let mut cycle = |k: usize| -> Result<(), Error> {
                 let situation = CycleInput {
                     pose: [0.05 * k as f64, 0.0, 0.1],

@@ -2,7 +2,7 @@
 
 use std::cell::UnsafeCell;
 use std::ops::{Deref, DerefMut};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use pyo3::exceptions::PyRuntimeError;
@@ -12,6 +12,11 @@ use pyo3::types::{PyCFunction, PyDict};
 
 /// The number of forks between this process and the one that loaded the module.
 static FORKS: AtomicU64 = AtomicU64::new(0);
+
+thread_local! {
+    /// Its address tells this thread from others that live.
+    static HERE: u8 = const { 0 };
+}
 
 /// State for one at a time. Whoever comes second waits, and other Python threads run meanwhile.
 ///
@@ -24,6 +29,8 @@ pub struct Shared<T> {
     gate: Mutex<()>,
     /// [`FORKS`] when the gate was last taken.
     taken: AtomicU64,
+    /// Address of [`HERE`] in the thread that took it.
+    taken_by: AtomicUsize,
 }
 
 // SAFETY: `state` is reached through a `Turn` only, and there is one at a time: `at_work` is asked and set with the
@@ -69,6 +76,7 @@ impl<T: Send> Shared<T> {
             at_work: AtomicBool::new(false),
             gate: Mutex::new(()),
             taken: AtomicU64::new(0),
+            taken_by: AtomicUsize::new(0),
         }
     }
 
@@ -85,9 +93,10 @@ impl<T: Send> Shared<T> {
     }
 
     /// The state, as soon as nobody else works with it. Fails where that would be never: the thread that does has
-    /// been left behind in another process.
+    /// been left behind in another process, or is this one, in the handler of a signal.
     pub fn lock<'a>(&'a self, py: Python<'a>) -> PyResult<Turn<'a, T>> {
         let forks = FORKS.load(Ordering::Relaxed);
+        let here = HERE.with(|here| std::ptr::from_ref(here).addr());
         let gate = match self.gate.try_lock() {
             Ok(gate) => gate,
             // A panic cannot have left the state half changed: steps do not panic.
@@ -96,6 +105,11 @@ impl<T: Send> Shared<T> {
                 if self.taken.load(Ordering::Relaxed) != forks {
                     return Err(PyRuntimeError::new_err(
                         "another thread worked with this object when the process was forked: make a new one here",
+                    ));
+                }
+                if self.taken_by.load(Ordering::Relaxed) == here {
+                    return Err(PyRuntimeError::new_err(
+                        "a call of this object is at work in this thread, which a signal has interrupted",
                     ));
                 }
                 let waited = self.gate.lock_py_attached(py);
@@ -107,6 +121,7 @@ impl<T: Send> Shared<T> {
             py.detach(std::thread::yield_now);
         }
         self.taken.store(forks, Ordering::Relaxed);
+        self.taken_by.store(here, Ordering::Relaxed);
         Ok(self.turn(Some(gate)))
     }
 }

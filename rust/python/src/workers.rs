@@ -7,7 +7,7 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::threads::workers::Workers;
 
-use crate::convert::{OrRaise, compute_rows, refuse};
+use crate::convert::{OrRaise, compute_rows, is_interrupted, refuse};
 
 /// Rows from which a kernel may be worth looking for.
 const BATCH: usize = 8;
@@ -31,7 +31,7 @@ pub fn any_workers(threads: Option<i64>, level: Option<&str>) -> PyResult<Worker
         Some(name) => name.parse().or_raise(&[])?,
         None => Level::best(),
     };
-    Ok(Workers { level, threads, fresh: false })
+    Ok(Workers { level, threads, fresh: false, is_interrupted })
 }
 
 /// Fills every row of some outputs, each given with its width: `fill` gets the number of a row and its part of each

@@ -3,6 +3,7 @@
 use super::Controller;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_numerics::error::{Error, finite, number};
+use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
 
 /// Output of a run, one row a step.
 pub struct Steps<'a> {
@@ -23,8 +24,15 @@ impl Controller {
     /// step that is not earlier than its stamp. The same as the calls one by one.
     ///
     /// Fails, without effect, if a stamp is not finite or later than the last step, or a time is not finite or not
-    /// later than the one before it.
-    pub fn run(&mut self, stamps: &[f64], twists: &[[f64; 3]], times: &[f64], out: Steps<'_>) -> Result<(), Error> {
+    /// later than the one before it. Interrupted, the steps before that of the error are made.
+    pub fn run(
+        &mut self,
+        stamps: &[f64],
+        twists: &[[f64; 3]],
+        times: &[f64],
+        out: Steps<'_>,
+        is_interrupted: IsInterrupted,
+    ) -> Result<(), Error> {
         let mut last = self.clock;
         for (row, &time) in times.iter().enumerate() {
             finite("step_stamps", &[time]).map_err(|error| error.at_row(row))?;
@@ -48,6 +56,9 @@ impl Controller {
         let (joints, wheels) = (self.steering.len(), self.speeds.len());
         let mut commands = stamps.iter().zip(twists).peekable();
         for (k, &time) in times.iter().enumerate() {
+            if k % BETWEEN_CHECKS == BETWEEN_CHECKS - 1 && is_interrupted() {
+                return Err(Error::interrupted().at_row(k));
+            }
             while let Some((stamp, twist)) = commands.next_if(|(stamp, _)| **stamp <= time) {
                 self.command(Twist::from(*twist), *stamp, None)?;
             }

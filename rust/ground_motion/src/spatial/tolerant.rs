@@ -2,7 +2,8 @@
 
 use super::Odometry3;
 use super::sample::{Recording3, Sample3, attitude};
-use six_wheel_numerics::error::Error;
+use six_wheel_numerics::error::{Error, ErrorKind};
+use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
 use six_wheel_odometry::health::{Health, Refusal};
 
 /// Output of a log, one row per sample.
@@ -74,20 +75,38 @@ impl Odometry3 {
     }
 
     /// Takes in every row of a log, from where the last one ended. With `strict` the first row that cannot be is an
-    /// error; otherwise such rows are left out and flagged. On failure nothing has changed.
-    pub fn run(&mut self, recording: Recording3<'_>, strict: bool, track: TrackRows3<'_>) -> Result<(), Error> {
+    /// error; otherwise such rows are left out and flagged. On failure nothing has changed; interrupted, the rows before
+    /// the one of the error are taken in.
+    pub fn run(
+        &mut self,
+        recording: Recording3<'_>,
+        strict: bool,
+        track: TrackRows3<'_>,
+        is_interrupted: IsInterrupted,
+    ) -> Result<(), Error> {
         let before = strict.then(|| self.clone());
-        let taken = self.take_all(recording, strict, track);
-        if let (Err(_), Some(before)) = (&taken, before) {
+        let taken = self.take_all(recording, strict, track, is_interrupted);
+        if let (Err(error), Some(before)) = (&taken, before)
+            && error.kind != ErrorKind::Interrupted
+        {
             *self = before;
         }
         taken
     }
 
-    fn take_all(&mut self, recording: Recording3<'_>, strict: bool, track: TrackRows3<'_>) -> Result<(), Error> {
+    fn take_all(
+        &mut self,
+        recording: Recording3<'_>,
+        strict: bool,
+        track: TrackRows3<'_>,
+        is_interrupted: IsInterrupted,
+    ) -> Result<(), Error> {
         let wheels = self.fixed.chain.wheels().len();
         let TrackRows3 { poses, twists, mut covariances, mut slips, health } = track;
         for k in 0..recording.stamps.len() {
+            if k % BETWEEN_CHECKS == BETWEEN_CHECKS - 1 && is_interrupted() {
+                return Err(Error::interrupted().at_row(k));
+            }
             let flags = match (self.row(&recording, k), strict) {
                 (Ok(sample), true) => self.update(sample).map_err(|error| error.at_row(k))?,
                 (Ok(sample), false) => self.absorb(sample),

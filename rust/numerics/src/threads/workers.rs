@@ -1,6 +1,8 @@
 //! Execution of a batch: its instruction set and its number of threads.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 use super::pool;
 use crate::columns::BLOCK;
@@ -16,9 +18,23 @@ const SHARES: usize = 4;
 /// Rows of a share at least, so that taking it costs nothing beside them.
 const LEAST: usize = 2048;
 
+/// Rows of a share at most, so that an interruption is seen in time.
+const MOST: usize = 16_384;
+
+/// Rows of a log, or steps, between two questions whether to go on: some ten milliseconds at the most.
+pub const BETWEEN_CHECKS: usize = 512;
+
+/// Asked by the thread of the caller between parts of a long call: true ends the call with [`Error::interrupted`].
+pub type IsInterrupted = fn() -> bool;
+
+/// Of calls that nobody interrupts.
+pub fn never() -> bool {
+    false
+}
+
 /// Instructions and threads of a batch. Results depend on the instructions in their last digits, on the number
 /// of threads not at all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Workers {
     /// Instruction set.
     pub level: Level,
@@ -27,11 +43,13 @@ pub struct Workers {
     /// True if a failure may leave the outputs half written, since nobody sees them then. Every row is
     /// otherwise checked before the first is written.
     pub fresh: bool,
+    /// Asked between shares.
+    pub is_interrupted: IsInterrupted,
 }
 
 impl Workers {
     /// One thread, row by row.
-    pub const PLAIN: Self = Self { level: Level::Scalar, threads: 1, fresh: false };
+    pub const PLAIN: Self = Self { level: Level::Scalar, threads: 1, fresh: false, is_interrupted: never };
 
     /// The same without instructions that the machine does not have.
     #[inline]
@@ -51,10 +69,7 @@ impl Workers {
         if rows < WORTH_A_THREAD {
             return rows.max(1);
         }
-        if self.thread_count() == 1 {
-            return rows;
-        }
-        let share = rows.div_ceil(self.thread_count() * SHARES).max(LEAST);
+        let share = rows.div_ceil(self.thread_count() * SHARES).clamp(LEAST, MOST);
         share.next_multiple_of(BLOCK)
     }
 
@@ -63,10 +78,7 @@ impl Workers {
         if logs * count < WORTH_A_THREAD {
             return logs.max(1);
         }
-        if self.thread_count() == 1 {
-            return logs;
-        }
-        let share = logs.div_ceil(self.thread_count() * SHARES);
+        let share = logs.div_ceil(self.thread_count() * SHARES).min(MOST.div_ceil(count.max(1)));
         share.max(LEAST.div_ceil(count.max(1))).next_multiple_of(8)
     }
 
@@ -105,7 +117,7 @@ impl Workers {
         work: impl Fn(J) -> Result<(), Error> + Sync,
     ) -> Result<(), Error> {
         let jobs_at_most = jobs.size_hint().1.unwrap_or(usize::MAX);
-        share_jobs(self.thread_count().min(jobs_at_most), jobs, work)
+        share_jobs(self.thread_count().min(jobs_at_most), jobs, work, self.is_interrupted)
     }
 }
 
@@ -113,32 +125,36 @@ impl Workers {
 /// enough that their stacks do not matter.
 const MOST_HELPERS: usize = 63;
 
-/// Does every job, here and in as many other threads as there are jobs for, up to [`MOST_HELPERS`].
-pub fn for_each<J: Send>(
-    jobs: impl Iterator<Item = J> + Send,
-    work: impl Fn(J) -> Result<(), Error> + Sync,
-) -> Result<(), Error> {
-    let jobs_at_most = jobs.size_hint().1.unwrap_or(usize::MAX);
-    share_jobs(jobs_at_most.min(MOST_HELPERS + 1), jobs, work)
-}
-
 /// Does every job by so many threads at most, this one among them: jobs are handed out one by one to whoever is
-/// there. The failure of the first job that fails.
+/// there. The failure of the first job that fails, or the interruption.
 fn share_jobs<J: Send>(
     threads: usize,
     jobs: impl Iterator<Item = J> + Send,
     work: impl Fn(J) -> Result<(), Error> + Sync,
+    is_interrupted: IsInterrupted,
 ) -> Result<(), Error> {
     if threads <= 1 {
-        let mut jobs = jobs;
-        return jobs.try_for_each(work);
+        for (number, job) in jobs.enumerate() {
+            if number > 0 && is_interrupted() {
+                return Err(Error::interrupted());
+            }
+            work(job)?;
+        }
+        return Ok(());
     }
+    let (caller, ended) = (thread::current().id(), AtomicBool::new(false));
     let queue = Mutex::new(jobs.enumerate());
     let failed: Mutex<Option<(usize, Error)>> = Mutex::new(None);
     let work_through = || {
         loop {
             let next = queue.lock().unwrap_or_else(PoisonError::into_inner).next();
             let Some((number, job)) = next else { return };
+            if number > 0 && thread::current().id() == caller && is_interrupted() {
+                ended.store(true, Ordering::Relaxed);
+            }
+            if ended.load(Ordering::Relaxed) {
+                return;
+            }
             if let Err(error) = work(job) {
                 let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
                 if failed.as_ref().is_none_or(|(first, _)| number < *first) {
@@ -148,6 +164,9 @@ fn share_jobs<J: Send>(
         }
     };
     pool::run(threads - 1, &work_through);
+    if ended.into_inner() {
+        return Err(Error::interrupted());
+    }
     let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
     failed.map_or(Ok(()), |(_, error)| Err(error))
 }
@@ -177,6 +196,20 @@ mod tests {
                 let places = || pairs.chunks(2).enumerate();
                 assert!(places().all(|(k, pair)| pair == [k as f64; 2] || ones[k] == 0.0));
             }
+        }
+    }
+
+    #[test]
+    fn an_interruption_ends_the_call_with_any_number_of_threads() {
+        for threads in [1, 2, 3] {
+            let workers = Workers { threads, is_interrupted: || true, ..Workers::PLAIN };
+            let mut values = vec![0.0; 100_000];
+            let ended = workers.rows(values.len(), [(&mut values, 1)], |_, [value]| {
+                value.fill(1.0);
+                Ok(())
+            });
+            assert_eq!(ended, Err(Error::interrupted()));
+            assert!(values.contains(&0.0));
         }
     }
 

@@ -8,6 +8,7 @@ use crate::health::{Health, Refusal};
 use crate::log::LogBlock;
 use crate::samples::recording::{Recording, Sample, TrackRows};
 use six_wheel_numerics::error::{Error, ErrorKind};
+use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
 
 /// Rows that are taken in one by one before registers of rows are tried again.
 const SINGLY: usize = 8;
@@ -65,24 +66,45 @@ impl Odometry {
     }
 
     /// Takes in every row of a log, from where the last one ended. With `strict` the first row that cannot be is an
-    /// error; otherwise such rows are left out and flagged. On failure nothing has changed.
-    pub fn run(&mut self, recording: Recording<'_>, strict: bool, track: TrackRows<'_>) -> Result<(), Error> {
+    /// error; otherwise such rows are left out and flagged. On failure nothing has changed; interrupted, the rows before
+    /// the one of the error are taken in.
+    pub fn run(
+        &mut self,
+        recording: Recording<'_>,
+        strict: bool,
+        track: TrackRows<'_>,
+        is_interrupted: IsInterrupted,
+    ) -> Result<(), Error> {
         let may_fail = strict || self.history.may_grow();
         let before = may_fail.then(|| self.history.check_copy()).transpose()?;
         let before = before.map(|()| self.clone());
-        let taken = self.take_all(recording, strict, track);
-        if let (Err(_), Some(before)) = (&taken, before) {
+        let taken = self.take_all(recording, strict, track, is_interrupted);
+        if let (Err(error), Some(before)) = (&taken, before)
+            && error.kind != ErrorKind::Interrupted
+        {
             *self = before;
         }
         taken
     }
 
-    fn take_all(&mut self, recording: Recording<'_>, strict: bool, mut track: TrackRows<'_>) -> Result<(), Error> {
+    fn take_all(
+        &mut self,
+        recording: Recording<'_>,
+        strict: bool,
+        mut track: TrackRows<'_>,
+        is_interrupted: IsInterrupted,
+    ) -> Result<(), Error> {
         let rows = recording.stamps.len();
         let mut room = (rows > SINGLY).then(|| self.block_scratch()).flatten();
         let mut block = LogBlock::new();
-        let (mut k, mut singly) = (0, 1);
+        let (mut k, mut singly, mut next_check) = (0, 1, BETWEEN_CHECKS);
         while k < rows {
+            if k >= next_check {
+                if is_interrupted() {
+                    return Err(Error::interrupted().at_row(k));
+                }
+                next_check = k + BETWEEN_CHECKS;
+            }
             if singly == 0
                 && let Some(room) = &mut room
             {

@@ -5,6 +5,7 @@
 //! to be carried along. At the end everything is turned into axes of the end, once.
 
 use nalgebra::{Matrix3, Matrix6, Matrix6x3, Quaternion, UnitQuaternion, Vector3, Vector6};
+use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
 
 use pulp::Scalar;
 
@@ -105,7 +106,7 @@ impl Preintegrated {
     }
 
     /// Integrates the samples once more, with covariance and all derivatives.
-    pub fn replay(&self) -> Result<PreintegratedMotion, Error> {
+    pub fn replay(&self, is_interrupted: IsInterrupted) -> Result<PreintegratedMotion, Error> {
         let mut odometry = self.fresh.clone();
         odometry.work.constants.is_constant = false; // every step is fitted, and has derivatives
         let shared = odometry.work.fit.old.len();
@@ -120,6 +121,9 @@ impl Preintegrated {
             odometry.refer_to(&self.sample(0));
         }
         for k in 1..self.len() {
+            if k % BETWEEN_CHECKS == 0 && is_interrupted() {
+                return Err(Error::interrupted());
+            }
             let begins = if k == 1 { self.begins } else { 0.0 };
             let ends = if k == self.len() - 1 { self.ends } else { 1.0 };
             let step = sums.step(self, &mut odometry, k, ends - begins, &motion)?;

@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use six_wheel_control::controller::Steps;
 
 use super::Controller;
-use crate::convert::{Results, Rows, Scalars, compute_rows, memory};
+use crate::convert::{Results, Rows, Scalars, compute_rows, is_interrupted, memory};
 use crate::rover::Rover;
 
 result_class! {
@@ -69,7 +69,7 @@ methods! { Controller:
         let (stamps, twists, times) = (stamps.flat(), twists.triples(), times.flat());
         let mut guard = self.core.lock(py)?;
         let core = &mut *guard;
-        compute_rows(py, count, &[count.max(commands)], || core.run(stamps, twists, times, steps))?;
+        compute_rows(py, count, &[count.max(commands)], || core.run(stamps, twists, times, steps, is_interrupted))?;
         let [steering, steering_rates, wheel_speeds, twist] = results.finish_arrays()?;
         let (rover, reasons) = (self.rover.clone_ref(py), PyArray1::from_vec(py, reasons).unbind());
         Ok(ControllerRun { steering, steering_rates, wheel_speeds, twist, reasons, rover })

@@ -5,6 +5,8 @@ use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyTuple};
 use six_wheel_numerics::error::{Error, ErrorKind, finite};
+
+use super::compute::interruption;
 use six_wheel_numerics::sizes::are_finite;
 
 import_exception!(six_wheel.kinematics.errors, ArgumentTypeError);
@@ -19,6 +21,7 @@ pub fn raise(error: Error, leading: &[usize]) -> PyErr {
         ErrorKind::Infeasible => InfeasibleMotionError::new_err(message),
         ErrorKind::Underdetermined => UnderdeterminedError::new_err(message),
         ErrorKind::Memory => PyMemoryError::new_err(message),
+        ErrorKind::Interrupted => interruption(error.row),
     }
 }
 

@@ -15,7 +15,7 @@ use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 use super::input::{settings, steering_left_out};
 use super::values::{Gyroscope, Noise};
 use crate::arguments::ArgumentKind;
-use crate::convert::{OrRaise, Rows, Scalars, choice, compute, number, raise, refuse};
+use crate::convert::{OrRaise, Rows, Scalars, choice, compute, is_interrupted, number, raise, refuse};
 use crate::rover::Rover;
 
 /// Names of the dimensions of wheels, as of `TwistJacobian`, in the order of `DIMENSIONS`; of constant slip; of the bias.
@@ -183,7 +183,7 @@ methods! { Preintegrated:
         };
         self.replayed = None;
         let core = &mut self.core;
-        compute(py, wheels.count(), || core.add_log(log, attitudes)).map_err(|error| {
+        compute(py, wheels.count(), || core.add_log(log, attitudes, is_interrupted)).map_err(|error| {
             let row = error.row.filter(|_| !leading.is_empty());
             raise(Error { row, ..error }, leading)
         })

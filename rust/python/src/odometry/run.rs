@@ -7,7 +7,7 @@ use six_wheel_odometry::{Recording, TrackRows};
 
 use super::Odometry;
 use super::input::{Columns, build_track};
-use crate::convert::{Array, Output, Scalars, compute_rows, memory};
+use crate::convert::{Array, Output, Scalars, compute_rows, is_interrupted, memory};
 
 methods! { Odometry:
     /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
@@ -70,7 +70,7 @@ methods! { Odometry:
         };
         let mut work = self.work.lock(py)?;
         let core = &mut work.core;
-        compute_rows(py, rows, &log.wheels.leading, || core.run(recording, log.is_strict, track))?;
+        compute_rows(py, rows, &log.wheels.leading, || core.run(recording, log.is_strict, track, is_interrupted))?;
         drop(work);
         let finish = |out: Option<Output<'py>>| -> PyResult<Option<Array<'py>>> { out.map(Output::finish).transpose() };
         let stamps = memory::array(py, log.stamps.flat(), &[rows])?;

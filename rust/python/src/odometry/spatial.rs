@@ -11,7 +11,7 @@ use six_wheel_odometry::Settings;
 
 use super::input::{Columns, build_track, row, settings};
 use super::values::Noise;
-use crate::convert::{OrRaise, Output, Rows, Scalars, compute_rows, memory, ready};
+use crate::convert::{OrRaise, Output, Rows, Scalars, compute_rows, is_interrupted, memory, ready};
 use crate::state_lock::Shared;
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
@@ -254,7 +254,7 @@ methods! { Odometry3:
         };
         let mut core = self.work.lock(py)?;
         let work = &mut *core;
-        compute_rows(py, rows, leading, || work.run(recording, log.is_strict, track))?;
+        compute_rows(py, rows, leading, || work.run(recording, log.is_strict, track, is_interrupted))?;
         drop(core);
         let finish = |out: Option<Output<'py>>| out.map(Output::finish).transpose();
         let stamps = memory::array(py, log.stamps.flat(), &[rows])?;

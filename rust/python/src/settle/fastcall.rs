@@ -1,6 +1,7 @@
 //! The quick way of `Suspension.settle`: one pose.
 
 use pyo3::prelude::*;
+use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::ground::{self, Settler, Status};
 
 use super::Stand;
@@ -21,7 +22,7 @@ fn settle<'py>(this: Borrowed<'_, 'py, Suspension>, [ground, pose]: Arguments<'_
     let (ground, pose) = (&ground?.cast::<Terrain>().ok()?.get().0, three(pose?)?);
     let settler = Settler::new(ground, &suspension.chain);
     let mut stands = vec![ground::Stand::nothing(Status::NotConverged)];
-    ground::settle(&settler, &[pose], &[], 1, &mut stands).ok()?;
+    ground::settle(&settler, &[pose], &[], Workers::PLAIN, &mut stands).ok()?;
     let stand = Stand {
         suspension: this.to_owned().unbind(),
         ground: ground.clone(),

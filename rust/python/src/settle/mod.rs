@@ -83,7 +83,7 @@ methods! { Suspension:
         let rows = poses.triples();
         let nothing = ground::Stand::nothing(Status::NotConverged);
         let mut stands = memory::filled(nothing, rows.len())?;
-        compute(py, rows.len(), || ground::settle(&settler, rows, &steering, workers.threads, &mut stands)).map_err(
+        compute(py, rows.len(), || ground::settle(&settler, rows, &steering, workers, &mut stands)).map_err(
             |error| {
                 let one = error.argument == "steering" && error.row.is_none();
                 raise(error, if one { &[] } else { &poses.leading })

@@ -203,7 +203,7 @@ methods! { RockerBogie:
             let margins = Margins { yaw, position };
             let [left, right] = sides.each_mut().map(Vec::as_mut_slice);
             let blocks = [z, roll, pitch, tilt, clearance, rocker, &mut *left, &mut *right, drop];
-            core::bounds(&plans, map, rows, margins, blocks, &mut status, workers);
+            core::bounds(&plans, map, rows, margins, blocks, &mut status, workers)?;
             for ((pair, left), right) in bogies.iter_mut().zip(&*left).zip(&*right) {
                 *pair = [left[0], left[1], right[0], right[1]];
             }

@@ -10,7 +10,6 @@ use crate::suspension::{Dimensions, MAX_WHEELS};
 use six_wheel_numerics::error::{Error, number};
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_numerics::threads::workers::for_each;
 
 /// Limits of an admissible pose: largest sizes of angles [rad], least clearance and largest drop of a wheel [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -226,16 +225,19 @@ impl<'a> Judge<'a> {
     /// Checks for every pose, all finite, if the rover may stand there. Fails if there is no memory for the pyramid.
     pub fn judge(&self, poses: &[[f64; 3]], verdicts: &mut [Verdict], workers: Workers) -> Result<(), Error> {
         let ground = Ground { pyramid: self.settler.ground.pyramid()?, error: self.error };
-        let share = poses.len().div_ceil(workers.threads.max(1)).max(64);
+        let share = poses.len().div_ceil(workers.threads.max(1)).clamp(64, 2048);
         let parts = poses.chunks(share).zip(verdicts.chunks_mut(share));
-        for_each(parts, |(poses, verdicts)| {
-            self.some(ground, poses, verdicts, workers.level);
-            Ok(())
-        })
+        workers.for_each(parts, |(poses, verdicts)| self.some(ground, poses, verdicts, workers.level))
     }
 
-    fn some(&self, ground: Ground<'_>, poses: &[[f64; 3]], verdicts: &mut [Verdict], level: Level) {
-        let workers = Workers { threads: 1, level, fresh: false };
+    fn some(
+        &self,
+        ground: Ground<'_>,
+        poses: &[[f64; 3]],
+        verdicts: &mut [Verdict],
+        level: Level,
+    ) -> Result<(), Error> {
+        let workers = Workers { level, ..Workers::PLAIN };
         let mut table = Box::new([[[0.0; 2]; BLOCK]; COUNT]);
         let mut worth = [Knowledge::Beyond; BLOCK];
         let margins = Margins { yaw: &[0.0], position: &[0.0] };
@@ -245,7 +247,7 @@ impl<'a> Judge<'a> {
             let targets = table.each_mut().map(|block| &mut block[..some.len()]);
             let worth = &mut worth[..some.len()];
             let plan = std::slice::from_ref(&self.plan);
-            bounds(plan, ground, some, margins, targets, worth, workers);
+            bounds(plan, ground, some, margins, targets, worth, workers)?;
             for (k, worth) in worth.iter().enumerate() {
                 let by_bounds = || self.by_bounds(&table.each_ref().map(|block| block[k]));
                 // What might stand on unknown ground may not: nothing but another map can tell.
@@ -266,6 +268,7 @@ impl<'a> Judge<'a> {
             }
         }
         self.settled(&open, poses, verdicts);
+        Ok(())
     }
 
     /// Settles what bounds leave open.

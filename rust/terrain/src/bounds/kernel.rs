@@ -8,6 +8,7 @@ use super::stand::Under;
 use crate::interval::{Interval, all};
 use crate::pyramid::{Boxes, Pyramid, nothing};
 use crate::suspension::lanes::MOST;
+use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, ROUND, sin_cos};
@@ -49,7 +50,7 @@ impl Margins<'_> {
 
 /// The bounds of every pose `[x, y, yaw]`, finite. Writes for each of the quantities a block of intervals, a row
 /// per pose, and the worth of every row; intervals that are not known are NaN. Poses whose wheels may leave the boxes
-/// of a plan are tried with the next.
+/// of a plan are tried with the next. Fails only where it is interrupted.
 pub fn bounds(
     plans: &[BoundsConstants],
     ground: Ground<'_>,
@@ -58,7 +59,7 @@ pub fn bounds(
     blocks: [&mut [[f64; 2]]; COUNT],
     worth: &mut [Knowledge],
     workers: Workers,
-) {
+) -> Result<(), Error> {
     let workers = workers.here();
     let share = workers.share(poses.len());
     let mut blocks = blocks.map(|block| block.chunks_mut(share));
@@ -71,11 +72,10 @@ pub fn bounds(
         blocks: blocks.each_mut().map(|block| block.next().unwrap_or_default()),
         worth,
     });
-    // A job does not fail.
-    let _ = workers.for_each(jobs, |job| {
+    workers.for_each(jobs, |job| {
         workers.level.run_any(job);
         Ok(())
-    });
+    })
 }
 
 /// Poses that one thread takes.

@@ -5,10 +5,13 @@ use super::settler::{Settler, Status};
 use super::stand::Stand;
 use crate::suspension::{MAX_WHEELS, PlanPose};
 use six_wheel_numerics::error::{Error, finite};
-use six_wheel_numerics::threads::workers::for_each;
+use six_wheel_numerics::threads::workers::Workers;
 
 /// Poses from which it is worth to start a thread: some ten microseconds each.
 const WORTH_A_THREAD: usize = 64;
+
+/// Poses of a share at most: some ten milliseconds.
+const MOST: usize = 2048;
 
 /// Nodes of a map for every pose up to which it is worth to know its highest places beforehand.
 const WORTH_A_PYRAMID: usize = 64;
@@ -24,7 +27,7 @@ pub fn settle(
     settler: &Settler<'_>,
     poses: &[[f64; 3]],
     steering: &[f64],
-    threads: usize,
+    workers: Workers,
     stands: &mut [Stand],
 ) -> Result<(), Error> {
     let joints = settler.chain.steering().len();
@@ -46,9 +49,9 @@ pub fn settle(
         // It only saves time: where there is no memory for it, rims are walked without.
         let _ = settler.ground.pyramid();
     }
-    let share = poses.len().div_ceil(threads.max(1)).max(WORTH_A_THREAD);
+    let share = poses.len().div_ceil(workers.threads.max(1)).clamp(WORTH_A_THREAD, MOST);
     let parts = poses.chunks(share).zip(stands.chunks_mut(share));
-    for_each(parts.enumerate(), |(k, (poses, stands))| {
+    workers.for_each(parts.enumerate(), |(k, (poses, stands))| {
         let angles = |row: usize| angles(k * share + row);
         settle_part(settler, poses, &angles, stands);
         Ok(())

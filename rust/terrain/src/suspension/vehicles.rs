@@ -231,6 +231,7 @@ mod tests {
     use crate::suspension::{Bogie, Differential, PlanPose, RockerBogie, Steered};
     use crate::terrain::{Heights, Terrain};
     use six_wheel_numerics::simd::level::Level;
+    use six_wheel_numerics::threads::workers::Workers;
 
     fn chains() -> Result<Vec<Chain>, Error> {
         let level = SteeringRange::default();
@@ -313,7 +314,7 @@ mod tests {
             for level in Level::available() {
                 let settler = Settler { level, ..Settler::new(&ground, &chain) };
                 let mut stands = vec![Stand::nothing(Status::NotConverged); poses.len()];
-                settle(&settler, &poses, &steering, 1, &mut stands)?;
+                settle(&settler, &poses, &steering, Workers::PLAIN, &mut stands)?;
                 for (pose, stand) in poses.iter().zip(&stands) {
                     let alone = settler.settle((*pose).into(), &steering)?;
                     assert!(stand.status == Status::Settled);

@@ -7,7 +7,7 @@ use six_wheel_odometry::preintegrated::space::Motion3;
 use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, PLANE, PreintegratedMotion};
 
 use super::{BIAS, Core, Matrix, NAMES, Named, Preintegrated, SLIPS};
-use crate::convert::{OrRaise, Rows, Scalars, compute, numbers, raise, refuse};
+use crate::convert::{OrRaise, Rows, Scalars, compute, is_interrupted, numbers, raise, refuse};
 
 impl Preintegrated {
     pub(super) fn with(&self, core: Core, py: Python<'_>) -> Self {
@@ -26,7 +26,7 @@ impl Preintegrated {
     pub(super) fn replayed(&mut self, py: Python<'_>) -> PyResult<&PreintegratedMotion> {
         if self.replayed.is_none() {
             let core = &self.core;
-            let replayed = compute(py, core.len(), || core.replay()).map_err(|e| raise(e, &[]))?;
+            let replayed = compute(py, core.len(), || core.replay(is_interrupted)).map_err(|e| raise(e, &[]))?;
             self.replayed = Some(replayed);
         }
         self.replayed.as_ref().ok_or_else(|| refuse("samples", "be there", "none"))
