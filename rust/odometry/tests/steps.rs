@@ -6,6 +6,7 @@ use six_wheel_kinematics::geometry::Pose;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::error::Error;
+use six_wheel_numerics::threads::workers::never;
 use six_wheel_odometry::dimensions::NUMBERS;
 use six_wheel_odometry::{Deviations, Encoder, Gyroscope, Noise, Odometry, Recording, Sample, Settings, TrackRows};
 
@@ -209,8 +210,8 @@ proptest! {
         let mut singly = whole.clone();
         let cut = cut.min(rows.len());
         let mut found = Found::new(rows.len(), count);
-        whole.run(log.of(0..cut, count, joints), false, found.of(0..cut, count))?;
-        whole.run(log.of(cut..rows.len(), count, joints), false, found.of(cut..rows.len(), count))?;
+        whole.run(log.of(0..cut, count, joints), false, found.of(0..cut, count), never)?;
+        whole.run(log.of(cut..rows.len(), count, joints), false, found.of(cut..rows.len(), count), never)?;
         for k in 0..rows.len() {
             let steering = &log.steering[k * joints..(k + 1) * joints];
             let wheels = &log.wheels[k * count..(k + 1) * count];
@@ -249,7 +250,7 @@ fn in_no_time_nothing_slides() -> Result<(), Error> {
         stamps,
     };
     let mut found = Found::new(20, 6);
-    Odometry::new(rover, Settings::default())?.run(log.of(0..20, 6, 4), true, found.of(0..20, 6))?;
+    Odometry::new(rover, Settings::default())?.run(log.of(0..20, 6, 4), true, found.of(0..20, 6), never)?;
     assert!(found.residuals.iter().all(|slid| *slid == 0.0));
     assert!(found.twists.as_flattened().iter().all(|part| *part == 0.0));
     Ok(())

@@ -1,4 +1,4 @@
-"""Ctrl-C in the middle of a long call: it ends while it computes, and objects are at a row that the error names.
+"""Ctrl-C in the middle of a long call: it ends while it computes, objects at a row that the error names.
 
 Once all of a call was computed before the interpreter heard of the signal: 5.4 s for a log on ground.
 """
@@ -16,8 +16,8 @@ import pytest
 
 import six_wheel as sw
 
-# Each call takes a second at least on the machines of 2026. A thread sends SIGINT 0.2 s after it began: what has not
-# returned by then is interrupted, and the process says so.
+# Each call takes a second at least on the machines of 2026. A thread sends SIGINT 0.2 s after it began: what
+# has not returned by then is interrupted, and the process says so.
 CHILD = """
 import os, signal, threading, time
 import numpy as np
@@ -76,14 +76,14 @@ def log():
     rover = sw.Rover.preset("perseverance")
     angles, speeds = rover.inverse((0.1, 0.0, 0.02))
     stamps = 0.01 * np.arange(5_000_000)
-    return rover, (np.broadcast_to(angles, (len(stamps), len(angles))), stamps[:, None] * speeds, stamps)
+    return rover, (np.tile(angles, (len(stamps), 1)), stamps[:, None] * speeds, stamps)
 
 
 @contextmanager
 def interrupted(handler: Callable[..., object]) -> Iterator[None]:
-    """SIGINT 0.05 s from now, taken by this handler."""
+    """SIGINT 0.3 s from now, taken by this handler."""
     before = signal.signal(signal.SIGINT, handler)
-    timer = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT))
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     try:
         yield

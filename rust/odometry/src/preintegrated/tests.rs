@@ -2,6 +2,7 @@ use super::*;
 use crate::Noise;
 use six_wheel_kinematics::estimate::sensitivity::Quantity;
 use six_wheel_kinematics::wheels::{Pivot, Wheel};
+use six_wheel_numerics::threads::workers::never;
 
 fn noise() -> Noise {
     Noise { speed: 0.02, steering: 0.01, slip: 0.01, side_slip: 0.02, ..Noise::READINGS }
@@ -72,7 +73,7 @@ fn whole(rover: Rover, options: PreintegrationOptions) -> Preintegrated {
 fn a_replay_is_the_motion_of_odometry() {
     for gyroscope in [None, Some(Gyroscope::default())] {
         let motion = whole(rover(|_, _| {}), options(gyroscope));
-        let replayed = motion.replay().unwrap();
+        let replayed = motion.replay(never).unwrap();
         let pose = motion.pose().unwrap();
         assert!((replayed.yaw - pose.yaw).abs() < 1e-13);
         assert!((replayed.motion.translation.x - pose.x).abs() < 1e-13);
@@ -91,16 +92,16 @@ fn a_replay_is_the_motion_of_odometry() {
 #[test]
 fn parts_are_the_whole() {
     let motion = whole(rover(|_, _| {}), options(Some(Gyroscope::default())));
-    let all = motion.replay().unwrap();
+    let all = motion.replay(never).unwrap();
     for stamp in [0.0, 0.02, 0.05, 1.0, 1.234, 3.94, 3.95] {
         let [first, second] = motion.split(stamp).unwrap();
         assert_eq!(first.span().unwrap()[1], second.span().unwrap()[0]);
-        let (a, b) = (first.replay().unwrap(), second.replay().unwrap());
+        let (a, b) = (first.replay(never).unwrap(), second.replay(never).unwrap());
         let composed = a.motion.compose(&b.motion);
         assert!((composed.translation - all.motion.translation).norm() < 1e-13);
         assert!(composed.rotation.angle_to(&all.motion.rotation) < 1e-13);
         let merged = first.merge(&second).unwrap();
-        let again = merged.replay().unwrap();
+        let again = merged.replay(never).unwrap();
         assert!((again.motion.translation - all.motion.translation).norm() < 1e-13);
         assert!((again.covariance - all.covariance).amax() < 1e-15);
         // What a later part answers to stays, what an earlier one does is carried along.
@@ -112,7 +113,7 @@ fn parts_are_the_whole() {
         // Cut twice within one step.
         if let Ok([middle, last]) = second.split(stamp + 0.01) {
             let joined = first.merge(&middle.merge(&last).unwrap()).unwrap();
-            let joined = joined.replay().unwrap();
+            let joined = joined.replay(never).unwrap();
             assert!((joined.covariance - all.covariance).amax() < 1e-15);
         }
         assert!(second.merge(&first).is_err());
@@ -122,7 +123,7 @@ fn parts_are_the_whole() {
 #[test]
 fn derivatives_are_differences() {
     let plain = whole(rover(|_, _| {}), options(None));
-    let all = plain.replay().unwrap();
+    let all = plain.replay(never).unwrap();
     let step = 1e-6;
     for i in 0..4 {
         for quantity in DIMENSIONS {
@@ -144,7 +145,7 @@ fn derivatives_are_differences() {
                         }
                     }
                 });
-                whole(changed, options(None)).replay().unwrap().motion
+                whole(changed, options(None)).replay(never).unwrap().motion
             };
             let back = all.motion.inverse();
             let difference = (back.compose(&moved(step)).log() - back.compose(&moved(-step)).log()) / (2.0 * step);
@@ -158,7 +159,7 @@ fn derivatives_are_differences() {
 fn the_bias_of_a_gyroscope_has_its_derivative() {
     let with = |bias: f64| {
         let gyroscope = Gyroscope { bias, ..Gyroscope::default() };
-        whole(rover(|_, _| {}), options(Some(gyroscope))).replay().unwrap()
+        whole(rover(|_, _| {}), options(Some(gyroscope))).replay(never).unwrap()
     };
     let (here, more, less) = (with(0.01), with(0.01 + 1e-5), with(0.01 - 1e-5));
     let back = here.motion.inverse();
@@ -168,7 +169,7 @@ fn the_bias_of_a_gyroscope_has_its_derivative() {
 
 #[test]
 fn residuals_answer_as_their_differences_do() {
-    let motion = whole(rover(|_, _| {}), options(None)).replay().unwrap().motion;
+    let motion = whole(rover(|_, _| {}), options(None)).replay(never).unwrap().motion;
     let first = Motion3::exp(&Vector6::new(0.3, -1.0, 0.2, 0.1, -0.2, 0.8));
     let off = Motion3::exp(&Vector6::new(0.05, 0.02, -0.01, 0.1, 0.05, -0.2));
     let second = first.compose(&motion).compose(&off);
@@ -197,7 +198,7 @@ fn residuals_answer_as_their_differences_do() {
 #[test]
 fn a_tilted_plane_is_a_plane() {
     // The same wheels on a slope: seen along it, the same motion.
-    let flat = whole(rover(|_, _| {}), options(None)).replay().unwrap();
+    let flat = whole(rover(|_, _| {}), options(None)).replay(never).unwrap();
     let tilt = UnitQuaternion::from_euler_angles(0.4, -0.7, 2.0);
     let mut sloped = Preintegrated::new(
         rover(|_, _| {}),
@@ -215,7 +216,7 @@ fn a_tilted_plane_is_a_plane() {
         let attitude = [parts.x, parts.y, parts.z, parts.w];
         sloped.add(source.sample(k), Some(attitude)).unwrap();
     }
-    let seen = sloped.replay().unwrap();
+    let seen = sloped.replay(never).unwrap();
     assert!((seen.motion.translation - flat.motion.translation).norm() < 1e-12);
     assert!(seen.motion.rotation.angle_to(&flat.motion.rotation) < 1e-12);
     // Tilt errs by the readings at both ends, however many there are between.
