@@ -44,7 +44,7 @@ def build() -> Path:
     done = subprocess.run(
         command, cwd=ROOT, env=os.environ | BUILD, capture_output=True, text=True, check=False
     )
-    found = re.search(r"\((target\S*/instructions-\w+)\)", done.stderr)
+    found = re.search(r"\((\S*/instructions-\w+)\)", done.stderr)
     if done.returncode or found is None:
         raise SystemExit(done.stderr)
     return ROOT / found[1]

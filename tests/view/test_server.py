@@ -130,16 +130,28 @@ def test_nothing_is_left_of_a_view(opened: Open) -> None:
         status(int(view.url.rpartition(":")[2]))
 
 
-def test_the_command_prints_its_address_alone_and_ends_by_ctrl_c() -> None:
-    command = [sys.executable, "-m", "six_wheel", "view", "husky", "--no-browser"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+@pytest.mark.parametrize("first", [signal.default_int_handler, signal.SIG_IGN])
+def test_the_command_prints_its_address_alone_and_ends_by_ctrl_c(first: Any) -> None:
+    """Also where a shell ignores Ctrl-C for programs in the background, and nobody but the test sends it."""
+    command = [sys.executable, "-X", "faulthandler", "-m", "six_wheel", "view", "husky", "--no-browser"]
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, first),
+    )
     try:
         assert process.stdout is not None
         line = process.stdout.readline()
         assert line.startswith("http://127.0.0.1:")
         assert line.endswith("  (Ctrl-C ends)\n")
         os.kill(process.pid, signal.SIGINT)
-        out, err = process.communicate(timeout=60)
+        try:
+            out, err = process.communicate(timeout=60)
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGABRT)  # where its threads are goes to the error output
+            out, err = process.communicate(timeout=60)
     finally:
         process.kill()
     assert (process.returncode, out, err) == (0, "", "")

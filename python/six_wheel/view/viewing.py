@@ -189,10 +189,12 @@ class View:
             yield 1.0 / RATE
         self.time = before
 
-    def wait(self) -> None:
-        """Wait until it is closed, from another thread or by Ctrl-C."""
-        while not self._closed.wait(0.5):
-            pass
+    def wait(self, timeout: float | None = None) -> bool:
+        """Wait until it is closed from another thread, or for a time [s]; whether it is closed.
+
+        Ctrl-C ends the wait with a `KeyboardInterrupt`.
+        """
+        return self._closed.wait(timeout)
 
     def close(self) -> None:
         """End it, within about a second; a second time nothing happens."""

@@ -179,12 +179,7 @@ impl Preintegrated {
         let sample = Sample { yaw_rate: sample.yaw_rate.map(|rate| rate - bias), ..sample };
         self.reserve(1)?;
         self.odometry.update(sample)?;
-        let samples = &mut self.samples;
-        samples.stamps.push(sample.stamp);
-        samples.steering.extend_from_slice(sample.steering);
-        samples.wheels.extend_from_slice(sample.wheels);
-        samples.rates.push(sample.yaw_rate.unwrap_or(f64::NAN));
-        samples.attitudes.extend(attitude);
+        self.samples.push(sample, attitude);
         Ok(())
     }
 
@@ -290,11 +285,7 @@ impl Preintegrated {
         for k in rows {
             let sample = other.sample(k);
             self.odometry.update(sample)?;
-            self.samples.stamps.push(sample.stamp);
-            self.samples.steering.extend_from_slice(sample.steering);
-            self.samples.wheels.extend_from_slice(sample.wheels);
-            self.samples.rates.push(other.samples.rates[k]);
-            self.samples.attitudes.extend(other.samples.attitudes.get(k));
+            self.samples.push(sample, other.samples.attitudes.get(k).copied());
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 """`six-wheel view`: a rover or a record in the browser."""
 
 import os
-import sys
+import signal
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -95,12 +95,13 @@ def view(
         if page.export is not None:
             print(shown.save(page.export).resolve())
             return
-        try:
-            print(f"{shown.url}  (Ctrl-C ends)", flush=True)
-            if not page.no_browser:
-                browse(shown.url)
-            shown.wait()
-        except KeyboardInterrupt:
-            shown.close()
-            sys.stdout.flush()
-            os._exit(0)  # threads of a server with a browser on it would be waited for
+        caught: list[int] = []
+        # An exception could be raised within a callback of a library, which loses it.
+        signal.signal(signal.SIGINT, lambda number, _frame: caught.append(number))
+        print(f"{shown.url}  (Ctrl-C ends)", flush=True)
+        if not page.no_browser:
+            browse(shown.url)
+        while not caught and not shown.wait(0.1):
+            pass
+        shown.close()
+        os._exit(0)  # threads of a server with a browser on it would be waited for

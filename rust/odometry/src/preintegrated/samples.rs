@@ -1,5 +1,7 @@
 //! Samples of a motion, as they were taken in.
 
+use crate::samples::recording::Sample;
+
 /// Samples between two instants, first one included.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Samples {
@@ -13,4 +15,16 @@ pub struct Samples {
     pub rates: Vec<f64>,
     /// Unit quaternions x, y, z, w; none in the plane.
     pub attitudes: Vec<[f64; 4]>,
+}
+
+impl Samples {
+    /// Takes in one, with its attitude in space.
+    #[inline]
+    pub(super) fn push(&mut self, sample: Sample<'_>, attitude: Option<[f64; 4]>) {
+        self.stamps.push(sample.stamp);
+        self.steering.extend_from_slice(sample.steering);
+        self.wheels.extend_from_slice(sample.wheels);
+        self.rates.push(sample.yaw_rate.unwrap_or(f64::NAN));
+        self.attitudes.extend(attitude);
+    }
 }

@@ -1,14 +1,11 @@
 //! Kernels that run while the interpreter's lock is released.
 
-use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
 
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use six_wheel_numerics::error::Error;
 
-use super::errors::OrRaise;
+use super::errors::{OrRaise, begin_kernel};
 use super::memory;
 
 /// Rows from which a call lets other Python threads run meanwhile.
@@ -44,46 +41,11 @@ impl Drop for ActiveKernelCount {
     }
 }
 
-/// Time between two questions to the interpreter, each of which may wait for its lock.
-const BETWEEN_QUESTIONS: Duration = Duration::from_millis(50);
-
-thread_local! {
-    /// When this thread asked last, or began its kernel.
-    static ASKED: Cell<Option<Instant>> = const { Cell::new(None) };
-    /// The exception of the signal that ended a kernel of this thread.
-    static ENDED_BY: RefCell<Option<PyErr>> = const { RefCell::new(None) };
-}
-
-/// Asks the interpreter whether a signal's handler has raised an exception, which ends the kernel at work.
-pub fn is_interrupted() -> bool {
-    let now = Instant::now();
-    let is_due = ASKED.get().is_none_or(|asked| now.duration_since(asked) >= BETWEEN_QUESTIONS);
-    if !is_due {
-        return false;
-    }
-    let raised = Python::attach(|py| py.check_signals().err());
-    ASKED.set(Some(Instant::now()));
-    let ends = raised.is_some();
-    ENDED_BY.with(|ended_by| *ended_by.borrow_mut() = raised);
-    ends
-}
-
-/// The exception that ended a kernel, with the row that would have been the next, if objects are at it.
-pub(super) fn interruption(row: Option<usize>) -> PyErr {
-    let error = ENDED_BY.with(|ended_by| ended_by.borrow_mut().take());
-    let error = error.unwrap_or_else(|| PyKeyboardInterrupt::new_err(()));
-    if let Some(row) = row {
-        // Without room for a note the exception says what it said.
-        let _ = Python::attach(|py| error.value(py).call_method1("add_note", (format!("before row {row}"),)).map(drop));
-    }
-    error
-}
-
 /// Runs a kernel, letting other Python threads run meanwhile if it takes long enough to matter.
 pub fn compute<T: Send>(py: Python<'_>, rows: usize, kernel: impl FnOnce() -> T + Send) -> T {
     if rows >= DETACH_ROWS {
         let _at_work = ActiveKernelCount::begin();
-        ASKED.set(Some(Instant::now()));
+        begin_kernel();
         py.detach(kernel)
     } else {
         kernel()

@@ -1,12 +1,13 @@
-//! Exceptions with the argument, the rule and the value.
+//! Exceptions with the argument, the rule and the value, and those of signals that end a kernel.
 
-use pyo3::exceptions::{PyMemoryError, PyOverflowError, PyTypeError, PyValueError};
+use std::cell::{Cell, RefCell};
+use std::time::{Duration, Instant};
+
+use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyOverflowError, PyTypeError, PyValueError};
 use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyTuple};
 use six_wheel_numerics::error::{Error, ErrorKind, finite};
-
-use super::compute::interruption;
 use six_wheel_numerics::sizes::are_finite;
 
 import_exception!(six_wheel.kinematics.errors, ArgumentTypeError);
@@ -36,6 +37,46 @@ impl<T> OrRaise<T> for Result<T, Error> {
     fn or_raise(self, leading: &[usize]) -> PyResult<T> {
         self.map_err(|error| raise(error, leading))
     }
+}
+
+/// Time between two questions to the interpreter, each of which may wait for its lock.
+const BETWEEN_QUESTIONS: Duration = Duration::from_millis(50);
+
+thread_local! {
+    /// When this thread asked last, or began its kernel.
+    static ASKED: Cell<Option<Instant>> = const { Cell::new(None) };
+    /// The exception of the signal that ended a kernel of this thread.
+    static ENDED_BY: RefCell<Option<PyErr>> = const { RefCell::new(None) };
+}
+
+/// Begins the time until the first question of a kernel.
+pub(super) fn begin_kernel() {
+    ASKED.set(Some(Instant::now()));
+}
+
+/// Asks the interpreter whether a signal's handler has raised an exception, which ends the kernel at work.
+pub fn is_interrupted() -> bool {
+    let now = Instant::now();
+    let is_due = ASKED.get().is_none_or(|asked| now.duration_since(asked) >= BETWEEN_QUESTIONS);
+    if !is_due {
+        return false;
+    }
+    let raised = Python::attach(|py| py.check_signals().err());
+    begin_kernel();
+    let ends = raised.is_some();
+    ENDED_BY.with(|ended_by| *ended_by.borrow_mut() = raised);
+    ends
+}
+
+/// The exception that ended a kernel, with the row that would have been the next, if objects are at it.
+fn interruption(row: Option<usize>) -> PyErr {
+    let error = ENDED_BY.with(|ended_by| ended_by.borrow_mut().take());
+    let error = error.unwrap_or_else(|| PyKeyboardInterrupt::new_err(()));
+    if let Some(row) = row {
+        // Without room for a note the exception says what it said.
+        let _ = Python::attach(|py| error.value(py).call_method1("add_note", (format!("before row {row}"),)).map(drop));
+    }
+    error
 }
 
 /// `[1, 3]`: a flat row number as an index.
