@@ -201,10 +201,21 @@ mod tests {
 
     #[test]
     fn an_interruption_ends_the_call_with_any_number_of_threads() {
+        // The other threads wait in their first share until the caller was asked: fast ones took every share before it.
+        static ASKED: AtomicBool = AtomicBool::new(false);
+        let caller = thread::current().id();
         for threads in [1, 2, 3] {
-            let workers = Workers { threads, is_interrupted: || true, ..Workers::PLAIN };
+            ASKED.store(false, Ordering::Relaxed);
+            let is_interrupted = || {
+                ASKED.store(true, Ordering::Relaxed);
+                true
+            };
+            let workers = Workers { threads, is_interrupted, ..Workers::PLAIN };
             let mut values = vec![0.0; 100_000];
             let ended = workers.rows(values.len(), [(&mut values, 1)], |_, [value]| {
+                while thread::current().id() != caller && !ASKED.load(Ordering::Relaxed) {
+                    thread::yield_now();
+                }
                 value.fill(1.0);
                 Ok(())
             });
