@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.kinematics.odometry.headers.columns import TableError
     from six_wheel.logs.detect_reader import open_log, read_log
     from six_wheel.logs.ground_truth import read_truth
+    from six_wheel.logs.headers.columns import TableError
     from six_wheel.logs.joints import JointLog, JointRows
     from six_wheel.logs.log_options import LogOptions
     from six_wheel.logs.recordings import GroundTruth, WheelLog

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
 
-from six_wheel.kinematics.odometry.headers.clock_times import is_clock_time
-from six_wheel.kinematics.odometry.headers.columns import BRACKETS, TIME, TableError, is_number, means, words
+from six_wheel.logs.headers.clock_times import is_clock_time
+from six_wheel.logs.headers.columns import BRACKETS, TIME, TableError, is_number, means, words
 
 __all__ = ["LONGEST_LINE", "Dialect", "cells_of", "open_text", "read_dialect"]
 

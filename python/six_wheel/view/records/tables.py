@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.columns import TableError
+from six_wheel.logs.headers.columns import TableError
 from six_wheel.view.records.record import Record
 
 __all__ = ["PoseTable", "read_table"]
