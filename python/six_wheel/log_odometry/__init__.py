@@ -1,6 +1,7 @@
-"""A log on disk to a track on disk, in chunks of constant memory, with what is to be said about it.
+"""Logs to tracks: `dead_reckoning` of arrays and tables, `run_log` of a file in chunks of constant memory,
+with what is to be said about it, `many_logs` over processes or a cluster.
 
-`run_log` does one, `many_logs` any number, over processes or a cluster; `evaluation` compares tracks with the
+`sensor_frames` turns the track of the body into that of a sensor; `evaluation` compares tracks with the
 truth.
 """
 

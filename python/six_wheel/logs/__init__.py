@@ -3,7 +3,8 @@
 `tables` reads commands, `joints` readings and `ground_truth` where it was, from tables (`skip_bad_rows` goes
 on after a bad one) or `bags`; `gyroscope` is rates in either; `log_options` says what a log does not state;
 `recordings` are logs in memory, `optiodom` an example of a reader; `detect_reader` opens any of them;
-`writing` replaces files. `mcap` has the records of a run.
+`writing` replaces files. `mcap` has the records of a run. `headers` finds columns, `frames` reads tables in
+memory, `plausibility` refuses readings that no rover has.
 """
 
 from typing import TYPE_CHECKING
