@@ -153,7 +153,7 @@ def _values(column: Floats) -> str:
 
 
 def _meanings(headers: Sequence[str], rover: Rover | None) -> dict[int, str]:
-    """What columns are, by their numbers."""
+    """The meanings of columns, by their numbers."""
     found: dict[str, Column] = {}
     for reader in (truth_columns, rate_columns):
         try:

@@ -12,7 +12,7 @@ SHOWN = 40  # letters of a row
 
 
 def renamed(headers: Sequence[str], columns: Columns, nameless: bool = False) -> list[str]:
-    """What the columns of a table are called.
+    """The names of the columns of a table, with those that its owner gives.
 
     Parameters
     ----------

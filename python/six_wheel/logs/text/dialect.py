@@ -174,7 +174,7 @@ def _numbers(text: str) -> bool:
 
 
 def _separators(text: str) -> list[str]:
-    """What may separate the cells of a line, the likeliest first."""
+    """Possible separators of the cells of a line, the likeliest first."""
     there = [each for each in SEPARATORS if each in text]
     return sorted(there, key=text.count, reverse=True) or ([SPACES] if len(text.split()) > 1 else [])
 

@@ -25,7 +25,7 @@ DRIVES = ("ControlledDrive", "Drive")
 
 
 def is_record(what: Any) -> bool:
-    """Whether something is a record, by its kind or the ending of its file."""
+    """True for a record, by its type or the ending of its file."""
     if isinstance(what, str | os.PathLike):
         path = Path(what)
         return path.suffix.lower() in ENDINGS or (path / "metadata.yaml").exists()

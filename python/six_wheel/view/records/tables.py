@@ -40,7 +40,7 @@ class PoseTable:
 
     @property
     def has_poses(self) -> bool:
-        """Whether it has times and poses, and says by its twists that they are those of a drive."""
+        """True if it has times, poses and the twists of a drive."""
         return {*POSE, *TWIST} <= {*self.names} and any(name in self.names for name in TIMES)
 
     def record(self, rover: Rover) -> Record:
