@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
+from tests.rovers import SWERVE
 
 ROVER = sw.Rover.preset("perseverance")
-SWERVE = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1)
 TWISTS = np.random.default_rng(1).normal(size=(5, 3)) * [1.0, 0.0, 0.3]
 STEERING, SPEEDS = ROVER.inverse(TWISTS)
 ROCKY, ARM = sw.RockerBogie.preset("rocky7"), sw.RockerBogie.preset("perseverance")
