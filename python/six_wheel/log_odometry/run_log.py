@@ -53,7 +53,6 @@ REMARKS = {
     OdometryHealth.RESTARTED: "clock or counters restarted",
 }
 
-
 UNUSED = (
     "the gyroscope is not used, for nobody said what it errs by: "
     "the key gyroscope of a parameter file does, as six-wheel calibrate writes it"

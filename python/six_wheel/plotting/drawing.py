@@ -29,8 +29,6 @@ FORBIDDEN, RECORDED = "#8e2f5b", "#e0a050"
 # Lines of one picture, which the colour-blind tell apart.
 # Source: M. Okabe, K. Ito, Color universal design, 2008.
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
-
-
 FORWARD_UP = np.pi / 2  # yaw that turns x forward to the top of the page, so that left is left
 WHEEL_WIDTH = 0.45  # of its diameter; a Rover does not know how wide its wheels are
 

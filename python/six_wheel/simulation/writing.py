@@ -1,7 +1,7 @@
 """A log in memory, into a table or a bag that `six-wheel odometry` and `calibrate` read."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -47,26 +47,36 @@ def write_log(log: WheelLog, rover: Rover, path: str | Path) -> None:
     if target.suffix.lower() == BAG:
         _write_bag(log, rover, target)
         return
-    columns: dict[str, tuple[str, Floats]] = {"time": ("s", log.stamps)}
-    in_ticks = {"wheel": "wheel_encoders" in log.options, "steering": "steering_encoders" in log.options}
-    for joint, column in joint_columns(log, rover).items():
-        kind = "steering" if joint in rover.steering_joints else "wheel"
-        unit = "ticks" if in_ticks[kind] else "rad"
-        # A table on disk states its units: Parquet in its metadata, CSV in its headers.
-        columns[f"{joint} [{unit}]" if target.suffix.lower() == ".csv" else joint] = (unit, column)
-    if log.yaw_rate is not None:
-        columns["yaw_rate"] = ("rad/s", log.yaw_rate)
+    columns = reading_columns(log, rover)
     if log.truth is not None:
         places = log.truth.at(log.stamps).T
         columns |= {name: (unit, place) for (name, unit), place in zip(POSE, places, strict=True)}
-    with (
-        replacing(target) as place,
-        TableWriter(place, {name: unit for name, (unit, _) in columns.items()}) as writer,
-    ):
-        writer.write([np.ascontiguousarray(column) for _, column in columns.values()])
+    write_columns(target, columns, {"time", "yaw_rate", *dict(POSE)})
 
 
 POSE = (("x", "m"), ("y", "m"), ("yaw", "rad"))
+
+
+def write_columns(path: Path, columns: Mapping[str, tuple[str, Any]], plain: Collection[str]) -> None:
+    """Write a table that states its units: Parquet in its metadata, CSV in all but its `plain` headers."""
+    stated = path.suffix.lower() == ".csv"
+    units = {
+        f"{name} [{unit}]" if stated and name not in plain else name: unit
+        for name, (unit, _) in columns.items()
+    }
+    with replacing(path) as place, TableWriter(place, units) as writer:
+        writer.write([np.ascontiguousarray(values) for _, values in columns.values()])
+
+
+def reading_columns(log: WheelLog, rover: Rover) -> dict[str, tuple[str, Any]]:
+    """Name to unit and values of what was read, in the order of a table."""
+    columns: dict[str, tuple[str, Any]] = {"time": ("s", log.stamps)}
+    for joint, values in joint_columns(log, rover).items():
+        kind = "steering_encoders" if joint in rover.steering_joints else "wheel_encoders"
+        columns[joint] = ("ticks" if kind in log.options else "rad", values)
+    if log.yaw_rate is not None:
+        columns["yaw_rate"] = ("rad/s", log.yaw_rate)
+    return columns
 
 
 def joint_columns(log: WheelLog, rover: Rover) -> dict[str, Floats]:
@@ -98,7 +108,7 @@ def _write_bag(log: WheelLog, rover: Rover, path: Path) -> None:
                 messages.transforms(stamp, {BODY: (WORLD, at, turn)})
             messages.odometry(stamp, *odometry[row])
             if log.yaw_rate is not None:
-                messages.imu(stamp, float(log.yaw_rate[row]))
+                messages.imu(stamp, (0.0, 0.0, log.yaw_rate[row]))
 
 
 def record_of(path: Path, rover: Rover) -> RecordWriter:
@@ -209,18 +219,18 @@ class Messages:
         }
         self._write("nav_msgs/msg/Odometry", stamp, WORLD, **fields)
 
-    def imu(self, stamp: int, rate: float) -> None:
-        zero, turning = self._vector((0.0, 0.0, 0.0)), self._vector((0.0, 0.0, rate))
+    def imu(self, stamp: int, rates: Iterable[float], turn: Floats | None = None) -> None:
+        """Rates of the body, and its attitude if the sensor has it."""
         unknown = np.zeros(9)
         unknown[0] = -1.0  # by REP 145: this sensor has none of it
         self._write(
             "sensor_msgs/msg/Imu",
             stamp,
             BODY,
-            orientation=self._quaternion(upright(0.0)),
-            orientation_covariance=unknown,
-            angular_velocity=turning,
+            orientation=self._quaternion(upright(0.0) if turn is None else turn),
+            orientation_covariance=unknown if turn is None else np.zeros(9),
+            angular_velocity=self._vector(rates),
             angular_velocity_covariance=np.zeros(9),
-            linear_acceleration=zero,
+            linear_acceleration=self._vector(np.zeros(3)),
             linear_acceleration_covariance=unknown,
         )
