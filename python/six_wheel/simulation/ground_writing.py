@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie
+from six_wheel.logs.mcap import frames
+from six_wheel.logs.mcap.rover_record import IMU, JOINTS, ODOMETRY, TRANSFORMS, TRUTH
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import replacing
@@ -106,34 +108,31 @@ def _write_bag(run: GroundSimulation, suspension: RockerBogie, path: Path) -> No
     places = np.column_stack((run.truth.poses[:, :2], stand.z))
     wheels = _wheel_transforms(run.in_radians(planar), run, suspension)
     with replacing(path) as place, record_of(place, planar) as writer:
-        messages = Messages(writer)
+        messages = Messages(writer, list(columns), (WORLD, BODY), *((BODY, name) for name in wheels))
         odometry = reckoned(run, planar)
         for row, stamp in enumerate(np.rint(run.stamps * 1e9).astype(np.int64).tolist()):
             if not np.isfinite(places[row]).all():
                 continue  # no way to stand was found here
-            messages.joints(stamp, list(columns), rows[row])
-            frames = {BODY: (WORLD, places[row], run.orientations[row])}
-            frames |= {name: (BODY, *transform[row]) for name, transform in wheels.items()}
-            messages.transforms(stamp, frames)
-            messages.posed(stamp, places[row], run.orientations[row])
-            messages.odometry(stamp, *odometry[row])
-            messages.imu(stamp, run.angular_velocity[row], run.orientations[row])
+            there = (*places[row], *run.orientations[row])
+            messages.write(JOINTS, stamp, rows[row])
+            messages.write(TRANSFORMS, stamp, there, *(transform[row] for transform in wheels.values()))
+            messages.write(TRUTH, stamp, there)
+            messages.write(ODOMETRY, stamp, *odometry[row])
+            messages.write(IMU, stamp, frames.inertial(run.angular_velocity[row], run.orientations[row]))
 
 
-def _wheel_transforms(
-    turned: WheelLog, run: GroundSimulation, suspension: RockerBogie
-) -> dict[str, list[tuple[Floats, Floats]]]:
+def _wheel_transforms(turned: WheelLog, run: GroundSimulation, suspension: RockerBogie) -> dict[str, Floats]:
     """Place and quaternion in the body of every wheel, turned as far as it has rolled, row by row."""
     assert run.stand is not None
     joints = np.nan_to_num(run.stand.joints)
-    frames = suspension.frames(joints[:, 0], joints[:, 1:], np.nan_to_num(run.stand.steering))
+    found = suspension.frames(joints[:, 0], joints[:, 1:], np.nan_to_num(run.stand.steering))
     transforms = {}
     for number, name in enumerate(suspension.wheel_names):
-        frame = frames[f"A{number + 1}"]
+        frame = found[f"A{number + 1}"]
         half = np.nan_to_num(turned.wheel_angles[:, number]) / 2.0
         spin = np.stack([np.zeros_like(half), np.sin(half), np.zeros_like(half), np.cos(half)], axis=-1)
         axes = _product(_quaternion(frame[:, :3, :3]), spin)
-        transforms[name] = list(zip(frame[:, :3, 3], axes, strict=True))
+        transforms[name] = np.concatenate([frame[:, :3, 3], axes], axis=1)
     return transforms
 
 
