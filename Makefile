@@ -12,7 +12,7 @@ SOAK ?= 50
 SOAKED = $(patsubst %,tests/%,core/oracles/test_batch.py core/oracles/test_rollout.py core/oracles/test_fast.py \
 	core/boundary/test_memory.py core/door/test_storm.py core/control/test_profiles.py core/control/test_profile_limits.py \
 	core/control/test_transitions.py core/control/test_controller.py core/control/test_controller_options.py \
-	cli/test_exit.py kinematics/odometry calibration core/ground/test_bounds.py \
+	cli/test_exit.py kinematics/odometry log_odometry/test_dead_reckon.py calibration core/ground/test_bounds.py \
 	core/ground/test_touching.py core/ground/test_mujoco.py core/ground/test_growth.py)
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')

@@ -19,8 +19,6 @@ from six_wheel.cli.shared import Chosen
 from tests.cli_runs import ROVER, Run
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-
-
 LIMITED = ROVER + "limits: {speed: 0.4, acceleration: 0.5, wheel_speed: 3.0}\n"
 WAITING = "control: {timeout: 2.0}\n"  # the commands are a second apart
 

@@ -15,13 +15,13 @@ from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.log_checks.copies import without_copies
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.run_calibration import calibrate
-from six_wheel.kinematics.odometry.dead_reckoning import dead_reckon
 from six_wheel.kinematics.odometry.dimensions import FRAME
 from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
-from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.poses import Floats, joined
+from six_wheel.log_odometry.dead_reckoning import dead_reckon
 from six_wheel.log_odometry.evaluation.paths import align
 from six_wheel.logs.detect_reader import AnyLog, logs_in, read_log
+from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.writing import replacing

@@ -19,8 +19,8 @@ from scipy.special import chdtri, fdtri, ndtri
 from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
 from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.wheel_noise import told_apart
-from six_wheel.kinematics.odometry import dead_reckon
 from six_wheel.kinematics.poses import Floats, inverse, joined
+from six_wheel.log_odometry import dead_reckon
 from six_wheel.logs import WheelLog
 
 # Standard deviation of the truth itself [m, m, rad]: motion capture.

@@ -6,7 +6,7 @@ import inspect
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_type_hints
 
@@ -47,7 +47,6 @@ KindOption = Annotated[
 RadiusOption = Annotated[
     float | None, typer.Option(help="Radius of the wheels [m], for a URDF that does not tell it.")
 ]
-
 
 WRITTEN = (
     "output",
@@ -236,6 +235,20 @@ def grid(rows: Sequence[tuple[str, object]]) -> Any:
         if value is not None:
             grid.add_row(name, str(value))
     return grid
+
+
+def text_table(
+    heads: Sequence[str], rows: Iterable[Sequence[str]], *, right: Collection[str] = (), **options: Any
+) -> Any:
+    """A table of text; the columns of `right` are set to the right. `options` are those of rich."""
+    from rich.table import Table
+
+    table = Table(**options)
+    for head in heads:
+        table.add_column(head, justify="right" if head in right else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    return table
 
 
 def angle_text(radians: float) -> str:

@@ -32,8 +32,6 @@ FORBIDDEN, RECORDED = "#8e2f5b", "#e0a050"
 # Lines of one picture, which the colour-blind tell apart.
 # Source: M. Okabe, K. Ito, Color universal design, 2008.
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
-
-
 LABEL, TICK = 9, 8.5  # [pt] of the words at an axis, of its numbers
 LETTERS = 14.5  # of size `LABEL` in an inch, about
 TINY = 2e-3  # ends of an axis below which its numbers have a power of ten in common

@@ -75,7 +75,7 @@ class Subject:
 
     @cached_property
     def origin(self) -> Floats:
-        """Of what is drawn, in the world (3,) [m]: the browser has single precision, maps long numbers."""
+        """Origin of the scene in the world (3,) [m]: the browser has single precision, maps long numbers."""
         x, y, _ = self.start
         height = 0.0 if self.ground is None else float(self.ground.height_at((x, y)))
         return np.array([x, y, height if np.isfinite(height) else 0.0])

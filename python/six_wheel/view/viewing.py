@@ -113,7 +113,7 @@ class View:
 
     @property
     def pose(self) -> tuple[float, float, float]:
-        """Where the rover is: x, y, yaw [m, m, rad]; assigning it moves the rover."""
+        """Pose of the rover: x, y, yaw [m, m, rad]; assigning it moves the rover."""
         return self._state.pose
 
     @pose.setter
@@ -141,7 +141,7 @@ class View:
 
     @property
     def motion(self) -> Motion:
-        """What the picture shows, as numbers."""
+        """The numbers of the picture."""
         return self._motion
 
     @property

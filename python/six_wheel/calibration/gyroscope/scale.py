@@ -9,8 +9,8 @@ from scipy.special import stdtrit
 from six_wheel._core import Rover
 from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.gyroscope.noise import resting
-from six_wheel.kinematics.odometry.dead_reckoning import dead_reckon
 from six_wheel.kinematics.poses import Floats
+from six_wheel.log_odometry.dead_reckoning import dead_reckon
 from six_wheel.logs.recordings import WheelLog
 
 STRETCH = 1.0  # [s] over which turns are compared

@@ -14,6 +14,7 @@ from six_wheel.cli.shared import (
     grid,
     new_console,
     progress_bar,
+    text_table,
     warn,
 )
 
@@ -103,7 +104,7 @@ def replay(
     warn(result.warnings)
     difference = compare(result)
     console = new_console()
-    console.print(_table(difference))
+    console.print(text_table(("", "recorded", "again"), difference.rows))
     written = [("record", output), ("picture", plot)]
     console.print(grid([*_verdict(difference, bool(changes)), *written]))
 
@@ -118,17 +119,6 @@ def _changes(given: list[str]) -> dict[str, Any]:
 
         changes[key.strip()] = read_value(value.strip())
     return changes
-
-
-def _table(difference: "Difference") -> Any:
-    from rich.table import Table
-
-    table = Table()
-    for heading in ("", "recorded", "again"):
-        table.add_column(heading, overflow="fold")
-    for row in difference.rows:
-        table.add_row(*row)
-    return table
 
 
 def _verdict(difference: "Difference", changed: bool) -> list[tuple[str, object]]:

@@ -172,7 +172,7 @@ def mobility_figure(found: Any, *, title: str | None) -> Figure:
 
 
 def _duration(motion: Floats) -> float:
-    """For how long a motion is drawn: half a radian, or a metre where it is straight [s]."""
+    """Time for which a motion is drawn [s]: that of half a radian, or of a metre where it is straight."""
     omega = float(motion[2])
     return 0.5 / abs(omega) if abs(omega) > 1e-9 else 1.0
 

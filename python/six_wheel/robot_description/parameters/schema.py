@@ -159,7 +159,7 @@ def _explain(detail: ErrorDetails, section: Section, form: Form, report: Report)
         remedy = "put it in quotes"
     elif kind == "float_type" and isinstance(value, str):
         remedy = _number_in(value) or remedy
-    report(section.line_of(at), at, message, remedy)
+    section.report(report, at, message, remedy)
 
 
 def _in_words_of_file(message: str, at: Path) -> tuple[str, Path]:

@@ -106,7 +106,7 @@ class Bodies:
         Few nodes are made, for each costs a message to the thread of the server.
         """
         colors = dict.fromkeys(color for _, color in parts)
-        joined = [(shapes.join([mesh for mesh, c in parts if c == color]), color) for color in colors]
+        joined = [(shapes.merge([mesh for mesh, c in parts if c == color]), color) for color in colors]
         first = self._frames[name] = self._add(name, *joined[0])
         return [first, *(self._add(f"{name}/{k}", *part) for k, part in enumerate(joined[1:]))]
 
@@ -140,7 +140,7 @@ class Bodies:
             if not parts:
                 continue
             ball = shapes.cylinder(path[1] - [0.0, thick, 0.0], path[1] + [0.0, thick, 0.0], 1.25 * thick)
-            self._group(link.frame, [(shapes.join([*parts, ball]), METAL)])
+            self._group(link.frame, [(shapes.merge([*parts, ball]), METAL)])
 
     def _add_body(self, motion: Motion) -> None:
         """A box of about the body's size, or a plate for a rover without a suspension."""

@@ -45,7 +45,7 @@ class Markers:
         tall = 0.85 * subject.size
         post = shapes.cylinder((0.0, 0.0, -0.2 * tall), (0.0, 0.0, tall), 0.055 * radius)
         ring = shapes.cylinder((0.0, 0.0, tall), (0.0, 0.0, tall + 0.06 * radius), 0.35 * radius, 24)
-        mesh = shapes.join([post, ring])
+        mesh = shapes.merge([post, ring])
         scene.add_mesh_simple(
             "/world/motion/icr/post",
             mesh.vertices.astype(np.float32),

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Mesh", "arc", "box", "cylinder", "join", "move", "nice_step", "ribbon", "tyre", "wheel_hub"]
+__all__ = ["Mesh", "arc", "box", "cylinder", "merge", "move", "nice_step", "ribbon", "tyre", "wheel_hub"]
 
 Floats: TypeAlias = NDArray[np.float64]
 GROUSERS = 18  # of a tyre: so many that one sees it turn
@@ -21,7 +21,7 @@ class Mesh(NamedTuple):
     faces: NDArray[Any]
 
 
-def join(meshes: Sequence[Mesh]) -> Mesh:
+def merge(meshes: Sequence[Mesh]) -> Mesh:
     """Meshes as one."""
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]
@@ -93,7 +93,7 @@ def tyre(radius: float, width: float, slant: float = 0.0) -> Mesh:
             bar = Mesh(bar.vertices @ _about_z(math.pi / 2 - slant).T, bar.faces)
         bar = move(bar, np.eye(3), (0.0, 0.0, 0.92 * radius))
         parts.append(Mesh(bar.vertices @ _about_y(angle).T, bar.faces))
-    return join(parts)
+    return merge(parts)
 
 
 def wheel_hub(radius: float, width: float) -> Mesh:
@@ -102,7 +102,7 @@ def wheel_hub(radius: float, width: float) -> Mesh:
     for angle in np.linspace(0.0, math.tau, SPOKES, endpoint=False).tolist():
         spoke = box((0.09 * radius, 0.3 * width, 0.6 * radius), (0.0, 0.0, 0.42 * radius))
         parts.append(Mesh(spoke.vertices @ _about_y(angle).T, spoke.faces))
-    return join(parts)
+    return merge(parts)
 
 
 def arc(radius: float, low: float, high: float, width: float, segments: int = 24) -> Mesh:
