@@ -11,6 +11,7 @@ order in the tilt.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -203,7 +204,7 @@ def _as_noted(tree: Tree, wheel: FoundWheel, notes: Notes) -> FoundWheel:
     entries = tree.parameters.get(wheel.joint.name, {})
     if "wheel" not in entries:
         return wheel
-    said = {
+    said: dict[str, Any] = {
         key: number(str(entries[key].text), f"{key} of {wheel.joint.name}", entries[key], notes)
         for key in NUMBERS
         if key in entries
