@@ -1,4 +1,4 @@
-"""Every level against the scalar one over very many rows: ``python -m tests.core.oracles.compare --rows 1e9``.
+"""Every level against the scalar one over many rows: ``python -m tests.core.oracles.compare --rows 1e9``.
 
 A row is a row of one call at one level, compared number by number with that of the scalar level.
 Errors are shares of what is allowed, as in `test_batch`: 5 ulp of the number or of what was summed, or 1e-14;
