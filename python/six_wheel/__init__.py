@@ -77,8 +77,9 @@ from six_wheel.kinematics.rollout_cost import RolloutCost
 if TYPE_CHECKING:
     from six_wheel.calibration import calibrate
     from six_wheel.kinematics.four_axle import FourAxleState, FourAxleStep
-    from six_wheel.kinematics.odometry import OdometryHealth, SlipReport, Track, Track3, dead_reckon
+    from six_wheel.kinematics.odometry import OdometryHealth, SlipReport, Track, Track3
     from six_wheel.kinematics.statuses import BoundsStatus, FeasibilityLimits, FeasibilityReason, SettleStatus
+    from six_wheel.log_odometry import dead_reckon
     from six_wheel.log_odometry.evaluation import umbmark
     from six_wheel.logs import GroundTruth, WheelLog
     from six_wheel.simulation import simulate
@@ -217,9 +218,9 @@ __getattr__, __dir__ = attach(
         "control_loop": (),
         "kinematics": (),
         "kinematics.four_axle": ("FourAxleState", "FourAxleStep"),
-        "kinematics.odometry": ("OdometryHealth", "SlipReport", "Track", "Track3", "dead_reckon"),
+        "kinematics.odometry": ("OdometryHealth", "SlipReport", "Track", "Track3"),
         "kinematics.statuses": ("BoundsStatus", "FeasibilityReason", "SettleStatus", "FeasibilityLimits"),
-        "log_odometry": (),
+        "log_odometry": ("dead_reckon",),
         "log_odometry.evaluation": ("umbmark",),
         "logs": ("WheelLog", "GroundTruth"),
         "maps": (),

@@ -39,7 +39,6 @@ __all__ = [
     "WheelSlip",
 ]
 
-
 ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
 SILENT = "the wheels cannot contradict each other: of slip nothing can be told from them alone"
 

@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 
 from six_wheel._core import wrap_angle
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
 from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.kinematics.odometry.tracks3 import Track3
 from six_wheel.kinematics.poses import Floats, as_poses, inverse, joined
 from six_wheel.log_odometry.evaluation.relative import (
     STRIDE,

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Rover, integrate
 from six_wheel.kinematics.errors import InfeasibleMotionError
-from six_wheel.kinematics.odometry.headers.columns import Unit
 from six_wheel.kinematics.odometry.thinning import Trace
 from six_wheel.kinematics.rover_edit import joints_as_given
+from six_wheel.logs.headers.columns import Unit
 from six_wheel.logs.tables import Chunk, RowError
 
 KEEP = ("curvature", "speed", "yaw_rate", "nearest")

@@ -97,7 +97,7 @@ def _owners(subject: Subject, tree: Tree) -> dict[str, str]:
 
 
 def _shapes_of(tree: Tree, link: str, notes: Notes) -> list[tuple[Mesh, Color]]:
-    """What is to be seen of a link, or its shape for collisions where its mesh is missing."""
+    """The visual meshes of a link, or its shapes for collisions where they are missing."""
     element = tree.links[link].element
     found: list[tuple[Mesh, Color]] = []
     for part in ("visual", "collision"):
