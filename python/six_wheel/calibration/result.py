@@ -135,8 +135,7 @@ class Calibration:
         lines = [f"Calibration of {runs}{'' if self.converged else ', NOT CONVERGED'}"]
         width = max((len(one.name) for one in self.parameters), default=0)
         for one in self.parameters:
-            half = (one.interval[1] - one.interval[0]) / 2.0
-            known = f"± {half:.2g}" if one.identified else "not identified"
+            known = f"± {one.half_width:.2g}" if one.identified else "not identified"
             lines.append(
                 f"  {one.name:<{width}}  {one.value:.6g} {known} {one.unit}".rstrip()
                 + f"  (was {one.nominal:.6g})"

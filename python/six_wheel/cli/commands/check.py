@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from six_wheel.cli.shared import (
-    Chosen,
     Reading,
     RoverArgument,
     choose,
@@ -16,6 +15,7 @@ from six_wheel.cli.shared import (
     new_console,
     text_table,
 )
+from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
     from six_wheel._core import Limits, Rover, Wheel
@@ -57,7 +57,7 @@ def check(
     console.print(grid([*abilities(chosen), ("picture", plot)]))
 
 
-def wheels_table(chosen: Chosen) -> Any:
+def wheels_table(chosen: NamedRover) -> Any:
     """The wheels of a rover, a row each."""
     wheels, lengths = chosen.rover.wheels, ("x [m]", "y [m]", "radius [m]")
     rows = [
@@ -160,7 +160,7 @@ def _written(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def abilities(chosen: Chosen) -> list[tuple[str, object]]:
+def abilities(chosen: NamedRover) -> list[tuple[str, object]]:
     """Abilities of a rover, as rows for `grid`."""
     from six_wheel.kinematics.rover_edit import joints_as_given
 
@@ -261,7 +261,7 @@ def _words(bound: "Bound") -> str:
     return " and ".join(str(reason.name).lower().replace("_", " ") for reason in bound.reasons) or "steering"
 
 
-def draw_limits(chosen: Chosen, plot: Path) -> None:
+def draw_limits(chosen: NamedRover, plot: Path) -> None:
     """Write the picture of the limits."""
     from six_wheel.logs.writing import replacing
     from six_wheel.plotting.limits import limits_figure

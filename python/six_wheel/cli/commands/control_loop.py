@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from six_wheel.cli.shared import (
-    Chosen,
     Reading,
     RoverArgument,
     choose,
@@ -17,6 +16,7 @@ from six_wheel.cli.shared import (
     text_table,
     warn,
 )
+from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
     from six_wheel.control_loop import Settings
@@ -43,7 +43,7 @@ def command_filter(
     raise typer.Exit(_run("filter", context, choose(rover, reading)))
 
 
-def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: Chosen) -> int:
+def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: NamedRover) -> int:
     arguments = list(context.args)
     if arguments and arguments[0] != "--ros-args":
         raise ValueError(f"arguments of ROS must follow --ros-args, got {arguments[0]}")
@@ -55,7 +55,7 @@ def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: Chosen
     return run(kind, settings_of(chosen), arguments)
 
 
-def settings_of(chosen: Chosen) -> "Settings":
+def settings_of(chosen: NamedRover) -> "Settings":
     """Settings of a loop, from a parameter file or a preset."""
     from six_wheel.control_loop import Settings
 

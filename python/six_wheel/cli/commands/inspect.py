@@ -7,7 +7,8 @@ import typer
 
 from six_wheel.cli.log_options import LogReading
 from six_wheel.cli.names import PROGRAM
-from six_wheel.cli.shared import Chosen, Reading, choose, grid, new_console, text_table
+from six_wheel.cli.shared import Reading, choose, grid, new_console, text_table
+from six_wheel.robot_description.named_rover import NamedRover
 
 
 def inspect(
@@ -23,7 +24,7 @@ def inspect(
 
     from six_wheel.cli.report.log_overview import overview
 
-    chosen: Chosen | None = None if rover is None else choose(rover, file)
+    chosen: NamedRover | None = None if rover is None else choose(rover, file)
     options = None if chosen is None else log_reading.options(chosen)
     found = overview(log, None if chosen is None else chosen.rover, options)
     console = new_console()

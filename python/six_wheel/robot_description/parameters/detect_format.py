@@ -44,7 +44,7 @@ _LIMIT = re.compile(
 
 
 def section_of(tree: Tree, node: str | None, report: Report) -> Section | None:
-    """The parameters of the rover in a file; see `nodes.section`."""
+    """The parameters of the rover in a file; see `ros_node_parameters.section`."""
     return section(tree, node, KEYS, TELLING, PLAIN, report)
 
 

@@ -19,7 +19,8 @@ which stays as the controller needs it::
 
     wheel_of_joint: {motor_3: middle_left}
 
-or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is in ``docs/parameter_files.md``.
+or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is in
+``docs/reference/parameter_keys.md``.
 """
 
 import os
