@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 pa = pytest.importorskip("pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from six_wheel.kinematics.odometry.headers.columns import TableError  # noqa: E402
 from six_wheel.logs import JointLog  # noqa: E402
+from six_wheel.logs.headers.columns import TableError  # noqa: E402
 from six_wheel.logs.skip_bad_rows import MOST_FINDINGS  # noqa: E402
 from tests.logs.carts import HEADER, write  # noqa: E402
 from tests.rovers import CART  # noqa: E402

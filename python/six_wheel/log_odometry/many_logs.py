@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover, __version__
-from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.log_odometry.results import Settings
 from six_wheel.log_odometry.run_log import reckon
 from six_wheel.logs.detect_reader import logs_in
+from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.tables import table_format
 from six_wheel.logs.writing import remove_leftovers, together

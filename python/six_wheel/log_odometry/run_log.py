@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Odometry, Rover
-from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.kinematics.odometry.tracks import ROUNDING, OdometryHealth, Track
 from six_wheel.kinematics.poses import Floats, joined
 from six_wheel.log_odometry.evaluation.paths import absolute_error, align, evaluate
@@ -24,6 +23,7 @@ from six_wheel.log_odometry.results import Count, Reckoned, Settings
 from six_wheel.log_odometry.slip import SlipSum
 from six_wheel.logs.detect_reader import AnyLog, open_log
 from six_wheel.logs.ground_truth import read_truth
+from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.joints import JointRows
 from six_wheel.logs.log_options import LogOptions, corrections
 from six_wheel.logs.recordings import GroundTruth
@@ -52,7 +52,6 @@ REMARKS = {
     OdometryHealth.SLIP: "a wheel contradicts the others",
     OdometryHealth.RESTARTED: "clock or counters restarted",
 }
-
 
 UNUSED = (
     "the gyroscope is not used, for nobody said what it errs by: "
@@ -269,7 +268,7 @@ def reckon(
         A log, see `_log_files`.
     output : Path, optional
         Times, poses, twists, covariances, residuals and health, .csv or .parquet; .mcap: a record with the
-        topics of `records.rover_record`, for viewers.
+        topics of `logs.mcap.rover_record`, for viewers.
     truth : Path, optional
         Where the rover was, if the log does not say.
     finish : callable, optional

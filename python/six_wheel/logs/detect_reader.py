@@ -15,18 +15,18 @@ import numpy as np
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.odometry.headers.columns import TableError
-from six_wheel.kinematics.odometry.headers.joint_columns import Reading
-from six_wheel.kinematics.odometry.plausibility.arrays import array_checks, check_arrays
-from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError
-from six_wheel.kinematics.odometry.tabular_input import is_table, table
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
+from six_wheel.logs.frames.tabular_input import is_table, table
 from six_wheel.logs.ground_truth import read_truth
+from six_wheel.logs.headers.columns import TableError
+from six_wheel.logs.headers.joint_columns import Reading
 from six_wheel.logs.joint_sources import JointSource, refuse_counts
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.joints import JointLog, JointRows
 from six_wheel.logs.log_options import LogOptions, corrections, encoders_of, encoders_or_keys
+from six_wheel.logs.plausibility.arrays import array_checks, check_arrays
+from six_wheel.logs.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Findings
 from six_wheel.logs.tables import FORMATS, READ

@@ -219,7 +219,7 @@ class WheelLog(Tabular):
         ValueError
             If a joint or the time is missing.
         """
-        from six_wheel.kinematics.odometry.tabular_input import table
+        from six_wheel.logs.frames.tabular_input import table
 
         pieces = list(table(rover, frame, None, {}, options).pieces)
         if not pieces:

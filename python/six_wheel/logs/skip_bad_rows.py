@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.odometry.headers.clock_times import KNOWN, ClockTimes
-from six_wheel.kinematics.odometry.headers.columns import Column, TableError, Unit, is_number
-from six_wheel.kinematics.odometry.headers.renamed import Columns, renamed, without_header
-from six_wheel.kinematics.odometry.plausibility.proposals import stamp_unit
-from six_wheel.kinematics.odometry.plausibility.stamps import unit_since_1970
+from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
+from six_wheel.logs.headers.columns import Column, TableError, Unit, is_number
+from six_wheel.logs.headers.renamed import Columns, renamed, without_header
+from six_wheel.logs.plausibility.proposals import stamp_unit
+from six_wheel.logs.plausibility.stamps import unit_since_1970
 from six_wheel.logs.tables import LATEST_SECOND, READ, RowError, Table
 
 if TYPE_CHECKING:

@@ -20,15 +20,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.kinematics.errors import FileError
-from six_wheel.kinematics.odometry.headers.clock_times import is_clock_time
-from six_wheel.kinematics.odometry.headers.columns import (
+from six_wheel.logs.columnar import ColumnarFile, time_unit_of, units_of
+from six_wheel.logs.headers.clock_times import is_clock_time
+from six_wheel.logs.headers.columns import (
     TIME_UNITS,
     Column,
     TableError,
     find_columns,
     is_number,
 )
-from six_wheel.logs.columnar import ColumnarFile, time_unit_of, units_of
 from six_wheel.logs.text.dialect import LONGEST_LINE, SPACES, cells_of, open_text, read_dialect
 
 if TYPE_CHECKING:

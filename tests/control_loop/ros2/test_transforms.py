@@ -126,7 +126,7 @@ def test_transforms_are_those_of_odom(start, peer, rover_file, monkeypatch):
 
 def test_rclpy_sends_and_takes_them_as_bytes(monkeypatch):
     """From a publisher that stays to a subscription that comes later."""
-    sent = frames.transform("base_link", "imu").pack(1_500_000_000, (1.0, 2.0, 3.0, 0.0, 0.6, 0.0, 0.8))
+    sent = frames.transforms(("base_link", "imu")).pack(1_500_000_000, (1.0, 2.0, 3.0, 0.0, 0.6, 0.0, 0.8))
     heard: list[bytes] = []
     context = rclpy.Context()
     rclpy.init(context=context)

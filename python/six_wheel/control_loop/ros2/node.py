@@ -67,7 +67,7 @@ class RoverNode(BaseNode):
             self.get_logger().warning("no transforms are published: tf2_msgs is not installed")
             return None
         said = self.settings.parameters
-        self._transform = frames.transform(said.odom_frame_id, said.base_frame_id)
+        self._transform = frames.transforms((said.odom_frame_id, said.base_frame_id))
         return self.publisher(kind, "/tf", DEPTH)
 
     def _commanding(self) -> Any:

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.columns import TableError
-from six_wheel.kinematics.odometry.headers.joint_columns import Reading, did_you_mean
 from six_wheel.logs.bags.messages import JOINT_STATE, LINE, LOOK_AHEAD, Bag
+from six_wheel.logs.headers.columns import TableError
+from six_wheel.logs.headers.joint_columns import Reading, did_you_mean
 from six_wheel.logs.skip_bad_rows import Batch, Findings
 from six_wheel.robot_description.joint_names import said_by
 

@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from six_wheel.kinematics.odometry.headers.columns import TIME_UNITS, TableError
 from six_wheel.logs.bags.bag_files import files_of, one_line, rosbags_names, whole_part
+from six_wheel.logs.headers.columns import TIME_UNITS, TableError
 from six_wheel.logs.skip_bad_rows import Findings
 
 if TYPE_CHECKING:

@@ -96,7 +96,7 @@ class RoverRecord:
         )
         self._unsaid = [math.nan] * len(self._traction), [math.nan] * len(self._steering)
         self._odometry = frames.odometry(self._names.odom, self._names.base)
-        self._transform = frames.transform(self._names.odom, self._names.base)
+        self._transform = frames.transforms((self._names.odom, self._names.base))
         self._slip = frames.values(len(rover.wheel_names), ",".join(rover.wheel_names))
         self._twists: dict[str, frames.Frame] = {}
         self._joints: dict[tuple[Any, ...], frames.Frame] = {}

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
 
-from six_wheel.kinematics.odometry.headers.clock_times import is_clock_time
-from six_wheel.kinematics.odometry.headers.columns import BRACKETS, TIME, TableError, is_number, means, words
+from six_wheel.logs.headers.clock_times import is_clock_time
+from six_wheel.logs.headers.columns import BRACKETS, TIME, TableError, is_number, means, words
 
 __all__ = ["LONGEST_LINE", "Dialect", "cells_of", "open_text", "read_dialect"]
 
@@ -174,7 +174,7 @@ def _numbers(text: str) -> bool:
 
 
 def _separators(text: str) -> list[str]:
-    """What may separate the cells of a line, the likeliest first."""
+    """Possible separators of the cells of a line, the likeliest first."""
     there = [each for each in SEPARATORS if each in text]
     return sorted(there, key=text.count, reverse=True) or ([SPACES] if len(text.split()) > 1 else [])
 

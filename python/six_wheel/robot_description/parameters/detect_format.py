@@ -53,7 +53,7 @@ _LIMIT = re.compile(
 
 
 def section_of(tree: Tree, node: str | None, report: Report) -> Section | None:
-    """The parameters of the rover in a file; see `nodes.section`."""
+    """The parameters of the rover in a file; see `ros_node_parameters.section`."""
     found = section(tree, node, KEYS, TELLING, PLAIN, report)
     if found is not None and NODE_OPTIONS & found.data.keys():
         _drop_unset(found.data)
@@ -91,12 +91,7 @@ def form_of(section: Section, error: Report, warning: Report, asked: str | None 
     if "kind" in data:
         guess = closest(kind, KINDS) if isinstance(kind, str) else None
         message = f"kind must be one of {', '.join(KINDS)}, got {shown(kind)}"
-        error(
-            section.line_of(("kind",)),
-            ("kind",),
-            message,
-            f"did you mean {guess}?" if guess else "choose one",
-        )
+        section.report(error, ("kind",), message, f"did you mean {guess}?" if guess else "choose one")
         if guess and KINDS[guess].needed <= data.keys():
             return KINDS[guess]
     by_keys = _controller_of(data, list(FOREIGN))
@@ -232,7 +227,7 @@ def check_keys(section: Section, form: Form, error: Report, warning: Report) -> 
         declared = field.annotation is float and (field.is_required() or form.controller) and not form.ros1
         if declared and section.node is not None and type(section.data.get(key)) is int:
             message = f"{key} is an integer, which ROS 2 refuses where it expects a floating-point number"
-            warning(section.line_of((key,)), (key,), message, f"write {section.data[key]}.0")
+            section.report(warning, (key,), message, f"write {section.data[key]}.0")
 
 
 def is_ignored(key: str, form: Form) -> bool:
@@ -252,7 +247,7 @@ def _check_groups(section: Section, error: Report, warning: Report) -> None:
                 at, guess = (group, key), closest(key, known)
                 report, remedy = (error, f"did you mean {guess}?") if guess else (warning, None)
                 message = f"unknown key {spell(at)}" + ("" if guess else " is ignored")
-                report(section.line_of(at), at, message, remedy)
+                section.report(report, at, message, remedy)
 
 
 def _check_wheels(section: Section, error: Report) -> None:
@@ -269,6 +264,6 @@ def _check_wheels(section: Section, error: Report) -> None:
             remedy = (
                 f"did you mean {guess}?" if guess else f"remove it; a wheel has {', '.join(sorted(known))}"
             )
-            error(section.line_of(at), at, f"unknown key {spell(at)}", remedy)
+            section.report(error, at, f"unknown key {spell(at)}", remedy)
             if guess:
                 section.rename(at, guess)

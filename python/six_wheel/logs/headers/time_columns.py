@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.odometry.headers.columns import (
+from six_wheel.logs.headers.columns import (
     TIME,
     TIME_UNITS,
     Column,

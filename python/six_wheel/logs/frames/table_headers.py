@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.joint_columns import JointColumns, Reading, joint_columns
-from six_wheel.kinematics.odometry.headers.renamed import Columns, renamed
-from six_wheel.kinematics.odometry.headers.time_columns import scale_of
+from six_wheel.logs.headers.joint_columns import JointColumns, Reading, joint_columns
+from six_wheel.logs.headers.renamed import Columns, renamed
+from six_wheel.logs.headers.time_columns import scale_of
 
 __all__ = ["Meaning", "Sensors", "meaning_of", "names"]
 

@@ -59,7 +59,7 @@ def encoders(
     increments: bool = False,
     steering: bool = False,
 ) -> Proposal:
-    """What a counter counts and where it starts over; COUNTS is what only the owner knows."""
+    """The unit of a counter and the number at which it starts over; the owner alone knows COUNTS."""
     name = "steering_encoders" if steering else "wheel_encoders"
     given: dict[str, str] = {}
     if wraps_at is not None:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError, stamp_unit
+from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, stamp_unit
 
 __all__ = ["check_clock", "check_origin", "unit_since_1970"]
 

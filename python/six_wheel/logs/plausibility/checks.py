@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.plausibility.jumps import Jumps, find_jumps, may_jump
-from six_wheel.kinematics.odometry.plausibility.motion import (
+from six_wheel.logs.plausibility.jumps import Jumps, find_jumps, may_jump
+from six_wheel.logs.plausibility.motion import (
     STRETCH,
     check_motion,
     check_steering,
     degrees,
 )
-from six_wheel.kinematics.odometry.plausibility.proposals import (
+from six_wheel.logs.plausibility.proposals import (
     Column,
     ImplausibleReadingError,
     at_its_word,
@@ -30,8 +30,8 @@ from six_wheel.kinematics.odometry.plausibility.proposals import (
     rows,
     stamp_unit,
 )
-from six_wheel.kinematics.odometry.plausibility.stamps import check_clock, check_origin
-from six_wheel.kinematics.odometry.plausibility.whole_numbers import (
+from six_wheel.logs.plausibility.stamps import check_clock, check_origin
+from six_wheel.logs.plausibility.whole_numbers import (
     all_whole,
     check_counts,
     check_increments,

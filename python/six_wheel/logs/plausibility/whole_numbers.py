@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.odometry.plausibility.proposals import Column, ImplausibleReadingError, encoders
+from six_wheel.logs.plausibility.proposals import Column, ImplausibleReadingError, encoders
 
 __all__ = ["all_whole", "check_counts", "check_increments", "check_increments_as_totals"]
 

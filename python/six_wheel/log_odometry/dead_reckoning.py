@@ -10,14 +10,14 @@ from numpy.typing import ArrayLike
 
 from six_wheel._core import Gyroscope, Noise, Odometry, Odometry3, Rover, Suspension, Terrain
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.odometry import tabular_input
-from six_wheel.kinematics.odometry.dead_reckoning3 import Track3, reckon
-from six_wheel.kinematics.odometry.headers.renamed import Columns
-from six_wheel.kinematics.odometry.headers.time_columns import scale_of
-from six_wheel.kinematics.odometry.plausibility.arrays import FEW, array_checks, check_arrays
-from six_wheel.kinematics.odometry.sensor_frames import mount, seen_by, start_of_body
-from six_wheel.kinematics.odometry.table_headers import names
 from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.kinematics.odometry.tracks3 import Track3
+from six_wheel.log_odometry.sensor_frames import mount, seen_by, start_of_body
+from six_wheel.logs.frames import tabular_input
+from six_wheel.logs.frames.table_headers import names
+from six_wheel.logs.headers.renamed import Columns
+from six_wheel.logs.headers.time_columns import scale_of
+from six_wheel.logs.plausibility.arrays import FEW, array_checks, check_arrays
 
 __all__ = ["dead_reckon", "dead_reckon_chunks", "table_columns"]
 
@@ -170,7 +170,7 @@ def dead_reckon(
         _refuse(planar, "for a suspension")
         beginning: dict[str, Any] = {"start": start, "start_covariance": start_covariance}
         common |= spatial | beginning | options
-        return reckon(rover, steering, wheel_angles, stamps, noise=noise, yaw_rate=yaw_rate, **common)
+        return _in_space(rover, steering, wheel_angles, stamps, noise=noise, yaw_rate=yaw_rate, **common)
     _refuse(spatial, "for a rover without a suspension")
     if wheel_angles is None and hasattr(steering, "wheel_angles"):
         log = steering
@@ -209,6 +209,50 @@ def dead_reckon(
         tracks = list(tabular_input.follow(odometry, source, common, progress))
         track = tabular_input.concatenate(rover, tracks)
     return track if place is None else seen_by(track, place)
+
+
+def _in_space(
+    suspension: Suspension,
+    steering: Any,
+    wheel_angles: ArrayLike | None,
+    stamps: ArrayLike | None,
+    *,
+    noise: Noise | None,
+    ground: Terrain | None,
+    joints: ArrayLike | None,
+    attitude: ArrayLike | None,
+    yaw_rate: Any,
+    start: ArrayLike,
+    start_covariance: ArrayLike | None,
+    errors: Errors,
+    covariances: bool,
+    residuals: bool,
+    **options: Any,
+) -> Track3:
+    """`dead_reckon` of a suspension."""
+    if wheel_angles is None and hasattr(steering, "wheel_angles"):
+        log = steering
+        steering, wheel_angles, stamps = log.steering, log.wheel_angles, log.stamps
+        yaw_rate = log.yaw_rate if yaw_rate is None else yaw_rate
+        if ground is None and getattr(log, "stand", None) is not None:
+            joints = log.stand.joints if joints is None else joints
+            attitude = log.orientations if attitude is None else attitude
+        options = {**log.options, **options}
+    if wheel_angles is None or stamps is None:
+        raise ValueError("wheel_angles and stamps must be given for a suspension, got none of them")
+    odometry = Odometry3(suspension, noise, ground=ground, **options)
+    odometry.reset(start, start_covariance)
+    return odometry.run(
+        steering,
+        wheel_angles,
+        stamps,
+        joints=joints,
+        attitude=attitude,
+        yaw_rate=yaw_rate,
+        errors=errors,
+        covariances=covariances,
+        slips=residuals,
+    )
 
 
 def _rows(stamps: Any) -> int:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, get_args
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.columns import (
+from six_wheel.logs.headers.columns import (
     BRACKETS,
     Column,
     Quantity,
@@ -23,9 +23,9 @@ from six_wheel.kinematics.odometry.headers.columns import (
     unit,
     words,
 )
-from six_wheel.kinematics.odometry.headers.rate_columns import rate_columns
-from six_wheel.kinematics.odometry.headers.time_columns import time_columns
-from six_wheel.kinematics.odometry.plausibility.proposals import columns
+from six_wheel.logs.headers.rate_columns import rate_columns
+from six_wheel.logs.headers.time_columns import time_columns
+from six_wheel.logs.plausibility.proposals import columns
 
 Reading: TypeAlias = Literal["angles", "speeds", "ticks"]
 READINGS: tuple[Reading, ...] = get_args(Reading)

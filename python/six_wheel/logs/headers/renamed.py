@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
-from six_wheel.kinematics.odometry.headers.columns import TableError
+from six_wheel.logs.headers.columns import TableError
 
 __all__ = ["Columns", "renamed", "without_header"]
 
@@ -12,7 +12,7 @@ SHOWN = 40  # letters of a row
 
 
 def renamed(headers: Sequence[str], columns: Columns, nameless: bool = False) -> list[str]:
-    """What the columns of a table are called.
+    """The names of the columns of a table, with those that its owner gives.
 
     Parameters
     ----------

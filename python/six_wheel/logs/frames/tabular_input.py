@@ -12,18 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Odometry, Rover
-from six_wheel.kinematics.odometry.headers.clock_times import KNOWN, ClockTimes
-from six_wheel.kinematics.odometry.headers.renamed import Columns
-from six_wheel.kinematics.odometry.plausibility.arrays import FEW, array_checks
-from six_wheel.kinematics.odometry.plausibility.checks import ReadingChecks
-from six_wheel.kinematics.odometry.plausibility.proposals import encoders
-from six_wheel.kinematics.odometry.table_headers import Meaning, Sensors, meaning_of, names
 from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.logs.frames.table_headers import Meaning, Sensors, meaning_of, names
+from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
+from six_wheel.logs.headers.renamed import Columns
+from six_wheel.logs.plausibility.arrays import FEW, array_checks
+from six_wheel.logs.plausibility.checks import ReadingChecks
+from six_wheel.logs.plausibility.proposals import encoders
 
 LONGEST_RUN = 1e6  # [s] beyond which stamps count from the first
 CHUNK_ROWS = 65_536  # a few megabytes, and so many that a call costs nothing
-
-
 Floats: TypeAlias = NDArray[np.float64]
 
 
