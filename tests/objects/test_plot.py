@@ -125,6 +125,17 @@ def test_options_and_titles():
         (lambda: sw.plot([]), "a list must hold results that have pictures, got an empty one"),
         (lambda: sw.plot([ROVER] * 7), "a list must hold at most 6 results, or paths, got 7"),
         (lambda: sw.plot(1.5), "result must be one of"),
+        (
+            lambda: sw.plot(np.zeros((3, 3))),
+            "got ndarray; poses are drawn by six_wheel.plotting",
+        ),
+        (lambda: sw.plot("track.csv"), r"got str; read the file first: six_wheel\.load"),
+        (lambda: sw.plot(Path("map.tif")), r"got PosixPath; read the file first"),
     ):
         with pytest.raises(TypeError, match=message):
             call()
+
+
+def test_ground_that_nobody_knows_is_refused_in_one_line():
+    with pytest.raises(ValueError, match="ground must have a known height to be drawn, all of them are NaN"):
+        sw.plot(sw.Terrain(np.full((3, 3), np.nan), 1.0))

@@ -12,6 +12,7 @@ from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
 from six_wheel.calibration.gyroscope.noise import MeasuredGyroscope
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import Observability
+from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.poses import Floats
 
 
@@ -80,6 +81,8 @@ class Calibration:
     measured_noise: MeasuredNoise | None = None
     slips: tuple[str, ...] = ()
     gyroscope: MeasuredGyroscope | None = None
+
+    _repr_mimebundle_ = mimebundle
 
     @property
     def noise(self) -> Noise:

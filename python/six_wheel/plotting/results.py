@@ -15,6 +15,13 @@ from six_wheel.logs.recordings import GroundTruth, Reference
 
 __all__ = ["figure"]
 
+# Ways to a picture for what is none of this package's results.
+HINTS = {
+    "ndarray": "; poses are drawn by six_wheel.plotting.path_figure(rover, poses, steering)",
+    "DataFrame": "; Track.from_pandas and WheelLog.from_pandas read a table",
+    "str": "; read the file first: six_wheel.load, six_wheel.logs.read_log, Terrain.read, Costmap.read",
+    "PurePath": "; read the file first: six_wheel.load, six_wheel.logs.read_log, Terrain.read, Costmap.read",
+}
 MOST = 6  # pictures below each other
 
 
@@ -58,7 +65,13 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
                     raise TypeError(unknown_keyword("sw.plot", name, ["title", *known]))
             made: Figure = draw(result, title=title, **options)
             return made
-    raise TypeError(f"result must be one of {', '.join(sorted(PICTURES))}, got {type(result).__name__}")
+    drawn = ", ".join(sorted(PICTURES))
+    hint = next((words for name, words in HINTS.items() if name in map(_name, type(result).__mro__)), "")
+    raise TypeError(f"result must be one of {drawn}, got {type(result).__name__}{hint}")
+
+
+def _name(kind: type) -> str:
+    return kind.__name__
 
 
 def _track(track: Track, *, title: str | None, truth: Reference | None = None) -> Figure:

@@ -44,6 +44,8 @@ SUN = LightSource(azdeg=315, altdeg=40)
 def draw_ground(axes: Axes, ground: Terrain) -> None:
     """Relief with contour lines; what is not known stays white."""
     heights = np.asarray(ground.heights, dtype=float)
+    if not np.isfinite(heights).any():
+        raise ValueError("ground must have a known height to be drawn, all of them are NaN")
     step = max(1, -(-max(heights.shape) // NODES))
     heights = heights[::step, ::step]
     rows, columns = heights.shape
