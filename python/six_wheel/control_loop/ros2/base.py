@@ -174,7 +174,7 @@ class BaseNode(LifecycleNode):
 
     def _record_change(self, what: Mapping[str, Any], now: int) -> None:
         if self.recorder is not None:
-            self.recorder.change(what, now)
+            self.recorder.change(now, what)
 
     # For the nodes
 
@@ -248,7 +248,7 @@ class BaseNode(LifecycleNode):
         now, wanted = self.now(), (twist.linear.x, twist.linear.y, twist.angular.z)
         self.loop.command(wanted, stamp, now)
         if self.recorder is not None:
-            self.recorder.command(wanted, stamp, now)
+            self.recorder.wanted(now, stamp, wanted)
 
     def _on_timer(self) -> None:
         now = self.now()

@@ -88,7 +88,7 @@ class RoverNode(BaseNode):
             self._publish_outputs(step)
             self.halting.publish()
         if self.recorder is not None:
-            self.recorder.joints(message, stamp, now)
+            self.recorder.joint_message(now, stamp, message)
             if step is not None:
                 self.recorder.step(step)
 
@@ -96,7 +96,7 @@ class RoverNode(BaseNode):
         now = self.now()
         step = self.loop.imu(rates, stamp, now)
         if self.recorder is not None:
-            self.recorder.imu(message, stamp, now)
+            self.recorder.imu_message(now, stamp, message)
         self.after(step)
 
     def _on_mount(self, up: list[float]) -> None:
