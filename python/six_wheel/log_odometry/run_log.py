@@ -53,7 +53,6 @@ REMARKS = {
     OdometryHealth.RESTARTED: "clock or counters restarted",
 }
 
-
 UNUSED = (
     "the gyroscope is not used, for nobody said what it errs by: "
     "the key gyroscope of a parameter file does, as six-wheel calibrate writes it"
@@ -269,7 +268,7 @@ def reckon(
         A log, see `_log_files`.
     output : Path, optional
         Times, poses, twists, covariances, residuals and health, .csv or .parquet; .mcap: a record with the
-        topics of `records.rover_record`, for viewers.
+        topics of `logs.mcap.rover_record`, for viewers.
     truth : Path, optional
         Where the rover was, if the log does not say.
     finish : callable, optional

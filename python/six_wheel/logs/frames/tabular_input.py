@@ -24,8 +24,6 @@ from six_wheel.logs.plausibility.proposals import encoders
 
 LONGEST_RUN = 1e6  # [s] beyond which stamps count from the first
 CHUNK_ROWS = 65_536  # a few megabytes, and so many that a call costs nothing
-
-
 Floats: TypeAlias = NDArray[np.float64]
 
 

@@ -61,6 +61,10 @@ class Section:
         """The line of a part; for what is missing, that of the whole section."""
         return nearest(self.places, path).line if path[:1] in self.places else self.line
 
+    def report(self, report: Report, at: Path, message: str, remedy: str | None) -> None:
+        """Report a finding at a part of the section."""
+        report(self.line_of(at), at, message, remedy)
+
     def rename(self, at: Path, meant: str) -> None:
         """Take the value of one key, wherever it stands, for that of another."""
         around, key = at[:-1], at[-1]
