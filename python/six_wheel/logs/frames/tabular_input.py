@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Odometry, Rover
 from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.kinematics.rover_edit import joints_by_wheel
 from six_wheel.logs.frames.table_headers import STAMPS, Meaning, Sensors, meaning_of, names
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
 from six_wheel.logs.headers.columns import TIME, means
@@ -188,7 +189,7 @@ def _checked(pieces: Iterator[Piece], checks: ReadingChecks | None) -> Iterator[
 
 
 def _checks(rover: Rover, options: Mapping[str, Any], meaning: Meaning) -> ReadingChecks:
-    steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
+    steering, _ = joints_by_wheel(rover)
     named = {"stamp": meaning.found["stamp"]}
     named |= {wheel: meaning.found[wheel] for wheel in rover.wheel_names}
     for wheel in rover.steered_wheel_names:
