@@ -197,6 +197,7 @@ def dead_reckon(
         options |= _readings_of(source)
     odometry = Odometry(rover, noise, **options)
     odometry.reset(start, start_covariance)
+    stamps = None if stamps is None else tabular_input.seconds_of(stamps)
     if stamps is not None and stamp_unit is not None:
         stamps = np.asarray(stamps) / round(1.0 / scale_of(stamp_unit))
     if wheel_angles is not None and stamps is not None and plausibility and _rows(stamps) >= FEW:

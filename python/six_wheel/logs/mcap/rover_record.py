@@ -142,7 +142,8 @@ class RoverRecord:
         self._file.write(topic, now, self._clock.pack(now))
 
     def change(self, now: int, what: Mapping[str, Any]) -> None:
-        """Something that was set while it ran."""
+        """Something that was set while it ran: ``{"set": {...}}``, ``{"pose": ..., "covariance": ...}``,
+        ``{"active": ...}``, ``{"halt": True}``, ``{"release": True}``, ``{"end": True}``, ..."""
         self._text(CHANGES, now, json.dumps(what))
 
     def given(self, now: int, row: Sequence[float]) -> None:

@@ -1,11 +1,12 @@
 """Detects the form in which a file describes a rover, and checks that the file has the keys of that form."""
 
+import math
 import re
 from typing import Any
 
 from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN, WELL_KNOWN
 from six_wheel.robot_description.parameters.foreign.steering import DRIVES, STEERS
-from six_wheel.robot_description.parameters.key_types import Common, keys_of
+from six_wheel.robot_description.parameters.key_types import Common, Values, keys_of
 from six_wheel.robot_description.parameters.ros_node_parameters import (
     GROUPS,
     Section,
@@ -21,6 +22,7 @@ from six_wheel.robot_description.parameters.vehicle_types import TELLING as OWN_
 
 __all__ = [
     "KEYS",
+    "NO_LIMIT",
     "PLAIN",
     "TELLING",
     "TYPES",
@@ -37,6 +39,13 @@ TELLING = (OWN_TELLING, frozenset[str]().union(*(form.telling for form in FOREIG
 PLAIN = frozenset[str]().union(*(form.telling for form in FOREIGN if form.ros1))
 """Keys of files without ``ros__parameters``."""
 
+NODE_OPTIONS = frozenset(
+    {"autostart", "imu_timeout", "joint_state_timeout", "record", "reset_on_time_jump", "tf_frame_prefix"}
+)
+"""Parameters that only `six-wheel node` and `filter` declare; they say nothing of the rover."""
+NO_LIMIT = 1e6
+"""Value of a limit from which on it is none, in parameters of ROS."""
+
 _LIMIT = re.compile(
     r"(linear|angular|traction|steering)\.(\w\.)?"
     r"((min|max)_(velocity|acceleration|deceleration|jerk|position)(_reverse)?|has_\w+_limits)"
@@ -45,7 +54,27 @@ _LIMIT = re.compile(
 
 def section_of(tree: Tree, node: str | None, report: Report) -> Section | None:
     """The parameters of the rover in a file; see `ros_node_parameters.section`."""
-    return section(tree, node, KEYS, TELLING, PLAIN, report)
+    found = section(tree, node, KEYS, TELLING, PLAIN, report)
+    if found is not None and NODE_OPTIONS & found.data.keys():
+        _drop_unset(found.data)
+    return found
+
+
+def _drop_unset(data: Values) -> None:
+    """Take out what `ros2 param dump` writes of `six-wheel node` and nobody gave: there 0 stands for none."""
+    for name in NODE_OPTIONS & data.keys():
+        del data[name]
+    limits, control = (
+        dict(group) if isinstance(group := data.get(key), dict) else {} for key in ("limits", "control")
+    )
+    limits = {name: math.inf if value == NO_LIMIT else value for name, value in limits.items() if value != 0}
+    if control.get("following_error") == 0:
+        control["following_error"] = "never"
+    if isinstance(timeout := data.get("cmd_vel_timeout"), int | float):
+        control["timeout"] = timeout or "never"
+    data.update(
+        {key: group for key, group in (("limits", limits), ("control", control)) if group or key in data}
+    )
 
 
 def form_of(section: Section, error: Report, warning: Report, asked: str | None = None) -> Form | None:
