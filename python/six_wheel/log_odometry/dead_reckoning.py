@@ -242,7 +242,7 @@ def _in_space(
             joints = log.stand.joints if joints is None else joints
             attitude = log.orientations if attitude is None else attitude
         if start is None and ground is not None and log.truth is not None and log.truth.has_positions:
-            first = log.truth.at(stamps[:1])[0]
+            first = log.truth.at(log.stamps[:1])[0]
             start = first if np.isfinite(first).all() else None
         options = {**log.options, **options}
     if wheel_angles is None or stamps is None:
