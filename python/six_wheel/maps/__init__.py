@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.maps.rasters import TerrainFileWarning
+    from six_wheel.maps.readers.placement import TerrainFileWarning
     from six_wheel.maps.reading import TerrainFileError, read
     from six_wheel.maps.synthetic import yard
     from six_wheel.maps.tiles import Tile, judge
@@ -37,7 +37,7 @@ __all__ = [
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "rasters": ("TerrainFileWarning",),
+        "readers.placement": ("TerrainFileWarning",),
         "reading": ("TerrainFileError", "read"),
         "synthetic": ("yard",),
         "tiles": ("Tile", "judge"),
