@@ -50,6 +50,9 @@ def check_plausibility(heights: Any, spacing: Any, nodata_open: bool, unit_open:
         _check_unit(array, steps, whole)
 
 
+doubt = check_plausibility  # its name in the compiled module
+
+
 def _check_fill(values: NDArray[Any], nodata: float | None) -> None:
     values = values if values.dtype.kind == "f" else values.astype(np.float64)
     finding = find_fill(values, nodata)
@@ -77,10 +80,14 @@ def _check_shape(array: NDArray[Any]) -> None:
             one = "src.read(1), not src.read()"
         else:
             one = "a picture? one band of it is heights[:, :, 0]"
-        raise ValueError(f"heights must have at least two rows and two columns, got shape {array.shape}: {one}")
+        raise ValueError(
+            f"heights must have at least two rows and two columns, got shape {array.shape}: {one}"
+        )
     if array.ndim == 1 and array.size > 1 and array.dtype.kind in "fiu":
         made = "heights.reshape(rows, columns)"
-        raise ValueError(f"heights must have at least two rows and two columns, got shape {array.shape}: {made}")
+        raise ValueError(
+            f"heights must have at least two rows and two columns, got shape {array.shape}: {made}"
+        )
     if array.ndim == 2 and array.dtype.kind in "fiu" and 3 in array.shape and max(array.shape) >= 9:
         turned = array.shape[1] != 3
         _refuse_points((array.T if turned else array).astype(np.float64), ".T" if turned else "")
@@ -160,7 +167,9 @@ def _refuse(heights: Any) -> None:
     if hasattr(heights, "transform") and hasattr(heights, "read"):
         raise ValueError("heights must be an array, got a dataset: sw.Terrain.read(path) keeps its place")
     if hasattr(heights, "height_at"):
-        raise ValueError("heights must be an array, got a Terrain, which is ground already: ground.replace(...)")
+        raise ValueError(
+            "heights must be an array, got a Terrain, which is ground already: ground.replace(...)"
+        )
     if isinstance(heights, dict):
         raise ValueError(
             f"heights must be an array, got a dict of {', '.join(map(str, heights))}: one of its values"
@@ -174,7 +183,7 @@ def _refuse(heights: Any) -> None:
         raise ValueError("heights must have two axes, got a column: .unstack() of an index of y and x")
     if hasattr(heights, "dims") and len(heights.dims) > 2:
         listed, one = ", ".join(map(str, heights.dims)), heights.dims[0]
-        raise ValueError(f'heights must have two dimensions, got {listed}: .isel({one}=0)')
+        raise ValueError(f"heights must have two dimensions, got {listed}: .isel({one}=0)")
 
 
 def _points(heights: Any) -> Grid | None:
@@ -233,7 +242,9 @@ def _axes(heights: Any) -> list[Axis] | None:
             pivot = "table.pivot(index='y', columns='x', values='z')"
             raise ValueError(f"heights must have numbers for columns, got {listed}: {pivot}") from None
         names = (str(heights.index.name or "y"), str(heights.columns.name or "x"))
-        return [Axis(name, value, "m", _direction(name, {})) for name, value in zip(names, values, strict=True)]
+        return [
+            Axis(name, value, "m", _direction(name, {})) for name, value in zip(names, values, strict=True)
+        ]
     return None
 
 
@@ -243,7 +254,9 @@ def _labelled_axes(heights: Any) -> list[Axis] | None:
     system = read_reference(str(reference.get("crs_wkt", "")))
     turned = str(reference.get("GeoTransform", "")).split()
     if len(turned) == 6 and (float(turned[2]) or float(turned[4])):
-        raise ValueError("heights must have coordinates of x and y, got a turned image: sw.Terrain.read(path)")
+        raise ValueError(
+            "heights must have coordinates of x and y, got a turned image: sw.Terrain.read(path)"
+        )
     axes = []
     for dim in heights.dims:
         known = dim in heights.coords
@@ -256,7 +269,8 @@ def _labelled_axes(heights: Any) -> list[Axis] | None:
         if all(axis.places.size for axis in axes):
             first, second = (axis.name for axis in axes)
             raise ValueError(
-                f'heights must have dimensions y and x, got {first} and {second}: .rename({first}="y", {second}="x")'
+                f"heights must have dimensions y and x, got {first} and {second}: "
+                f'.rename({first}="y", {second}="x")'
             )
         return None
     return axes
@@ -266,7 +280,10 @@ def _direction(name: str, attributes: Any) -> str:
     """``x`` or ``y`` by the attributes of a coordinate or by its name; else nothing."""
     standard = str(attributes.get("standard_name", ""))
     for direction, words in (("x", EAST), ("y", NORTH)):
-        if standard == f"projection_{direction}_coordinate" or attributes.get("axis", "").lower() == direction:
+        if (
+            standard == f"projection_{direction}_coordinate"
+            or attributes.get("axis", "").lower() == direction
+        ):
             return direction
         if not standard and name.lower() in words:
             return direction
@@ -285,7 +302,8 @@ def _by_coordinates(
     for number, (name, places, unit, _) in enumerate(axes):
         if unit.startswith("degree") or (unit in ("m", "1.0") and name.lower().startswith(("lat", "lon"))):
             raise ValueError(
-                f"coordinates {name} must be in metres, got degrees: project first (rioxarray, .rio.reproject)"
+                f"coordinates {name} must be in metres, got degrees: "
+                "project first (rioxarray, .rio.reproject)"
             )
         places = places * length(unit, f"units of {name}")
         differences = np.diff(places)

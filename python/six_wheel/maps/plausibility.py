@@ -41,7 +41,9 @@ def is_mark(number: float) -> bool:
         return False
     nines = len(str(whole).rstrip("0")) > 1 and set(str(whole).rstrip("0")) == {"9"}
     tens = whole >= 10**5 and str(whole).strip("0") == "1"
-    return nines or tens or any(bits in (15, 16, 31) for bits in (math.log2(max(whole + k, 1)) for k in (0, 1)))
+    return (
+        nines or tens or any(bits in (15, 16, 31) for bits in (math.log2(max(whole + k, 1)) for k in (0, 1)))
+    )
 
 
 def find_fill(heights: NDArray[np.floating], nodata: float | None = None) -> str | None:
@@ -120,7 +122,10 @@ def find_unit(
 
 
 def is_in_degrees(
-    origin: tuple[float, float], spacing: tuple[float, float], shape: tuple[int, ...], largest: float = DEGREES
+    origin: tuple[float, float],
+    spacing: tuple[float, float],
+    shape: tuple[int, ...],
+    largest: float = DEGREES,
 ) -> bool:
     """True for a place that is one of longitudes and latitudes, with cells of at most `largest` degrees."""
     (x, y), (dx, dy), (rows, columns) = origin, spacing, shape

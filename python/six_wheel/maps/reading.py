@@ -60,7 +60,7 @@ def read_with(path: str | PathLike[str], options: Options) -> Terrain:
 
 
 def open_raster(path: Path, options: Options) -> "Raster | GridImage":
-    """A map that is read by windows: an image stays open, any other form is held. Refuses what `read` does."""
+    """A map that is read by windows: an image stays open, any other form is in memory."""
     path, options, source = _find(path, options)
     if _is_raster(source):
         return _raster(source, options)

@@ -232,7 +232,9 @@ def _tile(raster: Raster | GridImage, task: _Task, window: Window) -> Tile:
     )  # fmt: skip
 
 
-def _write(output: Path, raster: Raster | GridImage, windows: list[Window], journal: Journal) -> tuple[Layers, float]:
+def _write(
+    output: Path, raster: Raster | GridImage, windows: list[Window], journal: Journal
+) -> tuple[Layers, float]:
     """The layers, from the journal to a file beside the output, then to its place."""
     library = rasterio()
     rows, columns = raster.shape

@@ -1,4 +1,4 @@
-"""`six-wheel show`: a rover from above, as it makes one motion; a map, its relief, slope and unknown cells."""
+"""`six-wheel show`: a rover from above, as it makes one motion; a map, its relief and slope."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

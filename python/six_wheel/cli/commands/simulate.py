@@ -78,7 +78,8 @@ def simulate(
     ground: Annotated[
         Path | None,
         typer.Option(
-            metavar="MAP", help="GeoTIFF, PDS, NetCDF, text, bag or YAML of one and its options; default a plane."
+            metavar="MAP",
+            help="GeoTIFF, PDS, NetCDF, text, bag or YAML of one and its options; default a plane.",
         ),
     ] = None,
     output: ResultsOption = None,

@@ -72,7 +72,7 @@ class Placement(NamedTuple):
 
 
 def apply(transform: Any, x: float, y: float) -> tuple[float, float]:
-    """Coordinates of a column and a row. Versions of the library behind it do not agree on the sign for this."""
+    """Coordinates of a column and a row; versions of affine do not agree on the operator for them."""
     return transform.a * x + transform.b * y + transform.c, transform.d * x + transform.e * y + transform.f
 
 
@@ -124,12 +124,12 @@ def _by_options(path: Path, affine: Any, shape: tuple[int, int], options: Option
     return affine(dx, 0, x - dx / 2, 0, -dy if north_up else dy, top)
 
 
-def _in_degrees(path: Path, at: tuple[float, float], reference: Reference, more: str = "") -> TerrainFileError:
+def _in_degrees(
+    path: Path, at: tuple[float, float], reference: Reference, more: str = ""
+) -> TerrainFileError:
     command = projection_command(path.name, *at, reference.radius).replace("gdalwarp ", f"gdalwarp {more}")
     told = "look like degrees" if more else "are degrees"
-    return TerrainFileError(
-        f"{path} must be in metres, its coordinates {told}: project it first: {command}"
-    )
+    return TerrainFileError(f"{path} must be in metres, its coordinates {told}: project it first: {command}")
 
 
 def _axes(dataset: Any) -> dict[str, str]:
@@ -195,12 +195,13 @@ def _check_scale(dataset: Any, path: Path, placed: Placement, reference: Referen
     x, y = apply(placed.transform, columns / 2, rows / 2)
     step = 100.0 / metre
     places = [(x, y), (x + step, y), (x, y + step)]
-    degrees = []
+    degrees = list[tuple[float, float]]()
     # Outside of what the projection is made for, and where PROJ cannot undo it, there is no scale to compare.
     with contextlib.suppress(CRSError, RasterioError, rasterio._err.CPLE_BaseError):
         there = rasterio.crs.CRS.from_wkt(reference.geographic)
         xs, ys = ([place[axis] for place in places] for axis in range(2))
-        degrees = list(zip(*transform(dataset.crs, there, xs, ys)[:2], strict=True))
+        east, north = transform(dataset.crs, there, xs, ys)[:2]
+        degrees = list(zip(east, north, strict=True))
     if not degrees or not np.isfinite(degrees).all():
         return
     factors = scale_factors(reference, [(a * metre, b * metre) for a, b in places], degrees)

@@ -14,7 +14,20 @@ __all__ = ["EAST", "NORTH", "Table", "find_columns", "lattice", "points_grid", "
 
 EAST = ("x", "easting", "east", "e", "column", "columns", "col", "longitude", "lon")
 NORTH = ("y", "northing", "north", "n", "row", "rows", "latitude", "lat")
-UP = ("z", "elevation", "elev", "height", "heights", "altitude", "alt", "h", "dem", "dtm", "dsm", "topography")
+UP = (
+    "z",
+    "elevation",
+    "elev",
+    "height",
+    "heights",
+    "altitude",
+    "alt",
+    "h",
+    "dem",
+    "dtm",
+    "dsm",
+    "topography",
+)
 COMMENTS = ("#", ";", "//", "%")
 ON_LATTICE = 1e-3  # of a step
 MOST_COLUMNS = 9  # of a table of points
@@ -101,7 +114,7 @@ def find_columns(names: Sequence[str]) -> tuple[tuple[int, int, int], tuple[str,
 
 def points_grid(table: Table, path: Path) -> Grid | None:
     """The grid of a table; None if it has no names and is no list of points."""
-    columns, factors = (0, 1, 2), (1.0, 1.0, 1.0)
+    columns, factors = (0, 1, 2), [1.0, 1.0, 1.0]
     if table.names is not None:
         found = find_columns(table.names)
         if found is None and len(table.names) > MOST_COLUMNS:
@@ -115,7 +128,7 @@ def points_grid(table: Table, path: Path) -> Grid | None:
                 f"{path} must be in metres, its coordinates are degrees: project it first (cs2cs, gdalwarp)"
             )
         try:
-            factors = tuple(length(unit, f"units of {name}") for unit, name in zip(units, "xyz", strict=True))
+            factors = [length(unit, f"units of {name}") for unit, name in zip(units, "xyz", strict=True)]
         except ValueError as error:
             raise TerrainFileError(f"{path}: {error}") from None
     x, y, z = (table.rows[:, column] * factor for column, factor in zip(columns, factors, strict=True))

@@ -50,8 +50,8 @@ class Raster:
     ImportError
         If rasterio is not installed.
     TerrainFileError
-        If it is no image, its coordinates are degrees, its axes are not at right angles, or it leaves open what
-        its heights are.
+        If it is no image, its coordinates are degrees, its axes are sheared, or its heights are of
+        no known unit, or none at all.
     """
 
     def __init__(self, source: Source, options: Options) -> None:
@@ -105,7 +105,7 @@ class Raster:
         names, wanted = self.dataset.descriptions, self.options.band
         alphas = [k for k, kind in enumerate(self.dataset.colorinterp, 1) if kind.name == "alpha"]
         self.alpha = alphas[0] if alphas else None
-        bands = [k for k in self.dataset.indexes if k not in alphas]
+        bands: list[int] = [k for k in self.dataset.indexes if k not in alphas]
         told = ", ".join(f"{k} {names[k - 1]}" if names[k - 1] else str(k) for k in bands)
         if isinstance(wanted, str) and wanted.isdecimal():
             wanted = int(wanted)
@@ -124,9 +124,8 @@ class Raster:
         if all(kind.startswith("complex") for kind in kinds):
             raise TerrainFileError(f"{self.path} must hold real numbers, got {kinds.pop()}")
         if len(bands) in (3, 4) and kinds == {"uint8"}:
-            raise TerrainFileError(
-                f"{self.path} is a picture, not heights: {self.dataset.count} bands of 8 bits (band=1 takes one)"
-            )
+            told = f"{self.dataset.count} bands of 8 bits (band=1 takes one)"
+            raise TerrainFileError(f"{self.path} is a picture, not heights: {told}")
         if len(bands) == 1:
             word = (names[bands[0] - 1] or "").lower()
             if word in OTHERS:
@@ -137,7 +136,7 @@ class Raster:
         )
 
     def _measure(self) -> None:
-        """Units and sense of coordinates and heights. Fails where the file leaves them open, and for pictures."""
+        """Units and sense of coordinates and heights. Fails for pictures, and where the file has none."""
         index, options, crs = self.band - 1, self.options, self.dataset.crs
         self.reference = read_reference(_well_known_text(crs)) if crs is not None else UNKNOWN
         dtype = self.dataset.dtypes[index]
@@ -280,7 +279,7 @@ class GridImage:
         corner = (x - cos * dx / 2 - sin * top, y - sin * dx / 2 + cos * top)
         transform = rasterio().Affine(cos * dx, sin * dy, corner[0], sin * dx, -cos * dy, corner[1])
         self.placement, self.spacing = Placement(transform, 1.0, ground.shape), ground.spacing
-        self._heights = np.asarray(ground.heights)[::-1]
+        self._heights = ground.heights[::-1]
 
     def heights(self, rows: slice, columns: slice) -> NDArray[np.floating]:
         """Pixels of a window; NaN where there are none [m]."""

@@ -67,7 +67,11 @@ def read_reference(text: str) -> Reference:
     if projected is not None:
         inner = node(projected, *GEOGRAPHIC, "BASEGEOGCRS", "BASEGEODCRS", "CONVERSION")
         units = LENGTH.findall(projected.replace(inner, "") if inner else projected)
-        if height is None and re.search(r"\bCS\[Cartesian\s*,\s*3\b", projected, re.IGNORECASE) and len(units) > 2:
+        if (
+            height is None
+            and re.search(r"\bCS\[Cartesian\s*,\s*3\b", projected, re.IGNORECASE)
+            and len(units) > 2
+        ):
             height = float(units.pop()[1])  # the third axis
         plane = float(units[-1][1]) if units else 1.0
     return Reference(
@@ -95,7 +99,9 @@ def read_projection(text: str) -> Reference | None:
         return Reference(degrees=True)
     try:
         heights = values.get("zunits", "no")
-        return Reference(plane=_length(values.get("units", "m")), height=None if heights == "no" else _length(heights))
+        return Reference(
+            plane=_length(values.get("units", "m")), height=None if heights == "no" else _length(heights)
+        )
     except ValueError:
         return None
 

@@ -45,18 +45,17 @@ class Source(NamedTuple):
             told = f"{self.path} must be packed as its name says: fetch it again, or unpack it ({error})"
             raise TerrainFileError(told) from None
 
-    def _open(self) -> IO[bytes]:
+    def _open(self) -> IO[bytes] | gzip.GzipFile:
         if self.packing == "zip":
             return zipfile.ZipFile(self.path).open(str(self.name))
-        return gzip.open(self.path) if self.packing == "gz" else self.path.open("rb")
+        if self.packing == "gz":
+            return gzip.GzipFile(self.path)
+        return self.path.open("rb")
 
     def text(self) -> str:
         """All of it as text, in UTF-8, UTF-16 or Latin-1."""
         data = self.read()
-        if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-            encoding = "utf-16"
-        else:
-            encoding = "utf-8-sig"
+        encoding = "utf-16" if data.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
         try:
             return data.decode(encoding)
         except UnicodeDecodeError:
