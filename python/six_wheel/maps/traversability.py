@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, __version__
+from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.statuses import FeasibilityLimits
 from six_wheel.maps.files import Options
 from six_wheel.maps.readers.rasters import GridImage, Raster, rasterio
@@ -59,6 +60,8 @@ class Traversed:
     """The layers, thinned out to a picture's size."""
     extent: tuple[float, float, float, float]
     """x_min, x_max, y_min, y_max of the image [m]."""
+
+    _repr_mimebundle_ = mimebundle
 
 
 class Window(NamedTuple):

@@ -14,6 +14,7 @@ from six_wheel.plotting.drawing import (
     FAINT,
     INK,
     MOTION,
+    PAGE_WIDTH,
     SOFT,
     TRACK,
     bounds,
@@ -25,7 +26,7 @@ from six_wheel.plotting.drawing import (
     write_title,
 )
 
-WIDTH, TIMELINE, STRIPS = 9.0, 1.9, 0.5  # [in]
+WIDTH, TIMELINE, STRIPS = PAGE_WIDTH, 1.9, 0.5  # [in]
 FREE = {"front": MOTION, "rear": AXLE}
 NAMES = ("front left", "front right", "rear left", "rear right")
 STYLES = ((MOTION, "-"), (MOTION, "--"), (AXLE, "-"), (AXLE, "--"))
@@ -53,7 +54,7 @@ def four_axle_figure(result: FourAxleSimulation, *, title: str | None = None) ->
     low = poses[:, :2].min(axis=0) - (1.25 * size, 1.6 * size)  # words stand below
     high = poses[:, :2].max(axis=0) + 1.25 * size
     across, along = (float(length) for length in high - low)
-    height = float(np.clip((WIDTH - 0.9) * along / across, 2.2, 7.0))
+    height = float(np.clip((WIDTH - 0.9) * along / across, 2.2, 4.6))
     figure = new_figure(WIDTH, height + TIMELINE + STRIPS + 1.6)
     rows = figure.subplots(3, 1, height_ratios=(height, TIMELINE, STRIPS))
     path, angles, brakes = rows

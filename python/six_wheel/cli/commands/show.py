@@ -7,7 +7,6 @@ import typer
 
 from six_wheel.cli.map_options import MapReading
 from six_wheel.cli.shared import (
-    Chosen,
     Reading,
     choose,
     choose_suspension,
@@ -15,6 +14,7 @@ from six_wheel.cli.shared import (
     new_console,
     warn,
 )
+from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -132,7 +132,7 @@ def _save(figure: "Figure", target: Path, sources: list[Path]) -> Path:
     return target.resolve()
 
 
-def left_turn(chosen: Chosen) -> Motion:
+def left_turn(chosen: NamedRover) -> Motion:
     """Forward around a centre to the left that this rover can turn about, within the limits of its file."""
     rover = chosen.rover
     size = max(max(abs(wheel.x), abs(wheel.y)) for wheel in rover.wheels)
@@ -144,7 +144,7 @@ def left_turn(chosen: Chosen) -> Motion:
     return vx, vy, omega
 
 
-def _past(chosen: Chosen, motion: Motion) -> list[str]:
+def _past(chosen: NamedRover, motion: Motion) -> list[str]:
     """Demands of a motion that exceed the limits of the file."""
     return [
         f"{name} is {value:.4g} {unit}, {limit:g} allowed"
@@ -153,7 +153,7 @@ def _past(chosen: Chosen, motion: Motion) -> list[str]:
     ]
 
 
-def _demands(chosen: Chosen, motion: tuple[float, ...]) -> list[tuple[str, float, float, str]]:
+def _demands(chosen: NamedRover, motion: tuple[float, ...]) -> list[tuple[str, float, float, str]]:
     """Name, value, limit and unit of what a motion asks; nothing for a rover without limits."""
     limits = chosen.limits
     vx, vy, omega = motion

@@ -3,18 +3,16 @@
 from __future__ import annotations  # NumPy is not loaded for its names
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from six_wheel._core import Noise, Odometry3, Suspension, Terrain
+from six_wheel._core import Suspension
 from six_wheel.kinematics.objects.short_text import described, few
 from six_wheel.kinematics.objects.tables import Columns, Tabular, pose_columns
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, findings, rows_with
 
 if TYPE_CHECKING:
-    from typing import Literal
-
     import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
 
@@ -118,47 +116,3 @@ class Track3(Tabular):
 
     def __str__(self) -> str:
         return "\n  ".join([repr(self), *few(self.findings())])
-
-
-def reckon(
-    suspension: Suspension,
-    steering: Any,
-    wheel_angles: ArrayLike | None,
-    stamps: ArrayLike | None,
-    *,
-    noise: Noise | None,
-    ground: Terrain | None,
-    joints: ArrayLike | None,
-    attitude: ArrayLike | None,
-    yaw_rate: Any,
-    start: ArrayLike,
-    start_covariance: ArrayLike | None,
-    errors: Literal["flag", "raise"],
-    covariances: bool,
-    residuals: bool,
-    **options: Any,
-) -> Track3:
-    """`dead_reckon` of a suspension."""
-    if wheel_angles is None and hasattr(steering, "wheel_angles"):
-        log = steering
-        steering, wheel_angles, stamps = log.steering, log.wheel_angles, log.stamps
-        yaw_rate = log.yaw_rate if yaw_rate is None else yaw_rate
-        if ground is None and getattr(log, "stand", None) is not None:
-            joints = log.stand.joints if joints is None else joints
-            attitude = log.orientations if attitude is None else attitude
-        options = {**log.options, **options}
-    if wheel_angles is None or stamps is None:
-        raise ValueError("wheel_angles and stamps must be given for a suspension, got none of them")
-    odometry = Odometry3(suspension, noise, ground=ground, **options)
-    odometry.reset(start, start_covariance)
-    return odometry.run(
-        steering,
-        wheel_angles,
-        stamps,
-        joints=joints,
-        attitude=attitude,
-        yaw_rate=yaw_rate,
-        errors=errors,
-        covariances=covariances,
-        slips=residuals,
-    )

@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel.kinematics.odometry import OdometryHealth, dead_reckon_chunks, table_columns
+from six_wheel.kinematics.odometry import OdometryHealth
+from six_wheel.log_odometry import dead_reckon_chunks, table_columns
 from tests import optiodom_data as data
 from tests.odometry_logs import VEHICLES, drive
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from six_wheel.kinematics.odometry.headers.columns import BRACKETS, Column, Quantity, find_columns, unit
+from six_wheel.logs.headers.columns import BRACKETS, Column, Quantity, find_columns, unit
 
 __all__ = ["ABOUT_Z", "AXES", "RATES", "rate_columns"]
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover, Wheel
-from six_wheel.kinematics.odometry.plausibility.proposals import (
+from six_wheel.logs.plausibility.proposals import (
     Column,
     ImplausibleReadingError,
     Proposal,

@@ -10,18 +10,19 @@ from numpy.typing import ArrayLike
 
 from six_wheel._core import Gyroscope, Noise, Odometry, Odometry3, Rover, Suspension, Terrain
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.odometry import tabular_input
-from six_wheel.kinematics.odometry.dead_reckoning3 import Track3, reckon
-from six_wheel.kinematics.odometry.headers.renamed import Columns
-from six_wheel.kinematics.odometry.headers.time_columns import scale_of
-from six_wheel.kinematics.odometry.plausibility.arrays import FEW, array_checks, check_arrays
-from six_wheel.kinematics.odometry.sensor_frames import mount, seen_by, start_of_body
-from six_wheel.kinematics.odometry.table_headers import names
 from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.kinematics.odometry.tracks3 import Track3
+from six_wheel.log_odometry.sensor_frames import mount, seen_by, start_of_body
+from six_wheel.logs.frames import tabular_input
+from six_wheel.logs.frames.table_headers import names
+from six_wheel.logs.headers.renamed import Columns
+from six_wheel.logs.headers.time_columns import scale_of
+from six_wheel.logs.plausibility.arrays import FEW, array_checks, check_arrays
 
 __all__ = ["dead_reckon", "dead_reckon_chunks", "table_columns"]
 
 Errors = Literal["flag", "raise"]
+ORIGIN = (0.0, 0.0, 0.0)
 
 
 @overload
@@ -60,7 +61,7 @@ def dead_reckon(
     joints: ArrayLike | None = None,
     attitude: ArrayLike | None = None,
     yaw_rate: ArrayLike | None = None,
-    start: ArrayLike = (0.0, 0.0, 0.0),
+    start: ArrayLike | None = None,
     start_covariance: ArrayLike | None = None,
     errors: Errors = "flag",
     covariances: bool = True,
@@ -82,7 +83,7 @@ def dead_reckon(
     attitude: ArrayLike | None = None,
     yaw: ArrayLike | str | None = None,
     yaw_rate: ArrayLike | str | None = None,
-    start: ArrayLike = (0.0, 0.0, 0.0),
+    start: ArrayLike | None = None,
     start_covariance: ArrayLike | None = None,
     sensor: ArrayLike | None = None,
     errors: Errors = "flag",
@@ -124,8 +125,9 @@ def dead_reckon(
         Absolute yaw [rad] and gyroscope [rad/s], NaN in rows without; the name of a column for a table. That
         of a `WheelLog` counts as that of `Gyroscope()` unless the noise or ``gyroscope=`` says what it errs
         by.
-    start : array_like, shape (3,), default (0, 0, 0)
-        First pose ``[x, y, yaw]`` [m, m, rad]; of a suspension also as in `Odometry3.reset`.
+    start : array_like, shape (3,), optional
+        First pose ``[x, y, yaw]`` [m, m, rad], default (0, 0, 0); of a suspension also as in
+        `Odometry3.reset`, default on `ground` the pose of a log's truth at its first stamp, if it has one.
     start_covariance : array_like, shape (3,) or (3, 3), optional
         Of the first pose, default 0.
     sensor : array_like, shape (3,), optional
@@ -170,7 +172,7 @@ def dead_reckon(
         _refuse(planar, "for a suspension")
         beginning: dict[str, Any] = {"start": start, "start_covariance": start_covariance}
         common |= spatial | beginning | options
-        return reckon(rover, steering, wheel_angles, stamps, noise=noise, yaw_rate=yaw_rate, **common)
+        return _in_space(rover, steering, wheel_angles, stamps, noise=noise, yaw_rate=yaw_rate, **common)
     _refuse(spatial, "for a rover without a suspension")
     if wheel_angles is None and hasattr(steering, "wheel_angles"):
         log = steering
@@ -182,6 +184,7 @@ def dead_reckon(
             yaw_rate = log.yaw_rate
             if (noise is None or noise.yaw_rate == 0.0) and options.get("gyroscope") is None:
                 options["gyroscope"] = Gyroscope()  # nobody said that it is to be taken at its word
+    start = ORIGIN if start is None else start
     place = None if sensor is None else mount(sensor)
     if place is not None:
         start, start_covariance = start_of_body(start, start_covariance, place)
@@ -194,6 +197,7 @@ def dead_reckon(
         options |= _readings_of(source)
     odometry = Odometry(rover, noise, **options)
     odometry.reset(start, start_covariance)
+    stamps = None if stamps is None else tabular_input.seconds_of(stamps)
     if stamps is not None and stamp_unit is not None:
         stamps = np.asarray(stamps) / round(1.0 / scale_of(stamp_unit))
     if wheel_angles is not None and stamps is not None and plausibility and _rows(stamps) >= FEW:
@@ -209,6 +213,53 @@ def dead_reckon(
         tracks = list(tabular_input.follow(odometry, source, common, progress))
         track = tabular_input.concatenate(rover, tracks)
     return track if place is None else seen_by(track, place)
+
+
+def _in_space(
+    suspension: Suspension,
+    steering: Any,
+    wheel_angles: ArrayLike | None,
+    stamps: ArrayLike | None,
+    *,
+    noise: Noise | None,
+    ground: Terrain | None,
+    joints: ArrayLike | None,
+    attitude: ArrayLike | None,
+    yaw_rate: Any,
+    start: ArrayLike | None,
+    start_covariance: ArrayLike | None,
+    errors: Errors,
+    covariances: bool,
+    residuals: bool,
+    **options: Any,
+) -> Track3:
+    """`dead_reckon` of a suspension."""
+    if wheel_angles is None and hasattr(steering, "wheel_angles"):
+        log = steering
+        steering, wheel_angles, stamps = log.steering, log.wheel_angles, log.stamps
+        yaw_rate = log.yaw_rate if yaw_rate is None else yaw_rate
+        if ground is None and getattr(log, "stand", None) is not None:
+            joints = log.stand.joints if joints is None else joints
+            attitude = log.orientations if attitude is None else attitude
+        if start is None and ground is not None and log.truth is not None and log.truth.has_positions:
+            first = log.truth.at(log.stamps[:1])[0]
+            start = first if np.isfinite(first).all() else None
+        options = {**log.options, **options}
+    if wheel_angles is None or stamps is None:
+        raise ValueError("wheel_angles and stamps must be given for a suspension, got none of them")
+    odometry = Odometry3(suspension, noise, ground=ground, **options)
+    odometry.reset(ORIGIN if start is None else start, start_covariance)
+    return odometry.run(
+        steering,
+        wheel_angles,
+        stamps,
+        joints=joints,
+        attitude=attitude,
+        yaw_rate=yaw_rate,
+        errors=errors,
+        covariances=covariances,
+        slips=residuals,
+    )
 
 
 def _rows(stamps: Any) -> int:

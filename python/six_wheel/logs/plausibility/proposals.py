@@ -10,6 +10,7 @@ __all__ = [
     "ImplausibleReadingError",
     "Proposal",
     "at_its_word",
+    "both",
     "columns",
     "encoders",
     "max_speed",
@@ -59,7 +60,7 @@ def encoders(
     increments: bool = False,
     steering: bool = False,
 ) -> Proposal:
-    """What a counter counts and where it starts over; COUNTS is what only the owner knows."""
+    """The unit of a counter and the number at which it starts over; the owner alone knows COUNTS."""
     name = "steering_encoders" if steering else "wheel_encoders"
     given: dict[str, str] = {}
     if wraps_at is not None:
@@ -76,6 +77,12 @@ def encoders(
         python.append('readings="increments"')
     key = f"{name}: {{{', '.join(keys)}}}"
     return Proposal(key, "" if steering else " ".join(options), ", ".join(python))
+
+
+def both(one: Proposal, other: Proposal) -> Proposal:
+    """Two options together."""
+    option = f"{one.option} {other.option}".strip()
+    return Proposal(f"{one.key}, {other.key}", option, f"{one.argument}, {other.argument}")
 
 
 def columns(meanings: Mapping[str, str]) -> Proposal:

@@ -8,8 +8,8 @@ import numpy as np
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning
-from six_wheel.kinematics.odometry.plausibility.checks import ReadingChecks, Readings
-from six_wheel.kinematics.odometry.plausibility.proposals import Column
+from six_wheel.logs.plausibility.checks import ReadingChecks, Readings
+from six_wheel.logs.plausibility.proposals import Column
 
 __all__ = ["FEW", "array_checks", "check_arrays"]
 
