@@ -12,7 +12,7 @@ SOAK ?= 50
 SOAKED = $(patsubst %,tests/%,core/oracles/test_batch.py core/oracles/test_rollout.py core/oracles/test_fast.py \
 	core/boundary/test_memory.py core/door/test_storm.py core/control/test_profiles.py core/control/test_profile_limits.py \
 	core/control/test_transitions.py core/control/test_controller.py core/control/test_controller_options.py \
-	cli/test_exit.py kinematics/odometry calibration core/ground/test_bounds.py \
+	cli/test_exit.py kinematics/odometry log_odometry/test_dead_reckon.py calibration core/ground/test_bounds.py \
 	core/ground/test_touching.py core/ground/test_mujoco.py core/ground/test_growth.py)
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
@@ -71,7 +71,7 @@ fuzz: $(VENV)/installed ## coverage-guided fuzzing of core, boundary and readers
 			&& $(BIN)/python -m tests.fuzz.fuzzed $$target target/fuzz/$$target -max_total_time=$(FUZZ) -timeout=20 \
 				-artifact_prefix=target/fuzz/$$target- || exit 1; done
 
-compare: $(VENV)/installed ## kernels against the plain core, ROWS rows of calls; the worst case of each
+compare: $(VENV)/installed ## every level against the scalar one, ROWS rows of calls; the worst case of each
 	$(BIN)/python -m tests.core.oracles.compare --rows $(ROWS)
 
 # All that pyenv has, if it is there.

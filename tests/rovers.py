@@ -10,6 +10,8 @@ SIX_SIZES = {
     "wheel_radius": 0.15,
 }
 """Dimensions [m] of `SIX_WHEELS`."""
+CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
+"""Places of four wheels [m]."""
 SIX_WHEELS = sw.Rover.six_wheel(**SIX_SIZES)
 CART = sw.Rover.differential(0.5, 0.1)
 PAIR = sw.Rover.differential(0.4, 0.1)
@@ -18,3 +20,5 @@ THREE_AXLES = sw.Rover.differential(0.5, 0.1, wheels_per_side=3, wheelbase=0.8)
 CAR = sw.Rover.ackermann(2.0, 1.2, 0.3, steering_limit=0.6)
 TRICYCLE = sw.Rover.tricycle(1.0, 0.8, 0.2)
 MECANUM = sw.Rover.mecanum(0.6, 0.4, 0.1)
+CASTOR = sw.Rover([*CART.wheels, sw.Wheel("castor", 0.3, 0, radius=0.05, castor=True, trail=0.02)])
+SWERVE = sw.Rover.swerve(CORNERS, 0.1)

@@ -72,13 +72,15 @@ from six_wheel.kinematics.errors import (
 from six_wheel.kinematics.geometry import Pose, Twist
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.lazy import attach
+from six_wheel.kinematics.objects.notebooks import shown_in_notebooks
 from six_wheel.kinematics.rollout_cost import RolloutCost
 
 if TYPE_CHECKING:
     from six_wheel.calibration import calibrate
     from six_wheel.kinematics.four_axle import FourAxleState, FourAxleStep
-    from six_wheel.kinematics.odometry import OdometryHealth, SlipReport, Track, Track3, dead_reckon
+    from six_wheel.kinematics.odometry import OdometryHealth, SlipReport, Track, Track3
     from six_wheel.kinematics.statuses import BoundsStatus, FeasibilityLimits, FeasibilityReason, SettleStatus
+    from six_wheel.log_odometry import dead_reckon
     from six_wheel.log_odometry.evaluation import umbmark
     from six_wheel.logs import GroundTruth, WheelLog
     from six_wheel.simulation import simulate
@@ -209,6 +211,15 @@ def load(
     return file.load(path, node=node, kind=kind)
 
 
+def _as_command(name: str) -> str:
+    """A hint for the names of commands, which are not in the package."""
+    from six_wheel.cli.names import COMMANDS, PROGRAM
+
+    return f"; it is a command: {PROGRAM} {name} in a shell" if name in COMMANDS else ""
+
+
+shown_in_notebooks(ControllerRun, Costmap, FourAxle, Rover, SettledPose, Suspension, Terrain, TwistFit)
+
 __getattr__, __dir__ = attach(
     __name__,
     {
@@ -217,9 +228,9 @@ __getattr__, __dir__ = attach(
         "control_loop": (),
         "kinematics": (),
         "kinematics.four_axle": ("FourAxleState", "FourAxleStep"),
-        "kinematics.odometry": ("OdometryHealth", "SlipReport", "Track", "Track3", "dead_reckon"),
+        "kinematics.odometry": ("OdometryHealth", "SlipReport", "Track", "Track3"),
         "kinematics.statuses": ("BoundsStatus", "FeasibilityReason", "SettleStatus", "FeasibilityLimits"),
-        "log_odometry": (),
+        "log_odometry": ("dead_reckon",),
         "log_odometry.evaluation": ("umbmark",),
         "logs": ("WheelLog", "GroundTruth"),
         "maps": (),
@@ -230,4 +241,5 @@ __getattr__, __dir__ = attach(
         "simulation": ("simulate",),
         "view": (),
     },
+    hint=_as_command,
 )

@@ -16,8 +16,8 @@ from six_wheel.kinematics.four_axle import (
     TurnSequence,
 )
 from six_wheel.kinematics.geometry import Pose
-from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
+from six_wheel.kinematics.odometry.tracks3 import Track3
 from six_wheel.kinematics.profiles import Peaks, Phase, State, TransitionState
 from six_wheel.kinematics.rollout_cost import RolloutCost
 from six_wheel.kinematics.statuses import BoundsStatus, FeasibilityLimits, FeasibilityReason, SettleStatus

@@ -15,7 +15,7 @@ import pytest
 import six_wheel
 from six_wheel.cli import app
 from six_wheel.cli.shared import WRITTEN
-from six_wheel.kinematics.odometry.headers.columns import TableError
+from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.writing import _beside, replacing, together
 from tests.cli_runs import Run
 

@@ -45,9 +45,9 @@ def modules(room: str) -> list[str]:
     return [name.removesuffix(".__init__") for name in names]
 
 
-def imported(names: list[str]) -> subprocess.CompletedProcess[str]:
-    """A process that imports these modules and may import nothing beyond the floor."""
-    code = HOOK.format(rooms=FLOOR, names=names)
+def imported(names: list[str], rooms: tuple[str, ...] = FLOOR) -> subprocess.CompletedProcess[str]:
+    """A process that imports these modules and may import nothing beyond NumPy and these rooms."""
+    code = HOOK.format(rooms=rooms, names=names)
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
 
 
@@ -58,6 +58,11 @@ def test_every_module_of_the_floor_imports_with_numpy_alone(room: str) -> None:
     done = imported(names)
     assert done.stderr == ""
     assert done.stdout == f"{len(names)}\n"
+
+
+def test_dead_reckoning_needs_numpy_alone() -> None:
+    done = imported(["six_wheel.log_odometry.dead_reckoning"], (*FLOOR, "logs", "log_odometry"))
+    assert (done.stderr, done.stdout) == ("", "1\n")
 
 
 @pytest.mark.parametrize("name", ["six_wheel.maps", "matplotlib"])

@@ -15,9 +15,9 @@ from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import get_types_from_msg
 
-from six_wheel.kinematics.odometry.headers.rate_columns import rate_columns
 from six_wheel.logs import JointLog, TableError, read_log
 from six_wheel.logs.gyroscope.rates import Passing, Turning, edges_of, upward
+from six_wheel.logs.headers.rate_columns import rate_columns
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.simulation import write_log
 from tests.logs.gyroscope_logs import STORE, STORE_1, header, make, simulated

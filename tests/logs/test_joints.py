@@ -14,14 +14,14 @@ pa = pytest.importorskip("pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet")
 
 from six_wheel._core import Encoder  # noqa: E402
-from six_wheel.kinematics.odometry.headers.columns import TableError  # noqa: E402
-from six_wheel.kinematics.odometry.headers.joint_columns import joint_columns  # noqa: E402
 from six_wheel.logs import (  # noqa: E402
     JointLog,
     JointRows,
     optiodom,
     read_truth,
 )
+from six_wheel.logs.headers.columns import TableError  # noqa: E402
+from six_wheel.logs.headers.joint_columns import joint_columns  # noqa: E402
 from six_wheel.simulation.drive import drive  # noqa: E402
 from tests import optiodom_data  # noqa: E402
 from tests.logs.carts import write  # noqa: E402

@@ -3,10 +3,10 @@
 import math
 
 import six_wheel as sw
+from tests.rovers import CORNERS
 
 BICYCLE = sw.Rover.bicycle(1.0, 0.2)
-SQUARE = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
-SWERVE = sw.Rover.swerve(SQUARE, 0.1, steering_limit=math.pi / 2)
+SWERVE = sw.Rover.swerve(CORNERS, 0.1, steering_limit=math.pi / 2)
 MARS = sw.Rover.preset("perseverance")
 
 Twist = tuple[float, float, float]

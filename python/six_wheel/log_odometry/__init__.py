@@ -1,6 +1,7 @@
-"""A log on disk to a track on disk, in chunks of constant memory, with what is to be said about it.
+"""Logs to tracks: `dead_reckoning` of arrays and tables, `run_log` of a file in chunks of constant memory,
+with what is to be said about it, `many_logs` over processes or a cluster.
 
-`run_log` does one, `many_logs` any number, over processes or a cluster; `evaluation` compares tracks with the
+`sensor_frames` turns the track of the body into that of a sensor; `evaluation` compares tracks with the
 truth.
 """
 
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
+    from six_wheel.log_odometry.dead_reckoning import dead_reckon, dead_reckon_chunks, table_columns
     from six_wheel.log_odometry.many_logs import FleetLog, reckon_all
     from six_wheel.log_odometry.results import Count, Reckoned, Settings
     from six_wheel.log_odometry.run_log import reckon
@@ -21,14 +23,18 @@ __all__ = [
     "Reckoned",
     "Settings",
     "SlipSum",
+    "dead_reckon",
+    "dead_reckon_chunks",
     "of_track",
     "reckon",
     "reckon_all",
+    "table_columns",
 ]
 
 __getattr__, __dir__ = attach(
     __name__,
     {
+        "dead_reckoning": ("dead_reckon", "dead_reckon_chunks", "table_columns"),
         "many_logs": ("FleetLog", "reckon_all"),
         "results": ("Count", "Reckoned", "Settings"),
         "run_log": ("reckon",),

@@ -3,7 +3,8 @@
 `tables` reads commands, `joints` readings and `ground_truth` where it was, from tables (`skip_bad_rows` goes
 on after a bad one) or `bags`; `gyroscope` is rates in either; `log_options` says what a log does not state;
 `recordings` are logs in memory, `optiodom` an example of a reader; `detect_reader` opens any of them;
-`writing` replaces files. `mcap` has the records of a run.
+`writing` replaces files. `mcap` has the records of a run. `headers` finds columns, `frames` reads tables in
+memory, `plausibility` refuses readings that no rover has.
 """
 
 from typing import TYPE_CHECKING
@@ -11,9 +12,9 @@ from typing import TYPE_CHECKING
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.kinematics.odometry.headers.columns import TableError
     from six_wheel.logs.detect_reader import open_log, read_log
     from six_wheel.logs.ground_truth import read_truth
+    from six_wheel.logs.headers.columns import TableError
     from six_wheel.logs.joints import JointLog, JointRows
     from six_wheel.logs.log_options import LogOptions
     from six_wheel.logs.recordings import GroundTruth, WheelLog

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.odometry.headers.columns import TIME, Column, TableError, find_columns
-from six_wheel.kinematics.odometry.headers.joint_columns import position_columns, truth_columns
-from six_wheel.kinematics.odometry.headers.time_columns import seconds_since
 from six_wheel.logs.bags.bag_files import is_bag
+from six_wheel.logs.headers.columns import TIME, Column, TableError, find_columns
+from six_wheel.logs.headers.joint_columns import position_columns, truth_columns
+from six_wheel.logs.headers.time_columns import seconds_since
 from six_wheel.logs.skip_bad_rows import Findings, Sieve, Source, TolerantTable
 
 __all__ = ["TRUTH", "has_headings", "poses_of", "read_truth"]

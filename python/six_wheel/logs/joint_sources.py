@@ -8,17 +8,17 @@ from typing import Any, NoReturn
 import numpy as np
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.columns import Column, TableError, Unit
-from six_wheel.kinematics.odometry.headers.joint_columns import JointColumns, Reading, joint_columns
-from six_wheel.kinematics.odometry.headers.renamed import Columns
-from six_wheel.kinematics.odometry.plausibility.checks import ReadingChecks, Readings
-from six_wheel.kinematics.odometry.plausibility.proposals import Column as Label
-from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError, encoders
 from six_wheel.logs.bags.bag_files import Topics, is_bag
 from six_wheel.logs.ground_truth import TRUTH
 from six_wheel.logs.gyroscope.rates import RATES, upward
 from six_wheel.logs.gyroscope.sources import rate_table
+from six_wheel.logs.headers.columns import Column, TableError, Unit
+from six_wheel.logs.headers.joint_columns import JointColumns, Reading, joint_columns, unsaid_units
+from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.joint_totals import Encoders
+from six_wheel.logs.plausibility.checks import ReadingChecks, Readings
+from six_wheel.logs.plausibility.proposals import Column as Label
+from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, encoders
 from six_wheel.logs.skip_bad_rows import Source, TolerantTable
 
 __all__ = ["JointSource", "refuse_counts"]
@@ -145,6 +145,8 @@ class JointSource:
         self.rows, self.readings, self.names = table, joints.readings, list(joints.columns)
         self.columns, self.stated = joints.columns, table.stated
         self.turned = joints.reversed
+        if unsaid := unsaid_units(joints, self.rover):
+            self.warnings.append(f"{self.path}: {unsaid}")
         columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_wheel_names}
         self.counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
         self.has_rates = any(name in joints.columns for name in RATES)

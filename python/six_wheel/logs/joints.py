@@ -15,18 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.columns import TableError
-from six_wheel.kinematics.odometry.headers.joint_columns import Reading
-from six_wheel.kinematics.odometry.headers.renamed import Columns
-from six_wheel.kinematics.odometry.headers.time_columns import seconds_since, whole_second
-from six_wheel.kinematics.odometry.plausibility.checks import ReadingChecks
-from six_wheel.kinematics.odometry.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.bags.bag_files import Topics
 from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
 from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of
 from six_wheel.logs.gyroscope.sources import readings_of
+from six_wheel.logs.headers.columns import TableError
+from six_wheel.logs.headers.joint_columns import Reading
+from six_wheel.logs.headers.renamed import Columns
+from six_wheel.logs.headers.time_columns import seconds_since, whole_second
 from six_wheel.logs.joint_sources import JointSource
 from six_wheel.logs.joint_totals import Encoders, Integral, Total, encoder_of
+from six_wheel.logs.plausibility.checks import ReadingChecks
+from six_wheel.logs.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Batch, Finding, Findings, Sieve
 
@@ -245,7 +245,8 @@ class JointLog:
         if chunk_rows < 1:
             raise ValueError(f"chunk_rows must be positive, got {chunk_rows}")
         first = True
-        sieve = Sieve(self.findings, (*TRUTH, *RATES), self._source.stated)
+        spare, strict = (*TRUTH, *RATES), self._checks is not None
+        sieve = Sieve(self.findings, spare, self._source.stated, strict)
         turning: Turning | None = None
         held: JointRows | None = None  # a row's rate is not known before the row behind it
         before: float | None = None
@@ -267,9 +268,10 @@ class JointLog:
             self._refuse(self._checks.finish)
         if first:
             flaw = f"; {self.findings.listed[0]}" if self.findings.listed else ""
-            raise TableError(
-                f"{self.path}: the log must have at least one row that can be used, got none{flaw}"
-            )
+            alone = ": does each row hold one wheel? Give it the last reading of the others (forward fill)"
+            flaw += alone if "must be a finite number, got nan" in flaw else ""
+            rule = "the log must have at least one row that can be used"
+            raise TableError(f"{self.path}: {rule}, got none{flaw}")
 
     def read(
         self,

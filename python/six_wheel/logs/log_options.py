@@ -7,10 +7,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from six_wheel._core import Encoder, Rover
-from six_wheel.kinematics.odometry.headers.joint_columns import Reading
-from six_wheel.kinematics.odometry.headers.renamed import Columns
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs.bags.bag_files import Topics
+from six_wheel.logs.headers.joint_columns import Reading
+from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.recordings import GroundTruth
 

@@ -20,15 +20,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.kinematics.errors import FileError
-from six_wheel.kinematics.odometry.headers.clock_times import is_clock_time
-from six_wheel.kinematics.odometry.headers.columns import (
+from six_wheel.logs.columnar import ColumnarFile, time_unit_of, units_of
+from six_wheel.logs.headers.clock_times import is_clock_time
+from six_wheel.logs.headers.columns import (
     TIME_UNITS,
     Column,
     TableError,
     find_columns,
     is_number,
 )
-from six_wheel.logs.columnar import ColumnarFile, time_unit_of, units_of
 from six_wheel.logs.text.dialect import LONGEST_LINE, SPACES, cells_of, open_text, read_dialect
 
 if TYPE_CHECKING:
@@ -287,13 +287,17 @@ class Table:
         assert self._file is not None
         headers = {name: self._headers[column.index] for name, column in self._columns.items()}
         for batch in self._file.batches(chunk_rows, list(headers.values())):
-            arrays = [batch.column(header).cast(self._types[name]) for name, header in headers.items()]
+            columns = {name: batch.column(header) for name, header in headers.items()}
+            if pa.types.is_time32(columns["time"].type):
+                columns["time"] = columns["time"].cast("int32")
+            arrays = [column.cast(self._types[name]) for name, column in columns.items()]
             yield pa.RecordBatch.from_arrays(arrays, names=list(headers))
 
 
 def _is_text(kind: "pa.DataType") -> bool:
     import pyarrow as pa
 
+    kind = kind.value_type if pa.types.is_dictionary(kind) else kind
     return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
 
 

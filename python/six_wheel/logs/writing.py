@@ -15,12 +15,10 @@ from glob import escape
 from pathlib import Path
 from typing import Any, Self
 
-from six_wheel.kinematics.odometry.headers.columns import TableError
+from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.tables import table_format
 
 __all__ = ["TableWriter", "check_outputs", "remove_leftovers", "replacing", "together"]
-
-
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
 
 

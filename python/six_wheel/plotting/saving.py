@@ -4,7 +4,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from six_wheel.kinematics.odometry.headers.columns import TableError
+from six_wheel.logs.headers.columns import TableError
 
 __all__ = ["picture_path", "save"]
 

@@ -1,4 +1,4 @@
-"""Motion of a rover: what it is commanded, what the package makes of it. No mathematics of its own."""
+"""Motion of a rover: the commanded one and the one within limits. No mathematics of its own."""
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
@@ -27,7 +27,7 @@ STANDING = (SettleStatus.settled, SettleStatus.at_stop)
 
 @dataclass(frozen=True)
 class State:
-    """What the sliders say.
+    """The positions of the sliders.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What comes of a state.
+    """The motion of a rover in a state.
 
     Attributes
     ----------
@@ -118,12 +118,12 @@ class Motion:
 
     @property
     def stands(self) -> bool:
-        """Whether the rover stands where it is: on a plane it does."""
+        """True if the rover has settled; on a plane it always has."""
         return self.stand is None or self.stand.status in STANDING
 
     @property
     def possible(self) -> bool:
-        """Whether the motion is the commanded one."""
+        """True if the motion is the commanded one."""
         return bool(np.allclose(self.twist, self.state.twist, rtol=1e-9, atol=1e-12))
 
     @property
@@ -150,7 +150,7 @@ def restricted(rover: Rover, steering_limit: float | None) -> Rover:
 
 
 def find_motion(subject: Subject, state: State, previous: Motion | None = None) -> Motion:
-    """What the package makes of a state: the motion within limits, the wheels, the settled pose.
+    """The motion within limits of a state, with its wheels and its settled pose.
 
     On ground the rover steers as on level ground and its wheels turn as far as they roll there, as in
     `simulate`. Where it does not settle it stays as it was.
@@ -253,7 +253,7 @@ def on_ground(subject: Subject, places: Floats) -> Floats:
 
 
 def words(subject: Subject, motion: Motion) -> str:
-    """Whether the rover can do as commanded, and what keeps it from that."""
+    """The feasibility of the commanded motion, with the reasons against it."""
     reasons, state = motion.reasons, motion.state
     if state.steering is not None:
         return "as recorded"

@@ -4,6 +4,7 @@ from __future__ import annotations  # viser is loaded when panels are made
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -86,7 +87,7 @@ class Panels:
         if self._place:
             x, y, yaw = map(self._value, self._place)
             values["pose"] = (x, y, math.radians(yaw))
-        return before.__class__(**{**before.__dict__, **values})
+        return replace(before, **values)
 
     def set_twist(self, twist: Any) -> None:
         """Move the sliders of the motion."""
@@ -132,22 +133,22 @@ class Panels:
         self.status.content = failure(error)
 
     def shows(self, name: str) -> bool:
-        """Whether something is to be drawn."""
+        """True if this part is to be drawn."""
         return bool(self._show[name].value)
 
     @property
     def coloring(self) -> str:
-        """By what the ground is coloured."""
+        """The quantity that colours the ground."""
         return str(self._coloring.value) if self._coloring is not None else "relief"
 
     @property
     def driving(self) -> bool:
-        """Whether the rover is to drive on."""
+        """True if the rover is to drive on."""
         return self._subject.record is None and bool(self._drive.value)
 
     @property
     def moved_by_hand(self) -> bool:
-        """Whether the rover is to be dragged in the picture."""
+        """True if the rover is to be dragged in the picture."""
         return self._drag is not None and bool(self._drag.value)
 
     def stop_driving(self) -> None:
@@ -170,7 +171,7 @@ class Panels:
         return made
 
     def _value(self, slider: Any) -> float:
-        """What a slider says: the number it was given, unless a person has moved it since."""
+        """Value of a slider: the number it was given, unless a person has moved it since."""
         shown, exact = self._exact[id(slider)]
         return exact if slider.value == shown else float(slider.value)
 

@@ -55,7 +55,7 @@ class Player:
 
     @property
     def playing(self) -> bool:
-        """Whether time goes on."""
+        """True while time goes on."""
         return bool(self._play.value)
 
     def go(self, time: float) -> None:

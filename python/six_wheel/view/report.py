@@ -1,4 +1,4 @@
-"""What the numbers are, as HTML that can be selected and copied."""
+"""The numbers of a motion as HTML that can be selected and copied."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LEGEND = (
 
 
 def status(subject: Subject, motion: Motion) -> str:
-    """Whether it can, and how it stands."""
+    """The feasibility, the twist driven and the attitude."""
     lines = [f"<b>{escape(words(subject, motion))}</b>"]
     vx, vy, omega = motion.twist.tolist()
     lines.append(f"driven {vx:+.4f} {vy:+.4f} m/s {np.degrees(omega):+.3f}°/s")
@@ -81,12 +81,12 @@ def lines_to_say(command: str | None, python: str) -> str:
 
 
 def failure(error: Exception) -> str:
-    """What went wrong, for the place of the status."""
+    """An error, for the place of the status."""
     return f'<div style="{STYLE}"><b>{escape(type(error).__name__)}</b>: {escape(str(error))}</div>'
 
 
 def start_state(subject: Subject, twist: tuple[float, float, float] | None) -> State:
-    """What the sliders say at first: a left turn, or a given motion."""
+    """The first positions of the sliders: a left turn, or a given motion."""
     first = twist
     if first is None:
         speed = subject.wheel_speed * subject.radius / 2.0

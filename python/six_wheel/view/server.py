@@ -54,7 +54,7 @@ def free_port(port: int) -> None:
 
 
 def is_local(hosts: list[str], origins: list[str]) -> bool:
-    """Whether a request comes from a page of this very server, by its headers.
+    """True if a request comes from a page of this very server, by its headers.
 
     A name that was made to lead to the loopback is no name of it, and a page of another site or of another
     server of this machine has another origin. Requests without an origin are those of programs and of the

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from tests.rovers import SIX_SIZES
+from tests.rovers import CORNERS, SIX_SIZES
 
-CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 CENTRES = [(0.3, 0.2, 0.1), (0.3, -0.2, 0.1), (-0.3, 0.0, 0.1)]
 QUARTER, EIGHT = math.pi / 2, 8 * math.pi
 

@@ -17,7 +17,6 @@ from tests.rovers import SIX_SIZES, SIX_WHEELS
 
 ARM = sw.RockerBogie.preset("rocky7")
 SIX = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.2)
-CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 
 # A value of every class, and another value for each of the arguments that make it.
 VALUES = {

@@ -17,8 +17,6 @@ from six_wheel.reference.control import four_axle as reference
 from tests.core.control.four_axles import H_X, H_Y, LENGTH, RADIUS, cars, pivots_of
 
 STRAIGHT = FourAxleState()
-
-
 SLIP = 1e-9  # [m/s] what a plan may slip; rounding is 1e-15
 
 

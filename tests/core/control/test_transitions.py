@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import profiles, reference
-from tests.core.control.transition_rovers import LEFT, OSR, RATE, RIGHT, ROVERS, STRAIGHT, SWERVE, largest
+from tests.core.control.transition_rovers import LEFT, OSR, RATE, RIGHT, ROVERS, STRAIGHT, largest
+from tests.rovers import CORNERS
 from tests.strategies import forward_twists, six_wheel_rovers
 
 SOAK = int(os.environ.get("SOAK", "1"))
@@ -252,7 +253,7 @@ def test_over_a_spin_island_the_rover_stops_and_turns_its_wheels():
     assert profiles.icr_transition(rover, (0.4, 0, 0.1), (0.4, 0, -0.1), **limits).stops == 0
 
 
-HALF_TURN = sw.Rover.swerve(SWERVE, 0.1, steering_limit=2.5)
+HALF_TURN = sw.Rover.swerve(CORNERS, 0.1, steering_limit=2.5)
 
 
 def test_what_passes_close_to_a_pivot_passes_right_over_it():

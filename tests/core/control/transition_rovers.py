@@ -5,26 +5,18 @@ import math
 import numpy as np
 
 import six_wheel as sw
-from tests.rovers import CAR, CART, MECANUM, SIX_SIZES, SIX_WHEELS, TRICYCLE
-
-SWERVE = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
-
+from tests.rovers import CAR, CART, CASTOR, CORNERS, MECANUM, SIX_SIZES, SIX_WHEELS, TRICYCLE
 
 OSR = sw.Rover.preset("open_source_rover")
-
-
 RATE = math.radians(60.0)
-
-
 STRAIGHT, LEFT, RIGHT = (0.3, 0.0, 0.0), (0.3, 0.0, 0.5), (0.3, 0.0, -0.5)
-
 
 ROVERS = {
     "six wheels": SIX_WHEELS,
     "limited": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0),
     "wide": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-2.0, 2.5)),
-    "swerve": sw.Rover.swerve(SWERVE, 0.1, steering_limit=math.pi / 2),
-    "turning swerve": sw.Rover.swerve(SWERVE[:3], 0.1, steering_limit=math.pi),
+    "swerve": sw.Rover.swerve(CORNERS, 0.1, steering_limit=math.pi / 2),
+    "turning swerve": sw.Rover.swerve(CORNERS[:3], 0.1, steering_limit=math.pi),
     "ackermann": CAR,
     "tricycle": TRICYCLE,
     "mecanum": MECANUM,
@@ -32,15 +24,10 @@ ROVERS = {
     "scrub": sw.Rover(
         [
             sw.Wheel(f"w{i}", *place, radius=0.1, steered=True, scrub=0.03 * (-1) ** i)
-            for i, place in enumerate(SWERVE)
+            for i, place in enumerate(CORNERS)
         ]
     ),
-    "castor": sw.Rover(
-        [
-            *CART.wheels,
-            sw.Wheel("castor", 0.3, 0, radius=0.05, castor=True, trail=0.02),
-        ]
-    ),
+    "castor": CASTOR,
 }
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
+from tests.rovers import SWERVE
 
 ROVER = sw.Rover.preset("perseverance")
-SWERVE = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1)
 TWISTS = np.random.default_rng(1).normal(size=(5, 3)) * [1.0, 0.0, 0.3]
 STEERING, SPEEDS = ROVER.inverse(TWISTS)
 ROCKY, ARM = sw.RockerBogie.preset("rocky7"), sw.RockerBogie.preset("perseverance")
@@ -28,7 +28,6 @@ MASKED = {
     "in a list": lambda a: [np.ma.array(row) for row in a],
     "in a tuple of lists": lambda a: ([np.ma.masked, *a[0, 1:]], *a[1:]),
 }
-
 
 FIRST_CALLS = [
     "sw.exp((1.0, 0.0, 0.0))",

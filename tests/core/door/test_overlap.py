@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
+from tests.rovers import SWERVE
 
-SWERVE = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1)
 ROWS = 100
 
 

@@ -7,9 +7,8 @@ from numpy.testing import assert_allclose
 
 import six_wheel as sw
 from six_wheel import Rover, reference
-from tests.rovers import SIX_SIZES
+from tests.rovers import CORNERS, SIX_SIZES
 
-CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 LAYOUTS = {
     "six_wheel": lambda **more: Rover.six_wheel(**SIX_SIZES, **more),
     "swerve": lambda **more: Rover.swerve(CORNERS, 0.1, **more),

@@ -11,20 +11,13 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import Rover, Wheel  # noqa: F401  (names that a repr refers to)
+from tests.rovers import SIX_SIZES
 from tests.strategies import any_twists, forward_twists, layouts, six_wheel_rovers
-
-FIRST = {
-    "front_to_middle": 0.5,
-    "middle_to_rear": 0.5,
-    "track_width": 0.8,
-    "middle_track_width": 0.9,
-    "wheel_radius": 0.15,
-}
 
 
 @pytest.fixture(scope="module")
 def rover() -> sw.Rover:
-    return sw.Rover.six_wheel(**FIRST)
+    return sw.Rover.six_wheel(**SIX_SIZES)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +33,7 @@ def test_inverse_then_forward_is_the_identity_over_a_million_cases():
     generator = np.random.default_rng(20261121)
     worst_twist = worst_residual = 0.0
     for _ in range(1000):
-        rover = sw.Rover.six_wheel(**{name: generator.uniform(0.05, 3.0) for name in FIRST})
+        rover = sw.Rover.six_wheel(**{name: generator.uniform(0.05, 3.0) for name in SIX_SIZES})
         twists = np.zeros((1000, 3))
         twists[:, 0] = generator.uniform(-3, 3, 1000) * 10.0 ** generator.uniform(-3, 0, 1000)
         twists[:, 2] = generator.uniform(-3, 3, 1000) * 10.0 ** generator.uniform(-3, 0, 1000)
@@ -229,7 +222,7 @@ def test_a_wheel_under_the_icr_holds_its_angle():
 
 
 def test_limits_of_turning():
-    rover = sw.Rover.six_wheel(**FIRST, steering_limit=math.radians(60))
+    rover = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=math.radians(60))
     # half the track width +- D / tan(60 degrees)
     assert rover.min_radius == pytest.approx(0.4 + 0.5 / math.sqrt(3), rel=1e-12)
     assert rover.spin_radius == pytest.approx(0.4 - 0.5 / math.sqrt(3), rel=1e-12)
@@ -238,10 +231,10 @@ def test_limits_of_turning():
     for radius, possible in [(0.7, True), (0.68, False), (0.12, False), (0.11, True), (0.0, True)]:
         for sign in (1, -1):
             assert rover.admissible((sign * radius, 0.0, 1.0)) is possible, radius
-    narrow = sw.Rover.six_wheel(**FIRST, steering_limit=math.radians(45))
+    narrow = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=math.radians(45))
     assert narrow.spin_radius == 0.0
     assert not narrow.admissible((0.0, 0.0, 1.0))
-    free = sw.Rover.six_wheel(**FIRST)
+    free = sw.Rover.six_wheel(**SIX_SIZES)
     assert (free.min_radius, free.spin_radius) == (0.0, math.inf)
 
 
@@ -255,7 +248,7 @@ def test_radii_tell_what_is_admissible(rover, radius):
 
 
 def test_the_smallest_turn_is_a_turn():
-    rover = sw.Rover.six_wheel(**FIRST, steering_limit=1.1)
+    rover = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.1)
     assert rover.spin_radius > 0.1
     for sign in (1, -1):
         rover.inverse((rover.spin_radius, 0.0, sign * 1.0))
@@ -275,8 +268,8 @@ def test_icr(rover):
 
 
 def test_rovers_are_values(rover):
-    twin = sw.Rover.six_wheel(**FIRST)
-    other = sw.Rover.six_wheel(**FIRST, steering_limit=1.0)
+    twin = sw.Rover.six_wheel(**SIX_SIZES)
+    other = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0)
     assert rover == twin
     assert hash(rover) == hash(twin)
     assert rover != other

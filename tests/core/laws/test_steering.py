@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from six_wheel import InfeasibleMotionError, Rover, Wheel, reference
+from tests.rovers import CORNERS
 from tests.strategies import any_twists
 
-CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 SWERVE = Rover.swerve(CORNERS, 0.05, steering_limit=math.pi / 2)
 WIDE = Rover.swerve(CORNERS, 0.05, steering_limit=math.pi)
 

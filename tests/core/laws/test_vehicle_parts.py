@@ -10,10 +10,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import six_wheel as sw
 from six_wheel import Rover, Wheel, reference
-from tests.rovers import CART, SIX_WHEELS, THREE_AXLES
+from tests.rovers import CART, CORNERS, SIX_WHEELS, THREE_AXLES
 from tests.strategies import any_twists
 
-CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 RING = np.radians([210.0, -30.0, 90.0])
 OMNI = Rover.omni(0.2 * np.stack((-np.sin(RING), np.cos(RING)), axis=-1), RING, 0.05)
 

@@ -9,10 +9,9 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from six_wheel import Rover, Wheel, reference
-from tests.rovers import SIX_SIZES
+from tests.rovers import CORNERS, SIX_SIZES
 from tests.strategies import any_twists, layouts, lengths, offsets, six_wheel_rovers
 
-CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 ROUNDING = 1e-12  # a few operations on speeds of a few metres per second
 
 radii = st.floats(0.02, 0.5)

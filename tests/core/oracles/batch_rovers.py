@@ -3,28 +3,20 @@
 import math
 
 import six_wheel as sw
-from tests.rovers import CAR, CART, MECANUM, SIX_SIZES, THREE_AXLES, TRICYCLE
-
-SWERVE = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
-
+from tests.rovers import CAR, CASTOR, CORNERS, MECANUM, SIX_SIZES, THREE_AXLES, TRICYCLE
 
 ROVERS = {
     "perseverance": sw.Rover.preset("perseverance"),
     "limited": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0),
     "wide": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-2.0, 2.5)),
-    "swerve": sw.Rover.swerve(SWERVE, 0.1),
-    "turning swerve": sw.Rover.swerve(SWERVE[:3], 0.1, steering_limit=math.pi),
+    "swerve": sw.Rover.swerve(CORNERS, 0.1),
+    "turning swerve": sw.Rover.swerve(CORNERS[:3], 0.1, steering_limit=math.pi),
     "ackermann": CAR,
     "tricycle": TRICYCLE,
     "differential": THREE_AXLES,
     "mecanum": MECANUM,
     "omni": sw.Rover.omni([(0.2, 0), (-0.1, 0.17), (-0.1, -0.17)], [1.57, 3.67, -0.52], 0.05),
-    "castor": sw.Rover(
-        [
-            *CART.wheels,
-            sw.Wheel("castor", 0.3, 0, radius=0.05, castor=True, trail=0.02),
-        ]
-    ),
+    "castor": CASTOR,
     "turned": sw.Rover(
         [
             sw.Wheel("a", 0.5, 0.3, radius=0.1, steered=True, heading=0.7),

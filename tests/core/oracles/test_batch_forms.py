@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from tests.core.oracles.batch_rovers import ROVERS, SWERVE
+from tests.core.oracles.batch_rovers import ROVERS
+from tests.rovers import CORNERS
 
 
 @pytest.mark.parametrize("kernel", sw.simd_levels())
@@ -46,7 +47,7 @@ FORMS = {
 @pytest.mark.parametrize("threads", [1, 2])
 def test_numbers_in_any_form_are_the_same_numbers(form, threads):
     # Small whole numbers: every dtype holds them. More of them than are read at a time.
-    rover, generator = sw.Rover.swerve(SWERVE, 0.1), np.random.default_rng(8)
+    rover, generator = sw.Rover.swerve(CORNERS, 0.1), np.random.default_rng(8)
     for count in (5, 21_003):
         twists, previous = (1.0 * generator.integers(0, 9, (count, width)) for width in (3, 4))
         steering, speeds = rover.inverse(twists, previous=previous)

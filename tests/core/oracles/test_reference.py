@@ -31,14 +31,8 @@ from tests.core.oracles.reference_rovers import (
     swerve,
     twists,
 )
+from tests.rovers import SIX_SIZES
 
-FIRST = {
-    "front_to_middle": 0.5,
-    "middle_to_rear": 0.5,
-    "track_width": 0.8,
-    "middle_track_width": 0.9,
-    "wheel_radius": 0.15,
-}
 OPEN_SOURCE = {
     "front_to_middle": 0.274,
     "middle_to_rear": 0.310,
@@ -63,13 +57,13 @@ def caster(trail, scrub=0.0, limit=math.pi):
     ("rover", "twist", "angles", "rates"),
     [
         (
-            FIRST,
+            SIX_SIZES,
             (0.5, 0.0, 0.5 / 1.5),
             (0.426627, 0.257324, -0.426627, -0.257324),
             (2.685121, 4.365974, 2.333333, 4.333333, 2.685121, 4.365974),
         ),
         (
-            FIRST,
+            SIX_SIZES,
             (0.5, 0.0, 0.5 / 0.3),
             (-1.373401, 0.620249, 1.373401, -0.620249),
             (-5.665577, 9.558139, -1.666667, 8.333333, -5.665577, 9.558139),
@@ -104,7 +98,7 @@ def test_turns_with_unequal_axles(twist, degrees, rates):
 
 
 def test_straight_line_and_rest():
-    rover = Rover.six_wheel(**FIRST)
+    rover = Rover.six_wheel(**SIX_SIZES)
     steering, speeds = rover.inverse((0.3, 0.0, 0.0))
     np.testing.assert_array_equal(steering, 0.0)
     np.testing.assert_allclose(speeds, 2.0, rtol=ROUNDING)
@@ -114,7 +108,7 @@ def test_straight_line_and_rest():
 
 
 def test_six_wheel_order_and_limits():
-    rover = Rover.six_wheel(**FIRST, steering_limit=(-0.5, 0.6))
+    rover = Rover.six_wheel(**SIX_SIZES, steering_limit=(-0.5, 0.6))
     names = [f"{axle}_{side}" for axle in ("front", "middle", "rear") for side in ("left", "right")]
     assert [wheel.name for wheel in rover.wheels] == names
     assert [wheel.name for wheel in rover.steered] == names[:2] + names[4:]
@@ -123,7 +117,7 @@ def test_six_wheel_order_and_limits():
 
 
 def test_limit_of_sixty_degrees():
-    rover = Rover.six_wheel(**FIRST, steering_limit=math.radians(60))
+    rover = Rover.six_wheel(**SIX_SIZES, steering_limit=math.radians(60))
     assert rover.min_radius == pytest.approx(0.4 + 0.5 / math.tan(math.radians(60)), abs=ROUNDING)
     assert rover.spin_radius == pytest.approx(0.4 - 0.5 / math.tan(math.radians(60)), abs=ROUNDING)
     assert (round(rover.min_radius, 3), round(rover.spin_radius, 3)) == (0.689, 0.111)
@@ -134,9 +128,9 @@ def test_limit_of_sixty_degrees():
 
 
 def test_radii_without_limits_without_spin_and_without_turns():
-    free = Rover.six_wheel(**FIRST)
+    free = Rover.six_wheel(**SIX_SIZES)
     assert (free.min_radius, free.spin_radius) == (0.0, math.inf)
-    narrow = Rover.six_wheel(**FIRST, steering_limit=math.radians(40))
+    narrow = Rover.six_wheel(**SIX_SIZES, steering_limit=math.radians(40))
     assert narrow.min_radius == pytest.approx(0.4 + 0.5 / math.tan(math.radians(40)), abs=ROUNDING)
     assert narrow.spin_radius == 0.0
     crossed = Rover((Wheel("a", 0.3, 0.0, radius=0.1), Wheel("b", 0.0, 0.3, radius=0.1, heading=0.5)))
@@ -179,7 +173,7 @@ def test_middle_wheel_fault_on_the_open_source_rover():
 
 
 def test_fit_reports_rank_weights_and_residuals():
-    rover = Rover.six_wheel(**FIRST)
+    rover = Rover.six_wheel(**SIX_SIZES)
     steering, speeds = rover.inverse([(0.5, 0.0, 0.3), (0.0, 0.0, 1.0)])
     for method in ("least_squares", "middle_wheels", "robust"):
         fit = rover.fit(steering, speeds, method=method)
@@ -248,16 +242,16 @@ def test_quarter_circle():
 ])  # fmt: skip
 def test_bad_arguments(call):
     with pytest.raises(ValueError, match="must be"):
-        call(Rover.six_wheel(**FIRST))
+        call(Rover.six_wheel(**SIX_SIZES))
 
 
 def test_what_cannot_be_done_is_refused():
-    rover = Rover.six_wheel(**FIRST, steering_limit=math.radians(60))
+    rover = Rover.six_wheel(**SIX_SIZES, steering_limit=math.radians(60))
     with pytest.raises(InfeasibleMotionError, match="sideways"):
         rover.inverse((0.5, 0.1, 0.0))
     with pytest.raises(InfeasibleMotionError, match="front_left"):
         rover.inverse((0.4, 0.0, 1.0))
-    fixed = Rover.six_wheel(**FIRST, steering_limit=math.radians(40))
+    fixed = Rover.six_wheel(**SIX_SIZES, steering_limit=math.radians(40))
     np.testing.assert_array_equal(fixed.project((0.0, 0.0, 1.0)), 0.0)  # a spin it cannot make is rest
     headings = {"a": (0.3, 0.0, 0.0), "b": (0.0, 0.3, 0.5), "c": (-0.3, 0.0, 1.0)}
     locked = Rover(tuple(Wheel(k, x, y, radius=0.1, heading=h) for k, (x, y, h) in headings.items()))
@@ -268,7 +262,7 @@ def test_what_cannot_be_done_is_refused():
 
 @pytest.mark.parametrize("share", [0.5, 2.0])
 def test_both_sides_of_the_slip_tolerance(share):
-    rover = Rover.six_wheel(**FIRST, steering_limit=math.radians(60))
+    rover = Rover.six_wheel(**SIX_SIZES, steering_limit=math.radians(60))
     slip = share * 1e-9
     assert rover.admissible((1.0, slip, 0.0)) == (share < 1.0)
     # Turning inside the smallest radius, the inner front wheel slips by cos(60 deg) times what is missing.

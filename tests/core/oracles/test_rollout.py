@@ -12,23 +12,16 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import reference
-from tests.rovers import CAR, MECANUM, THREE_AXLES
+from tests.rovers import CAR, MECANUM, SIX_SIZES, THREE_AXLES
 from tests.strategies import layouts
 
 SOAK = int(os.environ.get("SOAK", "1"))
 ALL_KERNELS = pytest.mark.parametrize("kernel", sw.simd_levels())
-SIX = {
-    "front_to_middle": 0.5,
-    "middle_to_rear": 0.5,
-    "track_width": 0.8,
-    "middle_track_width": 0.9,
-    "wheel_radius": 0.15,
-}
 ROVERS = {
     "perseverance": sw.Rover.preset("perseverance"),
-    "limited": sw.Rover.six_wheel(**SIX, steering_limit=0.9),
-    "one-sided": sw.Rover.six_wheel(**SIX, steering_limit=(-1.0, 0.3)),
-    "wide": sw.Rover.six_wheel(**SIX, steering_limit=(-2.0, 2.5)),
+    "limited": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=0.9),
+    "one-sided": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-1.0, 0.3)),
+    "wide": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-2.0, 2.5)),
     "ackermann": CAR,
     "differential": THREE_AXLES,
     "mecanum": MECANUM,

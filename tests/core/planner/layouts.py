@@ -7,23 +7,15 @@ import numpy as np
 import six_wheel as sw
 from six_wheel import reference
 from six_wheel.reference.control import planner as plain
-from tests.rovers import THREE_AXLES
+from tests.rovers import CORNERS, SIX_SIZES, THREE_AXLES
 
-SIX = {
-    "front_to_middle": 0.5,
-    "middle_to_rear": 0.5,
-    "track_width": 0.8,
-    "middle_track_width": 0.9,
-    "wheel_radius": 0.15,
-}
-CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 RING = [math.radians(angle) for angle in (60.0, 180.0, 300.0)]
 ROVERS = {
-    "six wheels": sw.Rover.six_wheel(**SIX, steering_limit=1.2),
-    "an island": sw.Rover.six_wheel(**SIX, steering_limit=1.3),
-    "a quarter turn": sw.Rover.six_wheel(**SIX),
-    "one-sided": sw.Rover.six_wheel(**SIX, steering_limit=(-1.2, 0.6)),
-    "wide": sw.Rover.six_wheel(**SIX, steering_limit=(-2.0, 2.5)),
+    "six wheels": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.2),
+    "an island": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.3),
+    "a quarter turn": sw.Rover.six_wheel(**SIX_SIZES),
+    "one-sided": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-1.2, 0.6)),
+    "wide": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(-2.0, 2.5)),
     "perseverance": sw.Rover.preset("perseverance"),
     "ackermann": sw.Rover.ackermann(wheelbase=1.1, track_width=0.6, wheel_radius=0.15, steering_limit=0.6),
     "tricycle": sw.Rover.tricycle(wheelbase=0.9, track_width=0.6, wheel_radius=0.12),

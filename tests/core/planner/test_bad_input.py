@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from tests.core.planner.layouts import LIMITS, ROVERS, SIX
+from tests.core.planner.layouts import LIMITS, ROVERS
+from tests.rovers import SIX_SIZES
 
 ROVER = ROVERS["six wheels"]
 FLAT = np.zeros((30, 40))
@@ -140,7 +141,7 @@ def test_a_callback_must_not_step_its_planner():
     ("rover", "limits", "reason"),
     [
         (
-            sw.Rover.six_wheel(**SIX, steering_limit=(0.5, 1.0)),
+            sw.Rover.six_wheel(**SIX_SIZES, steering_limit=(0.5, 1.0)),
             {},
             "no motion lets all wheels of this rover roll",
         ),

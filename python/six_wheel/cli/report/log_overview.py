@@ -9,17 +9,17 @@ from typing import TypeAlias
 import numpy as np
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.columns import Column, TableError, Unit
-from six_wheel.kinematics.odometry.headers.joint_columns import joint_columns, truth_columns
-from six_wheel.kinematics.odometry.headers.rate_columns import rate_columns
-from six_wheel.kinematics.odometry.headers.time_columns import time_columns
-from six_wheel.kinematics.odometry.plausibility.jumps import find_jumps, may_jump
-from six_wheel.kinematics.odometry.plausibility.proposals import number
-from six_wheel.kinematics.odometry.plausibility.whole_numbers import all_whole
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.detect_reader import log_format, open_log
+from six_wheel.logs.headers.columns import Column, TableError, Unit
+from six_wheel.logs.headers.joint_columns import joint_columns, truth_columns
+from six_wheel.logs.headers.rate_columns import rate_columns
+from six_wheel.logs.headers.time_columns import time_columns
 from six_wheel.logs.log_options import LogOptions
+from six_wheel.logs.plausibility.jumps import find_jumps, may_jump
+from six_wheel.logs.plausibility.proposals import number
+from six_wheel.logs.plausibility.whole_numbers import all_whole
 from six_wheel.logs.skip_bad_rows import TolerantTable
 
 __all__ = ["ColumnOverview", "LogOverview", "overview"]
@@ -153,7 +153,7 @@ def _values(column: Floats) -> str:
 
 
 def _meanings(headers: Sequence[str], rover: Rover | None) -> dict[int, str]:
-    """What columns are, by their numbers."""
+    """The meanings of columns, by their numbers."""
     found: dict[str, Column] = {}
     for reader in (truth_columns, rate_columns):
         try:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from six_wheel.kinematics.odometry.headers.columns import TableError
+from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.writing import replacing
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import numpy as np
 
 from six_wheel.control_loop import Settings
 from six_wheel.control_loop.replay.run_summary import OUT, Collected, Replayed
-from six_wheel.kinematics.odometry.headers.columns import TIME
+from six_wheel.logs.headers.columns import TIME
 from six_wheel.logs.mcap import Record, RecordError, rover_record
 from six_wheel.logs.tables import Chunk, RowError
 from six_wheel.simulation.drive.closed_loop import ControlledDrive, Loop

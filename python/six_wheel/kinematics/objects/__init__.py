@@ -1,1 +1,1 @@
-"""What all objects share: short text, tables of their columns."""
+"""Shared by all objects: short text, tables of their columns."""

@@ -1,6 +1,6 @@
-"""Dead reckoning of whole logs: tracks, what the wheels say about slip, tables of readings.
+"""Odometry: tracks of whole logs, slip by the wheels, dimensions of a rover.
 
-`Odometry` itself, sample by sample, is in the core.
+`Odometry` itself is in the core; `log_odometry.dead_reckon` reads whole logs.
 """
 
 from typing import TYPE_CHECKING
@@ -9,11 +9,10 @@ from six_wheel._core import Encoder, Noise, Odometry, Odometry3, Odometry3State,
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.kinematics.odometry.dead_reckoning import dead_reckon, dead_reckon_chunks, table_columns
-    from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
     from six_wheel.kinematics.odometry.dimensions import deviations
     from six_wheel.kinematics.odometry.thinning import Trace
     from six_wheel.kinematics.odometry.tracks import OdometryHealth, SlipReport, SlipWindow, Track, WheelSlip
+    from six_wheel.kinematics.odometry.tracks3 import Track3
 
 __all__ = [
     "Encoder",
@@ -29,21 +28,15 @@ __all__ = [
     "Track",
     "Track3",
     "WheelSlip",
-    "dead_reckon",
-    "dead_reckon_chunks",
     "deviations",
-    "table_columns",
 ]
 
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "dead_reckoning": ("dead_reckon", "dead_reckon_chunks", "table_columns"),
         "dimensions": ("deviations",),
         "gyroscope_errors": (),
-        "sensor_frames": (),
-        "dead_reckoning3": ("Track3",),
-        "tabular_input": (),
+        "tracks3": ("Track3",),
         "thinning": ("Trace",),
         "tracks": ("OdometryHealth", "SlipReport", "SlipWindow", "Track", "WheelSlip"),
     },

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from six_wheel.kinematics.odometry.headers.columns import TableError
 from six_wheel.logs.bags.messages import Bag
 from six_wheel.logs.gyroscope.links import Links
 from six_wheel.logs.gyroscope.rates import RATES
+from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.skip_bad_rows import Batch
 
 

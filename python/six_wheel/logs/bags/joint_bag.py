@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.columns import TableError
-from six_wheel.kinematics.odometry.headers.joint_columns import Reading, did_you_mean
 from six_wheel.logs.bags.messages import JOINT_STATE, LINE, LOOK_AHEAD, Bag
+from six_wheel.logs.headers.columns import TableError
+from six_wheel.logs.headers.joint_columns import Reading, did_you_mean
 from six_wheel.logs.skip_bad_rows import Batch, Findings
 from six_wheel.robot_description.joint_names import said_by
 
@@ -100,6 +100,10 @@ class JointBag(Bag):
         except (AttributeError, TypeError):  # bags bring the definitions of their messages along
             rule = "joint states must have names, positions and velocities, which this bag's have not"
             raise TableError(f"{self.path}: {rule}") from None
+        for what, values in (("positions", positions), ("velocities", velocities)):
+            if len(values) not in (0, len(names)):
+                rule = f"joint states must have as many {what} as names"
+                raise TableError(f"{self.path}: {rule}, got {len(values)} and {len(names)}")
         nothing = [math.nan] * len(names)
         positions, velocities = (
             values if len(values) == len(names) else nothing for values in (positions, velocities)

@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from six_wheel.kinematics.odometry.headers.columns import TIME_UNITS, TableError
 from six_wheel.logs.bags.bag_files import files_of, one_line, rosbags_names, whole_part
+from six_wheel.logs.headers.columns import TIME_UNITS, TableError
 from six_wheel.logs.skip_bad_rows import Findings
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def numbers_in(connections: Sequence[Any]) -> str:
     keys = []
     for one in connections:
         if found := NUMBERS.fullmatch(one.msgtype):
-            keys.append(f"{one.topic}{'[0]' if found[1] else ''}")
+            keys += [one.topic + place for place in (("[0]", "[1]") if found[1] else ("",))]
         else:
             keys += [one.topic + field for field in FIELDS.get(one.msgtype.rpartition("/")[2], ())]
     if not keys:

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.columns import TableError
-from six_wheel.kinematics.odometry.headers.joint_columns import Reading, joint_columns
 from six_wheel.logs.bags.joint_bag import JointBag
 from six_wheel.logs.bags.messages import Bag
+from six_wheel.logs.headers.columns import TableError
+from six_wheel.logs.headers.joint_columns import Reading, joint_columns
 
 __all__ = ["TopicBag"]
 

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.odometry.headers.rate_columns import ABOUT_Z, AXES, RATES
+from six_wheel.logs.headers.rate_columns import ABOUT_Z, AXES, RATES
 
 __all__ = ["AXES", "LONGEST_GAP", "RATES", "Passing", "Turning", "about_z", "edges_of", "upward"]
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.odometry.headers.columns import Column
-from six_wheel.kinematics.odometry.headers.rate_columns import rate_columns
-from six_wheel.kinematics.odometry.headers.renamed import Columns
-from six_wheel.kinematics.odometry.headers.time_columns import time_columns
 from six_wheel.logs.gyroscope.rates import RATES, Floats, about_z
+from six_wheel.logs.headers.columns import Column
+from six_wheel.logs.headers.rate_columns import rate_columns
+from six_wheel.logs.headers.renamed import Columns
+from six_wheel.logs.headers.time_columns import time_columns
 from six_wheel.logs.skip_bad_rows import Sieve, Source, TolerantTable
 
 __all__ = ["rate_table", "readings_of"]

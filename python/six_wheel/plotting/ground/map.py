@@ -44,7 +44,7 @@ def map_figure(ground: Terrain, *, title: str = "") -> Figure:
     figure.colorbar(image, ax=right, shrink=0.8, label="slope [°]", extend="max")
     for axes, name in ((left, "relief, light from the north-west"), (right, "slope")):
         axes.set(xlabel="x [m]", title=name, facecolor="0.8")
-        axes.ticklabel_format(useOffset=False, style="plain")
+        axes.ticklabel_format(useOffset=False, scilimits=(-9, 9))
     left.set_ylabel("y [m]")
     figure.suptitle(title)
     return figure

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Controller, Limits, Rover
 from six_wheel.kinematics.controller import Reason, reason_counts, reason_names
-from six_wheel.kinematics.odometry.headers.columns import Unit
+from six_wheel.logs.headers.columns import Unit
 from six_wheel.logs.tables import Chunk, RowError
 from six_wheel.simulation.drive.min_max_thinning import Course
 from six_wheel.simulation.drive.run_commands import Engine, Floats

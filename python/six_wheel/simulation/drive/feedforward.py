@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.columns import Unit
+from six_wheel.logs.headers.columns import Unit
 from six_wheel.logs.tables import Chunk
 from six_wheel.simulation.drive.run_commands import Engine, Floats, by_row
 

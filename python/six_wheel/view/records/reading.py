@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry import Track, dead_reckon
-from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
+from six_wheel.kinematics.odometry import Track
+from six_wheel.kinematics.odometry.tracks3 import Track3
+from six_wheel.log_odometry import dead_reckon
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.view.records.record import Record
 from six_wheel.view.records.tables import read_table
@@ -24,7 +25,7 @@ DRIVES = ("ControlledDrive", "Drive")
 
 
 def is_record(what: Any) -> bool:
-    """Whether something is a record, by its kind or the ending of its file."""
+    """True for a record, by its type or the ending of its file."""
     if isinstance(what, str | os.PathLike):
         path = Path(what)
         return path.suffix.lower() in ENDINGS or (path / "metadata.yaml").exists()

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.headers.columns import TableError
+from six_wheel.logs.headers.columns import TableError
 from six_wheel.view.records.record import Record
 
 __all__ = ["PoseTable", "read_table"]
@@ -40,7 +40,7 @@ class PoseTable:
 
     @property
     def has_poses(self) -> bool:
-        """Whether it has times and poses, and says by its twists that they are those of a drive."""
+        """True if it has times, poses and the twists of a drive."""
         return {*POSE, *TWIST} <= {*self.names} and any(name in self.names for name in TIMES)
 
     def record(self, rover: Rover) -> Record:

@@ -106,15 +106,15 @@ class Bodies:
         Few nodes are made, for each costs a message to the thread of the server.
         """
         colors = dict.fromkeys(color for _, color in parts)
-        joined = [(shapes.join([mesh for mesh, c in parts if c == color]), color) for color in colors]
+        joined = [(shapes.merge([mesh for mesh, c in parts if c == color]), color) for color in colors]
         first = self._frames[name] = self._add(name, *joined[0])
         return [first, *(self._add(f"{name}/{k}", *part) for k, part in enumerate(joined[1:]))]
 
     def _add(self, name: str, mesh: shapes.Mesh, color: tuple[int, int, int]) -> Any:
         # Large flat faces in the light of the sun would show the steps of their own shadow.
         shaded = color not in (PANEL, LID)
-        return self._scene.add_mesh_simple(
-            f"{self._prefix}/{name}", mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32),
+        return shapes.add_mesh(
+            self._scene, f"{self._prefix}/{name}", mesh,
             color=color, flat_shading=True, side="double", receive_shadow=shaded,
         )  # fmt: skip
 
@@ -140,7 +140,7 @@ class Bodies:
             if not parts:
                 continue
             ball = shapes.cylinder(path[1] - [0.0, thick, 0.0], path[1] + [0.0, thick, 0.0], 1.25 * thick)
-            self._group(link.frame, [(shapes.join([*parts, ball]), METAL)])
+            self._group(link.frame, [(shapes.merge([*parts, ball]), METAL)])
 
     def _add_body(self, motion: Motion) -> None:
         """A box of about the body's size, or a plate for a rover without a suspension."""
@@ -194,8 +194,8 @@ class Bodies:
 
     def _fan(self, number: int, motion: Motion) -> Any:
         mesh = self._arc(number, motion.state.steering_limit)
-        return self._scene.add_mesh_simple(
-            f"{self._prefix}/fan_{number}", mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32),
+        return shapes.add_mesh(
+            self._scene, f"{self._prefix}/fan_{number}", mesh,
             color=PALE, side="double", opacity=0.85, cast_shadow=False, receive_shadow=False,
         )  # fmt: skip
 

@@ -9,8 +9,9 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.robot_description.urdf.elements import Notes, number, rotation_of, vector
 from six_wheel.robot_description.urdf.shapes import mesh_file
-from six_wheel.robot_description.urdf.tree import Notes, Tree, number, rotation_of, vector
+from six_wheel.robot_description.urdf.tree import Tree
 from six_wheel.view.motion import Motion
 from six_wheel.view.scene import shapes
 from six_wheel.view.scene.shapes import Mesh
@@ -96,7 +97,7 @@ def _owners(subject: Subject, tree: Tree) -> dict[str, str]:
 
 
 def _shapes_of(tree: Tree, link: str, notes: Notes) -> list[tuple[Mesh, Color]]:
-    """What is to be seen of a link, or its shape for collisions where its mesh is missing."""
+    """The visual meshes of a link, or its shapes for collisions where they are missing."""
     element = tree.links[link].element
     found: list[tuple[Mesh, Color]] = []
     for part in ("visual", "collision"):

@@ -1,0 +1,64 @@
+"""Headers as their owner wants them read."""
+
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
+
+from six_wheel.logs.headers.columns import TableError
+
+__all__ = ["Columns", "all_names", "renamed", "without_header"]
+
+Columns: TypeAlias = Mapping[str, str] | Sequence[str]
+SHOWN = 40  # letters of a row
+
+
+def renamed(headers: Sequence[str], columns: Columns, nameless: bool = False) -> list[str]:
+    """The names of the columns of a table, with those that its owner gives.
+
+    Parameters
+    ----------
+    headers : sequence of str
+    columns : mapping or sequence of str
+        Header to the header it should be read as, or a name to the header that has it; or the names of all
+        columns in their order, of which an empty one is not read. Without a header line columns go by their
+        numbers, from 1.
+    nameless : bool
+        Whether the table has no header line.
+
+    Raises
+    ------
+    TableError
+        If a header is not there, or the number of names is not that of the columns.
+    """
+    if nameless:
+        headers = [str(number) for number in range(1, len(headers) + 1)]
+    if not isinstance(columns, Mapping):
+        names = [columns] if isinstance(columns, str) else list(columns)
+        if len(names) > len(headers):
+            raise TableError(f"columns must name {len(headers)} columns, got {len(names)}")
+        return names + [""] * (len(headers) - len(names))
+    # A name may stand on either side; the side that is a header decides.
+    meaning = {
+        **{header: name for name, header in columns.items() if header in headers and name not in headers},
+        **{header: name for header, name in columns.items() if header in headers},
+    }
+    for one, other in columns.items():
+        if one not in headers and other not in headers:
+            listed = ", ".join(f'"{header}"' for header in headers)
+            raise TableError(f'columns must name headers of the table, got "{one}" among {listed}')
+    return [meaning.get(header, "" if nameless else header) for header in headers]
+
+
+def without_header(cells: Sequence[str]) -> str:
+    """The message for a table that begins with numbers."""
+    row = ",".join(cells)
+    row = row if len(row) <= SHOWN else row[:SHOWN] + "..."
+    return f'the first line must name the columns, got "{row}": {all_names(cells)}'
+
+
+def all_names(cells: Sequence[str]) -> str:
+    """Proposal to name all columns in their order."""
+    such = ",".join(("time", *(f"NAME{number}" for number in range(2, len(cells) + 1))))
+    python = ", ".join(f'"{name}"' for name in such.split(","))
+    names = 'each NAME such as "left [rad]" or "left [ticks]", or nothing for what is not to be read'
+    listed = f"columns: [{python}] in the parameter file, or columns=[{python}] in Python"
+    return f'give --columns "{such}", or {listed}, {names}'

@@ -1,0 +1,87 @@
+"""Checks of readings in memory: arrays, and the columns of frames."""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from six_wheel._core import Encoder, Rover
+from six_wheel.kinematics.errors import SuspiciousReadingsWarning
+from six_wheel.logs.plausibility.checks import ReadingChecks, Readings
+from six_wheel.logs.plausibility.proposals import Column
+
+__all__ = ["FEW", "array_checks", "check_arrays"]
+
+FEW = 20  # rows that tell nothing
+
+
+def array_checks(
+    rover: Rover,
+    options: Mapping[str, Any],
+    headers: Mapping[str, str] | None = None,
+    clock_stated: bool = False,
+    units_stated: bool = False,
+) -> ReadingChecks:
+    """Checks of readings that go to `Odometry` with these options.
+
+    Parameters
+    ----------
+    headers : mapping, optional
+        Header of ``"stamp"``, of every wheel and of every steered wheel as ``"NAME steering"``, of a table.
+    """
+    known, wheels = headers or {}, options.get("wheel_encoders")
+    joints = options.get("steering_encoders")
+    each = [_of(wheels, place, name) for place, name in enumerate(rover.wheel_names)]
+    steered = [_of(joints, place, name) for place, name in enumerate(rover.steered_wheel_names)]
+    described = Readings(
+        rover,
+        kind=str(options.get("readings", "angles")),
+        wheels=[Column(known.get(name, f"wheel_angles of {name}"), name) for name in rover.wheel_names],
+        steering=[
+            Column(known.get(f"{name} steering", f"steering of {name}"), name)
+            for name in rover.steered_wheel_names
+        ],
+        time=known.get("stamp", "stamps"),
+        named=headers is not None,
+        clock_stated=clock_stated,
+        wheels_stated=wheels is not None or units_stated,
+        steering_stated=joints is not None or units_stated,
+        wraps=any(one.wraps_at is not None for one in each),
+        steering_wraps=any(one.wraps_at is not None for one in steered),
+        turn=each[0].ticks_per_turn if each else None,
+        increments_stated="readings" in options,
+        scale=np.array([one.angle_per_tick for one in each]),
+        max_speed=options.get("max_speed"),
+        max_gap=options.get("max_gap"),
+        first_row=0,
+    )
+    return ReadingChecks(described, _warn)
+
+
+def check_arrays(checks: ReadingChecks, steering: Any, wheels: Any, stamps: Any) -> None:
+    """Check a whole log in arrays; those of another shape are left to `Odometry`."""
+    times, raw = np.asarray(stamps), np.asarray(wheels)
+    angles = None if steering is None else np.asarray(steering)
+    count = len(checks.readings.rover.wheels)
+    if raw.ndim != 2 or raw.shape != (len(times), count) or len(times) < FEW or times.ndim != 1:
+        return
+    if any(each is not None and each.dtype.kind not in "fiu" for each in (times, raw, angles)):
+        return
+    steered = len(checks.readings.rover.steered_wheel_names)
+    fits = angles is not None and angles.shape == (len(times), steered) and steered
+    checks.take(times, raw, None, angles if fits else None)
+    checks.finish()
+
+
+def _of(given: Any, place: int, name: str) -> Encoder:
+    """The encoder of a wheel, of what `Odometry` takes."""
+    if isinstance(given, Mapping):
+        return given.get(name) or Encoder()
+    if isinstance(given, Sequence):
+        return given[place] if place < len(given) else Encoder()
+    return given or Encoder()
+
+
+def _warn(line: str) -> None:
+    warnings.warn(line, SuspiciousReadingsWarning, stacklevel=2)

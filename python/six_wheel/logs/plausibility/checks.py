@@ -1,0 +1,399 @@
+"""All checks of a log, chunk by chunk, at little cost.
+
+Sums telescope: a jump in one row shows in the difference over a stretch of rows. So a clean log is judged by
+few of its rows, and only a stretch that is odd is read row by row.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Rover
+from six_wheel.logs.plausibility.jumps import (
+    WHOLE_TURNS,
+    Jumps,
+    find_jumps,
+    longest_step,
+    lost_readings,
+    may_jump,
+)
+from six_wheel.logs.plausibility.motion import (
+    STRETCH,
+    check_motion,
+    check_steering,
+    degrees,
+)
+from six_wheel.logs.plausibility.proposals import (
+    Column,
+    ImplausibleReadingError,
+    at_its_word,
+    encoders,
+    max_speed,
+    number,
+    rows,
+    stamp_unit,
+)
+from six_wheel.logs.plausibility.stamps import FEW_ROWS, check_clock, check_order, check_origin
+from six_wheel.logs.plausibility.still import WheelTurns
+from six_wheel.logs.plausibility.whole_numbers import (
+    all_whole,
+    check_counts,
+    check_increments,
+    check_increments_as_totals,
+)
+
+__all__ = ["ReadingChecks", "Readings"]
+
+Floats = NDArray[np.float64]
+
+SAMPLE = 4096  # rows in a row that are read closely for what only neighbours tell
+LONG_GAP = 1.0  # [s] in which rates tell nothing
+FASTEST_STEP = 30.0  # [m/s] of a rim from one row to the next
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Description of the readings of a log, and which of it somebody said.
+
+    Attributes
+    ----------
+    rover : Rover
+    kind : str
+        ``"angles"``, ``"ticks"``, ``"speeds"`` or ``"increments"``.
+    wheels, steering : sequence of Column
+        In the rover's order, with an empty header for a wheel without one.
+    time : str
+        Header of the stamps.
+    named : bool
+        Whether columns have headers that can be mapped.
+    clock_stated, wheels_stated, steering_stated : bool
+        Whether the log or its owner says in which unit they are.
+    wraps, steering_wraps : bool
+        Whether encoders say where counters start over.
+    counts_unknown : bool
+        Whether readings are counts and nobody says of how many a turn has.
+    turn : float or None
+        Counts of a turn.
+    increments_stated : bool
+        Whether it is said that rows are totals, or that they are not.
+    scale : array, shape (wheels,), or None
+        Radians of one of the readings.
+    max_speed, max_gap : float or None
+        Bounds of the owner [m/s], [s].
+    first_row : int
+        Number of the first row.
+    """
+
+    rover: Rover
+    kind: str = "angles"
+    wheels: Sequence[Column] = ()
+    steering: Sequence[Column] = ()
+    time: str = "stamps"
+    named: bool = False
+    clock_stated: bool = False
+    wheels_stated: bool = False
+    steering_stated: bool = False
+    wraps: bool = False
+    steering_wraps: bool = False
+    counts_unknown: bool = False
+    turn: float | None = None
+    increments_stated: bool = False
+    scale: Floats | None = None
+    max_speed: float | None = None
+    max_gap: float | None = None
+    first_row: int = 1
+
+
+@dataclass
+class ReadingChecks:
+    """Checks of the rows of a log as they come.
+
+    Parameters
+    ----------
+    readings : Readings
+    warn : callable
+        Called with a line for what can be read but not be trusted.
+    """
+
+    readings: Readings
+    warn: Callable[[str], None]
+    _rows: int = 0
+    _last: tuple[float, Floats, Floats, Floats | None] | None = None
+    _turns: WheelTurns = field(default_factory=WheelTurns)
+    _begin: float = 0.0
+    _turned: Floats = field(default_factory=lambda: np.zeros(0))
+    _clock_known: bool = False
+    _looked: bool = False
+
+    def take(
+        self,
+        stamps: Floats,
+        raw: Floats,
+        angles: Floats | None,
+        steering: Floats | None,
+        numbers: NDArray[np.int64] | None = None,
+        joints: Floats | None = None,
+    ) -> None:
+        """Check consecutive rows.
+
+        Parameters
+        ----------
+        stamps : array, shape (n,)
+            Seconds.
+        raw : array, shape (n, wheels)
+            As the log has them, in radians or counts.
+        angles : array, shape (n, wheels), or None
+            Running totals [rad]; None if only `raw` tells.
+        steering : array, shape (n, steered wheels), or None
+            As the log has them.
+        numbers : array, shape (n,), optional
+            Of the rows.
+        joints : array, shape (n, steered wheels), optional
+            Steering angles [rad], if the log has them otherwise.
+
+        Raises
+        ------
+        ImplausibleReadingError
+            If readings cannot be meant as they are read.
+        """
+        if not len(stamps):
+            return
+        known = self.readings
+        if not self._rows:
+            self._begin = float(stamps[0])
+            if not known.clock_stated:
+                check_origin(float(stamps[0]), known.time, self._row(0, numbers))
+        if numbers is None:
+            check_order(stamps, self.warn, known.time)
+        with np.errstate(invalid="ignore", over="ignore"):  # rows without numbers are left to others
+            chosen = self._stretches(stamps)
+            self._look(raw, steering, numbers)
+            self._check_jumps(stamps, raw, steering, chosen, numbers)
+            self._check_steps(stamps, raw if angles is None else angles, angles is None, numbers)
+            turned = steering if joints is None else joints
+            self._check_motion(stamps, raw, angles, turned, chosen, numbers)
+            if known.kind == "speeds":
+                self._check_gaps(stamps, raw, numbers)
+        self._rows += len(stamps)
+        last = None if steering is None else steering[-1]
+        self._last = (float(stamps[-1]), raw[-1].copy(), self._turned, last)
+
+    def finish(self) -> None:
+        """Warn of wheels that do not move while others do."""
+        known = self.readings
+        if known.kind == "increments" or self._last is None:
+            return
+        duration = self._last[0] - self._begin
+        totals, named = known.kind == "angles", known.named
+        for line in self._turns.doubts(known.rover, known.wheels, self._rows, duration, named, totals):
+            self.warn(line)
+
+    def _row(self, place: int, numbers: NDArray[np.int64] | None) -> int:
+        """The number of a row of this chunk."""
+        return self.readings.first_row + self._rows + place if numbers is None else int(numbers[place])
+
+    def _stretches(self, stamps: Floats) -> NDArray[np.int64]:
+        """Rows about `STRETCH` apart, the first and the last among them."""
+        few = stamps[: SAMPLE // 4]
+        steps = np.diff(few)
+        steps = steps[steps > 0.0]
+        period = float(np.median(steps)) if len(steps) else STRETCH
+        width = max(1, min(round(STRETCH / period) if period < STRETCH else 1, max(1, len(stamps) // 8)))
+        chosen = np.arange(0, len(stamps), width)
+        return chosen if chosen[-1] == len(stamps) - 1 else np.append(chosen, len(stamps) - 1)
+
+    def _look(self, raw: Floats, steering: Floats | None, numbers: NDArray[np.int64] | None) -> None:
+        """Counts and increments under another name, by rows that follow one another."""
+        known = self.readings
+        if self._looked:
+            return
+        self._looked = len(raw) >= SAMPLE // 4
+        piece, row = raw[:SAMPLE], self._row(0, numbers)
+        if known.kind in ("angles", "speeds") and not known.wheels_stated:
+            mapped = known.named and known.first_row > 0
+            check_counts(piece if known.kind == "angles" else piece[:0], known.wheels, row, mapped=mapped)
+        if steering is not None and not known.steering_stated:
+            mapped = known.named and known.first_row > 0
+            check_counts(steering[:SAMPLE], known.steering, row, steering=True, mapped=mapped)
+        if known.kind == "increments" or not (known.increments_stated or known.wraps):
+            # Quicker rows hold fewer counts each: more of them show the motion.
+            for column, readings in zip(known.wheels, raw[: 4 * SAMPLE].T, strict=True):
+                if known.kind in ("angles", "ticks"):
+                    check_increments_as_totals(readings, column, row)
+                elif known.kind == "increments":
+                    check_increments(readings, column, row)
+
+    def _check_jumps(
+        self,
+        stamps: Floats,
+        raw: Floats,
+        steering: Floats | None,
+        chosen: NDArray[np.int64],
+        numbers: NDArray[np.int64] | None,
+    ) -> None:
+        known = self.readings
+        if known.kind in ("angles", "ticks") and not known.wraps:
+            self._check_columns(raw, known.wheels, chosen, numbers, steering=False)
+        if steering is not None and not known.steering_wraps:
+            self._check_columns(steering, known.steering, chosen, numbers, steering=True)
+
+    def _check_columns(
+        self,
+        values: Floats,
+        named: Sequence[Column],
+        chosen: NDArray[np.int64],
+        numbers: NDArray[np.int64] | None,
+        steering: bool,
+    ) -> None:
+        before = None
+        if self._last is not None:
+            before = self._last[3] if steering else self._last[1]
+        for place, column in enumerate(named):
+            samples = values[chosen, place]
+            if before is not None:
+                samples = np.concatenate((before[place : place + 1], samples))
+            if not may_jump(samples, np.diff(samples)):
+                continue
+            whole = values[:, place]
+            if before is not None:
+                whole = np.concatenate((before[place : place + 1], whole))
+            turns = [self.readings.turn] if self.readings.turn else []
+            found = find_jumps(whole, turns, all_whole(samples), steering)
+            reset = not steering and self.readings.max_speed is None
+            if found is not None and (reset or found.wraps_at is not None):
+                shift = 0 if before is None else 1
+                at = [self._row(int(k) - shift, numbers) for k in found.rows]
+                raise ImplausibleReadingError(self._jumping(column, found, at, steering))
+
+    def _check_steps(
+        self, stamps: Floats, turned: Floats, raw: bool, numbers: NDArray[np.int64] | None
+    ) -> None:
+        """Refuses single steps that no wheel makes: lost readings, counters set to another value."""
+        known = self.readings
+        unknown = (raw and (known.wraps or known.scale is None)) or known.kind in ("speeds", "increments")
+        if unknown or known.max_speed is not None or len(stamps) < FEW_ROWS:
+            return
+        scale = np.ones(1) if known.scale is None or not raw else np.abs(known.scale)
+        radii = np.array([wheel.radius for wheel in known.rover.wheels]) * scale
+        usual = float(np.median(np.diff(stamps[:SAMPLE])))
+        if usual <= 0.0 or longest_step(turned) * float(radii.max()) <= FASTEST_STEP * usual:
+            return
+        longest = FASTEST_STEP * np.maximum(np.diff(stamps), usual)
+        for place, column in enumerate(known.wheels):
+            found = lost_readings(turned[:, place] * radii[place], longest)
+            if found is not None:
+                at = [self._row(int(k), numbers) for k in found.rows]
+                steps = f"from {found.before:.4g} to {found.after:.4g} m at the rim"
+                what = f'"{column.header}" jumps in {rows(at)} ({steps})'
+                rest = "a step beyond it counts as none"
+                raise ImplausibleReadingError(f"{what}: give {max_speed(10.0)}; {rest}")
+
+    def _jumping(self, column: Column, found: Jumps, at: Sequence[int], steering: bool) -> str:
+        """The line about a column that jumps."""
+        known = self.readings
+        steps = f"from {number(found.before)} to {number(found.after)}"
+        if found.wraps_at is not None:
+            counts = known.counts_unknown and not steering
+            stated = known.steering_stated if steering else known.wheels_stated
+            turn = None if steering else known.turn
+            if turn is None and known.kind == "angles" and found.wraps_at in WHOLE_TURNS and not stated:
+                turn = found.wraps_at  # degrees, or whole turns
+            proposal = encoders(wraps_at=found.wraps_at, counts=counts, turn=turn, steering=steering)
+            what = f'"{column.header}" wraps at {number(found.wraps_at)} in {rows(at)} ({steps})'
+            return f"{what}: give {proposal}"
+        what = f'"{column.header}" was set anew in {rows(at)} ({steps})'
+        return f"{what}: give {max_speed(10.0)}; a step beyond it counts as none"
+
+    def _check_motion(
+        self,
+        stamps: Floats,
+        raw: Floats,
+        angles: Floats | None,
+        steering: Floats | None,
+        chosen: NDArray[np.int64],
+        numbers: NDArray[np.int64] | None,
+    ) -> None:
+        known = self.readings
+        scale = np.ones(1) if known.scale is None else known.scale
+        if angles is None and (known.scale is None or known.wraps or known.kind == "increments"):
+            return
+        times = stamps[chosen]
+        if angles is not None:
+            turned = angles[chosen]
+        elif known.kind == "speeds":
+            rates = raw[chosen] * scale
+            periods = np.diff(times, prepend=times[0])[:, None]
+            turned = np.cumsum(np.nan_to_num(rates * periods), axis=0)
+            turned[:, np.isnan(rates).all(axis=0)] = np.nan
+            turned += 0.0 if self._last is None else self._last[2]
+        else:
+            turned = raw[chosen] * scale
+        turned = np.where(np.isfinite(turned), turned, np.nan)
+        self._turned = turned[-1].copy()
+        if self._last is not None and len(self._last[2]):
+            times = np.concatenate(([self._last[0]], times))
+            turned = np.vstack((self._last[2], turned))
+        self._turns.add(turned)
+        periods = np.diff(times)
+        later = periods > 0.0
+        if not later.any():
+            return
+        rates = np.diff(turned, axis=0)[later] / periods[later][:, None]
+        ends = chosen[-len(periods) :][later]
+        radii = np.array([wheel.radius for wheel in known.rover.wheels])
+        rims = np.nan_to_num(np.abs(rates) * radii).max(axis=1)
+        if not known.clock_stated and not self._clock_known:
+            check_clock(stamps[:SAMPLE], rims, known.kind == "speeds", known.time, self._row(0, numbers))
+            self._clock_known = bool(rims.any())
+        middles = None
+        if steering is not None:
+            middles = np.where(np.isfinite(steering[ends]), steering[ends], np.nan)
+            if not known.steering_stated:
+                check_steering(known.rover, middles, known.steering, self._row(0, numbers), known.named)
+        if known.max_speed is not None:
+            return
+        found = check_motion(known.rover, rates, middles, periods[later])
+        if found is not None:
+            stretch, wheel, figure = found
+            raise ImplausibleReadingError(
+                self._impossible(wheel, figure, self._row(int(ends[stretch]), numbers), rates)
+            )
+
+    def _impossible(self, wheel: int, figure: str, row: int, rates: Floats) -> str:
+        """The line about a wheel that does what none can."""
+        known, column = self.readings, self.readings.wheels[wheel]
+        what = f'"{column.header}" {figure} in row {row}'
+        rest = f"{at_its_word().option} ({at_its_word().argument}) takes them as they are"
+        if known.kind in ("ticks", "increments"):
+            guess = "are there as many counts in a turn, and are its stamps seconds?"
+            return f"{what}: {guess} Give --ticks-per-turn COUNTS, or {stamp_unit('ms')}; {rest}"
+        proposal = degrees(known.wheels, known.kind == "speeds", known.named)
+        more = "" if known.clock_stated else f", or {stamp_unit('ms').option}"
+        guess = "degrees, or counts, or stamps in another unit?"
+        counts = f"--ticks-per-turn COUNTS{more}"
+        return f"{what}: {guess} Give {proposal}; for others {counts}; {rest}"
+
+    def _check_gaps(self, stamps: Floats, rates: Floats, numbers: NDArray[np.int64] | None) -> None:
+        """Warns of long times without rates while wheels turn."""
+        if self._last is not None:
+            stamps = np.concatenate(([self._last[0]], stamps))
+            rates = np.vstack((self._last[1], rates))
+        shift = 0 if self._last is None else 1
+        steps = np.diff(stamps)
+        if not len(steps):
+            return
+        usual = float(np.median(steps))
+        usual = usual if usual <= 2.0 * LONG_GAP else 0.0
+        long = np.flatnonzero(steps > max(LONG_GAP, 10.0 * usual, self.readings.max_gap or 0.0))
+        fastest = float(np.nanmax(np.abs(rates), initial=0.0))
+        for place in long.tolist():
+            turning = float(np.nanmax(np.abs(rates[place : place + 2]), initial=0.0))
+            if turning > 0.05 * fastest:
+                row = self._row(place + 1 - shift, numbers)
+                what = (
+                    f"{steps[place]:.3g} s without rates before row {row}, with wheels at {turning:.3g} rad/s"
+                )
+                self.warn(f"{what}: the path across is a guess; max_gap={steps[place] + 0.1:.1f} accepts it")
+                return

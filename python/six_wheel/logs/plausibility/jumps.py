@@ -1,0 +1,206 @@
+"""Columns that jump: counters and angles that start over at a number, and counters that were set to zero.
+
+A column that wraps at M stays within M, and a step of it that is longer than half of what the column ever
+spans is longer than any other by far. A reset goes to zero from anywhere.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["WHOLE_TURNS", "Jumps", "find_jumps", "longest_step", "lost_readings", "may_jump"]
+
+Floats = NDArray[np.float64]
+
+POWERS = tuple(float(1 << bits) for bits in (8, 10, 11, 12, 13, 14, 15, 16, 17, 18, 20, 21, 22, 24, 31, 32))
+DECIMALS = tuple(float(10**digits) for digits in range(2, 10))
+WHOLE_TURNS = (360.0, 1.0, 400.0, 3600.0, 36000.0)
+TURNS = (2.0 * math.pi, *WHOLE_TURNS)
+SHARE = 0.45  # of its range, that a step of a column that wraps takes at least
+CALM = 0.5  # of a jump, below which all other steps must stay
+APART = 8.0  # times the other steps around it, that a jump is at least
+AROUND = 25  # rows on either side that tell what steps are usual
+LEAST = 3  # steps that have to be there beside a jump
+PIECE = 8192  # rows that fit a cache
+MOST = 0.02  # share of steps that are jumps; more are motion in another unit
+ROWS = 20  # that a column has at least, of which anything is said
+
+
+@dataclass(frozen=True)
+class Jumps:
+    """Rows of a column (0 for the first step) at which it jumps, and the number at which it starts over;
+    None if it was set to another value."""
+
+    rows: NDArray[np.int64]
+    wraps_at: float | None
+    before: float
+    after: float
+
+
+def may_jump(samples: Floats, steps: Floats) -> bool:
+    """Quick test of a column by some of its values and the steps between them."""
+    with np.errstate(invalid="ignore"):
+        longest = float(np.nanmax(np.abs(steps), initial=0.0))
+    if longest == 0.0:
+        return False
+    if longest > SHARE * float(np.nanmax(samples) - np.nanmin(samples)):
+        return True
+    moving = np.abs(steps[np.abs(steps) > 0.0])
+    return len(moving) > LEAST and longest > APART * float(np.quantile(moving, 0.9))
+
+
+def longest_step(values: Floats) -> float:
+    """The longest step between two rows of any column (n, columns); NaN counts as none."""
+    longest = 0.0
+    for first in range(0, len(values) - 1, PIECE):
+        rows = values[first : first + PIECE + 1]
+        steps = rows[1:] - rows[:-1]
+        high, low = float(steps.max()), float(steps.min())
+        if math.isnan(high):
+            high, low = float(np.nanmax(steps, initial=0.0)), float(np.nanmin(steps, initial=0.0))
+        longest = max(longest, high, -low)
+    return longest
+
+
+def lost_readings(column: Floats, longest: Floats) -> Jumps | None:
+    """Steps of a column (n,) longer than any motion, `longest` (n - 1,), and far from the others."""
+    steps = np.diff(column)
+    sizes = np.nan_to_num(np.abs(steps))
+    found = np.flatnonzero(sizes > longest)
+    if not len(found) or len(found) > MOST * len(steps):
+        return None
+    others = np.delete(sizes, found)
+    usual = float(np.quantile(others[others > 0.0], 0.95)) if others.any() else 0.0
+    if APART * usual > float(sizes[found].min()):
+        return None
+    return Jumps(found + 1, None, float(column[found[0]]), float(column[found[0] + 1]))
+
+
+def find_jumps(
+    column: Floats, turns: Sequence[float] = (), whole: bool = False, steering: bool = False
+) -> Jumps | None:
+    """The jumps of a column (n,) of totals.
+
+    Parameters
+    ----------
+    column : array, shape (n,)
+        Readings in the order of their rows; NaN is left out.
+    turns : sequence of float
+        Counts of a turn, at which such a column may well start over.
+    whole : bool
+        Whether the readings are whole numbers.
+    steering : bool
+        Whether they are those of a joint, which may turn quickly to the other solution, half a turn away.
+    """
+    there = np.flatnonzero(np.isfinite(column))
+    values = column[there]
+    if len(values) < ROWS:
+        return None
+    steps = np.diff(values)
+    sizes = np.abs(steps)
+    span = float(values.max() - values.min())
+    found = np.flatnonzero(sizes > max(SHARE * span, 0.0))
+    found = _lasting(steps, found)
+    found = found[_calm(sizes, found)]
+    if len(found):
+        wraps_at, known = _wrap(values, steps, found, span, turns, whole)
+        if wraps_at is not None and (known or whole or not steering):
+            return Jumps(there[found + 1], wraps_at, float(values[found[0]]), float(values[found[0] + 1]))
+    found = np.flatnonzero(sizes > APART * _around(sizes))
+    found = _lasting(steps, found)
+    found = found[_is_reset(values, found, whole)]
+    if not len(found):
+        return None
+    return Jumps(there[found + 1], None, float(values[found[0]]), float(values[found[0] + 1]))
+
+
+def _lasting(steps: Floats, found: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Jumps without those that the next row takes back."""
+    back = np.zeros(len(found), dtype=bool)
+    if len(found) > 1:
+        pair = (np.diff(found) == 1) & (steps[found[1:]] * steps[found[:-1]] < 0.0)
+        pair &= np.abs(steps[found[1:]] + steps[found[:-1]]) < CALM * np.abs(steps[found[1:]])
+        back[1:] |= pair
+        back[:-1] |= pair
+    return found[~back]
+
+
+def _calm(sizes: Floats, found: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """True for jumps if all other steps are far shorter."""
+    if not len(found):
+        return np.zeros(0, dtype=bool)
+    others = np.delete(sizes, found)
+    calm = len(others) >= LEAST and float(others.max(initial=0.0)) < CALM * float(sizes[found].min())
+    return np.full(len(found), calm)
+
+
+def _wrap(
+    values: Floats,
+    steps: Floats,
+    found: NDArray[np.int64],
+    span: float,
+    turns: Sequence[float],
+    whole: bool,
+) -> tuple[float | None, bool]:
+    """The number at which a column starts over, from its jumps, None if they have none in common; and whether
+    it is the range of a usual counter or a turn."""
+    usual = np.delete(np.abs(steps), found)
+    most = float(usual.max(initial=0.0))
+    # What the wheel did meanwhile is taken from the steps on both sides.
+    before = steps[np.maximum(found - 1, 0)]
+    after = steps[np.minimum(found + 1, len(steps) - 1)]
+    ordinary = np.where(np.isin(found - 1, found) | (found == 0), after, before)
+    ordinary = np.where(np.abs(ordinary) > most, 0.0, ordinary)
+    sizes = np.abs(steps[found]) + np.sign(-steps[found]) * ordinary
+    # A counter that starts over jumps against the direction it has.
+    onward = float(np.mean(np.sign(steps[found]) * np.sign(ordinary) > 0)) > 0.5
+    guess, spread = float(np.median(sizes)), float(sizes.max() - sizes.min())
+    room = most + (1.0 if whole else 1e-9 * guess)
+    if spread > 2.0 * room or guess <= 2.0 * most:
+        return None, False
+    if onward:  # a bit that was read wrong, in a column that goes on beyond it
+        return next((each for each in POWERS if abs(each - guess) <= room), None), True
+    known = [*turns, *POWERS, *DECIMALS, *TURNS]
+    lowest = span + (1.0 if whole else 0.0)
+    fits = [each for each in known if abs(each - guess) <= room and each >= lowest * (1.0 - 1e-9)]
+    # A counter that runs beyond its range elsewhere in the log, by a bit that was read wrong.
+    fits += [each for each in POWERS if whole and each >= 65_536.0 and abs(each - guess) <= room]
+    fits += [each for each in (math.tau, 360.0, 1.0) if abs(each - guess) <= room and each >= span * 0.999]
+    if fits:
+        return min(fits, key=lambda each: abs(each - guess)), True
+    if len(found) < 2:
+        return None, False
+    return (float(round(max(guess, lowest))) if whole else guess), False
+
+
+def _around(sizes: Floats) -> Floats:
+    """The longest of the steps around each, itself left out, in blocks of `AROUND`."""
+    width = AROUND
+    count = -(-len(sizes) // width)
+    padded = np.zeros(count * width)
+    padded[: len(sizes)] = sizes
+    blocks = padded.reshape(count, width)
+    order = np.partition(blocks, width - 2, axis=1)
+    second, first = order[:, -2], order[:, -1]
+    longest = np.where(blocks == first[:, None], second[:, None], first[:, None])
+    beside = np.concatenate([[0.0], np.minimum(first, np.inf)[:-1]]), np.concatenate([first[1:], [0.0]])
+    neighbours = np.maximum(*beside)
+    # A block of the ends has one neighbour; a neighbour that jumps itself tells nothing.
+    calm = np.where(neighbours > APART * np.maximum(second, np.median(first)), second, neighbours)
+    return np.maximum(longest, calm[:, None]).ravel()[: len(sizes)]
+
+
+def _is_reset(values: Floats, found: NDArray[np.int64], whole: bool) -> NDArray[np.bool_]:
+    """True for jumps from anywhere to about zero, or to where the column began."""
+    if not len(found):
+        return np.zeros(0, dtype=bool)
+    steps = np.diff(values)
+    usual = np.delete(np.abs(steps), found)
+    most = max(float(usual.max(initial=0.0)), 1.0 if whole else 0.0)
+    near = np.minimum(np.abs(values[found + 1]), np.abs(values[found + 1] - values[0])) <= 2.0 * most
+    far = np.abs(steps[found]) > APART * most
+    reset: NDArray[np.bool_] = near & far
+    return reset

@@ -1,0 +1,112 @@
+"""Whole numbers: counts that are read as radians, and what was turned since the row before as a total."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel.logs.plausibility.proposals import (
+    Column,
+    ImplausibleReadingError,
+    both,
+    columns,
+    encoders,
+)
+
+__all__ = ["all_whole", "check_counts", "check_increments", "check_increments_as_totals"]
+
+Floats = NDArray[np.float64]
+
+LONG_STEP = 100.0  # of whole numbers in a row, which no radians are
+ROWS = 20  # from which on whole numbers alone are enough
+VALUES = 8  # different ones among them
+ALIKE = 0.95  # share of steps of one size, from which on they are no recording
+FLIPS = 0.3  # share of steps against the step before, from which on they are no motion
+LEVELS = 5  # ticks that what was turned in a row takes at least
+
+
+def all_whole(values: Floats) -> bool:
+    """True if every finite value is a whole number."""
+    there = values[np.isfinite(values)]
+    return len(there) > 0 and not np.any(there % 1.0)
+
+
+def check_counts(
+    wheels: Floats, named: Sequence[Column], row: int, steering: bool = False, mapped: bool = False
+) -> None:
+    """Refuses whole numbers as angles in radians: columns (n, wheels) of readings of which nobody said what
+    they are; `mapped` where their headers have to say that they are counts.
+
+    Raises
+    ------
+    ImplausibleReadingError
+        If they are counts.
+    """
+    for column, readings in zip(named, wheels.T, strict=True):
+        there = readings[np.isfinite(readings)]
+        if len(there) < 2 or not all_whole(there):
+            continue
+        steps = np.abs(np.diff(there))
+        longest = float(steps.max())
+        moves = steps[steps > 0.0]
+        # Steps that are nearly all the same are no recording.
+        several = len(moves) >= ROWS and np.unique(steps, return_counts=True)[1].max() < ALIKE * len(steps)
+        if longest > LONG_STEP or (several and len(np.unique(there)) >= VALUES):
+            at = row + int(np.argmax(steps)) + 1
+            what = f'"{column.header}" holds whole numbers, with a step of {longest:.0f} in row {at}'
+            proposal = encoders(counts=True, steering=steering)
+            if mapped:
+                ending = "_steering [ticks]" if steering else " [ticks]"
+                meanings = {each.header: f"{each.wheel}{ending}" for each in named if each.header}
+                proposal = both(columns(meanings), proposal)
+            raise ImplausibleReadingError(
+                f"{what}: counts are no radians; give {proposal}, COUNTS those of a turn"
+            )
+
+
+def check_increments_as_totals(readings: Floats, column: Column, row: int) -> None:
+    """Refuses what was turned since the row before where totals are read: a total that goes to and fro by
+    single counts at many levels is none.
+
+    Raises
+    ------
+    ImplausibleReadingError
+        If they look like that.
+    """
+    there = readings[np.isfinite(readings)]
+    if len(there) < 2 * ROWS or not all_whole(there):
+        return
+    steps = np.diff(there)
+    moves = steps[steps != 0.0]
+    if len(moves) < ROWS:
+        return
+    flips = float(np.mean(np.sign(moves[1:]) != np.sign(moves[:-1])))
+    span = float(there.max() - there.min())
+    way = float(np.abs(moves).sum())
+    if flips > FLIPS and span >= LEVELS and way > 3.0 * span and float(np.median(np.abs(moves))) < span:
+        what = f'"{column.header}" goes to and fro between {there.min():.0f} and {there.max():.0f}'
+        proposal = encoders(increments=True)
+        rest = "they are totals with increments: false"
+        raise ImplausibleReadingError(
+            f"{what} from row {row} on, as counts of each row would: give {proposal}; {rest}"
+        )
+
+
+def check_increments(readings: Floats, column: Column, row: int) -> None:
+    """Refuses totals where what was turned since the row before is read.
+
+    Raises
+    ------
+    ImplausibleReadingError
+        If the readings go on and on.
+    """
+    there = readings[np.isfinite(readings)]
+    if len(there) < 2 * ROWS:
+        return
+    longest = float(np.abs(np.diff(there)).max())
+    if longest > 0.0 and float(np.median(np.abs(there))) > ROWS * longest:
+        way = f"from {there.min():.6g} to {there.max():.6g}"
+        what = f'"{column.header}" goes {way} by {longest:.6g} a row at most'
+        raise ImplausibleReadingError(
+            f"{what} from row {row} on: a total, and not what was turned since the row before"
+        )
