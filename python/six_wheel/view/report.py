@@ -15,7 +15,7 @@ STYLE = "font: 12px/1.5 ui-monospace, monospace; padding: 0 .9em; white-space: p
 LEGEND = (
     f'<div style="{STYLE}">Upwards: the first axis of the plane, to the left: the second. '
     '<b style="color:#26a69e">Teal</b>: possible, <b style="color:#c99a2e">amber</b>: beyond a speed limit, '
-    '<b style="color:#e25c58">hatched red</b>: wheels would slide. White mark: commanded, black: driven.</div>'
+    '<b style="color:#e25c58">hatched red</b>: wheels would slide. White: commanded, black: driven.</div>'
 )
 
 
