@@ -71,7 +71,7 @@ fuzz: $(VENV)/installed ## coverage-guided fuzzing of core, boundary and readers
 			&& $(BIN)/python -m tests.fuzz.fuzzed $$target target/fuzz/$$target -max_total_time=$(FUZZ) -timeout=20 \
 				-artifact_prefix=target/fuzz/$$target- || exit 1; done
 
-compare: $(VENV)/installed ## kernels against the plain core, ROWS rows of calls; the worst case of each
+compare: $(VENV)/installed ## every level against the scalar one, ROWS rows of calls; the worst case of each
 	$(BIN)/python -m tests.core.oracles.compare --rows $(ROWS)
 
 # All that pyenv has, if it is there.

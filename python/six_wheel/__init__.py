@@ -72,6 +72,7 @@ from six_wheel.kinematics.errors import (
 from six_wheel.kinematics.geometry import Pose, Twist
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.lazy import attach
+from six_wheel.kinematics.objects.notebooks import shown_in_notebooks
 from six_wheel.kinematics.rollout_cost import RolloutCost
 
 if TYPE_CHECKING:
@@ -210,6 +211,15 @@ def load(
     return file.load(path, node=node, kind=kind)
 
 
+def _as_command(name: str) -> str:
+    """A hint for the names of commands, which are not in the package."""
+    from six_wheel.cli.names import COMMANDS, PROGRAM
+
+    return f"; it is a command: {PROGRAM} {name} in a shell" if name in COMMANDS else ""
+
+
+shown_in_notebooks(ControllerRun, Costmap, FourAxle, Rover, SettledPose, Suspension, Terrain, TwistFit)
+
 __getattr__, __dir__ = attach(
     __name__,
     {
@@ -231,4 +241,5 @@ __getattr__, __dir__ = attach(
         "simulation": ("simulate",),
         "view": (),
     },
+    hint=_as_command,
 )

@@ -13,7 +13,6 @@ wheel_radius: 0.10
 noise: {slip: 0.01}
 """
 
-
 TRUE = sw.Rover.differential(0.408, 0.0985)
 
 

@@ -9,11 +9,7 @@ from tests.odometry_logs import drive
 from tests.rovers import PAIR
 
 Refused = Callable[..., str]
-
-
 CART = "kind: differential\ntrack_width: 0.4\nwheel_radius: 0.1\n"
-
-
 WAY = drive(PAIR, n=100)
 
 

@@ -15,12 +15,10 @@ import pytest
 import six_wheel as sw
 from six_wheel.cli import shared
 from six_wheel.cli.commands.show import left_turn
-from six_wheel.cli.shared import Chosen
+from six_wheel.robot_description.named_rover import NamedRover
 from tests.cli_runs import ROVER, Run
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-
-
 LIMITED = ROVER + "limits: {speed: 0.4, acceleration: 0.5, wheel_speed: 3.0}\n"
 WAITING = "control: {timeout: 2.0}\n"  # the commands are a second apart
 
@@ -223,13 +221,13 @@ def test_bench_compares_both_sides(run: Run, monkeypatch: pytest.MonkeyPatch) ->
 @pytest.mark.parametrize("name", sw.Rover.presets())
 def test_every_preset_can_make_the_turn_that_show_draws(name):
     rover = sw.Rover.preset(name)
-    assert rover.admissible(left_turn(Chosen(rover, "rover")))
+    assert rover.admissible(left_turn(NamedRover(rover, "rover")))
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_example_can_make_the_turn_that_show_draws(path):
     rover = sw.load(path)
-    turn = left_turn(Chosen(rover, "rover"))
+    turn = left_turn(NamedRover(rover, "rover"))
     assert rover.admissible(turn)
     assert turn[2] > 0
 

@@ -62,3 +62,12 @@ def test_defaults_stand_in_docstrings():
             if entry and "default" not in entry[1].lower():
                 silent.append(f"{name}({parameter.name}={default})")
     assert silent == []
+
+
+def test_what_is_no_function_says_what_is():
+    with pytest.raises(AttributeError, match="demo.; it is a command: six-wheel demo in a shell"):
+        sw.demo()
+    with pytest.raises(TypeError, match="six_wheel.logs is a module, not a function; call one of .*read_log"):
+        sw.logs("log.csv")
+    with pytest.raises(TypeError, match="six_wheel is a module, not a function; call one of "):
+        sw()

@@ -9,8 +9,6 @@ import six_wheel as sw
 from tests.rovers import CART
 
 STORE, STORE_1 = get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS1_NOETIC)
-
-
 TYPES = STORE.types
 
 

@@ -204,7 +204,7 @@ def test_path_is_as_long_as_driven_and_all_inside():
     figure = plot.path_figure(ROVER, poses, steering, title="commands.csv")
     draw(figure)
     axes = figure.axes[0]
-    words = [axes.get_title(loc="left"), *(text.get_text() for text in axes.texts)]
+    words = [axes.get_title(loc="left"), figure.get_suptitle()]
     chords = float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())
     assert {f"{chords:.2f} m", "commands.csv"} <= set(words)
     assert axes.get_xlim()[0] < poses[:, 0].min() - 0.65

@@ -12,7 +12,7 @@ from six_wheel.kinematics.lazy import attach
 if TYPE_CHECKING:
     from six_wheel.calibration.cross_validation import Candidate, CrossValidation
     from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
-    from six_wheel.calibration.files import Calibrated, calibrate_files, half_width, interval
+    from six_wheel.calibration.files import Calibrated, calibrate_files, interval
     from six_wheel.calibration.noise import MeasuredNoise
     from six_wheel.calibration.observability import Observability
     from six_wheel.calibration.problem import Loss
@@ -32,7 +32,6 @@ __all__ = [
     "Windows",
     "calibrate",
     "calibrate_files",
-    "half_width",
     "interval",
     "parameter_names",
 ]
@@ -42,7 +41,7 @@ __getattr__, __dir__ = attach(
     {
         "cross_validation": ("Candidate", "CrossValidation"),
         "drives": (),
-        "files": ("Calibrated", "calibrate_files", "half_width", "interval"),
+        "files": ("Calibrated", "calibrate_files", "interval"),
         "fitting": (),
         "log_checks.units": (),
         "log_checks.slip": (),

@@ -200,8 +200,7 @@ def heard(log: WheelLog, number: int) -> WheelLog:
     """
     if log.truth is not None or log.yaw_rate is None:
         return log
-    rows = np.flatnonzero(np.isfinite(log.yaw_rate) & np.isfinite(log.stamps))
-    rows = rows[np.concatenate(([True], np.diff(log.stamps[rows]) > 0.0))]
+    rows = known_rows(log.stamps, log.yaw_rate, log.stamps)
     stamps, rates = log.stamps[rows], log.yaw_rate[rows]
     dt = np.diff(stamps)
     still = at_rest(np.diff(log.wheel_angles[rows], axis=0) / dt[:, None])
@@ -209,9 +208,20 @@ def heard(log: WheelLog, number: int) -> WheelLog:
         rule = f"must stand still for {RESTED:g} s at least, where the bias of its gyroscope shows"
         raise ValueError(f"{_who(log, number)} {rule}, got {dt[still].sum():.3g} s")
     turned = rates - np.average((rates[1:] + rates[:-1])[still] / 2.0, weights=dt[still])
-    yaw = np.concatenate(([0.0], np.cumsum((turned[1:] + turned[:-1]) / 2.0 * dt)))
+    yaw = integral(stamps, turned)
     nowhere = np.full(len(yaw), np.nan)
     return replace(log, truth=GroundTruth(stamps, np.column_stack((nowhere, nowhere, yaw))))
+
+
+def known_rows(stamps: Floats, *columns: Floats) -> Rows:
+    """Rows in which all columns are known, without those whose stamps stand still."""
+    rows = np.flatnonzero(np.isfinite(columns).all(axis=0))
+    return rows[np.diff(stamps[rows], prepend=-np.inf) > 0.0]
+
+
+def integral(stamps: Floats, rates: Floats) -> Floats:
+    """Integral of rates (n,) from the first stamp to each, by the trapezoidal rule."""
+    return np.concatenate(([0.0], np.cumsum((rates[1:] + rates[:-1]) / 2.0 * np.diff(stamps))))
 
 
 def at_rest(speeds: Floats) -> NDArray[np.bool_]:

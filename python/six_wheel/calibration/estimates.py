@@ -1,7 +1,9 @@
 """Parts of a calibration's result: values with their uncertainty, errors of windows and of runs."""
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import Self
 
 import numpy as np
@@ -13,7 +15,9 @@ from six_wheel.kinematics.poses import Floats, interpolate
 from six_wheel.log_odometry.evaluation.paths import absolute_error
 from six_wheel.logs.recordings import GroundTruth
 
-__all__ = ["Estimate", "RunErrors", "Windows", "path", "timed_path"]
+__all__ = ["Estimate", "RunErrors", "Windows", "likelihood_end", "path", "three_digits", "timed_path"]
+
+HALVINGS = 30  # of the stretch in which the end of an interval lies
 
 
 @dataclass(frozen=True)
@@ -32,10 +36,42 @@ class Estimate:
         """True if the data determine this value by itself."""
         return not math.isnan(self.std)
 
+    @property
+    def half_width(self) -> float:
+        """Half the width of the interval."""
+        low, high = self.interval
+        return (high - low) / 2.0
+
+    @classmethod
+    def of_interval(
+        cls, name: str, unit: str, nominal: float, value: float, interval: Sequence[float], confidence: float
+    ) -> Self:
+        """A value whose standard deviation is that of a normal distribution with this interval."""
+        low, high = interval
+        std = (high - low) / (2.0 * NormalDist().inv_cdf(0.5 + confidence / 2.0))
+        return cls(name, unit, nominal, value, std, (low, high))
+
     def __repr__(self) -> str:
         low, high = self.interval
         known = f"[{low:.6g}, {high:.6g}]" if self.identified else "not identified"
         return f"Estimate({self.name} = {self.value:.6g} {self.unit}, {known}, nominal {self.nominal:.6g})"
+
+
+def three_digits(value: float) -> float:
+    """A value in three digits: more are not known."""
+    return float(f"{value:.3g}")
+
+
+def likelihood_end(
+    cost: Callable[[float], float], allowed: float, inside: float, outside: float, close: float = 0.0
+) -> float:
+    """The place between a likely and an unlikely value at which the cost is as large as allowed."""
+    for _ in range(HALVINGS):
+        middle = (inside + outside) / 2.0
+        inside, outside = (middle, outside) if cost(middle) <= allowed else (inside, middle)
+        if abs(outside - inside) < close:
+            break
+    return inside
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,7 +30,7 @@ from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.parameters.edit_in_place import text_for
 from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
 
-__all__ = ["Calibrated", "calibrate_files", "half_width", "interval", "paths_of"]
+__all__ = ["Calibrated", "calibrate_files", "interval", "paths_of"]
 
 YAML = (".yaml", ".yml")
 FACTORS = ("encoder_scale", "steering_gain")
@@ -215,12 +215,9 @@ def _beside(done: Calibrated, parameters: Parameters | None, reading: LogOptions
     the logs were read with, so that the file reads them again."""
     result = done.result
     read_with: dict[str, Any] = {}
-    if reading.columns:
-        columns = reading.columns
-        read_with["columns"] = dict(columns) if isinstance(columns, Mapping) else list(columns)
-    if reading.topics:
-        topics = reading.topics
-        read_with["topics"] = dict(topics) if isinstance(topics, Mapping) else list(topics)
+    for name in ("columns", "topics"):
+        if given := getattr(reading, name):
+            read_with[name] = dict(given) if isinstance(given, Mapping) else list(given)
     if reading.stamp_unit is not None:
         read_with["stamp_unit"] = reading.stamp_unit
     if not reading.plausibility:
@@ -295,17 +292,11 @@ def _known(result: Calibration) -> dict[str, Any] | None:
     return {"parameters": names, "covariance": (by @ result.widened @ by.T).tolist()}
 
 
-def half_width(one: Estimate) -> float:
-    """Half the width of a value's confidence interval."""
-    low, high = one.interval
-    return (high - low) / 2.0
-
-
 def interval(one: Estimate) -> str:
     """The interval of a value, in as many digits as it is worth."""
     if not one.identified:
         return "not identified"
-    digits = max(0, 2 - math.ceil(math.log10(half_width(one)))) if half_width(one) > 0.0 else 6
+    digits = max(0, 2 - math.ceil(math.log10(one.half_width))) if one.half_width > 0.0 else 6
     return " to ".join(f"{end:.{digits}f}" for end in one.interval)
 
 

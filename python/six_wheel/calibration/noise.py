@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, minimize
-from scipy.special import chdtri, fdtri, ndtri
+from scipy.special import chdtri, fdtri
 
 from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
-from six_wheel.calibration.estimates import Estimate
-from six_wheel.calibration.wheel_noise import told_apart
+from six_wheel.calibration.estimates import Estimate, likelihood_end, three_digits
+from six_wheel.calibration.wheel_noise import normalised, told_apart
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.log_odometry import dead_reckon
 from six_wheel.logs import WheelLog
@@ -202,14 +202,13 @@ def measure(
     # Differences between wheels and errors of the dimensions count by themselves; slip is the rest.
     common = np.exp(2.0 * logs)[:, None, None] * whole.wheels
     told = told_apart(whole.errors, common, whole.fixed + np.diag(TRUTH**2), sessions, confidence)
-    times = alike if told is None else np.array([_digits(one) for one in told[0]])
+    times = alike if told is None else np.array([three_digits(one) for one in told[0]])
     logs, _ = _likeliest(whole.weighed(times, 1.0))
     beside, _ = _sized(logs, [stack.weighed(times, 1.0) for stack in stacks], usual)
     wheels = []
     for number, name in enumerate(names if told is not None else ()):
-        low, high = told[1][number].tolist()  # type: ignore[index]
-        std = (high - low) / (2.0 * float(ndtri(0.5 + confidence / 2.0)))
-        wheels.append(Estimate(name, "", 1.0, float(times[number]), std, (low, high)))
+        interval = told[1][number].tolist()  # type: ignore[index]
+        wheels.append(Estimate.of_interval(name, "", 1.0, float(times[number]), interval, confidence))
     return MeasuredNoise(
         noise, beside, along_wheels, across_wheels, len(nees), basis, nees, wheels=tuple(wheels)
     )
@@ -244,7 +243,7 @@ def _sized(logs: Floats, groups: Sequence[Weighed], wanted: float) -> tuple[Nois
         wide = logs + low  # the dimensions alone explain all
     else:
         wide = logs + (float(brentq(excess, low, high)) if excess(high) < 0.0 else high)
-    slip, side_slip = (_digits(max(float(np.exp(one)), FINEST)) for one in wide)
+    slip, side_slip = (three_digits(max(float(np.exp(one)), FINEST)) for one in wide)
     sides = any(np.any(group[2]) for group in groups)
     return Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0), wide
 
@@ -258,13 +257,7 @@ def _nees(logs: Floats, ends: Weighed) -> tuple[Floats, Floats]:
     """Normalised errors squared, and logarithms of determinants, under logarithms of slip."""
     errors, along, across, rest = ends
     spread = math.exp(2.0 * logs[0]) * along + math.exp(2.0 * logs[1]) * across + rest
-    solved = np.linalg.solve(spread, errors[:, :, None])[:, :, 0]
-    return (errors * solved).sum(axis=1), np.linalg.slogdet(spread)[1]
-
-
-def _digits(value: float) -> float:
-    """Three digits: more are not known."""
-    return float(f"{value:.3g}")
+    return normalised(errors, spread)
 
 
 def _estimate(
@@ -272,16 +265,12 @@ def _estimate(
 ) -> Estimate:
     """A value with its interval by the profile of the likelihood: where it is not too unlikely."""
     allowed = cost(logs) + 0.5 * float(chdtri(1, 1.0 - confidence))
-    interval = []
-    for side in (-1.0, 1.0):
-        edge = math.log(LEAST if side < 0.0 else MOST)
-        near, far = logs[place], edge
-        for _ in range(30):
-            middle = (near + far) / 2.0
-            trial = logs.copy()
-            trial[place] = middle
-            near, far = (middle, far) if cost(trial) <= allowed else (near, middle)
-        interval.append(math.exp(near))
-    value = math.exp(logs[place])
-    std = (interval[1] - interval[0]) / (2.0 * float(ndtri(0.5 + confidence / 2.0)))
-    return Estimate(name, "m per root m", 0.0, value, std, (interval[0], interval[1]))
+
+    def profile(value: float) -> float:
+        trial = logs.copy()
+        trial[place] = value
+        return cost(trial)
+
+    ends = (likelihood_end(profile, allowed, logs[place], math.log(edge)) for edge in (LEAST, MOST))
+    interval = [math.exp(end) for end in ends]
+    return Estimate.of_interval(name, "m per root m", 0.0, math.exp(logs[place]), interval, confidence)

@@ -13,8 +13,6 @@ from six_wheel.calibration.model import Model
 from six_wheel.kinematics.poses import Floats
 
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
-
-
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 
 

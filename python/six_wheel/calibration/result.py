@@ -12,6 +12,7 @@ from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
 from six_wheel.calibration.gyroscope.noise import MeasuredGyroscope
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import Observability
+from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.poses import Floats
 
 
@@ -81,6 +82,8 @@ class Calibration:
     slips: tuple[str, ...] = ()
     gyroscope: MeasuredGyroscope | None = None
 
+    _repr_mimebundle_ = mimebundle
+
     @property
     def noise(self) -> Noise:
         """Measured noise, for ``Odometry(result.rover, result.noise)``; the default if none was measured."""
@@ -132,8 +135,7 @@ class Calibration:
         lines = [f"Calibration of {runs}{'' if self.converged else ', NOT CONVERGED'}"]
         width = max((len(one.name) for one in self.parameters), default=0)
         for one in self.parameters:
-            half = (one.interval[1] - one.interval[0]) / 2.0
-            known = f"± {half:.2g}" if one.identified else "not identified"
+            known = f"± {one.half_width:.2g}" if one.identified else "not identified"
             lines.append(
                 f"  {one.name:<{width}}  {one.value:.6g} {known} {one.unit}".rstrip()
                 + f"  (was {one.nominal:.6g})"

@@ -51,8 +51,8 @@ def told_apart(
     def cost(logs: Floats) -> float:
         shares = np.exp(2.0 * logs[:-1, None] + 2.0 * np.array([0.0, logs[-1]]))  # across as well as along
         spread = np.einsum("wk,ewkij->eij", shares, by_wheel) + rest
-        solved = np.linalg.solve(spread, errors[:, :, None])[:, :, 0]
-        return 0.5 * share * float(((errors * solved).sum(axis=1) + np.linalg.slogdet(spread)[1]).sum())
+        squares, sizes = normalised(errors, spread)
+        return 0.5 * share * float((squares + sizes).sum())
 
     edge = math.log(MOST_APART)
     bounds = [(-edge, edge)]
@@ -72,6 +72,12 @@ def told_apart(
     values, intervals = np.ones(every), np.ones((every, 2))
     values[moves], intervals[moves] = np.exp(logs), np.exp(np.clip(ends, -edge, edge))
     return values, intervals
+
+
+def normalised(errors: Floats, covariances: Floats) -> tuple[Floats, Floats]:
+    """Normalised errors squared (n,) of errors (n, 3), and logarithms of determinants of the covariances."""
+    solved = np.linalg.solve(covariances, errors[:, :, None])[:, :, 0]
+    return (errors * solved).sum(axis=1), np.linalg.slogdet(covariances)[1]
 
 
 def _curvature(cost: Callable[[Floats], float], at: Floats, step: float = 1e-3) -> Floats:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from six_wheel.cli.shared import Chosen, Reading, choose
+from six_wheel.cli.shared import Reading, choose
+from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
     from six_wheel.logs.log_options import LogOptions
@@ -75,7 +76,7 @@ class LogReading(NamedTuple):
     ] = True
     truth_topic: Annotated[str | None, typer.Option(help="Topic of a bag with the truth.")] = None
 
-    def options(self, chosen: Chosen) -> "LogOptions":
+    def options(self, chosen: NamedRover) -> "LogOptions":
         """Options for reading a log: those of the parameter file, overridden by the arguments."""
         from six_wheel._core import Encoder
         from six_wheel.logs.log_options import LogOptions
@@ -132,7 +133,7 @@ class LogReading(NamedTuple):
 
 def choose_with_logs(
     rover: str | None, logs: list[Path], example: bool, reading: Reading
-) -> tuple[Chosen, list[Path]]:
+) -> tuple[NamedRover, list[Path]]:
     """The rover and the logs that are asked for; the run that comes along, and its rover, with --example."""
     if not example:
         if rover is None or not logs:

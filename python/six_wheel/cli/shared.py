@@ -1,26 +1,23 @@
 """Common parts of the commands of `six-wheel`: the rover they are given, the console, progress, figures."""
 
 import contextlib
-import difflib
 import inspect
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_type_hints
 
 import typer
 
 from six_wheel.cli.names import PROGRAM
+from six_wheel.robot_description.named_rover import NamedRover, find_rover
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from six_wheel._core import Limits, RockerBogie, Rover
-    from six_wheel.robot_description.diagnostics import Finding
-    from six_wheel.robot_description.parameters.file import Parameters
-    from six_wheel.robot_description.urdf import Robot
+    from six_wheel._core import RockerBogie
 
 SUSPENDED = (
     "perseverance",
@@ -47,7 +44,6 @@ KindOption = Annotated[
 RadiusOption = Annotated[
     float | None, typer.Option(help="Radius of the wheels [m], for a URDF that does not tell it.")
 ]
-
 
 WRITTEN = (
     "output",
@@ -119,63 +115,14 @@ class Reading(NamedTuple):
     wheel_radius: RadiusOption = None
 
 
-class Chosen(NamedTuple):
-    """A rover, what to call it, and the file it comes from unless it is a preset."""
-
-    rover: "Rover"
-    name: str
-    path: Path | None = None
-    parameters: "Parameters | None" = None
-    robot: "Robot | None" = None
-
-    @property
-    def limits(self) -> "Limits":
-        """Limits of the file; in a robot description those are the rates of its joints."""
-        from six_wheel._core import Limits
-
-        source = self.parameters or self.robot
-        return source.limits if source else Limits()
-
-    @property
-    def warnings(self) -> "Sequence[Finding]":
-        """Warnings about possible mistakes in the file."""
-        source = self.parameters or self.robot
-        return source.warnings if source else ()
-
-
-def choose(argument: str, reading: Reading = Reading()) -> Chosen:  # noqa: B008 - it is immutable
-    """The rover of a parameter file or a robot description, or a preset if there is no such file."""
+def choose(argument: str, reading: Reading = Reading()) -> NamedRover:  # noqa: B008 - it is immutable
+    """The rover of a parameter file, a robot description or the metadata of a run, or a preset."""
     path = Path(argument)
-    if path.suffix in (".urdf", ".xacro"):
-        from six_wheel.robot_description.urdf import read_urdf
-
-        robot = read_urdf(path, wheel_radius=reading.wheel_radius)
-        return Chosen(robot.rover, path.name.partition(".")[0], path, robot=robot)
-    if reading.wheel_radius is not None:
-        raise ValueError(f"--wheel-radius is for a URDF or xacro file, got {argument}")
-    if path.name.endswith("_metadata.csv"):
+    if path.name.endswith("_metadata.csv") and reading.wheel_radius is None:
         from six_wheel.logs.optiodom import read_rover
 
-        return Chosen(read_rover(path), path.stem, path)
-    if path.is_file() or path.suffix:
-        from six_wheel.robot_description.parameters.file import read_parameters
-
-        parameters = read_parameters(path, node=reading.node, kind=reading.kind)
-        return Chosen(parameters.rover, path.stem, path, parameters)
-    from six_wheel._core import Rover
-
-    presets = list(Rover.presets())
-    if argument in presets:
-        return Chosen(Rover.preset(argument), argument)
-    hint = closest(argument, presets)
-    raise ValueError(f'ROVER must be a parameter file or a preset, got "{argument}"; {hint}')
-
-
-def closest(name: str, known: Sequence[str]) -> str:
-    """Hint for a name that is not known: the closest known name, and all of them."""
-    close = difflib.get_close_matches(name, known, 1)
-    hint = f'did you mean "{close[0]}"? ' if close else ""
-    return f"{hint}there are {', '.join(known)}"
+        return NamedRover(read_rover(path), path.stem, path)
+    return find_rover(argument, "ROVER must be a parameter file or a preset", **reading._asdict())
 
 
 def choose_suspension(argument: str, reading: Reading = Reading()) -> "tuple[RockerBogie, str]":  # noqa: B008
@@ -236,6 +183,20 @@ def grid(rows: Sequence[tuple[str, object]]) -> Any:
         if value is not None:
             grid.add_row(name, str(value))
     return grid
+
+
+def text_table(
+    heads: Sequence[str], rows: Iterable[Sequence[str]], *, right: Collection[str] = (), **options: Any
+) -> Any:
+    """A table of text; the columns of `right` are set to the right. `options` are those of rich."""
+    from rich.table import Table
+
+    table = Table(**options)
+    for head in heads:
+        table.add_column(head, justify="right" if head in right else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    return table
 
 
 def angle_text(radians: float) -> str:

@@ -6,9 +6,41 @@ from six_wheel.control_loop.faults import AREAS, ERROR, OK, STALE
 from six_wheel.control_loop.loop import Loop
 from six_wheel.kinematics.controller import Reason
 
-__all__ = ["Status", "statuses"]
+__all__ = ["FaultLines", "Status", "statuses"]
 
 Status = tuple[int, str, str, dict[str, str]]
+LISTED = 3  # faults of an area in one line of the log
+
+
+class FaultLines:
+    """Lines for a log: one when faults of an area begin, one when they have ended."""
+
+    def __init__(self) -> None:
+        self._lasting: dict[tuple[str, str], int] = {}
+
+    def lines(self, loop: Loop) -> list[tuple[int, str]]:
+        """Level and text of what has changed since the last call; before `statuses`, which counts anew."""
+        now = {(fault.area, fault.what): (fault.level, str(fault)) for fault in loop.faults if fault.new}
+        if loop.stuck is not None or loop.halted:
+            level, _, text, _ = _motion(loop, "")
+            now["motion", "halted"] = level, text
+        begun = {key: said for key, said in now.items() if key not in self._lasting}
+        ended = {key: (OK, key[1]) for key in self._lasting if key not in now}
+        self._lasting = {key: level for key, (level, _) in now.items()}
+        listed = []
+        for faults, is_over in ((begun, False), (ended, True)):
+            for area in ("motion", *AREAS):
+                found = [said for key, said in faults.items() if key[0] == area]
+                if not found:
+                    continue
+                texts = [text for _, text in found]
+                more = f"; and {len(texts) - LISTED} more" if len(texts) > LISTED else ""
+                stops = area == "joints" and loop.stopping is not None and not is_over
+                what = "over: " if is_over else f"the rover stops, {loop.stopping}: " if stops else ""
+                listed.append(
+                    (max(level for level, _ in found), f"{area}: {what}{'; '.join(texts[:LISTED])}{more}")
+                )
+        return listed
 
 
 def statuses(loop: Loop, name: str) -> list[Status]:

@@ -1,7 +1,7 @@
 """Options of a loop beside its parameter file; names of ros2_controllers where they have one."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 __all__ = ["OPTIONS", "Option", "Options"]
@@ -48,49 +48,35 @@ class Option:
         return value
 
 
-OPTIONS = (
-    Option("open_loop", False, "odometry from the commands, for a rover without joint states"),
-    Option("position_feedback", True, "wheels report positions (running totals); false: velocities"),
-    Option(
-        "joint_state_timeout",
-        0.5,
-        "age of a joint's last reading at which the rover stops [s]",
-        least=0.01,
-        most=60.0,
-        live=True,
-    ),
-    Option(
-        "imu_timeout",
-        0.1,
-        "how long joint readings wait for those of the gyroscope; then odometry goes by the wheels [s]",
-        least=0.001,
-        most=1.0,
-        live=True,
-    ),
-    Option("update_rate", 50.0, "steps per second while no joint states come [Hz]", least=1.0, most=1000.0),
-    Option(
-        "publish_rate",
-        50.0,
-        "odometry messages per second, at most [Hz]; 0: one for every reading",
-        least=0.0,
-        most=1000.0,
-        live=True,
-    ),
-    Option("reset_on_time_jump", False, "odometry starts over where time jumps back, as simulations do it"),
-)
+def _option(default: Any, description: str, **others: Any) -> Any:
+    return field(default=default, metadata={"description": description} | others)
 
 
 @dataclass(frozen=True)
 class Options:
     """The values of `OPTIONS`."""
 
-    open_loop: bool = False
-    position_feedback: bool = True
-    joint_state_timeout: float = 0.5
-    imu_timeout: float = 0.1
-    update_rate: float = 50.0
-    publish_rate: float = 50.0
-    reset_on_time_jump: bool = False
+    open_loop: bool = _option(False, "odometry from the commands, for a rover without joint states")
+    position_feedback: bool = _option(True, "wheels report positions (running totals); false: velocities")
+    joint_state_timeout: float = _option(
+        0.5, "age of a joint's last reading at which the rover stops [s]", least=0.01, most=60.0, live=True
+    )
+    imu_timeout: float = _option(
+        0.1,
+        "how long joint readings wait for those of the gyroscope; then odometry goes by the wheels [s]",
+        least=0.001, most=1.0, live=True,
+    )  # fmt: skip
+    update_rate: float = _option(
+        50.0, "steps per second while no joint states come [Hz]", least=1.0, most=1000.0
+    )
+    publish_rate: float = _option(
+        50.0,
+        "odometry messages per second, at most [Hz]; 0: one for every reading",
+        least=0.0, most=1000.0, live=True,
+    )  # fmt: skip
+    reset_on_time_jump: bool = _option(
+        False, "odometry starts over where time jumps back, as simulations do it"
+    )
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> "Options":
@@ -101,3 +87,6 @@ class Options:
     def values(self) -> dict[str, Any]:
         """By name."""
         return {each.name: getattr(self, each.name) for each in fields(self)}
+
+
+OPTIONS = tuple(Option(each.name, getattr(Options, each.name), **each.metadata) for each in fields(Options))

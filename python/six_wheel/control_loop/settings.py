@@ -206,6 +206,8 @@ def rover_keys(settings: Settings) -> dict[str, Any]:
 
     data: dict[str, Any] = _section(settings.text, settings.parameters.node).data
     lay("", {key: value for key, value in data.items() if key not in ("limits", "control", "noise")})
+    control = data.get("control") or {}  # its timeout is cmd_vel_timeout
+    lay("control.", {key: value for key, value in control.items() if key != "timeout"})
     return keys
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, SupportsFloat, TypeAlias
 
 from six_wheel._core import FourAxle
 from six_wheel.kinematics import rover_edit
+from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.objects.short_text import short_repr
 
 if TYPE_CHECKING:
@@ -216,6 +217,8 @@ class FourAxleSimulation:
     """Row in which each step ends, shape (steps,)."""
     final: FourAxleState
     """State after the last step."""
+
+    _repr_mimebundle_ = mimebundle
 
     def __repr__(self) -> str:
         found = {"steps": len(self.steps), "samples": len(self.stamps), "pose": tuple(self.final.pose)}

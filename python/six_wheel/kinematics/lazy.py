@@ -3,11 +3,23 @@
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
+from types import ModuleType
 
 Lookup = tuple[Callable[[str], object], Callable[[], list[str]]]
 
 
-def attach(package: str, modules: Mapping[str, Sequence[str]]) -> Lookup:
+class Package(ModuleType):
+    """A package that says what to call where it is called itself."""
+
+    def __call__(self, *args: object, **options: object) -> object:
+        functions = [name for name in vars(self).get("__all__", ()) if name[0].islower()]
+        hint = f"; call one of its functions: {', '.join(functions[:4])}" if functions else ""
+        raise TypeError(f"{self.__name__} is a module, not a function{hint}")
+
+
+def attach(
+    package: str, modules: Mapping[str, Sequence[str]], hint: Callable[[str], str] | None = None
+) -> Lookup:
     """`__getattr__` and `__dir__` of a package.
 
     Parameters
@@ -17,7 +29,10 @@ def attach(package: str, modules: Mapping[str, Sequence[str]]) -> Lookup:
     modules : mapping of str to sequence of str
         Its modules, those of its packages as ``package.module``, and of each the names that the package shows
         as its own.
+    hint : callable, optional
+        Words about a name that is not there, "" for none; without words the nearest name is said.
     """
+    sys.modules[package].__class__ = Package
     inner = {module.partition(".")[0] for module in modules}
     places = {name: module for module, names in modules.items() for name in names}
 
@@ -29,8 +44,10 @@ def attach(package: str, modules: Mapping[str, Sequence[str]]) -> Lookup:
         else:
             from six_wheel.kinematics.keywords import did_you_mean
 
-            hint = "" if name.startswith("_") else did_you_mean(name, names())
-            raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}")
+            words = hint(name) if hint is not None else ""
+            if not words and not name.startswith("_"):
+                words = did_you_mean(name, names())
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{words}")
         setattr(sys.modules[package], name, value)  # from now on without a detour
         return value
 

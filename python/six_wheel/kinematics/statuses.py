@@ -1,12 +1,12 @@
 """Names of the codes of the core: how a rover settled, its bounds, and whether it may stand somewhere."""
 
 import math
+from collections.abc import Callable
 from enum import StrEnum
 from functools import wraps
 from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel._core import ask_settings
 from six_wheel.kinematics import rover_edit
@@ -14,7 +14,14 @@ from six_wheel.kinematics import rover_edit
 __all__ = ["BoundsStatus", "FeasibilityLimits", "FeasibilityReason", "SettleStatus"]
 
 
-class SettleStatus(StrEnum):
+class _Named(StrEnum):
+    """A code of the core by its name."""
+
+    def __repr__(self) -> str:
+        return self.value
+
+
+class SettleStatus(_Named):
     """Status of a settled pose. Prints, and compares with text, by its name."""
 
     settled = "settled"
@@ -28,21 +35,8 @@ class SettleStatus(StrEnum):
     not_converged = "not_converged"
     """No way to stand was found: `SettledPose.reason` says more."""
 
-    def __repr__(self) -> str:
-        return self.value
 
-
-_SETTLED = np.empty(len(SettleStatus), dtype=object)
-_SETTLED[:] = list(SettleStatus)
-
-
-def settle_statuses(codes: int | NDArray[np.int64]) -> SettleStatus | NDArray[Any]:
-    """The status of a code of the core, or an array of them."""
-    found: SettleStatus | NDArray[Any] = _SETTLED[codes]
-    return found
-
-
-class BoundsStatus(StrEnum):
+class BoundsStatus(_Named):
     """Validity of the bounds of a pose. Prints, and compares with text, by its name."""
 
     bounded = "bounded"
@@ -58,21 +52,8 @@ class BoundsStatus(StrEnum):
     at_stop = "at_stop"
     """A joint may be at its stop, with a wheel in the air."""
 
-    def __repr__(self) -> str:
-        return self.value
 
-
-_BOUNDS = np.empty(len(BoundsStatus), dtype=object)
-_BOUNDS[:] = list(BoundsStatus)
-
-
-def bound_statuses(codes: int | NDArray[np.uint8]) -> BoundsStatus | NDArray[Any]:
-    """The status of a code of the core, or an array of them."""
-    found: BoundsStatus | NDArray[Any] = _BOUNDS[codes]
-    return found
-
-
-class FeasibilityReason(StrEnum):
+class FeasibilityReason(_Named):
     """Reason for which a rover may not stand at a pose: the limit exceeded most, or the unknown ground."""
 
     ok = "ok"
@@ -98,19 +79,17 @@ class FeasibilityReason(StrEnum):
     not_settled = "not_settled"
     """No way to stand was found."""
 
-    def __repr__(self) -> str:
-        return self.value
+
+def _by_code(kind: type[_Named]) -> Callable[[Any], Any]:
+    """The name of a code of the core, or an array of names."""
+    names = np.empty(len(kind), dtype=object)
+    names[:] = list(kind)
+    return names.__getitem__
 
 
-_REASONS = np.empty(len(FeasibilityReason), dtype=object)
-_REASONS[:] = list(FeasibilityReason)
-
-
-def feasible_reasons(codes: int | NDArray[np.uint8]) -> FeasibilityReason | NDArray[Any]:
-    """The reason of a code of the core, or an array of them."""
-    found: FeasibilityReason | NDArray[Any] = _REASONS[codes]
-    return found
-
+settle_statuses, bound_statuses, feasible_reasons = map(
+    _by_code, (SettleStatus, BoundsStatus, FeasibilityReason)
+)
 
 _Class = TypeVar("_Class", bound=type[Any])
 

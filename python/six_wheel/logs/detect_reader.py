@@ -17,10 +17,11 @@ from six_wheel._core import Rover
 from six_wheel.kinematics.keywords import checked
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
-from six_wheel.logs.frames.tabular_input import is_table, table
+from six_wheel.logs.frames.tabular_input import is_table, table, whole
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.headers.joint_columns import Reading
+from six_wheel.logs.headers.time_columns import scale_of
 from six_wheel.logs.joint_sources import JointSource, refuse_counts
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.joints import JointLog, JointRows
@@ -229,38 +230,49 @@ def as_logs(source: Any, rover: Rover, options: LogOptions | None = None) -> lis
 
 def _as_log(source: Any, rover: Rover, options: LogOptions, number: int) -> WheelLog:
     if isinstance(source, WheelLog):
-        if options.plausibility and source.plausibility:
-            _check_log(source, rover, number)
-        return source
+        return _told(source, rover, options, number)
     if isinstance(source, str | os.PathLike):
         return read_log(source, rover, options)[0]
     if not is_table(source):
         raise TypeError(f"logs must be Logs, paths or tables of columns, got {type(source).__name__}")
+    given = _odometry_options(rover, options)
+    columns, clock = options.columns or None, options.stamp_unit
+    read = table(rover, source, columns, {}, given, stamp_unit=clock, plausibility=options.plausibility)
+    log = whole(read)
+    if read.readings == "speeds":
+        given["readings"] = "speeds"
+    return WheelLog(log.stamps, log.steering, log.wheels, options=given, plausibility=False)
+
+
+def _odometry_options(rover: Rover, options: LogOptions) -> dict[str, Any]:
+    """Options of `Odometry` for readings in memory."""
     found = {"wheel_encoders": options.wheel_encoders, "steering_encoders": options.steering_encoders}
     given: dict[str, Any] = {}
     for (name, values), part in zip(found.items(), ("wheel", "steering"), strict=True):
         direct, keys = encoders_or_keys(values)
         if encoders := direct or encoders_of(rover, part, keys):
             given[name] = encoders
-    if options.readings == "speeds":
-        given["readings"] = "speeds"
-    columns, clock = options.columns or None, options.stamp_unit
-    read = table(rover, source, columns, {}, given, stamp_unit=clock, plausibility=options.plausibility)
-    pieces = list(read.pieces)
-    if read.readings == "speeds":
-        given["readings"] = "speeds"
-    steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_wheel_names else None
-    stamps = np.concatenate([piece.stamps for piece in pieces])
-    wheels = np.concatenate([piece.wheels for piece in pieces])
-    return WheelLog(stamps, steering, wheels, options=given, plausibility=False)
+        if keys.get("increments"):
+            given["readings"] = "increments"
+    if options.readings in ("speeds", "increments"):
+        given["readings"] = options.readings
+    return given
 
 
-def _check_log(log: WheelLog, rover: Rover, number: int) -> None:
-    """Refuse readings of a log in memory that no rover has."""
-    try:
-        check_arrays(array_checks(rover, log.options), log.steering, log.wheel_angles, log.stamps)
-    except ImplausibleReadingError as error:
-        raise ValueError(f"logs[{number}]: {error}") from None
+def _told(log: WheelLog, rover: Rover, options: LogOptions, number: int) -> WheelLog:
+    """A log in memory with what is said of it; readings that no rover has are refused."""
+    given, stamps = _odometry_options(rover, options), log.stamps
+    if options.stamp_unit is not None:
+        stamps = stamps / round(1.0 / scale_of(options.stamp_unit))
+    if given or stamps is not log.stamps:
+        log = replace(log, stamps=stamps, options={**log.options, **given})
+    if options.plausibility and log.plausibility:
+        checks = array_checks(rover, log.options, clock_stated=options.stamp_unit is not None)
+        try:
+            check_arrays(checks, log.steering, log.wheel_angles, log.stamps)
+        except ImplausibleReadingError as error:
+            raise ValueError(f"logs[{number}]: {error}") from None
+    return log
 
 
 @checked(LogOptions)

@@ -19,8 +19,6 @@ from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.tables import table_format
 
 __all__ = ["TableWriter", "check_outputs", "remove_leftovers", "replacing", "together"]
-
-
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
 
 

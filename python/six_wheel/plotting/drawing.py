@@ -3,12 +3,14 @@
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import io
+import textwrap
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -22,15 +24,17 @@ from six_wheel._core import Rover, Wheel
 
 Floats = NDArray[np.float64]
 
-INK, SOFT, FAINT = "#22303c", "#7d8a96", "#d5dbe0"
+INK, SOFT, FAINT = "#22303c", "#64717d", "#d5dbe0"
 BODY, WHEEL, AXLE = "#e9e3d8", "#33424f", "#4a7fa7"
 MOTION, CENTRE, TRACK = "#2a7f62", "#c1440e", "#ddd2bf"  # CENTRE is a centre of rotation in every picture
+MINUS = "\N{MINUS SIGN}"
 FORBIDDEN, RECORDED = "#8e2f5b", "#e0a050"
 # Lines of one picture, which the colour-blind tell apart.
 # Source: M. Okabe, K. Ito, Color universal design, 2008.
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
-
-
+LABEL, TICK = 9, 8.5  # [pt] of the words at an axis, of its numbers
+LETTERS = 14.5  # of size `LABEL` in an inch, about
+TINY = 2e-3  # ends of an axis below which its numbers have a power of ten in common
 FORWARD_UP = np.pi / 2  # yaw that turns x forward to the top of the page, so that left is left
 WHEEL_WIDTH = 0.45  # of its diameter; a Rover does not know how wide its wheels are
 
@@ -223,13 +227,22 @@ def _faded(color: str, fade: float) -> tuple[float, float, float]:
     return red, green, blue
 
 
+PAGE_WIDTH = 7.2  # [in] of a result's picture: 720 pixels of a page, on which its smallest words are 11 high
+
+
 class Picture(Figure):
     """A figure that a notebook shows without a magic."""
 
     def _repr_png_(self) -> bytes:
-        image = io.BytesIO()
-        self.savefig(image, format="png", dpi=100)
-        return image.getvalue()
+        """The picture at 100 pixels an inch in 256 colours, a third of the bytes that all colours take."""
+        from PIL import Image
+
+        whole, small = io.BytesIO(), io.BytesIO()
+        self.savefig(whole, format="rgba", dpi=100)
+        width, height = self.canvas.get_width_height()
+        image = Image.frombytes("RGBA", (width, height), whole.getvalue()).convert("RGB")
+        image.quantize(256, dither=Image.Dither.NONE).save(small, format="png")
+        return small.getvalue()
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -237,6 +250,26 @@ def new_figure(width: float, height: float) -> Figure:
     figure = Picture(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def equal_scales(figure: Figure, axes: Axes, least: float = 0.0) -> None:
+    """Give both axes one scale and `least` [m] at least, and the figure the height it asks for."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    wide, tall = max(right - left, least), max(high - low, least)
+    share = min(max(tall / wide, 0.4), 0.8)
+    half = np.array((max(wide, tall / share), max(tall, share * wide))) / 2
+    x, y = (left + right) / 2, (low + high) / 2
+    axes.set_aspect("equal")
+    axes.set(xlim=(x - half[0], x + half[0]), ylim=(y - half[1], y + half[1]))
+    figure.set_size_inches(PAGE_WIDTH, share * (PAGE_WIDTH - 0.8) + 0.9)
+
+
+def color_bar(figure: Figure, drawn: ScalarMappable, axes: Axes, label: str) -> None:
+    """The scale of colours beside the axes, in the words of `tidy`."""
+    scale = figure.colorbar(drawn, ax=axes, shrink=0.8)
+    scale.set_label(label, fontsize=LABEL, color=SOFT)
+    scale.outline.set_visible(False)
+    scale.ax.tick_params(colors=SOFT, labelsize=TICK, length=0)
 
 
 def fit_page(figure: Figure, axes: Axes) -> None:
@@ -250,19 +283,22 @@ def tidy(axes: Axes, xlabel: str, ylabel: str) -> None:
     """The quiet frame every picture here shares."""
     axes.grid(True, color=FAINT, linewidth=0.5, alpha=0.6, zorder=0)
     axes.set_axisbelow(True)
-    axes.tick_params(colors=SOFT, labelsize=8, length=0)
+    axes.tick_params(colors=SOFT, labelsize=TICK, length=0)
     for spine in axes.spines.values():
         spine.set_visible(False)
     for axis in (axes.xaxis, axes.yaxis):
         if isinstance(axis.get_major_formatter(), ScalarFormatter) and axis.get_scale() == "linear":
-            axis.set_major_formatter(lambda value, _: number(value))
-    axes.set_xlabel(xlabel, fontsize=8, color=SOFT)
-    axes.set_ylabel(ylabel, fontsize=8, color=SOFT)
+            if np.abs(axis.get_view_interval()).max() > TINY:
+                axis.set_major_formatter(lambda value, _: number(value))
+            else:  # a power of ten at the end of the axis
+                axis.get_offset_text().set(color=SOFT, fontsize=TICK)
+    axes.set_xlabel(xlabel, fontsize=LABEL, color=SOFT)
+    axes.set_ylabel(ylabel, fontsize=LABEL, color=SOFT)
 
 
 def number(value: float, form: str = "g") -> str:
     """A number as every tick and word of a picture has it: no needless digits, a minus sign that is one."""
-    return f"{round(value, 12) + 0.0:{form}}".replace("-", "\N{MINUS SIGN}")
+    return f"{round(value, 12) + 0.0:{form}}".replace("-", MINUS)
 
 
 def headings(rover: Rover, steering: ArrayLike | None = None) -> Floats:
@@ -322,17 +358,10 @@ def bounds(rover: Rover) -> tuple[Floats, Floats, float]:
 
 
 def write_title(axes: Axes, title: str | None, below: str) -> None:
-    """A quiet line above the picture, and a bold title over it."""
-    axes.set_title(below, loc="left", fontsize=9, color=SOFT)
+    """Quiet lines above the picture, no longer than it is wide, and a bold title over them."""
+    figure = axes.figure
+    room = int(LETTERS * figure.bbox.width / figure.dpi * (1.0 - axes.get_position().x0))
+    lines = [piece for line in below.splitlines() for piece in textwrap.wrap(line, max(room, 40))]
+    axes.set_title("\n".join(lines), loc="left", fontsize=LABEL, color=SOFT)
     if title is not None:
-        axes.annotate(
-            title,
-            (0, 1),
-            (0, 24),
-            "axes fraction",
-            "offset points",
-            fontsize=13,
-            color=INK,
-            weight="bold",
-            va="bottom",
-        )
+        figure.suptitle(title, x=0.012, ha="left", fontsize=13, color=INK, weight="bold")

@@ -15,7 +15,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Limits, Rover
 from six_wheel.kinematics.controller import Reason
-from six_wheel.plotting.drawing import AXLE, FAINT, INK, MOTION, RECORDED, SOFT, Floats, new_figure, tidy
+from six_wheel.plotting.drawing import (
+    AXLE,
+    FAINT,
+    INK,
+    LABEL,
+    MOTION,
+    PAGE_WIDTH,
+    RECORDED,
+    SOFT,
+    Floats,
+    new_figure,
+    tidy,
+)
 from six_wheel.plotting.path import draw_path, path_figure
 from six_wheel.simulation.drive.closed_loop import ControlledDrive
 from six_wheel.simulation.drive.feedforward import Drive
@@ -43,7 +55,6 @@ def draw_course(
     course: Course,
     limits: Limits,
     shares: Mapping[str, float],
-    below: Any = None,
 ) -> list[Axes]:
     """Draw panels over time below each other: twists, joints against their limits, reasons.
 
@@ -51,8 +62,6 @@ def draw_course(
     ----------
     figure, grid
         A figure, and the place in a grid of it where the panels go.
-    below
-        Another place, for those of the body's motion.
     rover, course, limits
         What was driven, what came of it, and what it was not to exceed.
     shares : mapping of str to float
@@ -66,11 +75,8 @@ def draw_course(
     panels = _panels(rover, limits, sideways)
 
     reasons = [each for each in Reason if each.name in shares]
-    ahead = 0 if below is None else sum(panel.hues == (ASKED, DONE) for panel in panels)
-    heights = [1.0] * (len(panels) - ahead) + [max(0.17 * len(reasons), 0.17)]
+    heights = [1.0] * len(panels) + [max(0.17 * len(reasons), 0.17)]
     rows = [*grid.subgridspec(len(heights), 1, height_ratios=heights)]
-    if ahead:
-        rows = [*below.subgridspec(ahead, 1), *rows]
     found: list[Axes] = []
     for panel, row in zip(panels, rows, strict=False):
         axes = figure.add_subplot(row, sharex=found[0] if found else None)
@@ -82,11 +88,7 @@ def draw_course(
     strip.grid(False, axis="y")
     end = max(float(begin[-1]), float(begin[0]) + 1e-9) if len(begin) else 1.0
     strip.set_xlim(0.0, end)
-    figure.align_ylabels(found[:ahead])
-    figure.align_ylabels(found[ahead:])
-    if ahead:
-        found[ahead - 1].tick_params(labelbottom=True)
-        found[ahead - 1].set_xlabel(f"time [{unit}]", fontsize=8, color=SOFT)
+    figure.align_ylabels(found)
     return [*found, strip]
 
 
@@ -201,14 +203,14 @@ def drive_figure(
     -------
     matplotlib.figure.Figure
     """
-    figure = new_figure(14.0, 8.6 + 0.12 * len(shares))
-    grid = figure.add_gridspec(1, 2, width_ratios=(1.0, 1.5), wspace=0.04)
-    left = grid[0].subgridspec(3, 1, height_ratios=(0.14, 1.0, 0.75))
-    draw_key(figure.add_subplot(left[0]), rover)
-    path = figure.add_subplot(left[1])
+    heights = (0.5, 3.6, 7.0 + 0.17 * len(shares))  # [in]
+    figure = new_figure(PAGE_WIDTH, sum(heights) + 0.6)
+    grid = figure.add_gridspec(3, 1, height_ratios=heights)
+    draw_key(figure.add_subplot(grid[0]), rover)
+    path = figure.add_subplot(grid[1])
     length = draw_path(path, rover, poses, steering)
-    path.set_title(f"{length:.2f} m", loc="left", fontsize=9, color=SOFT)
-    draw_course(figure, grid[1], rover, course, limits, shares, left[2])
+    path.set_title(f"{length:.2f} m", loc="left", fontsize=LABEL, color=SOFT)
+    draw_course(figure, grid[2], rover, course, limits, shares)
     if title is not None:
         figure.suptitle(title, x=0.012, ha="left", fontsize=13, color=INK, weight="bold")
     return figure
@@ -247,7 +249,7 @@ def _draw_limits(axes: Axes, lines: Sequence[float], low: Floats, high: Floats) 
         words = f"limits {', '.join(f'{line:.3g}' for line in finite)}, outside the picture"
         axes.annotate(
             words, (1, 1), (0, 1), "axes fraction", "offset points",
-            ha="right", va="bottom", fontsize=7, color=SOFT,
+            ha="right", va="bottom", fontsize=7.5, color=SOFT,
         )  # fmt: skip
 
 
@@ -269,7 +271,7 @@ def _draw_reasons(
         axes.broken_barh(spans, (place - 0.36, 0.72), facecolors=_colour(each), linewidth=0, zorder=2)
         axes.annotate(
             _percent(shares[str(each.name)]), (1, place), (4, 0), axes.get_yaxis_transform(), "offset points",
-            va="center", fontsize=7, color=SOFT, annotation_clip=False,
+            va="center", fontsize=7.5, color=SOFT, annotation_clip=False,
         )  # fmt: skip
     axes.set_ylim(len(reasons) - 0.4 if reasons else 1.0, -0.6)
     axes.set_yticks(range(len(reasons)), [str(each.name) for each in reasons])

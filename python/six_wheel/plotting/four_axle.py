@@ -1,12 +1,8 @@
 """Picture of a simulated `FourAxle`: path and tracks of the wheels, axles and brakes over time."""
 
 import numpy as np
-
-try:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-except ImportError as missing:
-    raise ImportError('pictures need matplotlib: pip install "six-wheel[plot]"') from missing
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from six_wheel.kinematics.four_axle import FourAxleSimulation
 from six_wheel.plotting.drawing import (
@@ -14,6 +10,7 @@ from six_wheel.plotting.drawing import (
     FAINT,
     INK,
     MOTION,
+    PAGE_WIDTH,
     SOFT,
     TRACK,
     bounds,
@@ -25,7 +22,7 @@ from six_wheel.plotting.drawing import (
     write_title,
 )
 
-WIDTH, TIMELINE, STRIPS = 9.0, 1.9, 0.5  # [in]
+WIDTH, TIMELINE, STRIPS = PAGE_WIDTH, 1.9, 0.5  # [in]
 FREE = {"front": MOTION, "rear": AXLE}
 NAMES = ("front left", "front right", "rear left", "rear right")
 STYLES = ((MOTION, "-"), (MOTION, "--"), (AXLE, "-"), (AXLE, "--"))
@@ -53,7 +50,7 @@ def four_axle_figure(result: FourAxleSimulation, *, title: str | None = None) ->
     low = poses[:, :2].min(axis=0) - (1.25 * size, 1.6 * size)  # words stand below
     high = poses[:, :2].max(axis=0) + 1.25 * size
     across, along = (float(length) for length in high - low)
-    height = float(np.clip((WIDTH - 0.9) * along / across, 2.2, 7.0))
+    height = float(np.clip((WIDTH - 0.9) * along / across, 2.2, 4.6))
     figure = new_figure(WIDTH, height + TIMELINE + STRIPS + 1.6)
     rows = figure.subplots(3, 1, height_ratios=(height, TIMELINE, STRIPS))
     path, angles, brakes = rows

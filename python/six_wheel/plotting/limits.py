@@ -6,11 +6,24 @@ from itertools import groupby
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch, Polygon
+from matplotlib.patches import Patch, Polygon, Rectangle
 
 from six_wheel._core import Limits, Rover
 from six_wheel.kinematics.controller import Reason
-from six_wheel.plotting.drawing import FORBIDDEN, INK, SOFT, Floats, new_figure, tidy, write_title
+from six_wheel.kinematics.rover_edit import limits_given
+from six_wheel.plotting.drawing import (
+    AXLE,
+    FORBIDDEN,
+    INK,
+    PAGE_WIDTH,
+    SERIES,
+    SOFT,
+    TICK,
+    Floats,
+    new_figure,
+    tidy,
+    write_title,
+)
 from six_wheel.simulation.drive.performance import Rim, rim
 
 __all__ = ["limits_figure"]
@@ -52,7 +65,7 @@ def limits_figure(rover: Rover, limits: Limits, *, title: str | None = None) -> 
     found = rim(rover, limits)
     if found is None:
         raise ValueError(f"limits must bound every motion for a picture of them, got {limits}")
-    figure = new_figure(6.4, 4.6)
+    figure = new_figure(PAGE_WIDTH, 4.8)
     axes = figure.add_subplot()
     reach = MARGIN * np.abs(found.twists[:, (2, 0)]).max(axis=0)
     reach[reach == 0.0] = 1.0
@@ -62,9 +75,46 @@ def limits_figure(rover: Rover, limits: Limits, *, title: str | None = None) -> 
     axes.axhline(0.0, color=SOFT, linewidth=0.6, zorder=3)
     axes.axvline(0.0, color=SOFT, linewidth=0.6, zorder=3)
     _write_radii(axes, rover, reach)
-    tidy(axes, "yaw rate [rad/s], left turns to the left", "forward speed [m/s]")
-    axes.legend(handles=shown, loc="upper left", bbox_to_anchor=(1.0, 0.4), frameon=False, fontsize=8)
+    tidy(axes, "yaw rate [rad/s], positive: left", "forward speed [m/s]")
+    axes.legend(
+        handles=shown,
+        loc="upper left",
+        bbox_to_anchor=(1.0, 0.4),
+        frameon=False,
+        fontsize=TICK,
+        labelcolor=INK,
+    )
     write_title(axes, title, "what the rover can do, and the limit that binds")
+    return figure
+
+
+def box_figure(limits: Limits, *, title: str | None) -> Figure:
+    """Speeds and yaw rates within the limits, the ramps to the largest, and the other limits in words."""
+    given = {name: value for name, value in limits_given(limits).items() if math.isfinite(value)}
+    figure = new_figure(PAGE_WIDTH, 3.8)
+    box, ramps = figure.subplots(1, 2)
+    speed, yaw_rate = given.get("speed"), given.get("yaw_rate")
+    right, top = 1.25 * (yaw_rate or 1.0), 1.25 * (speed or 1.0)
+    wide, high = right if yaw_rate is None else yaw_rate, top if speed is None else speed
+    box.add_patch(Rectangle((-wide, -high), 2 * wide, 2 * high, facecolor=AXLE, alpha=0.25, edgecolor=AXLE))
+    box.set(xlim=(right, -right), ylim=(-top, top))
+    tidy(box, "yaw rate [rad/s], positive: left", "speed [m/s]")
+    for name, rise, color, unit in (
+        ("speed", "acceleration", SERIES[0], "m/s"),
+        ("yaw_rate", "angular_acceleration", SERIES[1], "rad/s"),
+    ):
+        if name in given and given.get(rise):
+            time = given[name] / given[rise]
+            label = f"{name.replace('_', ' ')} [{unit}]"
+            ramps.plot([0.0, time, 1.3 * time], [0.0, given[name], given[name]], color=color, label=label)
+    if ramps.lines:
+        ramps.legend(frameon=False, fontsize=TICK, labelcolor=INK)
+    else:
+        words = "no acceleration and no speed is given"
+        ramps.text(0.5, 0.5, words, transform=ramps.transAxes, ha="center", color=SOFT, fontsize=TICK)
+    tidy(ramps, "time from rest [s]", "speed [m/s], yaw rate [rad/s]")
+    words = ", ".join(f"{name.replace('_', ' ')} {value:.3g}" for name, value in given.items())
+    write_title(box, title, f"given [m, s, rad]: {words or 'none'}")
     return figure
 
 

@@ -11,7 +11,19 @@ from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.paths import absolute_error, align
 from six_wheel.log_odometry.evaluation.relative import path_distance
 from six_wheel.log_odometry.results import Reckoned
-from six_wheel.plotting.drawing import AXLE, FAINT, INK, MOTION, SOFT, new_figure, tidy, write_title
+from six_wheel.plotting.drawing import (
+    AXLE,
+    FAINT,
+    INK,
+    MINUS,
+    MOTION,
+    PAGE_WIDTH,
+    SOFT,
+    TICK,
+    new_figure,
+    tidy,
+    write_title,
+)
 
 LIKELY = 5.991  # chi squared of two degrees of freedom at 95 %: the ellipse a position is in that often
 ELLIPSES = 14
@@ -35,19 +47,18 @@ def reckoning_figure(result: Reckoned, *, title: str | None = None) -> Figure:
     matplotlib.figure.Figure
     """
     known = result.evaluation is not None
-    figure = new_figure(11.0, 6.6)
-    grid = figure.add_gridspec(3 if known else 2, 2, width_ratios=(1.35, 1.0))
-    path = figure.add_subplot(grid[:, 0])
+    figure = new_figure(PAGE_WIDTH, 8.4)
+    grid = figure.add_gridspec(3, 2, height_ratios=(2.4, 1.0, 1.0))
+    path = figure.add_subplot(grid[0, :])
     draw_path(path, result)
     draw_key(figure, path)
     x, y, _ = result.pose
-    write_title(
-        path, title, f"{result.distance:.2f} m in {result.duration:.1f} s, ends at ({x:.3f}, {y:.3f}) m"
-    )
-    _draw_error(figure.add_subplot(grid[0, 1]), result)
+    words = f"{result.distance:.2f} m in {result.duration:.1f} s, ends at ({x:.3f}, {y:.3f}) m"
+    write_title(path, title, words.replace("-", MINUS))
+    _draw_error(figure.add_subplot(grid[1, 0] if known else grid[1, :]), result)
     if known:
         _draw_growth(figure.add_subplot(grid[1, 1]), result)
-    _draw_residuals(figure.add_subplot(grid[-1, 1]), result)
+    _draw_residuals(figure.add_subplot(grid[2, :]), result)
     return figure
 
 
@@ -66,7 +77,7 @@ def draw_path(axes: Axes, result: Reckoned) -> None:
         (truth,) = _thin(align(result.truth, result.estimate, "first"))
         axes.plot(truth[:, 0], truth[:, 1], color=INK, linewidth=3.0, alpha=0.25, zorder=3, label="truth")
     (drawn,) = _thin(poses)
-    axes.plot(drawn[:, 0], drawn[:, 1], color=MOTION, linewidth=1.3, zorder=3, label="odometry")
+    axes.plot(drawn[:, 0], drawn[:, 1], color=MOTION, linewidth=1.6, zorder=3, label="odometry")
     along = path_distance(poses)
     stations = np.searchsorted(along, np.linspace(0.0, along[-1], ELLIPSES + 1)[1:])
     for number, row in enumerate(np.unique(np.minimum(stations, len(poses) - 1))):
@@ -75,8 +86,8 @@ def draw_path(axes: Axes, result: Reckoned) -> None:
         turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
         label = {} if number else {"label": "95 % of where it may be"}
         ellipse = Ellipse(
-            (poses[row, 0], poses[row, 1]), wide, high, angle=turn, facecolor=(*LIKELY_FACE, 0.22),
-            edgecolor=(*LIKELY_FACE, 0.9), linewidth=0.8, zorder=2.5, **label,
+            (poses[row, 0], poses[row, 1]), wide, high, angle=turn, facecolor=(*LIKELY_FACE, 0.1),
+            edgecolor=(*LIKELY_FACE, 0.7), linewidth=0.8, zorder=2.5, **label,
         )  # fmt: skip
         axes.add_patch(ellipse)
     axes.plot(*poses[0, :2], "o", color="white", markeredgecolor=INK, markersize=6, zorder=6)
@@ -92,7 +103,7 @@ def draw_path(axes: Axes, result: Reckoned) -> None:
 def draw_key(figure: Figure, axes: Axes) -> None:
     """Draw the legend of a path below the picture, which ellipses may fill."""
     figure.legend(
-        *axes.get_legend_handles_labels(), loc="outside lower left", ncols=5, frameon=False, fontsize=8,
+        *axes.get_legend_handles_labels(), loc="outside lower left", ncols=5, frameon=False, fontsize=TICK,
         labelcolor=INK,
     )  # fmt: skip
 
@@ -110,7 +121,7 @@ def _draw_error(axes: Axes, result: Reckoned) -> None:
         axes.plot(along, error, color=MOTION, linewidth=1.2, label="error")
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
-    axes.legend(frameon=False, fontsize=8, labelcolor=INK, loc="upper left")
+    axes.legend(frameon=False, fontsize=TICK, labelcolor=INK, loc="upper left")
     tidy(axes, "distance driven [m]", "position [m]")
 
 
@@ -143,5 +154,5 @@ def _draw_residuals(axes: Axes, result: Reckoned) -> None:
         axes.axvspan(start, end, color=FAINT, alpha=0.6, zorder=0)
     axes.set_ylim(0.0, max(1.05e3 * float(np.nan_to_num(residuals).max()), 1.0))
     axes.set_xlim(stamps[0], stamps[-1])
-    axes.legend(frameon=False, fontsize=7, labelcolor=INK, loc="upper right", ncols=2)
+    axes.legend(frameon=False, fontsize=TICK, labelcolor=INK, loc="upper right", ncols=3)
     tidy(axes, "time [s]", "wheels slide [mm/s]")

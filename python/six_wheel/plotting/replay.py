@@ -9,7 +9,17 @@ from numpy.typing import NDArray
 
 from six_wheel.control_loop.replay.compare_runs import compare
 from six_wheel.control_loop.replay.run_summary import Replayed, Run
-from six_wheel.plotting.drawing import AXLE, CENTRE, FAINT, INK, SOFT, new_figure, tidy, write_title
+from six_wheel.plotting.drawing import (
+    AXLE,
+    CENTRE,
+    FAINT,
+    INK,
+    PAGE_WIDTH,
+    SOFT,
+    new_figure,
+    tidy,
+    write_title,
+)
 
 DRAWN = 4000  # points of a line at most, more than any screen shows
 SECOND = 1e9
@@ -31,9 +41,9 @@ def replay_figure(replayed: Replayed, *, title: str | None = None) -> Figure:
     matplotlib.figure.Figure
     """
     difference = compare(replayed)
-    figure = new_figure(11.0, 6.6)
-    grid = figure.add_gridspec(len(ROWS) + 1, 2, width_ratios=(1.0, 1.35))
-    ways = figure.add_subplot(grid[:, 0])
+    figure = new_figure(PAGE_WIDTH, 8.4)
+    grid = figure.add_gridspec(len(ROWS) + 2, 1, height_ratios=(2.4, *[1.0] * (len(ROWS) + 1)))
+    ways = figure.add_subplot(grid[0])
     for path, colour, width, label in (
         (difference.recorded.path, SOFT, 3.0, "recorded"),
         (difference.again.path, CENTRE, 1.4, "again"),
@@ -49,10 +59,10 @@ def replay_figure(replayed: Replayed, *, title: str | None = None) -> Figure:
     write_title(ways, title, below)
     begin = float(min(run.times[0] for run in (replayed.recorded, replayed.again) if len(run.times)))
     for row, (name, column) in enumerate(ROWS):
-        axes = figure.add_subplot(grid[row, 1])
+        axes = figure.add_subplot(grid[row + 1])
         _draw_motion(axes, replayed, column, begin)
         tidy(axes, "", name)
-    axes = figure.add_subplot(grid[-1, 1])
+    axes = figure.add_subplot(grid[-1])
     _draw_wheels(axes, replayed, begin)
     tidy(axes, "time [s]", "fastest wheel [rad/s]")
     return figure

@@ -11,10 +11,18 @@ from matplotlib.figure import Figure
 from six_wheel._core import Limits, Rover
 from six_wheel.kinematics.keywords import unknown_keyword
 from six_wheel.kinematics.odometry.tracks import Track
-from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.logs.recordings import GroundTruth, Reference
 
 __all__ = ["figure"]
+
+# Ways to a picture for what is none of this package's results.
+HINTS = {
+    "ndarray": "; poses are drawn by six_wheel.plotting.path_figure(rover, poses, steering)",
+    "DataFrame": "; Track.from_pandas and WheelLog.from_pandas read a table",
+    "str": "; read the file first: six_wheel.load, six_wheel.logs.read_log, Terrain.read, Costmap.read",
+    "PurePath": "; read the file first: six_wheel.load, six_wheel.logs.read_log, Terrain.read, Costmap.read",
+}
+MOST = 6  # pictures below each other
 
 
 def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
@@ -25,8 +33,9 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
     result
         Nearly everything that this package returns: rovers, wheels, limits, fits, logs, truths, tracks,
         states of odometry, settled poses, terrains, costmaps, plans, profiles, simulations, evaluations,
-        calibrations; or a list of paths. A track takes ``truth=`` (a `GroundTruth`, a `WheelLog` that has
-        one, another track), a rover ``twist=`` or ``limits=``, limits ``rover=``.
+        calibrations, traversed maps; or a list of these: paths in one picture, others one below the other.
+        A track takes ``truth=`` (a `GroundTruth`, a `WheelLog` that has one, another track), a rover
+        ``twist=`` or ``limits=``, limits ``rover=``.
     title : str, optional
         Written above the picture.
     **options
@@ -56,7 +65,13 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
                     raise TypeError(unknown_keyword("sw.plot", name, ["title", *known]))
             made: Figure = draw(result, title=title, **options)
             return made
-    raise TypeError(f"result must be one of {', '.join(sorted(PICTURES))}, got {type(result).__name__}")
+    drawn = ", ".join(sorted(PICTURES))
+    hint = next((words for name, words in HINTS.items() if name in map(_name, type(result).__mro__)), "")
+    raise TypeError(f"result must be one of {drawn}, got {type(result).__name__}{hint}")
+
+
+def _name(kind: type) -> str:
+    return kind.__name__
 
 
 def _track(track: Track, *, title: str | None, truth: Reference | None = None) -> Figure:
@@ -89,23 +104,21 @@ def _rover(rover: Rover, *, title: str | None, twist: Any = None, limits: Any = 
 
 
 def _limits(limits: Limits, *, title: str | None, rover: Rover | None = None) -> Figure:
-    from six_wheel.plotting.limits import limits_figure
+    from six_wheel.plotting.limits import box_figure, limits_figure
 
-    if rover is not None:
-        return limits_figure(rover, limits, title=title)
-    given = {
-        name.replace("_", " "): value for name, value in limits_given(limits).items() if value is not None
-    }
-    made: Figure = _pictures("bars").named_bars(
-        given, title=title, below="limits that were given [m, s, rad]"
-    )
-    return made
+    return box_figure(limits, title=title) if rover is None else limits_figure(rover, limits, title=title)
 
 
-def _calibration(found: Any, *, title: str | None) -> Figure:
-    from six_wheel.plotting.tracks import residual_figure
+def _traversed(done: Any, *, title: str | None) -> Figure:
+    from six_wheel.plotting.ground.safety import traverse_figure
 
-    return residual_figure(found.windows.before, found.windows.after, title=title)
+    return traverse_figure(done.picture.safe, done.picture.tilt, done.extent, title)
+
+
+def _replayed(found: Any, *, title: str | None) -> Figure:
+    from six_wheel.plotting.replay import replay_figure
+
+    return replay_figure(found, title=title)
 
 
 def _four_axles(found: Any, *, title: str | None) -> Figure:
@@ -120,17 +133,17 @@ def _four_axle_rover(car: Any, *, title: str | None) -> Figure:
 
 def _axle_state(state: Any, *, title: str | None) -> Figure:
     names = ("front left", "front right", "rear left", "rear right")
-    angles = dict(zip((f"{name} [rad]" for name in names), state.steering, strict=True))
+    angles = dict(zip(names, state.steering, strict=True))
     words = f"front {state.front_brake}, rear {state.rear_brake}"
-    made: Figure = _pictures("bars").named_bars(angles, title=title, below=words)
+    made: Figure = _pictures("bars").named_bars(angles, title=title, below=words, unit="axle angle [rad]")
     return made
 
 
 def _sequence(sequence: Any, *, title: str | None) -> Figure:
     steps = sequence.steps if hasattr(sequence, "steps") else (sequence,)
-    bars = {f"{k + 1}. {step.action} [s]": step.duration for k, step in enumerate(steps)}
+    bars = {f"{k + 1}. {step.action}": step.duration for k, step in enumerate(steps)}
     words = getattr(sequence, "reason", "") or "steps and their durations"
-    made: Figure = _pictures("bars").named_bars(bars, title=title, below=words)
+    made: Figure = _pictures("bars").named_bars(bars, title=title, below=words, unit="duration [s]")
     return made
 
 
@@ -141,26 +154,19 @@ def _drive(engine: Any, *, title: str | None) -> Figure:
 
 
 def _several(results: Any, *, title: str | None) -> Figure:
-    """Paths of several tracks, truths or logs in one picture."""
-    from six_wheel.plotting.drawing import SERIES, new_figure, tidy, write_title
-
+    """Paths in one picture; other results one below the other, those of one kind at the same scales."""
     if not results:
-        raise TypeError("a list must hold tracks, truths or logs with one, got an empty one")
-    figure = new_figure(7.2, 5.6)
-    axes = figure.add_subplot()
-    for number, one in enumerate(results):
-        source = getattr(one, "truth", None) or one
-        poses = getattr(source, "poses", None)
-        if poses is None or getattr(poses, "ndim", 0) != 2:
-            raise TypeError(f"a list must hold tracks, truths or logs with one, got a {type(one).__name__}")
-        style = ("-", "--", ":")[number % 3]
-        label = getattr(one, "name", "") or f"{number + 1}"
-        axes.plot(*poses[:, :2].T, color=SERIES[number % len(SERIES)], linestyle=style, label=label)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.legend(frameon=False, fontsize=8)
-    tidy(axes, "x [m]", "y [m]")
-    write_title(axes, title, f"{len(results)} paths")
-    return figure
+        raise TypeError("a list must hold results that have pictures, got an empty one")
+    several = _pictures("several")
+    made: Figure
+    if all(several.path_of(one) is not None for one in results):
+        made = several.paths_figure(results, title=title)
+    elif len(results) > MOST:
+        raise TypeError(f"a list must hold at most {MOST} results, or paths, got {len(results)}")
+    else:
+        kinds = [type(one) for one in results]
+        made = several.stacked([figure(one) for one in results], kinds, title=title)
+    return made
 
 
 def _pictures(name: str) -> Any:
@@ -172,7 +178,9 @@ PICTURES: dict[str, tuple[str | None, str]] = {
     "Track": (None, "_track"),
     "Rover": (None, "_rover"),
     "Limits": (None, "_limits"),
-    "Calibration": (None, "_calibration"),
+    "Calibration": (".pictures.calibrated", "calibration_figure"),
+    "Traversed": (None, "_traversed"),
+    "Replayed": (None, "_replayed"),
     "FourAxle": (None, "_four_axle_rover"),
     "FourAxleState": (None, "_axle_state"),
     "FourAxleStep": (None, "_sequence"),

@@ -14,7 +14,18 @@ from six_wheel.kinematics.poses import Floats, as_poses
 from six_wheel.log_odometry.evaluation.paths import Alignment, absolute_error, align, at_same_times
 from six_wheel.log_odometry.evaluation.relative import error_growth, path_distance
 from six_wheel.logs.recordings import GroundTruth
-from six_wheel.plotting.drawing import AXLE, FORBIDDEN, INK, MOTION, SOFT, new_figure, tidy, write_title
+from six_wheel.plotting.drawing import (
+    AXLE,
+    FORBIDDEN,
+    INK,
+    MOTION,
+    PAGE_WIDTH,
+    SOFT,
+    TICK,
+    new_figure,
+    tidy,
+    write_title,
+)
 
 # The last one drawn is the one that matters: it is green, what came before is purple, then quieter.
 COLOURS = (MOTION, FORBIDDEN, AXLE, SOFT)
@@ -52,10 +63,10 @@ def track_figure(
     named = dict(tracks) if isinstance(tracks, Mapping) else {"estimate": tracks}
     pairs = {name: at_same_times(track, truth) for name, track in named.items()}
     wanted = as_poses("truth", next(iter(pairs.values()))[1])
-    figure = new_figure(11.0, 6.2)
-    grid = figure.add_gridspec(2, 2, width_ratios=(1.35, 1.0))
-    path = figure.add_subplot(grid[:, 0])
-    along, growth = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
+    figure = new_figure(PAGE_WIDTH, 7.0)
+    grid = figure.add_gridspec(2, 2, height_ratios=(2.0, 1.0))
+    path = figure.add_subplot(grid[0, :])
+    along, growth = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
 
     path.plot(wanted[:, 0], wanted[:, 1], color=INK, linewidth=3.0, alpha=0.25, label="truth")
     distance, said = path_distance(wanted), []
@@ -70,7 +81,7 @@ def track_figure(
         growth.plot(grown.length, grown.position, "o-", color=colour, linewidth=1.2, markersize=3)
     path.plot(*wanted[0, :2], "o", color="white", markeredgecolor=INK, markersize=6, zorder=6)
     path.set_aspect("equal", adjustable="datalim")
-    path.legend(frameon=False, fontsize=8, labelcolor=INK)
+    path.legend(frameon=False, fontsize=TICK, labelcolor=INK)
     tidy(path, "x [m]", "y [m]")
     tidy(along, "distance driven [m]", "error [m]")
     tidy(growth, "length of a stretch [m]", "error over it, rms [m]")
@@ -91,25 +102,29 @@ def residual_figure(before: Floats, after: Floats, *, title: str | None = None) 
     title : str, optional
         Written above the picture.
     """
-    figure = new_figure(11.0, 3.6)
+    figure = new_figure(PAGE_WIDTH, 2.8)
+    panels = [figure.add_subplot(1, 3, number + 1) for number in range(3)]
+    draw_residuals(panels, before, after)
+    write_title(panels[0], title, "errors of the motion over windows")
+    return figure
+
+
+def draw_residuals(panels: list[Axes], before: Floats, after: Floats) -> None:
+    """Draw the errors of `residual_figure` into three axes."""
     for number, (name, scale, unit) in enumerate(
         (("forward", 1000.0, "mm"), ("left", 1000.0, "mm"), ("heading", float(np.degrees(1.0)), "deg"))
     ):
-        axes = figure.add_subplot(1, 3, number + 1)
-        _histogram(axes, scale * before[:, number], scale * after[:, number])
-        tidy(axes, f"{name} [{unit}]", "windows" if number == 0 else "")
-        if number == 0:
-            axes.legend(frameon=False, fontsize=8, labelcolor=INK)
-            write_title(axes, title, "errors of the motion over windows")
-    return figure
+        _histogram(panels[number], scale * before[:, number], scale * after[:, number])
+        tidy(panels[number], f"{name} [{unit}]", "windows" if number == 0 else "")
+    panels[0].legend(frameon=False, fontsize=TICK, labelcolor=INK)
 
 
 def _histogram(axes: Axes, before: Floats, after: Floats) -> None:
     """Both on the same bins; the farthest hundredth on either side lies in the outer bins."""
     both = np.concatenate((before, after))
     low, high = np.quantile(both, (0.01, 0.99)) if len(both) else (0.0, 0.0)
-    bins = np.linspace(low, high, 41) if low < high else np.linspace(low - 1.0, low + 1.0, 41)
-    for values, colour, name in ((before, FORBIDDEN, "before"), (after, MOTION, "after")):
-        kept = np.clip(values, bins[0], bins[-1])
-        axes.hist(kept, bins=bins.tolist(), color=colour, alpha=0.55, label=name)
+    bins = np.linspace(low, high, 31) if low < high else np.linspace(low - 1.0, low + 1.0, 31)
+    after, before = (np.clip(values, bins[0], bins[-1]) for values in (after, before))
+    axes.hist(after, bins=bins.tolist(), color=MOTION, histtype="stepfilled", alpha=0.7, label="after")
+    axes.hist(before, bins=bins.tolist(), color=FORBIDDEN, histtype="step", linewidth=1.4, label="before")
     axes.axvline(0.0, color=SOFT, linewidth=0.8)

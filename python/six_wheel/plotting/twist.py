@@ -356,7 +356,7 @@ def show_figure(rover: Rover, twist: ArrayLike, *, title: str | None = None) -> 
     shown = bool(np.max(np.abs(icr - (low + high) / 2)) <= ICR_REACH * size)  # False also for inf and NaN
 
     left, right, bottom, top = view(low, high, size, icr, shown)
-    width = 8.0
+    width = 8.0  # [in], with labels of wheels
     figure = new_figure(width, width * (top - bottom) / (right - left) + 1.1)
     axes = figure.add_subplot()
     axes.set_xlim(left, right)

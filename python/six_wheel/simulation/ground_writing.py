@@ -7,11 +7,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie
+from six_wheel.logs.mcap import frames
+from six_wheel.logs.mcap.rover_record import IMU, JOINTS, ODOMETRY, TRANSFORMS, TRUTH
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.tables import FORMATS, table_format
-from six_wheel.logs.writing import TableWriter, replacing
+from six_wheel.logs.writing import replacing
 from six_wheel.simulation.on_terrain import GroundSimulation
-from six_wheel.simulation.writing import BAG, BODY, POSE, WORLD, Messages, joint_columns, reckoned, record_of
+from six_wheel.simulation.writing import (
+    BAG,
+    BODY,
+    POSE,
+    WORLD,
+    Messages,
+    joint_columns,
+    reading_columns,
+    reckoned,
+    record_of,
+    write_columns,
+)
 
 __all__ = ["write_ground"]
 
@@ -47,17 +60,10 @@ def write_ground(run: GroundSimulation, suspension: RockerBogie, path: str | Pat
         _write_bag(run, suspension, target)
         return
     table_format(target, ENDINGS)
-    named = target.suffix.lower() == ".csv"  # a CSV states its units in its headers
-    columns = {
-        f"{name} [{unit}]" if named and unit not in ("s", "1") and name not in dict(POSE) else name: (
-            unit,
-            values,
-        )
-        for name, (unit, values) in _columns(run, suspension).items()
-    }
-    units = {name: unit for name, (unit, _) in columns.items()}
-    with replacing(target) as place, TableWriter(place, units) as writer:
-        writer.write([np.ascontiguousarray(values) for _, values in columns.values()])
+    columns = _columns(run, suspension)
+    write_columns(
+        target, columns, {*dict(POSE), *(name for name, (unit, _) in columns.items() if unit in ("s", "1"))}
+    )
 
 
 def _columns(run: GroundSimulation, suspension: RockerBogie) -> dict[str, tuple[str, Any]]:
@@ -69,13 +75,7 @@ def _columns(run: GroundSimulation, suspension: RockerBogie) -> dict[str, tuple[
     assert run.orientations is not None
     assert run.angular_velocity is not None
     planar, stand = suspension.planar(0.0, (0.0, 0.0)), run.stand
-    columns: dict[str, tuple[str, Any]] = {"time": ("s", run.stamps)}
-    in_ticks = {"wheel": "wheel_encoders" in run.options, "steering": "steering_encoders" in run.options}
-    for joint, values in joint_columns(run, planar).items():
-        kind = "steering" if joint in planar.steering_joints else "wheel"
-        columns[joint] = ("ticks" if in_ticks[kind] else "rad", values)
-    if run.yaw_rate is not None:
-        columns["yaw_rate"] = ("rad/s", run.yaw_rate)
+    columns = reading_columns(run, planar)
     for (name, unit), values in zip(POSE, run.truth.poses.T, strict=True):
         columns[name] = (unit, values)
     columns["status"] = ("1", np.asarray(stand.status).astype(str))
@@ -108,34 +108,31 @@ def _write_bag(run: GroundSimulation, suspension: RockerBogie, path: Path) -> No
     places = np.column_stack((run.truth.poses[:, :2], stand.z))
     wheels = _wheel_transforms(run.in_radians(planar), run, suspension)
     with replacing(path) as place, record_of(place, planar) as writer:
-        messages = _GroundMessages(writer)
+        messages = Messages(writer, list(columns), (WORLD, BODY), *((BODY, name) for name in wheels))
         odometry = reckoned(run, planar)
         for row, stamp in enumerate(np.rint(run.stamps * 1e9).astype(np.int64).tolist()):
             if not np.isfinite(places[row]).all():
                 continue  # no way to stand was found here
-            messages.joints(stamp, list(columns), rows[row])
-            frames = {BODY: (WORLD, places[row], run.orientations[row])}
-            frames |= {name: (BODY, *transform[row]) for name, transform in wheels.items()}
-            messages.transforms(stamp, frames)
-            messages.posed(stamp, places[row], run.orientations[row])
-            messages.odometry(stamp, *odometry[row])
-            messages.inertial(stamp, run.orientations[row], run.angular_velocity[row])
+            there = (*places[row], *run.orientations[row])
+            messages.write(JOINTS, stamp, rows[row])
+            messages.write(TRANSFORMS, stamp, there, *(transform[row] for transform in wheels.values()))
+            messages.write(TRUTH, stamp, there)
+            messages.write(ODOMETRY, stamp, *odometry[row])
+            messages.write(IMU, stamp, frames.inertial(run.angular_velocity[row], run.orientations[row]))
 
 
-def _wheel_transforms(
-    turned: WheelLog, run: GroundSimulation, suspension: RockerBogie
-) -> dict[str, list[tuple[Floats, Floats]]]:
+def _wheel_transforms(turned: WheelLog, run: GroundSimulation, suspension: RockerBogie) -> dict[str, Floats]:
     """Place and quaternion in the body of every wheel, turned as far as it has rolled, row by row."""
     assert run.stand is not None
     joints = np.nan_to_num(run.stand.joints)
-    frames = suspension.frames(joints[:, 0], joints[:, 1:], np.nan_to_num(run.stand.steering))
+    found = suspension.frames(joints[:, 0], joints[:, 1:], np.nan_to_num(run.stand.steering))
     transforms = {}
     for number, name in enumerate(suspension.wheel_names):
-        frame = frames[f"A{number + 1}"]
+        frame = found[f"A{number + 1}"]
         half = np.nan_to_num(turned.wheel_angles[:, number]) / 2.0
         spin = np.stack([np.zeros_like(half), np.sin(half), np.zeros_like(half), np.cos(half)], axis=-1)
         axes = _product(_quaternion(frame[:, :3, :3]), spin)
-        transforms[name] = list(zip(frame[:, :3, 3], axes, strict=True))
+        transforms[name] = np.concatenate([frame[:, :3, 3], axes], axis=1)
     return transforms
 
 
@@ -154,23 +151,3 @@ def _product(first: Floats, second: Floats) -> Floats:
     return np.concatenate(
         [s * b + t * a + np.cross(a, b), s * t - np.sum(a * b, axis=1, keepdims=True)], axis=1
     )
-
-
-class _GroundMessages(Messages):
-    """The same in three dimensions."""
-
-    def inertial(self, stamp: int, turn: Floats, rates: Floats) -> None:
-        """Attitude and rates of the body."""
-        unknown = np.zeros(9)
-        unknown[0] = -1.0  # by REP 145: this sensor has none of it
-        self._write(
-            "sensor_msgs/msg/Imu",
-            stamp,
-            BODY,
-            orientation=self._quaternion(turn),
-            orientation_covariance=np.zeros(9),
-            angular_velocity=self._vector(rates),
-            angular_velocity_covariance=np.zeros(9),
-            linear_acceleration=self._vector(np.zeros(3)),
-            linear_acceleration_covariance=unknown,
-        )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -18,7 +19,7 @@ from six_wheel.simulation.sensor_model import Sensors
 if TYPE_CHECKING:
     from six_wheel._core import WheelSlip
 
-__all__ = ["GroundSimulation", "simulate_on_ground"]
+__all__ = ["GroundSimulation", "middle", "simulate_on_ground"]
 
 Floats = NDArray[np.float64]
 
@@ -158,3 +159,11 @@ def _quaternions(stand: SettledPose) -> Floats:
         cr * cp * cy + r * p * y,
     )
     return np.stack(columns, axis=-1)
+
+
+def middle(ground: Terrain) -> tuple[float, float]:
+    """Middle of a map, x and y [m]."""
+    (rows, columns), (dx, dy), (x, y) = ground.shape, ground.spacing, ground.origin
+    ahead, aside = dx * (columns - 1) / 2, dy * (rows - 1) / 2
+    cos, sin = math.cos(ground.yaw), math.sin(ground.yaw)
+    return x + cos * ahead - sin * aside, y + sin * ahead + cos * aside

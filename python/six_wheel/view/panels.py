@@ -4,6 +4,7 @@ from __future__ import annotations  # viser is loaded when panels are made
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -86,7 +87,7 @@ class Panels:
         if self._place:
             x, y, yaw = map(self._value, self._place)
             values["pose"] = (x, y, math.radians(yaw))
-        return before.__class__(**{**before.__dict__, **values})
+        return replace(before, **values)
 
     def set_twist(self, twist: Any) -> None:
         """Move the sliders of the motion."""

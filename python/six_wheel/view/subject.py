@@ -4,7 +4,6 @@ from __future__ import annotations  # so that help shows the names of types, not
 
 import os
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,8 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Limits, RockerBogie, Rover, Suspension, Terrain
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.robot_description.named_rover import find_rover
+from six_wheel.simulation.on_terrain import middle
 
 if TYPE_CHECKING:
     from six_wheel.robot_description.urdf import Robot
@@ -157,7 +158,7 @@ def find_subject(
     elif found.record is not None:
         start = tuple(np.nan_to_num(found.record.poses[0]).tolist())
     elif found.ground is not None:
-        start = _middle(found.ground)
+        start = (*middle(found.ground), 0.0)
     return replace(found, start=(float(start[0]), float(start[1]), float(start[2])))
 
 
@@ -192,34 +193,18 @@ def named_rover(
             f"got {type(what).__name__}"
         )
     path, given = Path(what), os.fspath(what)
-    if path.suffix.lower() in DESCRIPTIONS:
-        from six_wheel.robot_description.urdf import read_urdf
-
-        robot = read_urdf(path, wheel_radius=wheel_radius)
-        name = path.name.partition(".")[0]
-        return Subject(robot.rover, robot.rover.suspension, name, robot.limits, robot=robot, given=given)
-    if wheel_radius is not None:
-        raise ValueError(f"--wheel-radius is for a URDF or xacro file, got {given}")
-    if path.is_file() or path.suffix:
-        if path.suffix.lower() not in PARAMETERS:
-            raise ValueError(
-                f"{given}: the ending must be .yaml, .json, .urdf, .xacro, .mcap, .csv or .parquet"
-                if path.exists()
-                else f"{given}: no such file"
-            )
-        from six_wheel.robot_description.parameters.file import read_parameters
-
-        parameters = read_parameters(path, node=node, kind=kind)
-        rover = parameters.rover
-        return Subject(rover, rover.suspension, path.stem, parameters.limits, given=given)
-    presets = list(Rover.presets())
-    if given not in presets:
-        close = get_close_matches(given, presets, 1)
-        hint = f'did you mean "{close[0]}"? ' if close else ""
-        raise ValueError(f'x must be a file or a preset, got "{given}"; {hint}there are {", ".join(presets)}')
-    suspension = preset_suspension(given)
-    rover = Rover.preset(given) if suspension is None else suspension.planar(0.0, (0.0, 0.0))
-    return Subject(rover, suspension, given, given=given)
+    if (path.is_file() or path.suffix) and path.suffix.lower() not in (*DESCRIPTIONS, *PARAMETERS):
+        raise ValueError(
+            f"{given}: the ending must be .yaml, .json, .urdf, .xacro, .mcap, .csv or .parquet"
+            if path.exists()
+            else f"{given}: no such file"
+        )
+    reading: dict[str, Any] = {"node": node, "kind": kind, "wheel_radius": wheel_radius}
+    found = find_rover(given, "x must be a file or a preset", **reading)
+    rover, suspension = found.rover, found.rover.suspension
+    if found.path is None and (suspension := preset_suspension(given)) is not None:
+        rover = suspension.planar(0.0, (0.0, 0.0))
+    return Subject(rover, suspension, found.name, found.limits, robot=found.robot, given=given)
 
 
 def preset_suspension(name: str) -> RockerBogie | None:
@@ -248,15 +233,6 @@ def triple(name: str, values: Any) -> tuple[float, float, float] | None:
     if len(found) != 3 or not np.isfinite(found).all():
         raise ValueError(f"{name} must be three finite numbers, got {values!r}")
     return found[0], found[1], found[2]
-
-
-def _middle(ground: Terrain) -> tuple[float, float, float]:
-    """The middle of a map."""
-    rows, columns = ground.shape
-    along, up = (columns - 1) * ground.spacing[0] / 2.0, (rows - 1) * ground.spacing[1] / 2.0
-    c, s = np.cos(ground.yaw), np.sin(ground.yaw)
-    x, y = ground.origin
-    return float(x + c * along - s * up), float(y + s * along + c * up), 0.0
 
 
 def _shown(ground: Any) -> str:

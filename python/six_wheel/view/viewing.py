@@ -108,8 +108,7 @@ class View:
         given = triple("twist", twist)
         assert given is not None
         self._panels.set_twist(given)
-        self._ask()
-        self._worker.wait(10.0)
+        self._compute()
 
     @property
     def pose(self) -> tuple[float, float, float]:
@@ -123,8 +122,7 @@ class View:
         if self._player is not None:
             raise ValueError("pose must be left alone of a record, which has its own; time moves it")
         self._panels.set_pose(given)
-        self._ask()
-        self._worker.wait(10.0)
+        self._compute()
 
     @property
     def time(self) -> float | None:
@@ -136,8 +134,7 @@ class View:
         if self._player is None:
             raise ValueError("time must be left alone without a record")
         self._player.go(float(time))
-        self._ask()
-        self._worker.wait(10.0)
+        self._compute()
 
     @property
     def motion(self) -> Motion:
@@ -226,6 +223,10 @@ class View:
     def _ask(self) -> None:
         self._worker.ask()
 
+    def _compute(self) -> None:
+        self._worker.ask()
+        self._worker.wait(10.0)
+
     def _update(self) -> None:
         """Compute the state of the controls and draw it."""
         panels, subject, now = self._panels, self._subject, clock.monotonic()
@@ -303,11 +304,10 @@ class View:
             now = clock.monotonic()
             dt, before = now - before, now
             if self._player is not None:
-                if self._player.advance(dt):
-                    worker.ask()
-                    worker.wait(1.0)
-            elif self._panels.driving:
+                moved = self._player.advance(dt)
+            elif moved := self._panels.driving:
                 self._drive(min(dt, 0.2))
+            if moved:
                 worker.ask()
                 worker.wait(1.0)
             spent = clock.monotonic() - now

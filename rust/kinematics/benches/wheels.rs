@@ -1,4 +1,4 @@
-//! Times of the plain core, one call and batch, without Python.
+//! Times of the kernels, one call and batch, without Python.
 
 use std::hint::black_box;
 

@@ -38,39 +38,39 @@ def record(path: Path, periods: int = 800, options: Options | None = None) -> No
         if k % 9 == 0:
             wanted = (0.6, 0.0, 0.5 * math.sin(k / 70)) if k % 90 else (math.nan, 0.0, 0.0)
             loop.command(wanted, now - 1_000_000, now)
-            recorder.command(wanted, now - 1_000_000, now)
+            recorder.wanted(now, now - 1_000_000, wanted)
         if k % 4 == 0:
             steps.append(loop.tick(now))
             recorder.tick(now)
         if k in (200, 300):
             change = {"limits.speed": 0.3 if k == 200 else 0.8}
             loop.change(loop.settings.changed(change), now)
-            recorder.change({"set": change}, now)
+            recorder.change(now, {"set": change})
         if k == 400:
             loop.set_pose([1.0, 2.0, 0.5], None, now)
-            recorder.change({"pose": [1.0, 2.0, 0.5], "covariance": None}, now)
+            recorder.change(now, {"pose": [1.0, 2.0, 0.5], "covariance": None})
         if k == 450:
             loop.reset(now)
-            recorder.change({"reset": [0.0, 0.0, 0.0]}, now)
+            recorder.change(now, {"reset": [0.0, 0.0, 0.0]})
         if k in (520, 745):
             loop.halt(now)
-            recorder.change({"halt": True}, now)
+            recorder.change(now, {"halt": True})
         if k in (525, 580, 790):  # in motion, at rest, at the end
             loop.release(now)
-            recorder.change({"release": True}, now)
+            recorder.change(now, {"release": True})
         if not 600 <= k < 720:
             values = [*steering, *angles.tolist()]
             values[9] = math.nan if k == 350 else values[9]
             message = joint_state(NAMES, len(NAMES), 0).pack(now, values)
             steps.append(loop.joints(NAMES, values, (), now, now))
-            recorder.joints(message, now, now)
+            recorder.joint_message(now, now, message)
         for step in filter(None, steps):
             recorder.step(step)
             if step.steering is not None:
                 steering, speeds = step.steering, np.array(step.wheel_speeds)
         if k % 200 == 0:
             recorder.diagnostics(now, statuses(loop, "rover"))
-    recorder.change({"end": True}, now)
+    recorder.change(now, {"end": True})
     if (step := loop.end(now)) is not None:
         recorder.step(step)
     recorder.close()

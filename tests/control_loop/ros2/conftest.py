@@ -29,7 +29,6 @@ rover_controller:
     limits: {speed: 1.0, acceleration: 0.5, wheel_speed: 8.0, steering_rate: 1.0}
 """
 
-
 LONGEST = 600  # [s] that a test may take: then it fails, and its processes are ended
 
 

@@ -8,7 +8,6 @@ from tests.rovers import SIX_SIZES
 
 ROVER = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=math.radians(60))
 
-
 LIMITS = sw.Limits(
     speed=1.0,
     acceleration=0.5,

@@ -17,8 +17,6 @@ from six_wheel.reference.control import four_axle as reference
 from tests.core.control.four_axles import H_X, H_Y, LENGTH, RADIUS, cars, pivots_of
 
 STRAIGHT = FourAxleState()
-
-
 SLIP = 1e-9  # [m/s] what a plan may slip; rounding is 1e-15
 
 
@@ -233,6 +231,7 @@ def test_a_free_rear_axle_follows_the_closed_form(front, rear, speed, turning, t
     np.testing.assert_allclose(result.final.pose, pose, rtol=0, atol=1e-11)
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(st.floats(0.2, 0.8), st.floats(-0.1, 0.1), st.floats(0.2, 1.0))
 def test_free_hinged_axles_follow_the_reference(speed, difference, time):

@@ -13,11 +13,7 @@ from six_wheel import profiles
 from tests.core.control.profile_cases import cuts
 
 SOAK = int(os.environ.get("SOAK", "1"))
-
-
 CASES = 4_000 * SOAK
-
-
 ruckig_limits = ["velocity", "acceleration", "jerk"]
 
 

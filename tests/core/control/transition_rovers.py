@@ -8,13 +8,8 @@ import six_wheel as sw
 from tests.rovers import CAR, CART, CASTOR, CORNERS, MECANUM, SIX_SIZES, SIX_WHEELS, TRICYCLE
 
 OSR = sw.Rover.preset("open_source_rover")
-
-
 RATE = math.radians(60.0)
-
-
 STRAIGHT, LEFT, RIGHT = (0.3, 0.0, 0.0), (0.3, 0.0, 0.5), (0.3, 0.0, -0.5)
-
 
 ROVERS = {
     "six wheels": SIX_WHEELS,

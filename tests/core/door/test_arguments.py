@@ -29,7 +29,6 @@ MASKED = {
     "in a tuple of lists": lambda a: ([np.ma.masked, *a[0, 1:]], *a[1:]),
 }
 
-
 FIRST_CALLS = [
     "sw.exp((1.0, 0.0, 0.0))",
     "sw.integrate([(1.0, 0.0, 0.0)], 0.1)",

@@ -1,6 +1,6 @@
-"""Kernels against the plain core over very many rows: ``python -m tests.core.oracles.compare --rows 1e9``.
+"""Every level against the scalar one over many rows: ``python -m tests.core.oracles.compare --rows 1e9``.
 
-A row is a row of one call and one kernel, compared number by number with what the plain core makes of it.
+A row is a row of one call at one level, compared number by number with that of the scalar level.
 Errors are shares of what is allowed, as in `test_batch`: 5 ulp of the number or of what was summed, or 1e-14;
 for `forward` times the condition number of the wheels' rows where more is needed, for rollouts an ulp of the
 way for every step. The report names the worst row of each call.

@@ -6,11 +6,7 @@ import six_wheel as sw
 from tests.core.oracles.test_batch import ROVERS
 
 ROVER = ROVERS["perseverance"]
-
-
 TWIST = (0.1, 0.0, 0.2)
-
-
 QUICK = ["inverse", "forward", "project", "admissible"]
 
 

@@ -9,13 +9,8 @@ from six_wheel.reference import (
 )
 
 speed = st.floats(-2.0, 2.0)
-
-
 twists = st.tuples(speed, speed, speed).map(np.array)
-
-
 lengths = st.floats(0.1, 1.5)
-
 
 rovers = st.builds(
     Rover.six_wheel,
@@ -25,7 +20,6 @@ rovers = st.builds(
     middle_track_width=lengths,
     wheel_radius=st.floats(0.05, 0.3),
 )
-
 
 limits = st.floats(0.1, 1.5)
 

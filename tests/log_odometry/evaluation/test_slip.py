@@ -224,7 +224,7 @@ def test_any_result_has_a_picture():
     assert len(sw.plot(track).axes) == 3
     assert sw.plot(PAIR, twist=(0.3, 0.0, 0.2), title="pair").axes
     assert sw.plot(sw.Rover.preset("open_source_rover"), limits=sw.Limits(speed=0.5, wheel_speed=8.0)).axes
-    with pytest.raises(TypeError, match="a list must hold tracks, truths or logs with one, got an empty one"):
+    with pytest.raises(TypeError, match="a list must hold results that have pictures, got an empty one"):
         sw.plot([])
     assert sw.plot(PAIR).axes
     both = plot.track_figure({"once": track, "again": track}, log.truth)

@@ -122,7 +122,7 @@ def test_odometry_and_its_transform():
     np.testing.assert_array_equal(content.pose.covariance, covariances[0])
     np.testing.assert_array_equal(content.twist.covariance, covariances[1])
     (transform,) = read(
-        frames.transform("odom", "base_link").pack(STAMP, pose), "tf2_msgs/msg/TFMessage"
+        frames.transforms(("odom", "base_link")).pack(STAMP, pose), "tf2_msgs/msg/TFMessage"
     ).transforms
     assert (transform.header.frame_id, transform.child_frame_id) == ("odom", "base_link")
     assert (transform.transform.translation.x, transform.transform.rotation.z) == (1.0, turn.z)

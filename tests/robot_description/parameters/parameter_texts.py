@@ -5,11 +5,7 @@ from pathlib import Path
 from tests.rovers import SIX_WHEELS as ROVER
 
 DATA = Path(__file__).parent / "data"
-
-
 WHEELS = ROVER.wheel_names
-
-
 STEERED = ROVER.steered_wheel_names
 
 

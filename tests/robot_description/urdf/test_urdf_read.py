@@ -3,6 +3,7 @@
 import csv
 import importlib.util
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -151,10 +152,49 @@ def test_a_limit_that_no_joint_reaches_is_none() -> None:
     steer = joint("s", "revolute", "base_link", "0.5 0 0.4", "0 0 1", limit=limit)
     text = robot(PAIR, steer, wheel("front", "0 0 -0.3", parent="s_link"))
     found = parse_urdf(text)
-    assert found.rover.wheels[0].steering_limit == math.pi / 2
+    assert found.rover.wheels[0].steering_limit == math.inf
     assert found.limits == sw.Limits()
     rolling = joint("w", "revolute", "base_link", "0 0.2 0.1", limit=limit, radius=0.1)
     assert parse_urdf(robot(rolling, wheel("b", "0 -0.2 0.1"))).rover.wheel_names == ("left", "right")
+
+
+@pytest.mark.parametrize(("axis", "kept"), [("0 0 1", (0.2, 1.0)), ("0 0 -1", (-1.0, -0.2))])
+def test_a_range_without_straight_ahead_is_kept(axis: str, kept: tuple[float, float]) -> None:
+    """0.2 to 1.0 rad was once read as a quarter turn to either side."""
+    limit = '<limit lower="0.2" upper="1.0" effort="1" velocity="1"/>'
+    steer = joint("s", "revolute", "base_link", "0.5 0 0.4", axis, limit=limit)
+    found = parse_urdf(robot(PAIR, steer, wheel("front", "0 0 -0.3", parent="s_link")))
+    assert found.rover.wheels[0].steering_range == kept
+
+
+@pytest.mark.parametrize(
+    ("limit", "says"),
+    [
+        ('lower="-inf" upper="0.5"', ":3: the range of s must have two ends or none, got -inf to 0.5 rad"),
+        ('lower="0" upper="0.5" velocity="-1"', ":3: velocity of s must be positive, got -1 rad/s"),
+    ],
+)  # fmt: skip
+def test_numbers_that_cannot_be_held_are_refused_with_their_line(limit: str, says: str) -> None:
+    steer = joint("s", "revolute", "base_link", "0.5 0 0.4", "0 0 1", limit=f"<limit {limit}/>")
+    with pytest.raises(ParameterFileError, match=re.escape(says)):
+        parse_urdf(robot(PAIR, "\n\n", steer, wheel("front", "0 0 -0.3", parent="s_link")))
+
+
+@pytest.mark.parametrize("kind", ["fixed", "continuous"])
+def test_a_chain_of_any_length_is_read(kind: str) -> None:
+    """It once was as long as the interpreter's limit of recursion."""
+    names = ["base_link", *(f"{k}_link" for k in range(3000))]
+    parts = [joint(f"{k}", kind, parent, "0 0 0") for k, parent in enumerate(names[:-1])]
+    found = parse_urdf(robot(PAIR, *parts, wheel("last", "0.5 0 0.1", parent=names[-1])))
+    assert len(found.wheels) == 3
+
+
+def test_more_wheels_than_a_rover_has_are_refused_at_once() -> None:
+    wheels = [wheel(f"w{k}", f"{k} 0 0.1") for k in range(3000)]
+    with pytest.raises(ParameterFileError, match="a rover has 1 to 64 wheels, got 3000"):
+        parse_urdf(robot(*wheels))
+    most = [sw.Wheel(f"w{k}", k, 0.0, radius=0.1) for k in range(64)]
+    assert parse_urdf(sw.Rover(most).urdf()).rover.wheels == tuple(most)
 
 
 def test_names_lie_and_geometry_decides() -> None:

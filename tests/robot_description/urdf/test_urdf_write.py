@@ -3,6 +3,8 @@
 import math
 import pickle
 from pathlib import Path
+from random import Random
+from typing import Any
 
 import numpy as np
 import pytest
@@ -95,13 +97,69 @@ def test_rollers_castors_and_wheels_without_motors_come_back() -> None:
         sw.Wheel("castor", -0.4, 0.0, radius=0.05, castor=True, trail=0.03),
     ]
     rover = sw.Rover(wheels)
-    back = parse_urdf(rover.urdf()).rover
-    assert {wheel.name: wheel for wheel in back.wheels} == {wheel.name: wheel for wheel in rover.wheels}
+    assert parse_urdf(rover.urdf()).rover == rover
+
+
+ends = st.floats(-3.1, 3.1)
+mounted = st.fixed_dictionaries(
+    {"x": st.floats(-3.0, 3.0), "y": st.floats(-3.0, 3.0), "radius": st.floats(1e-3, 1.0)},
+    optional={"heading": st.floats(-20.0, 20.0), "driven": st.booleans()},
+)
+offsets = st.fixed_dictionaries({}, optional={"scrub": st.floats(-1.0, 1.0), "trail": st.floats(-1.0, 1.0)})
+ranges = st.one_of(
+    st.none(),
+    st.just(math.inf),
+    st.floats(1e-3, 6.0),
+    st.tuples(ends, ends).map(sorted).map(tuple).filter(lambda pair: pair[1] - pair[0] > 1e-6),
+)
+kinds = st.one_of(
+    offsets,
+    st.builds(lambda offset, limit: {"steered": True, "steering_limit": limit} | offset, offsets, ranges),
+    st.builds(lambda trail: {"castor": True, "trail": trail, "driven": None}, st.floats(1e-9, 1.0)),
+    st.builds(lambda angle: {"roller_angle": angle}, st.floats(0.01, 3.1)),
+)
+
+
+@given(st.lists(st.tuples(mounted, kinds), min_size=1, max_size=8), st.randoms())
+def test_every_rover_comes_back_whole(
+    parts: list[tuple[dict[str, Any], dict[str, Any]]], random: Random
+) -> None:
+    """Order, headings beyond a quarter turn, signs, rollers: 1,431 of 1,500 came back as others."""
+    rover = sw.Rover([sw.Wheel(f"wheel {k}", **(at | kind)) for k, (at, kind) in enumerate(parts)])
+    joints = [*rover.traction_joints, *rover.steering_joints]
+    rover = rover.replace(reversed_joints=random.sample(joints, random.randint(0, len(joints))))
+    assert parse_urdf(rover.urdf()).rover == rover
+
+
+@pytest.mark.parametrize("alone", ["front", "rear"])
+@pytest.mark.parametrize("steered", ["corners", "front", "all"])
+@pytest.mark.parametrize("limit", [None, 0.4, (-0.2, math.inf)])
+def test_a_rover_on_a_suspension_comes_back_whole(alone: str, steered: Any, limit: Any) -> None:
+    far, near = ("front", "rear") if alone == "front" else ("rear", "front")
+    way = 1.0 if alone == "front" else -1.0
+    arm = sw.RockerBogie(
+        rocker_pivot=(0.03, 0.47, 0.31), rocker_to_bogie=(-0.5 * way, 0.1, -0.1), wheel_radius=0.13,
+        bogie_to_middle=(0.37 * way, 0.11, -0.21), steered=steered, bogie_limit=limit,
+        steering_limit=(0.2, 1.0), differential_bar=(0.7, 0.3, 0.4),
+        **{f"rocker_to_{far}": (0.8 * way, 0.1, -0.3), f"bogie_to_{near}": (-0.39 * way, 0.1, -0.22)},
+    )  # fmt: skip
+    rover = sw.Rover(arm.planar(0.0, (0.0, 0.0)).wheels, suspension=arm)
+    assert parse_urdf(rover.urdf()).rover == rover
+    assert parse_urdf(arm.urdf()).rover.suspension == arm
+
+
+def test_what_was_changed_by_hand_counts_and_is_said() -> None:
+    text = PAIR.urdf().replace('xyz="0.0 0.', 'xyz="0.25 0.')
+    found = parse_urdf(text)
+    assert {wheel.x for wheel in found.rover.wheels} == {0.0, 0.25}
+    assert "is noted as 0.0, and measures 0.25" in str(found.warnings[0])
 
 
 def test_names_that_a_description_cannot_have_are_refused() -> None:
     with pytest.raises(ValueError, match="name must have visible characters"):
         PAIR.urdf("")
+    with pytest.raises(ValueError, match="wheels must be called by visible characters, got"):
+        sw.Rover([sw.Wheel("a\nb", 0.0, 0.0, radius=0.1)]).urdf()
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of trimesh, about how yourdfpy calls it

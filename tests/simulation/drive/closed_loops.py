@@ -11,25 +11,12 @@ from tests.rovers import CART as DIFFERENTIAL
 from tests.rovers import SIX_SIZES
 
 pa = pytest.importorskip("pyarrow")
-
-
 csv = pytest.importorskip("pyarrow.csv")
-
-
 parquet = pytest.importorskip("pyarrow.parquet")
-
-
 RATE = 50.0
-
-
 ROVER = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0)
-
-
 SWERVE = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.08)
-
-
 ROVERS = {"six_wheel": ROVER, "swerve": SWERVE, "differential": DIFFERENTIAL}
-
 
 LIMITS = sw.Limits(
     speed=0.8,

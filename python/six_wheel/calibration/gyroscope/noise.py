@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky_banded, solveh_banded
 from scipy.optimize import minimize
-from scipy.special import chdtri, ndtri
+from scipy.special import chdtri
 
 from six_wheel._core import Gyroscope, Noise
-from six_wheel.calibration.drives import RESTED, at_rest
-from six_wheel.calibration.estimates import Estimate
+from six_wheel.calibration.drives import RESTED, at_rest, known_rows
+from six_wheel.calibration.estimates import Estimate, likelihood_end, three_digits
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import WheelLog
@@ -25,8 +25,6 @@ from six_wheel.logs.recordings import WheelLog
 FEWEST = 10
 # Wandering in a second that is looked for, in shares of the white noise.
 LEAST, MOST = 1e-6, 1e2
-# Halvings of the stretch in which the end of an interval lies, each a logarithm.
-HALVINGS = 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,10 +63,10 @@ class MeasuredGyroscope:
         value = walk.value if walk.interval[0] > 0.0 else min(max(walk.value, guess), walk.interval[1])
         factor = self.scale
         return Gyroscope(
-            _digits(self.noise.value),
-            bias_noise=_digits(self.bias),
-            bias_walk=_digits(value),
-            scale_noise=0.0 if factor is None else _digits(factor.std / abs(factor.value)),
+            three_digits(self.noise.value),
+            bias_noise=three_digits(self.bias),
+            bias_walk=three_digits(value),
+            scale_noise=0.0 if factor is None else three_digits(factor.std / abs(factor.value)),
         )
 
     def __repr__(self) -> str:
@@ -82,8 +80,7 @@ def resting(log: WheelLog) -> Iterator[tuple[Floats, Floats]]:
     """Stamps and readings of a gyroscope in each stretch in which no wheel turns for a second or more."""
     if log.yaw_rate is None:
         return
-    rows = np.flatnonzero(np.isfinite(log.yaw_rate) & np.isfinite(log.stamps))
-    rows = rows[np.concatenate(([True], np.diff(log.stamps[rows]) > 0.0))] if len(rows) else rows
+    rows = known_rows(log.stamps, log.yaw_rate, log.stamps)
     if len(rows) < 2:
         return
     dt = np.diff(log.stamps[rows])
@@ -134,7 +131,7 @@ def measure(logs: Sequence[WheelLog], confidence: float) -> MeasuredGyroscope | 
 def with_gyroscope(measured: MeasuredNoise, gyroscope: MeasuredGyroscope) -> MeasuredNoise:
     """The measured noise of slip with that of a gyroscope, whose bias counts as noise of the yaw rate."""
     known = gyroscope.known
-    rate = _digits(math.hypot(known.noise, known.bias_noise))
+    rate = three_digits(math.hypot(known.noise, known.bias_noise))
     noise, beside = (
         Noise(0.0, 0.0, slip=was.slip, side_slip=was.side_slip, yaw_rate=rate)
         for was in (measured.noise, measured.beside)
@@ -179,21 +176,10 @@ def _estimate(
 
     interval = []
     for edge in edges[place].tolist():
-        near, far = float(best[place]), edge
         if profile(edge) <= allowed:
             interval.append(0.0 if edge == edges[place, 0] else rough * math.exp(edge))
             continue
-        for _ in range(HALVINGS):
-            middle = (near + far) / 2.0
-            near, far = (middle, far) if profile(middle) <= allowed else (near, middle)
-            if abs(far - near) < 1e-3:
-                break
-        interval.append(rough * math.exp(near))
+        end = likelihood_end(profile, allowed, float(best[place]), edge, close=1e-3)
+        interval.append(rough * math.exp(end))
     value = rough * math.exp(float(best[place]))
-    std = (interval[1] - interval[0]) / (2.0 * float(ndtri(0.5 + confidence / 2.0)))
-    return Estimate(name, unit, 0.0, value, std, (interval[0], interval[1]))
-
-
-def _digits(value: float) -> float:
-    """Three digits: more are not known."""
-    return float(f"{value:.3g}")
+    return Estimate.of_interval(name, unit, 0.0, value, interval, confidence)

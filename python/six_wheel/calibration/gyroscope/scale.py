@@ -7,6 +7,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from six_wheel._core import Rover
+from six_wheel.calibration.drives import integral, known_rows
 from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.gyroscope.noise import resting
 from six_wheel.kinematics.poses import Floats
@@ -77,15 +78,14 @@ def _turns(log: WheelLog, headings: Floats) -> Turns | None:
     """Turns over stretches of a log, where both are known."""
     if log.yaw_rate is None:
         return None
-    rows = np.flatnonzero(np.isfinite(log.yaw_rate) & np.isfinite(headings))
-    rows = rows[np.concatenate(([True], np.diff(log.stamps[rows]) > 0.0))] if len(rows) else rows
+    rows = known_rows(log.stamps, log.yaw_rate, headings)
     if len(rows) < 2:
         return None
     pieces = list(_stretches(log.stamps[rows], np.diff(rows) == 1))
     if not pieces:
         return None
     stamps, rates, true = log.stamps[rows], log.yaw_rate[rows], np.unwrap(headings[rows])
-    turned = np.concatenate(([0.0], np.cumsum((rates[1:] + rates[:-1]) / 2.0 * np.diff(stamps))))
+    turned = integral(stamps, rates)
     first, last = np.array(pieces).T
     read, moved, took = (column[last] - column[first] for column in (turned, true, stamps))
     rests = [rates for _, rates in resting(log)]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from six_wheel.cli.log_options import ExampleOption, LogReading, PlotOption, ReportOption, choose_with_logs
-from six_wheel.cli.shared import Reading, grid, new_console, progress_bar, warn
+from six_wheel.cli.shared import Reading, grid, new_console, progress_bar, text_table, warn
 
 if TYPE_CHECKING:
     from six_wheel.calibration.files import Calibrated
@@ -166,12 +166,6 @@ def _predicted(done: "Calibrated") -> list[tuple[str, object]]:
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Any:
-    from rich import box
-    from rich.table import Table
+    from rich.box import SIMPLE
 
-    table = Table(box=box.SIMPLE)
-    for number, head in enumerate(heads):
-        table.add_column(head, justify="left" if number == 0 or head == "unit" else "right", overflow="fold")
-    for row in rows:
-        table.add_row(*row)
-    return table
+    return text_table(heads, rows, right={*heads[1:]} - {"unit"}, box=SIMPLE)

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from six_wheel.cli.shared import (
-    Chosen,
     Reading,
     RoverArgument,
     choose,
     grid,
     new_console,
+    text_table,
 )
+from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
     from six_wheel._core import Limits, Rover, Wheel
@@ -56,40 +57,35 @@ def check(
     console.print(grid([*abilities(chosen), ("picture", plot)]))
 
 
-def wheels_table(chosen: Chosen) -> Any:
+def wheels_table(chosen: NamedRover) -> Any:
     """The wheels of a rover, a row each."""
-    from rich.table import Table
-
-    rover = chosen.rover
-    table = Table(title=f"{chosen.name}: {len(rover.wheels)} wheels", title_justify="left")
-    for heading in ("wheel", "x [m]", "y [m]", "radius [m]", "steering range"):
-        table.add_column(heading, justify="right" if heading.endswith("[m]") else "left", overflow="fold")
-    for wheel in rover.wheels:
-        numbers = (f"{value:.4g}" for value in (wheel.x, wheel.y, wheel.radius))
-        table.add_row(wheel.name, *numbers, _turning(wheel))
-    return table
+    wheels, lengths = chosen.rover.wheels, ("x [m]", "y [m]", "radius [m]")
+    rows = [
+        (wheel.name, *(f"{value:.4g}" for value in (wheel.x, wheel.y, wheel.radius)), _turning(wheel))
+        for wheel in wheels
+    ]
+    title = f"{chosen.name}: {len(wheels)} wheels"
+    heads = ("wheel", *lengths, "steering range")
+    return text_table(heads, rows, right=lengths, title=title, title_justify="left")
 
 
 def derived_table(robot: "Robot") -> Any:
     """Table of the values derived from a robot description and their sources, a row for each wheel."""
-    from rich.table import Table
-
-    table = Table(title=f"derived from the {len(robot.wheels)} wheels of {robot.name}", title_justify="left")
-    for heading in ("wheel", "joint", "radius from", "steering joint", "pivot [m]", "scrub, trail [mm]"):
-        table.add_column(heading, overflow="fold")
+    rows = []
     for name, found in robot.wheels.items():
-        steering = found.steering
-        pivot = "" if steering is None else ", ".join(f"{value:.4g}" for value in found.pivot)
-        offsets = "" if steering is None else f"{1e3 * found.scrub:.4g}, {1e3 * found.trail:.4g}"
-        table.add_row(
-            name,
-            found.joint.name + (", reversed" if found.reversed else ""),
-            found.radius_from,
-            "" if steering is None else steering.name + (", reversed" if found.steering_reversed else ""),
-            pivot,
-            offsets,
+        steered = ("", "", "")
+        if found.steering is not None:
+            steered = (
+                found.steering.name + (", reversed" if found.steering_reversed else ""),
+                ", ".join(f"{value:.4g}" for value in found.pivot),
+                f"{1e3 * found.scrub:.4g}, {1e3 * found.trail:.4g}",
+            )
+        rows.append(
+            (name, found.joint.name + (", reversed" if found.reversed else ""), found.radius_from, *steered)
         )
-    return table
+    heads = ("wheel", "joint", "radius from", "steering joint", "pivot [m]", "scrub, trail [mm]")
+    title = f"derived from the {len(robot.wheels)} wheels of {robot.name}"
+    return text_table(heads, rows, title=title, title_justify="left")
 
 
 PLAN = 17  # lines of the picture in the terminal
@@ -164,7 +160,7 @@ def _written(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def abilities(chosen: Chosen) -> list[tuple[str, object]]:
+def abilities(chosen: NamedRover) -> list[tuple[str, object]]:
     """Abilities of a rover, as rows for `grid`."""
     from six_wheel.kinematics.rover_edit import joints_as_given
 
@@ -265,7 +261,7 @@ def _words(bound: "Bound") -> str:
     return " and ".join(str(reason.name).lower().replace("_", " ") for reason in bound.reasons) or "steering"
 
 
-def draw_limits(chosen: Chosen, plot: Path) -> None:
+def draw_limits(chosen: NamedRover, plot: Path) -> None:
     """Write the picture of the limits."""
     from six_wheel.logs.writing import replacing
     from six_wheel.plotting.limits import limits_figure

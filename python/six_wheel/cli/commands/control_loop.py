@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from six_wheel.cli.shared import (
-    Chosen,
     Reading,
     RoverArgument,
     choose,
     grid,
     new_console,
     progress_bar,
+    text_table,
     warn,
 )
+from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
     from six_wheel.control_loop import Settings
@@ -42,7 +43,7 @@ def command_filter(
     raise typer.Exit(_run("filter", context, choose(rover, reading)))
 
 
-def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: Chosen) -> int:
+def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: NamedRover) -> int:
     arguments = list(context.args)
     if arguments and arguments[0] != "--ros-args":
         raise ValueError(f"arguments of ROS must follow --ros-args, got {arguments[0]}")
@@ -54,7 +55,7 @@ def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: Chosen
     return run(kind, settings_of(chosen), arguments)
 
 
-def settings_of(chosen: Chosen) -> "Settings":
+def settings_of(chosen: NamedRover) -> "Settings":
     """Settings of a loop, from a parameter file or a preset."""
     from six_wheel.control_loop import Settings
 
@@ -103,7 +104,7 @@ def replay(
     warn(result.warnings)
     difference = compare(result)
     console = new_console()
-    console.print(_table(difference))
+    console.print(text_table(("", "recorded", "again"), difference.rows))
     written = [("record", output), ("picture", plot)]
     console.print(grid([*_verdict(difference, bool(changes)), *written]))
 
@@ -118,17 +119,6 @@ def _changes(given: list[str]) -> dict[str, Any]:
 
         changes[key.strip()] = read_value(value.strip())
     return changes
-
-
-def _table(difference: "Difference") -> Any:
-    from rich.table import Table
-
-    table = Table()
-    for heading in ("", "recorded", "again"):
-        table.add_column(heading, overflow="fold")
-    for row in difference.rows:
-        table.add_row(*row)
-    return table
 
 
 def _verdict(difference: "Difference", changed: bool) -> list[tuple[str, object]]:

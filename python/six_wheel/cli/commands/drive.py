@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from six_wheel.cli.shared import (
-    Chosen,
     Reading,
     ResultsOption,
     RoverArgument,
@@ -18,6 +17,7 @@ from six_wheel.cli.shared import (
     progress_bar,
     warn,
 )
+from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
     from six_wheel._core import Limits
@@ -117,7 +117,7 @@ def drive(
     new_console().print(grid(rows))
 
 
-def _loop(chosen: Chosen, rate: float | None, halt: float | None) -> "Loop | None":
+def _loop(chosen: NamedRover, rate: float | None, halt: float | None) -> "Loop | None":
     """The controller to drive through, if there is anything for it to keep or it is asked for."""
     from six_wheel._core import Limits
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from six_wheel.cli.shared import closest
+from six_wheel.robot_description.named_rover import closest
 
 
 def example(

@@ -7,7 +7,8 @@ import typer
 
 from six_wheel.cli.log_options import LogReading
 from six_wheel.cli.names import PROGRAM
-from six_wheel.cli.shared import Chosen, Reading, choose, grid, new_console
+from six_wheel.cli.shared import Reading, choose, grid, new_console, text_table
+from six_wheel.robot_description.named_rover import NamedRover
 
 
 def inspect(
@@ -19,21 +20,16 @@ def inspect(
     log_reading: LogReading,
     file: Reading,
 ) -> None:
-    from rich import box
-    from rich.table import Table
+    from rich.box import SIMPLE
 
     from six_wheel.cli.report.log_overview import overview
 
-    chosen: Chosen | None = None if rover is None else choose(rover, file)
+    chosen: NamedRover | None = None if rover is None else choose(rover, file)
     options = None if chosen is None else log_reading.options(chosen)
     found = overview(log, None if chosen is None else chosen.rover, options)
     console = new_console()
-    table = Table(box=box.SIMPLE)
-    for head in ("column", "values", "seems to be"):
-        table.add_column(head, overflow="fold")
-    for column in found.columns:
-        table.add_row(column.name, column.values, column.meaning)
-    console.print(table)
+    rows = [(column.name, column.values, column.meaning) for column in found.columns]
+    console.print(text_table(("column", "values", "seems to be"), rows, box=SIMPLE))
     console.print(grid([*found.facts.items(), ("is not read", found.refusal)]))
     if chosen is None:
         console.print(f"next: {PROGRAM} inspect {log} ROVER")

@@ -2,6 +2,7 @@
 
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
@@ -17,7 +18,8 @@ from six_wheel.cli.log_options import (
     choose_with_logs,
 )
 from six_wheel.cli.names import PROGRAM
-from six_wheel.cli.shared import Chosen, Reading, grid, new_console, progress_bar, warn
+from six_wheel.cli.shared import Reading, grid, new_console, progress_bar, warn
+from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
     from six_wheel.log_odometry.results import Reckoned, Settings
@@ -60,7 +62,7 @@ class Estimate(NamedTuple):
         bool, typer.Option("--inflate", help="Widen the covariance where wheels disagree.")
     ] = False
 
-    def settings(self, chosen: Chosen, max_speed: float | None) -> "Settings":
+    def settings(self, chosen: NamedRover, max_speed: float | None) -> "Settings":
         """Settings of dead reckoning: those of the parameter file, overridden by the arguments."""
         from six_wheel._core import Noise
         from six_wheel.log_odometry.results import Settings
@@ -137,7 +139,7 @@ def odometry(
     _reckon(chosen, path, files, options, chunk_rows)
 
 
-def _reckon(chosen: Chosen, path: Path, files: Files, options: Options, chunk_rows: int) -> None:
+def _reckon(chosen: NamedRover, path: Path, files: Files, options: Options, chunk_rows: int) -> None:
     """The track of one log."""
     # After the file of the rover is known to be good: Arrow takes its time.
     from six_wheel.cli.report.log_odometry import facts, judged, slipped, written
@@ -175,8 +177,11 @@ def _reckon(chosen: Chosen, path: Path, files: Files, options: Options, chunk_ro
     new_console().print(grid([*rows, *written_files, ("took", took)]))
 
 
-def _reckon_all(chosen: Chosen, paths: list[Path], files: Files, many: ManyLogs, options: Options) -> None:
+def _reckon_all(
+    chosen: NamedRover, paths: list[Path], files: Files, many: ManyLogs, options: Options
+) -> None:
     """A track for every log, and what failed; exit code 1 where some did."""
+    from six_wheel.kinematics.errors import SuspiciousReadingsWarning
     from six_wheel.log_odometry.many_logs import FleetLog, reckon_all
 
     if files.output is None:
@@ -185,7 +190,8 @@ def _reckon_all(chosen: Chosen, paths: list[Path], files: Files, many: ManyLogs,
         if getattr(files, option) is not None:
             raise ValueError(f"--{option} is for one log, got {paths[0]} and others")
     begin, done = time.monotonic(), list[FleetLog]()
-    with progress_bar("logs") as progress:
+    with warnings.catch_warnings(record=True) as caught, progress_bar("logs") as progress:
+        warnings.simplefilter("always", SuspiciousReadingsWarning)
         for one in reckon_all(
             chosen.rover,
             paths,
@@ -201,6 +207,7 @@ def _reckon_all(chosen: Chosen, paths: list[Path], files: Files, many: ManyLogs,
                 # A message about a file begins with it, as the worker sees it.
                 why = one.failure.message.removeprefix(f"{one.path.resolve()}: ")
                 print(f"{PROGRAM}: {one.path}: {why}", file=sys.stderr)
+    warn([str(each.message) for each in caught])
     good = [one.summary for one in done if one.summary is not None]
     resumed, failed = sum(one.resumed for one in done), len(done) - len(good)
     errors = sorted(each["ate"] for each in good if each["ate"] is not None)

@@ -7,7 +7,6 @@ import typer
 
 from six_wheel.cli.map_options import MapReading
 from six_wheel.cli.shared import (
-    Chosen,
     Reading,
     choose,
     choose_suspension,
@@ -15,28 +14,13 @@ from six_wheel.cli.shared import (
     new_console,
     warn,
 )
+from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Motion = tuple[float, float, float]
-MAPS = (
-    ".tif",
-    ".tiff",
-    ".asc",
-    ".img",
-    ".cub",
-    ".nc",
-    ".grd",
-    ".xyz",
-    ".vrt",
-    ".lbl",
-    ".zip",
-    ".gz",
-    ".bag",
-    ".db3",
-)
-# Files that are maps; others are when an option of maps is given.
+ROVERS = (".urdf", ".xacro", ".xml", ".json", ".toml", "")  # files that are no maps unless an option says so
 SPEED = 0.5  # [m/s] of the motion that is drawn where none is given and no limit is lower
 
 
@@ -74,7 +58,8 @@ def show(
     map_reading: MapReading,
     reading: Reading,
 ) -> None:
-    if Path(rover).suffix.lower() in MAPS or any(option is not None for option in map_reading):
+    is_drawn = layout is None and not side and twist is None
+    if any(option is not None for option in map_reading) or (is_drawn and _is_map(Path(rover))):
         print(_draw_map(Path(rover), map_reading, output))
     elif layout is not None:
         print(_write_layout(rover, reading, layout))
@@ -82,6 +67,18 @@ def show(
         print(_draw_side(rover, reading, output))
     else:
         print(_draw_above(rover, reading, output, twist))
+
+
+def _is_map(path: Path) -> bool:
+    """True for files that are no descriptions of a rover: by their suffix, a YAML file by its first key."""
+    if not path.exists():
+        return False
+    if path.suffix.lower() in (".yaml", ".yml"):
+        with path.open(encoding="utf-8", errors="replace") as file:
+            return any(line.startswith(("map:", "image:")) for line in file)
+    if path.suffix.lower() == ".xml":  # of PDS 4
+        return "Product_Observational" in path.read_text(errors="replace")
+    return path.is_dir() or path.suffix.lower() not in ROVERS
 
 
 def _draw_map(path: Path, reading: MapReading, output: Path | None) -> Path:
@@ -135,7 +132,7 @@ def _save(figure: "Figure", target: Path, sources: list[Path]) -> Path:
     return target.resolve()
 
 
-def left_turn(chosen: Chosen) -> Motion:
+def left_turn(chosen: NamedRover) -> Motion:
     """Forward around a centre to the left that this rover can turn about, within the limits of its file."""
     rover = chosen.rover
     size = max(max(abs(wheel.x), abs(wheel.y)) for wheel in rover.wheels)
@@ -147,7 +144,7 @@ def left_turn(chosen: Chosen) -> Motion:
     return vx, vy, omega
 
 
-def _past(chosen: Chosen, motion: Motion) -> list[str]:
+def _past(chosen: NamedRover, motion: Motion) -> list[str]:
     """Demands of a motion that exceed the limits of the file."""
     return [
         f"{name} is {value:.4g} {unit}, {limit:g} allowed"
@@ -156,7 +153,7 @@ def _past(chosen: Chosen, motion: Motion) -> list[str]:
     ]
 
 
-def _demands(chosen: Chosen, motion: tuple[float, ...]) -> list[tuple[str, float, float, str]]:
+def _demands(chosen: NamedRover, motion: tuple[float, ...]) -> list[tuple[str, float, float, str]]:
     """Name, value, limit and unit of what a motion asks; nothing for a rover without limits."""
     limits = chosen.limits
     vx, vy, omega = motion

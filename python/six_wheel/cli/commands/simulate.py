@@ -1,6 +1,5 @@
 """`six-wheel simulate`: a rover on a plane or over a map, by a table of commands."""
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -8,7 +7,6 @@ import typer
 
 from six_wheel.cli.map_options import MapReading
 from six_wheel.cli.shared import (
-    Chosen,
     Reading,
     ResultsOption,
     choose,
@@ -16,6 +14,7 @@ from six_wheel.cli.shared import (
     grid,
     new_console,
 )
+from six_wheel.robot_description.named_rover import NamedRover
 
 ROWS = 200_000  # of a table in memory at a time
 
@@ -78,7 +77,8 @@ def simulate(
     ground: Annotated[
         Path | None,
         typer.Option(
-            metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII, bag; default a plane."
+            metavar="MAP",
+            help="GeoTIFF, PDS, NetCDF, text, bag or YAML of one and its options; default a plane.",
         ),
     ] = None,
     output: ResultsOption = None,
@@ -91,6 +91,8 @@ def simulate(
     if ground is None and pictures.plot_speeds is not None:
         rule = "--plot-speeds must come with --ground: level ground is all there is"
         raise ValueError(f"{rule}, got {pictures.plot_speeds}")
+    if ground is None and map_reading.given():
+        map_reading.ground(None)
     if ground is not None and run.stick is not None:
         raise ValueError(f"--stick must be left out with --ground, got {run.stick}")
     chosen = choose(rover, reading) if ground is None else None
@@ -151,7 +153,7 @@ def _way(commands: Path, start: tuple[float, float, float] | None, speed: float)
 
 
 def _on_a_plane(
-    chosen: Chosen,
+    chosen: NamedRover,
     way: Way,
     run: Run,
     output: Path | None,
@@ -214,7 +216,7 @@ def _on_a_plane(
     ]
 
 
-def _draw(chosen: Chosen, done: "Simulation", plot: Path) -> None:
+def _draw(chosen: NamedRover, done: "Simulation", plot: Path) -> None:
     """The path; and what the controller did, where there was one."""
     from six_wheel.plotting import path_figure, save
     from six_wheel.plotting.drive import drive_figure
@@ -269,11 +271,11 @@ def _over_ground(
 ) -> list[tuple[str, object]]:
     from six_wheel.cli.report.ground import ground_facts
     from six_wheel.simulation.ground_writing import write_ground
-    from six_wheel.simulation.on_terrain import GroundSimulation
+    from six_wheel.simulation.on_terrain import GroundSimulation, middle
     from six_wheel.simulation.run_simulation import simulate as simulated
 
     land, map_name = ground
-    start = way.start or (*_middle(land), 0.0)
+    start = way.start or (*middle(land), 0.0)
     done = simulated(
         suspension, way.path, ground=land, start=start, rate=run.rate, speed=way.speed, seed=run.seed
     )
@@ -289,11 +291,3 @@ def _over_ground(
         if pictures.plot_speeds is not None:
             save(speeds_figure(done, suspension, title=title), pictures.plot_speeds)
     return [*ground_facts(done)]
-
-
-def _middle(land: "Terrain") -> tuple[float, float]:
-    """Middle of a map, x and y [m]."""
-    (rows, columns), (dx, dy), (x, y) = land.shape, land.spacing, land.origin
-    ahead, aside = dx * (columns - 1) / 2, dy * (rows - 1) / 2
-    cos, sin = math.cos(land.yaw), math.sin(land.yaw)
-    return x + cos * ahead - sin * aside, y + sin * ahead + cos * aside

@@ -125,12 +125,12 @@ class _Again:
             stamp, names, positions, velocities = self._states.parse(message.data)
             step = loop.joints(names, positions, velocities, stamp, now)
             if recorder is not None:
-                recorder.joints(message.data, stamp, now)
+                recorder.joint_message(now, stamp, message.data)
         elif message.topic == rover_record.IMU:
             stamp, _, rates, _ = angular_velocity(message.data)
             step = loop.imu(rates, stamp, now)
             if recorder is not None:
-                recorder.imu(message.data, stamp, now)
+                recorder.imu_message(now, stamp, message.data)
         elif message.topic == rover_record.TICK:
             step = loop.tick(now)
             if recorder is not None:
@@ -139,12 +139,12 @@ class _Again:
             given = planar(record.parsed(message).twist)
             loop.command(given, message.stamp, now)
             if recorder is not None:
-                recorder.command(given, message.stamp, now)
+                recorder.wanted(now, message.stamp, given)
         else:
             what = json.loads(record.parsed(message).data)
             step = self._change(what, now)
             if recorder is not None:
-                recorder.change(what, now)
+                recorder.change(now, what)
         if step is not None:
             self.collected.add(step)
             if recorder is not None:

@@ -14,8 +14,8 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.time import Time
 
 from six_wheel.control_loop import Loop, Option, Settings, Step
-from six_wheel.control_loop.diagnostics import Status, statuses
-from six_wheel.control_loop.faults import ERROR, WARN
+from six_wheel.control_loop.diagnostics import FaultLines, Status, statuses
+from six_wheel.control_loop.faults import ERROR, OK, WARN
 from six_wheel.control_loop.recorder import Recorder
 from six_wheel.control_loop.ros2.halting import HaltInterface
 from six_wheel.control_loop.ros2.parameters import Declared
@@ -52,6 +52,7 @@ class BaseNode(LifecycleNode):
         self.recorder: Recorder | None = None
         self._things: list[Any] = []
         self._topics: list[tuple[str, bool, str, str]] = []
+        self._fault_lines = FaultLines()
         self.add_on_set_parameters_callback(self._set_parameters)
 
     # Lifecycle
@@ -123,7 +124,7 @@ class BaseNode(LifecycleNode):
         """A request could not be served; the node goes on."""
         said = " ".join(str(error).split()) or type(error).__name__
         self.loop.faults.add("commands", WARN, "a request must be one that the node can serve", said)
-        self.get_logger().error(f"a request could not be served: {said}")
+        self.get_logger().error(f"a request could not be served: {said}", throttle_duration_sec=1.0)
 
     def _activate(self, active: bool) -> None:
         now = self.now()
@@ -173,7 +174,7 @@ class BaseNode(LifecycleNode):
 
     def _record_change(self, what: Mapping[str, Any], now: int) -> None:
         if self.recorder is not None:
-            self.recorder.change(what, now)
+            self.recorder.change(now, what)
 
     # For the nodes
 
@@ -247,7 +248,7 @@ class BaseNode(LifecycleNode):
         now, wanted = self.now(), (twist.linear.x, twist.linear.y, twist.angular.z)
         self.loop.command(wanted, stamp, now)
         if self.recorder is not None:
-            self.recorder.command(wanted, stamp, now)
+            self.recorder.wanted(now, stamp, wanted)
 
     def _on_timer(self) -> None:
         now = self.now()
@@ -263,6 +264,11 @@ class BaseNode(LifecycleNode):
         from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
         now = self.now()
+        for level, text in self._fault_lines.lines(self.loop):
+            if level == OK:
+                self.get_logger().info(text)
+            else:
+                self.get_logger().warning(text)
         name = self.get_fully_qualified_name().strip("/")
         told: list[Status] = statuses(self.loop, name)
         message = DiagnosticArray()

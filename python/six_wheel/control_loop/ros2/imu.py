@@ -7,6 +7,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Imu
 
 from six_wheel.control_loop.faults import WARN, Faults
+from six_wheel.control_loop.ros2.transforms import decode, message_type
 from six_wheel.logs.bags.messages import OWN_FRAMES
 from six_wheel.logs.gyroscope.links import Links
 from six_wheel.logs.mcap.frames import angular_velocity
@@ -46,12 +47,11 @@ class ImuInput:
         node.subscribe(Imu, said.gyroscope.get("topic", TOPIC), self._on_imu, sensor, raw=True)
         if self._seated:
             return
-        try:
-            from tf2_msgs.msg import TFMessage
-        except ImportError:
+        kind = message_type()
+        if kind is None:
             return  # then only a frame of the rover's own is known
         lasting = QoSProfile(depth=DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        node.subscribe(TFMessage, "/tf_static", lambda message: self.link(message.transforms), lasting)
+        node.subscribe(kind, "/tf_static", lambda message: self.link([*decode(message)]), lasting, raw=True)
 
     def link(self, transforms: Sequence[Any]) -> None:
         """geometry_msgs/TransformStamped that stay."""

@@ -16,6 +16,7 @@ from six_wheel.control_loop.ros2.base import DEPTH, BaseNode
 from six_wheel.control_loop.ros2.imu import ImuInput
 from six_wheel.control_loop.ros2.interfaces import CommandInterface
 from six_wheel.control_loop.ros2.parameters import NODE
+from six_wheel.control_loop.ros2.transforms import message_type
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.frames import planar_pose, planar_twist
 
@@ -61,14 +62,13 @@ class RoverNode(BaseNode):
         self._things.append((self.destroy_service, service))
 
     def _make_tf(self) -> Any:
-        try:
-            from tf2_msgs.msg import TFMessage
-        except ImportError:
+        kind = message_type()
+        if kind is None:
             self.get_logger().warning("no transforms are published: tf2_msgs is not installed")
             return None
         said = self.settings.parameters
-        self._transform = frames.transform(said.odom_frame_id, said.base_frame_id)
-        return self.publisher(TFMessage, "/tf", DEPTH)
+        self._transform = frames.transforms((said.odom_frame_id, said.base_frame_id))
+        return self.publisher(kind, "/tf", DEPTH)
 
     def _commanding(self) -> Any:
         return self._interface.publishers
@@ -88,7 +88,7 @@ class RoverNode(BaseNode):
             self._publish_outputs(step)
             self.halting.publish()
         if self.recorder is not None:
-            self.recorder.joints(message, stamp, now)
+            self.recorder.joint_message(now, stamp, message)
             if step is not None:
                 self.recorder.step(step)
 
@@ -96,7 +96,7 @@ class RoverNode(BaseNode):
         now = self.now()
         step = self.loop.imu(rates, stamp, now)
         if self.recorder is not None:
-            self.recorder.imu(message, stamp, now)
+            self.recorder.imu_message(now, stamp, message)
         self.after(step)
 
     def _on_mount(self, up: list[float]) -> None:

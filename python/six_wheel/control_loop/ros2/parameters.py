@@ -12,12 +12,20 @@ from six_wheel._core import Noise
 from six_wheel.control_loop import OPTIONS, Option, Settings
 from six_wheel.control_loop.settings import NAMES, rover_keys
 from six_wheel.kinematics.rover_edit import limits_given
+from six_wheel.robot_description.parameters.detect_format import NO_LIMIT
+from six_wheel.robot_description.parameters.file import Parameters
+from six_wheel.robot_description.parameters.ros_node_parameters import closest
 from six_wheel.robot_description.parameters.schema import GROUPS
 
 __all__ = ["FILTER", "NODE", "Declared"]
 
-LARGEST = 1e6
+LARGEST = NO_LIMIT
 NONE = 0.0  # value of a parameter that is not given
+OTHERS = (
+    "qos_overrides.",
+    "use_sim_time",
+    "start_type_description_service",
+)  # parameters that rclpy declares
 
 NODE = (
     Option("use_stamped_vel", True, "cmd_vel is geometry_msgs/TwistStamped; false: geometry_msgs/Twist"),
@@ -30,6 +38,7 @@ NODE = (
         choices=("joint_state", "group", "trajectory"),
     ),
     Option("enable_odom_tf", True, "publish the transform from odom_frame_id to base_frame_id"),
+    Option("tf_frame_prefix", "", "before both frames, with a slash between; ~: the namespace of the node"),
     Option("publish_limited_velocity", False, "publish the motion that the limits leave on cmd_vel_out"),
     Option("autostart", True, "configure and activate at once, without a lifecycle manager"),
     Option("record", "", "an .mcap file for a record from which the run can be replayed; must not exist"),
@@ -42,8 +51,7 @@ FILTER = (
         "where the motion starts from: OPEN_LOOP, at rest; CLOSED_LOOP, the first odom",
         choices=("OPEN_LOOP", "CLOSED_LOOP"),
     ),
-    NODE[4],
-    NODE[5],
+    *(option for option in NODE if option.name in ("tf_frame_prefix", "autostart", "record")),
 )
 
 
@@ -75,7 +83,9 @@ class Declared:
             self.own[option.name] = option.check(self._option(option, option.default))
         changes |= self._groups(settings)
         changes |= self._keys(settings)
+        changes |= self._frames(settings.parameters)
         self.settings = settings.changed(changes) if changes else settings
+        self._name_unknown()
 
     def changes(self, parameters: Sequence[Any]) -> dict[str, Any]:
         """Convert a request to set parameters into the changes that `Settings.changed` takes.
@@ -102,7 +112,7 @@ class Declared:
             _range(descriptor, option.least, option.most)
         if option.live:
             self.live.add(option.name)
-        return self._node.declare_parameter(option.name, value, descriptor).value
+        return self._declare(option.name, value, descriptor)
 
     def _groups(self, settings: Settings) -> dict[str, Any]:
         """Limits, timeout and noise: numbers that can be changed while it runs."""
@@ -125,7 +135,7 @@ class Declared:
             descriptor = self._descriptor(f"{what}{none}", read_only=False)
             _range(descriptor, 0.0, LARGEST)
             self.live.add(name)
-            now = self._node.declare_parameter(name, float(value), descriptor).value
+            now = self._declare(name, float(value), descriptor)
             if now != value:
                 changes |= _meant(name, now)
         return changes | self._following(settings)
@@ -138,7 +148,7 @@ class Declared:
             key = f"following_{name}"
             descriptor = self._descriptor(f"{GROUPS['control'].model_fields[key].description}{none}", True)
             _range(descriptor, 0.0, LARGEST)
-            now = self._node.declare_parameter(f"control.{key}", float(value), descriptor).value
+            now = self._declare(f"control.{key}", float(value), descriptor)
             if now != value:
                 changes[f"control.{key}"] = now or "never"
         return changes
@@ -148,12 +158,48 @@ class Declared:
         changes: dict[str, Any] = {}
         for name, value in rover_keys(settings).items():
             if self._node.has_parameter(name):
-                continue
+                continue  # as one of the node's own, which counts
             descriptor = self._descriptor("of the parameter file", read_only=True)
-            now = self._node.declare_parameter(name, value, descriptor).value
+            now = self._declare(name, value, descriptor)
             if now != value and list(now if isinstance(now, Sequence) else [now]) != value:
                 changes[name] = now
         return changes
+
+    def _frames(self, said: Parameters) -> dict[str, Any]:
+        """The frames, with the prefix before both."""
+        prefix = self.own["tf_frame_prefix"]
+        prefix = (self._node.get_namespace() if prefix.startswith("~") else prefix).strip("/")
+        changes: dict[str, Any] = {}
+        for name, what in (("odom_frame_id", "odometry"), ("base_frame_id", "the rover")):
+            given = getattr(said, name)
+            frame = self._declare(name, given, self._descriptor(f"frame of {what}", True))
+            frame = f"{prefix}/{frame}" if prefix else frame
+            if frame != given:
+                changes[name] = frame
+        return changes
+
+    def _name_unknown(self) -> None:
+        """Warn of values for parameters that there are none of, as a slip in a name makes them."""
+        known = [name for name in self._node._parameters if not name.startswith(OTHERS)]
+        for name in self._node._parameter_overrides:
+            if not (self._node.has_parameter(name) or name.startswith(OTHERS)):
+                guess = closest(name, known, likeness=0.6)
+                hint = f"; did you mean {guess}?" if guess else ""
+                self._node.get_logger().warning(f"unknown parameter {name} is ignored{hint}")
+
+    def _declare(self, name: str, value: Any, descriptor: Any) -> Any:
+        """The value of a parameter: the one given for it, or else this."""
+        from rclpy.exceptions import InvalidParameterValueException
+
+        if self._node.has_parameter(name):
+            return self._node.get_parameter(name).value
+        try:
+            return self._node.declare_parameter(name, value, descriptor).value
+        except InvalidParameterValueException:
+            (allowed,) = descriptor.floating_point_range
+            least, most = allowed.from_value, allowed.to_value
+            got = self._node._parameter_overrides[name].value
+            raise ValueError(f"{name} must lie between {least:g} and {most:g}, got {got:g}") from None
 
     def _descriptor(self, description: str, read_only: bool) -> Any:
         from rcl_interfaces.msg import ParameterDescriptor

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.objects.notebooks import mimebundle
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,6 +30,8 @@ class Tabular:
     """
 
     __slots__ = ()
+
+    _repr_mimebundle_ = mimebundle
 
     if TYPE_CHECKING:
 

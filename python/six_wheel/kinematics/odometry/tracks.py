@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from six_wheel._core import Encoder, Noise, Odometry, OdometryState, Rover
 from six_wheel.kinematics.flags import NamedFlag
+from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.objects.short_text import described, few, short_repr
 from six_wheel.kinematics.objects.tables import (
     Columns,
@@ -38,7 +39,6 @@ __all__ = [
     "Track",
     "WheelSlip",
 ]
-
 
 ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
 SILENT = "the wheels cannot contradict each other: of slip nothing can be told from them alone"
@@ -275,6 +275,8 @@ class SlipReport:
     rows: int
     told: bool = True
     """True where the wheels can contradict each other: two wheels of a differential drive cannot."""
+
+    _repr_mimebundle_ = mimebundle
 
     def __repr__(self) -> str:
         found = {"wheels": len(self.wheels), "rows": self.rows, "windows": len(self.windows)}

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from six_wheel._core import wrap_angle
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.odometry.tracks3 import Track3
 from six_wheel.kinematics.poses import Floats, as_poses, inverse, joined
@@ -154,6 +155,8 @@ class Evaluation:
     aligned: AbsoluteError
     relative: RelativeError
     growth: ErrorGrowth = field(repr=False)
+
+    _repr_mimebundle_ = mimebundle
 
     def __repr__(self) -> str:
         turned = math.degrees(self.first.final_heading)

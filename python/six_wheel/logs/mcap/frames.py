@@ -16,13 +16,16 @@ __all__ = [
     "JointStates",
     "angular_velocity",
     "clock",
+    "imu",
+    "inertial",
     "joint_state",
     "odometry",
     "planar_pose",
     "planar_twist",
+    "pose_stamped",
     "text",
     "trajectory",
-    "transform",
+    "transforms",
     "twist_stamped",
     "values",
 ]
@@ -134,9 +137,32 @@ def odometry(odom_frame_id: str, base_frame_id: str) -> Frame:
     return frame
 
 
-def transform(odom_frame_id: str, base_frame_id: str) -> Frame:
-    """tf2_msgs/TFMessage of one transform: translation and quaternion (7)."""
-    return Frame().count(1).header(odom_frame_id).text(base_frame_id).numbers(7)
+def transforms(*pairs: tuple[str, str]) -> Frame:
+    """tf2_msgs/TFMessage: for each parent and child frame a translation and a quaternion (7)."""
+    frame = Frame().count(len(pairs))
+    for parent, child in pairs:
+        frame.header(parent).text(child).numbers(7)
+    return frame
+
+
+def pose_stamped(frame_id: str) -> Frame:
+    """geometry_msgs/PoseStamped: position and quaternion (7)."""
+    return Frame().header(frame_id).numbers(7)
+
+
+def imu(frame_id: str) -> Frame:
+    """sensor_msgs/Imu: the numbers of `inertial`."""
+    return Frame().header(frame_id).numbers(37)
+
+
+def inertial(rates: Sequence[float], orientation: Sequence[float] | None = None) -> list[float]:
+    """Orientation (4), rates (3) and acceleration (3) of an `imu`, each with its covariance (9).
+
+    By REP 145 the covariance of what the sensor does not have begins with -1.
+    """
+    missing = [-1.0, *[0.0] * 8]
+    turn = [0.0, 0.0, 0.0, 1.0, *missing] if orientation is None else [*orientation, *[0.0] * 9]
+    return [*turn, *rates, *[0.0] * 9, *[0.0] * 3, *missing]
 
 
 def values(length: int, label: str | None = None) -> Frame:

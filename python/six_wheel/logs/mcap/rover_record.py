@@ -96,7 +96,7 @@ class RoverRecord:
         )
         self._unsaid = [math.nan] * len(self._traction), [math.nan] * len(self._steering)
         self._odometry = frames.odometry(self._names.odom, self._names.base)
-        self._transform = frames.transform(self._names.odom, self._names.base)
+        self._transform = frames.transforms((self._names.odom, self._names.base))
         self._slip = frames.values(len(rover.wheel_names), ",".join(rover.wheel_names))
         self._twists: dict[str, frames.Frame] = {}
         self._joints: dict[tuple[Any, ...], frames.Frame] = {}
@@ -142,7 +142,8 @@ class RoverRecord:
         self._file.write(topic, now, self._clock.pack(now))
 
     def change(self, now: int, what: Mapping[str, Any]) -> None:
-        """Something that was set while it ran."""
+        """Something that was set while it ran: ``{"set": {...}}``, ``{"pose": ..., "covariance": ...}``,
+        ``{"active": ...}``, ``{"halt": True}``, ``{"release": True}``, ``{"end": True}``, ..."""
         self._text(CHANGES, now, json.dumps(what))
 
     def given(self, now: int, row: Sequence[float]) -> None:

@@ -6,6 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from six_wheel.plotting.drawing import PAGE_WIDTH, color_bar, new_figure, tidy, write_title
+
 __all__ = ["traverse_figure"]
 
 
@@ -13,7 +15,7 @@ def traverse_figure(
     safe: NDArray[np.float32],
     tilt: NDArray[np.float32],
     extent: tuple[float, float, float, float],
-    title: str,
+    title: str | None,
 ) -> Figure:
     """A map of the share of safe headings beside one of the worst tilt.
 
@@ -23,20 +25,24 @@ def traverse_figure(
         Rows of an image [1], [rad].
     extent : (float, float, float, float)
         x_min, x_max, y_min, y_max [m].
-    title : str
-        What it shows.
+    title : str or None
+        Written above the picture.
     """
-    figure = Figure(figsize=(11, 5), layout="constrained")
-    left, right = figure.subplots(1, 2, sharex=True, sharey=True)
-    for axes, layer, name, colours, low, high in (
-        (left, safe, "share of safe headings", "RdYlGn", 0.0, 1.0),
-        (right, np.degrees(tilt), "worst tilt [°]", "magma_r", 0.0, 30.0),
+    wide, high = extent[1] - extent[0], extent[3] - extent[2]
+    rows = 2 if wide > 1.3 * high else 1  # wide maps lie one above the other
+    share = high / wide * (1.0 if rows == 2 else 0.5)
+    figure = new_figure(PAGE_WIDTH, rows * min(max(5.4 * share, 1.2), 6.0) + 1.2)
+    panels = figure.subplots(rows, 3 - rows, sharex=True, sharey=True)
+    for axes, layer, name, colours, most in (
+        (panels[0], safe, "share of safe headings [1]", "cividis", 1.0),
+        (panels[1], np.degrees(tilt), "worst tilt [°]", "magma_r", 30.0),
     ):
-        image = axes.imshow(layer, extent=extent, cmap=colours, vmin=low, vmax=high, interpolation="nearest")
-        axes.set(xlabel="x [m]", title=name, facecolor="0.8")
-        figure.colorbar(image, ax=axes, shrink=0.8)
-    left.set_ylabel("y [m]")
+        image = axes.imshow(layer, extent=extent, cmap=colours, vmin=0.0, vmax=most, interpolation="nearest")
+        axes.set_facecolor("0.8")
+        tidy(axes, "x [m]", "y [m]")
+        axes.grid(False)
+        color_bar(figure, image, axes, name)
     known = safe[np.isfinite(safe)]
-    share = 100 * float(known.mean()) if known.size else math.nan
-    figure.suptitle(f"{title}: {share:.1f} % of poses safe")
+    found = 100 * float(known.mean()) if known.size else math.nan
+    write_title(panels[0], title, f"{found:.1f} % of poses safe; grey: not known")
     return figure

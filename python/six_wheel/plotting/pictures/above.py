@@ -24,7 +24,9 @@ from six_wheel.plotting.drawing import (
     bounds,
     contacts,
     draw_rover,
+    equal_scales,
     new_figure,
+    number,
     page,
     tidy,
     write_title,
@@ -76,16 +78,16 @@ def fit_figure(fit: Any, *, title: str | None) -> Figure:
         return figure
     figure, axes, size = _axes(fit.rover, None)
     residual, places = np.asarray(fit.residuals), page(contacts(fit.rover))
+    residual = np.where(residual > ROUNDING, residual, 0.0)
     largest = max(float(np.nanmax(residual)), ROUNDING)
     for name, place, slid, weight in zip(fit.rover.wheel_names, places, residual, fit.weights, strict=True):
-        colour = CENTRE if name == fit.worst_wheel else AXLE
+        colour = CENTRE if name == fit.worst_wheel and slid else AXLE
         axes.plot(*place, "o", markersize=4 + 22 * slid / largest, color=colour, alpha=0.8, zorder=8)
         _label(axes, place, f"{name}\n{slid:.2g} m/s\nweight {weight:.2g}")
     twist = np.asarray(fit.twist)
     _arrow(axes, twist, size)
-    vx, vy, omega = twist
-    words = f"vx {vx:.3g} m/s, vy {vy:.3g} m/s, omega {omega:.3g} rad/s; the worst wheel is {fit.worst_wheel}"
-    write_title(axes, title, words)
+    worst = f"the worst wheel is {fit.worst_wheel}" if residual.any() else "no wheel contradicts another"
+    write_title(axes, title, f"{_told(twist)}; {worst}")
     return figure
 
 
@@ -98,7 +100,7 @@ def _label(axes: Axes, place: Floats, words: str) -> None:
         (x, y),
         (22 * side, 0),
         textcoords="offset points",
-        fontsize=8,
+        fontsize=8.5,
         color=INK,
         va="center",
         ha="left" if side > 0 else "right",
@@ -119,6 +121,11 @@ def _arrow(axes: Axes, twist: Floats, size: float) -> None:
         )
 
 
+def _told(twist: Any) -> str:
+    vx, vy, omega = (number(float(part), ".3g") for part in twist)
+    return f"vx {vx} m/s, vy {vy} m/s, omega {omega} rad/s"
+
+
 def output_figure(output: Any, *, title: str | None) -> Figure:
     """A `ControllerOutput`: the rover now, its motion, and why it is not the one asked for."""
     figure, axes, size = _axes(output.rover, output.steering)
@@ -127,9 +134,8 @@ def output_figure(output: Any, *, title: str | None) -> Figure:
         output.rover.wheel_names, page(contacts(output.rover)), output.wheel_speeds, strict=True
     ):
         _label(axes, place, f"{name}\n{speed:.3g} rad/s")
-    vx, vy, omega = output.twist
     reasons = "|".join(str(reason.name) for reason in output.reasons) or "as commanded"
-    write_title(axes, title, f"vx {vx:.3g} m/s, vy {vy:.3g} m/s, omega {omega:.3g} rad/s\n{reasons}")
+    write_title(axes, title, f"{_told(output.twist)}\n{reasons}")
     return figure
 
 
@@ -137,7 +143,7 @@ def mobility_figure(found: Any, *, title: str | None) -> Figure:
     """A `Mobility` or `FourAxleMobility`: each free motion as the path it makes, and the degrees in words."""
     figure = new_figure(7.2, 5.0)
     axes = figure.add_subplot()
-    for number, motion in enumerate(np.atleast_2d(found.motion)):
+    for place, motion in enumerate(np.atleast_2d(found.motion)):
         if not motion.size:
             continue
         for side in (1.0, -1.0):
@@ -146,7 +152,7 @@ def mobility_figure(found: Any, *, title: str | None) -> Figure:
             )
             axes.plot(
                 *path.T,
-                color=(MOTION, AXLE, CENTRE)[number % 3],
+                color=(MOTION, AXLE, CENTRE)[place % 3],
                 linewidth=2,
                 linestyle="-" if side > 0 else "--",
             )
@@ -154,8 +160,8 @@ def mobility_figure(found: Any, *, title: str | None) -> Figure:
         if abs(omega) > 1e-9:
             axes.plot(-vx / omega, -vy / omega, "o", color=CENTRE, markersize=8)
     axes.plot(0, 0, "+", color=INK, markersize=14)
-    axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.2)
+    equal_scales(figure, axes)
     tidy(axes, "to the right [m]", "forward [m]")
     steer = getattr(found, "degree_of_steerability", None)
     words = f"degree of mobility {found.degree_of_mobility}" + (
@@ -192,12 +198,12 @@ def pose_figure(state: Any, *, title: str | None) -> Figure:
         end = (x + 0.6 * reach * math.cos(angle), y + 0.6 * reach * math.sin(angle))
         axes.plot([x, end[0]], [y, end[1]], color=MOTION, linewidth=1.6, linestyle=style)
     axes.plot(x, y, "o", color=INK, markersize=6)
-    axes.set_aspect("equal")
-    axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach))
+    axes.set(xlim=(x - reach, x + reach), ylim=(y - 0.6 * reach, y + 0.6 * reach))
+    equal_scales(figure, axes)
     tidy(axes, "x [m]", "y [m]")
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))[[0, 1, -1]]
     words = ", ".join(
-        f"{name} {value:.3f} ± {deviation:.2g} {unit}"
+        f"{name} {number(value, '.3f')} ± {deviation:.2g} {unit}"
         for name, value, deviation, unit in zip(
             ("x", "y", "yaw"), (x, y, yaw), deviations, ("m", "m", "rad"), strict=True
         )

@@ -12,9 +12,12 @@ from six_wheel.plotting.drawing import (
     AXLE,
     FORBIDDEN,
     INK,
+    LABEL,
     MOTION,
+    PAGE_WIDTH,
     SERIES,
     SOFT,
+    TICK,
     new_figure,
     number,
     tidy,
@@ -23,11 +26,12 @@ from six_wheel.plotting.drawing import (
 
 __all__ = ["bounds_bars", "feasible_bars", "jacobian_bars", "named_bars", "slip_bars", "stability_bars"]
 
-WIDTH = 7.2  # [in]
-QUANTITIES = (
-    "wheel_speeds", "steering", "steering_rates", "slip", "side_slip", "x", "y", "heading", "radius", "scrub",
-    "trail", "roller_angle",
-)  # fmt: skip
+TWIST, COMPONENTS = ("vx", "vy", "omega"), ("vx", "vy", "vz", "wx", "wy", "wz")
+# Units of the quantities by which a twist is differentiated.
+QUANTITIES = {
+    "wheel_speeds": "rad/s", "steering": "rad", "steering_rates": "rad/s", "slip": "m/s", "side_slip": "m/s",
+    "x": "m", "y": "m", "heading": "rad", "radius": "m", "scrub": "m", "trail": "m", "roller_angle": "rad",
+}  # fmt: skip
 
 
 def jacobian_bars(found: Any, *, title: str | None) -> Figure:
@@ -35,9 +39,9 @@ def jacobian_bars(found: Any, *, title: str | None) -> Figure:
     known = [
         name for name in QUANTITIES if getattr(found, name) is not None and np.size(getattr(found, name))
     ]
-    columns = 3
+    columns = 2
     rows = -(-len(known) // columns)
-    figure = new_figure(WIDTH, 0.8 + 1.6 * rows)
+    figure = new_figure(PAGE_WIDTH, 0.8 + 1.5 * rows)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, name in zip(panels, known, strict=False):
         table = np.asarray(getattr(found, name), dtype=float)
@@ -46,15 +50,14 @@ def jacobian_bars(found: Any, *, title: str | None) -> Figure:
         for k, (part, row) in enumerate(zip(("vx", "vy", "omega"), table, strict=True)):
             axes.bar(places + 0.27 * (k - 1), row, 0.25, color=SERIES[k], label=part)
         axes.set_xticks(places, [str(place + 1) for place in places])
-        tidy(axes, "", "")
-        axes.set_title(f"by {name.replace('_', ' ')}", loc="left", fontsize=9, color=INK)
+        tidy(axes, f"{name.replace('_', ' ')} of wheel", f"twist [per {QUANTITIES[name]}]")
     for axes in panels[len(known) :]:
         axes.set_visible(False)
     figure.legend(
         *panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=3, frameon=False, fontsize=9
     )
     figure.suptitle(
-        title or "derivatives of the twist by the quantities of each wheel",
+        title or "derivatives of the twist [m/s, m/s, rad/s] by the quantities of each wheel",
         x=0.01,
         ha="left",
         fontsize=10,
@@ -64,23 +67,30 @@ def jacobian_bars(found: Any, *, title: str | None) -> Figure:
 
 
 def named_bars(
-    values: Mapping[str, float], *, title: str | None, below: str, bad: frozenset[str] = frozenset()
+    values: Mapping[str, float],
+    *,
+    title: str | None,
+    below: str,
+    unit: str,
+    bad: frozenset[str] = frozenset(),
 ) -> Figure:
     """A row for each name with its number at the bar; those that are bad in another colour, hatched."""
-    figure = new_figure(WIDTH, 1.2 + 0.36 * len(values))
+    figure = new_figure(PAGE_WIDTH, 1.2 + 0.36 * len(values))
     axes = figure.add_subplot()
     for place, (name, value) in enumerate(values.items()):
         shown = value if np.isfinite(value) else 0.0
         colour, hatch = (FORBIDDEN, "///") if name in bad else (MOTION, "")
         axes.barh(place, shown, color=colour, hatch=hatch, edgecolor="white", height=0.55)
         shown_as = number(value, ".3g") if np.isfinite(value) else str(value)
-        axes.annotate(f" {shown_as} ", (max(shown, 0.0), place), color=INK, fontsize=9, va="center")
+        axes.annotate(f" {shown_as} ", (max(shown, 0.0), place), color=INK, fontsize=LABEL, va="center")
     axes.set_yticks(range(len(values)), list(values))
     axes.invert_yaxis()
     axes.axvline(0.0, color=SOFT, linewidth=0.8)
     axes.margins(x=0.15)
-    tidy(axes, "", "")
-    axes.tick_params(axis="y", labelsize=9, labelcolor=INK)
+    if not any(values.values()):
+        axes.set_xlim(-1.0, 1.0)
+    tidy(axes, unit, "")
+    axes.tick_params(axis="y", labelsize=LABEL, labelcolor=INK)
     write_title(axes, title, below)
     return figure
 
@@ -98,11 +108,11 @@ def stability_bars(found: Any, *, title: str | None) -> Figure:
         .min(axis=0)
     )
     values |= {f"joint {k + 1} to its stop [rad]": float(margin) for k, margin in enumerate(joints)}
-    figure = new_figure(WIDTH, 1.6 + 0.36 * len(loads))
+    figure = new_figure(PAGE_WIDTH, 1.6 + 0.36 * len(loads))
     weights, margins = figure.subplots(1, 2)
     for axes, part, words in (
         (weights, {name: value for name, value in values.items() if "load" in name}, "vertical load [N]"),
-        (margins, {name: value for name, value in values.items() if "load" not in name}, "margin"),
+        (margins, {name: value for name, value in values.items() if "load" not in name}, "margin [rad, m]"),
     ):
         names = [name.removeprefix("load of ").removesuffix(" [N]") for name in part]
         heights = [value if np.isfinite(value) else 0.0 for value in part.values()]
@@ -110,7 +120,11 @@ def stability_bars(found: Any, *, title: str | None) -> Figure:
         axes.barh(range(len(part)), heights, color=colours, height=0.55)
         for place, value in enumerate(part.values()):
             axes.annotate(
-                f" {value:.3g}", (max(heights[place], 0.0), place), va="center", fontsize=8, color=INK
+                f" {number(value, '.3g')}",
+                (max(heights[place], 0.0), place),
+                va="center",
+                fontsize=TICK,
+                color=INK,
             )
         axes.set_yticks(range(len(part)), names)
         axes.invert_yaxis()
@@ -131,7 +145,7 @@ def bounds_bars(found: Any, *, title: str | None) -> Figure:
         "rocker": "rad",
         "wheel_drop": "m",
     }
-    figure = new_figure(WIDTH, 3.6)
+    figure = new_figure(PAGE_WIDTH, 3.6)
     axes = figure.add_subplot()
     for place, (name, unit) in enumerate(names.items()):
         ends = np.asarray(getattr(found, name), dtype=float).reshape(-1, 2)
@@ -139,7 +153,7 @@ def bounds_bars(found: Any, *, title: str | None) -> Figure:
         if not low <= high:
             continue
         axes.plot([low, high], [place, place], color=AXLE, linewidth=7, solid_capstyle="butt")
-        words = f"{low:.3g} to {high:.3g} {unit}"
+        words = f"{number(low, '.3g')} to {number(high, '.3g')} {unit}"
         axes.annotate(
             words, (high, place), (6, 0), textcoords="offset points", va="center", fontsize=9, color=INK
         )
@@ -158,22 +172,40 @@ def feasible_bars(found: Any, *, title: str | None) -> Figure:
     if np.ndim(found.ok):
         reasons, counts = np.unique(np.asarray(found.reason).astype(str), return_counts=True)
         values = {str(reason): float(count) for reason, count in zip(reasons, counts, strict=True)}
-        return named_bars(values, title=title, below="poses by reason", bad=frozenset(values) - {"ok"})
+        return named_bars(
+            values, title=title, below="poses by reason", unit="poses [1]", bad=frozenset(values) - {"ok"}
+        )
     values = {
-        "least margin": float(found.margin),
+        "least margin [rad or m]": float(found.margin),
         "tilt [rad]": float(found.tilt),
         "clearance [m]": float(found.clearance),
     }
     words = "the rover may stand here" if found.ok else f"the rover may not stand here: {found.reason}"
-    return named_bars(
-        values, title=title, below=words, bad=frozenset() if found.ok else frozenset({"least margin"})
-    )
+    bad = frozenset() if found.ok else frozenset(list(values)[:1])
+    return named_bars(values, title=title, below=words, unit="[rad or m]", bad=bad)
 
 
 def slip_bars(found: Any, *, title: str | None) -> Figure:
-    """A `BodySlip`: the slip by component, and its statistic against the threshold."""
-    values = {f"slip, component {k + 1}": float(part) for k, part in enumerate(found.slip)}
-    values |= {"chi-squared statistic": found.statistic, "threshold": found.threshold}
-    bad = frozenset({"chi-squared statistic"}) if found.slipping else frozenset()
+    """A `BodySlip`: the slip by component, and its statistic beside the threshold."""
+    slip = np.atleast_1d(found.slip)
+    names = TWIST if len(slip) == 3 else COMPONENTS[: len(slip)]
+    figure = new_figure(PAGE_WIDTH, 1.5 + 0.3 * max(len(slip), 2))
+    parts, test = figure.subplots(1, 2)
+    tests = {"statistic": found.statistic, "threshold": found.threshold}
+    for axes, values, words in (
+        (parts, dict(zip(names, slip.tolist(), strict=True)), "slip [m/s, rad/s]"),
+        (test, tests, "chi squared [1]"),
+    ):
+        colours = [FORBIDDEN if name == "statistic" and found.slipping else AXLE for name in values]
+        axes.barh(range(len(values)), list(values.values()), color=colours, height=0.5)
+        for place, value in enumerate(values.values()):
+            words_at = (max(value, 0.0), place)
+            axes.annotate(f" {number(value, '.3g')}", words_at, va="center", fontsize=TICK, color=INK)
+        axes.set_yticks(range(len(values)), list(values))
+        axes.invert_yaxis()
+        axes.axvline(0.0, color=SOFT, linewidth=0.8)
+        axes.margins(x=0.25)
+        tidy(axes, words, "")
     words = "the rover slips" if found.slipping else "no more than noise"
-    return named_bars(values, title=title, below=f"{words}, probability {found.probability:.2g}", bad=bad)
+    write_title(parts, title, f"{words}, probability {found.probability:.2g}")
+    return figure

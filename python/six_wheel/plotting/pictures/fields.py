@@ -2,7 +2,7 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +11,19 @@ from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from six_wheel._core import Costmap, Terrain
-from six_wheel.plotting.drawing import CENTRE, INK, MOTION, SOFT, TRACK, new_figure, tidy, write_title
+from six_wheel.plotting.drawing import (
+    CENTRE,
+    INK,
+    MOTION,
+    SOFT,
+    TRACK,
+    color_bar,
+    equal_scales,
+    new_figure,
+    number,
+    tidy,
+    write_title,
+)
 from six_wheel.plotting.planning import draw_costmap
 
 __all__ = [
@@ -25,12 +37,15 @@ __all__ = [
 
 NODES = 400  # of a drawn map along its longer side
 ROLLOUTS = 300  # that are drawn
+LEAST = 0.2  # [m] of the plane that a picture shows
 SUN = LightSource(azdeg=315, altdeg=40)
 
 
 def draw_ground(axes: Axes, ground: Terrain) -> None:
     """Relief with contour lines; what is not known stays white."""
     heights = np.asarray(ground.heights, dtype=float)
+    if not np.isfinite(heights).any():
+        raise ValueError("ground must have a known height to be drawn, all of them are NaN")
     step = max(1, -(-max(heights.shape) // NODES))
     heights = heights[::step, ::step]
     rows, columns = heights.shape
@@ -42,13 +57,13 @@ def draw_ground(axes: Axes, ground: Terrain) -> None:
     along, up = np.meshgrid(np.arange(columns) * dx, np.arange(rows) * dy)
     x, y = x0 + cos * along - sin * up, y0 + sin * along + cos * up
     shown = np.where(np.isfinite(heights), bright, np.nan)
-    axes.pcolormesh(
-        x, y, shown, cmap=colours, vmin=-0.4, vmax=1.2, shading="nearest", rasterized=True, zorder=0
-    )
+    smooth: Literal["gouraud", "nearest"]
+    smooth = "gouraud" if np.isfinite(shown).all() else "nearest"  # the smooth one knows no holes
+    axes.pcolormesh(x, y, shown, cmap=colours, vmin=-0.4, vmax=1.2, shading=smooth, rasterized=True, zorder=0)
     if np.nanmax(heights) > np.nanmin(heights):
         lines = axes.contour(x, y, heights, levels=8, colors=INK, linewidths=0.6, alpha=0.6, zorder=0.5)
-        axes.clabel(lines, fontsize=7, fmt="%.2g")
-    axes.set_aspect("equal")
+        axes.clabel(lines, fontsize=7.5, fmt=lambda height: number(height, ".2g"))
+    axes.autoscale_view(tight=True)
 
 
 def terrain_figure(ground: Terrain, *, title: str | None) -> Figure:
@@ -56,10 +71,12 @@ def terrain_figure(ground: Terrain, *, title: str | None) -> Figure:
     figure = new_figure(7.2, 6.0)
     axes = figure.add_subplot()
     draw_ground(axes, ground)
+    equal_scales(figure, axes)
     tidy(axes, "x [m]", "y [m]")
     heights = np.asarray(ground.heights)
     rows, columns = heights.shape
-    words = f"{rows} x {columns} nodes, heights {np.nanmin(heights):.3g} to {np.nanmax(heights):.3g} m"
+    low, high = (number(float(end(heights)), ".3g") for end in (np.nanmin, np.nanmax))
+    words = f"{rows} x {columns} nodes, contour lines: heights {low} to {high} m"
     write_title(axes, title, words)
     return figure
 
@@ -69,7 +86,7 @@ def costmap_figure(costmap: Costmap, *, title: str | None) -> Figure:
     figure = new_figure(7.2, 6.0)
     axes = figure.add_subplot()
     _draw_costs(axes, costmap)
-    figure.colorbar(axes.images[0], ax=axes, label="cost", shrink=0.8)
+    color_bar(figure, axes.images[0], axes, "cost [1]")
     values = costmap.values
     frame = "" if costmap.frame is None else f" in frame {costmap.frame}"
     write_title(axes, title, f"{values.shape[0]} x {values.shape[1]} cells{frame}; lethal ones hatched")
@@ -93,7 +110,7 @@ def plan_path_figure(plan: Any, *, title: str | None) -> Figure:
     figure = new_figure(7.2, 5.0)
     axes = figure.add_subplot()
     _draw_poses(axes, np.asarray(plan.poses))
-    axes.set_aspect("equal", adjustable="datalim")
+    equal_scales(figure, axes, LEAST)
     tidy(axes, "x [m]", "y [m]")
     vx, vy, omega = plan.twist
     words = f"now vx {vx:.3g} m/s, vy {vy:.3g} m/s, omega {omega:.3g} rad/s; cost {plan.cost:.3g}"
@@ -119,7 +136,7 @@ def _draw_rollouts(axes: Axes, figure: Figure, paths: Any, costs: Any, words: st
     lines.set_array(np.asarray(costs)[order])
     axes.add_collection(lines)
     axes.autoscale_view()
-    figure.colorbar(lines, ax=axes, label=words, shrink=0.8)
+    color_bar(figure, lines, axes, words)
 
 
 def planner_figure(planner: Any, *, title: str | None) -> Figure:
@@ -130,10 +147,14 @@ def planner_figure(planner: Any, *, title: str | None) -> Figure:
     axes = figure.add_subplot()
     if len(planner.costs):
         _draw_rollouts(
-            axes, figure, np.asarray(rollout(planner.wishes, planner.dt)), planner.costs, "cost of a rollout"
+            axes,
+            figure,
+            np.asarray(rollout(planner.wishes, planner.dt)),
+            planner.costs,
+            "cost of a rollout [1]",
         )
     _draw_poses(axes, np.asarray(rollout(planner.state["controls"][None], planner.dt))[0])
-    axes.set_aspect("equal", adjustable="datalim")
+    equal_scales(figure, axes, LEAST)
     tidy(axes, "ahead of the rover [m]", "to its left [m]")
     write_title(
         axes, title, f"wishes of {planner.samples} rollouts of {planner.horizon} steps; green: the plan"
@@ -148,7 +169,7 @@ def rollouts_figure(found: Any, *, title: str | None) -> Figure:
     figure = new_figure(7.2, 5.0)
     axes = figure.add_subplot()
     _draw_rollouts(axes, figure, poses, speeds, "largest wheel speed [rad/s]")
-    axes.set_aspect("equal", adjustable="datalim")
+    equal_scales(figure, axes, LEAST)
     tidy(axes, "x [m]", "y [m]")
     write_title(axes, title, f"{len(poses)} rollouts")
     axes.plot(*poses[0, 0, :2], "o", color=CENTRE, markeredgecolor=SOFT, zorder=6)

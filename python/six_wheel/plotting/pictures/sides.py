@@ -2,6 +2,7 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,15 @@ from six_wheel.plotting.drawing import (
     BODY,
     CENTRE,
     INK,
+    LABEL,
+    PAGE_WIDTH,
     SOFT,
     TRACK,
     WHEEL,
     Floats,
+    equal_scales,
     new_figure,
+    number,
     tidy,
     write_title,
 )
@@ -41,14 +46,16 @@ def stand_figure(stand: Any, *, title: str | None) -> Figure:
             },
         }
         figure = strips(rows, panels, title=title, below=repr(stand))
-        figure.axes[-1].set_xlabel("pose", fontsize=8, color=SOFT)
+        figure.axes[-1].set_xlabel("pose", fontsize=LABEL, color=SOFT)
         return figure
     figure = new_figure(7.2, 4.6)
     axes = figure.add_subplot()
     if stand.stands:
         _draw(axes, stand)
+        equal_scales(figure, axes)
     tidy(axes, "along the heading [m]", "height [m]")
-    words = f"{stand.status}: roll {stand.roll:.3f} rad, pitch {stand.pitch:.3f} rad, z {stand.z:.3f} m"
+    roll, pitch, z = (number(value, ".3f") for value in (stand.roll, stand.pitch, stand.z))
+    words = f"{stand.status}: roll {roll} rad, pitch {pitch} rad, z {z} m"
     write_title(axes, title, words if stand.stands else f"{stand.status}: {stand.reason}")
     return figure
 
@@ -72,57 +79,83 @@ def _draw(axes: Axes, stand: Any) -> None:
     height: Floats = np.asarray(stand.ground.height_at(np.array((x, y)) + along[:, None] * heading))
     axes.fill_between(along, height, np.nanmin(height) - radii.max(), color=TRACK, zorder=0)
     axes.plot(along, height, color=INK, linewidth=1)
-    axes.set_aspect("equal")
 
 
 def suspension_figure(arm: Suspension, *, title: str | None) -> Figure:
-    """A `Suspension`: on level ground, from the left and from the front, with its dimensions."""
+    """A `Suspension`: on level ground, from the left with its vectors by name, and from behind."""
     level = Terrain(np.zeros((2, 2)), 1000.0, (-500.0, -500.0))
     stand = arm.settle(level, (0.0, 0.0, 0.0))
-    figure = new_figure(7.2, 6.4)
-    side, front = figure.subplots(2, 1)
+    figure = new_figure(PAGE_WIDTH, 6.4)
+    side, behind = figure.subplots(2, 1)
     _draw(side, stand)
+    dimensions = getattr(arm, "dimensions", {})
+    if isinstance(arm, RockerBogie):
+        _name_vectors(side, stand, dimensions)
+    equal_scales(figure, side)
+    tall = figure.get_figheight()
     centres, contacts = np.asarray(stand.wheel_centres), np.asarray(stand.contacts)
     radii = np.linalg.norm(contacts - centres, axis=1)
     for centre, radius in zip(centres, radii, strict=True):
         half = 0.45 * radius
         low, high = centre[2] - radius, centre[2] + radius
         box = np.array([(-half, low), (half, low), (half, high), (-half, high), (-half, low)])
-        front.fill(*(box - (centre[1], 0.0)).T, facecolor=BODY, edgecolor=WHEEL, linewidth=1.5, alpha=0.8)
-    front.axhline(0.0, color=INK, linewidth=1)
-    front.plot(0.0, stand.z, "+", color=CENTRE, markersize=12)
-    front.set_aspect("equal", adjustable="datalim")
+        behind.fill(*(box - (centre[1], 0.0)).T, facecolor=BODY, edgecolor=WHEEL, linewidth=1.5, alpha=0.8)
+    behind.axhline(0.0, color=INK, linewidth=1)
+    behind.plot(0.0, stand.z, "+", color=CENTRE, markersize=12)
+    behind.annotate("origin of the body", (0.0, stand.z), (8, 6), **WORDS)
+    equal_scales(figure, behind)
+    figure.set_size_inches(PAGE_WIDTH, tall + figure.get_figheight())
     tidy(side, "forward [m]", "height [m]")
-    tidy(front, "to the right [m], seen from behind", "height [m]")
-    dimensions = getattr(arm, "dimensions", {})
-    words = "; ".join(
-        f"{name} {np.round(value, 3).tolist()}"
+    tidy(behind, "to the right, seen from behind [m]", "height [m]")
+    single = {
+        name: value
         for name, value in dimensions.items()
-        if not isinstance(value, str | type(None))
-    )
-    write_title(
-        side,
-        title,
-        "\n".join(words[k : k + 88] for k in range(0, min(len(words), 352), 88)) or repr(arm)[:100],
-    )
+        if np.ndim(value) == 0 and not isinstance(value, str | None)
+    }
+    words = "; ".join(f"{name} {number(value, '.3g')} m" for name, value in single.items())
+    write_title(side, title, words or repr(arm)[:100])
     return figure
 
 
+WORDS: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8, "color": INK, "zorder": 20}
+
+
+def _name_vectors(axes: Axes, stand: Any, dimensions: Mapping[str, Any]) -> None:
+    """Names and numbers of the vectors of a rocker-bogie at the ends of its links, which lie in the body."""
+    origin = np.asarray(stand.transform)[:3, 3]
+    starts = {"rocker": origin + np.asarray(dimensions["rocker_pivot"])}
+    starts["bogie"] = starts["rocker"] + np.asarray(dimensions["rocker_to_bogie"])
+    named = {"rocker_pivot": starts["rocker"]}
+    for name, vector in dimensions.items():
+        start, between, _ = name.partition("_to_")
+        if between and np.shape(vector) == (3,):
+            named[name] = starts[start] + np.asarray(vector)
+    heights = sorted(named, key=lambda name: named[name][0])
+    top = max(point[2] for point in named.values()) + 0.9 * float(dimensions["wheel_radius"])
+    for place, name in enumerate(heights):
+        x, _, z = named[name]
+        vector = ", ".join(number(part, ".3g") for part in np.asarray(dimensions[name]))
+        at = (x, top + 0.6 * float(dimensions["wheel_radius"]) * (place % 3))
+        axes.annotate(
+            f"{name}\n{vector}", (x, z), at, fontsize=7.5, color=INK, ha="center", va="bottom", zorder=20,
+            arrowprops={"arrowstyle": "-", "color": SOFT, "linewidth": 0.7},
+        )  # fmt: skip
+    axes.set_ylim(top=top + 1.9 * float(dimensions["wheel_radius"]))
+
+
+# Quantities of a result by wheel or component, and their units.
+QUANTITIES = {
+    "steering": "rad", "wheel_speeds": "rad/s", "twist": "m/s, rad/s", "joint_rates": "rad/s",
+    "contact_angles": "rad", "scrub": "m/s", "ratio": "1", "angle": "rad",
+}  # fmt: skip
+PARTS = {3: ("vx", "vy", "omega"), 6: ("vx", "vy", "vz", "wx", "wy", "wz")}
+
+
 def motion_figure(found: Any, *, title: str | None) -> Figure:
-    """A `GroundCommand`, `GroundMotion`, `Traction`, `SteeringCommand` or `WheelSlip`: its numbers."""
-    names = (
-        "steering",
-        "wheel_speeds",
-        "twist",
-        "joint_rates",
-        "contact_angles",
-        "scrub",
-        "ratio",
-        "angle",
-    )
+    """A `GroundCommand`, `GroundMotion`, `Traction`, `SteeringCommand` or `WheelSlip`: bars by quantity."""
     known = {
         name: np.asarray(getattr(found, name), dtype=float)
-        for name in names
+        for name in QUANTITIES
         if getattr(found, name, None) is not None
     }
     known = {
@@ -130,14 +163,21 @@ def motion_figure(found: Any, *, title: str | None) -> Figure:
         for name, values in known.items()
         if values.ndim and values.size
     }
-    figure = new_figure(7.2, 0.9 + 1.5 * len(known))
-    rows = figure.subplots(len(known), 1, squeeze=False)[:, 0]
-    for axes, (name, values) in zip(rows, known.items(), strict=True):
-        axes.bar(np.arange(1, len(values) + 1), values, color=AXLE, width=0.6)
+    figure = new_figure(PAGE_WIDTH, 0.7 + 1.7 * -(-len(known) // 2))
+    panels = figure.subplots(-(-len(known) // 2), min(len(known), 2), squeeze=False).ravel()
+    for axes, (name, values) in zip(panels, known.items(), strict=False):
+        places = np.arange(len(values))
+        axes.bar(places, values, color=AXLE, width=0.5)
         axes.axhline(0.0, color=SOFT, linewidth=0.8)
-        axes.set_xticks(np.arange(1, len(values) + 1))
-        tidy(axes, "", name.replace("_", " "))
-    write_title(
-        rows[0], title, f"{type(found).__name__}: numbers by wheel, joint or component, in their order [SI]"
-    )
+        parts = PARTS[len(values)] if name == "twist" else [f"{place + 1}" for place in places]
+        axes.set_xticks(places, parts)
+        axes.set_xlim(-0.8, len(values) - 0.2)
+        below = "" if name == "twist" else "joint" if name == "joint_rates" else "wheel"
+        below = f"steered {below}" if name == "steering" else below
+        tidy(axes, below, f"{name.replace('_', ' ')} [{QUANTITIES[name]}]")
+    for axes in panels[len(known) :]:
+        axes.set_visible(False)
+    rows = next((len(getattr(found, name)) for name in known if np.ndim(getattr(found, name)) > 1), 1)
+    below = type(found).__name__ if rows == 1 else f"{type(found).__name__}: means of {rows} rows"
+    write_title(panels[0], title, below)
     return figure

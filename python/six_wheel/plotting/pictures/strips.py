@@ -11,19 +11,32 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from six_wheel.kinematics.controller import Reason
-from six_wheel.plotting.drawing import FORBIDDEN, INK, SERIES, SOFT, Floats, new_figure, tidy, write_title
+from six_wheel.plotting.drawing import (
+    FORBIDDEN,
+    INK,
+    LABEL,
+    PAGE_WIDTH,
+    SERIES,
+    SOFT,
+    TICK,
+    Floats,
+    new_figure,
+    tidy,
+    write_title,
+)
 
 __all__ = ["log_strips", "profile_strips", "run_strips", "slip_strips", "strips", "transition_strips"]
 
-WIDTH, HEIGHT = 7.2, 1.5  # [in] of a picture, of a strip
+HEIGHT = 1.5  # [in] of a strip
 INSTANTS = 400  # of a profile that is drawn
+ROUNDING = 1e-9
 
 
 def strips(
     times: ArrayLike, panels: Mapping[str, Mapping[str, Floats]], *, title: str | None, below: str
 ) -> Figure:
     """A figure with a strip for each quantity, under which name its lines stand with theirs."""
-    figure = new_figure(WIDTH, 0.9 + HEIGHT * len(panels))
+    figure = new_figure(PAGE_WIDTH, 0.9 + HEIGHT * len(panels))
     rows = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (quantity, lines) in zip(rows, panels.items(), strict=True):
         _strip(axes, times, lines)
@@ -38,9 +51,12 @@ def _strip(axes: Axes, times: ArrayLike, lines: Mapping[str, Floats]) -> None:
         axes.plot(
             times, values, color=SERIES[number % len(SERIES)], linestyle=style, linewidth=1.3, label=name
         )
+    low, high = axes.get_ylim()
+    if high - low < ROUNDING:  # nothing but rounding, which is no curve
+        axes.set_ylim(low - 0.05, high + 0.05)
     if len(lines) > 1:
         axes.legend(
-            frameon=False, fontsize=8, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
+            frameon=False, fontsize=TICK, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
             handlelength=1.5,
         )  # fmt: skip
 
@@ -51,8 +67,7 @@ def _named(names: Sequence[str], values: Floats) -> dict[str, Floats]:
 
 def run_strips(run: Any, *, title: str | None) -> Figure:
     """A `ControllerRun`: its motion, its joints, and the reasons of its steps."""
-    rover, count = run.rover, len(run)
-    steps = np.arange(count)
+    rover, times = run.rover, np.arange(len(run))
     panels = {
         "vx, vy [m/s]": _named(("vx", "vy"), run.twist[:, :2]),
         "omega [rad/s]": {"omega": run.twist[:, 2]},
@@ -60,35 +75,34 @@ def run_strips(run: Any, *, title: str | None) -> Figure:
     if rover.steered_wheel_names:
         panels["steering [rad]"] = _named(rover.steered_wheel_names, run.steering)
     panels["wheels [rad/s]"] = _named(rover.wheel_names, run.wheel_speeds)
-    figure = strips(steps, panels, title=title, below=f"{count} steps of a controller")
+    figure = strips(times, panels, title=title, below=f"{len(run)} steps of a controller")
     axes = figure.axes[0]
     found = [reason for reason in Reason if np.any(run.reasons & reason.value)]
     for number, reason in enumerate(found):
         held = (run.reasons & reason.value) != 0
         low = 1.02 + 0.06 * number
         axes.fill_between(
-            steps, low, low + 0.05, where=held, color=SERIES[number % len(SERIES)], linewidth=0,
+            times, low, low + 0.05, where=held, color=SERIES[number % len(SERIES)], linewidth=0,
             transform=axes.get_xaxis_transform(), clip_on=False, label=str(reason.name),
         )  # fmt: skip
     if found:
         axes.set_title(
-            axes.get_title(loc="left"), loc="left", fontsize=9, color=SOFT, y=1.04 + 0.06 * len(found)
+            axes.get_title(loc="left"), loc="left", fontsize=LABEL, color=SOFT, y=1.04 + 0.06 * len(found)
         )
         figure.legend(
             *zip(*((patch, patch.get_label()) for patch in axes.collections), strict=True),
-            loc="outside lower left", ncols=3, frameon=False, fontsize=8, labelcolor=INK,
+            loc="outside lower left", ncols=3, frameon=False, fontsize=TICK, labelcolor=INK,
         )  # fmt: skip
-    figure.axes[-1].set_xlabel("step", fontsize=8, color=SOFT)
     return figure
 
 
 def log_strips(log: Any, *, title: str | None) -> Figure:
     """A `WheelLog` without a truth: its angles."""
     times = log.stamps - log.stamps[0]
-    wheels = [f"wheel {k}" for k in range(log.wheel_angles.shape[1])]
+    wheels = [f"wheel {k + 1}" for k in range(log.wheel_angles.shape[1])]
     panels = {"wheels turned [rad]": _named(wheels, log.wheel_angles)}
     if log.steering is not None and np.shape(log.steering)[1]:
-        steered = [f"steered {k}" for k in range(np.shape(log.steering)[1])]
+        steered = [f"steered {k + 1}" for k in range(np.shape(log.steering)[1])]
         panels["steering [rad]"] = _named(steered, np.asarray(log.steering))
     if log.yaw_rate is not None:
         panels["yaw rate [rad/s]"] = {"gyroscope": log.yaw_rate}
@@ -101,13 +115,13 @@ def profile_strips(profile: Any, *, title: str | None) -> Figure:
     state = profile.at(times)
     panels = {}
     for name, unit in (
-        ("value", ""),
+        ("value", " [1]"),
         ("velocity", " [1/s]"),
         ("acceleration", " [1/s²]"),
         ("jerk", " [1/s³]"),
     ):
         values = np.asarray(getattr(state, name)).reshape(len(times), -1)
-        panels[name + unit] = _named([f"axis {k}" for k in range(values.shape[1])], values)
+        panels[name + unit] = _named([f"axis {k + 1}" for k in range(values.shape[1])], values)
     return strips(times, panels, title=title, below=f"profile of {profile.duration:.3g} s")
 
 
@@ -127,23 +141,27 @@ def transition_strips(transition: Any, *, title: str | None) -> Figure:
 def slip_strips(report: Any, *, title: str | None) -> Figure:
     """A `SlipReport`: a row for every wheel, with what it slid, and its windows over time."""
     names = [wheel.name for wheel in report.wheels]
-    figure = new_figure(WIDTH, 1.4 + 0.32 * len(names))
+    figure = new_figure(PAGE_WIDTH, 1.5 + 0.32 * len(names))
     bars, windows = figure.subplots(1, 2, sharey=True)
     places = np.arange(len(names))
-    bars.barh(places, [wheel.rms for wheel in report.wheels], color=SERIES[0], height=0.5, label="rms")
-    bars.plot(
-        [wheel.worst for wheel in report.wheels], places, "|", color=FORBIDDEN, markersize=12, label="worst"
-    )
+    rms, worst = (1000.0 * np.array([getattr(w, part) for w in report.wheels]) for part in ("rms", "worst"))
+    bars.barh(places, rms, color=SERIES[0], height=0.5, label="rms")
+    bars.plot(worst, places, "|", color=FORBIDDEN, markersize=12, markeredgewidth=2, label="worst")
     bars.set_yticks(places, names)
     bars.invert_yaxis()
+    bars.set_xlim(0.0, max(1.1 * worst.max(initial=0.0), 1.0))
     for window in report.windows:
         place = names.index(window.wheel)
         windows.barh(place, window.end - window.start, left=window.start, color=FORBIDDEN, height=0.5)
     if not report.windows:
-        windows.text(0.5, 0.5, "no wheel slipped", transform=windows.transAxes, color=SOFT, ha="center")
+        words = "no wheel contradicts another" if report.told else "the wheels cannot contradict each other"
+        windows.text(0.5, 0.5, words, transform=windows.transAxes, color=SOFT, ha="center", fontsize=LABEL)
         windows.set_xticks([])
-    tidy(bars, "residual [m/s]", "")
-    tidy(windows, "stamp of a window of slip [s]", "")
-    bars.legend(frameon=False, fontsize=8, labelcolor=INK)
+    tidy(bars, "residual [mm/s]", "")
+    tidy(windows, "windows of slip, stamps [s]", "")
+    figure.legend(
+        *bars.get_legend_handles_labels(), loc="outside lower left", ncols=2, frameon=False, fontsize=TICK,
+        labelcolor=INK,
+    )  # fmt: skip
     write_title(bars, title, f"slip over {report.rows} rows")
     return figure

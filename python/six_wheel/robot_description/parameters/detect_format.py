@@ -1,11 +1,12 @@
 """Detects the form in which a file describes a rover, and checks that the file has the keys of that form."""
 
+import math
 import re
 from typing import Any
 
 from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN, WELL_KNOWN
 from six_wheel.robot_description.parameters.foreign.steering import DRIVES, STEERS
-from six_wheel.robot_description.parameters.key_types import Common, keys_of
+from six_wheel.robot_description.parameters.key_types import Common, Values, keys_of
 from six_wheel.robot_description.parameters.ros_node_parameters import (
     GROUPS,
     Section,
@@ -21,6 +22,7 @@ from six_wheel.robot_description.parameters.vehicle_types import TELLING as OWN_
 
 __all__ = [
     "KEYS",
+    "NO_LIMIT",
     "PLAIN",
     "TELLING",
     "TYPES",
@@ -37,6 +39,13 @@ TELLING = (OWN_TELLING, frozenset[str]().union(*(form.telling for form in FOREIG
 PLAIN = frozenset[str]().union(*(form.telling for form in FOREIGN if form.ros1))
 """Keys of files without ``ros__parameters``."""
 
+NODE_OPTIONS = frozenset(
+    {"autostart", "imu_timeout", "joint_state_timeout", "record", "reset_on_time_jump", "tf_frame_prefix"}
+)
+"""Parameters that only `six-wheel node` and `filter` declare; they say nothing of the rover."""
+NO_LIMIT = 1e6
+"""Value of a limit from which on it is none, in parameters of ROS."""
+
 _LIMIT = re.compile(
     r"(linear|angular|traction|steering)\.(\w\.)?"
     r"((min|max)_(velocity|acceleration|deceleration|jerk|position)(_reverse)?|has_\w+_limits)"
@@ -44,8 +53,28 @@ _LIMIT = re.compile(
 
 
 def section_of(tree: Tree, node: str | None, report: Report) -> Section | None:
-    """The parameters of the rover in a file; see `nodes.section`."""
-    return section(tree, node, KEYS, TELLING, PLAIN, report)
+    """The parameters of the rover in a file; see `ros_node_parameters.section`."""
+    found = section(tree, node, KEYS, TELLING, PLAIN, report)
+    if found is not None and NODE_OPTIONS & found.data.keys():
+        _drop_unset(found.data)
+    return found
+
+
+def _drop_unset(data: Values) -> None:
+    """Take out what `ros2 param dump` writes of `six-wheel node` and nobody gave: there 0 stands for none."""
+    for name in NODE_OPTIONS & data.keys():
+        del data[name]
+    limits, control = (
+        dict(group) if isinstance(group := data.get(key), dict) else {} for key in ("limits", "control")
+    )
+    limits = {name: math.inf if value == NO_LIMIT else value for name, value in limits.items() if value != 0}
+    if control.get("following_error") == 0:
+        control["following_error"] = "never"
+    if isinstance(timeout := data.get("cmd_vel_timeout"), int | float):
+        control["timeout"] = timeout or "never"
+    data.update(
+        {key: group for key, group in (("limits", limits), ("control", control)) if group or key in data}
+    )
 
 
 def form_of(section: Section, error: Report, warning: Report, asked: str | None = None) -> Form | None:
@@ -62,12 +91,7 @@ def form_of(section: Section, error: Report, warning: Report, asked: str | None 
     if "kind" in data:
         guess = closest(kind, KINDS) if isinstance(kind, str) else None
         message = f"kind must be one of {', '.join(KINDS)}, got {shown(kind)}"
-        error(
-            section.line_of(("kind",)),
-            ("kind",),
-            message,
-            f"did you mean {guess}?" if guess else "choose one",
-        )
+        section.report(error, ("kind",), message, f"did you mean {guess}?" if guess else "choose one")
         if guess and KINDS[guess].needed <= data.keys():
             return KINDS[guess]
     by_keys = _controller_of(data, list(FOREIGN))
@@ -203,7 +227,7 @@ def check_keys(section: Section, form: Form, error: Report, warning: Report) -> 
         declared = field.annotation is float and (field.is_required() or form.controller) and not form.ros1
         if declared and section.node is not None and type(section.data.get(key)) is int:
             message = f"{key} is an integer, which ROS 2 refuses where it expects a floating-point number"
-            warning(section.line_of((key,)), (key,), message, f"write {section.data[key]}.0")
+            section.report(warning, (key,), message, f"write {section.data[key]}.0")
 
 
 def is_ignored(key: str, form: Form) -> bool:
@@ -223,7 +247,7 @@ def _check_groups(section: Section, error: Report, warning: Report) -> None:
                 at, guess = (group, key), closest(key, known)
                 report, remedy = (error, f"did you mean {guess}?") if guess else (warning, None)
                 message = f"unknown key {spell(at)}" + ("" if guess else " is ignored")
-                report(section.line_of(at), at, message, remedy)
+                section.report(report, at, message, remedy)
 
 
 def _check_wheels(section: Section, error: Report) -> None:
@@ -240,6 +264,6 @@ def _check_wheels(section: Section, error: Report) -> None:
             remedy = (
                 f"did you mean {guess}?" if guess else f"remove it; a wheel has {', '.join(sorted(known))}"
             )
-            error(section.line_of(at), at, f"unknown key {spell(at)}", remedy)
+            section.report(error, at, f"unknown key {spell(at)}", remedy)
             if guess:
                 section.rename(at, guess)

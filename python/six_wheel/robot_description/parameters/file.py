@@ -19,7 +19,8 @@ which stays as the controller needs it::
 
     wheel_of_joint: {motor_3: middle_left}
 
-or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is in ``docs/parameter_files.md``.
+or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is in
+``docs/reference/parameter_keys.md``.
 """
 
 import os
@@ -234,7 +235,7 @@ def _refuse(section: Section, error: ValueError, log: FileFindings) -> NoReturn:
     """Limits or ways of a controller that fit neither each other nor the rover."""
     key = str(error).partition(" ")[0]
     at = ("limits" if key in LimitKeys.model_fields else "control", key)
-    log.error(section.line_of(at), at, f"{at[0]}.{error}", "change one of the two")
+    section.report(log.error, at, f"{at[0]}.{error}", "change one of the two")
     raise log.failure() from None
 
 
@@ -352,7 +353,7 @@ def _joints(
         if joint not in named:
             at, guess = ("wheel_of_joint", joint), closest(joint, named)
             message = f"wheel_of_joint names {ros_yaml.one_line(joint)}, which is in neither list of joints"
-            log.error(section.line_of(at), at, message, f"did you mean {guess}?" if guess else "remove it")
+            section.report(log.error, at, message, f"did you mean {guess}?" if guess else "remove it")
     return joints
 
 
@@ -365,14 +366,14 @@ def _check_covariance(section: Section, values: Values, rover: Rover, log: FileF
         message = (
             f"calibration.covariance must have {len(names)} rows of as many numbers, got {len(rows)} rows"
         )
-        log.error(section.line_of(at), at, message, "give one row and one column for each of the parameters")
+        section.report(log.error, at, message, "give one row and one column for each of the parameters")
     elif rows:
         from six_wheel.kinematics.odometry.dimensions import deviations
 
         try:
             deviations(rover, names, rows)
         except ValueError as error:
-            log.error(section.line_of(at), at, f"calibration.{error}", "calibrate the rover again")
+            section.report(log.error, at, f"calibration.{error}", "calibrate the rover again")
 
 
 def _check_order(section: Section, here: JointList, found: dict[str, str], log: FileFindings) -> None:
@@ -381,4 +382,4 @@ def _check_order(section: Section, here: JointList, found: dict[str, str], log: 
         taken = f"which a controller of ROS 2 takes for {here.wheels[0]}"
         message = f"{here.key} begins with {ros_yaml.one_line(first)}, {taken}"
         remedy = f"ROS 2 goes by the order {', '.join(here.wheels)}; here the names count"
-        log.warning(section.line_of(at), at, message, remedy)
+        section.report(log.warning, at, message, remedy)

@@ -64,7 +64,7 @@ def wheels_of_joints(
     examples = itertools.cycle(free or wheels or elsewhere)
     if not said - {None} and len(entries) != len(wheels) and (here.order != "names" or len(wheels) == 1):
         remedy = f"name them in the order of the wheels {listed}"
-        report(section.line_of((key,)), (key,), f"{key} {_count_rule(wheels)}, got {len(entries)}", remedy)
+        section.report(report, (key,), f"{key} {_count_rule(wheels)}, got {len(entries)}", remedy)
         return {}
     first_line: dict[str, int | None] = {}
     joint_of: dict[str, str] = {}
@@ -106,7 +106,7 @@ def wheels_of_joints(
     if len(entries) < len(wheels) or len(entries) - misplaced > len(wheels):
         message = f"{key} {_count_rule(wheels)}, got {len(entries)}"
         remedy = f"add the joint of {unsaid}" if unsaid else f"the wheels are {listed}"
-        report(section.line_of((key,)), (key,), message, remedy)
+        section.report(report, (key,), message, remedy)
     return {joint: wheel for wheel, joint in joint_of.items()}
 
 
@@ -181,4 +181,4 @@ def check_wheels(section: Section, values: Mapping[str, Any], rover: Rover, repo
                 at, guess = (group, key, place), closest(wheel, known)
                 message = f"{group}.{key} names {one_line(wheel)}, which is no such wheel or joint"
                 remedy = f"did you mean {guess}?" if guess else f"there are {', '.join(wheels) or 'none'}"
-                report(section.line_of(at), at, message, remedy)
+                section.report(report, at, message, remedy)

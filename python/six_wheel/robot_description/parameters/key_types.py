@@ -29,7 +29,7 @@ def as_argument(value: Any) -> Any:
     return tuple(map(as_argument, value)) if isinstance(value, list) else value
 
 
-def _check_name(text: str) -> str:
+def check_name(text: str) -> str:
     if not text.strip() or not text.isprintable():
         raise ValueError(f"a name must have visible characters and no others, got {text!r}")
     return text
@@ -47,49 +47,28 @@ def by_type(kind: type, tag: str, otherwise: str) -> Discriminator:
 
 
 _WHEEL: Values = {"name": "wheel", "x": 0.0, "y": 0.0, "radius": 1.0}
-
-
 Number: TypeAlias = Annotated[float, Strict()]
-
-
 Flag: TypeAlias = Annotated[bool, Strict()]
-
-
 Finite: TypeAlias = Annotated[Number, asks_core(Wheel, "x", **_WHEEL)]
-
-
 Length: TypeAlias = Annotated[Number, asks_core(Wheel, "radius", **_WHEEL)]
-
-
 Positive: TypeAlias = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=False)]
-
-
 Limit: TypeAlias = Annotated[float, Strict(), Field(gt=0)]
-
 
 OrNever: TypeAlias = Annotated[
     Annotated[Literal["never"], Tag("<word>")] | Annotated[Positive, Tag("<number>")],
     by_type(str, "<word>", "<number>"),
 ]
 
-
-Name: TypeAlias = Annotated[str, Strict(), AfterValidator(_check_name)]
-
-
+Name: TypeAlias = Annotated[str, Strict(), AfterValidator(check_name)]
 Pair: TypeAlias = Annotated[list[Number], Field(min_length=2, max_length=2)]
-
 
 NumberOrPair: TypeAlias = Annotated[
     Annotated[Number, Tag("<number>")] | Annotated[Pair, Tag("<pair>")],
     by_type(list, "<pair>", "<number>"),
 ]
 
-
 SteeringLimit: TypeAlias = Annotated[NumberOrPair, asks_core(Wheel, "steering_limit", **_WHEEL, steered=True)]
-
-
 Factor: TypeAlias = Annotated[Number, AfterValidator(_check_factor)]
-
 
 Joints: TypeAlias = Annotated[
     Annotated[list[Name], Tag("<list>")] | Annotated[dict[str, Name], Tag("<map>")],

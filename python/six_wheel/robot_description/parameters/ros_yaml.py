@@ -236,12 +236,8 @@ class _Reader:
                     re.sub(r"\.(?=[ni])", "", text.lower())
                 )  # Python spells .inf and .nan without the point
         tag = one_line(node.tag.removeprefix(_TAG))
-        self.report(
-            line,
-            path,
-            f"{spell(path[-1:])} has the tag {tag}, which does not fit its value",
-            "remove the tag",
-        )
+        message = f"{spell(path[-1:])} has the tag {tag}, which does not fit its value"
+        self.report(line, path, message, "remove the tag")
         return text
 
     def _fill(self, data: dict[str, Any], node: yaml.MappingNode, path: Path) -> None:

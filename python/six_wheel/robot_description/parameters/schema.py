@@ -1,7 +1,7 @@
 """Types and rules of the keys of a parameter file, and the messages for mistakes in them.
 
 The rules for numbers are the core's own, asked one argument at a time; types and names are here. Which keys
-there are is in `_kinds` (this package's own) and `_controllers` (those of ROS 2).
+there are is in `vehicle_types` (this package's own) and `foreign` (those of others).
 """
 
 import re
@@ -159,7 +159,7 @@ def _explain(detail: ErrorDetails, section: Section, form: Form, report: Report)
         remedy = "put it in quotes"
     elif kind == "float_type" and isinstance(value, str):
         remedy = _number_in(value) or remedy
-    report(section.line_of(at), at, message, remedy)
+    section.report(report, at, message, remedy)
 
 
 def _in_words_of_file(message: str, at: Path) -> tuple[str, Path]:

@@ -30,7 +30,6 @@ ROCKER: Values = {
     "wheel_radius": 0.1,
 }
 
-
 IN_FRONT: Values = {
     "rocker_pivot": (0.1, 0.2, 0.1),
     "rocker_to_rear": (-0.3, 0.0, -0.1),
@@ -40,13 +39,8 @@ IN_FRONT: Values = {
     "wheel_radius": 0.1,
 }
 
-
 AXLES: Values = {"pivots": (1.0, 1.0), "axle_length": 1.0, "wheel_radius": 1.0}
-
-
 WHEEL_RADIUS = "the wheels' radius, in metres"
-
-
 STEERING_LIMIT = "an angle or [lower, upper], in radians"
 
 
@@ -67,29 +61,13 @@ class SteeredKeys(SteeringKeys):
 
 
 _Vector: TypeAlias = Annotated[list[Finite], Field(min_length=3, max_length=3)]
-
-
 _Pivot: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_pivot", **ROCKER)]
-
-
 _ToFront: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_to_front", **ROCKER)]
-
-
 _ToRear: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_to_rear", **IN_FRONT)]
-
-
 _ToBogie: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_to_bogie", **ROCKER)]
-
-
 _BogieToFront: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "bogie_to_front", **IN_FRONT)]
-
-
 _BogieToMiddle: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "bogie_to_middle", **ROCKER)]
-
-
 _BogieToRear: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "bogie_to_rear", **ROCKER)]
-
-
 _Limit: TypeAlias = Annotated[NumberOrPair, asks_core(RockerBogie, "rocker_limit", **ROCKER)]
 
 
@@ -140,12 +118,7 @@ def check_bogies(section: Section, values: Values, error: Report, warning: Repor
     for key in unwanted:
         if key in data:
             message = f"{key} is given beside keys for a bogie in front"
-            error(
-                section.line_of((key,)),
-                (key,),
-                message,
-                f"remove {key}, or rocker_to_rear and bogie_to_front",
-            )
+            section.report(error, (key,), message, f"remove {key}, or rocker_to_rear and bogie_to_front")
 
 
 def on_flat_ground(**arguments: Any) -> Rover:

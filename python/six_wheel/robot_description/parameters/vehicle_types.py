@@ -25,6 +25,7 @@ from six_wheel.robot_description.parameters.key_types import (
     as_argument,
     asks_core,
     by_type,
+    check_name,
     keys_of,
     optional,
     required,
@@ -243,8 +244,7 @@ def _wheel(values: Values) -> Wheel:
 
 def _check_names(wheels: dict[str, _Wheel]) -> dict[str, _Wheel]:
     for name in wheels:
-        if not name.strip() or not name.isprintable():
-            raise ValueError(f"a name must have visible characters and no others, got {name!r}")
+        check_name(name)
     return wheels
 
 
@@ -282,7 +282,7 @@ def _check_preset_kind(section: Section, values: Values, error: Report, warning:
     six = name is not None and {*Rover.preset(name).steered_wheel_names} == steered
     if kind is not None and name is not None and not (kind == "six_wheel" and six):
         message = f"kind {one_line(str(kind))} does not fit the preset {name}"
-        error(section.line_of(("kind",)), ("kind",), message, "leave out kind")
+        section.report(error, ("kind",), message, "leave out kind")
 
 
 def _check_axles(section: Section, values: Values, error: Report, warning: Report) -> None:
@@ -300,24 +300,18 @@ def _check_counts(section: Section, values: Values, error: Report, warning: Repo
     for key, what in (("headings", "number"), ("names", "name")):
         if key in values and len(values[key]) != count:
             rule = f"must hold {count} {what}{'s' if count > 1 else ''}, one per position"
-            error(
-                section.line_of((key,)),
-                (key,),
-                f"{key} {rule}, got {len(values[key])}",
-                "as many as positions has",
-            )
+            message = f"{key} {rule}, got {len(values[key])}"
+            section.report(error, (key,), message, "as many as positions has")
     if section.node is not None and _is_flat(values["positions"]) != "<flat>":
         message = "positions is a list of lists, which ROS 2 does not read"
-        warning(
-            section.line_of(("positions",)), ("positions",), message, "write [x, y, x, y, ...] in one list"
-        )
+        section.report(warning, ("positions",), message, "write [x, y, x, y, ...] in one list")
 
 
 def _check_wheels(section: Section, values: Values, error: Report, warning: Report) -> None:
     if section.node is not None and isinstance(values.get("wheels"), list):
         message = "wheels is a list of mappings, which ROS 2 does not read"
         remedy = "write a mapping of each wheel's name to its keys"
-        warning(section.line_of(("wheels",)), ("wheels",), message, remedy)
+        section.report(warning, ("wheels",), message, remedy)
 
 
 def _own_lists(values: Values, rover: Rover) -> list[JointList]:

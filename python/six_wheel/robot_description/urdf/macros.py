@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NoReturn
 
-from six_wheel.robot_description.urdf.tree import Notes
+from six_wheel.robot_description.urdf.elements import Notes
 
 __all__ = ["expanded", "has_macros"]
 

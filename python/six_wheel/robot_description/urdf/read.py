@@ -8,10 +8,12 @@ from pathlib import Path
 
 from six_wheel._core import Limits, RockerBogie, Rover, Wheel, unit_questions, without_questions
 from six_wheel.robot_description.diagnostics import Finding
+from six_wheel.robot_description.urdf.elements import Notes
 from six_wheel.robot_description.urdf.macros import expanded, has_macros
 from six_wheel.robot_description.urdf.suspension import Suspension, find_suspension
-from six_wheel.robot_description.urdf.tree import MAX_BYTES, Notes, Tree, read_tree
-from six_wheel.robot_description.urdf.wheels import FoundWheel, find_wheels, names_of
+from six_wheel.robot_description.urdf.tree import MAX_BYTES, Tree, read_tree
+from six_wheel.robot_description.urdf.wheel_geometry import FoundWheel
+from six_wheel.robot_description.urdf.wheels import find_wheels, names_of
 
 __all__ = ["Robot", "read_urdf"]
 
@@ -95,7 +97,7 @@ def parse_urdf(
         Wheel("wheel", 0.0, 0.0, radius=wheel_radius)  # the core's own rule
     tree = read_tree(path, text, notes)
     found = find_wheels(tree, notes, wheel_radius)
-    wheels = _in_rows(dict(zip(names_of(tree, found, notes), found, strict=True)))
+    wheels = _in_rows(dict(zip(names_of(found, notes), found, strict=True)))
     suspension = find_suspension(tree, wheels, notes)
     try:
         rover, limits = without_questions(lambda: _rover(wheels, suspension)), _limits(wheels)
@@ -124,6 +126,8 @@ def _text(path: Path, arguments: Mapping[str, str] | None, notes: Notes) -> str:
 
 def _in_rows(wheels: dict[str, FoundWheel]) -> dict[str, FoundWheel]:
     """Front to rear and left before right where the names are places, however the axles are staggered."""
+    if all(wheel.noted_name is not None for wheel in wheels.values()):
+        return wheels
     axles = ("front_", "middle_", "rear_", "")
     order = [f"{axle}{side}" for axle in axles for side in ("left", "right")]
     placed = [name for name in order if name in wheels]

@@ -6,7 +6,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from six_wheel.robot_description.urdf.tree import Floats, Joint, Notes, Tree, number, rotation_of, vector
+from six_wheel.robot_description.urdf.elements import Floats, Notes, number, rotation_of, vector
+from six_wheel.robot_description.urdf.tree import Joint, Tree
 
 __all__ = ["Radius", "mass_centre", "plugin_radius", "radius_of"]
 

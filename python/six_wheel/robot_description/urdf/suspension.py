@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from six_wheel._core import RockerBogie
-from six_wheel.robot_description.urdf.tree import Floats, Joint, Notes, Tree
-from six_wheel.robot_description.urdf.wheels import LEVEL, FoundWheel
+from six_wheel.robot_description.urdf.elements import Floats, Notes
+from six_wheel.robot_description.urdf.tree import Joint, Tree
+from six_wheel.robot_description.urdf.wheel_geometry import LEVEL, FoundWheel
 
 __all__ = ["Suspension", "find_suspension"]
 
@@ -107,10 +108,8 @@ def find_suspension(tree: Tree, wheels: Mapping[str, FoundWheel], notes: Notes) 
 
 def _noted_bar(tree: Tree, rocker: Joint) -> tuple[float, ...] | None:
     """The bar that couples the rockers, as `write` notes it; None for a gear."""
-    entries = tree.robot.findall(
-        f".//ros2_control/joint[@name='{rocker.name}']/param[@name='differential_bar']"
-    )
-    return tuple(map(float, str(entries[0].text).split())) if entries else None
+    entry = tree.parameters.get(rocker.name, {}).get("differential_bar")
+    return None if entry is None else tuple(map(float, str(entry.text).split()))
 
 
 def _side(tree: Tree, wheels: Mapping[str, FoundWheel], side: str, notes: Notes) -> _Side | None:

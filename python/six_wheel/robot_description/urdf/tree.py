@@ -1,50 +1,31 @@
 """The tree of links and joints in a robot description, with every transform composed at joint angles 0."""
 
-import math
-import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import NoReturn
 from xml.etree import ElementTree
-from xml.parsers import expat
 
 import numpy as np
-from numpy.typing import NDArray
 
-from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
+from six_wheel.robot_description.urdf.elements import (
+    Floats,
+    Notes,
+    line_of,
+    name_of,
+    number,
+    parse,
+    rotation_of,
+    vector,
+)
 
-__all__ = ["ENDINGS", "Joint", "Link", "Notes", "Tree", "read_tree"]
+__all__ = ["ENDINGS", "Joint", "Link", "Tree", "read_tree"]
 
 ENDINGS = (".urdf", ".xacro")
 MAX_BYTES = 1 << 25  # a description has kilobytes; its meshes are files of their own
-# Parts that no kinematics needs, in the order in which they are given up where the text is no XML.
-SIDE_PARTS = ("gazebo", "transmission", "ros2_control")
 NO_LIMIT = 1e3  # [rad or rad/s] what no joint reaches is a way to write that it has no limit
 TURNING = frozenset({"revolute", "continuous"})
 TYPES = TURNING | {"fixed", "prismatic", "floating", "planar"}
-
-Floats = NDArray[np.float64]
-
-
-class Notes:
-    """Collects what is wrong with a file, and what a reader should know of it."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.warnings: list[Finding] = []
-
-    def warn(
-        self, message: str, remedy: str | None = None, *, line: int | None = None, key: str = ""
-    ) -> None:
-        """Keep what may be a mistake, or had to be decided."""
-        self.warnings.append(Finding(line, key, message, remedy, "warning", str(self.path)))
-
-    def fail(
-        self, message: str, remedy: str | None = None, *, line: int | None = None, key: str = ""
-    ) -> NoReturn:
-        """Refuse the file."""
-        raise ParameterFileError([Finding(line, key, message, remedy, "error", str(self.path))])
 
 
 @dataclass(frozen=True)
@@ -87,6 +68,11 @@ class Joint:
     line: int | None = None
 
     @property
+    def moves(self) -> bool:
+        """True unless the joint is fixed."""
+        return self.type != "fixed"
+
+    @property
     def turns(self) -> bool:
         """True if the joint is a hinge that can move."""
         return self.type in TURNING and (self.limits is None or self.limits[0] < self.limits[1])
@@ -111,8 +97,59 @@ class Tree:
     """Link to the joint that holds it."""
     below: dict[str, list[Joint]] = field(default_factory=dict)
     """Link to the joints it holds."""
+    order: list[Joint] = field(default_factory=list)
+    """The joints, each after that above it."""
     up: float = 1.0
     """Sign of the root's z axis in the world: -1 for down."""
+    rollers: dict[str, list[Joint]] = field(default_factory=dict, repr=False)
+    """Joint to the rollers around it, as far as somebody has asked."""
+    _poses: dict[str, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
+    """Joint to rotation and origin of its child in the root as the file has it."""
+
+    @cached_property
+    def depth(self) -> dict[str, int]:
+        """Joint to the most joints that move on one way down from its child."""
+        depth: dict[str, int] = {}
+        for joint in reversed(self.order):
+            below = self.below.get(joint.child, [])
+            depth[joint.name] = max((depth[each.name] + each.moves for each in below), default=0)
+        return depth
+
+    @cached_property
+    def moving_above(self) -> dict[str, Joint | None]:
+        """Joint to the next one above it that moves."""
+        found: dict[str, Joint | None] = {}
+        for joint in self.order:
+            above = self.above.get(joint.parent)
+            found[joint.name] = above if above is None or above.moves else found[above.name]
+        return found
+
+    @cached_property
+    def commanded(self) -> dict[str, bool]:
+        """Joints that the file's ros2_control and transmissions name, and whether they are commanded."""
+        entries = {
+            joint.get("name", ""): joint.find("command_interface") is not None
+            for joint in self.robot.findall(".//ros2_control//joint")
+        }
+        transmitted = (joint.get("name", "") for joint in self.robot.findall("transmission/joint"))
+        return dict.fromkeys(transmitted, True) | entries
+
+    @cached_property
+    def parameters(self) -> dict[str, dict[str, ElementTree.Element]]:
+        """Joint to the parameters of its entry in ros2_control."""
+        return {
+            joint.get("name", ""): {each.get("name", ""): each for each in joint.findall("param")}
+            for joint in self.robot.findall(".//ros2_control//joint")
+        }
+
+    def number_below(self, joints: Iterable[Joint]) -> dict[str, int]:
+        """Joint to the number of these joints that are below it."""
+        counted = {joint.name for joint in joints}
+        number: dict[str, int] = {}
+        for joint in reversed(self.order):
+            below = self.below.get(joint.child, [])
+            number[joint.name] = sum(number[each.name] + (each.name in counted) for each in below)
+        return number
 
     def chain(self, joint: Joint) -> list[Joint]:
         """The joint and those above it, the root's first."""
@@ -134,16 +171,30 @@ class Tree:
 
         A part of the chain is composed by itself, so that no digits are lost to what is above it.
         """
+        if start is None:
+            rotation, origin = self._in_root(joint)
+            turned = np.array([1.0, self.up, self.up])
+            return turned[:, None] * rotation, turned * origin
         rotation, origin = np.eye(3), np.zeros(3)
         chain = self.chain(joint)
-        if start is None:
-            rotation = np.diag([1.0, self.up, self.up])
-        else:
-            chain = chain[chain.index(start) + 1 :]
-        for each in chain:
+        for each in chain[chain.index(start) + 1 :]:
             origin = origin + rotation @ each.origin
             rotation = rotation @ each.rotation
         return rotation, origin
+
+    def _in_root(self, joint: Joint) -> tuple[Floats, Floats]:
+        """Pose of a joint's child in the root, composed once for every joint above it."""
+        waiting, above = [], joint
+        while above.name not in self._poses:
+            waiting.append(above)
+            if (holder := self.above.get(above.parent)) is None:
+                break
+            above = holder
+        for each in reversed(waiting):
+            holder = self.above.get(each.parent)
+            rotation, origin = (np.eye(3), np.zeros(3)) if holder is None else self._poses[holder.name]
+            self._poses[each.name] = rotation @ each.rotation, origin + rotation @ each.origin
+        return self._poses[joint.name]
 
     def axis(self, joint: Joint) -> Floats:
         """Direction of a joint's axis in the root."""
@@ -158,16 +209,16 @@ def read_tree(path: Path, text: str, notes: Notes) -> Tree:
     ParameterFileError
         If it is no tree of links and joints.
     """
-    robot = _parse(text, notes)
+    robot = parse(text, notes)
     if robot.tag != "robot":
         known = {"sdf": "an SDF", "mujoco": "a MuJoCo model", "launch": "a launch file"}
         what = known.get(robot.tag, f"<{robot.tag}>")
         notes.fail(f"the file must hold a <robot>, got {what}", "give the robot's URDF or xacro")
     links: dict[str, Link] = {}
     for element in robot.findall("link"):
-        name = _name(element, notes)
+        name = name_of(element, notes)
         if name in links:
-            notes.fail(f"the link {name} is given twice", "rename one", line=_line(element))
+            notes.fail(f"the link {name} is given twice", "rename one", line=line_of(element))
         links[name] = Link(name, element)
     joints: dict[str, Joint] = {}
     for element in robot.findall("joint"):
@@ -197,87 +248,32 @@ def _arrange(tree: Tree, notes: Notes) -> Tree:
     if not roots:
         notes.fail("the links form a circle", "one link, such as base_link, has no joint above it")
 
-    def size(root: str) -> int:
-        return 1 + sum(size(joint.child) for joint in tree.below.get(root, []))
-
-    sizes = {root: size(root) for root in roots}
-    tree.root = max(roots, key=lambda root: sizes[root])
-    if sum(sizes.values()) < len(tree.links):
+    trees = {root: _joints_below(tree, root) for root in roots}
+    tree.root = max(roots, key=lambda root: len(trees[root]))
+    if sum(1 + len(joints) for joints in trees.values()) < len(tree.links):
         notes.fail("some links form a circle", "every link but the root has one joint above it")
     strays = [root for root in roots if root != tree.root]
     if strays:
         message = f"the links {', '.join(strays)} do not hang on {tree.root} and are not read"
         notes.warn(message, "add the joint that holds them")
-        for name in strays:
-            _prune(tree, name)
+    for joint in (joint for stray in strays for joint in trees[stray]):
+        tree.below.pop(joint.parent, None)
+        del tree.joints[joint.name]
+    tree.order = trees[tree.root]
     return tree
 
 
-def _prune(tree: Tree, link: str) -> None:
-    for joint in tree.below.pop(link, []):
-        del tree.joints[joint.name]
-        _prune(tree, joint.child)
-
-
-def _parse(text: str, notes: Notes) -> ElementTree.Element:
-    """The root element; parts that kinematics does not need are passed over where they are no XML."""
-    try:
-        return _elements(text)
-    except expat.ExpatError as error:
-        first = error
-    reduced = text
-    for count, tag in enumerate(SIDE_PARTS, 1):
-        # Line ends stay, so that lines keep their numbers.
-        pattern = re.compile(rf"<{tag}\b.*?</{tag}\s*>", re.DOTALL)
-        reduced = pattern.sub(lambda found: "\n" * found[0].count("\n"), reduced)
-        try:
-            robot = _elements(reduced)
-        except expat.ExpatError:
-            continue
-        gone = " and ".join(f"<{tag}>" for tag in SIDE_PARTS[:count])
-        message = f"not valid XML ({expat.ErrorString(first.code)}) in a part that is not needed"
-        notes.warn(f"{message}; {gone} is passed over", "viewers will refuse the file", line=first.lineno)
-        return robot
-    notes.fail(
-        f"not valid XML: {expat.ErrorString(first.code)}",
-        "check that tags are closed here and just above",
-        line=first.lineno,
-    )
-
-
-def _elements(text: str) -> ElementTree.Element:
-    """The elements, each with the line it starts on."""
-    builder = ElementTree.TreeBuilder()
-    parser = expat.ParserCreate()
-    parser.buffer_text = True
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        builder.start(tag, attributes | {"line": str(parser.CurrentLineNumber)})
-
-    parser.StartElementHandler = start
-    parser.EndElementHandler = builder.end
-    parser.CharacterDataHandler = builder.data
-    parser.Parse(text.encode(), True)
-    root: ElementTree.Element = builder.close()
-    return root
-
-
-def _line(element: ElementTree.Element) -> int | None:
-    line = element.get("line")
-    return int(line) if line else None
-
-
-def _name(element: ElementTree.Element, notes: Notes) -> str:
-    name = element.get("name", "")
-    if not name.strip() or not name.isprintable():
-        message = f"a {element.tag} must have a name of visible characters, got {name!r}"
-        notes.fail(message, "name it", line=_line(element))
-    return name
+def _joints_below(tree: Tree, root: str) -> list[Joint]:
+    """Every joint below a root, each after that above it."""
+    joints = list(tree.below.get(root, []))
+    for joint in joints:
+        joints += tree.below.get(joint.child, [])
+    return joints
 
 
 def _joint(element: ElementTree.Element, notes: Notes) -> Joint:
-    name, kind = _name(element, notes), element.get("type", "")
-    line = _line(element)
+    name, kind = name_of(element, notes), element.get("type", "")
+    line = line_of(element)
     if kind not in TYPES:
         notes.fail(f"the joint {name} must be one of {', '.join(sorted(TYPES))}, got {kind!r}", line=line)
 
@@ -324,54 +320,18 @@ def _limits(
         return None
     if lower > upper:
         message = f"the limits of {name} must be in order, got {lower:g} to {upper:g} rad"
-        notes.fail(message, "exchange lower and upper", line=_line(limit))
-    return max(lower, -NO_LIMIT), min(upper, NO_LIMIT)
+        notes.fail(message, "exchange lower and upper", line=line_of(limit))
+    return lower, upper
 
 
 def _velocity(limit: ElementTree.Element | None, name: str, notes: Notes) -> float | None:
     if limit is None or limit.get("velocity") is None:
         return None
     velocity = number(limit.get("velocity", ""), f"velocity of {name}", limit, notes)
+    if velocity < 0.0:
+        message = f"velocity of {name} must be positive, got {velocity:g} rad/s"
+        notes.fail(message, "write the largest rate of the joint", line=line_of(limit))
+    if velocity == 0.0:
+        message = f"velocity of {name} is 0, as where nobody filled it in: no limit is made of it"
+        notes.warn(message, "write the largest rate of the joint", line=line_of(limit), key=name)
     return velocity if 0.0 < velocity < NO_LIMIT else None
-
-
-def number(text: str, what: str, element: ElementTree.Element, notes: Notes) -> float:
-    """A number of an attribute; infinity is one, as some tools write for no limit."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if math.isnan(value):
-        hint = "expand the file with xacro first" if "$" in text else "write a number"
-        notes.fail(f"{what} must be a number, got {text!r}", hint, line=_line(element))
-    return value
-
-
-def vector(
-    element: ElementTree.Element | None,
-    key: str,
-    name: str,
-    notes: Notes,
-    default: tuple[float, float, float] = (0.0, 0.0, 0.0),
-) -> Floats:
-    """Three finite numbers of an attribute, or the default."""
-    text = None if element is None else element.get(key)
-    if element is None or text is None:
-        return np.array(default)
-    values = [number(part, f"{key} of {name}", element, notes) for part in text.split()]
-    if len(values) != 3 or not all(map(math.isfinite, values)):
-        message = f"{key} of {name} must be three finite numbers, got {text!r}"
-        notes.fail(message, line=_line(element))
-    return np.array(values)
-
-
-def rotation_of(roll: float, pitch: float, yaw: float) -> Floats:
-    """The rotation of fixed-axis angles: Rz(yaw) Ry(pitch) Rx(roll)."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin([roll, pitch, yaw]), np.cos([roll, pitch, yaw])
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )

@@ -11,149 +11,59 @@ order in the tilt.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from six_wheel.robot_description.joint_names import said_by
+from six_wheel.robot_description.urdf.elements import Notes
 from six_wheel.robot_description.urdf.shapes import Radius, mass_centre, plugin_radius, radius_of
-from six_wheel.robot_description.urdf.tree import Floats, Joint, Notes, Tree
+from six_wheel.robot_description.urdf.tree import Joint, Tree
+from six_wheel.robot_description.urdf.wheel_geometry import ROUNDING, FoundWheel, is_wheel, measured_wheel
 
-__all__ = ["FoundWheel", "find_wheels", "names_of"]
+__all__ = ["find_wheels", "names_of"]
 
-LEVEL = 0.5  # largest upward part of a horizontal axis, 30 degrees: a wheel may have camber
-UPRIGHT = 0.7  # least upward part of an upright one, 45 degrees
-ROUNDING = 1e-6  # [m or rad] what a file with six decimals does not tell
+MAX_WHEELS = 64  # of a rover of the core
 PARALLEL = 5e-3  # [rad] headings of axles that are meant to be parallel, in files that write 1.57
-SWIVEL = 0.1  # share of the radius from which on a wheel trails behind its pivot
-ROLLERS = 3  # least number of rollers on a wheel
 FLAT = 0.02  # share of the wheels' spread up to which a height says nothing
 ON_GROUND = ("footprint", "ground")  # in the name of a root that lies there
 LOW = 0.15  # share of the wheels' spread by which a wheel may be above the lowest
 
 
-@dataclass(frozen=True)
-class FoundWheel:
-    """A wheel of a tree; lengths in metres, angles in radians, in the root's frame with z up.
-
-    Attributes
-    ----------
-    joint : Joint
-        The one that turns it.
-    centre : array, shape (3,)
-    radius : float
-    radius_from : str
-        What says so.
-    heading : float
-        Where it rolls, with its steering at 0.
-    reversed : bool
-        Whether a positive speed of the joint rolls it backwards.
-    steering : Joint or None
-        The joint that turns it about an upright axis.
-    steering_reversed : bool
-        Whether that axis points down.
-    pivot : array, shape (2,)
-        Where it is at the height of the centre; the centre without one.
-    scrub, trail : float
-    castor : bool
-        Whether nothing commands that joint.
-    driven : bool
-    roller_angle : float or None
-    """
-
-    joint: Joint
-    centre: Floats
-    radius: float
-    radius_from: str
-    heading: float
-    reversed: bool
-    steering: Joint | None
-    steering_reversed: bool
-    pivot: Floats
-    scrub: float
-    trail: float
-    castor: bool
-    driven: bool
-    roller_angle: float | None
-
-    @property
-    def steering_limit(self) -> tuple[float, float] | None:
-        """Of the wheel, infinite if its joint is continuous, None without limits that hold 0."""
-        if self.steering is not None and self.steering.type == "continuous":
-            return -math.inf, math.inf
-        limits = None if self.steering is None else self.steering.limits
-        if limits is None or limits[0] > 0.0 or limits[1] < 0.0:
-            return None
-        return (-limits[1], -limits[0]) if self.steering_reversed else limits
-
-
 def find_wheels(tree: Tree, notes: Notes, wheel_radius: float | None = None) -> list[FoundWheel]:
-    """The wheels, front to rear and left before right; `wheel_radius` goes before what the file says.
+    """The wheels, front to rear and left before right, or in the order that `write` noted.
+
+    `wheel_radius` goes before what the file says.
 
     Raises
     ------
     ParameterFileError
         If there is none, or nothing tells how large one is.
     """
-    candidates = [joint for joint in tree.joints.values() if _is_wheel(tree, joint)]
+    candidates = [joint for joint in tree.joints.values() if is_wheel(tree, joint)]
     if not candidates:
         _refuse(tree, notes)
+    all_wheels = candidates
+    if len(candidates) > MAX_WHEELS:
+        hint = "give the description of a rover"
+        notes.fail(f"a rover has 1 to {MAX_WHEELS} wheels, got {len(candidates)}", hint)
     tree.up = _up(tree, candidates, notes)
     radii = {joint.name: radius_of(tree, joint, notes) for joint in candidates}
     candidates = _on_ground(tree, candidates, radii, notes)
     known = _with_radii(tree, candidates, radii, wheel_radius, notes)
-    wheels = [_found(tree, joint, known[joint.name], notes) for joint in candidates]
+    holds = tree.number_below(all_wheels)
+    driven = _driven(tree, all_wheels)
+    wheels = [
+        measured_wheel(tree, joint, known[joint.name], holds, driven[joint.name], notes)
+        for joint in candidates
+    ]
+    if all(wheel.noted_name is not None for wheel in wheels):
+        return sorted(wheels, key=lambda wheel: wheel.noted_index)
     return sorted(_aligned(wheels, notes), key=lambda wheel: (-round(wheel.pivot[0], 2), -wheel.pivot[1]))
 
 
-def controlled(tree: Tree) -> dict[str, bool]:
-    """Joints that the file's ros2_control and transmissions name, and whether they are commanded."""
-    said = {
-        joint.get("name", ""): joint.find("command_interface") is not None
-        for system in tree.robot.iter("ros2_control")
-        for joint in system.iter("joint")
-    }
-    for joint in tree.robot.findall("transmission/joint"):
-        said.setdefault(joint.get("name", ""), True)
-    return said
-
-
-def own_names(tree: Tree) -> dict[str, str]:
-    """Joint to wheel as `write` notes them."""
-    return {
-        joint.get("name", ""): str(parameter.text)
-        for system in tree.robot.iter("ros2_control")
-        for joint in system.iter("joint")
-        for parameter in joint.findall("param[@name='wheel']")
-    }
-
-
-def _rollers(tree: Tree, joint: Joint) -> list[Joint]:
-    """The rollers on a wheel: free hinges all around its axle, at the same distance, with nothing below."""
-    hinges = [each for each in tree.under(joint) if each.type != "fixed"]
-    if len(hinges) < ROLLERS or not all(each.endless and not _moving(tree, each) for each in hinges):
-        return []
-    origins = np.array([tree.pose(each, joint)[1] for each in hinges])
-    across = origins - np.outer(origins @ joint.axis, joint.axis)
-    distances = np.linalg.norm(across, axis=1)
-    around = np.linalg.norm(across.mean(axis=0)) < 0.2 * distances.mean()
-    return hinges if around and np.ptp(distances) < 0.2 * distances.mean() else []
-
-
-def _moving(tree: Tree, joint: Joint) -> list[Joint]:
-    return [each for each in tree.under(joint) if each.type != "fixed"]
-
-
-def _is_wheel(tree: Tree, joint: Joint) -> bool:
-    if not joint.endless or abs(tree.axis(joint)[2]) > LEVEL:
-        return False
-    if any(_rollers(tree, above) for above in tree.chain(joint)[:-1] if above.endless):
-        return False
-    return not _moving(tree, joint) or bool(_rollers(tree, joint))
-
-
 def _refuse(tree: Tree, notes: Notes) -> None:
-    hinges = [joint for joint in tree.joints.values() if joint.type != "fixed"]
+    hinges = [joint for joint in tree.joints.values() if joint.moves]
     listed = ", ".join(f"{joint.name} ({joint.type})" for joint in hinges[:8]) or "none but fixed ones"
     notes.fail(
         "no wheel found: no continuous joint has a horizontal axis and nothing that moves below it",
@@ -171,7 +81,7 @@ def _up(tree: Tree, wheels: Sequence[Joint], notes: Notes) -> float:
         tree.pose(each)[1][2] - centre[2]
         for joint, centre in zip(wheels, centres, strict=True)
         for each in tree.chain(joint)[:-1]
-        if each.type != "fixed"
+        if each.moves
     ]
     lift, why = (float(np.mean(above)) if above else 0.0), "the joints that hold the wheels are below them"
     if abs(lift) < FLAT * spread and any(word in tree.root for word in ON_GROUND):
@@ -255,86 +165,22 @@ def _with_radii(
     return known | {joint.name: source for joint in lacking}
 
 
-def _found(tree: Tree, joint: Joint, radius: Radius, notes: Notes) -> FoundWheel:
-    axle, centre = tree.axis(joint), tree.pose(joint)[1]
-    heading = math.atan2(-axle[0], axle[1])
-    backwards = not -math.pi / 2 + ROUNDING < heading <= math.pi / 2 + ROUNDING
-    if backwards:
-        heading -= math.copysign(math.pi, heading)
-    if abs(heading) < ROUNDING / 1e3:
-        heading = 0.0
-    steering = _steering(tree, joint, notes)
-    if steering is None:
-        return FoundWheel(
-            joint, centre, *radius, heading, backwards, None, False, centre[:2], 0.0, 0.0, False,
-            _is_driven(tree, joint), _roller_angle(tree, joint, heading),
-        )  # fmt: skip
-    axis, origin = tree.axis(steering), tree.pose(steering)[1]
-    # In the frame of the steering joint, so that the distance keeps its digits whatever is above.
-    rotation = tree.pose(steering)[0]
-    offset = rotation @ tree.pose(joint, steering)[1]
-    meeting = axis * (offset[2] / axis[2])
-    away = offset - meeting
-    forward = np.array([math.cos(heading), math.sin(heading)])
-    left = np.array([-forward[1], forward[0]])
-    trail, scrub = (0.0 - float(away[:2] @ forward)), float(away[:2] @ left)
-    trail, scrub = (0.0 if abs(value) < ROUNDING else value for value in (trail, scrub))
-    castor = _is_castor(tree, steering, math.hypot(trail, scrub) > SWIVEL * radius[0])
-    return FoundWheel(
-        joint, centre, *radius, heading, backwards, steering, bool(axis[2] < 0.0), (origin + meeting)[:2],
-        scrub, trail, castor and trail != 0.0, not castor and _is_driven(tree, joint), None,
-    )  # fmt: skip
-
-
-def _steering(tree: Tree, joint: Joint, notes: Notes) -> Joint | None:
-    """The lowest upright hinge above a wheel that holds no other wheel."""
-    for above in reversed(tree.chain(joint)[:-1]):
-        if not above.turns or abs(tree.axis(above)[2]) < UPRIGHT:
-            continue
-        others = [each for each in tree.under(above) if each is not joint and _is_wheel(tree, each)]
-        if not others:
-            return above
-        message = f"{above.name} bends the body with {len(others) + 1} wheels below it: it is held at 0"
-        if not any(finding.key == above.name for finding in notes.warnings):
-            notes.warn(
-                message, "articulated bodies are no part of the model", line=above.line, key=above.name
-            )
-    return None
-
-
-def _is_driven(tree: Tree, joint: Joint) -> bool:
-    """True if a motor turns the wheel: the file commands its joint, or commands no wheel at all."""
-    said = controlled(tree)
-    wheels = [name for name in said if name in tree.joints and _is_wheel(tree, tree.joints[name])]
-    return said.get(joint.name, False) if wheels else True
-
-
-def _is_castor(tree: Tree, steering: Joint, trails: bool) -> bool:
-    """True if no command moves a steering joint; in a silent file, if it trails and turns endlessly."""
-    if steering.mimic is not None:
-        return False
-    said = controlled(tree)
-    if steering.name in said:
-        return not said[steering.name]
-    return trails and steering.endless
-
-
-def _roller_angle(tree: Tree, joint: Joint, heading: float) -> float | None:
-    """The angle from the axle to the axis of the lowest roller, which stands on the ground."""
-    rollers = _rollers(tree, joint)
-    if not rollers:
-        return None
-    lowest = min(rollers, key=lambda roller: float(tree.pose(roller)[1][2]))
-    axis = tree.axis(lowest)
-    forward = np.array([math.cos(heading), math.sin(heading)])
-    left = np.array([-forward[1], forward[0]])
-    angle = math.atan2(float(axis[:2] @ forward), float(axis[:2] @ left))
-    return angle - math.pi * (angle > math.pi / 2) + math.pi * (angle <= -math.pi / 2)
+def _driven(tree: Tree, wheels: Sequence[Joint]) -> dict[str, bool]:
+    """True for each wheel with a motor: the file commands its joint, or commands none of them at all."""
+    silent = not any(joint.name in tree.commanded for joint in wheels)
+    return {joint.name: tree.commanded.get(joint.name, silent) for joint in wheels}
 
 
 def _aligned(wheels: list[FoundWheel], notes: Notes) -> list[FoundWheel]:
-    """Fixed axles that are parallel but for the rounding of the file, exactly so; others need rollers."""
-    fixed = [wheel for wheel in wheels if wheel.steering is None and wheel.roller_angle is None]
+    """Fixed axles that are parallel but for the rounding of the file, exactly so; others need rollers.
+
+    Wheels whose numbers are noted are as they are noted.
+    """
+    fixed = [
+        wheel
+        for wheel in wheels
+        if wheel.steering is None and wheel.roller_angle is None and wheel.noted_name is None
+    ]
     banks: list[list[FoundWheel]] = []
     for wheel in fixed:
         bank = next((bank for bank in banks if abs(bank[0].heading - wheel.heading) < PARALLEL), None)
@@ -360,13 +206,11 @@ def _aligned(wheels: list[FoundWheel], notes: Notes) -> list[FoundWheel]:
     return [changed.get(wheel.joint.name, wheel) for wheel in wheels]
 
 
-def names_of(tree: Tree, wheels: Sequence[FoundWheel], notes: Notes) -> list[str]:
+def names_of(wheels: Sequence[FoundWheel], notes: Notes) -> list[str]:
     """A name for each: as the file notes them, by their places in rows of two, else those of the joints."""
-    noted = own_names(tree)
-    if all(wheel.joint.name in noted for wheel in wheels):
-        names = [noted[wheel.joint.name] for wheel in wheels]
-        if len({*names}) == len(names):
-            return names
+    noted = [wheel.noted_name for wheel in wheels if wheel.noted_name is not None]
+    if len({*noted}) == len(wheels):
+        return noted
     rollers = {wheel.joint.name for wheel in wheels if wheel.castor}
     main = [wheel for wheel in wheels if wheel.joint.name not in rollers]
     axles = {2: [""], 4: ["front_", "rear_"], 6: ["front_", "middle_", "rear_"]}.get(len(main), [])

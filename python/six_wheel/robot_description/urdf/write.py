@@ -1,11 +1,14 @@
 """A URDF out of a rover: what `read` makes the same rover of, digit by digit, and viewers open."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from six_wheel._core import RockerBogie, Rover, Wheel
+from six_wheel.robot_description.diagnostics import ParameterFileError
+from six_wheel.robot_description.urdf.read import parse_urdf
+from six_wheel.robot_description.urdf.wheel_geometry import NUMBERS
 
 __all__ = ["rover_urdf", "suspension_urdf"]
 
@@ -23,14 +26,45 @@ Y: Point = (0.0, 1.0, 0.0)
 
 def rover_urdf(rover: Rover, name: str = "rover") -> str:
     """See `Rover.urdf`."""
-    if rover.suspension is not None:
-        return _text(_Description(name).suspended(rover, rover.suspension))
-    return _text(_Description(name).flat(rover))
+    if rover.suspension is None:
+        text = _text(_Description(name).flat(rover))
+    else:
+        text = _text(_Description(name).suspended(rover, rover.suspension))
+    _refuse_others(rover, _read_back(text))
+    return text
 
 
 def suspension_urdf(arm: RockerBogie, name: str = "rover") -> str:
     """See `RockerBogie.urdf`."""
-    return _text(_Description(name).suspended(arm.planar(0.0, (0.0, 0.0)), arm))
+    text = _text(_Description(name).suspended(arm.planar(0.0, (0.0, 0.0)), arm))
+    if (found := _read_back(text).suspension) != arm:
+        raise ValueError(f"a URDF must hold the suspension, got {arm!r}, which comes back as {found!r}")
+    return text
+
+
+def _read_back(text: str) -> Rover:
+    try:
+        return parse_urdf(text).rover
+    except ParameterFileError as error:
+        raise ValueError(
+            f"a URDF must hold the rover, got one of which {error.findings[0].message}"
+        ) from None
+
+
+def _refuse_others(rover: Rover, found: Rover) -> None:
+    """Fails unless the rover that a text is read as is the one it was written from."""
+    for wheel, other in zip(rover.wheels, found.wheels, strict=False):
+        if wheel != other:
+            message = (
+                f"a URDF must hold every wheel, got {wheel.name}, {wheel!r}, which comes back as {other!r}"
+            )
+            raise ValueError(message)
+    for part in ("wheels", "traction_joints", "steering_joints", "reversed_joints", "suspension"):
+        was, came = getattr(rover, part), getattr(found, part)
+        if was != came:
+            raise ValueError(
+                f"a URDF must hold {part} of the rover, got {was!r}, which come back as {came!r}"
+            )
 
 
 def _text(robot: Element) -> str:
@@ -64,7 +98,11 @@ class _Description:
         size = (2.0 * max(reach[0], radius), 2.0 * max(reach[1] - radius, radius / 2.0), radius / 2.0)
         self.box("base_link", size, (0.0, 0.0, 1.5 * radius))
         for wheel in rover.wheels:
-            self.wheel(rover, wheel, "base_link", (wheel.x, wheel.y, wheel.radius))
+            x, y = wheel.x, wheel.y
+            if not wheel.steered and not wheel.castor:
+                sin, cos = math.sin(wheel.heading), math.cos(wheel.heading)
+                x, y = x - wheel.trail * cos - wheel.scrub * sin, y - wheel.trail * sin + wheel.scrub * cos
+            self.wheel(rover, wheel, "base_link", (x, y, wheel.radius))
         return self.done()
 
     def suspended(self, rover: Rover, arm: RockerBogie) -> Element:
@@ -120,6 +158,8 @@ class _Description:
         """A link with an inertia, which simulations ask for."""
         if name in self._taken:
             raise ValueError(f"wheels and joints must not be called {name}, which a link is called already")
+        if not name.isprintable():
+            raise ValueError(f"wheels must be called by visible characters, got {name!r}")
         self._taken.add(name)
         link = SubElement(self.robot, "link", name=name)
         inertial = SubElement(link, "inertial")
@@ -146,15 +186,15 @@ class _Description:
             SubElement(joint, "limit", lower=lower, upper=upper, effort=EFFORT, velocity=velocity)
         return joint
 
-    def command(self, joint: str, interface: str | None, wheel: str = "") -> None:
-        """An entry of ros2_control: what commands a joint, and which wheel it turns."""
+    def command(self, joint: str, interface: str | None, parameters: Mapping[str, str]) -> None:
+        """An entry of ros2_control: what commands a joint, and what is noted of the wheel it turns."""
         entry = SubElement(self.control, "joint", name=joint)
         if interface is not None:
             SubElement(entry, "command_interface", name=interface)
         for state in ("position", "velocity"):
             SubElement(entry, "state_interface", name=state)
-        if wheel:
-            SubElement(entry, "param", name="wheel").text = wheel
+        for name, value in parameters.items():
+            SubElement(entry, "param", name=name).text = value
 
     def note(self, joint: str, name: str, value: str) -> None:
         """An entry of ros2_control for a joint that nothing commands, with a parameter."""
@@ -180,7 +220,7 @@ class _Description:
                 limit = (-limit[1], -limit[0])
             self.link(pillar, mass=0.1)
             self.hinge(steering, holder, pillar, at, upright, limit, yaw)
-            self.command(steering, None if wheel.castor else "position")
+            self.command(steering, None if wheel.castor else "position", {})
             # The offset in the axes of the steered wheel, where nothing has been turned yet.
             holder, yaw = pillar, 0.0
             below = ORIGIN if centre else (-wheel.trail, wheel.scrub, 0.0)
@@ -188,7 +228,12 @@ class _Description:
         mass = DENSITY * math.pi * WIDTH * wheel.radius**3
         link = self.link(tyre, mass, wheel.radius)
         self.hinge(joint, holder, tyre, below, (0.0, way, 0.0), None, yaw)
-        self.command(joint, "velocity" if wheel.driven else None, wheel.name)
+        index = str(rover.wheel_names.index(wheel.name))
+        numbers = {key: getattr(wheel, key) for key in NUMBERS}
+        noted = {key: repr(value) for key, value in numbers.items() if value or key in ("x", "y")}
+        self.command(
+            joint, "velocity" if wheel.driven else None, {"wheel": wheel.name, "index": index} | noted
+        )
         core = 0.6 * wheel.radius if wheel.roller_angle is not None else wheel.radius
         for part, radius in (("visual", core), ("collision", wheel.radius)):
             self.cylinder(link, part, radius, WIDTH * wheel.radius, (math.pi / 2.0, 0.0, 0.0))
@@ -245,7 +290,5 @@ class _Description:
 
 
 def _limit(value: object) -> tuple[float, float] | None:
-    """A limit of a hinge that can be written: finite, and not none."""
-    if isinstance(value, tuple) and all(math.isfinite(each) for each in value):
-        return value
-    return None
+    """A limit of a hinge that is one: at least one end is finite."""
+    return value if isinstance(value, tuple) and any(map(math.isfinite, value)) else None

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Rover, integrate
 from six_wheel.kinematics.errors import InfeasibleMotionError
+from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.odometry.thinning import Trace
 from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.headers.columns import Unit
@@ -93,6 +94,7 @@ class Engine:
     """Most rows that come out at a time; 0 if those that came in."""
     halt: float | None = None
     """Time since the first row at which a controller halts the rover [s]."""
+    _repr_mimebundle_ = mimebundle
 
     def __init__(self, rover: Rover, time_unit: Unit, keep: str | None = None) -> None:
         if keep is not None and keep not in KEEP:

@@ -48,7 +48,7 @@ def drive(
         A command table, see `logs`.
     output : Path, optional
         Joint commands, poses, twists and residuals, .csv or .parquet; .mcap: a record with the topics of
-        `records.rover_record`, for viewers.
+        `logs.mcap.rover_record`, for viewers.
     loop : Loop, optional
         The controller to drive through, and how often it steps; without it, directly.
     finish : callable, optional

@@ -113,8 +113,8 @@ class Bodies:
     def _add(self, name: str, mesh: shapes.Mesh, color: tuple[int, int, int]) -> Any:
         # Large flat faces in the light of the sun would show the steps of their own shadow.
         shaded = color not in (PANEL, LID)
-        return self._scene.add_mesh_simple(
-            f"{self._prefix}/{name}", mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32),
+        return shapes.add_mesh(
+            self._scene, f"{self._prefix}/{name}", mesh,
             color=color, flat_shading=True, side="double", receive_shadow=shaded,
         )  # fmt: skip
 
@@ -194,8 +194,8 @@ class Bodies:
 
     def _fan(self, number: int, motion: Motion) -> Any:
         mesh = self._arc(number, motion.state.steering_limit)
-        return self._scene.add_mesh_simple(
-            f"{self._prefix}/fan_{number}", mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32),
+        return shapes.add_mesh(
+            self._scene, f"{self._prefix}/fan_{number}", mesh,
             color=PALE, side="double", opacity=0.85, cast_shadow=False, receive_shadow=False,
         )  # fmt: skip
 

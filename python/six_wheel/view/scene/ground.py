@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Terrain
 from six_wheel.view.scene.glb import colored_glb
-from six_wheel.view.scene.shapes import Mesh
+from six_wheel.view.scene.shapes import Mesh, add_mesh, merge, strip
 from six_wheel.view.subject import Subject
 
 if TYPE_CHECKING:
@@ -128,8 +128,8 @@ class Block:
             scene.add_glb(
                 "/world/ground/top", colored_glb(top, painted, normals), position=place, cast_shadow=False
             )
-            scene.add_mesh_simple(
-                "/world/ground/sides", walls.vertices.astype(np.float32), walls.faces.astype(np.uint32),
+            add_mesh(
+                scene, "/world/ground/sides", walls,
                 color=(84, 54, 44), flat_shading=True, side="double", cast_shadow=False, position=place,
             )  # fmt: skip
 
@@ -141,19 +141,9 @@ class Block:
     def _sides(self, points: Floats) -> Mesh:
         """Walls from the edges down to a common bottom."""
         bottom = np.nanmin(points[..., 2]) - 0.5 * self._subject.radius if np.isfinite(points).any() else 0.0
-        edges = (points[0], points[-1], points[:, 0], points[:, -1])
-        vertices, faces, start = [], [], 0
-        for edge in edges:
+        walls = []
+        for edge in (points[0], points[-1], points[:, 0], points[:, -1]):
             top = edge[np.isfinite(edge[:, 2])]
-            if len(top) < 2:
-                continue
-            low = top.copy()
-            low[:, 2] = bottom
-            n = len(top)
-            k = np.arange(n - 1)
-            vertices += [top, low]
-            faces += [start + np.stack([k, k + 1, n + k], 1), start + np.stack([k + 1, n + k + 1, n + k], 1)]
-            start += 2 * n
-        if not vertices:
-            return Mesh(np.zeros((3, 3)), np.zeros((1, 3), np.int64))
-        return Mesh(np.concatenate(vertices), np.concatenate(faces))
+            if len(top) > 1:
+                walls.append(strip(top, np.column_stack([top[:, :2], np.full(len(top), bottom)])))
+        return merge(walls) if walls else Mesh(np.zeros((3, 3)), np.zeros((1, 3), np.int64))

@@ -46,12 +46,7 @@ class Markers:
         post = shapes.cylinder((0.0, 0.0, -0.2 * tall), (0.0, 0.0, tall), 0.055 * radius)
         ring = shapes.cylinder((0.0, 0.0, tall), (0.0, 0.0, tall + 0.06 * radius), 0.35 * radius, 24)
         mesh = shapes.merge([post, ring])
-        scene.add_mesh_simple(
-            "/world/motion/icr/post",
-            mesh.vertices.astype(np.float32),
-            mesh.faces.astype(np.uint32),
-            color=AMBER,
-        )
+        shapes.add_mesh(scene, "/world/motion/icr/post", mesh, color=AMBER)
         self._label = scene.add_label(
             "/world/motion/icr/label", "R", position=(0.0, 0.0, tall + 0.5 * radius), anchor="bottom-center"
         )
@@ -122,7 +117,7 @@ class Markers:
     def _ribbon(self, scene: Any, number: int, motion: Motion) -> Any:
         _, places = path_ahead(self._subject, motion, (self._subject.top_speed, 0.0, 0.0))
         mesh = shapes.ribbon(places[number], 0.45 * self._subject.radius)
-        return scene.add_mesh_simple(
-            f"/world/motion/track_{number}", mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32),
+        return shapes.add_mesh(
+            scene, f"/world/motion/track_{number}", mesh,
             color=TEAL, opacity=0.8, side="double", cast_shadow=False, visible=False,
         )  # fmt: skip

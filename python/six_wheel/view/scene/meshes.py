@@ -9,8 +9,9 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.robot_description.urdf.elements import Notes, number, rotation_of, vector
 from six_wheel.robot_description.urdf.shapes import mesh_file
-from six_wheel.robot_description.urdf.tree import Notes, Tree, number, rotation_of, vector
+from six_wheel.robot_description.urdf.tree import Tree
 from six_wheel.view.motion import Motion
 from six_wheel.view.scene import shapes
 from six_wheel.view.scene.shapes import Mesh

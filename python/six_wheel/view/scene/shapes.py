@@ -7,7 +7,20 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Mesh", "arc", "box", "cylinder", "merge", "move", "nice_step", "ribbon", "tyre", "wheel_hub"]
+__all__ = [
+    "Mesh",
+    "add_mesh",
+    "arc",
+    "box",
+    "cylinder",
+    "merge",
+    "move",
+    "nice_step",
+    "ribbon",
+    "strip",
+    "tyre",
+    "wheel_hub",
+]
 
 Floats: TypeAlias = NDArray[np.float64]
 GROUSERS = 18  # of a tyre: so many that one sees it turn
@@ -19,6 +32,11 @@ class Mesh(NamedTuple):
 
     vertices: Floats
     faces: NDArray[Any]
+
+
+def add_mesh(scene: Any, name: str, mesh: Mesh, **look: Any) -> Any:
+    """Add a mesh to a scene of viser, in single precision; `look` as of `add_mesh_simple`."""
+    return scene.add_mesh_simple(name, mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32), **look)
 
 
 def merge(meshes: Sequence[Mesh]) -> Mesh:
@@ -90,9 +108,9 @@ def tyre(radius: float, width: float, slant: float = 0.0) -> Mesh:
     for angle in np.linspace(0.0, math.tau, GROUSERS, endpoint=False).tolist():
         bar = box((0.09 * radius, width * 1.02, 0.16 * radius))
         if slant:
-            bar = Mesh(bar.vertices @ _about_z(math.pi / 2 - slant).T, bar.faces)
+            bar = move(bar, _about_z(math.pi / 2 - slant))
         bar = move(bar, np.eye(3), (0.0, 0.0, 0.92 * radius))
-        parts.append(Mesh(bar.vertices @ _about_y(angle).T, bar.faces))
+        parts.append(move(bar, _about_y(angle)))
     return merge(parts)
 
 
@@ -101,7 +119,7 @@ def wheel_hub(radius: float, width: float) -> Mesh:
     parts = [cylinder((0.0, -0.42 * width, 0.0), (0.0, 0.42 * width, 0.0), 0.2 * radius, 16)]
     for angle in np.linspace(0.0, math.tau, SPOKES, endpoint=False).tolist():
         spoke = box((0.09 * radius, 0.3 * width, 0.6 * radius), (0.0, 0.0, 0.42 * radius))
-        parts.append(Mesh(spoke.vertices @ _about_y(angle).T, spoke.faces))
+        parts.append(move(spoke, _about_y(angle)))
     return merge(parts)
 
 
@@ -109,7 +127,7 @@ def arc(radius: float, low: float, high: float, width: float, segments: int = 24
     """A flat strip around the z axis between two angles from +x, seen from both sides."""
     t = np.linspace(low, high, segments + 1)
     ring = np.stack([np.cos(t), np.sin(t), np.zeros_like(t)], axis=-1)
-    return _strip((radius - width / 2) * ring, (radius + width / 2) * ring)
+    return strip((radius - width / 2) * ring, (radius + width / 2) * ring)
 
 
 def ribbon(points: Floats, width: float) -> Mesh:
@@ -118,10 +136,11 @@ def ribbon(points: Floats, width: float) -> Mesh:
     length = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
     across = np.zeros_like(points)
     across[:, :2] = width / 2.0 * np.stack([-along[:, 1], along[:, 0]], axis=-1) / length
-    return _strip(points - across, points + across)
+    return strip(points - across, points + across)
 
 
-def _strip(right: Floats, left: Floats) -> Mesh:
+def strip(right: Floats, left: Floats) -> Mesh:
+    """Triangles between two lines of as many points (n, 3)."""
     k = np.arange(len(right) - 1)
     n = len(right)
     faces = np.concatenate([np.stack([k, k + 1, n + k], 1), np.stack([k + 1, n + k + 1, n + k], 1)])

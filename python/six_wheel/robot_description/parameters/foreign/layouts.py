@@ -60,11 +60,11 @@ def check_half_wheelbase(section: Section, values: Values, error: Report, warnin
         remedy = (
             "add half_wheelbase, the distance from the middle to each axle; wheel speeds do not depend on it"
         )
-        warning(section.line_of((_SUM,)), (_SUM,), message, remedy)
+        section.report(warning, (_SUM,), message, remedy)
     elif values.get("half_wheelbase", 0.0) >= values[_SUM]:
         at = ("half_wheelbase",)
         message = f"half_wheelbase must be smaller than {_SUM}, got {values['half_wheelbase']}"
-        error(section.line_of(at), at, message, "the rest of that sum is the distance to each side")
+        section.report(error, at, message, "the rest of that sum is the distance to each side")
 
 
 def check_wheels_per_side(section: Section, values: Values, error: Report, warning: Report) -> None:
@@ -72,7 +72,7 @@ def check_wheels_per_side(section: Section, values: Values, error: Report, warni
     if count and per_side not in (0, count):
         at = ("wheels_per_side",)
         message = f"wheels_per_side is {per_side}, and left_wheel_names names {count} joints"
-        warning(section.line_of(at), at, message, "the names count; leave out wheels_per_side")
+        section.report(warning, at, message, "the names count; leave out wheels_per_side")
 
 
 def omni(values: Values) -> Rover:

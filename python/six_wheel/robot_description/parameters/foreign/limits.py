@@ -97,4 +97,4 @@ def check_limits(section: Section, values: Values, error: Report, warning: Repor
         if unread:
             message = f"{', '.join(unread)} {'is' if len(unread) == 1 else 'are'} not read"
             remedy = "limits here are positive and hold both ways: see the key limits"
-            warning(section.line_of((unread[0],)), (unread[0],), message, remedy)
+            section.report(warning, (unread[0],), message, remedy)

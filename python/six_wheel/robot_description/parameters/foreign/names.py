@@ -9,7 +9,7 @@ from six_wheel.robot_description.parameters.joints import JointList
 from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 
-__all__ = ["by_states", "is_set", "reversed_by_sign", "stated_joints"]
+__all__ = ["by_states", "is_set", "listed", "reversed_by_sign", "stated_joints"]
 
 
 def is_set(value: Any) -> bool:
@@ -35,15 +35,16 @@ def reversed_by_sign(factors: Mapping[str, Sequence[str]], values: Values) -> Va
         for factor, keys in factors.items()
         if is_number(values.get(factor)) and values[factor] < 0
         for key in keys
-        for joint in _listed(values.get(key, ()))
+        for joint in listed(values.get(key, ()))
     ]
     # Two factors that are negative reverse a joint twice.
     once = [joint for joint in dict.fromkeys(turned) if turned.count(joint) % 2]
     return {"reversed_joints": once} if once and "reversed_joints" not in values else {}
 
 
-def _listed(value: Any) -> Sequence[str]:
-    return [value] if isinstance(value, str) else list(value)
+def listed(value: Any) -> list[str]:
+    """The names in a key that holds one, several or none."""
+    return [value] if isinstance(value, str) else list(value or ())
 
 
 def _own_joint(name: str) -> str:

@@ -259,7 +259,7 @@ def _checks(form: Table, keys: Mapping[str, str]) -> Check:
             given = note.get("unless") in section.data or ("several" in note and count < 2)
             if not given and _fits(values, note.get("when", {})):
                 at = (note["at"],)
-                warning(section.line_of(at), at, note["message"].format(count=count), note["remedy"].strip())
+                section.report(warning, at, note["message"].format(count=count), note["remedy"].strip())
 
     return check
 

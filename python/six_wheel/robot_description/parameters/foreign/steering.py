@@ -11,7 +11,7 @@ from typing import Any
 from six_wheel._core import Rover, Wheel
 from six_wheel.robot_description.joint_names import said_by
 from six_wheel.robot_description.parameters.foreign.limits import STEERING_RANGE, with_limits
-from six_wheel.robot_description.parameters.foreign.names import is_set
+from six_wheel.robot_description.parameters.foreign.names import is_set, listed
 from six_wheel.robot_description.parameters.joints import JointList
 from six_wheel.robot_description.parameters.key_types import Values, as_argument
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
@@ -112,7 +112,7 @@ def _steers_behind(values: Values) -> bool:
     """True if the file or the names of all joints say that the rear wheels steer."""
 
     def said(*keys: str) -> set[str | None]:
-        return {(said_by(name) or (None, None))[0] for name in _listed(_given(values, *keys))}
+        return {(said_by(name) or (None, None))[0] for name in listed(_given(values, *keys))}
 
     driven = "rear" if _drives_steered(values) else "front"
     names = said(*STEERS, "steering_joint_name") == {"rear"}
@@ -126,7 +126,7 @@ def _drives_steered(values: Values) -> bool:
     if "traction_joint_name" in values:
         return True
     several = _given(values, *RADIUS[:2], *FRONT_RADIUS[:2])  # which bicycles do not have
-    return several is not None and len(_listed(_given(values, *DRIVES))) == 1
+    return several is not None and len(listed(_given(values, *DRIVES))) == 1
 
 
 def _given(values: Values, *keys: str) -> Any:
@@ -143,10 +143,6 @@ def _older(keys: tuple[str, ...], values: Values) -> tuple[str, ...]:
     return tuple(re.sub("^(front|rear)(?=_wheel)", lambda found: other[found[0]], key) for key in keys)
 
 
-def _listed(value: Any) -> list[str]:
-    return [value] if isinstance(value, str) else list(value or ())
-
-
 # Values that follow from the keys.
 
 
@@ -154,7 +150,7 @@ def with_axle_behind(section: Section, values: Values, second: float = 1.0) -> V
     """The controller steers as if the axle were ahead: behind, its joints count the other way."""
     values = with_limits(section, values, second)
     if _steers_behind(values) and "reversed_joints" not in values:
-        return values | {"reversed_joints": _listed(_given(values, *STEERS, "steering_joint_name"))}
+        return values | {"reversed_joints": listed(_given(values, *STEERS, "steering_joint_name"))}
     return values
 
 
@@ -232,7 +228,7 @@ def check_steering(
 
 def _say_range(section: Section, warning: Report) -> None:
     message = "the file has no range of the steering: 90 degrees to both sides are assumed"
-    warning(section.line_of(("wheelbase",)), ("wheelbase",), message, "add steering_limit, in radians")
+    section.report(warning, ("wheelbase",), message, "add steering_limit, in radians")
 
 
 def check_tricycle(section: Section, values: Values, error: Report, warning: Report) -> None:
@@ -242,7 +238,7 @@ def check_tricycle(section: Section, values: Values, error: Report, warning: Rep
             "the file does not say how far apart the rear wheels are; one wheel between them stands for both"
         )
         remedy = "add track_width, the distance from left to right rear wheel; commands do not depend on it"
-        warning(section.line_of(("wheelbase",)), ("wheelbase",), message, remedy)
+        section.report(warning, ("wheelbase",), message, remedy)
     limit = _steering_range(values)
     if limit is None and "steering_limit" not in section.data:
         _say_range(section, warning)
@@ -253,7 +249,7 @@ def check_tricycle(section: Section, values: Values, error: Report, warning: Rep
             Wheel("front", 0.0, 0.0, radius=1.0, steered=True, steering_limit=limit)
         except ValueError as refused:
             message = f"steering.min_position and max_position{str(refused).removeprefix('steering_limit')}"
-            error(section.line_of(at), at, message, "they are the ends of the steering range, in radians")
+            section.report(error, at, message, "they are the ends of the steering range, in radians")
 
 
 def _say_behind(section: Section, values: Values, warning: Report) -> None:
@@ -268,7 +264,7 @@ def _say_behind(section: Section, values: Values, warning: Report) -> None:
         else ("the front wheels drive and the rear ones steer")
     )
     remedy = "the steering joints then count clockwise, as the controller commands them"
-    warning(section.line_of((key,)), (key,), f"{wheels}: {why}", remedy)
+    section.report(warning, (key,), f"{wheels}: {why}", remedy)
 
 
 def _check_names(
@@ -289,9 +285,9 @@ def _check_names(
     elif needed and present and not named and present[0] in values:
         at, description = (present[0],), descriptions[present[0]]
         message = f"{present[0]} must be set, got {shown(values[present[0]])}"
-        error(section.line_of(at), at, message, f"it is {description}")
+        section.report(error, at, message, f"it is {description}")
     both = [key for key in named if key in values]
     for key in both[1:]:
         if values[key] != values[both[0]]:
             message = f"{key} and {both[0]} are given, and differ"
-            error(section.line_of((key,)), (key,), message, f"remove {key}, the older name")
+            section.report(error, (key,), message, f"remove {key}, the older name")

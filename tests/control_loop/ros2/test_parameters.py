@@ -1,0 +1,109 @@
+"""Parameters of the node as teams set them: slips, frames, `ros2 param dump`; lines of its log."""
+
+import math
+
+import pytest
+import yaml
+from rcl_interfaces.msg import Log
+from rcl_interfaces.srv import GetParameters, ListParameters
+from rclpy.parameter import parameter_value_to_python
+
+import six_wheel as sw
+from six_wheel.control_loop import Settings
+from six_wheel.robot_description.parameters import ParameterFileError, read_parameters
+from tests.control_loop.ros2.peers import PATIENCE, call, driving
+
+NODE = "/mars/rover_controller"
+ALL = [
+    *("-p", "base_frame_id:=base_footprint", "-p", "tf_frame_prefix:=~", "-r", "__ns:=/mars"),
+    *("-p", "limits.sped:=1.0", "-p", "cmd_vel_timeout:=0.25", "-p", "limits.jerk:=2.0"),
+    *("-r", "joint_states:=/joint_states", "-r", "cmd_vel:=/cmd_vel"),
+    *("-r", "joint_commands:=/joint_commands", "-r", "odom:=/odom"),
+]
+
+
+def dumped(peer):
+    """The text that `ros2 param dump` writes."""
+    names = call(peer, ListParameters, f"{NODE}/list_parameters", ListParameters.Request()).result.names
+    request = GetParameters.Request(names=names)
+    values = call(peer, GetParameters, f"{NODE}/get_parameters", request).values
+    tree: dict = {}
+    for name, value in zip(names, values, strict=True):
+        *groups, key = name.split(".")
+        inside = tree
+        for group in groups:
+            inside = inside.setdefault(group, {})
+        inside[key] = parameter_value_to_python(value)
+    return yaml.safe_dump({NODE: {"ros__parameters": tree}})
+
+
+def test_slips_frames_and_a_dump(start, peer, rover_file, tmp_path):
+    text = rover_file.read_text()
+    rover_file.write_text(f"{text}    control: {{align: hold, following_error: 0.3}}\n")
+    process = start("node", str(rover_file), "--ros-args", *ALL)
+    peer.until(lambda: peer.odometry)
+    message = peer.odometry[-1]
+    assert (message.header.frame_id, message.child_frame_id) == ("mars/odom", "mars/base_footprint")
+    assert process.said.count("unknown parameter") == 1
+    assert "unknown parameter limits.sped is ignored; did you mean limits.speed?" in process.said
+    file = tmp_path / "dump.yaml"
+    file.write_text(dumped(peer))
+    again, before = read_parameters(file), read_parameters(rover_file)
+    assert not again.warnings
+    assert again.rover == before.rover
+    assert again.base_frame_id == "base_footprint"
+    assert again.limits == before.limits.replace(jerk=2.0)
+    assert again.control == before.control | {"timeout": 0.25, "following_time": 0.5}
+    # Started from it, the loop is the same one.
+    settings = Settings.of_parameters(again)
+    assert (
+        settings.controller().limits
+        == Settings.of_parameters(before).changed({"limits.jerk": 2.0}).controller().limits
+    )
+    assert process.end() == 0
+
+
+def test_a_value_out_of_range_is_one_line(start, rover_file):
+    for given, line in (
+        ("update_rate:=0.0", "update_rate must lie between 1 and 1000, got 0"),
+        ("limits.speed:=-1.0", "limits.speed must lie between 0 and 1e+06, got -1"),
+        ("imu_timeout:=.nan", "imu_timeout must lie between 0.001 and 1, got nan"),
+    ):
+        process = start("node", str(rover_file), "--ros-args", "-p", given)
+        process.process.wait(PATIENCE)
+        assert (process.process.returncode, process.said) == (2, f"six-wheel: {line}\n")
+
+
+def test_a_stop_is_a_line_of_the_log_and_its_end_another(start, peer, rover_file):
+    lines: list[str] = []
+    kept = peer.node.create_subscription(Log, "/rosout", lambda log: lines.append(log.msg), 100)
+    start("node", str(rover_file))
+    driving(peer)
+
+    def said(text):
+        return sum(text in line for line in lines)
+
+    begin = "joints: the rover stops, joint states are missing: joint fl_steer must be in the joint states"
+    peer.alter = lambda state: None
+    peer.until(lambda: said(begin))
+    peer.spin(2.2)  # two reports more
+    assert said("joint states are missing") == 1
+    peer.alter = lambda state: state
+    peer.until(lambda: said("joints: over: joint fl_steer must be in the joint states"))
+    peer.wanted = None
+    peer.until(lambda: said("commands: commands must keep coming"))
+    driving(peer)
+    peer.until(lambda: said("commands: over: commands must keep coming"))
+    assert said("joint states are missing") == 1
+    del kept
+
+
+def test_zero_is_no_limit_only_beside_parameters_of_the_node(tmp_path):
+    path = tmp_path / "rover.yaml"
+    text = "kind: differential\ntrack_width: 0.5\nwheel_radius: 0.1\n"
+    text += "limits: {speed: 1.0, jerk: 0.0, acceleration: 1.0e+6}\n"
+    path.write_text(f"{text}record: ''\n")
+    assert read_parameters(path).limits == sw.Limits(speed=1.0, acceleration=math.inf)
+    path.write_text(text)
+    with pytest.raises(ParameterFileError, match="limits.jerk must be finite and positive"):
+        read_parameters(path)

@@ -1,0 +1,78 @@
+"""What a notebook shows of objects: text always, a picture where matplotlib is, never an error."""
+
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import six_wheel as sw
+from tests.objects.samples import ROVER, samples
+
+SHOWN = (
+    "ControllerRun",
+    "Costmap",
+    "FourAxle",
+    "FourAxleSimulation",
+    "GroundSimulation",
+    "GroundTruth",
+    "RockerBogie",
+    "Rover",
+    "SettledPose",
+    "Simulation",
+    "SlipReport",
+    "Suspension",
+    "Terrain",
+    "Track",
+    "Track3",
+    "TwistFit",
+    "WheelLog",
+)
+LARGEST = 250_000  # [B] of a bundle: a relief in 256 colours
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_a_result_has_a_picture_beside_its_text(name):
+    pytest.importorskip("matplotlib")
+    one = samples()[name]
+    before = pickle.dumps(one)
+    bundle = one._repr_mimebundle_()
+    assert bundle["text/plain"] == repr(one)
+    assert bundle["text/html"].startswith("<pre>")
+    assert 'src="data:image/png;base64,iVBOR' in bundle["text/html"]
+    assert len(bundle["text/html"]) < LARGEST
+    assert one._repr_mimebundle_(include=None, exclude={"text/html"})["text/plain"] == repr(one)
+    assert pickle.dumps(one) == before
+
+
+def test_what_cannot_be_drawn_is_text():
+    unknown = sw.Terrain(np.full((3, 3), np.nan), 1.0)
+    assert unknown._repr_mimebundle_() == {"text/plain": repr(unknown)}
+
+
+def test_without_matplotlib_there_is_the_text():
+    code = (
+        "import sys\nsys.modules['matplotlib'] = None\n"
+        "import six_wheel as sw\nrover = sw.Rover.preset('perseverance')\n"
+        "assert rover._repr_mimebundle_() == {'text/plain': repr(rover)}\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.stderr == ""
+
+
+def test_a_figure_shows_itself_and_pyplot_is_left_alone():
+    pytest.importorskip("matplotlib")
+    code = (
+        "import sys, six_wheel as sw\nrover = sw.Rover.preset('perseverance')\n"
+        "assert sw.plot(rover)._repr_png_().startswith(b'\\x89PNG')\n"
+        "assert 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.stderr == ""
+
+
+def test_text_in_html_is_text():
+    pytest.importorskip("matplotlib")
+    wheels = [wheel.replace(name=f"<b>{number}") for number, wheel in enumerate(ROVER.wheels)]
+    assert "<b>" not in sw.Rover(wheels)._repr_mimebundle_()["text/html"]
