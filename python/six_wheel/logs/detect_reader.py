@@ -248,7 +248,7 @@ def _as_log(source: Any, rover: Rover, options: LogOptions, number: int) -> Whee
 
 
 def _odometry_options(rover: Rover, options: LogOptions) -> dict[str, Any]:
-    """What `Odometry` is told of readings in memory."""
+    """Options of `Odometry` for readings in memory."""
     found = {"wheel_encoders": options.wheel_encoders, "steering_encoders": options.steering_encoders}
     given: dict[str, Any] = {}
     for (name, values), part in zip(found.items(), ("wheel", "steering"), strict=True):
