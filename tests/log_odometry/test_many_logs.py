@@ -15,6 +15,7 @@ import pytest
 pytest.importorskip("pyarrow")
 
 import six_wheel as sw
+from six_wheel.kinematics.errors import SuspiciousReadingsWarning
 from six_wheel.log_odometry import FleetLog, Settings, reckon, reckon_all
 from six_wheel.logs.writing import _beside
 from six_wheel.simulation import write_log
@@ -197,3 +198,28 @@ def test_a_calibration_is_the_same_on_a_cluster(client: Any) -> None:
     assert alone.noise == spread.noise
     for one, other in zip(alone.cross_validation.candidates, spread.cross_validation.candidates, strict=True):
         np.testing.assert_array_equal(one.errors, other.errors)
+
+
+@pytest.mark.parametrize("again", ["name", "link", "copy"])
+def test_a_log_that_is_given_again_counts_once(logs: Path, tmp_path: Path, again: str) -> None:
+    """Two of one path had two workers write one track, and a copy counted twice in the median error."""
+    first = logs / "monday" / "run0.csv"
+    other = first if again == "name" else tmp_path / "other.csv"
+    if again == "link":
+        other.symlink_to(first)
+    elif again == "copy":
+        other.write_bytes(first.read_bytes())
+    second = logs / "tuesday" / "run1.csv"
+    line = f"{other} has the readings of {first}: they count once"
+    with pytest.warns(SuspiciousReadingsWarning) as caught:
+        done = list(reckon_all(PAIR, [first, other, second], tmp_path / "tracks", settings=NOISE, workers=1))
+    assert [str(each.message) for each in caught] == [line]
+    assert sorted(one.path for one in done) == [first, second]
+
+
+def test_a_command_says_that_a_log_counts_once(run: Run, logs: Path) -> None:
+    Path("cart.yaml").write_text("kind: differential\ntrack_width: 0.4\nwheel_radius: 0.1\n")
+    paths = [logs / "monday" / "run0.csv", logs / "monday" / "run2.csv", logs / "monday" / "run0.csv"]
+    code, _, said = run("odometry", "cart.yaml", *map(str, paths), "-o", "t", "--workers", "1")
+    assert code == 0
+    assert f"{paths[0]} has the readings of {paths[0]}: they count once" in said

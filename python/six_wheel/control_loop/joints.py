@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from six_wheel._core import Rover
 from six_wheel.control_loop.faults import ERROR, WARN, Faults
+from six_wheel.kinematics.rover_edit import reading_joints
 
 __all__ = ["JointReader", "Readings"]
 
@@ -43,16 +44,11 @@ class JointReader:
     def __init__(
         self, rover: Rover, positions: bool, factors: Sequence[tuple[float, float]], faults: Faults
     ) -> None:
-        steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
-        traction = {wheel: joint for joint, wheel in rover.traction_joints.items()}
         self._faults = faults
         self._positions = positions
         self._factors = list(factors)
-        # A wheel without a motor may report under its own name.
-        self._joints = [steering[wheel] for wheel in rover.steered_wheel_names]
-        self._steered = len(self._joints)
-        self._joints += [traction.get(wheel, wheel) for wheel in rover.wheel_names]
-        self._signs = [-1.0 if joint in rover.reversed_joints else 1.0 for joint in self._joints]
+        self._joints, self._signs = reading_joints(rover)
+        self._steered = len(rover.steered_wheel_names)
         needed = [*self._joints[: self._steered], *rover.traction_joints]
         self._needed = [self._joints.index(joint) for joint in needed]
         self._place = {joint: k for k, joint in enumerate(self._joints)}

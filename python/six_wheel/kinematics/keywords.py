@@ -3,11 +3,11 @@
 import difflib
 import inspect
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from functools import wraps
 from typing import Any, TypeVar
 
-__all__ = ["checked", "did_you_mean", "unknown_keyword"]
+__all__ = ["checked", "did_you_mean", "same_thing", "unknown_keyword"]
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
@@ -20,6 +20,7 @@ NAMES = {
     "d3": ("front_to_middle",),
     "d4": ("middle_track_width",),
     "encoder": ("wheel_encoders",),
+    "encoders": ("wheel_encoders",),
     "gear": ("gear_ratio",),
     "half_track": ("track_width",),
     "half_wheelbase": ("wheelbase",),
@@ -29,8 +30,10 @@ NAMES = {
     "reading": ("readings",),
     "resolution": ("ticks_per_turn", "spacing"),
     "speeds": ("wheel_speeds",),
+    "time_unit": ("stamp_unit",),
 }
 # What means the same by another number.
+_OF_ENCODERS = ("wheel_encoders", "give wheel_encoders=Encoder(ticks_per_turn=..., wraps_at=...)")
 SENTENCES = {
     "bits": ("wraps_at", "bits=16 is wraps_at=65536"),
     "cell_size": ("spacing", "cell_size is spacing"),
@@ -40,7 +43,15 @@ SENTENCES = {
     "half_wheelbase": ("wheelbase", "half_wheelbase is half of wheelbase"),
     "frequency": ("period", "give period = 1 / frequency"),
     "rate": ("period", "give period = 1 / rate"),
+    **dict.fromkeys(("modulus", "resolution", "ticks_per_turn", "wraps_at"), _OF_ENCODERS),
 }
+
+
+def same_thing(name: str, known: Collection[str]) -> str | None:
+    """The known name of what others call `name`; None if there is none, or its number is another."""
+    if SENTENCES.get(name, ("", ""))[0] in known:
+        return None
+    return next((new for new in NAMES.get(name, ()) if new in known), None)
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

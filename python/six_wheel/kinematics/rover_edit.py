@@ -10,7 +10,15 @@ from typing import Any, TypeVar
 from six_wheel._core import Limits, Rover, Wheel, without_questions
 from six_wheel.kinematics.keywords import unknown_keyword
 
-__all__ = ["joints_as_given", "limits_given", "replace", "replace_in_rover", "with_wheels"]
+__all__ = [
+    "joints_as_given",
+    "joints_by_wheel",
+    "limits_given",
+    "reading_joints",
+    "replace",
+    "replace_in_rover",
+    "with_wheels",
+]
 
 _T = TypeVar("_T")
 
@@ -123,6 +131,25 @@ def joints_as_given(rover: Rover) -> tuple[dict[str, str], dict[str, str]]:
         {joint: steering[joint] for joint in order if joint in steering},
         {joint: traction[joint] for joint in order if joint in traction},
     )
+
+
+def joints_by_wheel(rover: Rover) -> tuple[dict[str, str], dict[str, str]]:
+    """Wheels to their steering and to their traction joints."""
+    return (
+        {wheel: joint for joint, wheel in rover.steering_joints.items()},
+        {wheel: joint for joint, wheel in rover.traction_joints.items()},
+    )
+
+
+def reading_joints(rover: Rover) -> tuple[list[str], list[float]]:
+    """Joints of a row of readings, and their signs: those that steer, then that of every wheel.
+
+    A wheel without a motor may report under its own name.
+    """
+    steering, traction = joints_by_wheel(rover)
+    joints = [steering[wheel] for wheel in rover.steered_wheel_names]
+    joints += [traction.get(wheel, wheel) for wheel in rover.wheel_names]
+    return joints, [-1.0 if joint in rover.reversed_joints else 1.0 for joint in joints]
 
 
 def limits_given(limits: Limits) -> dict[str, float]:

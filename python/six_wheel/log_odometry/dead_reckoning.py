@@ -22,6 +22,7 @@ from six_wheel.logs.plausibility.arrays import FEW, array_checks, check_arrays
 __all__ = ["dead_reckon", "dead_reckon_chunks", "table_columns"]
 
 Errors = Literal["flag", "raise"]
+ORIGIN = (0.0, 0.0, 0.0)
 
 
 @overload
@@ -60,7 +61,7 @@ def dead_reckon(
     joints: ArrayLike | None = None,
     attitude: ArrayLike | None = None,
     yaw_rate: ArrayLike | None = None,
-    start: ArrayLike = (0.0, 0.0, 0.0),
+    start: ArrayLike | None = None,
     start_covariance: ArrayLike | None = None,
     errors: Errors = "flag",
     covariances: bool = True,
@@ -82,7 +83,7 @@ def dead_reckon(
     attitude: ArrayLike | None = None,
     yaw: ArrayLike | str | None = None,
     yaw_rate: ArrayLike | str | None = None,
-    start: ArrayLike = (0.0, 0.0, 0.0),
+    start: ArrayLike | None = None,
     start_covariance: ArrayLike | None = None,
     sensor: ArrayLike | None = None,
     errors: Errors = "flag",
@@ -124,8 +125,9 @@ def dead_reckon(
         Absolute yaw [rad] and gyroscope [rad/s], NaN in rows without; the name of a column for a table. That
         of a `WheelLog` counts as that of `Gyroscope()` unless the noise or ``gyroscope=`` says what it errs
         by.
-    start : array_like, shape (3,), default (0, 0, 0)
-        First pose ``[x, y, yaw]`` [m, m, rad]; of a suspension also as in `Odometry3.reset`.
+    start : array_like, shape (3,), optional
+        First pose ``[x, y, yaw]`` [m, m, rad], default (0, 0, 0); of a suspension also as in
+        `Odometry3.reset`, default on `ground` the pose of a log's truth at its first stamp, if it has one.
     start_covariance : array_like, shape (3,) or (3, 3), optional
         Of the first pose, default 0.
     sensor : array_like, shape (3,), optional
@@ -182,6 +184,7 @@ def dead_reckon(
             yaw_rate = log.yaw_rate
             if (noise is None or noise.yaw_rate == 0.0) and options.get("gyroscope") is None:
                 options["gyroscope"] = Gyroscope()  # nobody said that it is to be taken at its word
+    start = ORIGIN if start is None else start
     place = None if sensor is None else mount(sensor)
     if place is not None:
         start, start_covariance = start_of_body(start, start_covariance, place)
@@ -194,6 +197,7 @@ def dead_reckon(
         options |= _readings_of(source)
     odometry = Odometry(rover, noise, **options)
     odometry.reset(start, start_covariance)
+    stamps = None if stamps is None else tabular_input.seconds_of(stamps)
     if stamps is not None and stamp_unit is not None:
         stamps = np.asarray(stamps) / round(1.0 / scale_of(stamp_unit))
     if wheel_angles is not None and stamps is not None and plausibility and _rows(stamps) >= FEW:
@@ -222,7 +226,7 @@ def _in_space(
     joints: ArrayLike | None,
     attitude: ArrayLike | None,
     yaw_rate: Any,
-    start: ArrayLike,
+    start: ArrayLike | None,
     start_covariance: ArrayLike | None,
     errors: Errors,
     covariances: bool,
@@ -237,11 +241,14 @@ def _in_space(
         if ground is None and getattr(log, "stand", None) is not None:
             joints = log.stand.joints if joints is None else joints
             attitude = log.orientations if attitude is None else attitude
+        if start is None and ground is not None and log.truth is not None and log.truth.has_positions:
+            first = log.truth.at(log.stamps[:1])[0]
+            start = first if np.isfinite(first).all() else None
         options = {**log.options, **options}
     if wheel_angles is None or stamps is None:
         raise ValueError("wheel_angles and stamps must be given for a suspension, got none of them")
     odometry = Odometry3(suspension, noise, ground=ground, **options)
-    odometry.reset(start, start_covariance)
+    odometry.reset(ORIGIN if start is None else start, start_covariance)
     return odometry.run(
         steering,
         wheel_angles,

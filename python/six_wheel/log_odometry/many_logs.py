@@ -8,12 +8,14 @@ or changed, are all that is left to do. A log that fails is reported, and the re
 import hashlib
 import json
 import os
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover, __version__
+from six_wheel.kinematics.errors import SuspiciousReadingsWarning
 from six_wheel.log_odometry.results import Settings
 from six_wheel.log_odometry.run_log import reckon
 from six_wheel.logs.detect_reader import logs_in
@@ -85,7 +87,7 @@ def reckon_all(
     rover : Rover
         Of all logs.
     paths : sequence of Path
-        Logs, or folders of them.
+        Logs, or folders of them. One that is given again, by its name, a link or a copy, counts once.
     output : Path
         Folder for the tracks, made if it is not there; they lie in it as the logs lie in theirs.
     ending : {'.csv', '.parquet'}
@@ -108,7 +110,7 @@ def reckon_all(
     ClusterError
         If the cluster does not answer.
     """
-    logs = logs_in(paths)
+    logs = _without_copies(logs_in(paths))
     table_format(Path(f"track{ending}"))
     if output.exists() and not output.is_dir():
         raise TableError(f"{output}: the output of several logs must be a folder")
@@ -171,6 +173,42 @@ def reckon_one(job: LogTask) -> dict[str, Any]:
         "ate": None if judged is None else judged.rmse,
         "warnings": list(result.warnings),
     }
+
+
+def _without_copies(paths: Sequence[Path]) -> list[Path]:
+    """Logs once each: one that is given again, by its name, a link or a copy, is left out with a warning."""
+    kept: list[Path] = []
+    places: dict[Path, Path] = {}
+    contents: dict[tuple[tuple[str, int], ...], list[Path]] = {}
+    for path in paths:
+        same = places.get(path.resolve())
+        sizes = tuple((name, file.stat().st_size) for name, file in _files(path))
+        alike = contents.setdefault(sizes, []) if sizes else []
+        same = same or next((other for other in alike if _digest(other) == _digest(path)), None)
+        if same is not None:
+            line = f"{path} has the readings of {same}: they count once"
+            warnings.warn(line, SuspiciousReadingsWarning, stacklevel=3)
+            continue
+        places[path.resolve()] = path
+        alike.append(path)
+        kept.append(path)
+    return kept
+
+
+def _files(path: Path) -> list[tuple[str, Path]]:
+    """Files of a log; those of a folder by their names in it, but a single one without its name."""
+    if not path.is_dir():
+        return [("", path)] if path.is_file() else []
+    return sorted((str(each.relative_to(path)), each) for each in path.rglob("*") if each.is_file())
+
+
+def _digest(path: Path) -> list[bytes]:
+    """Digests of the contents of a log."""
+    found = []
+    for _, file in _files(path):
+        with open(file, "rb") as handle:
+            found.append(hashlib.file_digest(handle, "sha256").digest())
+    return found
 
 
 def _tracks(logs: Sequence[Path], output: Path, ending: str) -> list[Path]:

@@ -7,6 +7,7 @@ from typing import Self
 from six_wheel._core import Rover
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
 from six_wheel.kinematics.poses import Floats
+from six_wheel.kinematics.rover_edit import reading_joints
 from six_wheel.logs.joints import JointRows
 from six_wheel.logs.mcap import RoverRecord
 
@@ -29,11 +30,7 @@ class TrackRecord:
 
     def __init__(self, path: Path, rover: Rover, parameters: str, origin: int) -> None:
         self._origin = origin
-        steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
-        traction = {wheel: joint for joint, wheel in rover.traction_joints.items()}
-        self._names = [steering[wheel] for wheel in rover.steered_wheel_names]
-        self._names += [traction.get(wheel, wheel) for wheel in rover.wheel_names]
-        self._signs = [-1.0 if joint in rover.reversed_joints else 1.0 for joint in self._names]
+        self._names, self._signs = reading_joints(rover)
         self._record = RoverRecord(path, rover, "odometry", parameters)
 
     def write(self, chunk: JointRows, track: Track, covariances: Sequence[tuple[Floats, Floats]]) -> None:

@@ -6,7 +6,6 @@ Only where the truth is known are all poses kept, for the evaluation; a thinned 
 import contextlib
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from six_wheel.log_odometry.recording import TrackRecord
 from six_wheel.log_odometry.results import Count, Reckoned, Settings
 from six_wheel.log_odometry.slip import SlipSum
 from six_wheel.logs.detect_reader import AnyLog, open_log
+from six_wheel.logs.frames.tabular_input import concatenate
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.joints import JointRows
@@ -141,7 +141,7 @@ class _Run:
             parts.append(odometry.run(steered, angles[row], chunk.stamps[row], yaw_rate=rate))
             state = odometry.state
             covariances.append((state.covariance_6x6(), state.twist_covariance_6x6()))
-        track = _joined(parts)
+        track = concatenate(self.log.rover, parts)
         self.record.write(chunk, track, covariances)
         return track
 
@@ -231,17 +231,6 @@ class _Run:
         if len(result.truth) >= 2:
             result.evaluation = evaluate(result.estimate, result.truth, length=length)
         return result
-
-
-def _joined(parts: Sequence[Track]) -> Track:
-    """Tracks in a row as one."""
-
-    def all_of(name: str) -> Any:
-        values = [getattr(part, name) for part in parts]
-        return None if values[0] is None else np.concatenate(values)
-
-    names = [each.name for each in fields(Track) if each.name != "rover"]
-    return Track(parts[0].rover, *map(all_of, names))
 
 
 def reckon(

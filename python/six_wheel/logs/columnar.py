@@ -82,9 +82,9 @@ def units_of(schema: "pa.Schema") -> dict[int, str]:
 
 
 def time_unit_of(kind: "pa.DataType") -> Unit | None:
-    """Unit of a column of dates or durations; None for any other."""
+    """Unit of a column of dates, times of day or durations; None for any other."""
     import pyarrow as pa
 
-    if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
+    if pa.types.is_timestamp(kind) or pa.types.is_duration(kind) or pa.types.is_time(kind):
         return next(each for each in TIME_UNITS if each.symbol == kind.unit)
     return None

@@ -5,6 +5,7 @@ A format of one's own is a function that makes a `WheelLog` and its entry in `RE
 
 import difflib
 import os
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
@@ -14,13 +15,16 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.errors import SuspiciousReadingsWarning
 from six_wheel.kinematics.keywords import checked
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
-from six_wheel.logs.frames.tabular_input import is_table, table
+from six_wheel.logs.datasets import katwijk, rose_lab
+from six_wheel.logs.frames.tabular_input import is_table, table, whole
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.headers.joint_columns import Reading
+from six_wheel.logs.headers.time_columns import scale_of
 from six_wheel.logs.joint_sources import JointSource, refuse_counts
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.joints import JointLog, JointRows
@@ -56,27 +60,26 @@ class Reader:
     Attributes
     ----------
     claims : callable
-        Whether a path is such a log. It is asked before tables and bags are thought of: an ending of
-        theirs is not enough.
+        Whether a path is such a log; asked before tables and bags are thought of.
     read : callable
         From the path and the rover to a `WheelLog` in the rover's order, with its truth if it has one. Its
-        `ValueError` or `OSError` becomes the one line of the command.
+        `ValueError` or `OSError` becomes the one line of the command, its warnings those of the log.
+    belongs : callable
+        Whether a path in a folder belongs to such a log, and is none by itself.
     """
 
     claims: Callable[[Path], bool]
     read: Callable[[Path, Rover], WheelLog]
+    belongs: Callable[[Path], bool] = lambda path: False
 
 
-def _optiodom(path: Path, rover: Rover) -> WheelLog:
-    """An OptiOdom run, if it is one of this rover's."""
-    nominal = optiodom.read_rover(path)
-    if nominal.wheel_names != rover.wheel_names or nominal.steered_wheel_names != rover.steered_wheel_names:
-        theirs, ours = (", ".join(each.wheel_names) for each in (nominal, rover))
-        raise TableError(f"{path}: the wheels must be {theirs}, as the run has them, got {ours}")
-    return optiodom.read(path)
-
-
-READERS: dict[str, Reader] = {"optiodom": Reader(lambda path: metadata_of(path) is not None, _optiodom)}
+READERS: dict[str, Reader] = {
+    "optiodom": Reader(
+        lambda path: metadata_of(path) is not None, optiodom.read_for, lambda path: "_metadata" in path.stem
+    ),
+    "katwijk": Reader(katwijk.claims, katwijk.read, katwijk.belongs),
+    "rose_lab": Reader(rose_lab.claims, rose_lab.read, rose_lab.belongs),
+}
 
 
 def log_formats() -> tuple[str, ...]:
@@ -139,7 +142,8 @@ def _is_log(path: Path) -> bool:
         return (path / "metadata.yaml").exists()
     inside_bag = (path.parent / "metadata.yaml").exists()
     named = path.suffix.lower() in {*READ, *BAGS} or any(one.claims(path) for one in READERS.values())
-    return named and not inside_bag and not path.name.startswith(".") and not path.stem.endswith("_metadata")
+    part = inside_bag or path.name.startswith(".") or any(one.belongs(path) for one in READERS.values())
+    return named and not part
 
 
 def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
@@ -229,38 +233,49 @@ def as_logs(source: Any, rover: Rover, options: LogOptions | None = None) -> lis
 
 def _as_log(source: Any, rover: Rover, options: LogOptions, number: int) -> WheelLog:
     if isinstance(source, WheelLog):
-        if options.plausibility and source.plausibility:
-            _check_log(source, rover, number)
-        return source
+        return _told(source, rover, options, number)
     if isinstance(source, str | os.PathLike):
         return read_log(source, rover, options)[0]
     if not is_table(source):
         raise TypeError(f"logs must be Logs, paths or tables of columns, got {type(source).__name__}")
+    given = _odometry_options(rover, options)
+    columns, clock = options.columns or None, options.stamp_unit
+    read = table(rover, source, columns, {}, given, stamp_unit=clock, plausibility=options.plausibility)
+    log = whole(read)
+    if read.readings == "speeds":
+        given["readings"] = "speeds"
+    return WheelLog(log.stamps, log.steering, log.wheels, options=given, plausibility=False)
+
+
+def _odometry_options(rover: Rover, options: LogOptions) -> dict[str, Any]:
+    """Options of `Odometry` for readings in memory."""
     found = {"wheel_encoders": options.wheel_encoders, "steering_encoders": options.steering_encoders}
     given: dict[str, Any] = {}
     for (name, values), part in zip(found.items(), ("wheel", "steering"), strict=True):
         direct, keys = encoders_or_keys(values)
         if encoders := direct or encoders_of(rover, part, keys):
             given[name] = encoders
-    if options.readings == "speeds":
-        given["readings"] = "speeds"
-    columns, clock = options.columns or None, options.stamp_unit
-    read = table(rover, source, columns, {}, given, stamp_unit=clock, plausibility=options.plausibility)
-    pieces = list(read.pieces)
-    if read.readings == "speeds":
-        given["readings"] = "speeds"
-    steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_wheel_names else None
-    stamps = np.concatenate([piece.stamps for piece in pieces])
-    wheels = np.concatenate([piece.wheels for piece in pieces])
-    return WheelLog(stamps, steering, wheels, options=given, plausibility=False)
+        if keys.get("increments"):
+            given["readings"] = "increments"
+    if options.readings in ("speeds", "increments"):
+        given["readings"] = options.readings
+    return given
 
 
-def _check_log(log: WheelLog, rover: Rover, number: int) -> None:
-    """Refuse readings of a log in memory that no rover has."""
-    try:
-        check_arrays(array_checks(rover, log.options), log.steering, log.wheel_angles, log.stamps)
-    except ImplausibleReadingError as error:
-        raise ValueError(f"logs[{number}]: {error}") from None
+def _told(log: WheelLog, rover: Rover, options: LogOptions, number: int) -> WheelLog:
+    """A log in memory with what is said of it; readings that no rover has are refused."""
+    given, stamps = _odometry_options(rover, options), log.stamps
+    if options.stamp_unit is not None:
+        stamps = stamps / round(1.0 / scale_of(options.stamp_unit))
+    if given or stamps is not log.stamps:
+        log = replace(log, stamps=stamps, options={**log.options, **given})
+    if options.plausibility and log.plausibility:
+        checks = array_checks(rover, log.options, clock_stated=options.stamp_unit is not None)
+        try:
+            check_arrays(checks, log.steering, log.wheel_angles, log.stamps)
+        except ImplausibleReadingError as error:
+            raise ValueError(f"logs[{number}]: {error}") from None
+    return log
 
 
 @checked(LogOptions)
@@ -330,7 +345,10 @@ class WholeLog:
         self.findings, self.warnings = Findings(path), list[str]()
         self.position = 0
         try:
-            self._log = READERS[kind].read(path, rover)
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always", SuspiciousReadingsWarning)
+                self._log = READERS[kind].read(path, rover)
+            self.warnings += [str(each.message) for each in caught]
         except TableError:
             raise
         except OSError as error:

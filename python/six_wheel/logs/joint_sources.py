@@ -13,7 +13,7 @@ from six_wheel.logs.ground_truth import TRUTH
 from six_wheel.logs.gyroscope.rates import RATES, upward
 from six_wheel.logs.gyroscope.sources import rate_table
 from six_wheel.logs.headers.columns import Column, TableError, Unit
-from six_wheel.logs.headers.joint_columns import JointColumns, Reading, joint_columns
+from six_wheel.logs.headers.joint_columns import JointColumns, Reading, joint_columns, unsaid_units
 from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.plausibility.checks import ReadingChecks, Readings
@@ -145,6 +145,8 @@ class JointSource:
         self.rows, self.readings, self.names = table, joints.readings, list(joints.columns)
         self.columns, self.stated = joints.columns, table.stated
         self.turned = joints.reversed
+        if unsaid := unsaid_units(joints, self.rover):
+            self.warnings.append(f"{self.path}: {unsaid}")
         columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_wheel_names}
         self.counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
         self.has_rates = any(name in joints.columns for name in RATES)

@@ -41,6 +41,7 @@ class Total:
     ) -> None:
         self._encoder, self._increments, self._absolute = encoder, increments, absolute
         self._longest, self._stamp = longest, math.nan  # rate beyond which a step is none [rad/s]
+        self._away = 0.0, math.nan  # the last step that was none, and when
         self._counts, self._last = 0.0, math.nan
 
     @property
@@ -64,12 +65,21 @@ class Total:
         if encoder.wraps_at is not None:
             steps -= encoder.wraps_at * np.round(steps / encoder.wraps_at)
         if self._longest is not None:
-            rates = np.abs(steps * encoder.angle_per_tick)
-            steps[rates > self._longest * np.diff(stamps, prepend=self._stamp)] = 0.0
-            self._stamp = float(stamps[-1])
+            self._without_jumps(steps, stamps, abs(encoder.angle_per_tick))
         counts = self._counts + np.cumsum(steps)
         self._counts, self._last = float(counts[-1]), float(readings[-1])
         return counts * encoder.angle_per_tick + (encoder.offset if self._absolute else 0.0)
+
+    def _without_jumps(self, steps: Floats, stamps: Floats, scale: float) -> None:
+        """Steps that no wheel makes become 0; one that takes the last of them back leaves what was turned."""
+        longest = (self._longest or 0.0) / scale
+        for row in np.flatnonzero(np.abs(steps) > longest * np.diff(stamps, prepend=self._stamp)).tolist():
+            step, stamp = self._away
+            turned, self._away = step + float(steps[row]), (float(steps[row]), float(stamps[row]))
+            back = abs(turned) <= longest * (float(stamps[row]) - stamp)
+            steps[row] = turned if back else 0.0
+            self._away = (0.0, math.nan) if back else self._away
+        self._stamp = float(stamps[-1])
 
     @staticmethod
     def _first(encoder: Encoder, reading: float) -> float:

@@ -245,7 +245,8 @@ class JointLog:
         if chunk_rows < 1:
             raise ValueError(f"chunk_rows must be positive, got {chunk_rows}")
         first = True
-        sieve = Sieve(self.findings, (*TRUTH, *RATES), self._source.stated)
+        spare, strict = (*TRUTH, *RATES), self._checks is not None
+        sieve = Sieve(self.findings, spare, self._source.stated, strict)
         turning: Turning | None = None
         held: JointRows | None = None  # a row's rate is not known before the row behind it
         before: float | None = None
@@ -267,9 +268,10 @@ class JointLog:
             self._refuse(self._checks.finish)
         if first:
             flaw = f"; {self.findings.listed[0]}" if self.findings.listed else ""
-            raise TableError(
-                f"{self.path}: the log must have at least one row that can be used, got none{flaw}"
-            )
+            alone = ": does each row hold one wheel? Give it the last reading of the others (forward fill)"
+            flaw += alone if "must be a finite number, got nan" in flaw else ""
+            rule = "the log must have at least one row that can be used"
+            raise TableError(f"{self.path}: {rule}, got none{flaw}")
 
     def read(
         self,

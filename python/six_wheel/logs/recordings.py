@@ -18,6 +18,8 @@ from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.objects import tables
 from six_wheel.kinematics.objects.tables import Columns, Tabular, joint_columns, pose_columns
 from six_wheel.kinematics.poses import Floats, as_poses, interpolate
+from six_wheel.logs.plausibility.proposals import Column
+from six_wheel.logs.plausibility.whole_numbers import check_increments
 
 if TYPE_CHECKING:
     from six_wheel.kinematics.odometry.tracks import Track
@@ -40,8 +42,7 @@ class GroundTruth(Tabular):
         x, y, yaw of what was tracked, in a fixed frame [m, m, rad]. Positions alone, as of a single GPS or a
         total station, have two columns, or NaN for yaw; headings alone NaN for x and y.
     max_gap : float, default 1.5
-        Longest time between two rows across which is interpolated [s]: where it is longer nothing is known
-        but the rows themselves.
+        Longest time between two rows across which is interpolated [s].
 
     Raises
     ------
@@ -198,7 +199,10 @@ class WheelLog(Tabular):
         session: str = "",
     ) -> Self:
         """A log from the angle of each wheel since the row before [rad]; the first row counts from 0."""
-        angles = np.cumsum(np.asarray(increments, dtype=np.float64), axis=0)
+        steps = np.asarray(increments, dtype=np.float64)
+        for number, column in enumerate(steps.T if steps.ndim == 2 else ()):
+            check_increments(column, Column(f"increments of wheel {number}", ""), 0)
+        angles = np.cumsum(steps, axis=0)
         return cls(stamps, steering, angles, truth, name, session)  # type: ignore[arg-type]
 
     @classmethod
@@ -212,29 +216,25 @@ class WheelLog(Tabular):
         rover : Rover
             Names the joints.
         name, **options
-            As of `WheelLog`.
+            As of `WheelLog`; `columns`, `stamp_unit`, `plausibility` as of `dead_reckon`.
 
         Raises
         ------
         ValueError
             If a joint or the time is missing.
         """
-        from six_wheel.logs.frames.tabular_input import table
+        from six_wheel.logs.frames.tabular_input import table, whole
 
-        pieces = list(table(rover, frame, None, {}, options).pieces)
-        if not pieces:
-            raise ValueError("frame must have rows, got none")
-        stamps, wheels = (np.concatenate([getattr(one, of) for one in pieces]) for of in ("stamps", "wheels"))
-        steered = [piece.steering for piece in pieces if piece.steering is not None]
+        how = {key: options.pop(key) for key in ("stamp_unit", "plausibility") if key in options}
+        log = whole(table(rover, frame, options.pop("columns", None), {}, options, **how))
         headers = set(tables.headers_of(frame))
         truth = None
         if headers >= {"x", "y", "yaw"}:
             places = tables.rows_of(frame, ("x", "y", "yaw"))
             known = np.isfinite(places).all(axis=1)
-            truth = GroundTruth(stamps[known], places[known])
+            truth = GroundTruth(log.stamps[known], places[known])
         rate = tables.rows_of(frame, ("yaw_rate",))[:, 0] if "yaw_rate" in headers else None
-        steering = np.concatenate(steered) if steered else None
-        return cls(stamps, steering, wheels, truth, name, yaw_rate=rate, options=options)
+        return cls(log.stamps, log.steering, log.wheels, truth, name, yaw_rate=rate, options=options)
 
     def _columns(self, rover: Rover | None = None) -> Columns:
         """Columns by the joints of a rover; without one by number, ``steering_0``, ``wheel_0`` and so on."""
@@ -291,7 +291,7 @@ class WheelLog(Tabular):
         return len(self.stamps)
 
     def __repr__(self) -> str:
-        known = "with truth" if self.truth is not None else "without truth"
+        known = "without truth" if self.truth is None else "with truth"
         return f"{type(self).__name__}({self.name!r}, {len(self)} rows, {self.duration:.1f} s, {known})"
 
 
@@ -336,8 +336,8 @@ def encoders_of(argument: str, given: Any, names: Sequence[str]) -> list[Encoder
     if given is None or isinstance(given, Encoder):
         return [given or Encoder()] * len(names)
     if not isinstance(given, Sequence) or not all(isinstance(one, Encoder) for one in given):
-        rule = "must be an Encoder, several of them or a dict of them by name"
-        raise ArgumentTypeError(f"{argument} {rule}, got {given!r}")
+        rule = f"{argument} must be an Encoder, several of them or a dict of them by name"
+        raise ArgumentTypeError(f"{rule}, got {given!r}")
     if len(given) != len(names):
         raise ValueError(f"{argument} must be one or {len(names)}, got {len(given)}")
     return list(given)
@@ -373,14 +373,14 @@ def _angles(encoder: Encoder, absolute: bool, counts: Floats, rows: Rows) -> Flo
 
 def _check_order(stamps: Floats) -> None:
     """Fails where time is no number or runs backwards; the same time twice is for readers to leave out."""
+    steps = np.diff(stamps)
+    if np.min(steps) >= 0.0 and np.isfinite(stamps[[0, -1]]).all():
+        return
     if not (good := np.isfinite(stamps)).all():
         row = int(np.argmin(good))
         raise ValueError(f"stamps must be finite, got {stamps[row]} in row {row}")
-    if not (good := np.diff(stamps) >= 0.0).all():
-        row = int(np.argmin(good)) + 1
-        raise ValueError(
-            f"stamps must not run backwards, got {stamps[row]} after {stamps[row - 1]} in row {row}"
-        )
+    row = int(np.argmax(steps < 0.0)) + 1
+    raise ValueError(f"stamps must not run backwards, got {stamps[row]} after {stamps[row - 1]} in row {row}")
 
 
 def _numbers(name: str, values: object) -> Floats:

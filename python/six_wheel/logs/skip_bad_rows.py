@@ -13,7 +13,7 @@ from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
 from six_wheel.logs.headers.columns import Column, TableError, Unit, is_number
 from six_wheel.logs.headers.renamed import Columns, renamed, without_header
 from six_wheel.logs.plausibility.proposals import stamp_unit
-from six_wheel.logs.plausibility.stamps import unit_since_1970
+from six_wheel.logs.plausibility.stamps import out_of_order, unit_since_1970
 from six_wheel.logs.tables import LATEST_SECOND, READ, RowError, Table
 
 if TYPE_CHECKING:
@@ -23,9 +23,6 @@ MOST_FINDINGS = 1000  # that are kept; more are counted
 BLOCK = 1 << 20  # [byte] that are read line by line if one of the lines is bad
 
 Find: TypeAlias = Callable[[Sequence[str], Mapping[int, str]], dict[str, Column]]
-
-
-# --- findings --------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -66,9 +63,6 @@ class Findings:
         elif len(self.listed) < MOST_FINDINGS:
             self.listed.append(Finding(self.path, row, f"{flaw}{got}", line))
         self._flaw, self._last = flaw, row
-
-
-# --- rows ------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -144,6 +138,11 @@ class TolerantTable(Table):
     def stated(self) -> bool:
         """True if the header of the times states their unit, False if it is the default."""
         return self._columns["time"].stated
+
+    @property
+    def of_clock(self) -> bool:
+        """True if times are written as clocks write them."""
+        return self._types["time"] == "string"
 
     def batches(self, chunk_rows: int) -> Iterator[Batch]:
         """The rows in the file's order, at most `chunk_rows` at a time, without those that are no rows."""
@@ -221,12 +220,16 @@ class TolerantTable(Table):
             )
         return result[~void] if void.any() else result
 
-    @staticmethod
-    def _with_nanoseconds(seconds: Any, nanoseconds: Any) -> Any:
+    def _with_nanoseconds(self, seconds: Any, fraction: Any) -> Any:
         """Nanoseconds of stamps in two columns."""
-        import pyarrow.compute
+        import pyarrow.compute as pc
 
-        return pyarrow.compute.add(pyarrow.compute.multiply(seconds, 1_000_000_000), nanoseconds)
+        return pc.add(pc.multiply(seconds, 1_000_000_000), pc.multiply(fraction, self._finer))
+
+    @property
+    def _finer(self) -> int:
+        """Nanoseconds of one in the second column of stamps."""
+        return round(1e9 * self._columns["nanoseconds"].unit.scale)
 
     def _with_clock(
         self, rows: NDArray[np.int64], lines: NDArray[np.int64], texts: Sequence[str | None], columns: Any
@@ -277,7 +280,7 @@ class TolerantTable(Table):
             return self._with_clock(rows, lines[kept], times, values)
         time = np.array(times, dtype=self._types["time"])
         if "nanoseconds" in self._columns:
-            time = time * 1_000_000_000 + nanoseconds
+            time = time * 1_000_000_000 + self._finer * nanoseconds
         return self._scaled(rows, lines[kept], time, values)
 
     def _numbers(self, text: str) -> list[Any]:
@@ -301,15 +304,13 @@ class TolerantTable(Table):
             elif name in self._spare or (not cell and name != "time"):
                 numbers.append(np.nan)
             else:
-                raise ValueError(f'{name} must be a number, got "{cell}" in column "{column.header}"')
+                such = f", or such as {KNOWN}" if name == "time" else ""
+                raise ValueError(f'{name} must be a number{such}, got "{cell}" in column "{column.header}"')
         return numbers
 
     @staticmethod
     def _line(number: Any) -> int | None:
         return int(number) or None
-
-
-# --- what is left out ------------------------------------------------------------------------------------
 
 
 class Sieve:
@@ -325,10 +326,14 @@ class Sieve:
         Columns that may lack a value.
     stated : bool
         Whether the unit of the times is stated, and not only the default.
+    strict : bool
+        Whether rows in another order than that of time are refused as a whole.
     """
 
-    def __init__(self, findings: Findings, spare: Collection[str], stated: bool) -> None:
-        self._findings, self._spare, self._stated = findings, spare, stated
+    def __init__(
+        self, findings: Findings, spare: Collection[str], stated: bool, strict: bool = False
+    ) -> None:
+        self._findings, self._spare, self._stated, self._strict = findings, spare, stated, strict
         self._held: Batch | None = None
         self._last: Any = None
 
@@ -377,9 +382,16 @@ class Sieve:
                 else:
                     kept.append(k)
                     self._last = time[k]
+            self._check_order(batch, time, kept)
             return batch[kept]
         self._last = batch.time[-1]
         return batch
+
+    def _check_order(self, batch: Batch, time: NDArray[Any], kept: Sequence[int]) -> None:
+        """Refuses rows in another order than that of time, and a clock that started anew."""
+        late = np.setdiff1d(np.arange(len(batch)), kept)
+        if self._strict and (line := out_of_order(time, "time", late, batch.rows)):
+            raise TableError(f"{self._findings.path}: {line}")
 
     def _report(self, batch: Batch, k: int, rule: str, got: str) -> None:
         self._findings.add(int(batch.rows[k]), rule, got, int(batch.lines[k]) or None)

@@ -287,13 +287,17 @@ class Table:
         assert self._file is not None
         headers = {name: self._headers[column.index] for name, column in self._columns.items()}
         for batch in self._file.batches(chunk_rows, list(headers.values())):
-            arrays = [batch.column(header).cast(self._types[name]) for name, header in headers.items()]
+            columns = {name: batch.column(header) for name, header in headers.items()}
+            if pa.types.is_time32(columns["time"].type):
+                columns["time"] = columns["time"].cast("int32")
+            arrays = [column.cast(self._types[name]) for name, column in columns.items()]
             yield pa.RecordBatch.from_arrays(arrays, names=list(headers))
 
 
 def _is_text(kind: "pa.DataType") -> bool:
     import pyarrow as pa
 
+    kind = kind.value_type if pa.types.is_dictionary(kind) else kind
     return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
 
 

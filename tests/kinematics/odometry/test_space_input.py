@@ -112,6 +112,19 @@ def test_off_the_ground() -> None:
     np.testing.assert_allclose(track.positions[-1], [99 * 0.3 * 0.26288, 0, 0], atol=1e-9)
 
 
+def test_on_a_map_a_log_starts_where_its_truth_does() -> None:
+    """Before, a drive that began elsewhere on the map was dead-reckoned from the map's origin."""
+    arm, ground, log = simulated()
+    first = log.truth.at(log.stamps[:1])[0]
+    track = sw.dead_reckon(arm, log, ground=ground)
+    np.testing.assert_array_equal(track.poses, sw.dead_reckon(arm, log, ground=ground, start=first).poses)
+    commands = [(0, 0.1, 0, 0), (10, 0.1, 0, 0.02)]
+    away = sw.simulate(arm, commands, ground=ground, rate=20.0, start=(1.0, 0.5, 0.3))
+    track = sw.dead_reckon(arm, away, ground=ground)
+    np.testing.assert_allclose(track.positions[-1, :2], away.truth.poses[-1, :2], rtol=0, atol=5e-3)  # of 1 m
+    assert np.abs(sw.dead_reckon(arm, away, ground=ground, start=(0, 0, 0)).positions[0, :2]).max() < 0.01
+
+
 def test_dead_reckon_names_what_is_not_for_it() -> None:
     arm = sw.RockerBogie.preset("perseverance")
     with pytest.raises(ValueError, match="yaw must be left out for a suspension"):

@@ -2,6 +2,7 @@
 
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
@@ -180,6 +181,7 @@ def _reckon_all(
     chosen: NamedRover, paths: list[Path], files: Files, many: ManyLogs, options: Options
 ) -> None:
     """A track for every log, and what failed; exit code 1 where some did."""
+    from six_wheel.kinematics.errors import SuspiciousReadingsWarning
     from six_wheel.log_odometry.many_logs import FleetLog, reckon_all
 
     if files.output is None:
@@ -188,7 +190,8 @@ def _reckon_all(
         if getattr(files, option) is not None:
             raise ValueError(f"--{option} is for one log, got {paths[0]} and others")
     begin, done = time.monotonic(), list[FleetLog]()
-    with progress_bar("logs") as progress:
+    with warnings.catch_warnings(record=True) as caught, progress_bar("logs") as progress:
+        warnings.simplefilter("always", SuspiciousReadingsWarning)
         for one in reckon_all(
             chosen.rover,
             paths,
@@ -204,6 +207,7 @@ def _reckon_all(
                 # A message about a file begins with it, as the worker sees it.
                 why = one.failure.message.removeprefix(f"{one.path.resolve()}: ")
                 print(f"{PROGRAM}: {one.path}: {why}", file=sys.stderr)
+    warn([str(each.message) for each in caught])
     good = [one.summary for one in done if one.summary is not None]
     resumed, failed = sum(one.resumed for one in done), len(done) - len(good)
     errors = sorted(each["ate"] for each in good if each["ate"] is not None)

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from six_wheel.cli.demo.motion import REST_SPEED, SMOOTHING, SUSTAINED, DemoResult, Motion
+from six_wheel.kinematics.rover_edit import joints_by_wheel
 from six_wheel.plotting.drawing import INK, SOFT, new_figure, tidy
 from six_wheel.plotting.path import draw_path
 
@@ -57,8 +58,7 @@ def write_commands(result: DemoResult, path: Path) -> None:
     Steering joints [rad], wheel joints [rad/s], and the odometry pose at the row's time [m, m, rad].
     """
     rover = result.rover
-    joint_of = {wheel: joint for joint, wheel in rover.steering_joints.items()}
-    wheel_joint_of = {wheel: joint for joint, wheel in rover.traction_joints.items()}
+    joint_of, wheel_joint_of = joints_by_wheel(rover)
     joints = [joint_of[name] for name in rover.steered_wheel_names] + [
         wheel_joint_of[name] for name in rover.wheel_names
     ]

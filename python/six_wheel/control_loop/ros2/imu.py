@@ -51,7 +51,7 @@ class ImuInput:
         if kind is None:
             return  # then only a frame of the rover's own is known
         lasting = QoSProfile(depth=DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        node.subscribe(kind, "/tf_static", lambda message: self.link(decode(message)), lasting, raw=True)
+        node.subscribe(kind, "/tf_static", lambda message: self.link([*decode(message)]), lasting, raw=True)
 
     def link(self, transforms: Iterable[Any]) -> None:
         """geometry_msgs/TransformStamped that stay."""

@@ -100,6 +100,10 @@ class JointBag(Bag):
         except (AttributeError, TypeError):  # bags bring the definitions of their messages along
             rule = "joint states must have names, positions and velocities, which this bag's have not"
             raise TableError(f"{self.path}: {rule}") from None
+        for what, values in (("positions", positions), ("velocities", velocities)):
+            if len(values) not in (0, len(names)):
+                rule = f"joint states must have as many {what} as names"
+                raise TableError(f"{self.path}: {rule}, got {len(values)} and {len(names)}")
         nothing = [math.nan] * len(names)
         positions, velocities = (
             values if len(values) == len(names) else nothing for values in (positions, velocities)

@@ -42,7 +42,7 @@ def numbers_in(connections: Sequence[Any]) -> str:
     keys = []
     for one in connections:
         if found := NUMBERS.fullmatch(one.msgtype):
-            keys.append(f"{one.topic}{'[0]' if found[1] else ''}")
+            keys += [one.topic + place for place in (("[0]", "[1]") if found[1] else ("",))]
         else:
             keys += [one.topic + field for field in FIELDS.get(one.msgtype.rpartition("/")[2], ())]
     if not keys:

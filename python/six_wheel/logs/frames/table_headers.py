@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.rover_edit import joints_by_wheel
 from six_wheel.logs.headers.joint_columns import JointColumns, Reading, joint_columns
 from six_wheel.logs.headers.renamed import Columns, renamed
 from six_wheel.logs.headers.time_columns import scale_of
@@ -34,8 +35,7 @@ class Meaning:
 
 def names(rover: Rover, readings: str = "angles") -> dict[str, tuple[str, ...]]:
     """Accepted names of the columns: by joint for steering, by wheel, and the stamp."""
-    steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
-    traction = {wheel: joint for joint, wheel in rover.traction_joints.items()}
+    steering, traction = joints_by_wheel(rover)
     known: dict[str, tuple[str, ...]] = {"stamp": STAMPS}
     for wheel in rover.steered_wheel_names:
         joint = steering.get(wheel, f"{wheel}_steering_joint")
@@ -82,7 +82,7 @@ def _of_columns(
     rover: Rover, headers: Sequence[str], by_name: JointColumns, sensors: Sensors, readings: str
 ) -> Meaning:
     """The meaning of a table whose headers say what is in them."""
-    steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
+    steering, _ = joints_by_wheel(rover)
     known = by_name.columns
     if "nanoseconds" in known:
         both = f'"{known["time"].header}" and "{known["nanoseconds"].header}"'

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -13,8 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Odometry, Rover
 from six_wheel.kinematics.odometry.tracks import Track
-from six_wheel.logs.frames.table_headers import Meaning, Sensors, meaning_of, names
+from six_wheel.kinematics.rover_edit import joints_by_wheel
+from six_wheel.logs.frames.table_headers import STAMPS, Meaning, Sensors, meaning_of, names
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
+from six_wheel.logs.headers.columns import TIME, means
 from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.plausibility.arrays import FEW, array_checks
 from six_wheel.logs.plausibility.checks import ReadingChecks
@@ -68,6 +71,22 @@ def follow(
             progress(done, source.rows)
 
 
+def whole(source: Source) -> Piece:
+    """A log in one piece.
+
+    Raises
+    ------
+    ValueError
+        If it has no rows.
+    """
+    pieces = list(source.pieces)
+    if not pieces:
+        raise ValueError("frame must have rows, got none")
+    stamps, wheels = (np.concatenate([getattr(one, of) for one in pieces]) for of in ("stamps", "wheels"))
+    steered = [piece.steering for piece in pieces if piece.steering is not None]
+    return Piece(np.concatenate(steered) if steered else None, wheels, stamps, {})
+
+
 def concatenate(rover: Rover, tracks: Sequence[Track]) -> Track:
     """Consecutive tracks as one."""
     if len(tracks) == 1:
@@ -118,6 +137,7 @@ def table(
 ) -> Source:
     """A log in a frame, a dict of columns or a Parquet file."""
     of_file = isinstance(source, str | os.PathLike)
+    source = source if of_file else _with_times(source)
     opened = _parquet(Path(source)) if of_file else None
     schema: Any = opened.schema_arrow if opened is not None else getattr(source, "schema", None)
     headers = list(map(str, schema.names if opened is not None else _headers(source)))
@@ -133,7 +153,11 @@ def table(
 
     def batches() -> Iterator[dict[str, NDArray[Any]]]:
         if opened is None:
-            whole = {header: _numbers(source[header]) for header in wanted}
+            whole = {header: _column(source, header) for header in wanted}
+            stated = meaning.found["stamp"]
+            for header, values in whole.items():
+                if header != stated and values.dtype.kind not in "fiu":
+                    raise ValueError(f'column "{header}" must be numbers, got {values[:1].tolist()}')
             count = len(whole[meaning.found["stamp"]])
             for first in range(0, count, chunk_rows):
                 yield {header: column[first : first + chunk_rows] for header, column in whole.items()}
@@ -165,7 +189,7 @@ def _checked(pieces: Iterator[Piece], checks: ReadingChecks | None) -> Iterator[
 
 
 def _checks(rover: Rover, options: Mapping[str, Any], meaning: Meaning) -> ReadingChecks:
-    steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
+    steering, _ = joints_by_wheel(rover)
     named = {"stamp": meaning.found["stamp"]}
     named |= {wheel: meaning.found[wheel] for wheel in rover.wheel_names}
     for wheel in rover.steered_wheel_names:
@@ -196,6 +220,27 @@ def _units(schema: Any) -> dict[int, str]:
         if stated:
             units[index] = stated.decode("utf-8", "replace")
     return units
+
+
+def _with_times(source: Any) -> Any:
+    """A frame that is computed, with the times of its rows as a column if they are its index."""
+    source = source.collect() if hasattr(source, "collect") else source
+    index: Any = getattr(source, "index", None)
+    if not hasattr(source, "reset_index") or any(means(str(each), TIME) for each in _headers(source)):
+        return source
+    times = getattr(index.dtype, "kind", "") in ("m", "M") or index.name in STAMPS
+    return source.rename_axis("stamp").reset_index() if times else source
+
+
+def seconds_of(stamps: Any) -> Any:
+    """Stamps as seconds since the first one, where they are dates or durations."""
+    if isinstance(stamps, Sequence) and len(stamps) and isinstance(stamps[0], datetime):
+        stamps = as_dates(stamps)
+    dtype = getattr(stamps, "dtype", None)
+    if getattr(dtype, "kind", "") not in ("m", "M"):
+        return stamps
+    times = np.asarray(stamps)
+    return (times - times[:1]).astype("timedelta64[ns]").astype(np.float64) * 1e-9
 
 
 def is_table(source: Any) -> bool:
@@ -241,6 +286,26 @@ def _stamps(stamps: NDArray[Any], clock: ClockTimes) -> NDArray[Any]:
     return dates
 
 
+def _column(source: Any, header: str) -> NDArray[Any]:
+    """A column of a table by its name.
+
+    Raises
+    ------
+    ValueError
+        If it is no single column of numbers or times.
+    """
+    try:
+        values = _numbers(source[header])
+    except (TypeError, ValueError) as error:
+        got = type(source).__name__
+        hint = ": collect() it first" if hasattr(source, "collect") else ""
+        reason = " ".join(str(error).split())
+        raise ValueError(f'column "{header}" must be numbers or times, got {got}{hint} ({reason})') from None
+    if values.ndim != 1:
+        raise ValueError(f'column "{header}" must be there once, got {values.shape[1]} of that name')
+    return values
+
+
 def _numbers(column: Any) -> NDArray[Any]:
     """A column as numbers, dates or texts, missing values NaN or NaT."""
     if hasattr(column, "to_numpy"):
@@ -252,12 +317,23 @@ def _numbers(column: Any) -> NDArray[Any]:
     else:
         values = np.asarray(column)
     values = np.asarray(values)
-    if values.dtype.kind in "MUT" or (
-        values.dtype.kind == "O" and len(values) and isinstance(values[0], str)
-    ):
+    if values.dtype.kind in "MUT":
         return values
+    if values.dtype.kind == "m":
+        return values.astype("timedelta64[ns]").astype(np.float64) * 1e-9
+    if values.dtype.kind == "O" and len(values):
+        if isinstance(values[0], str):
+            return values
+        if isinstance(values[0], datetime):
+            return as_dates(values)
     whole = values.dtype.kind in "iu" and len(values) and abs(int(values[0])) > 1 << 52
     return values if whole else np.asarray(values, dtype=np.float64)
+
+
+def as_dates(stamps: Iterable[datetime]) -> NDArray[Any]:
+    """Dates of Python or pandas, those with a zone in UTC."""
+    naive = (one if one.tzinfo is None else one.astimezone(UTC).replace(tzinfo=None) for one in stamps)
+    return np.array(list(naive), dtype="datetime64[ns]")
 
 
 def _origin(stamps: NDArray[Any], meaning: Meaning) -> Any:

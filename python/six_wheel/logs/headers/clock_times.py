@@ -13,23 +13,33 @@ from numpy.typing import NDArray
 
 __all__ = ["KNOWN", "ClockTimes", "is_clock_time"]
 
-KNOWN = "12:59:59.95, 59:59.95, 2026-11-23 12:59:59.95, 2026-11-23T12:59:59Z or 2026_11_23_12_59_59_950"
+KNOWN = (
+    "12:59:59.95, 59:59.95, 11:59:59.95 PM, 2026-11-23 12:59:59.95, 2026-11-23T12:59:59Z, "
+    "23.11.2026 12:59:59 or 2026_11_23_12_59_59_950"
+)
 
 SECOND = 1_000_000_000
 DAY = 86_400 * SECOND
 UNITS = {"s": SECOND, "sec": SECOND, "ms": 1_000_000, "us": 1000, "µs": 1000, "ns": 1}
 
 _FRACTION = r"(?:[.,](?P<fraction>\d{1,9})\d*)?"
-_CLOCK = re.compile(rf"(?:(?P<hour>\d{{1,3}}):)?(?P<minute>\d{{1,2}}):(?P<second>\d{{2}}){_FRACTION}")
+_HALF = r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
+_CLOCK = re.compile(r"(?:(?P<hour>\d{1,3}):)?(?P<minute>\d{1,2}):(?P<second>\d{2})" + _FRACTION + _HALF)
 _ZONE = r"\s*(?:Z|UTC|GMT|(?P<sign>[+-])(?P<zh>\d{2}):?(?P<zm>\d{2})?)?"
 _DATES = (
     r"(?P<year>\d{4})(?P<s>[-/.])(?P<month>\d{1,2})(?P=s)(?P<day>\d{1,2})",
     r"(?P<day>\d{1,2})\.(?P<month>\d{1,2})\.(?P<year>\d{4})",
+    # With strokes only a number above 12 tells the day from the month.
+    r"(?P<month>\d{1,2})/(?P<day>1[3-9]|2\d|3[01])/(?P<year>\d{4})",
+    r"(?P<day>1[3-9]|2\d|3[01])/(?P<month>\d{1,2})/(?P<year>\d{4})",
 )
 _STAMPS = (
     *(
         re.compile(
-            rf"{date}[T _,]+(?P<hour>\d{{1,2}}):(?P<minute>\d{{2}}):(?P<second>\d{{2}}){_FRACTION}{_ZONE}"
+            rf"{date}[T _,]+(?P<hour>\d{{1,2}}):(?P<minute>\d{{2}}):(?P<second>\d{{2}})"
+            + _FRACTION
+            + _HALF
+            + _ZONE
         )
         for date in _DATES
     ),
@@ -79,7 +89,7 @@ def _read(text: str) -> tuple[int, bool] | None:
     if found := _CLOCK.fullmatch(text):
         if found["hour"] is None and found["fraction"] is None:
             return None  # hours and minutes, or minutes and seconds
-        minutes = 60 * int(found["hour"] or 0) + int(found["minute"])
+        minutes = 60 * _hour(found["hour"] or "0", found["half"]) + int(found["minute"])
         seconds = 60 * minutes + int(found["second"])
         within = int(found["second"]) < 61 and (found["hour"] is None or int(found["minute"]) < 60)
         return (seconds * SECOND + _nanoseconds(found["fraction"]), seconds < 86_400) if within else None
@@ -93,6 +103,7 @@ def _read(text: str) -> tuple[int, bool] | None:
 
 def _of_date(found: re.Match[str]) -> tuple[int, bool] | None:
     parts = [int(found[name]) for name in ("year", "month", "day", "hour", "minute", "second")]
+    parts[3] = _hour(found["hour"], found.groupdict().get("half"))
     try:
         seconds = round(datetime(*parts, tzinfo=UTC).timestamp())  # type: ignore[arg-type, misc]
     except ValueError:
@@ -101,6 +112,12 @@ def _of_date(found: re.Match[str]) -> tuple[int, bool] | None:
         offset = 3600 * int(found["zh"]) + 60 * int(found["zm"] or 0)
         seconds -= offset if found["sign"] == "+" else -offset
     return seconds * SECOND + _nanoseconds(found["fraction"]), False
+
+
+def _hour(text: str, half: str | None) -> int:
+    """Hour of the day, also of a clock with two halves."""
+    hour = int(text)
+    return hour if half is None else hour % 12 + (12 if half in "pP" else 0)
 
 
 def _nanoseconds(fraction: str | None) -> int:

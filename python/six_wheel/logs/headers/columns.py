@@ -65,8 +65,8 @@ def unit(symbol: str, scale: float, spellings: str) -> Unit:
 
 TIME_UNITS = (
     unit("s", 1.0, "s sec secs second seconds"),
-    unit("ms", 1e-3, "ms msec millis millisecond milliseconds"),
-    unit("us", 1e-6, "us usec micros microsecond microseconds"),
+    unit("ms", 1e-3, "ms msec msecs millis millisecond milliseconds"),
+    unit("us", 1e-6, "us usec usecs micros microsecond microseconds"),
     unit("ns", 1e-9, "ns nsec nanos nanosec nanosecs nanosecond nanoseconds"),
 )
 _SPEED = (
@@ -83,7 +83,7 @@ _TURN = (
 _LINEAR = "v_{0} linear_{0} lin_{0} velocity_{0} vel_{0} linear_velocity_{0}"
 _ANGULAR = "wz w_z omega_z yaw_rate yawrate angular_z ang_z angular_velocity_z angular_velocity turn_rate"
 
-_TIMES = "time", "t", "stamp", "timestamp"
+_TIMES = "time", "t", "stamp", "timestamp", "time_stamp"
 _CLOCKS = "datetime", "date_time", "utc", "utc_time", "clock", "elapsed", "elapsed_time", "unix_time", "epoch"
 
 TIME = Quantity("time", (*_TIMES, *_CLOCKS), TIME_UNITS)
@@ -96,14 +96,19 @@ QUANTITIES = (
 
 # Prefixes that ROS tools put before a field: "/cmd_vel/twist/linear/x", "field.header.stamp".
 _PREFIX = re.compile(r"^(?:(?:cmd_vel|command|cmd|field|msg|data|twist|header)_)+")
+_CAPITAL = re.compile(r"(?<=[a-z][a-z])(?=[A-Z])")
+_SIGNS = str.maketrans({"°": "deg", "µ": "u", "μ": "u"})
 BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*$")
 
 
+_CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_SIGNS = str.maketrans({"°": "deg", "µ": "u", "μ": "u"})
+
+
 def words(text: str) -> str:
-    """`text` in lower case, whatever is between its words written as one underscore."""
-    return re.sub(
-        r"[^a-z0-9]+", "_", text.lower().replace("°", "deg").replace("µ", "u").replace("μ", "u")
-    ).strip("_")
+    """`text` in lower case, whatever is between its words written as one underscore; ``leftTicks`` is two."""
+    apart = _CAPITAL.sub("_", text).lower().translate(_SIGNS)
+    return re.sub(r"[^a-z0-9]+", "_", apart).strip("_")
 
 
 def _interpret(header: str, quantity: Quantity) -> tuple[Unit, bool] | None:

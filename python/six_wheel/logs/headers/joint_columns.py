@@ -24,6 +24,7 @@ from six_wheel.logs.headers.columns import (
     words,
 )
 from six_wheel.logs.headers.rate_columns import rate_columns
+from six_wheel.logs.headers.renamed import all_names
 from six_wheel.logs.headers.time_columns import time_columns
 from six_wheel.logs.plausibility.proposals import columns
 
@@ -36,12 +37,14 @@ _ANGLES = (
     unit("rad", 1.0, "rad rads radian radians"),
     unit("deg", _DEGREE, "deg degs degree degrees"),
     unit("rev", _TURN, "rev revs revolution revolutions turn turns rot rots rotation rotations"),
+    unit("mrad", 1e-3, "mrad"),
+    unit("gon", _TURN / 400, "gon grad grads"),
 )
 # Ways and speeds of the rim, which its radius makes angles and rates.
 _AT_RIM = (
     (unit("m", 1.0, "m metre metres meter meters"), unit("cm", 1e-2, "cm"), unit("mm", 1e-3, "mm")),
     (
-        unit("m/s", 1.0, "m_s mps ms m_per_s m_s_1 meters_per_second metres_per_second"),
+        unit("m/s", 1.0, "m_s mps ms m_per_s m_s_1 m_sec meters_per_second metres_per_second"),
         unit("cm/s", 1e-2, "cm_s cmps cm_per_s"),
         unit("mm/s", 1e-3, "mm_s mmps mm_per_s"),
         unit("km/h", 1 / 3.6, "km_h kmh kph kmph"),
@@ -50,20 +53,25 @@ _AT_RIM = (
 _UNITS: Mapping[Reading, tuple[Unit, ...]] = {
     "angles": (*_ANGLES, *_AT_RIM[0]),
     "speeds": (
-        unit("rad/s", 1.0, "rad_s radps rad_per_s rad_s_1 radians_per_second"),
-        unit("deg/s", _DEGREE, "deg_s degps dps deg_per_s deg_s_1 degrees_per_second"),
-        unit("rev/s", _TURN, "rev_s revps rps rev_per_s revolutions_per_second"),
-        unit("rpm", _TURN / 60, "rpm rev_min revolutions_per_minute"),
+        unit("rad/s", 1.0, "rad_s radps rad_per_s rad_s_1 rad_sec rad_per_sec radians_per_second"),
+        unit("deg/s", _DEGREE, "deg_s degps dps deg_per_s deg_s_1 deg_sec deg_per_sec degrees_per_second"),
+        unit("rev/s", _TURN, "rev_s revps rps rev_per_s rev_sec rot_s turns_s revolutions_per_second"),
+        unit("rpm", _TURN / 60, "rpm rev_min r_min u_min 1_min revolutions_per_minute"),
         *_AT_RIM[1],
     ),
     "ticks": (unit("ticks", 1.0, "ticks tick counts count pulses pulse cnt cts"),),
 }
+# Words for ways, which are nothing without their unit.
+_LENGTHWISE = ("distance", "dist", "travel", "way")
 _WORDS: Mapping[Reading, tuple[str, ...]] = {
-    "angles": ("position", "pos", "angle"),
-    "speeds": ("velocity", "vel", "speed", "rate"),
+    "angles": ("position", "pos", "angle", "theta", "phi", *_LENGTHWISE),
+    "speeds": ("velocity", "vel", "speed", "rate", "omega"),
     "ticks": ("encoder", "enc", "ticks", "tick", "counts", "count", "cnt", "cts", "pulses", "pulse"),
 }
-_SHORT = frozenset(("enc", "cnt", "cts", "pulse"))  # that messages do not recommend
+# Words that messages do not recommend.
+_SHORT = frozenset(("enc", "cnt", "cts", "pulse", "theta", "phi", "omega", *_LENGTHWISE))
+# Words by which joint states go, whose units are those of ROS.
+_OF_ROS = frozenset(("position", "velocity"))
 _BEHIND = frozenset(word for words_of in _WORDS.values() for word in words_of)
 # Prefixes that recorders put before the name of a joint.
 _BEFORE = ("", "joint_states_", "joint_state_")
@@ -94,7 +102,7 @@ QUATERNION = tuple(_truth(f"q{axis}", _QUATERNIONS, _NONE, axis) for axis in "xy
 
 # Names of wheels and their joints: their own names, and those that joints have where none are given.
 _STEERING_FORMS = ("{0}_steering", "{0}_steer", "steering_{0}", "{0}_steering_joint", "{0}_steer_joint")
-_WHEEL_FORMS = ("{0}", "{0}_wheel", "{0}_wheel_joint")
+_WHEEL_FORMS = ("{0}", "{0}_wheel", "{0}_wheel_joint", "wheel_{0}", "wheel_{0}_joint")
 
 
 @dataclass(frozen=True)
@@ -157,7 +165,7 @@ def joint_columns(
     backwards = {words(joint) for joint in rover.reversed_joints}
     turned: set[str] = set()
     by_reading: dict[str, dict[Reading, Column]] = {}
-    doubts: dict[str, str] = {}
+    doubts: dict[str, tuple[str, tuple[str, str]]] = {}
     for index, header in enumerate(headers):
         if index in taken:
             continue
@@ -172,7 +180,9 @@ def joint_columns(
             meaning = _reading(rest, given, "angles" if part == "steering" else readings)
             if meaning is None or (part == "steering" and meaning[0] == "speeds"):
                 if meaning is None and (given or not rest):
-                    doubts.setdefault(name, _doubt(header, text, rest, given, part))
+                    meaning_of = f"{named[0]}{'_steering' if part == 'steering' else ''} [UNIT]"
+                    said = (_doubt(header, text, rest, given, part), (header, meaning_of))
+                    doubts.setdefault(name, said)
                 break
             kinds = by_reading.setdefault(name, {})
             if meaning[0] in kinds:
@@ -182,9 +192,10 @@ def joint_columns(
             stated = given is not None or rest not in _WORDS[meaning[0]] or meaning[0] == readings
             kinds[meaning[0]] = Column(index, header, unit_of, stated)
             break
-    for name, doubt in doubts.items():
+    for name, (doubt, _) in doubts.items():
         if name not in by_reading:
-            raise TableError(doubt)
+            listed = dict(each for other, (_, each) in doubts.items() if other not in by_reading)
+            raise TableError(f"{doubt}: give {columns(listed)}")
     _refuse_missing(by_reading, headers, rover)
     wheel_columns = {name: kinds for name, kinds in by_reading.items() if name.startswith("wheel ")}
     choices = _BEST_FIRST if readings is None else (readings, *_BEST_FIRST)
@@ -204,6 +215,21 @@ def joint_columns(
     found |= {name: kinds[chosen] for name, kinds in wheel_columns.items()}
     silent = tuple(wheel for wheel in rover.traction_joints.values() if f"wheel {wheel}" not in found)
     return JointColumns(found, chosen, silent, frozenset(turned))
+
+
+def unsaid_units(joints: JointColumns, rover: Rover) -> str:
+    """Line about wheels of which nobody said the unit; empty where names are those of joint states."""
+    of_ros = tuple(f"{words(joint)}_{word}" for joint in rover.traction_joints for word in _OF_ROS)
+    unit = "rad" if joints.readings == "angles" else "rad/s"
+    found = {
+        column.header: f"{name.removeprefix('wheel ')} [{unit}]"
+        for name, column in joints.columns.items()
+        if name.startswith("wheel ") and not column.stated and joints.readings != "ticks"
+        if not words(column.header).endswith(of_ros)
+    }
+    if not found:
+        return ""
+    return f'"{next(iter(found))}" says no unit, and is read in {unit}: {columns(found)} says so'
 
 
 def _at_the_rim(unit: Unit, rover: Rover, wheel: str) -> Unit:
@@ -274,7 +300,7 @@ def _reading(rest: str, given: str | None, default: Reading | None) -> tuple[Rea
                     return kind, each
             elif any(rest in (ending, *(f"{w}_{ending}" for w in _WORDS[kind])) for ending in each.spellings):
                 return kind, each
-        if given is None and rest in _WORDS[kind]:
+        if given is None and rest in _WORDS[kind] and rest not in _LENGTHWISE:
             return kind, _UNITS[kind][0]
     return (default, _UNITS[default][0]) if default and not rest and given is None else None
 
@@ -289,24 +315,55 @@ def _refuse_missing(found: Collection[str], headers: Sequence[str], rover: Rover
     if not any(name.startswith("wheel ") for name in found):
         named = ", ".join(f'"{joint}"' for joint in rover.traction_joints)
         hint = did_you_mean([*rover.traction_joints, *rover.wheel_names], headers)
-        raise TableError(f"no column for any wheel ({named}) among {listed}{hint}{proposed(headers, rover)}")
+        twice = len(set(headers)) < len(headers)
+        given = f"; some have one name: {all_names(headers)}" if twice else proposed(headers, rover)
+        raise TableError(f"no column for any wheel ({named}) among {listed}{hint}{given}")
 
 
 def proposed(headers: Sequence[str], rover: Rover) -> str:
-    """Proposal to read headers as wheels, by the initials of these; nothing if they do not tell."""
-    found = {}
+    """Proposal to read headers as wheels, by names, initials or their order; or nothing."""
+    bare = {header: BRACKETS.match(header) for header in headers}
+    names = {header: (found[1] if found else header) for header, found in bare.items()}
+    found = _like(names, rover) or _in_order(headers, rover)
+    meanings = {}
+    for header, wheel in found.items():
+        bracketed = bare[header]
+        meanings[header] = f"{wheel} [{bracketed[2]}]" if bracketed else wheel + _by_name(words(header))
+    if not meanings:
+        return ""
+    guessed = any("[" not in meaning for meaning in meanings.values())
+    return f"; give {columns(meanings)}{', or with their unit, as [deg]' if guessed else ''}"
+
+
+def _like(names: Mapping[str, str], rover: Rover) -> dict[str, str]:
+    """Headers to wheels, by what these are called; none if a wheel has no header or several."""
+    found: dict[str, str] = {}
     for wheel in rover.wheel_names:
         initials = "".join(part[0] for part in wheel.split("_"))
-        like = [
-            each for each in headers if re.search(rf"(?:^|[^a-zA-Z]|[a-z]){initials}$", each, re.IGNORECASE)
-        ]
+        ending = re.compile(rf"(?:^|[^a-zA-Z]|[a-z])(?:{initials}|{initials.upper()})$")
+        named = re.compile(rf"(?:^|_){words(wheel)}(?:_|$)")
+        like = [each for each, name in names.items() if named.search(words(name))]
+        like = like or [each for each, name in names.items() if ending.search(name)]
         if len(like) != 1 or like[0] in found:
-            return ""
-        name = words(like[0])
-        unit = "ticks" if re.search("enc|tick|count|cnt", name) else "rad"
-        unit = "rad/s" if re.search("vel|speed|rate|omega", name) else unit
-        found[like[0]] = f"{wheel} [{unit}]"
-    return f"; give {columns(found)}"
+            return {}
+        found[like[0]] = wheel
+    return found
+
+
+def _in_order(headers: Sequence[str], rover: Rover) -> dict[str, str]:
+    """Headers to wheels in their order, if that is all a table has beside what is known."""
+    known = time_columns(headers) | truth_columns(headers) | rate_columns(headers)
+    taken = {column.index for column in known.values()}
+    free = [header for index, header in enumerate(headers) if index not in taken and header.strip()]
+    fits = len(free) == len(rover.wheel_names) == len(set(free)) and not rover.steered_wheel_names
+    return dict(zip(free, rover.wheel_names, strict=True)) if fits else {}
+
+
+def _by_name(name: str) -> str:
+    """The quantity that the words of a header make likely; without a unit, so that readings stay in doubt."""
+    if re.search("enc|tick|count|cnt|cts|pulse", name):
+        return " [ticks]"
+    return "_speed" if re.search("vel|speed|rate|omega|rpm|^w[lr]$", name) else "_angle"
 
 
 def did_you_mean(names: Sequence[str], given: Sequence[str]) -> str:

@@ -5,7 +5,7 @@ from typing import TypeAlias
 
 from six_wheel.logs.headers.columns import TableError
 
-__all__ = ["Columns", "renamed", "without_header"]
+__all__ = ["Columns", "all_names", "renamed", "without_header"]
 
 Columns: TypeAlias = Mapping[str, str] | Sequence[str]
 SHOWN = 40  # letters of a row
@@ -52,10 +52,13 @@ def without_header(cells: Sequence[str]) -> str:
     """The message for a table that begins with numbers."""
     row = ",".join(cells)
     row = row if len(row) <= SHOWN else row[:SHOWN] + "..."
+    return f'the first line must name the columns, got "{row}": {all_names(cells)}'
+
+
+def all_names(cells: Sequence[str]) -> str:
+    """Proposal to name all columns in their order."""
     such = ",".join(("time", *(f"NAME{number}" for number in range(2, len(cells) + 1))))
     python = ", ".join(f'"{name}"' for name in such.split(","))
     names = 'each NAME such as "left [rad]" or "left [ticks]", or nothing for what is not to be read'
-    given = (
-        f'--columns "{such}", or columns: [{python}] in the parameter file, or columns=[{python}] in Python'
-    )
-    return f'the first line must name the columns, got "{row}": give {given}, {names}'
+    listed = f"columns: [{python}] in the parameter file, or columns=[{python}] in Python"
+    return f'give --columns "{such}", or {listed}, {names}'

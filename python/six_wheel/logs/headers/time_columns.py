@@ -10,15 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.logs.headers.columns import (
+    BRACKETS,
     TIME,
     TIME_UNITS,
     Column,
     TableError,
     Unit,
     find_columns,
+    is_number,
     means,
     words,
 )
+from six_wheel.logs.plausibility.proposals import columns
 
 __all__ = ["scale_of", "seconds_since", "time_columns", "whole_second"]
 
@@ -26,7 +29,16 @@ __all__ = ["scale_of", "seconds_since", "time_columns", "whole_second"]
 LONGEST_RUN = 1e6  # [s]
 
 _SECONDS = re.compile(r"^(.*?)_?(?:sec|secs|seconds)$")
-_NANOSECONDS = re.compile(r"^(.*?)_?(?:nanosec|nanosecs|nsec|nsecs|nanoseconds)$")
+_FRACTIONS = (
+    (re.compile(r"^(.*?)_?(?:nanosec|nanosecs|nsec|nsecs|nanoseconds)$"), TIME_UNITS[3]),
+    (re.compile(r"^(.*?)_?(?:microsec|microsecs|usec|usecs|microseconds)$"), TIME_UNITS[2]),
+)
+# Names of clocks that are read where no column is called by a plain name.
+_OF_RECORDERS = re.compile(
+    r"(?:ts|timestamps|times|seconds_since_start|(?:log|sim|ros|rec|record|recorded|recording|receive|rx|system|sys|host"
+    r"|local|header|sensor|gps|unix|epoch|relative|rel|elapsed|run|bag|mission|utc)_(?:time|timestamp|stamp|ts)"
+    r"|(?:time|timestamp)_(?:unix|epoch|utc|local|rel|relative|elapsed|stamp)|(?:recorded|created|received)_at)"
+)
 
 
 def time_columns(
@@ -51,6 +63,7 @@ def time_columns(
         scale_of(stamp_unit)
     if pair := _in_two(headers):
         return pair
+    given, headers = headers, _plain(headers)
     found = [index for index, header in enumerate(headers) if means(header, TIME)]
     if len(found) > 1:
         both = " and ".join(f'"{headers[index]}"' for index in found)
@@ -58,6 +71,8 @@ def time_columns(
         python = ", ".join(f'"{headers[index]}": ""' for index in found[1:])
         rule = f"time must be in one column, got {both}; rename or drop all but one"
         raise TableError(f"{rule}, as {leave} does, or columns={{{python}}} in Python")
+    if not found:
+        _refuse_missing(headers)
     column = find_columns(headers, (TIME,))["time"]
     stated = (field_units or {}).get(column.index)
     if stated is not None and not column.stated:
@@ -69,7 +84,7 @@ def time_columns(
     if stamp_unit is not None:
         unit = next(unit for unit in TIME_UNITS if unit.symbol == stamp_unit)
         column = replace(column, unit=unit, stated=True)
-    return {"time": column}
+    return {"time": replace(column, header=given[column.index])}
 
 
 def scale_of(stamp_unit: str) -> float:
@@ -86,20 +101,49 @@ def scale_of(stamp_unit: str) -> float:
     return scales[stamp_unit]
 
 
+def _plain(headers: Sequence[str]) -> list[str]:
+    """Headers with a recorder's name of its clock written as ``time``, if no other column is a time."""
+    found = list(headers)
+    if any(means(header, TIME) for header in headers):
+        return found
+    for index, header in enumerate(headers):
+        bracketed = BRACKETS.match(header)
+        text = words(bracketed[1] if bracketed else header)
+        stem, _, ending = text.rpartition("_")
+        unit = next((each.symbol for each in TIME_UNITS if ending in each.spellings), None)
+        if _OF_RECORDERS.fullmatch(text):
+            found[index] = f"time [{bracketed[2]}]" if bracketed else "time"
+        elif unit and not bracketed and _OF_RECORDERS.fullmatch(stem):
+            found[index] = f"time [{unit}]"
+    return found
+
+
+def _refuse_missing(headers: Sequence[str]) -> None:
+    """Refuses a table without a time, with what would name one."""
+    bare = [found[1] for header in headers if (found := BRACKETS.match(header))]
+    if all(is_number(header) for header in headers) or any(means(each, TIME) for each in bare):
+        return
+    likely = next((each for each in headers if re.search("time|stamp|clock|sec|date", words(each))), None)
+    listed = ", ".join(f'"{each}"' for each in headers)
+    hint = f"; if that is it, give {columns({likely: 'time [s]'})}" if likely else ""
+    raise TableError(f"no column for time among {listed}; known: {', '.join(TIME.spellings)}{hint}")
+
+
 def _in_two(headers: Sequence[str]) -> dict[str, Column] | None:
-    """Stamps of ROS: whole seconds, and nanoseconds beside them."""
+    """Stamps in two columns: whole seconds, and nanoseconds or microseconds beside them."""
     names = [words(header) for header in headers]
     for index, name in enumerate(names):
-        if not (fine := _NANOSECONDS.match(name)):
-            continue
-        for other, coarse in enumerate(names):
-            whole = _SECONDS.match(coarse)
-            if other != index and whole and whole[1] == fine[1] and not _NANOSECONDS.match(coarse):
-                unit = TIME_UNITS[-1]
-                return {
-                    "time": Column(other, headers[other], unit, stated=True),
-                    "nanoseconds": Column(index, headers[index], unit, stated=True),
-                }
+        for pattern, unit in _FRACTIONS:
+            if not (fine := pattern.match(name)):
+                continue
+            for other, coarse in enumerate(names):
+                whole = _SECONDS.match(coarse)
+                apart = other != index and not any(each.match(coarse) for each, _ in _FRACTIONS)
+                if apart and whole and whole[1] == fine[1]:
+                    return {
+                        "time": Column(other, headers[other], TIME_UNITS[-1], stated=True),
+                        "nanoseconds": Column(index, headers[index], unit, stated=True),
+                    }
     return None
 
 

@@ -4,7 +4,6 @@ Sums telescope: a jump in one row shows in the difference over a stretch of rows
 few of its rows, and only a stretch that is odd is read row by row.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -12,7 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.logs.plausibility.jumps import Jumps, find_jumps, may_jump
+from six_wheel.logs.plausibility.jumps import (
+    WHOLE_TURNS,
+    Jumps,
+    find_jumps,
+    longest_step,
+    lost_readings,
+    may_jump,
+)
 from six_wheel.logs.plausibility.motion import (
     STRETCH,
     check_motion,
@@ -23,14 +29,14 @@ from six_wheel.logs.plausibility.proposals import (
     Column,
     ImplausibleReadingError,
     at_its_word,
-    columns,
     encoders,
     max_speed,
     number,
     rows,
     stamp_unit,
 )
-from six_wheel.logs.plausibility.stamps import check_clock, check_origin
+from six_wheel.logs.plausibility.stamps import FEW_ROWS, check_clock, check_order, check_origin
+from six_wheel.logs.plausibility.still import WheelTurns
 from six_wheel.logs.plausibility.whole_numbers import (
     all_whole,
     check_counts,
@@ -44,8 +50,7 @@ Floats = NDArray[np.float64]
 
 SAMPLE = 4096  # rows in a row that are read closely for what only neighbours tell
 LONG_GAP = 1.0  # [s] in which rates tell nothing
-STUCK_ROWS = 50  # of a log in which a wheel does not move
-STUCK_TURN = 4.0 * math.pi  # [rad] that another one turns meanwhile
+FASTEST_STEP = 30.0  # [m/s] of a rim from one row to the next
 
 
 @dataclass(frozen=True)
@@ -116,7 +121,8 @@ class ReadingChecks:
     warn: Callable[[str], None]
     _rows: int = 0
     _last: tuple[float, Floats, Floats, Floats | None] | None = None
-    _spans: list[tuple[Floats, Floats]] = field(default_factory=list)
+    _turns: WheelTurns = field(default_factory=WheelTurns)
+    _begin: float = 0.0
     _turned: Floats = field(default_factory=lambda: np.zeros(0))
     _clock_known: bool = False
     _looked: bool = False
@@ -155,12 +161,17 @@ class ReadingChecks:
         if not len(stamps):
             return
         known = self.readings
-        if not self._rows and not known.clock_stated:
-            check_origin(float(stamps[0]), known.time, self._row(0, numbers))
+        if not self._rows:
+            self._begin = float(stamps[0])
+            if not known.clock_stated:
+                check_origin(float(stamps[0]), known.time, self._row(0, numbers))
+        if numbers is None:
+            check_order(stamps, self.warn, known.time)
         with np.errstate(invalid="ignore", over="ignore"):  # rows without numbers are left to others
             chosen = self._stretches(stamps)
             self._look(raw, steering, numbers)
             self._check_jumps(stamps, raw, steering, chosen, numbers)
+            self._check_steps(stamps, raw if angles is None else angles, angles is None, numbers)
             turned = steering if joints is None else joints
             self._check_motion(stamps, raw, angles, turned, chosen, numbers)
             if known.kind == "speeds":
@@ -170,29 +181,14 @@ class ReadingChecks:
         self._last = (float(stamps[-1]), raw[-1].copy(), self._turned, last)
 
     def finish(self) -> None:
-        """Warn of a wheel that never moves while others do."""
+        """Warn of wheels that do not move while others do."""
         known = self.readings
-        if self._rows < STUCK_ROWS or not self._spans or known.kind == "increments":
+        if known.kind == "increments" or self._last is None:
             return
-        low, high = (np.array(each) for each in zip(*self._spans, strict=True))
-        moved = np.fmax.reduce(high, axis=0) - np.fmin.reduce(low, axis=0)
-        heard = np.isfinite(moved)
-        if not heard.any():
-            return
-        fastest = int(np.argmax(np.where(heard, moved, -1.0)))
-        for place, wheel in enumerate(known.rover.wheels):
-            if (
-                heard[place]
-                and moved[place] == 0.0
-                and moved[fastest] > STUCK_TURN
-                and not wheel.roller_angle
-            ):
-                header, other = known.wheels[place].header, known.wheels[fastest].header
-                what = f'"{header}" stands still in all {self._rows} rows while "{other}" turns'
-                remedy = "is its encoder connected?"
-                if known.named and heard.sum() > 2:
-                    remedy += f" Without it: {columns({header: ''})}"
-                self.warn(f"{what} {moved[fastest]:.4g} rad: {remedy}")
+        duration = self._last[0] - self._begin
+        totals, named = known.kind == "angles", known.named
+        for line in self._turns.doubts(known.rover, known.wheels, self._rows, duration, named, totals):
+            self.warn(line)
 
     def _row(self, place: int, numbers: NDArray[np.int64] | None) -> int:
         """The number of a row of this chunk."""
@@ -216,9 +212,11 @@ class ReadingChecks:
         self._looked = len(raw) >= SAMPLE // 4
         piece, row = raw[:SAMPLE], self._row(0, numbers)
         if known.kind in ("angles", "speeds") and not known.wheels_stated:
-            check_counts(piece if known.kind == "angles" else piece[:0], known.wheels, row)
+            mapped = known.named and known.first_row > 0
+            check_counts(piece if known.kind == "angles" else piece[:0], known.wheels, row, mapped=mapped)
         if steering is not None and not known.steering_stated:
-            check_counts(steering[:SAMPLE], known.steering, row, steering=True)
+            mapped = known.named and known.first_row > 0
+            check_counts(steering[:SAMPLE], known.steering, row, steering=True, mapped=mapped)
         if known.kind == "increments" or not (known.increments_stated or known.wraps):
             # Quicker rows hold fewer counts each: more of them show the motion.
             for column, readings in zip(known.wheels, raw[: 4 * SAMPLE].T, strict=True):
@@ -269,13 +267,39 @@ class ReadingChecks:
                 at = [self._row(int(k) - shift, numbers) for k in found.rows]
                 raise ImplausibleReadingError(self._jumping(column, found, at, steering))
 
+    def _check_steps(
+        self, stamps: Floats, turned: Floats, raw: bool, numbers: NDArray[np.int64] | None
+    ) -> None:
+        """Refuses single steps that no wheel makes: lost readings, counters set to another value."""
+        known = self.readings
+        unknown = (raw and (known.wraps or known.scale is None)) or known.kind in ("speeds", "increments")
+        if unknown or known.max_speed is not None or len(stamps) < FEW_ROWS:
+            return
+        scale = np.ones(1) if known.scale is None or not raw else np.abs(known.scale)
+        radii = np.array([wheel.radius for wheel in known.rover.wheels]) * scale
+        usual = float(np.median(np.diff(stamps[:SAMPLE])))
+        if usual <= 0.0 or longest_step(turned) * float(radii.max()) <= FASTEST_STEP * usual:
+            return
+        longest = FASTEST_STEP * np.maximum(np.diff(stamps), usual)
+        for place, column in enumerate(known.wheels):
+            found = lost_readings(turned[:, place] * radii[place], longest)
+            if found is not None:
+                at = [self._row(int(k), numbers) for k in found.rows]
+                steps = f"from {found.before:.4g} to {found.after:.4g} m at the rim"
+                what = f'"{column.header}" jumps in {rows(at)} ({steps})'
+                rest = "a step beyond it counts as none"
+                raise ImplausibleReadingError(f"{what}: give {max_speed(10.0)}; {rest}")
+
     def _jumping(self, column: Column, found: Jumps, at: Sequence[int], steering: bool) -> str:
         """The line about a column that jumps."""
         known = self.readings
         steps = f"from {number(found.before)} to {number(found.after)}"
         if found.wraps_at is not None:
             counts = known.counts_unknown and not steering
+            stated = known.steering_stated if steering else known.wheels_stated
             turn = None if steering else known.turn
+            if turn is None and known.kind == "angles" and found.wraps_at in WHOLE_TURNS and not stated:
+                turn = found.wraps_at  # degrees, or whole turns
             proposal = encoders(wraps_at=found.wraps_at, counts=counts, turn=turn, steering=steering)
             what = f'"{column.header}" wraps at {number(found.wraps_at)} in {rows(at)} ({steps})'
             return f"{what}: give {proposal}"
@@ -311,9 +335,7 @@ class ReadingChecks:
         if self._last is not None and len(self._last[2]):
             times = np.concatenate(([self._last[0]], times))
             turned = np.vstack((self._last[2], turned))
-        with np.errstate(invalid="ignore"):
-            low, high = np.fmin.reduce(turned, axis=0), np.fmax.reduce(turned, axis=0)
-        self._spans.append((low, high))
+        self._turns.add(turned)
         periods = np.diff(times)
         later = periods > 0.0
         if not later.any():
@@ -363,6 +385,7 @@ class ReadingChecks:
         if not len(steps):
             return
         usual = float(np.median(steps))
+        usual = usual if usual <= 2.0 * LONG_GAP else 0.0
         long = np.flatnonzero(steps > max(LONG_GAP, 10.0 * usual, self.readings.max_gap or 0.0))
         fastest = float(np.nanmax(np.abs(rates), initial=0.0))
         for place in long.tolist():

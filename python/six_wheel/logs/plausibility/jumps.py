@@ -11,18 +11,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Jumps", "find_jumps", "may_jump"]
+__all__ = ["WHOLE_TURNS", "Jumps", "find_jumps", "longest_step", "lost_readings", "may_jump"]
 
 Floats = NDArray[np.float64]
 
 POWERS = tuple(float(1 << bits) for bits in (8, 10, 11, 12, 13, 14, 15, 16, 17, 18, 20, 21, 22, 24, 31, 32))
 DECIMALS = tuple(float(10**digits) for digits in range(2, 10))
-TURNS = (2.0 * math.pi, 360.0, 1.0, 400.0, 3600.0, 36000.0)
+WHOLE_TURNS = (360.0, 1.0, 400.0, 3600.0, 36000.0)
+TURNS = (2.0 * math.pi, *WHOLE_TURNS)
 SHARE = 0.45  # of its range, that a step of a column that wraps takes at least
 CALM = 0.5  # of a jump, below which all other steps must stay
 APART = 8.0  # times the other steps around it, that a jump is at least
 AROUND = 25  # rows on either side that tell what steps are usual
 LEAST = 3  # steps that have to be there beside a jump
+PIECE = 8192  # rows that fit a cache
+MOST = 0.02  # share of steps that are jumps; more are motion in another unit
 ROWS = 20  # that a column has at least, of which anything is said
 
 
@@ -47,6 +50,33 @@ def may_jump(samples: Floats, steps: Floats) -> bool:
         return True
     moving = np.abs(steps[np.abs(steps) > 0.0])
     return len(moving) > LEAST and longest > APART * float(np.quantile(moving, 0.9))
+
+
+def longest_step(values: Floats) -> float:
+    """The longest step between two rows of any column (n, columns); NaN counts as none."""
+    longest = 0.0
+    for first in range(0, len(values) - 1, PIECE):
+        rows = values[first : first + PIECE + 1]
+        steps = rows[1:] - rows[:-1]
+        high, low = float(steps.max()), float(steps.min())
+        if math.isnan(high):
+            high, low = float(np.nanmax(steps, initial=0.0)), float(np.nanmin(steps, initial=0.0))
+        longest = max(longest, high, -low)
+    return longest
+
+
+def lost_readings(column: Floats, longest: Floats) -> Jumps | None:
+    """Steps of a column (n,) longer than any motion, `longest` (n - 1,), and far from the others."""
+    steps = np.diff(column)
+    sizes = np.nan_to_num(np.abs(steps))
+    found = np.flatnonzero(sizes > longest)
+    if not len(found) or len(found) > MOST * len(steps):
+        return None
+    others = np.delete(sizes, found)
+    usual = float(np.quantile(others[others > 0.0], 0.95)) if others.any() else 0.0
+    if APART * usual > float(sizes[found].min()):
+        return None
+    return Jumps(found + 1, None, float(column[found[0]]), float(column[found[0] + 1]))
 
 
 def find_jumps(
@@ -136,6 +166,8 @@ def _wrap(
     known = [*turns, *POWERS, *DECIMALS, *TURNS]
     lowest = span + (1.0 if whole else 0.0)
     fits = [each for each in known if abs(each - guess) <= room and each >= lowest * (1.0 - 1e-9)]
+    # A counter that runs beyond its range elsewhere in the log, by a bit that was read wrong.
+    fits += [each for each in POWERS if whole and each >= 65_536.0 and abs(each - guess) <= room]
     fits += [each for each in (math.tau, 360.0, 1.0) if abs(each - guess) <= room and each >= span * 0.999]
     if fits:
         return min(fits, key=lambda each: abs(each - guess)), True

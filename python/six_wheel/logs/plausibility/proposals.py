@@ -10,6 +10,7 @@ __all__ = [
     "ImplausibleReadingError",
     "Proposal",
     "at_its_word",
+    "both",
     "columns",
     "encoders",
     "max_speed",
@@ -76,6 +77,12 @@ def encoders(
         python.append('readings="increments"')
     key = f"{name}: {{{', '.join(keys)}}}"
     return Proposal(key, "" if steering else " ".join(options), ", ".join(python))
+
+
+def both(one: Proposal, other: Proposal) -> Proposal:
+    """Two options together."""
+    option = f"{one.option} {other.option}".strip()
+    return Proposal(f"{one.key}, {other.key}", option, f"{one.argument}, {other.argument}")
 
 
 def columns(meanings: Mapping[str, str]) -> Proposal:

@@ -1,11 +1,18 @@
 """Clocks: stamps whose steps are those of another unit than seconds."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, stamp_unit
+from six_wheel.logs.plausibility.proposals import (
+    ImplausibleReadingError,
+    at_its_word,
+    stamp_unit,
+)
 
-__all__ = ["check_clock", "check_origin", "unit_since_1970"]
+__all__ = ["check_clock", "check_order", "check_origin", "out_of_order", "unit_since_1970"]
 
 Floats = NDArray[np.float64]
 
@@ -19,6 +26,10 @@ DRIVING = (1e-3, 60.0)  # [m/s] rim speeds of a rover that drives
 FAR_APART = 5.0  # [s] between rows of rates, which tell nothing about what was between them
 SMOOTH = 2e-3  # of the fastest rate, by which rates that are 1 s apart change at most
 MANY = 1000  # rows for which that counts
+FEW_ROWS = 20  # whose order tells nothing
+DISORDER = 0.1  # share of steps back, from which on rows are in another order
+ANEW = 50  # rows behind the time that was reached, from which on a clock started anew
+STANDING = 0.5  # share of rows at the time of the row before, from which on it is said
 
 
 def unit_since_1970(first: float) -> str:
@@ -86,3 +97,55 @@ def check_clock(stamps: Floats, speeds: Floats, rates: bool, header: str, row: i
     raise ImplausibleReadingError(
         f"{what}: give {stamp_unit(symbol)}; they are seconds with {stamp_unit('s').option}"
     )
+
+
+def check_order(stamps: Floats, warn: Callable[[str], None], header: str) -> None:
+    """Refuses rows that are not in the order of time, and warns of time that stands still in most of them.
+
+    Raises
+    ------
+    ImplausibleReadingError
+        If they run backwards too often for a fault of the clock.
+    """
+    steps = np.diff(stamps)
+    if not len(steps) or float(np.min(steps)) > 0.0:
+        return
+    if line := out_of_order(stamps, header):
+        raise ImplausibleReadingError(line)
+    still = int(np.count_nonzero(steps == 0.0))
+    if still > STANDING * len(steps):
+        many = f'column "{header}" stands still in {still} of {len(steps) + 1} rows, which are left out'
+        warn(f"{many}: are the times whole seconds, or 32 bit numbers of a large size?")
+
+
+def out_of_order(
+    stamps: NDArray[Any],
+    header: str,
+    late: NDArray[np.int64] | None = None,
+    rows: NDArray[np.int64] | None = None,
+) -> str:
+    """The line about rows that are not in the order of time; empty if they are, as far as a clock is.
+
+    Parameters
+    ----------
+    stamps : array, shape (n,) or longer
+        Times of the rows.
+    header : str
+        What the log calls them.
+    late, rows : array of int, optional
+        Rows of these that are behind the time that was reached, and numbers of all rows.
+    """
+    steps = np.diff(stamps.astype(np.float64))
+    back = float(np.count_nonzero(steps < 0.0))
+    if len(steps) >= FEW_ROWS and back > DISORDER * len(steps):
+        how = "from the last to the first" if back > (1.0 - DISORDER) * len(steps) else "in no order"
+        return f'the rows are not in the order of time: column "{header}" goes {how}; sort the rows by it'
+    if late is None or rows is None or not len(steps):
+        return ""
+    late = late[(late > 0) & (steps[np.maximum(late, 1) - 1] != 0.0)]
+    if len(late) < ANEW or np.min(late[ANEW - 1 :] - late[: len(late) - ANEW + 1]) >= 2 * ANEW:
+        return ""
+    what = f"time goes back in row {rows[late[0]]} and stays behind what it was"
+    guess = "a clock that started anew, or several logs in one file?"
+    rest = f"{at_its_word().option} ({at_its_word().argument}) leaves out what is behind"
+    return f"{what}: {guess} Make a file of each; {rest}"

@@ -5,7 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.logs.plausibility.proposals import Column, ImplausibleReadingError, encoders
+from six_wheel.logs.plausibility.proposals import (
+    Column,
+    ImplausibleReadingError,
+    both,
+    columns,
+    encoders,
+)
 
 __all__ = ["all_whole", "check_counts", "check_increments", "check_increments_as_totals"]
 
@@ -14,7 +20,7 @@ Floats = NDArray[np.float64]
 LONG_STEP = 100.0  # of whole numbers in a row, which no radians are
 ROWS = 20  # from which on whole numbers alone are enough
 VALUES = 8  # different ones among them
-FEW = 2.0  # of them that a wheel which moves goes on by in a row
+ALIKE = 0.95  # share of steps of one size, from which on they are no recording
 FLIPS = 0.3  # share of steps against the step before, from which on they are no motion
 LEVELS = 5  # ticks that what was turned in a row takes at least
 
@@ -25,28 +31,34 @@ def all_whole(values: Floats) -> bool:
     return len(there) > 0 and not np.any(there % 1.0)
 
 
-def check_counts(wheels: Floats, columns: Sequence[Column], row: int, steering: bool = False) -> None:
+def check_counts(
+    wheels: Floats, named: Sequence[Column], row: int, steering: bool = False, mapped: bool = False
+) -> None:
     """Refuses whole numbers as angles in radians: columns (n, wheels) of readings of which nobody said what
-    they are.
+    they are; `mapped` where their headers have to say that they are counts.
 
     Raises
     ------
     ImplausibleReadingError
         If they are counts.
     """
-    for column, readings in zip(columns, wheels.T, strict=True):
+    for column, readings in zip(named, wheels.T, strict=True):
         there = readings[np.isfinite(readings)]
         if len(there) < 2 or not all_whole(there):
             continue
         steps = np.abs(np.diff(there))
         longest = float(steps.max())
         moves = steps[steps > 0.0]
-        # Steps that are all the same are no recording.
-        several = len(moves) >= ROWS and float(np.median(moves)) >= FEW and len(np.unique(moves)) > 1
+        # Steps that are nearly all the same are no recording.
+        several = len(moves) >= ROWS and np.unique(steps, return_counts=True)[1].max() < ALIKE * len(steps)
         if longest > LONG_STEP or (several and len(np.unique(there)) >= VALUES):
             at = row + int(np.argmax(steps)) + 1
             what = f'"{column.header}" holds whole numbers, with a step of {longest:.0f} in row {at}'
             proposal = encoders(counts=True, steering=steering)
+            if mapped:
+                ending = "_steering [ticks]" if steering else " [ticks]"
+                meanings = {each.header: f"{each.wheel}{ending}" for each in named if each.header}
+                proposal = both(columns(meanings), proposal)
             raise ImplausibleReadingError(
                 f"{what}: counts are no radians; give {proposal}, COUNTS those of a turn"
             )

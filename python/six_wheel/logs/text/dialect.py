@@ -22,6 +22,7 @@ ROWS = 8  # lines below a header that tell how cells are written
 SPACES = " "
 SEPARATORS = (",", ";", "\t", "|")
 COMMENT = re.compile(r"^\s*(?:#+|%+|//)\s*")
+_DECIMAL = re.compile(r"\s*[+-]?\d*,\d+(?:[eE][+-]?\d+)?\s*")
 UNIT_WORDS = frozenset(
     re.findall(
         r"\w+",
@@ -68,7 +69,8 @@ def open_text(path: Path) -> BinaryIO:
     head = handle.read(4096)
     handle.seek(0)
     encoding = _encoding(head)
-    if head[:2] != b"\x1f\x8b" and encoding is None:
+    returns = b"\r" in head and b"\n" not in head  # lines of an old Macintosh
+    if head[:2] != b"\x1f\x8b" and encoding is None and not returns:
         return handle
     with handle:
         source: BinaryIO = handle
@@ -78,7 +80,9 @@ def open_text(path: Path) -> BinaryIO:
                 source = gzip.open(handle)  # type: ignore[assignment]  # noqa: SIM115
                 encoding = _encoding(source.read(4096)) or "utf-8-sig"
                 source.seek(0)
-            text = io.TextIOWrapper(source, encoding=encoding, errors="replace", newline="")
+            text = io.TextIOWrapper(
+                source, encoding=encoding or "utf-8", errors="replace", newline=None if returns else ""
+            )
             target = io.TextIOWrapper(copy, encoding="utf-8", newline="", write_through=True)
             shutil.copyfileobj(text, target)
             target.detach()
@@ -214,11 +218,11 @@ def _dialect(lines: Sequence[tuple[int, int, str]], place: int, delimiter: str) 
     if rows and all(len(row) == len(headers) + 1 and not row[-1].strip() for row in rows):
         headers.append("")  # a separator behind the last cell
     found.first = rows
-    if delimiter != "," and (cells := [cell for row in rows for cell in row if "," in cell]):
-        decimal = all(
-            re.fullmatch(r"\s*[+-]?\d*,\d+(?:[eE][+-]?\d+)?\s*", c) or is_clock_time(c) for c in cells
-        )
-        found.decimal = "," if decimal else "."
+    if cells := [cell for row in rows for cell in row if "," in cell]:
+        decimal = all(_DECIMAL.fullmatch(c) or is_clock_time(c) for c in cells)
+        # In quotes between commas three digits may be thousands.
+        thousands = delimiter == "," and all(re.search(r",\d{3}(?!\d)", cell) for cell in cells)
+        found.decimal = "," if decimal and not thousands else "."
     return found
 
 

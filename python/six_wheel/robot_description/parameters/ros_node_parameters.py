@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
+from six_wheel.kinematics.keywords import same_thing
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError, Severity
 from six_wheel.robot_description.parameters.ros_yaml import (
     Path,
@@ -160,7 +161,9 @@ def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, ...]]:
 
 
 def closest(word: str, choices: Collection[str], *, likeness: float = 0.75) -> str | None:
-    """The choice that `word` may be a slip of, for a "did you mean"."""
+    """The choice that `word` may be a slip of, or another name for, for a "did you mean"."""
+    if meant := same_thing(word, choices):
+        return meant
     lower = {choice.lower(): choice for choice in choices}
     matches = difflib.get_close_matches(word.lower()[:100], lower, n=1, cutoff=likeness)
     return lower[matches[0]] if matches else None
