@@ -67,8 +67,7 @@ class OdometryHealth(NamedFlag):
     UNDETERMINED = 256
     """Left out: its wheels do not determine the motion."""
     RESTARTED = 512
-    """A counter started at zero again: it counts from there. Or clock or counters went on from another value
-    for good: it counts from the sample left out before."""
+    """Clock or counters went on from another value for good; it counts from the sample left out before."""
     OVERTURNED = 1024
     """Left out: the attitude is that of a rover that does not stand on its wheels."""
     UNSETTLED = 2048
