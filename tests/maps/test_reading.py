@@ -14,6 +14,7 @@ from six_wheel.maps import TerrainFileError
 # Of rasterio, about a sign of the library it makes transforms with.
 pytestmark = pytest.mark.filterwarnings("ignore:Use `@` matmul:PendingDeprecationWarning")
 SHARED = Path(__file__).parents[3] / "shared" / "data" / "terrain"
+CORNER = "xllcorner 0\nyllcorner 0\n"
 HEIGHTS = np.arange(20, dtype=np.float32).reshape(4, 5) / 8  # exact in single precision
 
 
@@ -96,7 +97,7 @@ def test_a_map_in_degrees_is_refused(tmp_path: Path) -> None:
         sw.Terrain.read(path)
     grid = tmp_path / "grid.asc"
     grid.write_text("ncols 2\nnrows 2\nxllcorner 14\nyllcorner 50\ncellsize 0.00001\n1 2\n3 4\n")
-    with pytest.raises(TerrainFileError, match="in degrees has to be projected"):
+    with pytest.raises(TerrainFileError, match="coordinates that look like degrees, .* gdalwarp"):
         sw.Terrain.read(grid)
     grid.write_text("ncols 2\nnrows 2\nxllcorner 14\nyllcorner 50\ncellsize 1\n1 2\n3 4\n")
     grid.with_suffix(".prj").write_text('GEOGCS["WGS 84"]')
@@ -140,13 +141,17 @@ def test_recorded_grids_are_read_whole() -> None:
         ("a.asc", "ncols 2\nnrows 2\n1 2 3 4", "must give ncols, nrows and cellsize"),
         ("a.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2 3", "must hold 2 x 2 heights, got 3"),
         ("a.asc", "ncols two\n", r"a\.asc:1: ncols must be a number"),
-        ("a.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2 3 x", "could not convert string to float"),
-        ("a.asc", "ncols 2\nnrows 1\ncellsize 1\n1 2", "at least two rows and two columns"),
-        ("a.asc", "ncols 2\nnrows 2\ncellsize -1\n1 2 3 4", "spacing must be finite and positive"),
+        ("a.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2 3 x", "it has 'x' where a height belongs"),
+        ("a.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2 3 4", r"has no xllcorner and yllcorner: origin="),
+        ("a.asc", f"{CORNER}ncols 2\nnrows 1\ncellsize 1\n1 2", "at least two rows and two columns"),
+        ("a.asc", f"{CORNER}ncols 2\nnrows 0\ncellsize 1\n1 2", "must have whole ncols and nrows"),
+        ("a.asc", f"{CORNER}ncols nan\nnrows 2\ncellsize 1\n1 2", "must have whole ncols and nrows"),
+        ("a.asc", f"{CORNER}ncols 2\nnrows 2\ncellsize -1\n1 2 3 4", "spacing must be finite and positive"),
         ("a.txt", "1,2,3", "must begin with x min, x max, x count"),
         ("a.txt", "0,1,2,0,1,2,1,2,3", "must hold 2 x 2 heights, got 3"),
         ("a.txt", "0,1,1.5,0,1,2,1,2,3", "must have at least two x and y"),
-        ("a.txt", "\xff\xfe", "must be text"),
+        ("a.txt", "hello world", "is no map as text: it has 'hello' where a height belongs"),
+        ("a.txt", "\xff\xfe", "is empty"),
         ("a.tif", "no image", r"a\.tif must be a map"),
     ],
 )
@@ -163,8 +168,8 @@ def test_broken_files_are_named(name: str, text: str, message: str, tmp_path: Pa
 
 
 def test_a_missing_library_names_the_install_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    (tmp_path / "a.tif").write_bytes(b"")
-    (tmp_path / "a.mcap").write_bytes(b"")
+    (tmp_path / "a.tif").write_bytes(b"II")
+    (tmp_path / "a.mcap").write_bytes(b"MCAP")
     monkeypatch.setitem(sys.modules, "rasterio", None)
     with pytest.raises(ImportError, match=r'pip install "six-wheel\[terrain\]"'):
         sw.Terrain.read(tmp_path / "a.tif")
@@ -178,7 +183,7 @@ def write_bag(path: Path, cells: Any, start: tuple[int, int], label: str, yaw: f
     highlevel = pytest.importorskip("rosbags.rosbag2", reason="needs rosbags")
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-    from six_wheel.maps.bags import DEFINITIONS, GRID_MAP
+    from six_wheel.maps.readers.bags import DEFINITIONS, GRID_MAP
 
     store = get_typestore(Stores.ROS2_HUMBLE)
     for name, definition in DEFINITIONS.items():

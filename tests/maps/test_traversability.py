@@ -149,7 +149,7 @@ def test_bad_arguments_write_nothing(chart: Path, monkeypatch: pytest.MonkeyPatc
         run(chart, limits=sw.FeasibilityLimits(roll=-1.0))
     with pytest.raises(ValueError, match="output must not be the map itself"):
         run(chart, "map.tif")
-    with pytest.raises(FileNotFoundError, match="there is no such file"):
+    with pytest.raises(FileNotFoundError, match="must be a file, there is none"):
         run(chart.with_name("nothing.tif"))
     assert sorted(chart.parent.iterdir()) == before
     pytest.importorskip("distributed", reason="needs Dask")

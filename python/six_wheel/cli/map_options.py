@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 if TYPE_CHECKING:
+    from six_wheel._core import Terrain
     from six_wheel.maps.files import Options
 
 
@@ -13,6 +14,13 @@ class MapReading(NamedTuple):
 
     band: Annotated[
         str | None, typer.Option(metavar="BAND", help="Number or name of the map's band of heights.")
+    ] = None
+    topic: Annotated[
+        str | None, typer.Option(metavar="TOPIC", help="Topic of a bag; default the only one with maps.")
+    ] = None
+    layer: Annotated[
+        str | None,
+        typer.Option(metavar="LAYER", help="Layer of a grid map; default elevation, or the only one."),
     ] = None
     nodata: Annotated[
         float | None,
@@ -44,6 +52,8 @@ class MapReading(NamedTuple):
         origin = None if self.origin is None else _numbers("--origin", self.origin, (2,))
         spacing = None if self.spacing is None else _numbers("--spacing", self.spacing, (1, 2))
         return Options(
+            topic=self.topic,
+            layer=self.layer,
             band=self.band,
             nodata=self.nodata,
             unit=self.unit,
@@ -51,6 +61,17 @@ class MapReading(NamedTuple):
             spacing=spacing if spacing is None or len(spacing) == 2 else spacing[0],
             origin=origin,  # type: ignore[arg-type]
         )
+
+    def ground(self, name: str | None) -> "Terrain | str | None":
+        """What `name` stands for: a map by these options, or the name itself where none is given."""
+        if not self.given():
+            return name
+        if name in (None, "yard", "flat"):
+            options = ", ".join(f"--{option.replace('_', '-')}" for option in self.given())
+            raise ValueError(f"{options} must come with a map as --ground, got {name or 'none'}")
+        from six_wheel.maps.reading import read_with
+
+        return read_with(str(name), self.options())
 
     def given(self) -> dict[str, Any]:
         """Those that are given, by name."""

@@ -28,7 +28,8 @@ def as_path(argument: str, value: str | os.PathLike[str]) -> Path:
     try:
         return Path(value)
     except TypeError:
-        raise ArgumentTypeError(f"{argument} must be a path, got {value!r}") from None
+        got = " ".join(repr(value).split())
+        raise ArgumentTypeError(f"{argument} must be a path, got {got}") from None
 
 
 def printable(text: str) -> str:

@@ -1,31 +1,41 @@
-"""Arrays as ground: those with coordinates or a mask, and doubts about those without."""
+"""Arrays as ground: those with coordinates or a mask, tables of points, and checks of plain ones."""
 
+import math
 import warnings
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.kinematics.errors import SuspiciousUnitsWarning
-from six_wheel.maps.doubts import find_doubt, is_fill
-from six_wheel.maps.files import Options, length
-from six_wheel.maps.grids import lattice
+from six_wheel.maps.files import Grid, Options, length
+from six_wheel.maps.plausibility import find_fill, find_unit, is_fill
+from six_wheel.maps.readers.points import EAST, NORTH, find_columns, lattice
+from six_wheel.maps.readers.reference import read_reference
 
-__all__ = ["doubt", "read"]
+__all__ = ["check_plausibility", "read"]
 
 EVEN = 1e-3  # of a step: coordinates in single precision
-EAST = ("x", "easting", "east", "e", "column", "columns", "longitude", "lon")
-NORTH = ("y", "northing", "north", "n", "row", "rows", "latitude", "lat")
+BANDS = 16  # more than this along the first axis are rows
 
 
-def doubt(heights: Any, spacing: Any, nodata_open: bool, unit_open: bool) -> None:
+class Axis(NamedTuple):
+    """Coordinates along one axis of an array."""
+
+    name: str
+    places: NDArray[np.float64]
+    unit: str
+    direction: str = ""
+    """``x``, ``y``, or nothing where neither name nor attributes say it."""
+
+
+def check_plausibility(heights: Any, spacing: Any, nodata_open: bool, unit_open: bool) -> None:
     """Fails, or warns, where plain heights look like something else."""
     try:
         array = np.asarray(heights)
     except ValueError:
         return  # no array at all
-    if array.ndim == 3 and array.shape[0] == 1:
-        raise ValueError(f"heights must have two axes, got shape {array.shape}: src.read(1), not src.read()")
+    _check_shape(array)
     if array.ndim != 2 or array.dtype.kind not in "fiu" or min(array.shape) < 2:
         return
     steps = Options(spacing=spacing).checked().steps
@@ -34,28 +44,64 @@ def doubt(heights: Any, spacing: Any, nodata_open: bool, unit_open: bool) -> Non
         raise ValueError(
             'heights must be heights, got cells of 8 bits, a picture: unit="m" if they are metres'
         )
-    if array.shape[1] == 3 and array.shape[0] >= 9:
-        _refuse_points(array.astype(np.float64))
-    if array.dtype.kind != "f":
-        array = array.astype(np.float64)
-    if np.isinf(array).any():
+    _check_fill(array, None if nodata_open else math.nan)
+    if unit_open:
+        whole = isinstance(heights, np.ndarray) and heights.dtype.kind in "iu"
+        _check_unit(array, steps, whole)
+
+
+doubt = check_plausibility  # its name in the compiled module
+
+
+def _check_fill(values: NDArray[Any], nodata: float | None) -> None:
+    values = values if values.dtype.kind == "f" else values.astype(np.float64)
+    finding = find_fill(values, nodata)
+    if finding is not None:
+        raise ValueError(f"heights must be heights, got marks of unknown ones? {finding}")
+
+
+def _check_unit(values: NDArray[Any], steps: tuple[float, float], whole: bool) -> None:
+    values = values if values.dtype.kind == "f" else values.astype(np.float64)
+    finding = None if np.isinf(values).any() else find_unit(values, steps, whole=whole)
+    if finding is None:
         return
-    whole = isinstance(heights, np.ndarray) and heights.dtype.kind in "iu"
-    found = find_doubt(array, steps, nodata_known=not nodata_open, unit_known=not unit_open, whole=whole)
-    if found is not None and found.is_fill:
-        raise ValueError(f"heights must be heights, got marks of unknown ones? {found.message}")
-    if found is not None:
-        warnings.warn(f"Terrain: {found.message}", SuspiciousUnitsWarning, stacklevel=2)
+    if 3 in values.shape:
+        raise ValueError(
+            "heights must have rows and columns, got three, scattered points? "
+            'grid them first (scipy.interpolate.griddata), unit="m" if they are heights'
+        )
+    warnings.warn(f"Terrain: {finding}", SuspiciousUnitsWarning, stacklevel=3)
 
 
-def _refuse_points(array: NDArray[np.float64]) -> None:
+def _check_shape(array: NDArray[Any]) -> None:
+    """Fails for what is no matrix of heights by its shape: several bands, one list, points."""
+    if array.ndim == 3:
+        if array.shape[0] <= BANDS:
+            one = "src.read(1), not src.read()"
+        else:
+            one = "a picture? one band of it is heights[:, :, 0]"
+        raise ValueError(
+            f"heights must have at least two rows and two columns, got shape {array.shape}: {one}"
+        )
+    if array.ndim == 1 and array.size > 1 and array.dtype.kind in "fiu":
+        made = "heights.reshape(rows, columns)"
+        raise ValueError(
+            f"heights must have at least two rows and two columns, got shape {array.shape}: {made}"
+        )
+    if array.ndim == 2 and array.dtype.kind in "fiu" and 3 in array.shape and max(array.shape) >= 9:
+        turned = array.shape[1] != 3
+        _refuse_points((array.T if turned else array).astype(np.float64), ".T" if turned else "")
+
+
+def _refuse_points(array: NDArray[np.float64], turned: str) -> None:
     """Fails where rows are points x, y, z of a grid."""
     grid = lattice(*array.T)
     if grid is not None and grid.heights.size == len(array) and min(grid.heights.shape) > 2:
         order = np.lexsort((array[:, 0], array[:, 1]))
         sort = "" if (order == np.arange(len(array))).all() else "[np.lexsort((p[:, 0], p[:, 1]))]"
         rows, columns = grid.heights.shape
-        made = f"sw.Terrain(p{sort}[:, 2].reshape({rows}, {columns}), {grid.spacing}, {grid.origin})"
+        points = "p" if not turned else "p = heights.T; p"
+        made = f"sw.Terrain({points}{sort}[:, 2].reshape({rows}, {columns}), {grid.spacing}, {grid.origin})"
         raise ValueError(f"heights must have rows and columns, got points x, y, z: {made}")
 
 
@@ -65,35 +111,65 @@ def read(
     """Heights in metres, spacing and place of node (0, 0) of what `Terrain` is given."""
     _refuse(heights)
     options = Options(nodata=nodata, unit=unit, north_up=north_up, spacing=spacing, origin=origin).checked()
-    axes = _axes(heights)
-    if isinstance(heights, np.ma.MaskedArray):
-        single = heights.dtype == np.float32
-        values = np.ma.filled(heights.astype(np.float32 if single else np.float64), np.nan)
+    points = _points(heights)
+    if points is not None:
+        values, options = points.heights, options._replace(spacing=points.spacing, origin=points.origin)
+        axes = None
     else:
-        values = np.asarray(heights)
-    unknown = np.isnan(options.nodata) if options.nodata is not None else True
-    if not unknown:
+        axes = _axes(heights)
+        values = _values(heights)
+        _check_shape(values)
+    whole = values.dtype.kind in "iu"
+    factor, shift, marks = _attributes(heights)
+    marks += [] if options.nodata is None or math.isnan(options.nodata) else [options.nodata]
+    if marks or factor != 1.0 or shift:
         values = np.array(values, np.float32 if values.dtype == np.float32 else np.float64)
-        values[is_fill(values, float(options.nodata or 0.0))] = np.nan
+    for mark in marks:
+        values[is_fill(values, mark)] = np.nan
+    if values.ndim == 2 and values.dtype.kind in "fiu":
+        _check_fill(values, options.nodata)
     if axes is not None:
         values, options = _by_coordinates(values, axes, options)
     if options.steps is None:
         raise ValueError(
             "spacing must be given where heights have no coordinates: spacing=0.1, between cells in metres"
         )
-    factor = float(options.unit or _attribute_unit(heights))
-    if factor != 1.0:
-        values = values * factor
-    doubt(values, options.steps, options.nodata is None, options.unit is None)
+    if options.unit is not None:
+        factor, shift = float(options.unit), 0.0
+    if factor != 1.0 or shift:
+        values = values * factor + shift
+    if options.unit is None and values.ndim == 2 and values.dtype.kind in "fiu" and min(values.shape) > 1:
+        _check_unit(values, options.steps, whole and factor == 1.0)
     grid = options.unplaced(values, False)
     return np.ascontiguousarray(grid.heights), grid.spacing, grid.origin
 
 
+def _values(heights: Any) -> NDArray[Any]:
+    """The numbers of an array; NaN where a mask hides them or a table has none."""
+    if isinstance(heights, np.ma.MaskedArray) and heights.dtype.kind in "fiu":
+        single = heights.dtype == np.float32
+        filled: NDArray[Any] = np.ma.filled(heights.astype(np.float32 if single else np.float64), np.nan)
+        return filled if np.ma.getmaskarray(heights).any() else np.ma.getdata(heights)
+    values = np.asarray(heights)
+    if values.dtype == object and hasattr(heights, "iloc"):
+        try:
+            values = heights.to_numpy(np.float64, na_value=np.nan)
+        except ValueError as error:
+            raise ValueError(f"heights must be real numbers: {error}") from None
+    return values
+
+
 def _refuse(heights: Any) -> None:
-    if isinstance(heights, (str, bytes)) or hasattr(heights, "__fspath__"):
+    if isinstance(heights, str) or hasattr(heights, "__fspath__"):
         raise ValueError(f"heights must be an array, got a path: sw.Terrain.read({str(heights)!r})")
+    if isinstance(heights, (bytes, bytearray)):
+        raise ValueError("heights must be an array, got bytes: np.frombuffer(...).reshape(rows, columns)")
     if hasattr(heights, "transform") and hasattr(heights, "read"):
         raise ValueError("heights must be an array, got a dataset: sw.Terrain.read(path) keeps its place")
+    if hasattr(heights, "height_at"):
+        raise ValueError(
+            "heights must be an array, got a Terrain, which is ground already: ground.replace(...)"
+        )
     if isinstance(heights, dict):
         raise ValueError(
             f"heights must be an array, got a dict of {', '.join(map(str, heights))}: one of its values"
@@ -101,28 +177,60 @@ def _refuse(heights: Any) -> None:
     if hasattr(heights, "data_vars"):
         names = list(map(str, heights.data_vars))
         raise ValueError(f'heights must be one variable, got {", ".join(names)}: dataset["{names[0]}"]')
+    if hasattr(heights, "collect") and not hasattr(heights, "__array__"):
+        raise ValueError("heights must be an array, got a lazy table: heights.collect()")
+    if hasattr(heights, "unstack") and getattr(heights, "ndim", 2) == 1:
+        raise ValueError("heights must have two axes, got a column: .unstack() of an index of y and x")
+    if hasattr(heights, "dims") and len(heights.dims) > 2:
+        listed, one = ", ".join(map(str, heights.dims)), heights.dims[0]
+        raise ValueError(f"heights must have two dimensions, got {listed}: .isel({one}=0)")
 
 
-def _attribute_unit(heights: Any) -> float:
-    """Unit that the attributes of a DataArray state [m]; negative where heights count downwards."""
+def _points(heights: Any) -> Grid | None:
+    """The grid of a table whose columns are called x, y and z; None for any other."""
+    columns = getattr(heights, "columns", None)
+    if columns is None or not all(isinstance(name, str) for name in columns):
+        return None
+    found = find_columns(list(columns))
+    if found is None:
+        if len(columns) > 2 and str(columns[0]).lower() in (*EAST, *NORTH):
+            raise ValueError(
+                f"heights must be heights, got {columns[0]} as first column: "
+                f'table.drop("{columns[0]}") with spacing= and origin=, or one row per point x, y, z'
+            )
+        return None
+    indices, units = found
+    if any(unit.lower().startswith("deg") for unit in units):
+        raise ValueError("coordinates must be in metres, got degrees: project them first (pyproj)")
+    table = [np.asarray(heights[columns[index]], np.float64) for index in indices]
+    grid = lattice(*(column * length(unit, "unit") for column, unit in zip(table, units, strict=True)))
+    if grid is None:
+        raise ValueError(
+            "heights must have rows and columns, got scattered points, or several heights at one place: "
+            "grid them first (scipy.interpolate.griddata)"
+        )
+    return grid
+
+
+def _attributes(heights: Any) -> tuple[float, float, list[float]]:
+    """Unit and offset of the heights by the attributes of a DataArray [m], and its marks of unknown ones.
+
+    The unit is negative where heights count downwards.
+    """
     attributes = getattr(heights, "attrs", None) or {}
-    unit = str(attributes.get("units", "m"))
-    down = str(attributes.get("positive", "up")).lower() == "down"
-    return length(unit, "units of heights") * (-1.0 if down else 1.0)
+    size = length(str(attributes.get("units", "m")), "units of heights")
+    if str(attributes.get("positive", "up")).lower() == "down":
+        size = -size
+    marks = [attributes[name] for name in ("_FillValue", "missing_value", "nodata") if name in attributes]
+    scale, offset = (float(attributes.get(*pair)) for pair in (("scale_factor", 1.0), ("add_offset", 0.0)))
+    known = [float(mark) for mark in marks if np.ndim(mark) == 0 and not math.isnan(float(mark))]
+    return size * scale, size * offset, known
 
 
-def _axes(heights: Any) -> list[tuple[str, NDArray[np.float64], str]] | None:
-    """Name, values and unit of the coordinates along both axes; None where there are none."""
+def _axes(heights: Any) -> list[Axis] | None:
+    """Coordinates along both axes; None where there are none."""
     if hasattr(heights, "dims") and hasattr(heights, "coords"):
-        dims = [str(name) for name in heights.dims]
-        if len(dims) != 2 or not all(name in heights.coords for name in heights.dims):
-            return None
-        coords = [heights.coords[name] for name in heights.dims]
-        units = [str(getattr(coord, "attrs", {}).get("units", "m")) for coord in coords]
-        return [
-            (name, np.asarray(coord.values, np.float64), unit)
-            for name, coord, unit in zip(dims, coords, units, strict=True)
-        ]
+        return _labelled_axes(heights)
     if hasattr(heights, "iloc") and hasattr(heights, "columns"):
         kinds = {type(index).__name__ for index in (heights.index, heights.columns)}
         if "RangeIndex" in kinds:
@@ -134,34 +242,79 @@ def _axes(heights: Any) -> list[tuple[str, NDArray[np.float64], str]] | None:
             pivot = "table.pivot(index='y', columns='x', values='z')"
             raise ValueError(f"heights must have numbers for columns, got {listed}: {pivot}") from None
         names = (str(heights.index.name or "y"), str(heights.columns.name or "x"))
-        return [(name, value, "m") for name, value in zip(names, values, strict=True)]
+        return [
+            Axis(name, value, "m", _direction(name, {})) for name, value in zip(names, values, strict=True)
+        ]
     return None
 
 
+def _labelled_axes(heights: Any) -> list[Axis] | None:
+    """Axes of a DataArray, without places where it has no coordinates but says which is which."""
+    reference = heights.coords["spatial_ref"].attrs if "spatial_ref" in heights.coords else {}
+    system = read_reference(str(reference.get("crs_wkt", "")))
+    turned = str(reference.get("GeoTransform", "")).split()
+    if len(turned) == 6 and (float(turned[2]) or float(turned[4])):
+        raise ValueError(
+            "heights must have coordinates of x and y, got a turned image: sw.Terrain.read(path)"
+        )
+    axes = []
+    for dim in heights.dims:
+        known = dim in heights.coords
+        attributes = heights.coords[dim].attrs if known else {}
+        unit = "degrees" if system.degrees else str(attributes.get("units", system.plane))
+        places = np.asarray(heights.coords[dim].values, np.float64) if known else np.zeros(0)
+        axes.append(Axis(str(dim), places, unit, _direction(str(dim), attributes)))
+    directions = [axis.direction for axis in axes]
+    if len(axes) != 2 or not any(directions):
+        if all(axis.places.size for axis in axes):
+            first, second = (axis.name for axis in axes)
+            raise ValueError(
+                f"heights must have dimensions y and x, got {first} and {second}: "
+                f'.rename({first}="y", {second}="x")'
+            )
+        return None
+    return axes
+
+
+def _direction(name: str, attributes: Any) -> str:
+    """``x`` or ``y`` by the attributes of a coordinate or by its name; else nothing."""
+    standard = str(attributes.get("standard_name", ""))
+    for direction, words in (("x", EAST), ("y", NORTH)):
+        if (
+            standard == f"projection_{direction}_coordinate"
+            or attributes.get("axis", "").lower() == direction
+        ):
+            return direction
+        if not standard and name.lower() in words:
+            return direction
+    return ""
+
+
 def _by_coordinates(
-    values: NDArray[np.floating], axes: list[tuple[str, NDArray[np.float64], str]], options: Options
+    values: NDArray[np.floating], axes: list[Axis], options: Options
 ) -> tuple[NDArray[np.floating], Options]:
     """Heights with rows along +y and columns along +x, and their place."""
-    if (axes[0][0].lower() in EAST and axes[1][0].lower() not in EAST) or (
-        axes[1][0].lower() in NORTH and axes[0][0].lower() not in NORTH
-    ):
+    if axes[0].direction == "x" or (axes[1].direction == "y" and axes[0].direction != "y"):
         values, axes = values.T, axes[::-1]
+    if not all(axis.places.size for axis in axes):
+        return values, options
     steps, firsts = [], []
-    for axis, (name, places, unit) in enumerate(axes):
-        if unit.startswith("degree"):
+    for number, (name, places, unit, _) in enumerate(axes):
+        if unit.startswith("degree") or (unit in ("m", "1.0") and name.lower().startswith(("lat", "lon"))):
             raise ValueError(
-                f"coordinates {name} must be in metres, got {unit}: project first (rioxarray, .rio.reproject)"
+                f"coordinates {name} must be in metres, got degrees: "
+                "project first (rioxarray, .rio.reproject)"
             )
         places = places * length(unit, f"units of {name}")
         differences = np.diff(places)
         step = (places[-1] - places[0]) / max(len(places) - 1, 1)
         if not (len(places) > 1 and step != 0 and np.abs(differences - step).max() <= EVEN * abs(step)):
-            got = f"steps of {differences.min():g} to {differences.max():g}"
+            got = f"steps of {differences.min():g} to {differences.max():g}" if differences.size else "one"
             raise ValueError(
                 f"coordinates {name} must be evenly spaced, got {got}: interpolate first (.interp)"
             )
         if step < 0:
-            values = np.flip(values, axis)
+            values = np.flip(values, number)
         steps.append(abs(float(step)))
         firsts.append(float(min(places[0], places[-1])))
     spacing, origin = (steps[1], steps[0]), (firsts[1], firsts[0])

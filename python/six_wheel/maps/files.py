@@ -1,6 +1,7 @@
 """Common parts of the readers of maps: checks of arguments and files, and their errors."""
 
 import math
+import re
 from typing import NamedTuple
 
 import numpy as np
@@ -22,8 +23,8 @@ LENGTHS = {
     0.001: ("mm", "millimetre", "millimeter"),
     1000.0: ("km", "kilometre", "kilometer"),
     FOOT / 12: ("in", "inch", "inche"),
-    FOOT: ("ft", "foot", "feet", "international foot"),
-    SURVEY_FOOT: ("us-ft", "ftus", "foot_us", "us survey foot", "us survey feet"),
+    FOOT: ("ft", "foot", "feet", "international foot", "foot international"),
+    SURVEY_FOOT: ("us-ft", "ftus", "foot us", "us survey foot", "us survey feet"),
     3 * FOOT: ("yd", "yard"),
 }
 UNITS = {name: size for size, names in LENGTHS.items() for name in names}
@@ -101,7 +102,9 @@ def pair(name: str, value: object) -> tuple[float, float]:
         return (number(name, value),) * 2
     parts = list(value) if isinstance(value, (tuple, list, np.ndarray)) else []
     if len(parts) != 2:
-        raise ValueError(f"{name} must be two numbers, got {value!r}")
+        got = " ".join(repr(value).split())
+        hint = ", as src.res of a dataset" if name == "spacing" else ""
+        raise ValueError(f"{name} must be two numbers{hint}, got {got}")
     return number(name, parts[0]), number(name, parts[1])
 
 
@@ -110,7 +113,8 @@ def length(unit: Unit, name: str) -> float:
     try:
         value = float(unit)
     except (TypeError, ValueError):
-        text = str(unit).strip().lower()
+        # As in "[m]", "US_survey_foot", "metres above the areoid".
+        text = re.sub(r"[\[\]().]|\babove\b.*", "", str(unit).lower().replace("_", " ")).strip()
         value = UNITS.get(text, UNITS.get(text.removesuffix("s"), math.nan))
     if math.isfinite(value) and value > 0:
         return value

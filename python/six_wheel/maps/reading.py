@@ -1,7 +1,5 @@
-"""Opens a map, whatever it is."""
+"""Opens a map: finds its form, and reads it by the reader of that form."""
 
-import gzip
-import zipfile
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,19 +8,22 @@ import numpy as np
 
 from six_wheel._core import Terrain
 from six_wheel.kinematics.errors import as_path
-from six_wheel.maps import grids
-from six_wheel.maps.doubts import find_doubt, is_fill
 from six_wheel.maps.files import Grid, Options, TerrainFileError, cut
-from six_wheel.maps.reference import UNKNOWN, Reference
+from six_wheel.maps.plausibility import find_fill, find_unit, is_fill
+from six_wheel.maps.readers import grids
+from six_wheel.maps.readers.reference import UNKNOWN, Reference, read_projection, read_reference
+from six_wheel.maps.readers.refusals import refuse_others
+from six_wheel.maps.readers.sources import FIRST, Source, open_source
 
 if TYPE_CHECKING:
-    from six_wheel.maps.rasters import Raster
+    from six_wheel.maps.readers.rasters import GridImage, Raster
 
 __all__ = ["TerrainFileError", "open_raster", "read", "read_with", "system_of"]
 
 BAGS = (".bag", ".db3", ".mcap")
-TEXTS = (".asc", ".csv", ".grd", ".txt", ".xyz", ".dat", ".tsv")
-# First bytes of text with a suffix of its own, or of another.
+TEXTS = (".asc", ".csv", ".grd", ".txt", ".xyz", ".dat", ".tsv", ".pts", ".agr")
+YAML = (".yaml", ".yml")
+# First bytes of what GDAL reads, whatever its suffix.
 RASTERS = (
     b"DSAA",
     b"DSBB",
@@ -36,9 +37,8 @@ RASTERS = (
     b"\x89PNG",
     b"\xff\xd8\xff",
     b"[",
+    b"north:",
 )
-MESHES = (".stl", ".obj", ".ply", ".dae", ".glb", ".gltf")
-POINTS = (".las", ".laz", ".pcd", ".e57", ".copc")
 
 
 def read(path: str | PathLike[str], **options: Any) -> Terrain:
@@ -48,65 +48,130 @@ def read(path: str | PathLike[str], **options: Any) -> Terrain:
 
 def read_with(path: str | PathLike[str], options: Options) -> Terrain:
     """The same with its options together."""
-    options = options.checked()
-    path = as_path("path", path)
-    if not path.exists():
-        raise FileNotFoundError(f"{path} must be a file, there is none")
-    if path.suffix.lower() in BAGS or (path.is_dir() and (path / "metadata.yaml").exists()):
-        from six_wheel.maps import bags
-
-        return _made(bags.read(path, options.topic, options.layer), UNKNOWN, path, options)
-    if options.topic is not None or options.layer is not None:
-        raise TerrainFileError(f"{path}: topic and layer are for bags, this is none")
-    if path.suffix.lower() in (".yaml", ".yml"):
-        return _described(path, options)
-    begin = _first_bytes(path)
-    _refuse(path, begin)
-    source = _packed(path) if path.suffix.lower() in (".zip", ".gz") else None
-    inner = Path(source or path)
-    if inner.suffix.lower() in TEXTS and not begin.startswith(RASTERS):
-        _refuse_empty(path)
-        return _made(*grids.read(path, _text(path, inner), options), path, options)
-    with _raster(path, options, source) as raster:
-        grid = raster.read(options.window)
-        raster.doubt(grid.heights)
-    return _terrain(grid, path)
+    path, options, source = _find(path, options)
+    if _is_raster(source):
+        with _raster(source, options) as raster:
+            grid = raster.read(options.window)
+            raster.check_plausibility(grid.heights)
+            if np.isnan(grid.heights).all():
+                raise TerrainFileError(f"{path} has no known height, all are marked as unknown")
+        return _terrain(grid, path)
+    return _read_grid(source, options)
 
 
-def open_raster(path: Path, options: Options) -> "Raster":
-    """A map as an image that stays open, to be read by windows. Refuses what `read` refuses."""
-    _refuse(path, _first_bytes(path))
-    return _raster(path, options, _packed(path) if path.suffix.lower() in (".zip", ".gz") else None)
+def open_raster(path: Path, options: Options) -> "Raster | GridImage":
+    """A map that is read by windows: an image stays open, any other form is in memory."""
+    path, options, source = _find(path, options)
+    if _is_raster(source):
+        return _raster(source, options)
+    from six_wheel.maps.readers.rasters import GridImage, rasterio
+
+    rasterio()
+    return GridImage(_read_grid(source, options))
 
 
 def system_of(path: Path) -> str | None:
     """Name of the coordinate reference system of an image; None where there is none."""
-    if path.is_dir() or path.suffix.lower() in (*BAGS, *TEXTS, ".yaml", ".yml", ".zip", ".gz"):
+    source = open_source(path)
+    if not _is_raster(source):
         return None
-    from six_wheel.maps.rasters import rasterio
+    from six_wheel.maps.readers.rasters import rasterio
 
-    with rasterio().open(_label(path)) as dataset:
+    with rasterio().open(_labelled(source).gdal) as dataset:
         text = "" if dataset.crs is None else dataset.crs.to_wkt()
     return text.partition('"')[2].partition('"')[0] or None
 
 
-def _raster(path: Path, options: Options, source: str | None) -> "Raster":
-    from six_wheel.maps.rasters import Raster, rasterio
+def _find(path: str | PathLike[str], options: Options) -> tuple[Path, Options, Source]:
+    """The file of a map, behind the YAML file that names it. Fails for what is no map."""
+    options = options.checked()
+    if isinstance(path, str) and not path:
+        raise ValueError("path must name a file, got an empty text")
+    path = as_path("path", path)
+    if not path.exists():
+        hint = ": download it first" if "://" in str(path) or ":/" in str(path)[:8] else ""
+        raise FileNotFoundError(f"{path} must be a file, there is none{hint}")
+    source = open_source(path)
+    if _is_bag(path):
+        if path.is_file():
+            refuse_others(source, source.read(FIRST))
+        return path, options, source
+    if options.topic is not None or options.layer is not None:
+        raise TerrainFileError(f"{path}: topic and layer are for bags, this is none")
+    if path.is_dir() and path.suffix.lower() != ".zarr":
+        tiles = f"gdalbuildvrt all.vrt {path}/*.tif makes one map of its tiles"
+        raise TerrainFileError(f"{path} is a folder: {tiles}")
+    if path.is_file():
+        if path.stat().st_size == 0:
+            raise TerrainFileError(f"{path} is empty (0 bytes): fetch it again")
+        refuse_others(source, source.read(FIRST))
+    if source.suffix in YAML:
+        return _find(*_described(source, options))
+    return path, options, source
+
+
+def _is_bag(path: Path) -> bool:
+    return path.suffix.lower() in BAGS or (path / "metadata.yaml").exists()
+
+
+def _is_raster(source: Source) -> bool:
+    """True for what GDAL reads: all but bags and text."""
+    if _is_bag(source.path) or source.suffix in YAML:
+        return False
+    if source.suffix not in TEXTS or source.path.is_dir():
+        return True
+    begin = source.read(FIRST)
+    is_wide = begin.startswith((b"\xff\xfe", b"\xfe\xff"))  # text of 16 bits
+    return begin.startswith(RASTERS) or (b"\0" in begin and not is_wide)
+
+
+def _raster(source: Source, options: Options) -> "Raster":
+    from six_wheel.maps.readers.rasters import Raster, rasterio
 
     rasterio()
-    _refuse_empty(path)
-    return Raster(_label(path), options, source)
+    return Raster(_labelled(source), options)
 
 
-def _described(path: Path, options: Options) -> Terrain:
-    """A file of parameters: the name of a map and its options."""
+def _read_grid(source: Source, options: Options) -> Terrain:
+    """Ground of a bag or of text."""
+    path = source.path
+    if _is_bag(path):
+        from six_wheel.maps.readers import bags
+
+        return _made(bags.read(path, options.topic, options.layer), UNKNOWN, path, options)
+    reference = _reference(source)
+    return _made(grids.read(path, source.text(), options, reference), reference, path, options)
+
+
+def _reference(source: Source) -> Reference:
+    """The reference system beside a text: a ``.prj`` file, or the metadata that GDAL writes."""
+    text = source.beside(".prj")
+    if text is not None:
+        reference = read_projection(text)
+        if reference is None:
+            told = "must be well-known text or lines of names and values"
+            raise TerrainFileError(f"{source.path}: its .prj {told}: correct it, or remove it")
+    else:
+        reference = read_reference((source.beside(f"{source.suffix}.aux.xml") or "").replace("&quot;", '"'))
+    if reference.degrees:
+        name = source.path
+        command = f"gdalwarp -t_srs EPSG:326NN {name.name} {name.stem}.tif, NN the UTM zone"
+        raise TerrainFileError(
+            f"{name} must be in metres, its coordinates are degrees: project it first: {command}"
+        )
+    return reference
+
+
+def _described(source: Source, options: Options) -> tuple[Path, Options]:
+    """Name of a map and options for it, of a YAML file; those given beside go before."""
+    path = source.path
     try:
         import yaml
     except ImportError as missing:
         raise ImportError('reading YAML needs PyYAML: pip install "six-wheel[cli]"') from missing
     try:
-        found = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, yaml.YAMLError) as error:
+        found = yaml.safe_load(source.text())
+    except yaml.YAMLError as error:
         raise TerrainFileError(f"{path}: {' '.join(str(error).split())}") from None
     if isinstance(found, dict) and "image" in found:
         raise TerrainFileError(f"{path} is an occupancy map, no heights")
@@ -116,100 +181,18 @@ def _described(path: Path, options: Options) -> Terrain:
         raise TerrainFileError(f"{path} must hold map, the name of a file, and options among {listed}")
     given = {name: value for name, value in options._asdict().items() if value is not None}
     inner = path.parent / found.pop("map")
-    if inner.suffix.lower() in (".yaml", ".yml"):
+    if inner.suffix.lower() in YAML:
         raise TerrainFileError(f"{path} must name a map, got {inner.name}")
-    return read_with(inner, Options(**(found | given)))
+    return inner, Options(**(found | given))
 
 
-def _first_bytes(path: Path) -> bytes:
-    if path.is_dir():
-        raise TerrainFileError(
-            f"{path} is a folder: gdalbuildvrt all.vrt {path}/*.tif makes one map of its tiles"
-        )
-    with path.open("rb") as file:
-        return file.read(512)
-
-
-def _refuse(path: Path, begin: bytes) -> None:
-    """Fails for what is no map of heights, with what it is and what to give."""
-    suffix, name = path.suffix.lower(), path.name
-    if begin.startswith(b"version https://git-lfs"):
-        raise TerrainFileError(f"{path} is a pointer of Git LFS, not the file: git lfs pull")
-    if begin.lstrip()[:15].lower().startswith((b"<!doctype html", b"<html")):
-        raise TerrainFileError(f"{path} is a web page, not the file: download it again")
-    if begin.startswith(b"\x93NUMPY") or suffix == ".npy":
-        raise TerrainFileError(
-            f'{path} is an array without a place: sw.Terrain(np.load("{name}"), spacing=0.1)'
-        )
-    if suffix == ".npz":
-        loaded = f'np.load("{name}")["heights"]'
-        raise TerrainFileError(f"{path} holds arrays without a place: sw.Terrain({loaded}, spacing=0.1)")
-    if suffix in MESHES or begin.startswith((b"ply\n", b"ply\r", b"solid ")):
-        raise TerrainFileError(
-            f"{path} is a mesh: make a raster of it first (CloudCompare, Rasterize; or sample z)"
-        )
-    if suffix in POINTS or begin.startswith((b"LASF", b"# .PCD")):
-        raise TerrainFileError(f"{path} holds points: make a raster of them first (pdal, writers.gdal)")
-    if suffix == ".pgm" or begin[:2] in (b"P2", b"P5"):
-        raise TerrainFileError(f"{path} is an occupancy map or a picture, no heights")
-    if suffix in (".shp", ".gpkg", ".geojson", ".kml", ".dxf"):
-        raise TerrainFileError(
-            f"{path} holds shapes: make a raster of them first (gdal_rasterize or gdal_grid)"
-        )
-    if suffix in (".mat", ".pkl", ".parquet", ".feather", ".xlsx"):
-        raise TerrainFileError(f"{path} is no map: read its array and give sw.Terrain(heights, spacing=0.1)")
-    if suffix in (".7z", ".rar", ".tar", ".tgz", ".bz2", ".xz"):
-        raise TerrainFileError(f"{path} is packed: unpack it first")
-
-
-def _refuse_empty(path: Path) -> None:
-    if path.stat().st_size == 0:
-        raise TerrainFileError(f"{path} is empty (0 bytes): fetch it again")
-
-
-def _packed(path: Path) -> str:
-    """Name under which GDAL sees the only map of a packed file."""
-    if path.suffix.lower() == ".gz":
-        return (
-            f"/vsigzip/{path}"[: -len(path.suffix)] if Path(path.stem).suffix in TEXTS else f"/vsigzip/{path}"
-        )
-    try:
-        with zipfile.ZipFile(path) as packed:
-            names = [name for name in packed.namelist() if not name.endswith("/")]
-    except zipfile.BadZipFile:
-        raise TerrainFileError(f"{path} must be a ZIP file: download it again, or unpack it") from None
-    beside = (".prj", ".xml", ".txt", ".pdf", ".tfw", ".md", ".html", ".aux")
-    maps = [name for name in names if Path(name).suffix.lower() not in beside] or names
-    if len(maps) != 1:
-        listed = ", ".join(maps[:5])
-        raise TerrainFileError(f"{path} holds {len(maps)} files: unpack it, and give one of {listed}")
-    return f"/vsizip/{path}/{maps[0]}"
-
-
-def _text(path: Path, inner: Path) -> str:
-    """Text of a file, packed or not."""
-    suffix = path.suffix.lower()
-    try:
-        if suffix == ".gz":
-            with gzip.open(path) as packed:
-                data = packed.read()
-        elif suffix == ".zip":
-            with zipfile.ZipFile(path) as folder:
-                data = folder.read(str(inner).removeprefix(f"/vsizip/{path}/"))
-        else:
-            data = path.read_bytes()
-        return data.decode("utf-8-sig")
-    except (UnicodeDecodeError, OSError):
-        raise TerrainFileError(f"{path} must be text") from None
-
-
-def _label(path: Path) -> Path:
+def _labelled(source: Source) -> Source:
     """The label beside an image of PDS, which says what its bytes are."""
-    if path.suffix.lower() == ".img":
+    if source.suffix == ".img" and not source.packing:
         for suffix in (".lbl", ".LBL", ".xml", ".XML"):
-            if (label := path.with_suffix(suffix)).exists():
-                return label
-    return path
+            if (label := source.path.with_suffix(suffix)).exists():
+                return source._replace(path=label, name=label)
+    return source
 
 
 def _made(grid: Grid, reference: Reference, path: Path, options: Options) -> Terrain:
@@ -218,15 +201,15 @@ def _made(grid: Grid, reference: Reference, path: Path, options: Options) -> Ter
     if options.nodata is not None:
         heights[is_fill(heights, options.nodata)] = np.nan
     unit = float(options.unit or reference.height or 1.0)
-    known = {
-        "nodata_known": options.nodata is not None,
-        "unit_known": unit != 1.0 or options.unit is not None,
-    }
-    found = find_doubt(heights * np.asarray(unit, heights.dtype), grid.spacing, **known)
-    if found is not None:
-        raise TerrainFileError(f"{path}: {found.message}")
+    finding = find_fill(heights, options.nodata)
     if unit != 1.0:
         heights = heights * unit
+    if finding is None and options.unit is None and reference.height is None:
+        finding = find_unit(heights, grid.spacing)
+    if finding is None and np.isnan(heights).all():
+        finding = "no height is known"
+    if finding is not None:
+        raise TerrainFileError(f"{path}: {finding}")
     return _terrain(cut(grid._replace(heights=heights), options.window, str(path)), path)
 
 

@@ -17,7 +17,7 @@ from six_wheel._core import RockerBogie, __version__
 from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.statuses import FeasibilityLimits
 from six_wheel.maps.files import Options
-from six_wheel.maps.rasters import Raster, rasterio
+from six_wheel.maps.readers.rasters import GridImage, Raster, rasterio
 from six_wheel.maps.reading import open_raster
 from six_wheel.maps.tiles import REASONS, Tile, judge, reach
 from six_wheel.parallel import Failure, Journal, spread
@@ -89,6 +89,8 @@ def traverse(
     north_up: bool | None = None,
     spacing: float | tuple[float, float] | None = None,
     origin: tuple[float, float] | None = None,
+    topic: str | None = None,
+    layer: str | None = None,
 ) -> Traversed:
     """Feasibility of the settled pose of a rover at every cell of a map and at `headings` headings.
 
@@ -99,7 +101,7 @@ def traverse(
     Parameters
     ----------
     path : path
-        GeoTIFF, PDS, or what else GDAL reads (extra ``[terrain]``), in metres.
+        Whatever `Terrain.read` takes (extra ``[terrain]``). Images are read by windows, other forms whole.
     rover : RockerBogie
         Its origin over the middle of a cell.
     output : path
@@ -119,7 +121,7 @@ def traverse(
         Processes of this machine, default one per core.
     tell : callable, optional
         Called with the number of finished tiles and of all.
-    band, nodata, unit, north_up, spacing, origin : optional
+    band, nodata, unit, north_up, spacing, origin, topic, layer : optional
         As for `Terrain.read`, for what the map leaves open.
 
     Raises
@@ -136,11 +138,9 @@ def traverse(
     if isinstance(headings, bool) or not isinstance(headings, int) or headings < 1:
         raise ValueError(f"headings must be at least 1, got {headings}")
     path, output = Path(path), Path(output)
-    if not path.exists():
-        raise FileNotFoundError(f"{path} must be a map, there is no such file")
     if output.exists() and output.resolve() == path.resolve():
         raise ValueError(f"output must not be the map itself, got {output}")
-    options = Options(None, None, None, band, nodata, unit, north_up, spacing, origin).checked()
+    options = Options(None, topic, layer, band, nodata, unit, north_up, spacing, origin)
     task = _Task(rover, headings, limits or FeasibilityLimits(), map_error, belly, options)
     with open_raster(path, options) as raster:
         windows = list(_windows(raster.shape))
@@ -160,7 +160,7 @@ def traverse(
             if outcome.failure is not None:
                 raise _failed(windows[outcome.index], outcome.failure)
         picture, safe = _write(output, raster, windows, journal)
-        left, bottom, right, top = raster.bounds
+        left, bottom, right, top = raster.placement.bounds
         cells = raster.shape[0] * raster.shape[1]
     journal.discard()
     return Traversed(
@@ -212,7 +212,7 @@ def _windows(shape: tuple[int, int]) -> Iterator[Window]:
             yield Window(slice(row, min(row + SIDE, shape[0])), slice(column, min(column + SIDE, shape[1])))
 
 
-def _tile(raster: Raster, task: _Task, window: Window) -> Tile:
+def _tile(raster: Raster | GridImage, task: _Task, window: Window) -> Tile:
     """The heights that a tile's cells depend on, with its cells among them, rows turned to go along +y."""
     rows, columns = window
     margin = [math.ceil(reach(task.rover) / spacing) + 1 for spacing in raster.spacing]
@@ -223,19 +223,21 @@ def _tile(raster: Raster, task: _Task, window: Window) -> Tile:
     heights = raster.heights(*around)
     first = rows.start - around[0].start
     inner = slice(first, first + rows.stop - rows.start)
-    if raster.flipped:
+    if raster.placement.flipped:
         heights = heights[::-1]
         inner = slice(heights.shape[0] - inner.stop, heights.shape[0] - inner.start)
     across = slice(columns.start - around[1].start, columns.stop - around[1].start)
     if min(heights.shape) < 2:
         raise ValueError(f"heights must have at least two rows and two columns, got shape {heights.shape}")
     return Tile(
-        task.rover, np.ascontiguousarray(heights), raster.spacing, raster.yaw, (inner, across),
+        task.rover, np.ascontiguousarray(heights), raster.spacing, raster.placement.yaw, (inner, across),
         task.headings, task.limits, task.map_error, task.belly,
     )  # fmt: skip
 
 
-def _write(output: Path, raster: Raster, windows: list[Window], journal: Journal) -> tuple[Layers, float]:
+def _write(
+    output: Path, raster: Raster | GridImage, windows: list[Window], journal: Journal
+) -> tuple[Layers, float]:
     """The layers, from the journal to a file beside the output, then to its place."""
     library = rasterio()
     rows, columns = raster.shape
@@ -254,7 +256,7 @@ def _write(output: Path, raster: Raster, windows: list[Window], journal: Journal
         "height": rows,
         "width": columns,
         "crs": raster.crs,
-        "transform": raster.transform,
+        "transform": raster.placement.transform,
         "nodata": math.nan,
         "tiled": True,
         "blockxsize": SIDE,
@@ -273,7 +275,7 @@ def _write(output: Path, raster: Raster, windows: list[Window], journal: Journal
                 first = [-(-begin.start // step) for begin in (part, across)]
                 for band, name in enumerate(BANDS, 1):
                     layer = layers[name].astype(np.float32)
-                    layer = layer[::-1] if raster.flipped else layer
+                    layer = layer[::-1] if raster.placement.flipped else layer
                     target.write(layer, band, window=place)
                     few = layer[first[0] * step - part.start :: step, first[1] * step - across.start :: step]
                     thin[band - 1][first[0] : first[0] + few.shape[0], first[1] : first[1] + few.shape[1]] = (

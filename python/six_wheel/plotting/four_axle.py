@@ -1,12 +1,8 @@
 """Picture of a simulated `FourAxle`: path and tracks of the wheels, axles and brakes over time."""
 
 import numpy as np
-
-try:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-except ImportError as missing:
-    raise ImportError('pictures need matplotlib: pip install "six-wheel[plot]"') from missing
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from six_wheel.kinematics.four_axle import FourAxleSimulation
 from six_wheel.plotting.drawing import (

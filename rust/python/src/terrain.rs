@@ -28,7 +28,7 @@ use crate::workers::{any_workers, fill_rows};
 /// heights : array_like, shape (rows, columns)
 ///     Heights [m], NaN where unknown. Single precision stays single precision.
 ///     Masked arrays are unknown where they are masked. A DataArray of xarray and a DataFrame of pandas have their
-///     place by their coordinates. Arrays of other sources carry no direction: a raster whose first row is the
+///     place by their coordinates, a table with columns x, y and z by those. Arrays of other sources carry no direction: a raster whose first row is the
 ///     northern one needs ``north_up=True``, z that counts downwards ``-z``, the matrix of a GridMap
 ///     ``matrix[::-1, ::-1].T``.
 /// spacing : float or (float, float)
@@ -73,7 +73,7 @@ fn columns(shape: &[usize]) -> PyResult<usize> {
 }
 
 /// Heights of this size may be marks of unknown ones [m].
-const LARGE: f64 = 998.0;
+const LARGE: f64 = 98.0;
 
 /// Cells that are looked at for a first impression, and the slope from which on they are steep: 79 degrees.
 const SAMPLED: usize = 32;
@@ -132,7 +132,7 @@ impl Terrain {
         output.finish_number(asked.0)
     }
 
-    /// The arguments that make this very ground. Its heights are beyond doubt.
+    /// The arguments that make this very ground, its heights checked.
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (spacing, origin) = (self.spacing(py), self.origin(py));
         let (yaw, nodata, unit) = (self.0.orientation(), f64::NAN, "m");
@@ -160,8 +160,9 @@ impl Terrain {
         core.map(|core| Self(Arc::new(core))).or_raise(&[])
     }
 
-    /// True if heights may be marks of unknown ones, or of another unit: large, or steep in many of some cells.
-    fn is_doubtful(&self) -> bool {
+    /// True if heights may be implausible, marks of unknown ones or of another unit: large, or steep in many of some
+    /// cells.
+    fn may_be_implausible(&self) -> bool {
         let ([rows, columns], [dx, dy]) = (self.0.shape(), self.0.spacing());
         let steep = (0..SAMPLED).filter(|k| {
             // Spread over rows and columns by the golden ratio.
@@ -219,10 +220,12 @@ methods! { Terrain:
         if let Some(spacing) = spacing.filter(|_| as_it_is && is_plain(heights)) {
             let made = Self::from_arguments(heights, spacing, origin, yaw);
             let is_settled = nodata.is_some() && unit.is_some();
-            let is_doubtful = |made: &Self| made.0.shape()[1] == 3 || made.is_doubtful() || !is_float(heights);
+            let may_be_implausible =
+                |made: &Self| made.0.shape().contains(&3) || made.may_be_implausible() || !is_float(heights);
             let is_array = heights.cast::<PyUntypedArray>().is_ok();
-            if !is_settled && made.as_ref().map_or(is_array, is_doubtful) {
-                arrays()?.call_method1("doubt", (heights, spacing, nodata.is_none(), unit.is_none()))?;
+            if !is_settled && made.as_ref().map_or(is_array, may_be_implausible) {
+                let open = (heights, spacing, nodata.is_none(), unit.is_none());
+                arrays()?.call_method1("check_plausibility", open)?;
             }
             return made;
         }

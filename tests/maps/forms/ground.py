@@ -103,16 +103,23 @@ def classify(form: Form, folder: Path) -> tuple[str, str]:
 
 
 def _refused(form: Form, read: Callable[..., sw.Terrain], words: str) -> str:
-    named = all(re.search(rf"\b{key}=", words) for key in form.answer)
-    if form.answer and named:
+    """Answers question after question, as long as a refusal asks one that is not answered."""
+    given = dict[str, Any]()
+    while asked := [key for key in form.answer if key not in given and re.search(rf"\b{key}=", words)]:
+        given |= {key: form.answer[key] for key in asked}
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                ground = read(**form.answer)
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                ground = read(**given)
         except (ValueError, OSError) as error:
-            return "unhelpful" if "=" not in str(error) else "helpful"
+            words = str(error)
+            continue
         except Exception:
             return "traceback"
-        return "as proposed" if is_right(ground, form) else "silent"
+        if is_right(ground, form):
+            return "as proposed"
+        words = " ".join(str(warning.message) for warning in caught)
+        if not words:
+            return "silent"
     one_line = "\n" not in words
     return "helpful" if form.help and one_line and re.search(form.help, words) else "unhelpful"

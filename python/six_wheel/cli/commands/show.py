@@ -20,23 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Motion = tuple[float, float, float]
-MAPS = (
-    ".tif",
-    ".tiff",
-    ".asc",
-    ".img",
-    ".cub",
-    ".nc",
-    ".grd",
-    ".xyz",
-    ".vrt",
-    ".lbl",
-    ".zip",
-    ".gz",
-    ".bag",
-    ".db3",
-)
-# Files that are maps; others are when an option of maps is given.
+ROVERS = (".urdf", ".xacro", ".xml", ".json", ".toml", "")  # files that are no maps unless an option says so
 SPEED = 0.5  # [m/s] of the motion that is drawn where none is given and no limit is lower
 
 
@@ -74,7 +58,8 @@ def show(
     map_reading: MapReading,
     reading: Reading,
 ) -> None:
-    if Path(rover).suffix.lower() in MAPS or any(option is not None for option in map_reading):
+    is_drawn = layout is None and not side and twist is None
+    if any(option is not None for option in map_reading) or (is_drawn and _is_map(Path(rover))):
         print(_draw_map(Path(rover), map_reading, output))
     elif layout is not None:
         print(_write_layout(rover, reading, layout))
@@ -82,6 +67,18 @@ def show(
         print(_draw_side(rover, reading, output))
     else:
         print(_draw_above(rover, reading, output, twist))
+
+
+def _is_map(path: Path) -> bool:
+    """True for files that are no descriptions of a rover: by their suffix, a YAML file by its first key."""
+    if not path.exists():
+        return False
+    if path.suffix.lower() in (".yaml", ".yml"):
+        with path.open(encoding="utf-8", errors="replace") as file:
+            return any(line.startswith(("map:", "image:")) for line in file)
+    if path.suffix.lower() == ".xml":  # of PDS 4
+        return "Product_Observational" in path.read_text(errors="replace")
+    return path.is_dir() or path.suffix.lower() not in ROVERS
 
 
 def _draw_map(path: Path, reading: MapReading, output: Path | None) -> Path:

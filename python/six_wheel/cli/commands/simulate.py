@@ -77,7 +77,8 @@ def simulate(
     ground: Annotated[
         Path | None,
         typer.Option(
-            metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII, bag; default a plane."
+            metavar="MAP",
+            help="GeoTIFF, PDS, NetCDF, text, bag or YAML of one and its options; default a plane.",
         ),
     ] = None,
     output: ResultsOption = None,
@@ -90,6 +91,8 @@ def simulate(
     if ground is None and pictures.plot_speeds is not None:
         rule = "--plot-speeds must come with --ground: level ground is all there is"
         raise ValueError(f"{rule}, got {pictures.plot_speeds}")
+    if ground is None and map_reading.given():
+        map_reading.ground(None)
     if ground is not None and run.stick is not None:
         raise ValueError(f"--stick must be left out with --ground, got {run.stick}")
     chosen = choose(rover, reading) if ground is None else None

@@ -40,7 +40,10 @@ def traverse(
             help=f"{', '.join(SUSPENDED)}, or a parameter file or URDF with a suspension.",
         ),
     ],
-    map: Annotated[Path, typer.Argument(metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII.")],
+    map: Annotated[
+        Path,
+        typer.Argument(metavar="MAP", help="GeoTIFF, PDS, NetCDF, text, bag or YAML of one and its options."),
+    ],
     output: LayersOption,
     headings: Annotated[int, typer.Option(help="How many, evenly spaced.")] = 16,
     limit: LimitOption = None,

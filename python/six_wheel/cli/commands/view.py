@@ -7,6 +7,7 @@ from typing import Annotated, NamedTuple
 
 import typer
 
+from six_wheel.cli.map_options import MapReading
 from six_wheel.cli.shared import Reading
 
 Three = tuple[float, float, float]
@@ -65,6 +66,7 @@ def view(
     *,
     scene: Scene,
     page: Page,
+    map_reading: MapReading,
     reading: Reading,
 ) -> None:
     import math
@@ -78,7 +80,7 @@ def view(
 
     subject = find_subject(
         what,
-        scene.ground,
+        map_reading.ground(scene.ground),
         rover=scene.rover,
         at=scene.at,
         node=reading.node,

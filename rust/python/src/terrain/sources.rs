@@ -10,7 +10,7 @@ methods! { Terrain:
     /// GeoTIFF, PDS, NetCDF and whatever else GDAL reads (extra ``[terrain]``), ESRI ASCII grids, tables of x, y and z,
     /// lists of extents and heights as text, these in .zip and .gz, ``grid_map_msgs/GridMap`` in ROS bags (extra
     /// ``[bags]``), and YAML with ``map:``, the file's name, and these options. Coordinates stay those of the map's own
-    /// frame. What is in doubt (units, places, marks of unknown heights) is refused with the option that settles it.
+    /// frame. What a file leaves open (units, places, marks of unknown heights) is refused with the option that settles it.
     ///
     /// Parameters
     /// ----------
@@ -49,7 +49,7 @@ methods! { Terrain:
     /// ImportError
     ///     If the library that reads such files is not installed.
     /// TerrainFileError
-    ///     If it is no map, its coordinates are degrees, the window is off it, or something about it is in doubt.
+    ///     If it is no map, its coordinates are degrees, the window is off it, or it leaves something open.
     #[staticmethod]
     fn read[](path, *, window=None, topic=None, layer=None, band=None, nodata=None, unit=None, north_up=None,
         spacing=None, origin=None, **)

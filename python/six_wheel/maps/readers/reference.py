@@ -4,12 +4,18 @@ import math
 import re
 from typing import NamedTuple
 
-__all__ = ["UNKNOWN", "Reference", "projection_command", "read_reference", "scale_factors"]
+from six_wheel.maps.files import length
+
+__all__ = ["UNKNOWN", "Reference", "projection_command", "read_projection", "read_reference", "scale_factors"]
 
 EARTH = 6.3e6, 6.4e6  # [m]
 GEOGRAPHIC = ("GEOGCS", "GEOGCRS", "GEODCRS", "GEOGRAPHICCRS")
+PLANE = ("PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS")
 LENGTH = re.compile(r'(?:LENGTHUNIT|UNIT)\["([^"]*)"\s*,\s*([-+0-9.eE]+)')
 ELLIPSOID = re.compile(r'(?:SPHEROID|ELLIPSOID)\["[^"]*"\s*,\s*([0-9.eE+]+)\s*,\s*([0-9.eE+]+)')
+
+# The third form is that of ESRI.
+DOWN = re.compile(r'\bDOWN\b|"Direction"\s*,\s*-1', re.IGNORECASE)
 
 
 class Reference(NamedTuple):
@@ -46,21 +52,27 @@ def node(text: str, *names: str) -> str | None:
 def read_reference(text: str) -> Reference:
     """Reads well-known text of either version."""
     text = text.replace("(", "[").replace(")", "]") if "[" not in text else text
-    vertical = node(text, "VERT_CS", "VERTCRS", "VERTICALCRS")
+    vertical = node(text, "VERT_CS", "VERTCS", "VERTCRS", "VERTICALCRS")
     height = None
     if vertical is not None:
         units = LENGTH.findall(vertical)
         height = float(units[-1][1]) if units else 1.0
-        if re.search(r"\bDOWN\b", vertical, re.IGNORECASE):
+        if DOWN.search(vertical):
             height = -height
     ellipsoid = ELLIPSOID.search(text)
     radius, inverse = (float(part) for part in ellipsoid.groups()) if ellipsoid else (6378137.0, 0.0)
-    projected = node(text, "PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS")
+    projected = node(text, *PLANE)
     geographic = node(text, *GEOGRAPHIC, "BASEGEOGCRS", "BASEGEODCRS")
     plane = 1.0
     if projected is not None:
         inner = node(projected, *GEOGRAPHIC, "BASEGEOGCRS", "BASEGEODCRS", "CONVERSION")
         units = LENGTH.findall(projected.replace(inner, "") if inner else projected)
+        if (
+            height is None
+            and re.search(r"\bCS\[Cartesian\s*,\s*3\b", projected, re.IGNORECASE)
+            and len(units) > 2
+        ):
+            height = float(units.pop()[1])  # the third axis
         plane = float(units[-1][1]) if units else 1.0
     return Reference(
         projected is None and geographic is not None,
@@ -70,6 +82,33 @@ def read_reference(text: str) -> Reference:
         1.0 / inverse if inverse else 0.0,
         geographic,
     )
+
+
+def read_projection(text: str) -> Reference | None:
+    """Reads a ``.prj`` file: well-known text, or lines of a name and a value, as ARC/INFO had them.
+
+    None for anything else.
+    """
+    if node(text, *PLANE, *GEOGRAPHIC):
+        return read_reference(text)
+    lines = [line.lower().split() for line in text.splitlines()]
+    values = {words[0]: words[1] for words in lines if len(words) > 1}
+    if "projection" not in values:
+        return None
+    if values["projection"] == "geographic" or values.get("units") in ("dd", "ds", "dm"):
+        return Reference(degrees=True)
+    try:
+        heights = values.get("zunits", "no")
+        return Reference(
+            plane=_length(values.get("units", "m")), height=None if heights == "no" else _length(heights)
+        )
+    except ValueError:
+        return None
+
+
+def _length(unit: str) -> float:
+    """Length of a unit [m]; a number counts units of a metre, as in ARC/INFO."""
+    return 1.0 / float(unit) if unit.isdecimal() and int(unit) > 0 else length(unit, "units")
 
 
 def projection_command(name: str, longitude: float, latitude: float, radius: float) -> str:

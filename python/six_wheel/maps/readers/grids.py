@@ -1,0 +1,133 @@
+"""Maps as text: ESRI ASCII grids, tables of x, y and z, and one list of extents and heights."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel.maps.files import Grid, Options, TerrainFileError
+from six_wheel.maps.plausibility import is_fill, is_in_degrees
+from six_wheel.maps.readers.points import COMMENTS, points_grid, read_table
+from six_wheel.maps.readers.reference import UNKNOWN, Reference
+
+__all__ = ["read"]
+
+CORNERS = ("xllcorner", "xllcenter", "yllcorner", "yllcenter")
+KEYS = ("ncols", "nrows", *CORNERS, "cellsize", "dx", "dy", "nodata_value", "nodata")
+UNKNOWN_CELLS = ("*", "na", "n/a", "null", "nodata", "-")  # beside what C libraries print, as 1.#QNAN
+
+
+def read(path: Path, text: str, options: Options, reference: Reference = UNKNOWN) -> Grid:
+    """The grid of a text in the coordinates of its reference [m].
+
+    An ESRI ASCII grid begins with ``ncols``; heights stand for the middle of their cells, the northern row
+    first. A table has rows of x, y and z, in any order, with or without a line of names. Anything else is one
+    list, separated by commas: least x, largest x, number of x, least y, largest y, number of y, then heights,
+    x running fastest.
+    """
+    lines = [line for line in text.lstrip("\ufeff").splitlines() if line.strip()]
+    plain = [line for line in lines if not line.lstrip().startswith(COMMENTS)]
+    if not plain:
+        raise TerrainFileError(f"{path} is empty: fetch it again")
+    placed = options
+    if plain[0].split()[0].lower().rstrip(":") in KEYS:
+        grid, placed = _esri(path, plain, options)
+    else:
+        table = read_table(lines)
+        points = None if table is None else points_grid(table, path)
+        grid = _list(path, "\n".join(plain)) if points is None else points
+    if placed.spacing is not None or placed.origin is not None or placed.north_up is not None:
+        raise TerrainFileError(f"{path} has a place of its own: leave spacing, origin and north_up out")
+    if reference == UNKNOWN and is_in_degrees(grid.origin, grid.spacing, grid.heights.shape):
+        raise TerrainFileError(
+            f"{path} has coordinates that look like degrees, cells of {grid.spacing[0]:g}: project it first: "
+            f"gdalwarp -s_srs EPSG:4326 -t_srs EPSG:326NN {path.name} {path.stem}.tif, NN the UTM zone"
+        )
+    (dx, dy), (x, y), metre = grid.spacing, grid.origin, reference.plane
+    return grid._replace(spacing=(dx * metre, dy * metre), origin=(x * metre, y * metre))
+
+
+def _numbers(path: Path, parts: list[str]) -> NDArray[np.float64]:
+    try:
+        return np.array(parts, dtype=np.float64)
+    except ValueError:
+        unknown = (part.lower() in UNKNOWN_CELLS or "#" in part for part in parts)
+        parts = ["nan" if is_unknown else part for part, is_unknown in zip(parts, unknown, strict=True)]
+    try:
+        return np.array(parts, dtype=np.float64)
+    except ValueError as error:
+        told = str(error).rpartition(": ")[2][:60]
+        raise TerrainFileError(f"{path} is no map as text: it has {told} where a height belongs") from None
+
+
+def _esri(path: Path, lines: list[str], options: Options) -> tuple[Grid, Options]:
+    """The grid, and those options that it has not used."""
+    header = dict[str, float]()
+    for number, line in enumerate(lines):
+        key, *value = line.split()[:2] or [""]
+        key = key.lower().rstrip(":")
+        if key not in KEYS:
+            break
+        try:
+            header[key] = float(value[0].replace(",", "."))
+        except (IndexError, ValueError):
+            raise TerrainFileError(f"{path}:{number + 1}: {key} must be a number, got {line!r}") from None
+    else:
+        number = len(lines)
+    sizes = (header.get("cellsize", header.get("dx")), header.get("cellsize", header.get("dy")))
+    (dx, dy), counts = sizes, (header.get("nrows"), header.get("ncols"))
+    if dx is None or dy is None or None in counts:
+        raise TerrainFileError(f"{path} must give ncols, nrows and cellsize")
+    if not all(count is not None and count >= 1 and count % 1 == 0 for count in counts):
+        raise TerrainFileError(f"{path} must have whole ncols and nrows, got {counts[1]} and {counts[0]}")
+    rows, columns = (int(count or 0) for count in counts)
+    heights = _numbers(path, _cells("\n".join(lines[number:]), rows * columns))
+    if heights.size != rows * columns:
+        raise TerrainFileError(f"{path} must hold {rows} x {columns} heights, got {heights.size}")
+    # Without the line it is -9999 (ESRI ASCII raster format).
+    heights[is_fill(heights, header.get("nodata_value", header.get("nodata", -9999.0)))] = np.nan
+    if not any(key.startswith("xll") for key in header) or not any(key.startswith("yll") for key in header):
+        if options.origin is None:
+            raise TerrainFileError(
+                f"{path} has no xllcorner and yllcorner: origin=(x, y), the middle of its south-western cell"
+            )
+        x, y = options.origin
+        options = options._replace(origin=None)
+    else:
+        x = header.get("xllcenter", header.get("xllcorner", 0.0) + dx / 2)
+        y = header.get("yllcenter", header.get("yllcorner", 0.0) + dy / 2)
+    return Grid(heights.reshape(rows, columns)[::-1], (dx, dy), (x, y)), options
+
+
+def _cells(body: str, count: int) -> list[str]:
+    """Numbers between blanks, semicolons or commas; commas are decimal where that makes the count."""
+    if ";" in body:
+        body = body.replace(";", " ").replace(",", ".")
+    if "," in body:
+        cells = body.split()
+        is_decimal = "." not in body and len(cells) == count
+        body = body.replace(",", "." if is_decimal else " ")
+    return body.split()
+
+
+def _list(path: Path, text: str) -> Grid:
+    separator = "," if "," in text else None
+    parts = [part.strip() for part in text.replace("\n", separator or "\n").split(separator)]
+    numbers = _numbers(path, [part for part in parts if part])
+    counts = numbers[[2, 5]] if numbers.size > 6 else np.zeros(2)
+    if not (counts % 1 == 0).all() or numbers.size - 6 != counts.prod():
+        widths = {len(line.split(separator)) for line in text.splitlines()}
+        if len(widths) == 1 and widths.pop() > 1 and "\n" in text:
+            mark = ', delimiter=","' if separator else ""
+            made = f'sw.Terrain(np.loadtxt("{path.name}"{mark}), spacing=0.1)'
+            raise TerrainFileError(f"{path} is a matrix without a place: {made}")
+    if numbers.size < 6:
+        raise TerrainFileError(f"{path} must begin with x min, x max, x count, y min, y max, y count")
+    x0, x1, columns, y0, y1, rows = numbers[:6]
+    if not (columns >= 2 and rows >= 2 and columns % 1 == 0 and rows % 1 == 0):
+        raise TerrainFileError(f"{path} must have at least two x and y, got {columns:g} and {rows:g}")
+    heights = numbers[6:]
+    if heights.size != rows * columns:
+        raise TerrainFileError(f"{path} must hold {rows:g} x {columns:g} heights, got {heights.size}")
+    spacing = (float((x1 - x0) / (columns - 1)), float((y1 - y0) / (rows - 1)))
+    return Grid(heights.reshape(int(rows), int(columns)), spacing, (float(x0), float(y0)))

@@ -1,0 +1,215 @@
+"""Place of an image in the plane: transform, units of coordinates, axes, distances on the ground."""
+
+import contextlib
+import math
+import warnings
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from six_wheel.maps.files import Options, TerrainFileError, length
+from six_wheel.maps.plausibility import is_in_degrees
+from six_wheel.maps.readers.points import EAST, NORTH
+from six_wheel.maps.readers.reference import UNKNOWN, Reference, projection_command, scale_factors
+
+__all__ = ["Placement", "TerrainFileWarning", "apply", "place"]
+
+STRETCHED = 0.03  # of a distance
+RIGHT_ANGLE = 1e-6  # cosine of the angle between axes: a centimetre over ten kilometres
+
+
+class TerrainFileWarning(UserWarning):
+    """A map that can be used, with distances that are not those on the ground."""
+
+
+class Placement(NamedTuple):
+    """Pixels in the frame of the map."""
+
+    transform: Any
+    """Affine, from column and row to coordinates."""
+    metre: float
+    """Unit of the coordinates [m]."""
+    shape: tuple[int, int]
+
+    @property
+    def right(self) -> tuple[float, float]:
+        """From a pixel to the next of its row [m]."""
+        return self.transform.a * self.metre, self.transform.d * self.metre
+
+    @property
+    def down(self) -> tuple[float, float]:
+        """From a pixel to the next of its column [m]."""
+        return self.transform.b * self.metre, self.transform.e * self.metre
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """Between columns and between rows [m]."""
+        return math.hypot(*self.right), math.hypot(*self.down)
+
+    @property
+    def flipped(self) -> bool:
+        """True where rows go against the y axis of a grid whose x axis goes along them."""
+        return self.right[0] * self.down[1] - self.right[1] * self.down[0] < 0
+
+    @property
+    def yaw(self) -> float:
+        """Angle from the x axis of the frame to the rows [rad]."""
+        return math.atan2(self.right[1], self.right[0])
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Least x, least y, largest x and largest y of the pixels [m]."""
+        rows, columns = self.shape
+        corners = [apply(self.transform, column, row) for column in (0, columns) for row in (0, rows)]
+        xs, ys = ([corner[axis] * self.metre for corner in corners] for axis in range(2))
+        return min(xs), min(ys), max(xs), max(ys)
+
+    def middle(self, row: int, column: int) -> tuple[float, float]:
+        """The middle of a pixel in the frame of the map [m]."""
+        x, y = apply(self.transform, column + 0.5, row + 0.5)
+        return x * self.metre, y * self.metre
+
+
+def apply(transform: Any, x: float, y: float) -> tuple[float, float]:
+    """Coordinates of a column and a row; versions of affine do not agree on the operator for them."""
+    return transform.a * x + transform.b * y + transform.c, transform.d * x + transform.e * y + transform.f
+
+
+def place(dataset: Any, path: Path, options: Options, reference: Reference) -> Placement:
+    """Place of an open image, or where the options put it. Fails where neither says, and for degrees."""
+    transform, shape, metre = dataset.transform, dataset.shape, reference.plane
+    axes = _axes(dataset) if dataset.driver == "netCDF" else {}
+    if reference.degrees:
+        raise _in_degrees(path, apply(transform, shape[1] / 2, shape[0] / 2), reference)
+    numbers = tuple(transform)[:6]
+    if numbers in ((1, 0, 0, 0, 1, 0), (1, 0, 0, 0, -1, 0)) or not all(
+        value == 0 or 1e-300 < abs(value) < 1e300 for value in numbers
+    ):
+        if dataset.gcps[0] or dataset.rpcs:
+            told = "is placed by control points alone: gdalwarp"
+            raise TerrainFileError(f"{path} {told} {path.name} {path.stem}_placed.tif")
+        transform, metre = _by_options(path, type(transform), shape, options), 1.0
+    elif options.spacing is not None or options.origin is not None:
+        raise TerrainFileError(f"{path} has a place of its own: leave spacing and origin out")
+    elif options.north_up is not None:
+        raise TerrainFileError(f"{path} says itself which row is the northern one: leave north_up out")
+    elif dataset.crs is None and axes:
+        metre = _unit_of_axes(dataset, path, axes)
+    placed = Placement(transform, metre, shape)
+    right, down, spacing = np.array(placed.right), np.array(placed.down), placed.spacing
+    if not min(spacing) > 0:
+        raise TerrainFileError(f"{path} must have pixels with a size, got {numbers}")
+    if abs(right @ down) > RIGHT_ANGLE * spacing[0] * spacing[1]:
+        warp = f"gdalwarp {path.name} {path.stem}_square.tif"
+        raise TerrainFileError(f"{path} must have axes at right angles, got {numbers}: {warp}")
+    if axes:
+        _check_axes(dataset, path, placed, axes)
+    if reference == UNKNOWN and is_in_degrees(placed.bounds[:2], spacing, shape):
+        raise _in_degrees(path, placed.bounds[:2], reference, "-s_srs EPSG:4326 ")
+    if reference.geographic is not None and dataset.crs.is_projected:
+        _check_scale(dataset, path, placed, reference)
+    return placed
+
+
+def _by_options(path: Path, affine: Any, shape: tuple[int, int], options: Options) -> Any:
+    if options.steps is None:
+        raise TerrainFileError(
+            f"{path} has no place (no transform): spacing=0.1, the size of its cells in metres, "
+            "origin=(x, y) if it matters, and north_up=False if its first row is the southern one"
+        )
+    (dx, dy), (x, y) = options.steps, options.first
+    north_up = options.north_up is not False
+    top = y + dy * (shape[0] - 0.5) if north_up else y - dy / 2
+    return affine(dx, 0, x - dx / 2, 0, -dy if north_up else dy, top)
+
+
+def _in_degrees(
+    path: Path, at: tuple[float, float], reference: Reference, more: str = ""
+) -> TerrainFileError:
+    command = projection_command(path.name, *at, reference.radius).replace("gdalwarp ", f"gdalwarp {more}")
+    told = "look like degrees" if more else "are degrees"
+    return TerrainFileError(f"{path} must be in metres, its coordinates {told}: project it first: {command}")
+
+
+def _axes(dataset: Any) -> dict[str, str]:
+    """Names of the coordinates x and y of a NetCDF variable by ``standard_name``, ``axis``, or the names."""
+    tags = dataset.tags()
+    names = {key.partition("#")[0] for key in tags if "#" in key}
+    found = dict[str, str]()
+    for axis, words in (("x", EAST), ("y", NORTH)):
+        by_attribute = [
+            name
+            for name in sorted(names)
+            if tags.get(f"{name}#standard_name") == f"projection_{axis}_coordinate"
+            or tags.get(f"{name}#axis", "").lower() == axis
+        ]
+        by_name = [name for name in sorted(names) if name.lower() in words]
+        for name in (by_attribute or by_name)[:1]:
+            found[axis] = name
+    return found
+
+
+def _unit_of_axes(dataset: Any, path: Path, axes: dict[str, str]) -> float:
+    """Unit of the coordinates x and y [m], of which GDAL takes no notice without a system."""
+    units = {dataset.tags().get(f"{name}#units", "m") for name in axes.values()}
+    try:
+        (size,) = {length(unit, "units") for unit in units}
+    except ValueError:
+        listed = ", ".join(sorted(units))
+        told = f"has coordinates in {listed}: give them units of length, m or km, the same for both"
+        raise TerrainFileError(f"{path} {told}") from None
+    return size
+
+
+def _check_axes(dataset: Any, path: Path, placed: Placement, axes: dict[str, str]) -> None:
+    """Fails where rows of a NetCDF variable run along x: GDAL takes any last dimension for x."""
+    from rasterio import open as open_dataset
+    from rasterio.errors import NotGeoreferencedWarning, RasterioIOError
+
+    name, (rows, columns) = axes.get("x", ""), placed.shape
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NotGeoreferencedWarning)
+            with open_dataset(f"NETCDF:{path}:{name}") as axis:
+                places = axis.read(1).ravel()
+    except RasterioIOError:
+        return
+    ends = {round(float(value), 6) for value in (places[0], places[-1])}
+    first = {round(apply(placed.transform, column + 0.5, 0.5)[0], 6) for column in (0, columns - 1)}
+    if len(places) == columns and (ends == first or len(places) != rows):
+        return
+    if len(places) == rows:
+        other = axes.get("y", "y")
+        flipped = f"ncpdq -a {other},{name} {path.name} {path.stem}_rows.nc"
+        raise TerrainFileError(f"{path} has rows along {name}: {flipped} makes them run along {other}")
+
+
+def _check_scale(dataset: Any, path: Path, placed: Placement, reference: Reference) -> None:
+    """Warns where distances on the map are not those on the ground."""
+    import rasterio
+    from rasterio.errors import CRSError, RasterioError
+    from rasterio.warp import transform
+
+    (rows, columns), metre = placed.shape, placed.metre
+    x, y = apply(placed.transform, columns / 2, rows / 2)
+    step = 100.0 / metre
+    places = [(x, y), (x + step, y), (x, y + step)]
+    degrees = list[tuple[float, float]]()
+    # Outside of what the projection is made for, and where PROJ cannot undo it, there is no scale to compare.
+    with contextlib.suppress(CRSError, RasterioError, rasterio._err.CPLE_BaseError):
+        there = rasterio.crs.CRS.from_wkt(reference.geographic)
+        xs, ys = ([place[axis] for place in places] for axis in range(2))
+        east, north = transform(dataset.crs, there, xs, ys)[:2]
+        degrees = list(zip(east, north, strict=True))
+    if not degrees or not np.isfinite(degrees).all():
+        return
+    factors = scale_factors(reference, [(a * metre, b * metre) for a, b in places], degrees)
+    if max(abs(factor - 1.0) for factor in factors) > STRETCHED:
+        command = projection_command(path.name, *degrees[0], reference.radius)
+        warnings.warn(
+            f"{path}: its projection makes distances {factors[0]:.3f} times as long along x and "
+            f"{factors[1]:.3f} along y as on the ground: {command}",
+            TerrainFileWarning,
+            stacklevel=2,
+        )

@@ -1,0 +1,314 @@
+"""Maps as images: GeoTIFF, PDS and whatever else GDAL reads, by windows, in their own frame."""
+
+import math
+import warnings
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Terrain
+from six_wheel.maps.files import Grid, Options, TerrainFileError, Window, length
+from six_wheel.maps.plausibility import find_fill, find_unit, is_fill, is_in_degrees
+from six_wheel.maps.readers.placement import Placement, TerrainFileWarning, apply, place
+from six_wheel.maps.readers.points import UP
+from six_wheel.maps.readers.reference import UNKNOWN, read_reference
+from six_wheel.maps.readers.sources import Source
+
+__all__ = ["GridImage", "Raster", "TerrainFileWarning", "rasterio"]
+
+OTHERS = (
+    "slope", "aspect", "hillshade", "shade", "roughness", "tri", "tpi", "error", "uncertainty", "variance",
+    "intensity", "confidence", "mask", "quality", "count", "red", "green", "blue",
+)  # fmt: skip
+SAMPLE = 256  # rows and columns of a part that stands for the image
+COARSEST = 0.3  # cells in degrees of maps [deg]
+
+
+def rasterio() -> Any:
+    """The library, or what to install."""
+    try:
+        import rasterio
+    except ImportError as missing:
+        raise ImportError('maps as images need rasterio: pip install "six-wheel[terrain]"') from missing
+    return rasterio
+
+
+class Raster:
+    """An open image of heights: one band, in metres, pixel (0, 0) first.
+
+    Parameters
+    ----------
+    source : Source
+        The image.
+    options : Options
+        What is known about it beside the file, checked.
+
+    Raises
+    ------
+    ImportError
+        If rasterio is not installed.
+    TerrainFileError
+        If it is no image, its coordinates are degrees, its axes are sheared, or its heights are of
+        no known unit, or none at all.
+    """
+
+    def __init__(self, source: Source, options: Options) -> None:
+        library = rasterio()
+        self.path, self.options = source.path, options
+        # Whatever the image lacks is said here in one line, not as a warning. NetCDF: axes are known by their
+        # names too (GDAL, netCDF driver).
+        self._environment = library.Env(CPL_DEBUG=False, GDAL_NETCDF_IGNORE_XY_AXIS_NAME_CHECKS="YES")
+        self._environment.__enter__()
+        try:
+            self.dataset = self._open(source.gdal)
+        except BaseException:
+            self._environment.__exit__(None, None, None)
+            raise
+        try:
+            self.band = self._band()
+            self._measure()
+            self.crs = self.dataset.crs
+            self.placement = place(self.dataset, self.path, self.options, self.reference)
+            self.shape, self.spacing = self.placement.shape, self.placement.spacing
+            self._check_sample()
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self, source: str) -> Any:
+        """The dataset, or that of its only variable, or of the one that is asked for."""
+        library = rasterio()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", library.errors.NotGeoreferencedWarning)
+            try:
+                dataset = library.open(source)
+            except library.errors.RasterioIOError as error:
+                raise TerrainFileError(f"{self.path} must be a map: {_words(error)}") from None
+            parts = {name.rpartition(":")[2].strip('/"'): name for name in dataset.subdatasets}
+            if dataset.count or not parts:
+                return dataset
+            dataset.close()
+            named = [part for part in parts if part.lower() in UP]
+            wanted = self.options.band
+            name = named[0] if wanted is None and len(named) == 1 else str(wanted)
+            if name not in parts:
+                listed = ", ".join(parts)
+                raise TerrainFileError(
+                    f'{self.path} has several variables: {listed}; band="{next(iter(parts))}"'
+                )
+            return library.open(parts[name])
+
+    def _band(self) -> int:
+        """The band of heights."""
+        names, wanted = self.dataset.descriptions, self.options.band
+        alphas = [k for k, kind in enumerate(self.dataset.colorinterp, 1) if kind.name == "alpha"]
+        self.alpha = alphas[0] if alphas else None
+        bands: list[int] = [k for k in self.dataset.indexes if k not in alphas]
+        told = ", ".join(f"{k} {names[k - 1]}" if names[k - 1] else str(k) for k in bands)
+        if isinstance(wanted, str) and wanted.isdecimal():
+            wanted = int(wanted)
+        if isinstance(wanted, int) and not isinstance(wanted, bool):
+            if wanted not in bands:
+                raise TerrainFileError(f"{self.path} has no band {wanted}, it has {told}")
+            return wanted
+        if isinstance(wanted, str) and len(bands) > 1:
+            if wanted not in names:
+                raise TerrainFileError(f"{self.path} has no band {wanted}, it has {told}")
+            return int(names.index(wanted)) + 1
+        named = [k for k in bands if (names[k - 1] or "").lower() in UP]
+        if len(named) == 1 or (len(bands) == 1 and wanted is not None):
+            return (named or bands)[0]
+        kinds = {self.dataset.dtypes[k - 1] for k in bands}
+        if all(kind.startswith("complex") for kind in kinds):
+            raise TerrainFileError(f"{self.path} must hold real numbers, got {kinds.pop()}")
+        if len(bands) in (3, 4) and kinds == {"uint8"}:
+            told = f"{self.dataset.count} bands of 8 bits (band=1 takes one)"
+            raise TerrainFileError(f"{self.path} is a picture, not heights: {told}")
+        if len(bands) == 1:
+            word = (names[bands[0] - 1] or "").lower()
+            if word in OTHERS:
+                raise TerrainFileError(f"{self.path} has one band, {word}, no heights (band=1 takes it)")
+            return bands[0]
+        raise TerrainFileError(
+            f"{self.path} has {len(bands)} bands: {told}; give that of the heights, as band={bands[-1]}"
+        )
+
+    def _measure(self) -> None:
+        """Units and sense of coordinates and heights. Fails for pictures, and where the file has none."""
+        index, options, crs = self.band - 1, self.options, self.dataset.crs
+        self.reference = read_reference(_well_known_text(crs)) if crs is not None else UNKNOWN
+        dtype = self.dataset.dtypes[index]
+        tags = {key.lower(): value for key, value in self.dataset.tags(self.band).items()}
+        if dtype.startswith("complex"):
+            raise TerrainFileError(f"{self.path} must hold real numbers, got {dtype}")
+        # A mark in the metadata, where the format has no place for it.
+        self.marks = [
+            float(tags[name])
+            for name in ("missing_value", "_fillvalue", "nodata", "nodata_value")
+            if self.dataset.nodatavals[index] is None and _is_number(tags.get(name))
+        ]
+        self.scale, self.offset = self.dataset.scales[index], self.dataset.offsets[index]
+        unit = (self.dataset.units[index] or tags.get("units") or tags.get("unit") or "").strip()
+        picture = dtype == "uint8" and (self.scale, self.offset) == (1.0, 0.0)
+        if options.unit is None and not unit and picture:
+            told = 'cells of 8 bits without a unit (unit="m" takes them as metres)'
+            raise TerrainFileError(f"{self.path} is a picture, not heights: {told}")
+        if options.unit is None and not unit and self.dataset.driver in ("PNG", "JPEG", "BMP"):
+            raise TerrainFileError(
+                f'{self.path} has no unit: unit="mm", or the height of one count in metres, unit=0.01'
+            )
+        vertical = self.reference.height
+        self.unit = 1.0
+        if options.unit is not None:
+            self.unit = length(options.unit, "unit")
+        elif unit:
+            try:
+                self.unit = length(unit, "unit")
+            except ValueError:
+                raise TerrainFileError(
+                    f'{self.path} has heights in {unit!r}: unit="m", or its length in metres'
+                ) from None
+        if vertical is not None and options.unit is None:
+            if unit and abs(abs(vertical) - self.unit) > 1e-3 * self.unit:
+                other = f"{abs(vertical):g}"
+                told = f"has heights in {unit} by its band, in units of {other} m by its vertical system"
+                raise TerrainFileError(f'{self.path} {told}: unit="{unit}" or unit={other}')
+            self.unit = abs(vertical)
+        if tags.get("positive", "").lower() == "down" or (vertical or 0.0) < 0.0:
+            self.unit = -self.unit
+        self.unit_known = bool(options.unit is not None or unit or vertical is not None)
+        self.whole = np.issubdtype(np.dtype(dtype), np.integer) and self.scale == 1.0
+
+    def _check_sample(self) -> None:
+        """Checks parts that stand for the whole image, before anything is computed from one of them."""
+        rows, columns = self.shape
+        for row, column in ((0.5, 0.5), (0.1, 0.1), (0.9, 0.9)):
+            first = [int(max(size - SAMPLE, 0) * share) for size, share in ((rows, row), (columns, column))]
+            parts = [slice(k, min(k + SAMPLE, size)) for k, size in zip(first, self.shape, strict=True)]
+            self.check_plausibility(self.heights(*parts))
+            if rows <= SAMPLE and columns <= SAMPLE:
+                break
+
+    def check_plausibility(self, heights: NDArray[np.floating]) -> None:
+        """Fails if heights of this image are hardly in metres."""
+        finding = None if self.unit_known else find_unit(heights, self.spacing, whole=self.whole)
+        if finding is None:
+            return
+        if self.reference == UNKNOWN and is_in_degrees(
+            self.placement.bounds[:2], self.spacing, self.shape, COARSEST
+        ):
+            finding += "; or are its coordinates degrees (gdalwarp -s_srs EPSG:4326 projects it)?"
+        raise TerrainFileError(f"{self.path}: {finding}")
+
+    def heights(self, rows: slice, columns: slice) -> NDArray[np.floating]:
+        """Pixels of a window as they lie in the image; NaN where there are none [m]."""
+        window = ((rows.start, rows.stop), (columns.start, columns.stop))
+        try:
+            band = self.dataset.read(self.band, window=window, masked=True)
+        except Exception as error:
+            raise TerrainFileError(f"{self.path} is damaged or cut off: {_words(error)}") from None
+        plain = (self.scale, self.offset, self.unit) == (1.0, 0.0, 1.0)
+        single = band.dtype == np.float32 and plain
+        nodata = self.options.nodata
+        if nodata is not None and math.isnan(nodata):
+            band = np.ma.getdata(band)
+        heights: NDArray[np.floating] = np.ma.filled(
+            band.astype(np.float32 if single else np.float64), np.nan
+        )
+        for mark in self.marks if nodata is None else [nodata]:
+            heights[is_fill(heights, mark)] = np.nan
+        if self.alpha is not None:  # GDAL takes one of 8 or 16 bits for a mask, and no other
+            heights[self.dataset.read(self.alpha, window=window) == 0] = np.nan
+        # Some images mark what is not known by infinities beside their own mark.
+        heights[np.isinf(heights)] = np.nan
+        finding = find_fill(heights, nodata)
+        if finding is not None:
+            raise TerrainFileError(f"{self.path}: {finding}")
+        if not plain:
+            heights = (heights * self.scale + self.offset) * self.unit
+        return heights
+
+    def grid(self, rows: slice, columns: slice) -> Grid:
+        """The same as a grid whose rows go along +y of its own frame."""
+        heights, placed = self.heights(rows, columns), self.placement
+        if placed.flipped:
+            return Grid(heights[::-1], self.spacing, placed.middle(rows.stop - 1, columns.start), placed.yaw)
+        return Grid(heights, self.spacing, placed.middle(rows.start, columns.start), placed.yaw)
+
+    def read(self, window: Window | None) -> Grid:
+        """The pixels that cover a window of the frame of the map, or all."""
+        rows, columns = self.shape
+        if window is None:
+            return self.grid(slice(0, rows), slice(0, columns))
+        x0, y0, x1, y1 = (value / self.placement.metre for value in window)
+        inverse = ~self.placement.transform
+        corners = np.array([apply(inverse, x, y) for x in (x0, x1) for y in (y0, y1)]) - 0.5
+        low, high = np.floor(corners.min(axis=0)), np.ceil(corners.max(axis=0))
+        first = np.maximum(low, 0).astype(int)
+        last = np.minimum(high, [columns - 1, rows - 1]).astype(int)
+        if not (last > first).all():
+            left, bottom, right, top = self.placement.bounds
+            where = f"the map has x {left:g} to {right:g}, y {bottom:g} to {top:g}"
+            raise TerrainFileError(f"{self.path}: window must overlap the map, got {window}; {where}")
+        return self.grid(slice(first[1], last[1] + 1), slice(first[0], last[0] + 1))
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self.dataset.close()
+        self._environment.__exit__(None, None, None)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class GridImage:
+    """Ground that is in memory as an image whose first row is the northern one: what text and bags hold."""
+
+    crs = None
+
+    def __init__(self, ground: Terrain) -> None:
+        (dx, dy), (x, y), self.shape = ground.spacing, ground.origin, ground.shape
+        cos, sin, top = math.cos(ground.yaw), math.sin(ground.yaw), dy * (ground.shape[0] - 0.5)
+        corner = (x - cos * dx / 2 - sin * top, y - sin * dx / 2 + cos * top)
+        transform = rasterio().Affine(cos * dx, sin * dy, corner[0], sin * dx, -cos * dy, corner[1])
+        self.placement, self.spacing = Placement(transform, 1.0, ground.shape), ground.spacing
+        self._heights = ground.heights[::-1]
+
+    def heights(self, rows: slice, columns: slice) -> NDArray[np.floating]:
+        """Pixels of a window; NaN where there are none [m]."""
+        return self._heights[rows, columns]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Nothing is open."""
+
+
+def _well_known_text(crs: Any) -> str:
+    """Text of a system: that of the first version, unless only the second can say it."""
+    try:
+        return str(crs.to_wkt())
+    except rasterio().errors.CRSError:
+        return str(crs.to_wkt(version="WKT2_2019"))
+
+
+def _is_number(text: str | None) -> bool:
+    try:
+        return text is not None and not math.isnan(float(text))
+    except ValueError:
+        return False
+
+
+def _words(error: BaseException) -> str:
+    """Reason of an error of GDAL in one line; rasterio keeps it in its causes."""
+    while error.__cause__ is not None:
+        error = error.__cause__
+    return " ".join(str(error).split())
