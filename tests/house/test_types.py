@@ -64,7 +64,7 @@ def test_pyright_accepts_them(programs: Path) -> None:
     if find_spec("pyright") is None:
         pytest.skip("needs pyright and node: pip install 'pyright[nodejs]'")
     settings = {"extraPaths": [str(SOURCES)], "pythonVersion": "3.11", "reportMissingImports": "none"}
-    settings |= {"reportMissingModuleSource": "none", "reportAttributeAccessIssue": "error"}
+    settings |= {"reportMissingModuleSource": "none", "reportPossiblyUnbound": "none"}
     (programs / "pyrightconfig.json").write_text(json.dumps(settings), encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "-m", "pyright", "--outputjson", "--pythonpath", sys.executable],
