@@ -295,12 +295,14 @@ def test_stamps_that_stand_still():
     assert robot.steps[-1].twist == (0.0, 0.0, 0.0)
 
 
-def test_a_counter_that_starts_over_is_followed_where_a_speed_tells():
-    text = SETTINGS.text + "odometry: {max_speed: 3.0}\n"
-    robot = Robot(Settings.of_text(text))
+@pytest.mark.parametrize("more", ["odometry: {max_speed: 3.0}\n", ""], ids=["a speed", "limits"])
+@pytest.mark.parametrize("reset", [False, True], ids=["another value", "zero"])
+def test_a_counter_that_starts_over_is_followed(more, reset):
+    """As that of a microcontroller which resets: the way stays within what nobody counted and 5 cm."""
+    robot = Robot(Settings.of_text(SETTINGS.text + more))
     robot.run(600)
     pose = robot.steps[-1].state.pose
-    robot.angles = [angle - 300.0 for angle in robot.angles]
+    robot.angles = [0.0 if reset else angle - 300.0 for angle in robot.angles]
     made = robot.run(3)
     assert "RESTARTED" in robot.said("odometry")
     assert np.hypot(*(made[-1].state.pose - pose)[:2]) < 0.02
