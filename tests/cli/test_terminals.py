@@ -1,4 +1,4 @@
-"""Any terminal will do: what it cannot show is replaced, and whoever stops reading is no error worth words."""
+"""Any terminal will do: what it cannot show is replaced, and whoever stops reading is no error."""
 
 import os
 import subprocess
