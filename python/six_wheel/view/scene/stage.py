@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.view.scene.shapes import nice_step
+from six_wheel.view.scene.shapes import about_z, nice_step
 
 if TYPE_CHECKING:
     import viser
@@ -61,8 +61,7 @@ def camera_of(name: str, size: float, transform: Floats, narrow: bool = False) -
     """Place of a camera and the point it looks at (3,) [m]; narrow screens have the rover on top."""
     offset, target = (np.array(each) * size for each in CAMERAS[name])
     yaw = np.arctan2(transform[1, 0], transform[0, 0])
-    c, s = np.cos(yaw), np.sin(yaw)
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    turn = about_z(float(yaw))
     if narrow:
         offset, target = FARTHER * offset, target - np.array([0.0, 0.0, LOWER * size])
     return transform[:3, 3] + turn @ offset, transform[:3, 3] + turn @ target
