@@ -142,8 +142,8 @@ class Settings:
         return Odometry(rover, Noise(**said.noise), readings=readings, **options)  # type: ignore[arg-type]
 
     def _jumps(self) -> dict[str, float]:
-        """The rim speed [m/s] beyond which a counter is taken to have started over, where the file gives none:
-        twice the fastest of the wheels' limits."""
+        """The rim speed [m/s] beyond which a counter must have started over, where the file gives none: twice
+        that of the fastest wheel's limit."""
         fastest = limits_given(self.parameters.limits).get("wheel_speed", math.inf)
         rim = fastest * max(wheel.radius for wheel in self.rover.wheels)
         return {"max_speed": max(2.0 * rim, LEAST_JUMP)} if math.isfinite(rim) else {}
