@@ -148,7 +148,7 @@ def _read_grid(source: Source, options: Options) -> Terrain:
     if _is_bag(path):
         from six_wheel.maps.readers import bags
 
-        return _made(bags.read(path, options.topic, options.layer), UNKNOWN, path, options)
+        return _made(bags.read(path, options), UNKNOWN, path, options)
     reference = _reference(source)
     return _made(grids.read(path, source.text(), options, reference), reference, path, options)
 

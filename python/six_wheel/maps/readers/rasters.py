@@ -12,16 +12,12 @@ from six_wheel._core import Terrain
 from six_wheel.maps.files import Grid, Options, TerrainFileError, Window, length
 from six_wheel.maps.plausibility import find_fill, find_unit, is_fill, is_in_degrees
 from six_wheel.maps.readers.placement import Placement, TerrainFileWarning, apply, place
-from six_wheel.maps.readers.points import UP
+from six_wheel.maps.readers.points import OTHERS, UP
 from six_wheel.maps.readers.reference import UNKNOWN, read_reference
 from six_wheel.maps.readers.sources import Source
 
 __all__ = ["GridImage", "Raster", "TerrainFileWarning", "rasterio"]
 
-OTHERS = (
-    "slope", "aspect", "hillshade", "shade", "roughness", "tri", "tpi", "error", "uncertainty", "variance",
-    "intensity", "confidence", "mask", "quality", "count", "red", "green", "blue",
-)  # fmt: skip
 SAMPLE = 256  # rows and columns of a part that stands for the image
 COARSEST = 0.3  # cells in degrees of maps [deg]
 

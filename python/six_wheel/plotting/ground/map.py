@@ -45,7 +45,8 @@ def map_figure(ground: Terrain, *, title: str = "", facts: Sequence[tuple[str, s
     known = np.nan_to_num(heights, nan=0.0 if unknown.all() else float(np.nanmean(heights)))
     shade = np.where(unknown, np.nan, SUN.hillshade(known, dx=dx, dy=dy))
     figure = Figure(figsize=_size(dx * columns, dy * rows, len(facts)), layout="constrained")
-    above, below = figure.subfigures(2, 1, height_ratios=_shares(figure, len(facts)))
+    parts = figure.subfigures(2, 1, height_ratios=_shares(figure, len(facts)), squeeze=False)
+    above, below = parts[:, 0]
     above.suptitle(title)
     left, right = above.subplots(1, 2, sharex=True, sharey=True)
     drawn = {"extent": extent, "origin": "lower", "interpolation": "nearest"}
