@@ -4,11 +4,13 @@ import enum
 import functools
 import importlib
 import inspect
+import logging
 import re
 import types
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from docutils import nodes
 from docutils.parsers.rst import Directive
 
@@ -134,6 +136,21 @@ class CommandHelp(Directive):
         return sections
 
 
+def write_view(app: Any, error: Exception | None) -> None:
+    """The page of a recorded drive that docs/howto/view.md embeds; it needs no server."""
+    if error is not None or app.builder.format != "html":
+        return
+    logging.getLogger("websockets").setLevel(logging.WARNING)  # Sphinx shows what a server says of itself
+    stamps = np.arange(0.0, 12.0, 1.0)
+    twists = np.stack([np.full(12, 0.15), np.zeros(12), 0.06 * np.sin(stamps / 3.0)], axis=1)
+    yard = sw.Terrain.yard(16.0, 0.1, 0.08, 4, roughness=0.2)
+    arm = sw.RockerBogie.preset("perseverance")
+    run = sw.simulate(arm, (stamps, twists), ground=yard, start=(6.0, 8.0, 0.0), rate=10.0, name="run")
+    with sw.view(run, open=False) as view:
+        view.save(Path(app.outdir) / "howto" / "recorded_drive.html")
+
+
 def setup(app: Any) -> None:
     app.add_directive("command-help", CommandHelp)
     app.connect("autodoc-process-docstring", shape_docstring, priority=100)  # before numpydoc
+    app.connect("build-finished", write_view)

@@ -29,6 +29,7 @@ def drives(seed: int) -> list[sw.WheelLog]:
     return found
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say():
     """95 % of them, but for 3.5 deviations of chance; in long runs 93 to 97 %."""
     held = []

@@ -43,6 +43,7 @@ def test_noise_that_was_put_in_is_in_its_intervals():
     assert abs(held - 0.95 * 2 * count) <= 3.0 * spread
 
 
+@pytest.mark.slow
 def test_more_rest_tells_more_and_logs_go_together():
     few, many = measure([rest(1)], 0.95), measure([rest(seed) for seed in range(16)], 0.95)
     width = [one.noise.interval[1] - one.noise.interval[0] for one in (few, many)]

@@ -126,6 +126,7 @@ def test_degrees_that_no_rover_drives_are_refused_before_the_fit(wheels):
         said(rover, replace(log, **{name: np.degrees(getattr(log, name))}))
 
 
+@pytest.mark.slow
 def test_a_value_at_its_bound_is_said_and_not_called_converged():
     log = drive(PAIR, 1, 30.0)
     wrong = replace(log, wheel_angles=np.degrees(log.wheel_angles))

@@ -212,6 +212,7 @@ def slipping(count, left, right):
     return found
 
 
+@pytest.mark.slow
 def test_a_wheel_that_slips_more_is_told_from_the_other(tmp_path):
     find = {"parameters": ["wheel_radius", "track_width"], "cross_validation": False}
     result = calibrate(WIDE, slipping(24, 0.02, 0.005), **find)

@@ -162,6 +162,7 @@ def test_the_rover_about_what_the_truth_follows():
     assert_allclose(result.sensor, 0.0)
 
 
+@pytest.mark.slow
 def test_a_drive_that_slips_needs_a_robust_loss():
     true = sw.Rover.differential(0.21, 0.041)
     logs = [drive(true, seed, 120.0, slips=1) for seed in range(3)]

@@ -47,6 +47,7 @@ def test_a_failure_is_reported_and_stops_nothing(where: dict[str, Any]) -> None:
     assert str(outcomes.failures[3]) == "ValueError: three is not possible"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", ["processes", "dask"], indirect=True)
 def test_a_worker_that_dies_loses_nothing(where: dict[str, Any], tmp_path: Path) -> None:
     outcomes = collect(jobs.deadly_once, [(str(tmp_path), number) for number in range(20)], **where)
@@ -55,6 +56,7 @@ def test_a_worker_that_dies_loses_nothing(where: dict[str, Any], tmp_path: Path)
     assert outcomes.failures == {}
 
 
+@pytest.mark.slow
 def test_an_item_that_kills_every_process_is_the_only_one_given_up() -> None:
     outcomes = collect(jobs.deadly, range(8), workers=2)
     assert outcomes.values == [0, 1, None, 3, 4, 5, 6, 7]
@@ -217,6 +219,7 @@ def test_no_items_are_no_outcomes(where: dict[str, Any]) -> None:
     assert collect(jobs.careful, [], **where).values == []
 
 
+@pytest.mark.slow
 def test_a_cluster_that_goes_away_is_one_line(tmp_path: Path) -> None:
     pytest.importorskip("distributed", reason="needs Dask")
     python = [sys.executable, "-m"]

@@ -1,6 +1,7 @@
 """Options of the commands that read logs, and the rover and log they mean."""
 
 import csv
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -75,6 +76,20 @@ class LogReading(NamedTuple):
         typer.Option("--plausibility/--no-plausibility", help="Refuse readings that no rover has."),
     ] = True
     truth_topic: Annotated[str | None, typer.Option(help="Topic of a bag with the truth.")] = None
+
+    def arguments(self) -> str:
+        """What was given, as it is typed."""
+        words = []
+        for name, value in self._asdict().items():
+            if value == self._field_defaults[name]:
+                continue
+            option = f"--{'no-' if value is False else ''}{name.replace('_', '-')}"
+            values = [None] if isinstance(value, bool) else value if isinstance(value, list) else [value]
+            for each in values:
+                text = f"{each:g}" if isinstance(each, float) else str(each)
+                quoted = f' "{text}"' if re.search(r"[\s\[,]", text) else f" {text}"
+                words.append(option + ("" if each is None else quoted))
+        return " ".join(words)
 
     def options(self, chosen: NamedRover) -> "LogOptions":
         """Options for reading a log: those of the parameter file, overridden by the arguments."""

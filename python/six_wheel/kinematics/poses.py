@@ -30,6 +30,18 @@ def between(first: Floats, second: Floats) -> Floats:
     return seen
 
 
+def quaternions(attitudes: Floats) -> Floats:
+    """Quaternions x, y, z, w (n, 4) of ``Rz(yaw) Ry(pitch) Rx(roll)``: rows ``[roll, pitch, yaw]`` [rad]."""
+    (r, p, y), (cr, cp, cy) = np.sin(attitudes / 2.0).T, np.cos(attitudes / 2.0).T
+    parts = (
+        r * cp * cy - cr * p * y,
+        cr * p * cy + r * cp * y,
+        cr * cp * y - r * p * cy,
+        cr * cp * cy + r * p * y,
+    )
+    return np.stack(parts, axis=-1)
+
+
 def interpolate(stamps: Floats, poses: Floats, wanted: Floats) -> tuple[Floats, Floats]:
     """Poses at `wanted` times and their rates of change, both of shape (n, 3).
 

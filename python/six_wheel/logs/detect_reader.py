@@ -5,6 +5,7 @@ A format of one's own is a function that makes a `WheelLog` and its entry in `RE
 
 import difflib
 import os
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
@@ -14,9 +15,11 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.errors import SuspiciousReadingsWarning
 from six_wheel.kinematics.keywords import checked
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
+from six_wheel.logs.datasets import katwijk, rose_lab
 from six_wheel.logs.frames.tabular_input import is_table, table, whole
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.headers.columns import TableError
@@ -57,27 +60,26 @@ class Reader:
     Attributes
     ----------
     claims : callable
-        Whether a path is such a log. It is asked before tables and bags are thought of: an ending of
-        theirs is not enough.
+        Whether a path is such a log; asked before tables and bags are thought of.
     read : callable
         From the path and the rover to a `WheelLog` in the rover's order, with its truth if it has one. Its
-        `ValueError` or `OSError` becomes the one line of the command.
+        `ValueError` or `OSError` becomes the one line of the command, its warnings those of the log.
+    belongs : callable
+        Whether a path in a folder belongs to such a log, and is none by itself.
     """
 
     claims: Callable[[Path], bool]
     read: Callable[[Path, Rover], WheelLog]
+    belongs: Callable[[Path], bool] = lambda path: False
 
 
-def _optiodom(path: Path, rover: Rover) -> WheelLog:
-    """An OptiOdom run, if it is one of this rover's."""
-    nominal = optiodom.read_rover(path)
-    if nominal.wheel_names != rover.wheel_names or nominal.steered_wheel_names != rover.steered_wheel_names:
-        theirs, ours = (", ".join(each.wheel_names) for each in (nominal, rover))
-        raise TableError(f"{path}: the wheels must be {theirs}, as the run has them, got {ours}")
-    return optiodom.read(path)
-
-
-READERS: dict[str, Reader] = {"optiodom": Reader(lambda path: metadata_of(path) is not None, _optiodom)}
+READERS: dict[str, Reader] = {
+    "optiodom": Reader(
+        lambda path: metadata_of(path) is not None, optiodom.read_for, lambda path: "_metadata" in path.stem
+    ),
+    "katwijk": Reader(katwijk.claims, katwijk.read, katwijk.belongs),
+    "rose_lab": Reader(rose_lab.claims, rose_lab.read, rose_lab.belongs),
+}
 
 
 def log_formats() -> tuple[str, ...]:
@@ -140,7 +142,8 @@ def _is_log(path: Path) -> bool:
         return (path / "metadata.yaml").exists()
     inside_bag = (path.parent / "metadata.yaml").exists()
     named = path.suffix.lower() in {*READ, *BAGS} or any(one.claims(path) for one in READERS.values())
-    return named and not inside_bag and not path.name.startswith(".") and not path.stem.endswith("_metadata")
+    part = inside_bag or path.name.startswith(".") or any(one.belongs(path) for one in READERS.values())
+    return named and not part
 
 
 def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
@@ -245,7 +248,7 @@ def _as_log(source: Any, rover: Rover, options: LogOptions, number: int) -> Whee
 
 
 def _odometry_options(rover: Rover, options: LogOptions) -> dict[str, Any]:
-    """What `Odometry` is told of readings in memory."""
+    """Options of `Odometry` for readings in memory."""
     found = {"wheel_encoders": options.wheel_encoders, "steering_encoders": options.steering_encoders}
     given: dict[str, Any] = {}
     for (name, values), part in zip(found.items(), ("wheel", "steering"), strict=True):
@@ -342,7 +345,10 @@ class WholeLog:
         self.findings, self.warnings = Findings(path), list[str]()
         self.position = 0
         try:
-            self._log = READERS[kind].read(path, rover)
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always", SuspiciousReadingsWarning)
+                self._log = READERS[kind].read(path, rover)
+            self.warnings += [str(each.message) for each in caught]
         except TableError:
             raise
         except OSError as error:

@@ -23,6 +23,7 @@ import numpy as np
 from six_wheel._core import Rover
 from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.rover_edit import with_wheels
+from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.recordings import WheelLog
 
 __all__ = ["ROBOTS", "Robot", "example", "read", "read_rover", "runs"]
@@ -138,6 +139,21 @@ def read(path: str | Path) -> WheelLog:
         name=path.stem,
         session=path.stem.rpartition("_run-")[0],
     )
+
+
+def read_for(path: Path, rover: Rover) -> WheelLog:
+    """A run, if it is one of this rover's.
+
+    Raises
+    ------
+    TableError
+        If it has other wheels.
+    """
+    nominal = read_rover(path)
+    if nominal.wheel_names != rover.wheel_names or nominal.steered_wheel_names != rover.steered_wheel_names:
+        theirs, ours = (", ".join(each.wheel_names) for each in (nominal, rover))
+        raise TableError(f"{path}: the wheels must be {theirs}, as the run has them, got {ours}")
+    return read(path)
 
 
 def runs(folder: str | Path) -> list[Path]:

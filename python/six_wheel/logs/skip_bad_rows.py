@@ -139,6 +139,11 @@ class TolerantTable(Table):
         """True if the header of the times states their unit, False if it is the default."""
         return self._columns["time"].stated
 
+    @property
+    def of_clock(self) -> bool:
+        """True if times are written as clocks write them."""
+        return self._types["time"] == "string"
+
     def batches(self, chunk_rows: int) -> Iterator[Batch]:
         """The rows in the file's order, at most `chunk_rows` at a time, without those that are no rows."""
         for batch in self._tolerant_lines() if self.format == "csv" else self._tolerant_groups(chunk_rows):

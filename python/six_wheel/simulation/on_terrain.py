@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import RockerBogie, SettledPose, Terrain
+from six_wheel.kinematics.poses import quaternions
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator, spinning
@@ -113,7 +114,7 @@ def simulate_on_ground(
         twists=twists,
         joint_rates=joint_rates,
         slip=slid,
-        orientations=_quaternions(there),
+        orientations=quaternions(np.stack((there.roll, there.pitch, there.poses[:, 2]), axis=-1)),
         angular_velocity=twists[:, 3:] + spread * random.standard_normal((len(twists), 3)),
     )
 
@@ -146,19 +147,6 @@ def _check(stand: SettledPose, moved: Motion) -> None:
             raise ValueError(f"path must {rule}, got x {x:.6g}, y {y:.6g} after {moved.stamps[row]:.6g} s")
     if (statuses == "not_converged").all():
         raise ValueError("path must lead where the rover can stand, got none of it")
-
-
-def _quaternions(stand: SettledPose) -> Floats:
-    """Rz(yaw) Ry(pitch) Rx(roll) as x, y, z, w (n, 4)."""
-    halves = np.stack((stand.roll, stand.pitch, stand.poses[:, 2]), axis=-1) / 2.0
-    (r, p, y), (cr, cp, cy) = np.sin(halves).T, np.cos(halves).T
-    columns = (
-        r * cp * cy - cr * p * y,
-        cr * p * cy + r * cp * y,
-        cr * cp * y - r * p * cy,
-        cr * cp * cy + r * p * y,
-    )
-    return np.stack(columns, axis=-1)
 
 
 def middle(ground: Terrain) -> tuple[float, float]:

@@ -13,9 +13,9 @@ __all__ = ["LEGEND", "numbers", "status"]
 
 STYLE = "font: 12px/1.5 ui-monospace, monospace; padding: 0 .9em; white-space: pre-wrap; user-select: text"
 LEGEND = (
-    f'<div style="{STYLE}">up: first of the two, left: second; <b style="color:#26a69e">teal</b> possible, '
-    '<b style="color:#c99a2e">amber</b> beyond a speed limit, <b style="color:#e25c58">hatched red</b> not '
-    "without sliding; white: commanded, black: driven</div>"
+    f'<div style="{STYLE}">Upwards: the first axis of the plane, to the left: the second. '
+    '<b style="color:#26a69e">Teal</b>: possible, <b style="color:#c99a2e">amber</b>: beyond a speed limit, '
+    '<b style="color:#e25c58">hatched red</b>: wheels would slide. White: commanded, black: driven.</div>'
 )
 
 

@@ -12,6 +12,9 @@
 //! (M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005;
 //! N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.)
 
+#[macro_use]
+extern crate six_wheel_numerics;
+
 mod contact;
 pub mod driving;
 mod lanes;

@@ -15,6 +15,9 @@
 //! derivatives), [`rover`] (the data with the constants of its kernels), [`layouts`] and [`presets`] (named vehicles),
 //! [`mobility`] (rank of the constraints), [`units`] (numbers that cannot be metres and radians), [`batch`] (whole arrays).
 
+#[macro_use]
+extern crate six_wheel_numerics;
+
 pub mod admissible;
 pub mod batch;
 pub mod estimate;

@@ -19,18 +19,17 @@ const TILE: usize = 8;
 #[repr(align(64))]
 pub struct Column(pub [f64; BLOCK]);
 
+#[inline_always]
 impl Column {
     /// All zero.
     pub const ZERO: Self = Self([0.0; BLOCK]);
 
     /// Register `k` of it.
-    #[inline(always)]
     pub fn load<S: Simd>(&self, simd: S, k: usize) -> Lanes<S> {
         Lanes::load(simd, S::as_simd_f64s(&self.0).0, k)
     }
 
     /// Writes register `k` of it.
-    #[inline(always)]
     pub fn store<S: Simd>(&mut self, k: usize, lanes: Lanes<S>) {
         lanes.store(S::as_mut_simd_f64s(&mut self.0).0, k);
     }

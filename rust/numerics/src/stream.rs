@@ -42,9 +42,9 @@ pub enum Output<'a, S: Vector> {
     NonTemporal(NonTemporalStore<'a, S>),
 }
 
+#[inline_always]
 impl<'a, S: Vector> Output<'a, S> {
     /// Pieces are of so many numbers at most.
-    #[inline(always)]
     pub fn new(simd: S, target: &'a mut [f64], piece: usize, non_temporal: bool) -> Self {
         if non_temporal && S::STREAMS && piece + LINE <= CAPACITY {
             Self::NonTemporal(NonTemporalStore::new(simd, target))
@@ -55,7 +55,6 @@ impl<'a, S: Vector> Output<'a, S> {
 
     /// Room for the next numbers. They are written when there is no more to do to them: at the next call, or
     /// at the end.
-    #[inline(always)]
     pub fn next(&mut self, count: usize) -> &mut [f64] {
         match self {
             Self::Direct(target) => {
@@ -82,14 +81,13 @@ pub struct NonTemporalStore<'a, S: Vector> {
     end: usize,
 }
 
+#[inline_always]
 impl<'a, S: Vector> NonTemporalStore<'a, S> {
-    #[inline(always)]
     fn new(simd: S, target: &'a mut [f64]) -> Self {
         let first = target.as_ptr().addr() / size_of::<f64>() % LINE;
         Self { simd, target, buffer: Buffer([0.0; CAPACITY]), first, end: first }
     }
 
-    #[inline(always)]
     fn next(&mut self, count: usize) -> &mut [f64] {
         self.send();
         let first = self.end;
@@ -98,7 +96,6 @@ impl<'a, S: Vector> NonTemporalStore<'a, S> {
     }
 
     /// The next numbers that wait, and where they go.
-    #[inline(always)]
     fn take(&mut self, count: usize) -> (&[f64], &mut [f64]) {
         let (target, rest) = std::mem::take(&mut self.target).split_at_mut(count);
         self.target = rest;
@@ -108,7 +105,6 @@ impl<'a, S: Vector> NonTemporalStore<'a, S> {
     }
 
     /// Writes all that waits, but for the beginning of a line.
-    #[inline(always)]
     fn send(&mut self) {
         let simd = self.simd;
         let waiting = self.first..self.end;

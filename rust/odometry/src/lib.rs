@@ -1,5 +1,8 @@
 //! Dead reckoning that knows its error, in the plane, and factors of it for graphs.
 
+#[macro_use]
+extern crate six_wheel_numerics;
+
 pub mod health;
 pub mod history;
 pub(crate) mod log;

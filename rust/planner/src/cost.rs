@@ -167,9 +167,9 @@ pub(crate) struct CostTerms<'a, R> {
     pub dt: f64,
 }
 
+#[inline_always]
 impl<R: Float> CostTerms<'_, R> {
     /// Adds to the costs of some rollouts of a block what their way costs.
-    #[inline(always)]
     pub fn add<S: Vector>(&self, simd: S, track: &[R], costs: &mut [R], rollouts: Range<usize>) {
         for at in rollouts.step_by(R::lanes::<S>()) {
             let mut sum = Lanes::<S, R>::from_slice(simd, &costs[at..]);
@@ -186,7 +186,6 @@ impl<R: Float> CostTerms<'_, R> {
         }
     }
 
-    #[inline(always)]
     fn to_goal<S: Vector>(&self, simd: S, goal: [f64; 2], track: &[R], at: usize, mut sum: Lanes<S, R>) -> Lanes<S, R> {
         let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let (gx, gy) = (number(goal[0] - self.start[0]), number(goal[1] - self.start[1]));
@@ -208,7 +207,6 @@ impl<R: Float> CostTerms<'_, R> {
         (turned / (one + distance)).mul_add(number(self.weights.goal_yaw), sum)
     }
 
-    #[inline(always)]
     fn under<S: Vector>(&self, simd: S, map: &Costmap, track: &[R], at: usize, mut sum: Lanes<S, R>) -> Lanes<S, R> {
         let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let zero = number(0.0);
@@ -237,7 +235,6 @@ impl<R: Float> CostTerms<'_, R> {
     }
 
     /// The map's cost at a place, linear between cells along each axis.
-    #[inline(always)]
     fn between<S: Vector>(&self, simd: S, map: &Costmap, x: Lanes<S, R>, y: Lanes<S, R>) -> Lanes<S, R> {
         let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let zero = number(0.0);
@@ -264,7 +261,6 @@ impl<R: Float> CostTerms<'_, R> {
     }
 
     /// Follows the path beside the rollout: where it is along it is corrected at every step by what it is off.
-    #[inline(always)]
     fn along<S: Vector>(&self, simd: S, track: &[R], at: usize, mut sum: Lanes<S, R>) -> Lanes<S, R> {
         let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let lanes = R::lanes::<S>();

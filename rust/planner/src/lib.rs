@@ -8,6 +8,9 @@
 //! Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018; E. Trevisan &
 //! J. Alonso-Mora, Biased-MPPI, IEEE RA-L 9(6), 2024, for samples that are no noise.
 
+#[macro_use]
+extern crate six_wheel_numerics;
+
 mod cost;
 mod costmap;
 mod cycle;

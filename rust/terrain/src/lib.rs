@@ -1,5 +1,8 @@
 //! Rovers on ground: heights of a grid, suspensions, settled poses, bounds of them and stability.
 
+#[macro_use]
+extern crate six_wheel_numerics;
+
 pub mod bounds;
 pub mod ground;
 pub mod heights;

@@ -7,10 +7,13 @@ import yaml
 from rcl_interfaces.msg import Log
 from rcl_interfaces.srv import GetParameters, ListParameters
 from rclpy.parameter import parameter_value_to_python
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
 
 import six_wheel as sw
 from six_wheel.control_loop import Settings
 from six_wheel.robot_description.parameters import ParameterFileError, read_parameters
+from six_wheel.robot_description.urdf import rover_urdf
 from tests.control_loop.ros2.peers import PATIENCE, call, driving
 
 NODE = "/mars/rover_controller"
@@ -107,3 +110,19 @@ def test_zero_is_no_limit_only_beside_parameters_of_the_node(tmp_path):
     path.write_text(text)
     with pytest.raises(ParameterFileError, match="limits.jerk must be finite and positive"):
         read_parameters(path)
+
+
+def test_the_rover_comes_by_a_topic_or_a_parameter(start, peer, rover_file):
+    """As robot_state_publisher has it; told to end while it waits, the node ends."""
+    waiting = start("node", "--ros-args", "-r", "robot_description:=another")
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    publisher = peer.node.create_publisher(String, "robot_description", latched)
+    publisher.publish(String(data=rover_urdf(peer.rover, name="rover")))
+    process = start("node", "--ros-args", "-p", "limits.speed:=0.2")
+    driving(peer, (0.2, 0.0, 0.0))
+    assert peer.odometry[-1].child_frame_id == "base_link"
+    assert waiting.end() == 0
+    assert "waiting for /another" in waiting.said
+    assert process.end() == 0
+    start("node", "--ros-args", "-p", f"rover:={rover_file}", "-r", "odom:=odom_of_the_other")
+    peer.until(lambda: ("rover_controller", "/") in peer.node.get_node_names_and_namespaces())

@@ -231,6 +231,7 @@ def test_a_free_rear_axle_follows_the_closed_form(front, rear, speed, turning, t
     np.testing.assert_allclose(result.final.pose, pose, rtol=0, atol=1e-11)
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(st.floats(0.2, 0.8), st.floats(-0.1, 0.1), st.floats(0.2, 1.0))
 def test_free_hinged_axles_follow_the_reference(speed, difference, time):

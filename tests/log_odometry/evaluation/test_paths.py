@@ -110,6 +110,15 @@ def test_what_cannot_be_compared_is_refused(estimate, truth, rule):
         evaluation.evaluate(estimate, truth)
 
 
+@pytest.mark.parametrize("place", [1e300, 1e20])
+def test_stretches_of_a_path_without_end_come_to_an_end(place):
+    """A length that was lost in the rounding of a distance added the same row for ever."""
+    poses = np.zeros((4, 3))
+    poses[2:, 0] = [place, 2.0 * place]
+    assert len(evaluation.segments(poses, 0.5, stride=None)) <= 3
+    assert len(evaluation.segments(1e10 + poses / place, 1e-12, stride=None)) <= 3
+
+
 def test_arguments_out_of_range_are_refused():
     estimate, truth = paths(1, 5)
     for length in (0.0, -1.0, math.nan, math.inf):

@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("pyarrow")
 pytest.importorskip("rosbags.rosbag2")
 
-from tests.logs.forms import bags, counts, memory, text
+from tests.logs.forms import bags, counts, memory, recorders, text
 from tests.logs.forms.form import judge
 
 GROUPS = (
@@ -21,6 +21,10 @@ GROUPS = (
     counts.containers,
     memory.memory,
     bags.bags,
+    recorders.clocks,
+    recorders.names,
+    recorders.readings,
+    recorders.frames,
 )
 FORMS = [form for group in GROUPS for form in group()]
 

@@ -343,6 +343,7 @@ print(summary.rows, re.search("VmHWM:\\\\s*(\\\\d+) kB", Path("/proc/self/status
 """
 
 
+@pytest.mark.slow
 # Not ru_maxrss: a new process inherits that from the one that starts it, here all of pytest.
 @pytest.mark.skipif(
     not Path("/proc/self/status").exists(), reason="Linux says there what a process took at most"

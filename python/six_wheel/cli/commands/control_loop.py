@@ -8,7 +8,6 @@ import typer
 
 from six_wheel.cli.shared import (
     Reading,
-    RoverArgument,
     choose,
     grid,
     new_console,
@@ -22,29 +21,40 @@ if TYPE_CHECKING:
     from six_wheel.control_loop import Settings
     from six_wheel.control_loop.replay import Difference
 
+OptionalRover = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="[ROVER]",
+        help="Parameter file, URDF or xacro file, or the name of a preset. Without it the parameter rover or "
+        "robot_description says it, or the topic robot_description. --ros-args and what follows is for ROS.",
+    ),
+]
 PASSING = {"allow_extra_args": True, "ignore_unknown_options": True}
 
 
 def node(
     context: typer.Context,
-    rover: RoverArgument,
+    rover: OptionalRover = None,
     *,
     reading: Reading,
 ) -> None:
-    raise typer.Exit(_run("node", context, choose(rover, reading)))
+    raise typer.Exit(_run("node", context, rover, reading))
 
 
 def command_filter(
     context: typer.Context,
-    rover: RoverArgument,
+    rover: OptionalRover = None,
     *,
     reading: Reading,
 ) -> None:
-    raise typer.Exit(_run("filter", context, choose(rover, reading)))
+    raise typer.Exit(_run("filter", context, rover, reading))
 
 
-def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: NamedRover) -> int:
+def _run(kind: Literal["node", "filter"], context: typer.Context, rover: str | None, reading: Reading) -> int:
     arguments = list(context.args)
+    if rover == "--ros-args":  # there is no ROVER
+        rover, arguments = None, ["--ros-args", *arguments]
+    chosen = None if rover is None else choose(rover, reading)
     if arguments and arguments[0] != "--ros-args":
         raise ValueError(f"arguments of ROS must follow --ros-args, got {arguments[0]}")
     from six_wheel.control_loop.ros2.loading import rclpy
@@ -52,7 +62,16 @@ def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: NamedR
     rclpy()  # a missing package is reported before anything else
     from six_wheel.control_loop.ros2.running import run
 
-    return run(kind, settings_of(chosen), arguments)
+    def load(given: str, is_description: bool) -> "Settings":
+        if not is_description:
+            return settings_of(choose(given, reading))
+        from six_wheel.robot_description.urdf.read import parse_urdf
+
+        path = Path("robot_description")
+        robot = parse_urdf(given, path, wheel_radius=reading.wheel_radius)
+        return settings_of(NamedRover(robot.rover, robot.name, path, robot=robot))
+
+    return run(kind, None if chosen is None else settings_of(chosen), arguments, load)
 
 
 def settings_of(chosen: NamedRover) -> "Settings":

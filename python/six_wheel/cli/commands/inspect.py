@@ -1,5 +1,6 @@
 """`six-wheel inspect`: the columns or topics of a log, and what to do with it next."""
 
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -7,7 +8,7 @@ import typer
 
 from six_wheel.cli.log_options import LogReading
 from six_wheel.cli.names import PROGRAM
-from six_wheel.cli.shared import Reading, choose, grid, new_console, text_table
+from six_wheel.cli.shared import Reading, choose, grid, new_console, text_table, warn
 from six_wheel.robot_description.named_rover import NamedRover
 
 
@@ -30,8 +31,18 @@ def inspect(
     console = new_console()
     rows = [(column.name, column.values, column.meaning) for column in found.columns]
     console.print(text_table(("column", "values", "seems to be"), rows, box=SIMPLE))
-    console.print(grid([*found.facts.items(), ("is not read", found.refusal)]))
+    console.print(grid(list(found.facts.items())))
+    if found.refusal is not None:
+        print(f"is not read: {found.refusal}")
+    warn(found.doubts)
+    given = log_reading.arguments()
+    proposed = re.search(r"[Gg]ive (--.*?)(?:, or |; |$)", found.refusal or "")
     if chosen is None:
-        console.print(f"next: {PROGRAM} inspect {log} ROVER")
+        command = f"inspect {log} ROVER"
     elif found.refusal is None:
-        console.print(f"next: {PROGRAM} odometry {rover} {log}")
+        command = f"odometry {rover} {log}"
+    elif proposed is not None:
+        command, given = f"inspect {log} {rover}", f"{given} {proposed[1]}"
+    else:
+        return
+    print(f"next: {' '.join([PROGRAM, command, given.strip()]).rstrip()}")  # one line, to be pasted

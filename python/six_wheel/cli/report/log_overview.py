@@ -40,11 +40,12 @@ class ColumnOverview:
 
 @dataclass(frozen=True)
 class LogOverview:
-    """Content of a log: `columns`, `facts` about all of it, and the reason for which it is not read."""
+    """Content of a log: `columns`, `facts` about all of it, why it is not read, and what is doubted."""
 
     columns: tuple[ColumnOverview, ...]
     facts: Mapping[str, str]
     refusal: str | None
+    doubts: tuple[str, ...] = ()
 
 
 def overview(path: Path, rover: Rover | None = None, options: LogOptions | None = None) -> LogOverview:
@@ -65,15 +66,16 @@ def overview(path: Path, rover: Rover | None = None, options: LogOptions | None 
     """
     log_format(path)
     columns, facts = _of_bag(path) if is_bag(path) else _of_table(path, rover, options or LogOptions())
-    refusal = None
+    refusal, doubts = None, list[str]()
     if rover is not None:
         try:
             with open_log(path, rover, options or LogOptions()) as log:
                 rows = sum(len(chunk.stamps) for chunk in log.chunks())
+                doubts = [line.removeprefix(f"{path}: ") for line in log.warnings]
                 facts = facts | {"rows that can be used": f"{rows:,}", "wheels are read as": log.readings}
         except ValueError as error:
             refusal = str(error).removeprefix(f"{path}: ")
-    return LogOverview(tuple(columns), facts, refusal)
+    return LogOverview(tuple(columns), facts, refusal, tuple(doubts))
 
 
 def _of_bag(path: Path) -> Found:
@@ -118,7 +120,8 @@ def _of_table(path: Path, rover: Rover | None, options: LogOptions) -> Found:
         parts = [batch.values[str(place)] for batch in batches if str(place) in batch.values]
         meaning = meanings.get(place, "")
         if not parts:
-            found.append(ColumnOverview(header, "times", f"time [{table.time_unit.symbol}]"))
+            meaning = "time" if table.of_clock else f"time [{table.time_unit.symbol}]"
+            found.append(ColumnOverview(header, "times", meaning))
             continue
         found.append(ColumnOverview(header, _values(np.concatenate(parts)), meaning))
     return found, dict(_facts(seconds, table.stated))

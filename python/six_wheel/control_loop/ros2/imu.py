@@ -1,6 +1,6 @@
 """A gyroscope as messages: what it reads, and how it sits in the rover."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -53,7 +53,7 @@ class ImuInput:
         lasting = QoSProfile(depth=DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         node.subscribe(kind, "/tf_static", lambda message: self.link([*decode(message)]), lasting, raw=True)
 
-    def link(self, transforms: Sequence[Any]) -> None:
+    def link(self, transforms: Iterable[Any]) -> None:
         """geometry_msgs/TransformStamped that stay."""
         self._links.add(transforms)
         if not self._known:

@@ -1,5 +1,6 @@
 """`six-wheel node`: commands and joint states in; joint commands, odometry, diagnostics out."""
 
+import contextlib
 import math
 from typing import Any
 
@@ -60,6 +61,11 @@ class RoverNode(BaseNode):
         self.subscribe(PoseWithCovarianceStamped, "set_pose", self._on_pose, pose, area="odometry")
         service = self.create_service(Trigger, "~/reset_odometry", self._on_reset)
         self._things.append((self.destroy_service, service))
+        with contextlib.suppress(ImportError):  # of ros2_control, which not every robot has
+            from control_msgs.srv import SetOdometry
+
+            service = self.create_service(SetOdometry, "~/set_odometry", self._on_set_odometry)
+            self._things.append((self.destroy_service, service))
 
     def _make_tf(self) -> Any:
         kind = message_type()
@@ -134,13 +140,24 @@ class RoverNode(BaseNode):
         pose = [place.x, place.y, yaw]
         whole = [float(value) for value in message.pose.covariance]
         covariance = [[whole[6 * i + k] for k in PLANAR] for i in PLANAR]
+        if error := self._set_pose(pose, covariance):
+            self.loop.faults.add("odometry", ERROR, "set_pose must be a pose", error)
+
+    def _on_set_odometry(self, request: Any, response: Any) -> Any:
+        """As ros2_controllers have it: the pose is that, for certain."""
+        error = self._set_pose([request.x, request.y, request.yaw], [[0.0] * 3] * 3)
+        response.success, response.message = not error, error or "odometry goes on from there"
+        return response
+
+    def _set_pose(self, pose: list[float], covariance: list[list[float]]) -> str:
+        """Odometry goes on from a pose; returns what is wrong with it, if it cannot."""
         now = self.now()
         try:
             self.loop.set_pose(pose, covariance, now)
         except ValueError as error:
-            self.loop.faults.add("odometry", ERROR, "set_pose must be a pose", " ".join(str(error).split()))
-            return
+            return " ".join(str(error).split())
         self._record_change({"pose": pose, "covariance": covariance}, now)
+        return ""
 
     def _on_reset(self, request: Any, response: Any) -> Any:
         now = self.now()

@@ -27,6 +27,7 @@ OTHERS = (
     "start_type_description_service",
 )  # parameters that rclpy declares
 
+SHARED = ("tf_frame_prefix", "rover", "robot_description", "autostart", "record")
 NODE = (
     Option("use_stamped_vel", True, "cmd_vel is geometry_msgs/TwistStamped; false: geometry_msgs/Twist"),
     Option(
@@ -40,6 +41,8 @@ NODE = (
     Option("enable_odom_tf", True, "publish the transform from odom_frame_id to base_frame_id"),
     Option("tf_frame_prefix", "", "before both frames, with a slash between; ~: the namespace of the node"),
     Option("publish_limited_velocity", False, "publish the motion that the limits leave on cmd_vel_out"),
+    Option("rover", "", "parameter file, URDF or preset, where no ROVER is given as an argument"),
+    Option("robot_description", "", "URDF as text, where no rover is given; else the topic of that name"),
     Option("autostart", True, "configure and activate at once, without a lifecycle manager"),
     Option("record", "", "an .mcap file for a record from which the run can be replayed; must not exist"),
 )
@@ -51,7 +54,7 @@ FILTER = (
         "where the motion starts from: OPEN_LOOP, at rest; CLOSED_LOOP, the first odom",
         choices=("OPEN_LOOP", "CLOSED_LOOP"),
     ),
-    *(option for option in NODE if option.name in ("tf_frame_prefix", "autostart", "record")),
+    *(option for option in NODE if option.name in SHARED),
 )
 
 

@@ -10,6 +10,7 @@ from types import FrameType
 from typing import Any, Literal
 
 from six_wheel.control_loop import Settings
+from six_wheel.control_loop.ros2.description import Load, settings_by_parameters
 from six_wheel.control_loop.ros2.loading import rclpy
 
 __all__ = ["run"]
@@ -24,7 +25,9 @@ ENDING = [
 ]
 
 
-def run(kind: Literal["node", "filter"], settings: Settings, arguments: Sequence[str] = ()) -> int:
+def run(
+    kind: Literal["node", "filter"], settings: Settings | None, arguments: Sequence[str], load: Load
+) -> int:
     """Run a node until a signal ends it, its last joint command zero.
 
     After the first signal the rover stops within its limits, from the second one or `PATIENCE` on by a halt,
@@ -34,9 +37,12 @@ def run(kind: Literal["node", "filter"], settings: Settings, arguments: Sequence
     Parameters
     ----------
     kind : {"node", "filter"}
-    settings : Settings
+    settings : Settings, optional
+        None: those of its parameters, or of the topic robot_description.
     arguments : sequence of str
         ROS arguments, ``--ros-args`` and what follows it.
+    load : callable
+        Reads a rover that parameters name.
 
     Returns
     -------
@@ -59,7 +65,11 @@ def run(kind: Literal["node", "filter"], settings: Settings, arguments: Sequence
         raise ValueError(f"ROS arguments cannot be used: {' '.join(str(error).split())}") from None
     before = {number: signal.getsignal(number) for number in ENDING}
     try:
-        _spin(ros, kind, settings, _Signals())
+        signals = _Signals()
+        if settings is None:
+            settings = settings_by_parameters(ros, node_name(None, kind), load, lambda: signals.count > 0)
+        if settings is not None:
+            _spin(ros, kind, settings, signals)
     except BaseException:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -69,16 +69,9 @@ class Track3(Tabular):
     @property
     def orientations(self) -> Floats:
         """``world_from_body`` as quaternions x, y, z, w, shape (n, 4)."""
-        import numpy as np
+        from six_wheel.kinematics.poses import quaternions
 
-        (r, p, y), (cr, cp, cy) = np.sin(self.attitudes / 2.0).T, np.cos(self.attitudes / 2.0).T
-        parts = (
-            r * cp * cy - cr * p * y,
-            cr * p * cy + r * cp * y,
-            cr * cp * y - r * p * cy,
-            cr * cp * cy + r * p * y,
-        )
-        return np.stack(parts, axis=-1)
+        return quaternions(self.attitudes)
 
     @property
     def residuals(self) -> Floats | None:

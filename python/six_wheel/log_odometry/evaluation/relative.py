@@ -71,7 +71,8 @@ def segments(poses: ArrayLike, length: float, *, stride: int | None = STRIDE) ->
         pairs = np.stack((first, last), axis=1)[last < len(along)]
         return pairs.astype(np.int64, copy=False)
     rows = [0]
-    while (end := int(np.searchsorted(along, along[rows[-1]] + length))) < len(along):
+    # Where distances are no numbers, or so long that `length` is lost in their rounding, no row is farther.
+    while rows[-1] < (end := int(np.searchsorted(along, along[rows[-1]] + length))) < len(along):
         rows.append(end)
     return np.stack((rows[:-1], rows[1:]), axis=1).astype(np.int64, copy=False)
 

@@ -24,7 +24,7 @@ LONG = 400, 20.0  # rows and [s] of a log for which that counts
 
 @dataclass
 class WheelTurns:
-    """How far the wheels have turned in a log, by some of its rows as they come.
+    """Rotation of the wheels in a log, by some of its rows as they come.
 
     Attributes
     ----------

@@ -49,7 +49,7 @@ def calibration_figure(found: Any, *, title: str | None) -> Figure:
 
 
 def _draw_values(axes: Axes, found: Any) -> None:
-    """How far every parameter is from its nominal value, with its interval; hatched where none is known."""
+    """Difference of every parameter from its nominal value, with its interval; hatched if none is known."""
     for place, one in enumerate(found.parameters):
         scale, unit = (100.0 / abs(one.nominal), "%") if one.nominal else (1.0, one.unit)
         change = scale * (one.value - one.nominal)

@@ -62,7 +62,7 @@ def section_of(tree: Tree, node: str | None, report: Report) -> Section | None:
 
 def _drop_unset(data: Values) -> None:
     """Take out what `ros2 param dump` writes of `six-wheel node` and nobody gave: there 0 stands for none."""
-    for name in NODE_OPTIONS & data.keys():
+    for name in {*NODE_OPTIONS, "rover", "robot_description"} & data.keys():
         del data[name]
     limits, control = (
         dict(group) if isinstance(group := data.get(key), dict) else {} for key in ("limits", "control")

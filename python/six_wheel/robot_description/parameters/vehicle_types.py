@@ -78,6 +78,8 @@ _ROLLER: Values = {"name": "wheel", "x": 0.0, "y": 0.0, "radius": 1.0}
 
 _DRIVEN = "the wheels that have motors: front, rear or all"
 _WHEELBASE = "the distance from rear to front axle, in metres"
+_ROLLER_ANGLE = "the angle between the axes of rollers and wheel, in radians"
+_RollerAngle: TypeAlias = Annotated[Number, asks_core(Rover.mecanum, "roller_angle", **_MECANUM)]
 _TRACK_WIDTH = "the distance from left to right wheel, in metres"
 
 
@@ -163,9 +165,7 @@ class _Omni(OwnKeys):
     positions: Annotated[_Positions, _for_each(1)] = required(_POSITIONS)
     headings: list[Finite] = required("a list of the directions in which the wheels drive, in radians")
     wheel_radius: Length = required(WHEEL_RADIUS)
-    roller_angle: Annotated[Number, asks_core(Rover.mecanum, "roller_angle", **_MECANUM)] = optional(
-        "the angle between the axes of rollers and wheel, in radians"
-    )
+    roller_angle: _RollerAngle = optional(_ROLLER_ANGLE)
     names: _Names = optional(_NAMES)
 
 
@@ -173,9 +173,7 @@ class _Mecanum(OwnKeys):
     wheelbase: Length = required(_WHEELBASE)
     track_width: Length = required(_TRACK_WIDTH)
     wheel_radius: Length = required(WHEEL_RADIUS)
-    roller_angle: Annotated[Number, asks_core(Rover.mecanum, "roller_angle", **_MECANUM)] = optional(
-        "the angle between the axes of rollers and wheel, in radians"
-    )
+    roller_angle: _RollerAngle = optional(_ROLLER_ANGLE)
 
 
 class _Tracked(OwnKeys):
@@ -220,9 +218,7 @@ class _Wheel(BaseModel):
     steering_limit: SteeringLimit = optional(STEERING_LIMIT)
     scrub: Finite = optional("how far the contact is to the left of the steering axis, in metres")
     trail: Finite = optional("how far the contact is behind the steering axis, in metres")
-    roller_angle: Annotated[Number, asks_core(Wheel, "roller_angle", **_ROLLER)] = optional(
-        "the angle between the axes of rollers and wheel, in radians"
-    )
+    roller_angle: Annotated[Number, asks_core(Wheel, "roller_angle", **_ROLLER)] = optional(_ROLLER_ANGLE)
     driven: Flag = optional("whether it has a motor")
     castor: Flag = optional("whether it swivels freely")
 

@@ -166,7 +166,7 @@ def _with_radii(
 
 
 def _driven(tree: Tree, wheels: Sequence[Joint]) -> dict[str, bool]:
-    """Whether a motor turns each wheel: the file commands its joint, or commands none of them at all."""
+    """True for each wheel with a motor: the file commands its joint, or commands none of them at all."""
     silent = not any(joint.name in tree.commanded for joint in wheels)
     return {joint.name: tree.commanded.get(joint.name, silent) for joint in wheels}
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Mesh",
+    "about_z",
     "add_mesh",
     "arc",
     "box",
@@ -108,7 +109,7 @@ def tyre(radius: float, width: float, slant: float = 0.0) -> Mesh:
     for angle in np.linspace(0.0, math.tau, GROUSERS, endpoint=False).tolist():
         bar = box((0.09 * radius, width * 1.02, 0.16 * radius))
         if slant:
-            bar = move(bar, _about_z(math.pi / 2 - slant))
+            bar = move(bar, about_z(math.pi / 2 - slant))
         bar = move(bar, np.eye(3), (0.0, 0.0, 0.92 * radius))
         parts.append(move(bar, _about_y(angle)))
     return merge(parts)
@@ -158,6 +159,7 @@ def _about_y(angle: float) -> Floats:
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
-def _about_z(angle: float) -> Floats:
+def about_z(angle: float) -> Floats:
+    """Rotation (3, 3) about z by an angle [rad]."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

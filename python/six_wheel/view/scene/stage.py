@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.view.scene.shapes import nice_step
+from six_wheel.view.scene.shapes import about_z, nice_step
 
 if TYPE_CHECKING:
     import viser
@@ -26,19 +26,18 @@ FARTHER, LOWER = 1.5, 1.5  # of a telephone, whose lower part is covered: distan
 
 
 def set_stage(server: viser.ViserServer, size: float, dark: bool) -> dict[str, Any]:
-    """Light the scene; returns the nodes that are there.
-
-    Default lights wash the ground out: a sun with a shadow, a little of the sky, a little of an environment.
-    """
+    """Light the scene by a sun with a shadow and by the sky; returns the nodes that are there."""
     scene = server.scene
     scene.configure_default_lights(enabled=False)
-    scene.configure_environment_map("dawn", environment_intensity=0.28 if dark else 0.5)
+    scene.configure_environment_map(
+        None
+    )  # until one is decoded the canvas is dark: seconds with software rendering
     scene.add_light_directional(
         "/light/sun", color=(255, 244, 230), intensity=3.2, cast_shadow=True,
         position=(2.0 * size, 1.7 * size, 3.0 * size),
     )  # fmt: skip
     scene.add_light_hemisphere(
-        "/light/sky", sky_color=(205, 215, 255), ground_color=(110, 84, 70), intensity=1.0
+        "/light/sky", sky_color=(205, 215, 255), ground_color=(110, 84, 70), intensity=1.9 if dark else 2.3
     )
     server.gui.configure_theme(
         dark_mode=dark,
@@ -62,8 +61,7 @@ def camera_of(name: str, size: float, transform: Floats, narrow: bool = False) -
     """Place of a camera and the point it looks at (3,) [m]; narrow screens have the rover on top."""
     offset, target = (np.array(each) * size for each in CAMERAS[name])
     yaw = np.arctan2(transform[1, 0], transform[0, 0])
-    c, s = np.cos(yaw), np.sin(yaw)
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    turn = about_z(float(yaw))
     if narrow:
         offset, target = FARTHER * offset, target - np.array([0.0, 0.0, LOWER * size])
     return transform[:3, 3] + turn @ offset, transform[:3, 3] + turn @ target

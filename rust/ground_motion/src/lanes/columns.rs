@@ -14,9 +14,9 @@ pub(crate) struct Span {
     pub count: usize,
 }
 
+#[inline_always]
 impl Span {
     /// Numbers of these rows, `W` of the `width` that each has; the last row in lanes that have none.
-    #[inline(always)]
     pub fn read<S: Vector, const W: usize>(self, simd: S, rows: &[f64], width: usize) -> [Lanes<S>; W] {
         let mut lanes = [all(simd, 0.0); W];
         let rows = &rows[self.first * width..];
@@ -54,7 +54,6 @@ impl Span {
     }
 
     /// One number of each of these rows, or the one that all have.
-    #[inline(always)]
     pub fn one<S: Vector>(self, simd: S, values: &[f64]) -> Lanes<S> {
         match values {
             [value] => all(simd, *value),
@@ -63,7 +62,6 @@ impl Span {
     }
 
     /// Writes the first `width` of these numbers, a row of them per lane.
-    #[inline(always)]
     pub fn write<S: Vector, const W: usize>(self, simd: S, lanes: &[Lanes<S>; W], width: usize, rows: &mut [f64]) {
         let rows = &mut rows[self.first * width..];
         if W == 3 && width == 3 && self.count == S::F64_LANES {
@@ -95,7 +93,6 @@ impl Span {
     }
 
     /// Writes the first `width` of the lowest bits of whole numbers, likewise.
-    #[inline(always)]
     pub fn flags<S: Vector>(self, bits: Lanes<S>, width: usize, rows: &mut [bool]) {
         let rows = &mut rows[self.first * width..][..self.count * width];
         let column = Column::of(bits);

@@ -65,9 +65,9 @@ pub(crate) struct PoseLanes<S: Vector> {
     pub any_stopped: bool,
 }
 
+#[inline_always]
 impl<S: Vector> PoseLanes<S> {
     /// Level and straight, before anything is read.
-    #[inline(always)]
     pub fn new(simd: S) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         Self {
@@ -85,7 +85,6 @@ impl<S: Vector> PoseLanes<S> {
     }
 
     /// Reads some rows, of the same array as before.
-    #[inline(always)]
     pub fn read(&mut self, simd: S, chain: &Chain, poses: &SettledPoses<'_>, span: Span, gather: &mut LaneGather) {
         let source = PoseSource::new(simd, chain, poses, span, gather);
         let ([roll, pitch, yaw], joints) = source.body(simd, span);
@@ -98,7 +97,6 @@ impl<S: Vector> PoseLanes<S> {
         self.find_stops(simd, chain.joints(), joints, hangs);
     }
 
-    #[inline(always)]
     fn read_steering(&mut self, simd: S, chain: &Chain, poses: &SettledPoses<'_>, span: Span) {
         let (angles, steered) = (poses.steering(), chain.steering().len());
         self.steers = !angles.is_empty();
@@ -112,7 +110,6 @@ impl<S: Vector> PoseLanes<S> {
     }
 
     /// Reads gaps, contact angles and normals. Returns the lanes in which a wheel hangs.
-    #[inline(always)]
     fn read_contacts(&mut self, simd: S, chain: &Chain, source: &PoseSource<'_>, axes: [Vectors<S>; 3]) -> Mask<S> {
         let (zero, one, hanging) = (all(simd, 0.0), all(simd, 1.0), all(simd, HANGING));
         let mut hangs = zero.lt(zero);
@@ -136,7 +133,6 @@ impl<S: Vector> PoseLanes<S> {
     }
 
     /// The free angles at their stops: none unless a wheel hangs.
-    #[inline(always)]
     fn find_stops(&mut self, simd: S, joints: &[Joint], angles: [Lanes<S>; MAX_FREE], hangs: Mask<S>) {
         self.any_stopped = false;
         if !hangs.any() {

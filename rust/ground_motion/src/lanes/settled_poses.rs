@@ -122,8 +122,8 @@ fn eights<'a>(numbers: &[&'a [f64; NUMBERS]; MOST], first: usize) -> [&'a [f64; 
     eights
 }
 
+#[inline_always]
 impl<'a> PoseSource<'a> {
-    #[inline(always)]
     pub fn new<S: Vector>(
         simd: S,
         chain: &Chain,
@@ -156,7 +156,6 @@ impl<'a> PoseSource<'a> {
     }
 
     /// Roll, pitch and yaw, and the free angles [rad].
-    #[inline(always)]
     pub fn body<S: Vector>(&self, simd: S, span: Span) -> (Vectors<S>, [Lanes<S>; MAX_FREE]) {
         match self {
             Self::Settled(poses, numbers) => {
@@ -176,7 +175,6 @@ impl<'a> PoseSource<'a> {
     }
 
     /// Gap and contact angle of a wheel, and where the ground faces.
-    #[inline(always)]
     pub fn contact<S: Vector>(&self, simd: S, wheel: usize) -> (Lanes<S>, Turned<S>, NormalSource<S>) {
         match self {
             Self::Settled(_, numbers) => {

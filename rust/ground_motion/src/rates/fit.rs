@@ -88,9 +88,9 @@ struct PlanarProblem<'a, S: Vector> {
     suspension: &'a SuspensionRates<S>,
 }
 
+#[inline_always]
 impl<S: Vector> PlanarProblem<'_, S> {
     /// Equation of a wheel by the derivatives of a velocity and what adds to it, empty in the air.
-    #[inline(always)]
     fn equation<const RIGHT: usize>(
         &self,
         wheel: usize,
@@ -105,7 +105,6 @@ impl<S: Vector> PlanarProblem<'_, S> {
     }
 
     /// Equations of a wheel along its rim and to the left.
-    #[inline(always)]
     fn sliding_equations<const RIGHT: usize>(&self, simd: S, wheel: usize) -> [PlanarEquation<S>; 2] {
         let zero = all(simd, 0.0);
         let [roll, side] = weights(self.input.weights, self.constants.wheels, wheel);
@@ -121,7 +120,6 @@ impl<S: Vector> PlanarProblem<'_, S> {
     }
 
     /// Equation of a wheel along the normal, empty where the suspension follows the ground exactly.
-    #[inline(always)]
     fn lifting_equation<const RIGHT: usize>(&self, simd: S, wheel: usize, exactly: Mask<S>) -> PlanarEquation<S> {
         let [roll, side] = weights(self.input.weights, self.constants.wheels, wheel);
         let Contact { rows, swivel } = &self.input.contacts[wheel];
@@ -132,7 +130,6 @@ impl<S: Vector> PlanarProblem<'_, S> {
 
     /// The planar motion, and the lanes in which there is one: by normal equations where they lose no digits, else by
     /// rotations, and the shortest one where the equations leave a direction open.
-    #[inline(always)]
     fn solve<const RIGHT: usize>(
         &self,
         simd: S,

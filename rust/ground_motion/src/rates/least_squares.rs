@@ -42,20 +42,18 @@ pub(crate) struct DenseLeastSquares<S: Vector> {
     count: usize,
 }
 
+#[inline_always]
 impl<S: Vector> DenseLeastSquares<S> {
     /// No equation yet.
-    #[inline(always)]
     pub fn new(simd: S) -> Self {
         Self { rows: [[all(simd, 0.0); UNKNOWNS + RIGHTS]; EQUATIONS], bits: [0; EQUATIONS], count: 0 }
     }
 
-    #[inline(always)]
     pub fn clear(&mut self) {
         self.count = 0;
     }
 
     /// One more equation, of these unknowns; the caller writes all of it.
-    #[inline(always)]
     pub fn add(&mut self, bits: u32) -> &mut Equation<S> {
         let place = self.count % EQUATIONS;
         self.count += 1;
@@ -64,7 +62,6 @@ impl<S: Vector> DenseLeastSquares<S> {
     }
 
     /// Empties the equations of wheels in the air, of which the first `width` numbers are filled.
-    #[inline(always)]
     pub fn limit(&mut self, simd: S, constants: &MotionConstants, touching: &Touching<S>, width: usize) {
         if touching.all {
             return;
@@ -79,7 +76,6 @@ impl<S: Vector> DenseLeastSquares<S> {
     }
 
     /// Removes an unknown where `here` is 1: it is 0 there.
-    #[inline(always)]
     pub fn set_known(&mut self, simd: S, unknown: usize, here: Lanes<S>) {
         let zero = all(simd, 0.0);
         for row in &mut self.rows[..self.count.min(EQUATIONS)] {
@@ -92,7 +88,6 @@ impl<S: Vector> DenseLeastSquares<S> {
 
     /// Solves for all unknowns by elimination, of the equations of these wheels in their order. The mask is that of the lanes
     /// in which the pivots are large and the multipliers small: elsewhere reflections lose fewer digits.
-    #[inline(always)]
     pub fn eliminate<const RIGHT: usize>(&mut self, simd: S, order: &PivotOrder) -> Solution<S, RIGHT> {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let rows = &mut self.rows;
@@ -141,7 +136,6 @@ impl<S: Vector> DenseLeastSquares<S> {
 
     /// Solves for the first `used` unknowns in least squares, by Householder reflections of the equations that have one. They
     /// are determined if every pivot is more than [`DEPENDENT`] times the largest.
-    #[inline(always)]
     pub fn solve<const RIGHT: usize>(&mut self, simd: S, used: usize) -> Solution<S, RIGHT> {
         let zero = all(simd, 0.0);
         let used = used.min(UNKNOWNS);
@@ -177,7 +171,6 @@ impl<S: Vector> DenseLeastSquares<S> {
 
     /// Reflects those of the equations that are left and have unknown `j`, so that only the first of them has it. Returns
     /// that equation and its new coefficient; None if there is no such equation.
-    #[inline(always)]
     fn reflect<const RIGHT: usize>(&mut self, simd: S, j: usize, used: usize, left: u32) -> Option<(usize, Lanes<S>)> {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let (mut of, mut count, mut bits) = ([0; EQUATIONS], 0, 0);
@@ -236,15 +229,14 @@ pub(crate) struct NormalEquations<S: Vector> {
     right: [Lanes<S>; 3],
 }
 
+#[inline_always]
 impl<S: Vector> NormalEquations<S> {
     /// No equation yet.
-    #[inline(always)]
     pub fn new(simd: S) -> Self {
         Self { cells: [all(simd, 0.0); 6], right: [all(simd, 0.0); 3] }
     }
 
     /// One more equation, `columns . motion = -left`.
-    #[inline(always)]
     pub fn add(&mut self, columns: [Lanes<S>; 3], left: Lanes<S>, weight: Lanes<S>) {
         let [a, b, c] = columns;
         let weighted = [a * weight, b * weight, c * weight];
@@ -259,13 +251,11 @@ impl<S: Vector> NormalEquations<S> {
     }
 
     /// Sets the last rate to 0 in lanes where this is 1 and its column empty.
-    #[inline(always)]
     pub fn set_last_known(&mut self, here: Lanes<S>) {
         self.cells[5] = self.cells[5] + here;
     }
 
     /// The motion, and the lanes in which no digits are lost in the squares.
-    #[inline(always)]
     pub fn solve(&self, simd: S) -> ([Lanes<S>; 3], Mask<S>) {
         let one = all(simd, 1.0);
         let [a, b, c, d, e, f] = self.cells;
@@ -291,15 +281,14 @@ impl<S: Vector> NormalEquations<S> {
 /// Triangle of the equations of the planar motion and their right-hand side, by Givens rotations.
 pub(crate) struct PlanarTriangle<S: Vector>([[Lanes<S>; 4]; 3]);
 
+#[inline_always]
 impl<S: Vector> PlanarTriangle<S> {
     /// No equation yet.
-    #[inline(always)]
     pub fn new(simd: S) -> Self {
         Self([[all(simd, 0.0); 4]; 3])
     }
 
     /// One more equation, `columns . motion = -left`.
-    #[inline(always)]
     pub fn add(&mut self, simd: S, columns: [Lanes<S>; 3], left: Lanes<S>, weight: Lanes<S>) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let scale = weight.sqrt();
@@ -319,7 +308,6 @@ impl<S: Vector> PlanarTriangle<S> {
     }
 
     /// The shortest motion in least squares, in these lanes; the given one in the others.
-    #[inline(always)]
     pub fn solve(&self, simd: S, lanes: Mask<S>, motion: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let wanted = truths(simd, lanes);
         let (mut solution, mut cells) = ([Column::ZERO; 3], [[Column::ZERO; 4]; 3]);

@@ -24,8 +24,8 @@ pub(crate) enum KnownRate<S: Vector> {
 /// Everything that is known of the rates.
 pub(crate) type KnownRates<S> = [KnownRate<S>; COLUMNS];
 
+#[inline_always]
 impl<S: Vector> KnownRate<S> {
-    #[inline(always)]
     fn value(&self, zero: Lanes<S>) -> Lanes<S> {
         match *self {
             Self::Nowhere => zero,
@@ -34,7 +34,6 @@ impl<S: Vector> KnownRate<S> {
     }
 
     /// 1 in lanes in which it is not known.
-    #[inline(always)]
     fn unknown(&self, simd: S) -> Lanes<S> {
         match *self {
             Self::Nowhere => all(simd, 1.0),
@@ -58,11 +57,11 @@ pub(crate) struct SuspensionRates<S: Vector> {
     pub determined: Mask<S>,
 }
 
+#[inline_always]
 impl<S: Vector> SuspensionRates<S> {
     /// Solves for the rates that follow the ground, given the known ones and the contacts: those that keep the wheels on it,
     /// in least squares where there are fewer of them than wheels. Right-hand sides are the three planar motions, or the
     /// known rates (1), or both (4).
-    #[inline(always)]
     pub fn new<const RIGHT: usize>(
         simd: S,
         constants: &MotionConstants,
@@ -112,7 +111,6 @@ impl<S: Vector> SuspensionRates<S> {
 
     /// The unknown columns, by elimination where all wheels touch, nothing is known and the pivots are good, else by
     /// reflections. Each lane takes its own way, whatever its neighbours are.
-    #[inline(always)]
     fn solve<const RIGHT: usize>(
         &self,
         simd: S,
@@ -172,7 +170,6 @@ impl<S: Vector> SuspensionRates<S> {
     }
 
     /// The equation of a wheel: its touching point has no velocity along the normal.
-    #[inline(always)]
     fn write_equation<const RIGHT: usize>(&self, contact: &Contact<S>, known: &KnownRates<S>, row: &mut Equation<S>) {
         let (normal, moved) = (&contact.rows[0], contact.swivel[0]);
         let count = self.count.min(UNKNOWNS);
@@ -199,7 +196,6 @@ impl<S: Vector> SuspensionRates<S> {
     }
 
     /// Lanes with at least as many unknown rates as wheels: those rates follow the ground exactly.
-    #[inline(always)]
     pub fn exactly(&self, simd: S, known: &KnownRates<S>, wheels: usize) -> Mask<S> {
         let mut missing = all(simd, 0.0);
         for column in &self.unknown[..self.count] {
@@ -209,7 +205,6 @@ impl<S: Vector> SuspensionRates<S> {
     }
 
     /// Derivatives of a wheel's velocity along `direction` by the planar motion, and what is left without that motion.
-    #[inline(always)]
     pub fn planar_row<const RIGHT: usize>(
         &self,
         constants: &MotionConstants,
@@ -239,7 +234,6 @@ impl<S: Vector> SuspensionRates<S> {
     }
 
     /// The rates of a planar motion.
-    #[inline(always)]
     pub fn rates(&self, plan: [Lanes<S>; 3]) -> Row<S> {
         let mut rates = self.offset;
         for k in 0..3 {

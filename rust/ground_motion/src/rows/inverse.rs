@@ -93,8 +93,8 @@ impl Rows for InverseRange<'_> {
 /// Rotations of the wheels about their steering axes where they stand; None for wheels that point straight ahead.
 type Directions<S> = [Option<Turned<S>>; MAX_WHEELS];
 
+#[inline_always]
 impl InLanes<'_, InverseRange<'_>> {
-    #[inline(always)]
     fn solve_rows<S: Vector>(
         &mut self,
         simd: S,
@@ -129,7 +129,6 @@ impl InLanes<'_, InverseRange<'_>> {
     }
 
     /// Writes the velocities of the contacts along the normals by the rates, at the angles of the settled poses.
-    #[inline(always)]
     fn write_normal_rows<S: Vector>(
         &self,
         simd: S,
@@ -153,7 +152,6 @@ impl InLanes<'_, InverseRange<'_>> {
     }
 
     /// Twist and joint rates of the desired motion, and the lanes in which the ground determines them.
-    #[inline(always)]
     fn rates<S: Vector>(
         &self,
         simd: S,
@@ -196,7 +194,6 @@ impl InLanes<'_, InverseRange<'_>> {
     }
 
     /// The wheels in their own axes where they stand, as they move at these rates.
-    #[inline(always)]
     fn wheel_axes<S: Vector>(
         &self,
         simd: S,
@@ -227,7 +224,6 @@ impl InLanes<'_, InverseRange<'_>> {
     }
 
     /// Angles of the steering joints, those that are given or those at which wheels roll.
-    #[inline(always)]
     fn steering_angles<S: Vector>(
         &self,
         simd: S,
@@ -258,7 +254,6 @@ impl InLanes<'_, InverseRange<'_>> {
     }
 
     /// Speeds of the wheels at these steering angles [rad/s], and the scale at which none is too fast.
-    #[inline(always)]
     fn rolling_speeds<S: Vector>(
         &self,
         simd: S,
@@ -291,7 +286,6 @@ impl InLanes<'_, InverseRange<'_>> {
         (speeds, limit.lt(fastest).select(limit / fastest, one))
     }
 
-    #[inline(always)]
     fn write<S: Vector>(
         &mut self,
         span: Span,

@@ -93,8 +93,8 @@ impl<S: Vector> DesiredRates<S> {
     }
 }
 
+#[inline_always]
 impl InLanes<'_, TractionRange<'_>> {
-    #[inline(always)]
     fn solve_rows<S: Vector>(
         &mut self,
         simd: S,
@@ -145,7 +145,6 @@ impl InLanes<'_, TractionRange<'_>> {
         Ok(())
     }
 
-    #[inline(always)]
     fn desired_rates<S: Vector>(&self, simd: S, given: Span) -> DesiredRates<S> {
         let driving = self.range.driving;
         let speed = given.one(simd, driving.speed);
@@ -164,7 +163,6 @@ impl InLanes<'_, TractionRange<'_>> {
 
     /// Angles of the steering joints: where the centres of their wheels go together in plan, forwards or backwards. Joints
     /// whose wheels rest keep what they have.
-    #[inline(always)]
     fn steering_angles<S: Vector>(
         &self,
         simd: S,
@@ -206,7 +204,6 @@ impl InLanes<'_, TractionRange<'_>> {
     }
 
     /// The same for wheels beside their axes: the directions of their centres depend on the angles.
-    #[inline(always)]
     fn offset_steering_angles<S: Vector>(
         &self,
         simd: S,
@@ -240,7 +237,6 @@ impl InLanes<'_, TractionRange<'_>> {
     }
 
     /// Present angles of the steering joints, 0 by default [rad].
-    #[inline(always)]
     fn held_angles<S: Vector>(&self, simd: S, given: Span) -> [Lanes<S>; MAX_WHEELS] {
         match self.range.driving.steering {
             Some(angles) => given.read(simd, angles, self.chain.steering().len()),
@@ -249,7 +245,6 @@ impl InLanes<'_, TractionRange<'_>> {
     }
 
     /// Velocities of the wheels' centres at these steering angles.
-    #[inline(always)]
     fn centre_velocities<S: Vector>(
         &self,
         simd: S,

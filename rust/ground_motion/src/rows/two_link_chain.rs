@@ -174,9 +174,9 @@ impl Kernel for OneRow<'_, '_> {
     }
 }
 
+#[inline_always]
 impl OneRow<'_, '_> {
     /// The numbers of the row; None where it is for the lanes of many.
-    #[inline(always)]
     fn input(&self) -> Option<RowInput> {
         let driving = self.driving;
         if driving.wheel_speeds.is_some() {
@@ -204,7 +204,6 @@ impl OneRow<'_, '_> {
 
     /// Positions and velocities of the wheels of register `k`: those of both limbs, then the steering angle at which the
     /// centre goes along the wheel in plan.
-    #[inline(always)]
     fn wheel_lanes<S: Vector>(&self, simd: S, input: &RowInput, k: usize) -> WheelLanes<S> {
         let chain = self.chain;
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));

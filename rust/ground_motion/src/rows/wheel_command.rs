@@ -47,21 +47,19 @@ pub(crate) struct WheelCommand<S: Vector> {
     pub lifted: Mask<S>,
 }
 
+#[inline_always]
 impl<S: Vector> CentreVelocity<S> {
-    #[inline(always)]
     fn at(&self, vertical: Lanes<S>) -> [Lanes<S>; 2] {
         [self.vertical[0].mul_add(vertical, self.along), self.vertical[1].mul_add(vertical, self.across)]
     }
 
     /// The vertical speed at which the centre moves along its link [m/s].
-    #[inline(always)]
     pub fn closing_speed(&self, simd: S) -> Lanes<S> {
         all(simd, 0.0) - (self.across / self.vertical[1])
     }
 
     /// The command at this vertical speed, for the commanded velocity of the centre in plan: the wheel rolls along the
     /// velocity of its centre, forwards or backwards, whichever is along its link.
-    #[inline(always)]
     pub fn command(&self, simd: S, vertical: Lanes<S>, [x, y]: [Lanes<S>; 2], lift: LiftLimits) -> WheelCommand<S> {
         let velocity = self.at(vertical);
         let [_, across] = velocity;

@@ -22,16 +22,15 @@ pub(crate) struct JointAngle<S: Vector> {
     outside: Mask<S>,
 }
 
+#[inline_always]
 impl<S: Vector> JointAngle<S> {
     /// An angle that is given.
-    #[inline(always)]
     pub fn given(simd: S, angle: Lanes<S>, from: Lanes<S>) -> Self {
         let no = mask(simd, false);
         Self { turned: direction_of(simd, angle - from), angle, slips: no, outside: no }
     }
 
     /// An angle with this rotation, or half a turn from it, inside a range.
-    #[inline(always)]
     pub fn in_range(simd: S, range: SteeringRange, angle: Lanes<S>, turned: Turned<S>) -> Self {
         let half = all(simd, PI);
         let (lower, upper) = (all(simd, range.lower), all(simd, range.upper));
@@ -49,13 +48,11 @@ impl<S: Vector> JointAngle<S> {
     }
 
     /// Lanes in which there is no angle.
-    #[inline(always)]
     pub fn failed(&self) -> Mask<S> {
         self.slips | self.outside
     }
 
     /// This in some lanes, the other in the rest.
-    #[inline(always)]
     pub(super) fn where_in(self, lanes: Mask<S>, other: Self) -> Self {
         Self {
             turned: (lanes.select(self.turned.0, other.turned.0), lanes.select(self.turned.1, other.turned.1)),

@@ -161,8 +161,8 @@ struct RootSearch<S: Vector> {
     root: Lanes<S>,
 }
 
+#[inline_always]
 impl<S: Vector> RootSearch<S> {
-    #[inline(always)]
     fn new(simd: S, from: Turned<S>, wanted: Mask<S>) -> Self {
         let (zero, no) = (all(simd, 0.0), mask(simd, false));
         Self {
@@ -180,7 +180,6 @@ impl<S: Vector> RootSearch<S> {
 
     /// A step of Newton's method where it is open; lanes that have found their root wait for the others, so that no lane
     /// depends on another.
-    #[inline(always)]
     fn step(&mut self, simd: S, [value, by, bend]: Vectors<S>, size: Lanes<S>, last: f64) {
         let inverse = all(simd, 1.0) / by;
         let newton = -(value * inverse);
@@ -202,7 +201,6 @@ impl<S: Vector> RootSearch<S> {
 
     /// The angle of the root from where the search began, and its direction: for wheels on their axis that of a quarter
     /// turn at most.
-    #[inline(always)]
     fn root(&self, simd: S, is_offset: bool) -> (Lanes<S>, Turned<S>) {
         let (sin, cos) = self.turned;
         if !is_offset {
@@ -217,7 +215,6 @@ impl<S: Vector> RootSearch<S> {
 
     /// The root nearest to the start, by looking to either side of it. Half a turn from an angle the sign is the other but
     /// for wheels beside their axis: only those may have none.
-    #[inline(always)]
     fn bracket(&mut self, simd: S, slip: &SideSlip<'_, S>, joint: usize, lost: Mask<S>) {
         let zero = all(simd, 0.0);
         let start = match slip.joints[joint].is_offset {

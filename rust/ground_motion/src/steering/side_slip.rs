@@ -89,8 +89,8 @@ pub(super) struct SideSlipFunction<'a, S: Vector> {
     counts: Lanes<S>,
 }
 
+#[inline_always]
 impl<'a, S: Vector> SideSlipFunction<'a, S> {
-    #[inline(always)]
     fn new(simd: S, axes: &'a WheelAxes<S>, counts: Lanes<S>) -> Self {
         let (normal, velocity) = (axes.normal, axes.velocity);
         let rim = scaled(cross(normal, axes.turn), all(simd, axes.radius).xor_sign(axes.side));
@@ -99,7 +99,6 @@ impl<'a, S: Vector> SideSlipFunction<'a, S> {
     }
 
     /// `q s` [m/s], its derivative by the angle, and the second one beside that of a sine, for wheels on their axis.
-    #[inline(always)]
     fn at(&self, simd: S, turned: Turned<S>) -> Vectors<S> {
         let normal = self.axes.normal;
         // The tilt of the axle against the ground has minus `level` as its derivative.
@@ -128,7 +127,6 @@ impl<'a, S: Vector> SideSlipFunction<'a, S> {
     }
 
     /// Velocity of the touching point as the wheel points now: ahead and to the left [m/s].
-    #[inline(always)]
     fn velocity(&self, simd: S) -> [Lanes<S>; 2] {
         let [nx, _, nz] = self.axes.normal;
         let square = nx.mul_add(nx, nz * nz);
@@ -137,7 +135,6 @@ impl<'a, S: Vector> SideSlipFunction<'a, S> {
     }
 
     /// Speeds of which these are made, or more [m/s].
-    #[inline(always)]
     fn size(&self, simd: S) -> Lanes<S> {
         let [ahead, left] = self.axes.offset;
         // The rim is not faster than its radius times that.
@@ -179,9 +176,9 @@ pub(super) struct SideSlip<'a, S: Vector> {
     pub joints: [JointWheels<S>; MAX_WHEELS],
 }
 
+#[inline_always]
 impl<'a, S: Vector> SideSlip<'a, S> {
     /// Of wheels in these axes. Wheels of a joint in the air do not count beside one that touches.
-    #[inline(always)]
     pub fn new(simd: S, plan: &ChainConstants, axes: &'a [WheelAxes<S>], touching: &[Lanes<S>; MAX_WHEELS]) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let none = JointWheels { wheels: 0, velocity: [zero; 2], size: zero, is_offset: false };
@@ -210,7 +207,6 @@ impl<'a, S: Vector> SideSlip<'a, S> {
     }
 
     /// Sum over the wheels of a joint: see [`SideSlipFunction::at`].
-    #[inline(always)]
     pub fn at(&self, simd: S, joint: usize, turned: Turned<S>) -> Vectors<S> {
         let (mut sums, mut left) = ([all(simd, 0.0); 3], self.joints[joint].wheels);
         while let Some(function) = self.functions.get(left.trailing_zeros() as usize) {

@@ -289,10 +289,10 @@ impl<S: Vector> LevelKernel<S> for ByDefinition<'_, S> {
     }
 }
 
+#[inline_always]
 impl LimitedWheel {
     /// Steering angle [rad] and side slip [m/s] at the angle that the wheel would be steered to from angle 0: no slip inside the
     /// range without trail.
-    #[inline(always)]
     pub fn slip<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>) -> [Lanes<S>; 2] {
         let wheel = self.constants.broadcast(simd);
         let rounding = Lanes::splat(simd, f64::INFINITY);
@@ -307,7 +307,6 @@ impl LimitedWheel {
     }
 
     /// True where the wheel slides by at most `none` [m/s], well inside the tolerance.
-    #[inline(always)]
     fn is_clearly_within<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>, none: Lanes<S>) -> Mask<S> {
         match &self.wedge {
             Some(wedge) => wedge.overshoot(simd, twist).le(none),
@@ -316,7 +315,6 @@ impl LimitedWheel {
     }
 
     /// True where the wheel slides by more than `some` [m/s], well outside the tolerance.
-    #[inline(always)]
     fn is_clearly_outside<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], some: Lanes<S>) -> Mask<S> {
         match &self.wedge {
             Some(wedge) => some.lt(wedge.overshoot(simd, twist)),
@@ -326,7 +324,6 @@ impl LimitedWheel {
 
     /// Lanes in which some angle of the range of a wheel with trail leaves nothing to slide: the slip at its two ends has
     /// different signs, or is next to nothing at one of them.
-    #[inline(always)]
     fn has_solution_in_range<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>) -> Mask<S> {
         let splat = |number| Lanes::splat(simd, number);
         let wheel = self.constants.broadcast(simd);

@@ -171,9 +171,9 @@ impl Kernel for SolveRange<'_> {
     }
 }
 
+#[inline_always]
 impl InputColumns<'_> {
     /// Bounds of rounding; no forward speed is minus zero.
-    #[inline(always)]
     fn prepare<S: Vector>(&mut self, simd: S, constants: &InverseConstants, registers: usize) {
         let [share, arm] = constants.rounding.map(|number| Lanes::splat(simd, number));
         let [min, max] = [MIN_SQUARABLE, MAX_SQUARABLE].map(|size| Lanes::splat(simd, size));
@@ -189,13 +189,11 @@ impl InputColumns<'_> {
     }
 
     /// Present angles and rates of a joint.
-    #[inline(always)]
     fn joint(&self, joint: usize) -> [Option<&Column>; 2] {
         [self.previous.get(joint), self.rates.get(joint)]
     }
 
     /// Input of a steered wheel.
-    #[inline(always)]
     fn query<S: Vector>(&self, simd: S, [previous, rate]: [Option<&Column>; 2], k: usize) -> WheelQuery<S> {
         WheelQuery {
             twist: load(simd, &self.twists, k),
@@ -216,9 +214,9 @@ struct SolveBlock<'a, 'b> {
     registers: usize,
 }
 
+#[inline_always]
 impl SolveBlock<'_, '_> {
     /// Solves a block as if every steered wheel took its first solution. Returns true if every one does.
-    #[inline(always)]
     fn first_solutions<S: Vector>(&mut self, simd: S) -> bool {
         let Self { constants, input, ref mut steering, ref mut speeds, registers } = *self;
         let zero = Lanes::splat(simd, 0.0);
@@ -256,7 +254,6 @@ impl SolveBlock<'_, '_> {
     }
 
     /// Solves the steered wheels whose first solution is not their motion; `common` where a direction tie has a common direction.
-    #[inline(always)]
     fn both_solutions<S: Vector>(
         &mut self,
         simd: S,

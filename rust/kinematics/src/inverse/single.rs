@@ -99,8 +99,8 @@ struct WheelInput<S: Vector> {
     is_finite: Mask<S>,
 }
 
+#[inline_always]
 impl InverseRow<'_> {
-    #[inline(always)]
     fn input<S: Vector>(&self, simd: S, register: usize, twist: [Lanes<S>; 3], rounding: Lanes<S>) -> WheelInput<S> {
         let mut is_finite = all_true(simd);
         let mut given = [None; 2];
@@ -116,7 +116,6 @@ impl InverseRow<'_> {
     }
 
     /// True if the unsteered wheels roll, or need not, and the present speeds are finite.
-    #[inline(always)]
     fn is_admissible<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3]) -> bool {
         let Some(cone) = self.cone else {
             return true;
@@ -126,7 +125,6 @@ impl InverseRow<'_> {
     }
 
     /// Writes angles and speeds, which come by lane.
-    #[inline(always)]
     fn write(&mut self, angles: &[f64], rotations: &[f64]) {
         let [steering, speeds] = &mut self.targets;
         for (target, angle) in steering.iter_mut().zip(angles) {
@@ -179,10 +177,10 @@ impl Kernel for RowOfBothSolutions<'_> {
     }
 }
 
+#[inline_always]
 impl RowOfBothSolutions<'_> {
     /// Solves all wheels. Returns true if the present angles and the rates are finite, and every steered wheel reaches its
     /// angle.
-    #[inline(always)]
     fn all_wheels<S: Vector>(&self, simd: S, results: &mut WheelResults, common: CommonDirection<S>) -> bool {
         let row = &self.0;
         let splat = |number| Lanes::splat(simd, number);
@@ -231,7 +229,6 @@ impl RowOfBothSolutions<'_> {
     }
 
     /// The common direction of the wheels of a tie, wheel after wheel: rounding is that of a row of a batch.
-    #[inline(always)]
     fn common_direction<S: Vector>(&self, simd: S, results: &WheelResults) -> [Mask<S>; 2] {
         let splat = |number| Lanes::splat(simd, number);
         let [marks, backwards, leads] = results.ties.each_ref().map(|ties| ties.as_flattened());

@@ -91,35 +91,30 @@ impl<const JOINTS: usize> SingleRow<'_, JOINTS> {
     }
 }
 
+#[inline_always]
 impl<'a, const JOINTS: usize> ReadingLanes<'a, Scalar> for SingleRow<'a, JOINTS> {
     type Cell = f64;
 
-    #[inline(always)]
     fn speeds(self) -> &'a [f64] {
         self.measured.speeds
     }
 
-    #[inline(always)]
     fn load(self, simd: Scalar, cell: &f64) -> Lanes<Scalar> {
         Lanes::splat(simd, *cell)
     }
 
-    #[inline(always)]
     fn store(self, cell: &mut f64, lanes: Lanes<Scalar>) {
         *cell = lanes.sum();
     }
 
-    #[inline(always)]
     fn angle(self, _: Scalar, joint: usize) -> Lanes<Scalar> {
         self.number(0, joint)
     }
 
-    #[inline(always)]
     fn direction(self, _: Scalar, joint: usize, _: Lanes<Scalar>, _: f64) -> [Lanes<Scalar>; 2] {
         [self.number(1, joint), self.number(2, joint)]
     }
 
-    #[inline(always)]
     fn rate(self, simd: Scalar, joint: usize) -> Option<Lanes<Scalar>> {
         #[expect(clippy::manual_map, reason = "a closure over registers would be a call")]
         match self.measured.steering_rates {

@@ -124,10 +124,10 @@ pub(crate) struct Sums<S: Vector> {
     pub is_safe: Mask<S>,
 }
 
+#[inline_always]
 impl ForwardConstants {
     /// Sums over the wheels. With `KEEP`, the readings of each along its rows are kept for fits; `CENTRED`: no steered wheel has
     /// scrub or trail, which is known out of the loop.
-    #[inline(always)]
     pub fn sum<'a, S: Vector, R: ReadingLanes<'a, S>, const KEEP: bool, const CENTRED: bool>(
         &self,
         simd: S,
@@ -202,7 +202,6 @@ impl ForwardConstants {
     }
 
     /// The unknowns about the centre of the pivots, and the lanes in which they are determined and all readings safe.
-    #[inline(always)]
     pub fn solve<S: Vector, const CENTRED: bool>(&self, simd: S, sums: &Sums<S>) -> ([Lanes<S>; 3], Mask<S>) {
         let splat = |number| Lanes::splat(simd, number);
         if let Some(rows) = &self.solution
@@ -221,7 +220,6 @@ impl ForwardConstants {
     }
 
     /// The normal equations of a register of angles.
-    #[inline(always)]
     pub fn normal<S: Vector>(&self, simd: S, steering: &[Column], k: usize) -> [Lanes<S>; 6] {
         let splat = |number| Lanes::splat(simd, number);
         let mut normal = [splat(0.0); 6];
@@ -244,7 +242,6 @@ impl ForwardConstants {
     }
 
     /// The twist whose unknowns about the centre of the pivots these are.
-    #[inline(always)]
     pub fn unshifted<S: Vector>(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let omega = z * self.per_size;
         [x + omega * self.centre[1], y - omega * self.centre[0], omega]

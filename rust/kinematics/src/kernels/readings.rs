@@ -43,36 +43,31 @@ struct Register<'a> {
     k: usize,
 }
 
+#[inline_always]
 impl<'a, S: Vector> ReadingLanes<'a, S> for Register<'a> {
     type Cell = Column;
 
-    #[inline(always)]
     fn speeds(self) -> &'a [Column] {
         self.columns.speeds
     }
 
-    #[inline(always)]
     fn load(self, simd: S, cell: &Column) -> Lanes<S> {
         cell.load(simd, self.k)
     }
 
-    #[inline(always)]
     fn store(self, cell: &mut Column, lanes: Lanes<S>) {
         cell.store(self.k, lanes);
     }
 
-    #[inline(always)]
     fn angle(self, simd: S, joint: usize) -> Lanes<S> {
         self.columns.steering[joint].load(simd, self.k)
     }
 
-    #[inline(always)]
     fn direction(self, simd: S, _: usize, angle: Lanes<S>, heading: f64) -> [Lanes<S>; 2] {
         let (sin, cos) = sin_cos(simd, angle + Lanes::splat(simd, heading));
         [sin, cos]
     }
 
-    #[inline(always)]
     fn rate(self, simd: S, joint: usize) -> Option<Lanes<S>> {
         #[expect(clippy::manual_map, reason = "a closure over registers would be a call")]
         match self.columns.rates.get(joint) {

@@ -221,15 +221,14 @@ struct Sums<S: Vector> {
     lost: Lanes<S>,
 }
 
+#[inline_always]
 impl<S: Vector> Sums<S> {
     /// The same in every lane.
-    #[inline(always)]
     fn splat(simd: S, sum: &Sum) -> Self {
         Self { sum: Lanes::splat(simd, sum.sum), lost: Lanes::splat(simd, sum.lost) }
     }
 
     /// So much more than the sum.
-    #[inline(always)]
     fn beyond(&self, more: Lanes<S>) -> Lanes<S> {
         self.sum + (self.lost + more)
     }

@@ -71,27 +71,24 @@ macro_rules! comparison {
     )*};
 }
 
+#[inline_always]
 impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     /// The same number in every lane.
-    #[inline(always)]
     pub fn splat(simd: S, value: T) -> Self {
         Self { simd, values: [T::splat(simd, value); N] }
     }
 
     /// The same, of a constant.
-    #[inline(always)]
     pub fn constant(simd: S, value: f64) -> Self {
         Self::splat(simd, T::from_f64(value))
     }
 
     /// Numbers of all registers.
-    #[inline(always)]
     pub fn lanes() -> usize {
         N * T::lanes::<S>()
     }
 
     /// The first numbers of a slice; zeros beyond its last whole register.
-    #[inline(always)]
     pub fn from_slice(simd: S, numbers: &[T]) -> Self {
         let mut lanes = Self::splat(simd, T::default());
         let registers = T::as_registers::<S>(numbers);
@@ -105,7 +102,6 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     }
 
     /// Writes the lanes to the first numbers of a slice, as far as it has whole registers.
-    #[inline(always)]
     pub fn copy_to_slice(self, numbers: &mut [T]) {
         let registers = T::as_mut_registers::<S>(numbers);
         for_each!(k: {
@@ -116,19 +112,16 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     }
 
     /// The token of the level.
-    #[inline(always)]
     pub fn simd(self) -> S {
         self.simd
     }
 
     /// Register `k` of them.
-    #[inline(always)]
     pub fn register(self, k: usize) -> Lanes<S, T> {
         Lanes { simd: self.simd, values: [self.values[k]] }
     }
 
     /// The same with this as register `k`.
-    #[inline(always)]
     pub fn set_register(&mut self, k: usize, lanes: Lanes<S, T>) {
         self.values[k] = lanes.values[0];
     }
@@ -154,7 +147,6 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     }
 
     /// Absolute value.
-    #[inline(always)]
     pub fn abs(mut self) -> Self {
         // Every bit but the sign. pulp's own may be left to call.
         let bits = T::splat(self.simd, T::ABS);
@@ -163,7 +155,6 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     }
 
     /// The sign bit, on a zero.
-    #[inline(always)]
     pub fn sign_bit(mut self) -> Self {
         let bit = T::splat(self.simd, T::from_f64(-0.0));
         for_each!(k: { self.values[k] = T::and(self.simd, self.values[k], bit); });
@@ -171,7 +162,6 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     }
 
     /// The whole number in the lowest bits of `self + ROUND`: true if bit `bit` of it is set.
-    #[inline(always)]
     pub fn has_bit(self, bit: u32) -> Mask<S, T, N> {
         let mut values = [T::has_bit(self.simd, self.values[0], bit); N];
         if N > 1 {
@@ -183,7 +173,6 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     }
 
     /// The largest whole number up to a number from 0 to [`Float::INTEGERS`].
-    #[inline(always)]
     pub fn floor(self) -> Self {
         let integers = Self::constant(self.simd, T::INTEGERS);
         let near = (self + integers) - integers;
@@ -192,7 +181,6 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
     }
 
     /// A whole number as [`Float::to_index`] takes it.
-    #[inline(always)]
     pub fn as_index(self) -> Self {
         self + Self::constant(self.simd, T::INTEGERS)
     }
@@ -231,16 +219,15 @@ impl<S: Vector, T: Float> Lanes<S, T> {
     }
 }
 
+#[inline_always]
 impl<S: Simd, T: Float, const N: usize> Mask<S, T, N> {
     /// `yes` where true, `no` elsewhere.
-    #[inline(always)]
     pub fn select(self, mut yes: Lanes<S, T, N>, no: Lanes<S, T, N>) -> Lanes<S, T, N> {
         for_each!(k: { yes.values[k] = T::select(self.simd, self.values[k], yes.values[k], no.values[k]); });
         yes
     }
 
     /// True if any lane is true.
-    #[inline(always)]
     pub fn any(self) -> bool {
         let mut all = self.values[0];
         if N > 1 {

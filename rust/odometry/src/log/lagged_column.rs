@@ -12,16 +12,15 @@ pub(crate) const LEAD: usize = 8;
 #[repr(align(64))]
 pub(crate) struct LaggedColumn(pub [f64; LEAD + BLOCK]);
 
+#[inline_always]
 impl LaggedColumn {
     /// Register `k`, of rows that begin `back` rows before.
-    #[inline(always)]
     pub fn load<S: Vector>(&self, simd: S, k: usize, back: usize) -> Lanes<S> {
         let first = LEAD + k * S::F64_LANES - back;
         let rows = &self.0[first..first + S::F64_LANES];
         Lanes::load(simd, S::as_simd_f64s(rows).0, 0)
     }
 
-    #[inline(always)]
     pub fn store<S: Vector>(&mut self, k: usize, lanes: Lanes<S>) {
         let rows = &mut self.0[LEAD..][k * S::F64_LANES..][..S::F64_LANES];
         lanes.store(S::as_mut_simd_f64s(rows).0, 0);

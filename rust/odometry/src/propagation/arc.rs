@@ -82,9 +82,9 @@ pub(crate) struct StepJacobian<S: Simd> {
     pub by_displacement: [[Lanes<S>; 3]; 2],
 }
 
+#[inline_always]
 impl<S: Simd> StepJacobian<S> {
     /// From the sine and cosine of the heading at the start and the displacement `[x, y, yaw]` in body axes.
-    #[inline(always)]
     pub fn new([x, y, _]: [Lanes<S>; 3], arc: Arc<S>, [heading_sin, heading_cos]: [Lanes<S>; 2]) -> Self {
         // The chord leaves at half the turn, in world axes.
         let Arc { chord, chord_derivative, sin, cos } = arc;
@@ -101,20 +101,17 @@ impl<S: Simd> StepJacobian<S> {
     }
 
     /// Derivative of the end position with respect to the yaw at the start [m].
-    #[inline(always)]
     pub fn yaw_lever(&self) -> [Lanes<S>; 2] {
         [-self.shift[1], self.shift[0]]
     }
 
     /// Error of the pose at the end by an error of the displacement.
-    #[inline(always)]
     pub fn displacement_error(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let [[a, b, c], [d, e, f]] = self.by_displacement;
         [c.mul_add(z, b.mul_add(y, a * x)), f.mul_add(z, e.mul_add(y, d * x)), z]
     }
 
     /// Error of the pose at the end by an error of the pose at the start and one of the displacement: `F e + L d`.
-    #[inline(always)]
     pub fn propagate(&self, start: [Lanes<S>; 3], displacement: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         propagate_error(self.yaw_lever(), start, self.displacement_error(displacement))
     }

@@ -205,9 +205,9 @@ pub(crate) fn numbers<const N: usize>(lanes: [Lanes<Scalar>; N]) -> [f64; N] {
     numbers
 }
 
+#[inline_always]
 impl<S: Simd> Covariance3<Lanes<S>> {
     /// `L S Lᵀ` of a matrix whose third row is 0, 0, 1: the covariance at the end of a step by that of its displacement.
-    #[inline(always)]
     pub fn displacement_image(&self, a: &[[Lanes<S>; 3]; 2]) -> Self {
         let dot = |p: Lanes<S>, q: Lanes<S>, r: Lanes<S>, k: usize| r.mul_add(a[k][2], q.mul_add(a[k][1], p * a[k][0]));
         let (xz, yz) = (dot(self.xz, self.yz, self.zz, 0), dot(self.xz, self.yz, self.zz, 1));
@@ -224,24 +224,20 @@ impl<S: Simd> Covariance3<Lanes<S>> {
     }
 
     /// No error.
-    #[inline(always)]
     pub fn zero(simd: S) -> Self {
         Self::from([Lanes::splat(simd, 0.0); 6])
     }
 
     /// With the product of a vector with itself.
-    #[inline(always)]
     pub fn and_square(self, vector: [Lanes<S>; 3]) -> Self {
         self.and_product(vector, vector)
     }
 
     /// With `factor v vᵀ`.
-    #[inline(always)]
     pub fn and_scaled_square(self, [x, y, z]: [Lanes<S>; 3], factor: Lanes<S>) -> Self {
         self.and_product([x * factor, y * factor, z * factor], [x, y, z])
     }
 
-    #[inline(always)]
     fn and_product(self, [a, b, c]: [Lanes<S>; 3], [x, y, z]: [Lanes<S>; 3]) -> Self {
         Self {
             xx: a.mul_add(x, self.xx),
@@ -254,14 +250,12 @@ impl<S: Simd> Covariance3<Lanes<S>> {
     }
 
     /// Sum over the lanes.
-    #[inline(always)]
     pub fn total(self) -> Covariance3 {
         let Self { xx, xy, xz, yy, yz, zz } = self;
         Covariance3::from([xx.sum(), xy.sum(), xz.sum(), yy.sum(), yz.sum(), zz.sum()])
     }
 
     /// `F S Fᵀ`, `F = [[1, 0, x], [0, 1, y], [0, 0, 1]]`: the covariance at the end of a step by that at its start.
-    #[inline(always)]
     pub fn propagate(&self, [x, y]: [Lanes<S>; 2]) -> Self {
         let (xz, yz) = (x.mul_add(self.zz, self.xz), y.mul_add(self.zz, self.yz));
         Self {

@@ -25,10 +25,10 @@ pub(crate) struct GyroscopeIncrement<S: Simd> {
 /// Gain K of each part of a displacement, by the yaw increment of the gyroscope beyond that of the wheels.
 pub(crate) type KalmanGain<S> = [Lanes<S>; 3];
 
+#[inline_always]
 impl<S: Simd> GyroscopeIncrement<S> {
     /// The gain, of wheels whose displacement has this covariance. Where neither has any noise the gyroscope is taken at
     /// its word.
-    #[inline(always)]
     pub fn kalman_gain(&self, wheels: Covariance3<Lanes<S>>, dt: Lanes<S>) -> KalmanGain<S> {
         let [_, _, x, _, y, z] = wheels.into();
         let splat = |number| Lanes::splat(dt.simd(), number);
@@ -44,13 +44,11 @@ impl<S: Simd> GyroscopeIncrement<S> {
     }
 
     /// Error of the fused displacement by the deviation of a reading at one end.
-    #[inline(always)]
     pub fn error(&self, [x, y, z]: KalmanGain<S>) -> [Lanes<S>; 3] {
         [x * self.deviation, y * self.deviation, z * self.deviation]
     }
 
     /// The displacement by wheels and gyroscope.
-    #[inline(always)]
     pub fn posterior_displacement(&self, gain: KalmanGain<S>, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let innovation = self.turn - z;
         [gain[0].mul_add(innovation, x), gain[1].mul_add(innovation, y), gain[2].mul_add(innovation, z)]

@@ -10,9 +10,9 @@ use six_wheel_numerics::simd::vector::Vector;
 
 type Truth<S, R> = Mask<S, R, LOCKSTEP>;
 
+#[inline_always]
 impl<R: Float, const M: usize> Model<R, M> {
     /// The nearest motion within the ranges.
-    #[inline(always)]
     pub(crate) fn project_onto_ranges<S: Vector>(&self, simd: S, mut z: [Reg<S, R>; M]) -> [Reg<S, R>; M] {
         let zero = Reg::<S, R>::constant(simd, 0.0);
         for (ends, shares, per_length) in &self.gaps {
@@ -61,7 +61,6 @@ impl<R: Float, const M: usize> Model<R, M> {
     }
 
     /// The motion that the joints can follow in a step, by their largest turn.
-    #[inline(always)]
     #[allow(clippy::too_many_arguments)] // the state of a step, in registers
     pub(crate) fn limit_steering<S: Vector>(
         &self,
@@ -119,7 +118,6 @@ impl<R: Float, const M: usize> Model<R, M> {
     }
 
     /// Stops, turns the joints on the spot, and goes on.
-    #[inline(always)]
     #[allow(clippy::too_many_arguments)] // as above
     fn steer_in_place<S: Vector>(
         &self,

@@ -44,43 +44,35 @@ pub(crate) struct PhiloxCounter {
 #[derive(Clone, Copy)]
 struct RandomWords<S: Simd>(S, S::u32s);
 
+#[inline_always]
 impl<S: Simd> RandomWords<S> {
-    #[inline(always)]
     fn all(simd: S, word: u32) -> Self {
         Self(simd, simd.splat_u32s(word))
     }
-    #[inline(always)]
     fn xor(self, other: Self) -> Self {
         Self(self.0, self.0.xor_u32s(self.1, other.1))
     }
-    #[inline(always)]
     fn and(self, word: u32) -> Self {
         Self(self.0, self.0.and_u32s(self.1, self.0.splat_u32s(word)))
     }
-    #[inline(always)]
     fn or(self, word: u32) -> Self {
         Self(self.0, self.0.or_u32s(self.1, self.0.splat_u32s(word)))
     }
-    #[inline(always)]
     fn minus(self, word: u32) -> Self {
         Self(self.0, self.0.sub_u32s(self.1, self.0.splat_u32s(word)))
     }
-    #[inline(always)]
     fn real(self) -> Lanes<S, f32> {
         Lanes::from_bits(self.0, self.1)
     }
-    #[inline(always)]
     fn shift_right(self, by: u32) -> Self {
         let by = self.0.splat_u32s(by);
         Self(self.0, self.0.wrapping_dyn_shr_u32s(self.1, by))
     }
-    #[inline(always)]
     fn shift_left(self, by: u32) -> Self {
         let by = self.0.splat_u32s(by);
         Self(self.0, self.0.wrapping_dyn_shl_u32s(self.1, by))
     }
     /// Lanes in which the bit is set.
-    #[inline(always)]
     fn has(self, bit: u32) -> Mask<S, f32> {
         let Self(simd, word) = self.and(bit);
         Mask::from_bits(simd, word)

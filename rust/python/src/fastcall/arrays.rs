@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyBool;
 use six_wheel_kinematics::rover::MAX_WHEELS;
+use six_wheel_numerics::inline_always;
 
 use super::arguments::{Object, sequence};
 use crate::convert::is_ready;
@@ -65,21 +66,19 @@ pub struct Row<'a> {
     alive: PhantomData<&'a PyArrayObject>,
 }
 
+#[inline_always]
 impl<'a> Row<'a> {
     /// To read from: an array of just this length, and not of a derived class.
-    #[inline(always)]
     pub fn read(object: Object<'a, '_>, length: usize) -> Option<Self> {
         Self::with(object, length, NPY_ARRAY_C_CONTIGUOUS | NPY_ARRAY_ALIGNED)
     }
 
     /// To write to.
-    #[inline(always)]
     pub fn target(object: Object<'a, '_>, length: usize) -> Option<Self> {
         let flags = NPY_ARRAY_C_CONTIGUOUS | NPY_ARRAY_ALIGNED | NPY_ARRAY_WRITEABLE;
         Self::with(object, length, flags)
     }
 
-    #[inline(always)]
     fn with(object: Object<'a, '_>, length: usize, flags: i32) -> Option<Self> {
         let numpy = Numpy::get(object.py())?;
         let object = object.as_ptr();
@@ -101,13 +100,11 @@ impl<'a> Row<'a> {
     }
 
     /// True for the same array object.
-    #[inline(always)]
     pub fn is(self, other: Self) -> bool {
         self.object == other.object
     }
 
     /// True if the two share memory.
-    #[inline(always)]
     pub fn overlaps(self, other: Self) -> bool {
         let start = |row: Self| row.data.as_ptr() as usize;
         let end = |row: Self| start(row) + row.length * size_of::<f64>();
@@ -119,7 +116,6 @@ impl<'a> Row<'a> {
     /// # Safety
     ///
     /// Until the last use of the slice nothing writes to the array, and no Python code runs.
-    #[inline(always)]
     pub unsafe fn numbers(self) -> &'a [f64] {
         // SAFETY: so many aligned numbers are there; the rest is for the caller to see to.
         unsafe { std::slice::from_raw_parts(self.data.as_ptr(), self.length) }
@@ -130,7 +126,6 @@ impl<'a> Row<'a> {
     /// # Safety
     ///
     /// Until the last use of the slice nothing else reads or writes the array, and no Python code runs.
-    #[inline(always)]
     pub unsafe fn numbers_mut(self) -> &'a mut [f64] {
         // SAFETY: as above, and the array is writeable.
         unsafe { std::slice::from_raw_parts_mut(self.data.as_ptr(), self.length) }
@@ -166,9 +161,9 @@ pub fn three(object: Object<'_, '_>) -> Option<[f64; 3]> {
 /// Room for the numbers of one row that have to be copied, or come in a tuple or list.
 pub struct Numbers([MaybeUninit<f64>; MAX_WHEELS]);
 
+#[inline_always]
 impl Numbers {
     /// With nothing in it.
-    #[inline(always)]
     pub const fn new() -> Self {
         Self([MaybeUninit::uninit(); MAX_WHEELS])
     }
@@ -178,7 +173,6 @@ impl Numbers {
     /// # Safety
     ///
     /// Until the last use of the slice nothing writes to the array, and no Python code runs.
-    #[inline(always)]
     pub unsafe fn read<'a>(&'a mut self, object: Object<'a, '_>, length: usize) -> Option<&'a [f64]> {
         if let Some(row) = Row::read(object, length) {
             // SAFETY: for the caller to see to.
@@ -188,7 +182,6 @@ impl Numbers {
     }
 
     /// A copy of a row, which may then be written to.
-    #[inline(always)]
     pub fn copy(&mut self, row: Row<'_>) -> Option<&[f64]> {
         let start = self.0.get_mut(..row.length)?.as_mut_ptr().cast::<f64>();
         // SAFETY: so many numbers are in the array and fit in here; what is read back has been written.

@@ -249,8 +249,8 @@ struct Place<S: Vector> {
     simd: S,
 }
 
+#[inline_always]
 impl<S: Vector> Place<S> {
-    #[inline(always)]
     fn new(simd: S, pyramid: &Pyramid, [x, y, yaw]: [Lanes<S>; 3], [chord, margin]: [Lanes<S>; 2]) -> Self {
         let turn = pyramid.turn();
         let (turned_cos, turned_sin) = (all(simd, turn.cos), all(simd, turn.sin));
@@ -273,7 +273,6 @@ impl<S: Vector> Place<S> {
     }
 
     /// The ground in a patch, and of what is in `span`; whether lanes have the patch on the map.
-    #[inline(always)]
     fn look(&self, pyramid: &Pyramid, patch: &Patch, span: Lanes<S>) -> (Lanes<S>, Mask<S>) {
         let simd = self.simd;
         let (cx, cy) = (all(simd, patch.centre[0]), all(simd, patch.centre[1]));
@@ -300,7 +299,6 @@ impl<S: Vector> Place<S> {
     }
 
     /// Lowest and highest ground in patches, and which lanes have them on the map and know their heights.
-    #[inline(always)]
     fn extremes(&self, ground: Ground<'_>, patches: &[Patch], [on_map, known]: [&mut Mask<S>; 2]) -> Interval<S> {
         let simd = self.simd;
         let mut span = nothing(simd);

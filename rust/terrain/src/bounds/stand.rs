@@ -51,16 +51,15 @@ impl Lever {
     }
 }
 
+#[inline_always]
 impl Side {
     /// Sine of phi - t of the rocker, from the heights of its wheel and of the bogie's axis.
-    #[inline(always)]
     fn tilt<S: Simd>(&self, wheel: Lanes<S>, joint: Lanes<S>) -> Lanes<S> {
         let rise = if self.in_front { joint - wheel } else { wheel - joint };
         rise * all(wheel.simd(), self.rocker.inverse_length)
     }
 
     /// From the reduced heights of the rocker's wheel and of the bogie's, ahead and behind.
-    #[inline(always)]
     fn raise<S: Simd>(&self, [single, ahead, behind]: [Interval<S>; 3]) -> Raised<S> {
         let by_bogie = all(single[0].simd(), self.bogie.inverse_length);
         let bogie = [(ahead[0] - behind[1]) * by_bogie, (ahead[1] - behind[0]) * by_bogie];
@@ -84,7 +83,6 @@ impl Side {
     }
 
     /// Angles of the rocker against the plane, and of the bogie against the rocker.
-    #[inline(always)]
     fn angles<S: Simd>(&self, raised: &Raised<S>, single: Interval<S>) -> [Interval<S>; 2] {
         let simd = single[0].simd();
         let (phi_bogie, phi_rocker) = (all(simd, self.bogie.phi), all(simd, self.rocker.phi));
@@ -105,10 +103,10 @@ impl Side {
     }
 }
 
+#[inline_always]
 impl BoundsConstants {
     /// Reduced heights of the wheels of a side at inclinations in an interval: the rocker's, and the bogie's ahead
     /// and behind.
-    #[inline(always)]
     fn reduced<S: Simd>(
         &self,
         wheels: &[Interval<S>; 3],
@@ -126,7 +124,6 @@ impl BoundsConstants {
     }
 
     /// Both sides at inclinations in an interval.
-    #[inline(always)]
     fn sides<S: Simd>(&self, wheels: &[[Interval<S>; 3]; 2], tan: Interval<S>) -> [[Interval<S>; 3]; 2] {
         let one = all(tan[0].simd(), 1.0);
         let inverse_cos = even(tan, both!(end in tan => end.mul_add(end, one).sqrt()), one);
@@ -134,7 +131,6 @@ impl BoundsConstants {
     }
 
     /// The interval of tan(g), by contraction of `tan(g) = (E_left - E_right) / (2 y)`, and where it is proved.
-    #[inline(always)]
     fn inclination<S: Simd>(&self, simd: S, wheels: &[[Interval<S>; 3]; 2]) -> (Interval<S>, Mask<S>) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let mut tan = [all(simd, -STEEPEST), all(simd, STEEPEST)];
@@ -158,7 +154,6 @@ impl BoundsConstants {
     }
 
     /// Intervals of all quantities, and what has to hold for them to be bounds.
-    #[inline(always)]
     pub(super) fn stand<S: Simd>(
         &self,
         simd: S,
@@ -210,7 +205,6 @@ impl BoundsConstants {
     }
 
     /// Height of a point of the middle plane of the body.
-    #[inline(always)]
     fn point<S: Simd>(&self, posture: &Posture<S>, x: f64, z: f64) -> Interval<S> {
         let simd = posture.axis[0].simd();
         // From the axis of the rockers.
@@ -226,7 +220,6 @@ impl BoundsConstants {
 
     /// From the lowest corner of the belly to the highest ground under it, and from its middle, at its highest, to
     /// the lowest ground there.
-    #[inline(always)]
     fn clearance<S: Simd>(&self, posture: &Posture<S>, sin_side: Lanes<S>, under: Under<S>) -> Interval<S> {
         let simd = sin_side.simd();
         let plate = self.plate;
@@ -238,7 +231,6 @@ impl BoundsConstants {
     }
 
     /// Sines and cosines of the ends of the rockers' and the bogies' angles in the body, left and right.
-    #[inline(always)]
     fn turned<S: Simd>(&self, rocker: Interval<S>, bogies: [Interval<S>; 2]) -> [[Turned<S>; 2]; 2] {
         let simd = rocker[0].simd();
         let slack = all(simd, 2.0 * self.slack);
@@ -252,7 +244,6 @@ impl BoundsConstants {
     }
 
     /// Height that the end of a vector of `vectors` loses against the level position [m].
-    #[inline(always)]
     fn fall<S: Simd>(&self, k: usize, ends: &Turned<S>) -> Interval<S> {
         let simd = ends[0].0.simd();
         let [x, _, z] = self.vectors[k];
@@ -262,7 +253,6 @@ impl BoundsConstants {
     }
 
     /// Largest distance, in the body, of a wheel below its place on level ground [m].
-    #[inline(always)]
     fn drop<S: Simd>(&self, turned: &[[Turned<S>; 2]; 2]) -> Interval<S> {
         let simd = turned[0][0][0].0.simd();
         let mut most = [all(simd, f64::NEG_INFINITY); 2];
@@ -278,7 +268,6 @@ impl BoundsConstants {
     }
 
     /// Largest displacements of the end of a vector of `vectors`, along and across [m].
-    #[inline(always)]
     fn swing<S: Simd>(&self, k: usize, ends: &Turned<S>) -> Interval<S> {
         let simd = ends[0].0.simd();
         let [x, _, z] = self.vectors[k];
@@ -292,7 +281,6 @@ impl BoundsConstants {
     ///
     /// Stretched from level to what it is, the ground leads the rover from where all wheels are in their boxes to
     /// where it stands. It cannot leave them on the way while the bounds, which hold inside, say that it is inside.
-    #[inline(always)]
     fn boxed<S: Simd>(&self, turned: &[[Turned<S>; 2]; 2], pitch: Lanes<S>, roll: Lanes<S>) -> Mask<S> {
         let simd = pitch.simd();
         let still = [all(simd, 0.0); 2];

@@ -118,9 +118,9 @@ impl Kernel for OneByOne<'_, '_> {
     }
 }
 
+#[inline_always]
 impl SettleRange<'_, '_> {
     /// True if a pose has another round to go. One that has had too many is left.
-    #[inline(always)]
     fn goes_on<const N: usize>(&mut self, batch: &PoseBatch<N>, first: usize, row: u16) -> bool {
         let rounds = batch.rounds[row as usize];
         if (ROUNDS..LEFT).contains(&rounds) {
@@ -130,7 +130,6 @@ impl SettleRange<'_, '_> {
     }
 
     /// Puts poses in their first state. Those over ground that is not known have no round to go.
-    #[inline(always)]
     fn start<S: Vector, const N: usize>(&self, simd: S, batch: &mut PoseBatch<N>, rows: &[u16]) {
         let mut here = self.here(simd, batch, rows);
         let known = booleans(simd, initial_state(simd, &self.site(), &mut here));

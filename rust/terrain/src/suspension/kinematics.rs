@@ -21,9 +21,9 @@ pub(crate) struct ChainAngles<'a, S: Vector> {
     pub steering: Option<&'a [Turned<S>; MAX_WHEELS]>,
 }
 
+#[inline_always]
 impl<'a, S: Vector> ChainAngles<'a, S> {
     /// Those of a state, up to a hundred turns.
-    #[inline(always)]
     pub fn of_state(
         simd: S,
         yaw: Turned<S>,
@@ -40,7 +40,6 @@ impl<'a, S: Vector> ChainAngles<'a, S> {
     }
 
     /// Sine and cosine of the angle of a link, and its derivative by that of its joint.
-    #[inline(always)]
     pub fn turned(&self, simd: S, link: &ChainLink) -> (Turned<S>, Lanes<S>) {
         let one = Lanes::splat(simd, 1.0);
         match link.turning {
@@ -62,9 +61,9 @@ pub(crate) struct LinkPose<S: Vector> {
     pub origin: Vectors<S>,
 }
 
+#[inline_always]
 impl<S: Vector> LinkPose<S> {
     /// A vector of the link, in the axes of the chain's frame.
-    #[inline(always)]
     pub fn rotated(&self, simd: S, local: [f64; 3], from: Vectors<S>) -> Vectors<S> {
         let mut point = from;
         for (column, length) in self.columns.iter().zip(local) {
@@ -77,13 +76,11 @@ impl<S: Vector> LinkPose<S> {
     }
 
     /// A point of the link.
-    #[inline(always)]
     pub fn point(&self, simd: S, local: [f64; 3]) -> Vectors<S> {
         self.rotated(simd, local, self.origin)
     }
 
     /// Writes the pose of a link on this one, turned like this, and the direction of its axis: of this axis, if it is one.
-    #[inline(always)]
     pub fn carry(
         &self,
         simd: S,
@@ -146,9 +143,9 @@ pub(crate) struct LinkPoses<'a, S: Vector> {
     pub reaches: Mask<S>,
 }
 
+#[inline_always]
 impl<'a, S: Vector> LinkPoses<'a, S> {
     /// Places the chain.
-    #[inline(always)]
     pub fn new(simd: S, chain: &'a Chain, angles: &ChainAngles<'_, S>) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         let ((sy, cy), (sr, cr), (sp, cp)) = (angles.yaw, angles.roll, angles.pitch);
@@ -189,7 +186,6 @@ impl<'a, S: Vector> LinkPoses<'a, S> {
     }
 
     /// A wheel.
-    #[inline(always)]
     pub fn wheel(&self, simd: S, wheel: usize) -> WheelPose<S> {
         let (link, centre) = self.chain.mount(wheel, self.is_steered);
         let pose = link.map_or(&self.body, |link| &self.links[link]);
@@ -197,7 +193,6 @@ impl<'a, S: Vector> LinkPoses<'a, S> {
     }
 
     /// Derivatives of the gap of a wheel by the state, at a point of its rim over ground with this gradient.
-    #[inline(always)]
     pub fn gap_slopes(
         &self,
         simd: S,

@@ -30,18 +30,17 @@ pub const MOST: usize = 8;
 #[repr(align(64))]
 pub struct Column(pub [f64; MOST]);
 
+#[inline_always]
 impl Column {
     /// All zero.
     pub const ZERO: Self = Self([0.0; MOST]);
 
     /// The number of as many rovers as there are lanes.
-    #[inline(always)]
     pub fn load<S: Simd>(&self, simd: S) -> Lanes<S> {
         Lanes::load(simd, S::as_simd_f64s(&self.0[..S::F64_LANES]).0, 0)
     }
 
     /// The lanes as a column, zero beyond them.
-    #[inline(always)]
     pub fn of<S: Simd>(lanes: Lanes<S>) -> Self {
         let mut column = Self::ZERO;
         lanes.store(S::as_mut_simd_f64s(&mut column.0[..S::F64_LANES]).0, 0);
@@ -78,20 +77,18 @@ pub struct Limb<S: Simd> {
     origin: Vectors<S>,
 }
 
+#[inline_always]
 impl<S: Simd> Limb<S> {
     /// A vector in its own axes, in those of the body.
-    #[inline(always)]
     pub fn out(&self, vector: Vectors<S>) -> Vectors<S> {
         self.by(self.turned, vector)
     }
 
     /// A vector of the body in its own axes.
-    #[inline(always)]
     pub fn own(&self, vector: Vectors<S>) -> Vectors<S> {
         self.by((-self.turned.0, self.turned.1), vector)
     }
 
-    #[inline(always)]
     fn by(&self, (sin, cos): Turned<S>, [x, y, z]: Vectors<S>) -> Vectors<S> {
         let ahead = if self.plane == 0 { x } else { y };
         let up = z.mul_add(cos, -(ahead * sin));
@@ -102,13 +99,11 @@ impl<S: Simd> Limb<S> {
         }
     }
 
-    #[inline(always)]
     fn point(&self, simd: S, local: [f64; 3]) -> Vectors<S> {
         sum(self.origin, self.out(triple(simd, local)))
     }
 
     /// A vector along its plane and upwards.
-    #[inline(always)]
     fn in_plane(&self, [x, y, z]: Vectors<S>) -> [Lanes<S>; 2] {
         [if self.plane == 0 { x } else { y }, z]
     }
@@ -154,9 +149,9 @@ pub(super) fn across<S: Vector>(
     (turned, columns[2].load(simd))
 }
 
+#[inline_always]
 impl<'a, S: Vector> Placing<'a, S> {
     /// Room for a chain, which is nowhere yet.
-    #[inline(always)]
     pub fn new(simd: S, plan: &'a ChainConstants) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let body = Limb { plane: 0, turned: (zero, one), origin: [zero; 3] };
@@ -171,7 +166,6 @@ impl<'a, S: Vector> Placing<'a, S> {
     }
 
     /// Places it at these free angles, of [`LARGEST_TURN`] at most.
-    #[inline(always)]
     pub fn place(&mut self, simd: S, joints: &[Lanes<S>; MAX_FREE]) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let mut free = [(zero, one); MAX_FREE];
@@ -206,13 +200,11 @@ impl<'a, S: Vector> Placing<'a, S> {
     }
 
     /// Moves the centre of a wheel to where it is turned like this about its steering axis.
-    #[inline(always)]
     pub fn steer(&mut self, simd: S, wheel: usize, turned: Turned<S>) {
         self.centres[wheel] = self.steered(simd, wheel, turned);
     }
 
     /// The centre of a wheel turned like this about its steering axis.
-    #[inline(always)]
     pub fn steered(&self, simd: S, wheel: usize, (sin, cos): Turned<S>) -> Vectors<S> {
         let Wheel { offset, pivot, .. } = &self.plan.wheels[wheel];
         let [ahead, left, up] = *offset;
@@ -226,25 +218,21 @@ impl<'a, S: Vector> Placing<'a, S> {
     }
 
     /// The limb that carries a wheel.
-    #[inline(always)]
     pub fn limb(&self, wheel: usize) -> &Limb<S> {
         &self.limbs[self.plan.wheels[wheel].limb]
     }
 
     /// A point of the steering axis of a wheel.
-    #[inline(always)]
     pub fn pivot(&self, simd: S, wheel: usize) -> Vectors<S> {
         self.limb(wheel).point(simd, self.plan.wheels[wheel].pivot)
     }
 
     /// The limbs that carry a wheel, innermost first.
-    #[inline(always)]
     pub fn movers(&self, wheel: usize) -> &'a [usize] {
         &self.plan.wheels[wheel].movers
     }
 
     /// The free angle that turns a limb, and how a point that it carries moves by its rate, along its plane and downwards.
-    #[inline(always)]
     pub fn swing(&self, mover: usize, point: Vectors<S>) -> (usize, [Lanes<S>; 2]) {
         let (limb, slope) = (&self.limbs[mover + 1], self.slopes[mover]);
         let [ahead, up] = limb.in_plane(less(point, limb.origin));
@@ -253,14 +241,12 @@ impl<'a, S: Vector> Placing<'a, S> {
     }
 
     /// The part of that motion in a direction.
-    #[inline(always)]
     pub fn swung(&self, mover: usize, [forth, down]: [Lanes<S>; 2], to: Vectors<S>) -> Lanes<S> {
         let [along, up] = self.limbs[mover + 1].in_plane(to);
         forth.mul_add(along, -(down * up))
     }
 
     /// Moves the parts at these rates of the body and the free angles.
-    #[inline(always)]
     pub fn moves(&mut self, body: [Vectors<S>; 2], rates: &[Lanes<S>; MAX_FREE]) {
         self.body = body;
         for (k, part) in self.plan.parts.iter().enumerate().take(MOST_PARTS) {
@@ -274,7 +260,6 @@ impl<'a, S: Vector> Placing<'a, S> {
 
     /// The velocity of a point of a wheel's carrier as the parts move [m/s], and how the carrier turns [rad/s]: see
     /// `moving::contact::carried`.
-    #[inline(always)]
     pub fn carried(&self, wheel: usize, point: Vectors<S>) -> [Vectors<S>; 2] {
         let which = self.plan.wheels[wheel].limb;
         let ([velocity, mut turn], limb) = (self.body, &self.limbs[which]);

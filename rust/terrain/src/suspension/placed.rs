@@ -177,8 +177,8 @@ fn turned<S: Vector>(simd: S, angle: f64) -> Turned<S> {
     (Lanes::splat(simd, sin), Lanes::splat(simd, cos))
 }
 
+#[inline_always]
 impl Angles<'_> {
-    #[inline(always)]
     fn steering<S: Vector>(&self, simd: S) -> [Turned<S>; MAX_WHEELS] {
         let mut steering = [turned(simd, 0.0); MAX_WHEELS];
         for (to, angle) in steering.iter_mut().zip(self.steering) {
@@ -187,7 +187,6 @@ impl Angles<'_> {
         steering
     }
 
-    #[inline(always)]
     fn of_chain<'a, S: Vector>(&self, simd: S, steering: &'a [Turned<S>; MAX_WHEELS]) -> ChainAngles<'a, S> {
         let zero = Lanes::splat(simd, 0.0);
         let [_, roll, pitch, joints @ ..] = *self.state;

@@ -85,9 +85,9 @@ fn scattered<S: Vector>(lanes: Lanes<S>, column: &mut Column, rows: &[usize]) {
     }
 }
 
+#[inline_always]
 impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
     /// Rows with these readings, from the least squares with equal weights and the square of the least noise on.
-    #[inline(always)]
     pub fn new(simd: S, readings: &[[Lanes<S>; 2]], unknowns: [Lanes<S>; 3], least: Lanes<S>) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         let mut rounds = Self {
@@ -108,7 +108,6 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
     }
 
     /// Some rows of a block, the first `count` of which are meant.
-    #[inline(always)]
     pub fn load(simd: S, wheels: usize, rows: &Block<'_>, chosen: &[usize], count: usize) -> Self {
         let mut order = [0.0; LANES];
         for (k, place) in order.iter_mut().enumerate() {
@@ -133,7 +132,6 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
     }
 
     /// All rounds of one register, without [`Self::newton_iterations`].
-    #[inline(always)]
     pub fn iterate(&mut self, simd: S, wheels: &[RobustWheel], solver: &mut impl NormalSolver<S>) {
         for _ in 0..ROUNDS {
             self.round::<false>(simd, wheels, solver);
@@ -143,7 +141,6 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
         }
     }
 
-    #[inline(always)]
     pub fn store(&self, wheels: usize, rows: &mut Block<'_>, chosen: &[usize]) {
         for (unknown, column) in self.unknowns.iter().zip(&mut rows.kept.unknowns) {
             scattered(*unknown, column, chosen);
@@ -156,7 +153,6 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
 
     /// One round, where it has not settled. In squares of residuals and scales, with one root and few divisions: these
     /// are what takes the time. `NEWTON` takes along how the weights follow the twist, instead of holding them.
-    #[inline(always)]
     pub fn round<const NEWTON: bool>(&mut self, simd: S, wheels: &[RobustWheel], solver: &mut impl NormalSolver<S>) {
         let splat = |number| Lanes::splat(simd, number);
         let (zero, one) = (splat(0.0), splat(1.0));
@@ -233,7 +229,6 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
     /// Rounds of Newton's method, which end where all the `left` rounds would: at this scale they come nearer to one twist
     /// by a matrix, whose power says by how much. Where that is not far enough, or the scale would not stay, nothing is
     /// changed.
-    #[inline(always)]
     pub fn newton_iterations(&mut self, simd: S, wheels: &[RobustWheel], left: usize) {
         let near = self.change.lt(Lanes::splat(simd, NEAR));
         let trusted = self.active & self.held & near & self.comes_near(simd, wheels, left);
@@ -262,7 +257,6 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
     }
 
     /// Lanes in which so many rounds would surely settle the weights.
-    #[inline(always)]
     fn comes_near(&self, simd: S, wheels: &[RobustWheel], left: usize) -> Mask<S> {
         let splat = |number| Lanes::splat(simd, number);
         let zero = splat(0.0);

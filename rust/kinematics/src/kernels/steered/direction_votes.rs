@@ -35,16 +35,15 @@ pub struct DirectionVotes<S: Simd> {
     pub speed: Lanes<S>,
 }
 
+#[inline_always]
 impl<S: Simd> DirectionVotes<S> {
     /// No wheels.
-    #[inline(always)]
     pub fn none(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         Self { forwards: zero, backwards: zero, lead: zero, speed: zero }
     }
 
     /// With one wheel more, and its present speed [rad/s].
-    #[inline(always)]
     #[must_use]
     pub fn with(self, tie: &DirectionTie<S>, speed: Lanes<S>) -> Self {
         let simd = speed.simd();
@@ -59,7 +58,6 @@ impl<S: Simd> DirectionVotes<S> {
     }
 
     /// Lanes with a common direction, and those where it is backwards.
-    #[inline(always)]
     pub fn common_direction(&self, simd: S) -> [Mask<S>; 2] {
         let zero = Lanes::splat(simd, 0.0);
         let is_rolling = zero.lt(self.speed.abs());

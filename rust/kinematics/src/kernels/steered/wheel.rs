@@ -86,15 +86,14 @@ struct Candidate<S: Simd> {
     increment: Lanes<S>,
 }
 
+#[inline_always]
 impl<S: Simd> SteeredWheel<S> {
     /// Velocity of the pivot in body axes [m/s].
-    #[inline(always)]
     fn body_velocity(&self, [vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
         [vx - omega * self.pivot[1], vy + omega * self.pivot[0]]
     }
 
     /// Velocity of the pivot in the axes of steering angle 0 [m/s].
-    #[inline(always)]
     pub fn velocity(&self, twist: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
         let [x, y] = self.body_velocity(twist);
         if !self.features.is_turned {
@@ -105,7 +104,6 @@ impl<S: Simd> SteeredWheel<S> {
     }
 
     /// True where the pivot's velocity is nothing but rounding of what it is the sum of.
-    #[inline(always)]
     pub fn is_at_rest(&self, twist: [Lanes<S>; 3]) -> Mask<S> {
         let [x, y] = self.body_velocity(twist);
         let [vx, vy, omega] = twist.map(Lanes::abs);
@@ -114,7 +112,6 @@ impl<S: Simd> SteeredWheel<S> {
     }
 
     /// The solution in the half plane in which the pivot moves.
-    #[inline(always)]
     pub fn first_solution(&self, simd: S, query: &WheelQuery<S>) -> FirstSolution<S> {
         let [x, y] = self.velocity(query.twist);
         let (along, across) = (x.abs(), y.abs());
@@ -145,7 +142,6 @@ impl<S: Simd> SteeredWheel<S> {
     }
 
     /// The motion of the wheel, of two about equally near ones the common one where there is one.
-    #[inline(always)]
     pub fn solve(
         &self,
         simd: S,
@@ -188,7 +184,6 @@ impl<S: Simd> SteeredWheel<S> {
     }
 
     /// Rim speed of a castor that has swung in behind its pivot, whichever way the heading counts [m/s].
-    #[inline(always)]
     pub fn castor_rim_speed(&self, simd: S, twist: [Lanes<S>; 3]) -> Lanes<S> {
         let zero = Lanes::splat(simd, 0.0);
         let query = WheelQuery { twist, rounding: zero, previous: None, rate: None };
@@ -198,7 +193,6 @@ impl<S: Simd> SteeredWheel<S> {
     }
 
     /// Speed at which the contact slides sideways at a steering angle, `n . c` [m/s].
-    #[inline(always)]
     pub fn side_slip(&self, simd: S, query: &WheelQuery<S>, first: &FirstSolution<S>, angle: Lanes<S>) -> Lanes<S> {
         let [x, y] = first.velocity;
         let (sin, cos) = sin_cos(simd, angle);
@@ -207,7 +201,6 @@ impl<S: Simd> SteeredWheel<S> {
     }
 
     /// Both solutions but for the direction, scaled so that squares neither overflow nor lose digits.
-    #[inline(always)]
     fn rolling(&self, simd: S, query: &WheelQuery<S>, [x, y]: [Lanes<S>; 2]) -> Rolling<S> {
         let splat = |number| Lanes::splat(simd, number);
         let (zero, one) = (splat(0.0), splat(1.0));
@@ -238,13 +231,11 @@ impl<S: Simd> SteeredWheel<S> {
     }
 
     /// Rim speed that is left after the share of scrub.
-    #[inline(always)]
     fn without_scrub(&self, rolled: Lanes<S>, turn_rate: Lanes<S>) -> Lanes<S> {
         if self.features.has_scrub { rolled - self.scrub * turn_rate } else { rolled }
     }
 
     /// The angle plus the whole turns that bring it nearest to the present one, but into the range if any do.
-    #[inline(always)]
     fn candidate(&self, simd: S, angle: Lanes<S>, held: Lanes<S>) -> Candidate<S> {
         let splat = |number| Lanes::splat(simd, number);
         let [lower, upper] = self.range;
@@ -270,13 +261,11 @@ impl<S: Simd> SteeredWheel<S> {
     }
 
     /// The angle, or the end of the range that is nearer.
-    #[inline(always)]
     fn clip(&self, angle: Lanes<S>) -> Lanes<S> {
         angle.max(self.range[0]).min(self.range[1])
     }
 
     /// Rate at which the wheel turns about its pivot, `omega + phi'` [rad/s].
-    #[inline(always)]
     fn turn_rate(&self, query: &WheelQuery<S>) -> Lanes<S> {
         match query.rate {
             Some(rate) => query.twist[2] + rate,

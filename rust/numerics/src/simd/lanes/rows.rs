@@ -5,40 +5,36 @@ use pulp::Simd;
 use super::{Lanes, Mask};
 use crate::simd::vector::Vector;
 
+#[inline_always]
 impl<S: Simd> Lanes<S> {
     /// A register of a column.
-    #[inline(always)]
     pub fn load(simd: S, column: &[S::f64s], k: usize) -> Self {
         Self { simd, values: [column[k]] }
     }
 
     /// Writes register `k` of a column.
-    #[inline(always)]
     pub fn store(self, column: &mut [S::f64s], k: usize) {
         column[k] = self.values[0];
     }
 
-    #[inline(always)]
     fn with(self, value: S::f64s) -> Self {
         Self { values: [value], ..self }
     }
 
     /// The sum over all lanes.
-    #[inline(always)]
     pub fn sum(self) -> f64 {
         self.simd.reduce_sum_f64s(self.values[0])
     }
 }
 
+#[inline_always]
 impl<S: Simd> Lanes<S, f32> {
     /// Numbers of these bits.
-    #[inline(always)]
     pub fn from_bits(simd: S, bits: S::u32s) -> Self {
         Self { simd, values: [simd.transmute_f32s_u32s(bits)] }
     }
 
     /// The bits of the numbers.
-    #[inline(always)]
     pub fn to_bits(self) -> S::u32s {
         self.simd.transmute_u32s_f32s(self.values[0])
     }
@@ -52,15 +48,14 @@ impl<S: Simd> Mask<S, f32> {
     }
 }
 
+#[inline_always]
 impl<S: Vector> Lanes<S> {
     /// Every lane `1 << LOG` places on, zeros before it.
-    #[inline(always)]
     pub fn shift<const LOG: u32>(simd: S, lanes: Self) -> Self {
         lanes.with(simd.shift::<LOG>(lanes.values[0]))
     }
 
     /// Rows of three numbers, as many as there are lanes, to their columns; 0 where there are fewer.
-    #[inline(always)]
     pub fn deinterleave3(simd: S, rows: &[f64]) -> [Self; 3] {
         match S::as_simd_f64s(rows).0 {
             [a, b, c, ..] => simd.deinterleave3([*a, *b, *c]).map(|value| Self { simd, values: [value] }),
@@ -69,7 +64,6 @@ impl<S: Vector> Lanes<S> {
     }
 
     /// The reverse of [`Self::deinterleave3`].
-    #[inline(always)]
     pub fn interleave3([x, y, z]: [Self; 3], rows: &mut [f64]) {
         if let [a, b, c, ..] = S::as_mut_simd_f64s(rows).0 {
             [*a, *b, *c] = x.simd.interleave3([x.values[0], y.values[0], z.values[0]]);
@@ -78,7 +72,6 @@ impl<S: Vector> Lanes<S> {
 
     /// Eight columns of as many rows as there are lanes, a row every `width` numbers; all of the eight numbers from each
     /// row's first one on have to be there.
-    #[inline(always)]
     pub fn columns(simd: S, rows: &[f64], width: usize) -> [Self; 8] {
         let mut eights = [&[0.0; 8]; 8];
         for (lane, eight) in eights.iter_mut().enumerate().take(S::F64_LANES) {
@@ -88,7 +81,6 @@ impl<S: Vector> Lanes<S> {
     }
 
     /// The same of rows wherever they are, as many as there are lanes.
-    #[inline(always)]
     pub fn columns_of(simd: S, rows: &[&[f64; 8]; 8]) -> [Self; 8] {
         let mut registers = [simd.splat_f64s(0.0); 8];
         for (k, register) in registers.iter_mut().enumerate() {
@@ -104,7 +96,6 @@ impl<S: Vector> Lanes<S> {
     }
 
     /// The reverse of [`Self::columns`]: of each row all eight numbers are written, the rows one after the other.
-    #[inline(always)]
     pub fn rows(simd: S, columns: [Self; 8], rows: &mut [f64], width: usize) {
         let mut registers = [simd.splat_f64s(0.0); 8];
         for (register, lanes) in registers.iter_mut().zip(columns) {
@@ -121,13 +112,11 @@ impl<S: Vector> Lanes<S> {
     }
 
     /// [`Vector::inverse_root`].
-    #[inline(always)]
     pub fn inverse_root(self) -> Self {
         self.with(self.simd.inverse_root(self.values[0]))
     }
 
     /// [`Vector::square`] at these places.
-    #[inline(always)]
     pub fn square(self, table: &[f64], columns: usize) -> [Self; 4] {
         let [a, b, c, d] = self.simd.square(table, columns, self.values[0]);
         [self.with(a), self.with(b), self.with(c), self.with(d)]
@@ -138,40 +127,34 @@ impl<S: Vector> Lanes<S> {
     /// # Safety
     ///
     /// As there.
-    #[inline(always)]
     pub unsafe fn pairs(self, table: &[[f32; 2]]) -> Self {
         // SAFETY: by the caller.
         self.with(unsafe { self.simd.pairs(table, self.values[0]) })
     }
 
     /// [`Vector::exponent`].
-    #[inline(always)]
     pub fn exponent(self) -> Self {
         self.with(self.simd.exponent(self.values[0]))
     }
 
     /// The power of two of [`Self::exponent`].
-    #[inline(always)]
     pub fn power(self) -> Self {
         let bits = self.simd.splat_f64s(f64::INFINITY);
         self.with(self.simd.and_f64s(self.values[0], bits))
     }
 
     /// [`Vector::least_pairs`].
-    #[inline(always)]
     pub fn least_pairs(self, other: Self) -> Self {
         self.with(self.simd.least_pairs(self.values[0], other.values[0]))
     }
 
     /// [`Vector::deinterleave2`].
-    #[inline(always)]
     pub fn deinterleave2(self) -> [Self; 2] {
         let [first, second] = self.simd.deinterleave2(self.values[0]);
         [self.with(first), self.with(second)]
     }
 
     /// `a0 a1 .., b0 b1 ..` to `a0 b0 a1 b1 ..`, into as many numbers.
-    #[inline(always)]
     pub fn zip([a, b]: [Self; 2], pairs: &mut [f64]) {
         if let [first, second, ..] = S::as_mut_simd_f64s(pairs).0 {
             [*first, *second] = a.simd.zip([a.values[0], b.values[0]]);
@@ -179,13 +162,11 @@ impl<S: Vector> Lanes<S> {
     }
 
     /// The last lane in every lane.
-    #[inline(always)]
     pub fn broadcast_last(self, simd: S) -> Self {
         self.with(simd.broadcast_last(self.values[0]))
     }
 
     /// The last lane.
-    #[inline(always)]
     pub fn last(self, simd: S) -> f64 {
         simd.last(self.values[0])
     }

@@ -52,22 +52,20 @@ macro_rules! every_other {
     }};
 }
 
+#[inline_always]
 impl Vector for V3 {
-    #[inline(always)]
     fn zip(self, [a, b]: [f64x4; 2]) -> [f64x4; 2] {
         let even = self.avx._mm256_unpacklo_pd(cast(a), cast(b)); // a0 b0 a2 b2
         let odd = self.avx._mm256_unpackhi_pd(cast(a), cast(b)); // a1 b1 a3 b3
         [cast(halves::<LOW_LOW>(self, even, odd)), cast(halves::<HIGH_HIGH>(self, even, odd))]
     }
 
-    #[inline(always)]
     fn unzip(self, [a, b]: [f64x4; 2]) -> [f64x4; 2] {
         let low = halves::<LOW_LOW>(self, cast(a), cast(b)); // 0 1 4 5
         let high = halves::<HIGH_HIGH>(self, cast(a), cast(b)); // 2 3 6 7
         [cast(self.avx._mm256_unpacklo_pd(low, high)), cast(self.avx._mm256_unpackhi_pd(low, high))]
     }
 
-    #[inline(always)]
     fn interleave3(self, [a, b, c]: [f64x4; 3]) -> [f64x4; 3] {
         let (a, b, c) = (cast(a), cast(b), cast(c));
         let ab = self.avx._mm256_unpacklo_pd(a, b); // a0 b0 a2 b2
@@ -80,7 +78,6 @@ impl Vector for V3 {
         ]
     }
 
-    #[inline(always)]
     fn deinterleave3(self, [first, second, third]: [f64x4; 3]) -> [f64x4; 3] {
         let (first, second, third) = (cast(first), cast(second), cast(third));
         let ab = halves::<LOW_HIGH>(self, first, second); // a0 b0 a2 b2
@@ -93,14 +90,12 @@ impl Vector for V3 {
         ]
     }
 
-    #[inline(always)]
     fn transpose(self, [a, b, c, d, e, f, g, h]: [f64x4; 8]) -> [f64x4; 8] {
         let [a, b, c, d] = square(self, [a, b, c, d]);
         let [e, f, g, h] = square(self, [e, f, g, h]);
         [a, b, c, d, e, f, g, h]
     }
 
-    #[inline(always)]
     fn shift<const LOG: u32>(self, register: f64x4) -> f64x4 {
         let register = cast(register);
         let low_up = self.avx._mm256_permute2f128_pd::<0x08>(register, register); // 0 0 a0 a1
@@ -112,31 +107,26 @@ impl Vector for V3 {
         }
     }
 
-    #[inline(always)]
     fn last(self, register: f64x4) -> f64 {
         register.3
     }
 
-    #[inline(always)]
     fn broadcast_last(self, register: f64x4) -> f64x4 {
         cast(self.avx2._mm256_permute4x64_pd::<0xFF>(cast(register)))
     }
 
     const STREAMS: bool = true;
 
-    #[inline(always)]
     unsafe fn stream(self, target: &mut f64x4, register: f64x4) {
         let target: *mut _ = target;
         // SAFETY: a reference's memory may be written, and the caller sees to its alignment and the fence.
         unsafe { self.avx._mm256_stream_pd(target.cast(), cast(register)) }
     }
 
-    #[inline(always)]
     fn store_fence(self) {
         self.sse._mm_sfence();
     }
 
-    #[inline(always)]
     fn gather(self, table: &[f64], places: f64x4) -> f64x4 {
         let Some(last) = table.len().checked_sub(1) else {
             return self.splat_f64x4(f64::NAN);
@@ -152,7 +142,6 @@ impl Vector for V3 {
     }
 
     /// As with registers of eight.
-    #[inline(always)]
     fn square(self, table: &[f64], columns: usize, places: f64x4) -> [f64x4; 4] {
         assert!(columns >= 2 && table.len() >= 2 * columns);
         let (simd, offset) = (self.avx, self.splat_f64x4(ZEROTH));
@@ -175,7 +164,6 @@ impl Vector for V3 {
         }
     }
 
-    #[inline(always)]
     unsafe fn pairs(self, table: &[[f32; 2]], places: f64x4) -> f64x4 {
         let simd = self.avx2;
         let places = simd._mm256_xor_si256(cast(places), cast(self.splat_f64x4(ZEROTH)));
@@ -183,7 +171,6 @@ impl Vector for V3 {
         cast(unsafe { simd._mm256_i64gather_pd::<8>(table.as_ptr().cast(), places) })
     }
 
-    #[inline(always)]
     fn exponent(self, register: f64x4) -> f64x4 {
         let zeroth = self.splat_f64x4(ZEROTH);
         let shifted = self.avx2._mm256_srli_epi64::<52>(cast(register));
@@ -192,12 +179,10 @@ impl Vector for V3 {
         cast(self.avx._mm256_sub_pd(cast(whole), cast(bias)))
     }
 
-    #[inline(always)]
     fn least_pairs(self, a: f64x4, b: f64x4) -> f64x4 {
         cast(self.avx._mm256_min_ps(cast(a), cast(b)))
     }
 
-    #[inline(always)]
     fn deinterleave2(self, pairs: f64x4) -> [f64x4; 2] {
         let (low, high) =
             (self.avx._mm256_castps256_ps128(cast(pairs)), self.avx._mm256_extractf128_ps::<1>(cast(pairs)));
@@ -207,7 +192,6 @@ impl Vector for V3 {
         ]
     }
 
-    #[inline(always)]
     fn single_inverse_root(self, numbers: f64x4) -> f64x4 {
         // SAFETY: the token is that of the level.
         unsafe {
@@ -216,12 +200,10 @@ impl Vector for V3 {
         }
     }
 
-    #[inline(always)]
     fn prefetch(self, address: *const f64) {
         self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
     }
 
-    #[inline(always)]
     unsafe fn corners(self, values: &[f32], columns: usize, [x, y]: [f64x4; 2]) -> [[f64x4; 2]; 2] {
         let first = values.as_ptr();
         // SAFETY: the token is that of the level, and the caller sees to the places.
@@ -234,7 +216,6 @@ impl Vector for V3 {
         }
     }
 
-    #[inline(always)]
     unsafe fn corners_single(self, values: &[f32], columns: usize, [x, y]: [f32x8; 2]) -> [[f32x8; 2]; 2] {
         let first = values.as_ptr();
         // SAFETY: as above.

@@ -26,18 +26,16 @@ macro_rules! every_other {
     }};
 }
 
+#[inline_always]
 impl Vector for V4 {
-    #[inline(always)]
     fn zip(self, pair: [f64x8; 2]) -> [f64x8; 2] {
         [pick(self, pair, [0, 8, 1, 9, 2, 10, 3, 11]), pick(self, pair, [4, 12, 5, 13, 6, 14, 7, 15])]
     }
 
-    #[inline(always)]
     fn unzip(self, pair: [f64x8; 2]) -> [f64x8; 2] {
         [pick(self, pair, [0, 2, 4, 6, 8, 10, 12, 14]), pick(self, pair, [1, 3, 5, 7, 9, 11, 13, 15])]
     }
 
-    #[inline(always)]
     fn interleave3(self, [a, b, c]: [f64x8; 3]) -> [f64x8; 3] {
         let first = pick(self, [a, b], [0, 8, 0, 1, 9, 0, 2, 10]);
         let second = pick(self, [a, b], [0, 3, 11, 0, 4, 12, 0, 5]);
@@ -49,7 +47,6 @@ impl Vector for V4 {
         ]
     }
 
-    #[inline(always)]
     fn deinterleave3(self, [a, b, c]: [f64x8; 3]) -> [f64x8; 3] {
         let first = pick(self, [a, b], [0, 3, 6, 9, 12, 15, 0, 0]);
         let second = pick(self, [a, b], [1, 4, 7, 10, 13, 0, 0, 0]);
@@ -61,7 +58,6 @@ impl Vector for V4 {
         ]
     }
 
-    #[inline(always)]
     fn transpose(self, rows: [f64x8; 8]) -> [f64x8; 8] {
         let [a, b, c, d, e, f, g, h] = rows.map(cast);
         let simd = self.avx512f;
@@ -87,7 +83,6 @@ impl Vector for V4 {
         [c0, c1, c2, c3, c4, c5, c6, c7]
     }
 
-    #[inline(always)]
     fn shift<const LOG: u32>(self, register: f64x8) -> f64x8 {
         // Zeros by a mask: of a register of zeros the compiler makes an expansion, which takes two turns of the one port.
         let (masked, lanes): (_, [i64; 8]) = match LOG {
@@ -99,31 +94,26 @@ impl Vector for V4 {
         cast(simd._mm512_maskz_permutexvar_pd(masked, cast(lanes), cast(register)))
     }
 
-    #[inline(always)]
     fn last(self, register: f64x8) -> f64 {
         register.7
     }
 
-    #[inline(always)]
     fn broadcast_last(self, register: f64x8) -> f64x8 {
         pick(self, [register, register], [7; 8])
     }
 
     const STREAMS: bool = true;
 
-    #[inline(always)]
     unsafe fn stream(self, target: &mut f64x8, register: f64x8) {
         let target: *mut _ = target;
         // SAFETY: a reference's memory may be written, and the caller sees to its alignment and the fence.
         unsafe { self.avx512f._mm512_stream_pd(target.cast(), cast(register)) }
     }
 
-    #[inline(always)]
     fn store_fence(self) {
         self.sse._mm_sfence();
     }
 
-    #[inline(always)]
     fn gather(self, table: &[f64], places: f64x8) -> f64x8 {
         let Some(last) = table.len().checked_sub(1) else {
             return self.splat_f64x8(f64::NAN);
@@ -139,7 +129,6 @@ impl Vector for V4 {
     }
 
     /// Pairs of neighbours: gathers would take twice the time.
-    #[inline(always)]
     fn square(self, table: &[f64], columns: usize, places: f64x8) -> [f64x8; 4] {
         assert!(columns >= 2 && table.len() >= 2 * columns);
         let (simd, offset) = (self.avx512f, self.splat_f64x8(ZEROTH));
@@ -164,7 +153,6 @@ impl Vector for V4 {
     }
 
     /// By an estimate of 14 bits, and two steps of Newton's method: a root and a quotient hold up all others.
-    #[inline(always)]
     fn inverse_root(self, numbers: f64x8) -> f64x8 {
         let half = self.mul_f64x8(numbers, self.splat_f64x8(-0.5));
         let mut root = cast(self.avx512f._mm512_rsqrt14_pd(cast(numbers)));
@@ -176,7 +164,6 @@ impl Vector for V4 {
         root
     }
 
-    #[inline(always)]
     unsafe fn pairs(self, table: &[[f32; 2]], places: f64x8) -> f64x8 {
         let simd = self.avx512f;
         let places = simd._mm512_xor_si512(cast(places), cast(self.splat_f64x8(ZEROTH)));
@@ -184,17 +171,14 @@ impl Vector for V4 {
         cast(unsafe { simd._mm512_i64gather_pd::<8>(places, table.as_ptr().cast()) })
     }
 
-    #[inline(always)]
     fn exponent(self, register: f64x8) -> f64x8 {
         cast(self.avx512f._mm512_getexp_pd(cast(register)))
     }
 
-    #[inline(always)]
     fn least_pairs(self, a: f64x8, b: f64x8) -> f64x8 {
         cast(self.avx512f._mm512_min_ps(cast(a), cast(b)))
     }
 
-    #[inline(always)]
     fn deinterleave2(self, pairs: f64x8) -> [f64x8; 2] {
         let simd = self.avx512f;
         let first = simd._mm512_cvtepi64_epi32(cast(pairs));
@@ -202,7 +186,6 @@ impl Vector for V4 {
         [cast(simd._mm512_cvtps_pd(cast(first))), cast(simd._mm512_cvtps_pd(cast(second)))]
     }
 
-    #[inline(always)]
     fn single_inverse_root(self, numbers: f64x8) -> f64x8 {
         // SAFETY: the token is that of the level.
         unsafe {
@@ -211,12 +194,10 @@ impl Vector for V4 {
         }
     }
 
-    #[inline(always)]
     fn prefetch(self, address: *const f64) {
         self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
     }
 
-    #[inline(always)]
     unsafe fn corners(self, values: &[f32], columns: usize, [x, y]: [f64x8; 2]) -> [[f64x8; 2]; 2] {
         let first = values.as_ptr();
         // SAFETY: the token is that of the level, and the caller sees to the places.
@@ -233,7 +214,6 @@ impl Vector for V4 {
         }
     }
 
-    #[inline(always)]
     unsafe fn corners_single(self, values: &[f32], columns: usize, [x, y]: [f32x16; 2]) -> [[f32x16; 2]; 2] {
         let first = values.as_ptr();
         // SAFETY: as above.

@@ -45,9 +45,9 @@ struct NewtonStep<S: Vector> {
     is_short: Mask<S>,
 }
 
+#[inline_always]
 impl SettleRange<'_, '_> {
     /// A round of Newton's method for as many poses as there are lanes, or fewer.
-    #[inline(always)]
     pub(super) fn round<S: Vector, const N: usize>(
         &mut self,
         simd: S,
@@ -80,7 +80,6 @@ impl SettleRange<'_, '_> {
     }
 
     /// The step with its control: half of the last share where gaps have grown, twice as much elsewhere.
-    #[inline(always)]
     fn step<S: Vector, const N: usize>(
         &self,
         simd: S,
@@ -123,7 +122,6 @@ impl SettleRange<'_, '_> {
     }
 
     /// Puts every pose in its next state. Returns 1 for the poses that take their step, and true if one has settled.
-    #[inline(always)]
     fn next_states<S: Vector, const N: usize>(
         &self,
         simd: S,
@@ -182,7 +180,6 @@ impl SettleRange<'_, '_> {
     }
 
     /// Writes lanes that have just settled; those with a joint past its stop, and those that something else may hold, are left.
-    #[inline(always)]
     fn write_settled<S: Vector, const N: usize>(
         &mut self,
         batch: &PoseBatch<N>,

@@ -155,9 +155,9 @@ impl<W: Vector> WheelSearch<Scalar> for AllWheels<W> {
     }
 }
 
+#[inline_always]
 impl<S: Vector> RimScan<S> {
     /// No wheel yet.
-    #[inline(always)]
     pub fn empty(simd: S, reaches: Mask<S>) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         let none = WheelGap { gap: zero, at: [zero; 2], slope: [zero; 2], clear: zero };
@@ -171,7 +171,6 @@ impl<S: Vector> RimScan<S> {
     }
 
     /// Adds a wheel: its row `d gap / d state`, with what is missing on its right, if it is one that touches.
-    #[inline(always)]
     #[allow(clippy::too_many_arguments)] // three callers, which name them
     pub fn add(
         &mut self,
@@ -201,15 +200,14 @@ impl<S: Vector> RimScan<S> {
     }
 }
 
+#[inline_always]
 impl<S: Vector> StateLanes<S> {
     /// The chain at these states.
-    #[inline(always)]
     pub fn poses<'a>(&self, simd: S, chain: &'a Chain) -> LinkPoses<'a, S> {
         LinkPoses::new(simd, chain, &ChainAngles::of_state(simd, self.yaw, &self.state, self.steering.as_ref()))
     }
 
     /// The circles of a wheel, in columns, rows and metres.
-    #[inline(always)]
     fn rims(&self, simd: S, site: &Site<'_>, wheel: usize, at: &WheelPose<S>, per_metre: [Lanes<S>; 2]) -> RimLanes<S> {
         let radius = Lanes::splat(simd, site.chain.wheels()[wheel].radius);
         let scale = [radius * per_metre[0], radius * per_metre[1], radius];

@@ -76,8 +76,8 @@ pub(super) struct Arc<S: Vector> {
     pub is_convex: Mask<S>,
 }
 
+#[inline_always]
 impl<'a, S: Vector> Search<'a, S> {
-    #[inline(always)]
     pub(super) fn new(simd: S, ground: &'a Terrain, rims: &'a RimLanes<S>, interval: &'a AngleInterval<S>) -> Self {
         let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let mut size = [zero; 3];
@@ -94,13 +94,11 @@ impl<'a, S: Vector> Search<'a, S> {
         Self { simd, ground, rims, interval, size, lines }
     }
 
-    #[inline(always)]
     pub(super) fn all(&self, value: f64) -> Lanes<S> {
         Lanes::splat(self.simd, value)
     }
 
     /// The cell ahead of a point and the directions in which the rim goes from there.
-    #[inline(always)]
     pub(super) fn cell_at(&self, at: &Point<S>) -> [[Lanes<S>; 2]; 2] {
         let (zero, unit) = (self.all(0.0), self.all(1.0));
         let cell = both!(k, floor(self.simd, self.rims.centre[k] + at.spoke[k]));
@@ -114,7 +112,6 @@ impl<'a, S: Vector> Search<'a, S> {
     }
 
     /// A line of the grid that a rim crosses next: sine and cosine there, and whether it only turns back before it.
-    #[inline(always)]
     pub(super) fn crossing(&self, axis: usize, walk: &Walk<S>) -> (Lanes<S>, Lanes<S>, Mask<S>) {
         let (zero, one) = (self.all(0.0), self.all(1.0));
         let (sign, [inverse, p, q]) = (walk.sign[axis], self.lines[axis]);
@@ -129,7 +126,6 @@ impl<'a, S: Vector> Search<'a, S> {
     }
 
     /// The end of the next arc: the next line of the grid, half a radian on, the limit, or the end of the interval.
-    #[inline(always)]
     pub(super) fn next_end(&self, walk: &Walk<S>, halves: bool) -> NextEnd<S> {
         let start = &walk.start;
         let [x, y] = both!(k, self.crossing(k, walk));
@@ -155,7 +151,6 @@ impl<'a, S: Vector> Search<'a, S> {
     }
 
     /// Bounds of the gap along an arc, `turn` the sine of its length.
-    #[inline(always)]
     pub(super) fn arc(
         &self,
         cell: &Cells<S>,

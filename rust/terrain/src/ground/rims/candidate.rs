@@ -28,9 +28,9 @@ pub(crate) struct Candidate<S: Vector> {
     pub row: Lanes<S>,
 }
 
+#[inline_always]
 impl<S: Vector> Candidate<S> {
     /// No arc.
-    #[inline(always)]
     pub fn none(simd: S) -> Self {
         let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         Self {
@@ -45,7 +45,6 @@ impl<S: Vector> Candidate<S> {
     }
 
     /// `yes` where true, `no` elsewhere.
-    #[inline(always)]
     pub fn pick(mask: Mask<S>, yes: &Self, no: &Self) -> Self {
         Self {
             bound: mask.select(yes.bound, no.bound),
@@ -59,7 +58,6 @@ impl<S: Vector> Candidate<S> {
     }
 
     /// The minimum inside, by Chebyshev's method (Newton's, of third order) inside its bracket.
-    #[inline(always)]
     pub fn minimum(&self, simd: S, ground: &Terrain, rims: &RimLanes<S>) -> (Point<S>, GapDerivatives<S>) {
         let (zero, unit, half) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.5));
         let cell = cells(simd, ground, self.column, self.row);

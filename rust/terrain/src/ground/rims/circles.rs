@@ -142,9 +142,9 @@ impl<S: Vector> Point<S> {
     }
 }
 
+#[inline_always]
 impl<S: Vector> RimLanes<S> {
     /// The circles from this one on, as many as there are lanes; the last of all again where there are fewer.
-    #[inline(always)]
     pub(crate) fn load(simd: S, circles: &[WheelCircle; RIMS], first: usize) -> Self {
         let mut columns = [[0.0; RIMS]; 9];
         for lane in 0..S::F64_LANES {
@@ -166,7 +166,6 @@ impl<S: Vector> RimLanes<S> {
     }
 
     /// Turns the circles over: the upper halves become the lower ones.
-    #[inline(always)]
     pub(crate) fn turn_over(&mut self) {
         for k in 0..3 {
             self.forward[k] = -self.forward[k];
@@ -175,7 +174,6 @@ impl<S: Vector> RimLanes<S> {
     }
 
     /// Point of every rim at this sine and cosine of its contact angle.
-    #[inline(always)]
     pub(crate) fn point(&self, sin: Lanes<S>, cos: Lanes<S>) -> Point<S> {
         let [mut spoke, mut tangent] = [self.centre; 2];
         for k in 0..3 {
@@ -186,7 +184,6 @@ impl<S: Vector> RimLanes<S> {
     }
 
     /// The gap over a cell whose lowest corner is so far from the centre.
-    #[inline(always)]
     pub(crate) fn derivatives(&self, cell: &Cells<S>, from: [Lanes<S>; 2], at: &Point<S>) -> GapDerivatives<S> {
         let (a, b) = (from[0] + at.spoke[0], from[1] + at.spoke[1]);
         let across = cell.twist.mul_add(a, cell.across);

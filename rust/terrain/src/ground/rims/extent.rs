@@ -45,13 +45,13 @@ pub(crate) enum Extent {
     Both,
 }
 
+#[inline_always]
 impl Extent {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Sampled, Self::Whole, Self::Near, Self::Both];
 
     /// Sine and cosine of half the angle to search, where it does not depend on the rim: `reach` is that of
     /// [`Self::Near`] [rad].
-    #[inline(always)]
     pub fn half_width<S: Vector>(self, simd: S, reach: Lanes<S>) -> Option<Turned<S>> {
         match self {
             Self::Whole | Self::Both => None,
@@ -62,7 +62,6 @@ impl Extent {
 
     /// The least gap along this part of the rims, the last contacts at these sines and cosines. Also true in the lanes where
     /// nothing that is left out matters.
-    #[inline(always)]
     pub fn search<S: Vector>(
         self,
         simd: S,

@@ -53,9 +53,9 @@ pub(crate) struct GapMinimum<S: Vector> {
     pub outside: Mask<S>,
 }
 
+#[inline_always]
 impl<S: Vector> GapMinimum<S> {
     /// No gap, over ground that is known.
-    #[inline(always)]
     pub fn none(simd: S) -> Self {
         let (zero, unit, far) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0), Lanes::splat(simd, FAR));
         let at = [zero, unit];
@@ -73,7 +73,6 @@ impl<S: Vector> GapMinimum<S> {
     }
 
     /// `yes` where true, `no` elsewhere.
-    #[inline(always)]
     pub(super) fn pick(mask: Mask<S>, yes: &Self, no: &Self) -> Self {
         Self {
             gap: mask.select(yes.gap, no.gap),
@@ -89,7 +88,6 @@ impl<S: Vector> GapMinimum<S> {
     }
 
     /// Takes in a minimum; of an open interval, where the next best one is does not matter.
-    #[inline(always)]
     pub(super) fn offer(
         &mut self,
         is_closed: bool,

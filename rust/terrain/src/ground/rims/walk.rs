@@ -53,9 +53,9 @@ pub(crate) fn find_min_gap<S: Vector>(
     found
 }
 
+#[inline_always]
 impl<S: Vector> Search<'_, S> {
     /// The end of known ground before an arc: of a closed interval the gap is taken to fall towards it, of an open one to rise.
-    #[inline(always)]
     fn edge(&self) -> ArcEnd<S> {
         let zero = self.all(0.0);
         let rise = if self.interval.is_closed { f64::NEG_INFINITY } else { f64::INFINITY };
@@ -63,7 +63,6 @@ impl<S: Vector> Search<'_, S> {
     }
 
     /// Walks from one end of the interval to the other.
-    #[inline(always)]
     fn walk(&self, ceiling: Lanes<S>, halves: bool) -> GapMinimum<S> {
         let (zero, unit, far) = (self.all(0.0), self.all(1.0), self.all(FAR));
         let start = self.rims.point(self.interval.start[0], self.interval.start[1]);
@@ -108,7 +107,6 @@ impl<S: Vector> Search<'_, S> {
     }
 
     /// One arc of every rim; the gap where it begins, [`FAR`] over unknown ground.
-    #[inline(always)]
     fn step(&self, walk: &mut Walk<S>, halves: bool) -> Lanes<S> {
         let (simd, rims) = (self.simd, self.rims);
         let cell = cells(simd, self.ground, walk.cell[0], walk.cell[1]);
@@ -159,7 +157,6 @@ impl<S: Vector> Search<'_, S> {
 
     /// Keeps a convex arc at whose ends the gap falls inwards, if it may hold the least gap: the two lowest are looked at in the
     /// end, others at once if arcs are halved.
-    #[inline(always)]
     fn keep_candidate(&self, walk: &mut Walk<S>, arc: &Arc<S>, mask: Mask<S>, halves: bool) {
         let (zero, unit, far) = (self.all(0.0), self.all(1.0), self.all(FAR));
         let Arc { left, right, .. } = arc;
@@ -198,7 +195,6 @@ impl<S: Vector> Search<'_, S> {
     }
 
     /// Takes in the minimum of a candidate that may be the least.
-    #[inline(always)]
     fn polish(&self, walk: &mut Walk<S>, candidate: &Candidate<S>) {
         // Where there is no candidate there is no arc either, however far the least gap is.
         let wanted = candidate.bound.lt(self.all(FAR)) & candidate.bound.le(walk.ceiling + self.interval.margin);
@@ -211,7 +207,6 @@ impl<S: Vector> Search<'_, S> {
     }
 
     /// Takes in the crease between the last arc and this one, if the gap falls towards it from both sides.
-    #[inline(always)]
     fn keep_crease(&self, walk: &mut Walk<S>, arc: &Arc<S>, mask: Mask<S>) {
         let (zero, unit) = (self.all(0.0), self.all(1.0));
         let (rise, slope) = (walk.before.rise, walk.before.slope);
@@ -226,7 +221,6 @@ impl<S: Vector> Search<'_, S> {
     }
 
     /// Notes unknown ground, and takes in the point where it begins, if the gap falls towards it.
-    #[inline(always)]
     fn leave_known_ground(&self, walk: &mut Walk<S>, mask: Mask<S>) {
         let (zero, cell, before) = (self.all(0.0), walk.cell, walk.before);
         let [rows, columns] = self.ground.shape();
@@ -254,7 +248,6 @@ impl<S: Vector> Search<'_, S> {
     }
 
     /// Begins an arc again: up to its middle, or from the cell that is just ahead where rounding had led astray.
-    #[inline(always)]
     fn retry(&self, walk: &mut Walk<S>, next: &mut NextEnd<S>, halved: Mask<S>, strays: Mask<S>) {
         walk.limit = [self.all(2.0), self.all(0.0)];
         let again = halved | strays;
@@ -277,7 +270,6 @@ impl<S: Vector> Search<'_, S> {
     }
 
     /// Goes on to the next arc.
-    #[inline(always)]
     fn advance(&self, walk: &mut Walk<S>, next: &NextEnd<S>, real: Mask<S>, arc: &Arc<S>) {
         let before = walk.before;
         walk.before = ArcEnd {

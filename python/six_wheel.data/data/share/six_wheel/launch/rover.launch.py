@@ -6,12 +6,12 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 ARGUMENTS = {
-    "rover": "parameter file, URDF or name of a preset",
+    "rover": "parameter file, URDF or name of a preset; without it the topic robot_description says it",
     "namespace": "before every relative topic, service and the node's name",
     "use_sim_time": "true: times are those of /clock",
     "record": "an .mcap file of all that comes in and goes out",
 }
-DEFAULTS = {"namespace": "", "use_sim_time": "false", "record": ""}
+DEFAULTS = {"rover": "", "namespace": "", "use_sim_time": "false", "record": ""}
 
 
 def node(context: LaunchContext) -> list[Node]:
@@ -25,7 +25,7 @@ def node(context: LaunchContext) -> list[Node]:
             package="six_wheel",
             executable="node",
             namespace=given["namespace"],
-            arguments=[given["rover"]],
+            arguments=[given["rover"]] if given["rover"] else [],
             parameters=[parameters],
             output="screen",
         )
@@ -35,7 +35,7 @@ def node(context: LaunchContext) -> list[Node]:
 def generate_launch_description() -> LaunchDescription:
     """Declare the arguments and start the node."""
     declared = [
-        DeclareLaunchArgument(name, description=text, default_value=DEFAULTS.get(name))
+        DeclareLaunchArgument(name, description=text, default_value=DEFAULTS[name])
         for name, text in ARGUMENTS.items()
     ]
     return LaunchDescription([*declared, OpaqueFunction(function=node)])

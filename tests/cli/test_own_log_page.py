@@ -1,0 +1,44 @@
+"""The page from raw counts to a calibrated path: its commands are typed, and print what it says they do."""
+
+import doctest
+import re
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("pyarrow")
+pytest.importorskip("scipy")
+pytest.importorskip("rich")
+
+from tests.cli_runs import Run
+
+PAGE = Path(__file__).parents[2] / "docs" / "tutorials" / "own_log.md"
+
+
+def joined(text: str) -> list[str]:
+    """Lines with those that go on in the next one put together, every space once."""
+    whole = re.sub(r"\\\n\s*", "", text)
+    return [" ".join(line.split()) for line in whole.splitlines() if line.strip()]
+
+
+def test_what_the_page_types_prints_what_it_says(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = PAGE.read_text()
+    known: dict = {}
+    snippet = doctest.DocTestParser().get_doctest(page, known, str(PAGE), None, 0)
+    doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(snippet, clear_globs=False)
+    monkeypatch.chdir(snippet.globs["folder"])
+    monkeypatch.setenv("COLUMNS", "120")
+    blocks = re.findall(r"```console\n(.*?)```", page, re.DOTALL)
+    assert len(blocks) == 6
+    following = ""
+    for block in blocks:
+        command, *expected = joined(block)
+        typed = command.removeprefix("$ six-wheel ")
+        pasted = re.sub("COUNTS", "4096", following)
+        assert not following or typed == pasted or "calibrate" in typed or "true.yaml" in typed
+        words = re.findall(r'"[^"]*"|\S+', typed)
+        code, out, said = run(*(word.strip('"') for word in words))
+        assert (code, said) == (0, "")
+        printed = joined(out)
+        assert [line for line in expected if line not in printed] == []
+        following = next((each.removeprefix("next: six-wheel ") for each in printed if "next:" in each), "")
