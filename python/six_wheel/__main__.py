@@ -1,5 +1,7 @@
 """`six-wheel`, also as ``python -m six_wheel``: what must come at once, without a command line library."""
 
+import io
+import os
 import sys
 from collections.abc import Sequence
 from importlib.util import find_spec
@@ -18,12 +20,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 if all went well, 2 for input that cannot be used, 130 after Ctrl-C.
+        0 if all went well, 1 if nobody reads on, 2 for input that cannot be used, 130 after Ctrl-C.
     """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # what a terminal cannot show ends no command
     try:
-        return answer(sys.argv[1:] if arguments is None else list(arguments))
+        code = answer(sys.argv[1:] if arguments is None else list(arguments))
+        sys.stdout.flush()
+        return code
     except KeyboardInterrupt:  # while the libraries were being loaded
         return 130
+    except BrokenPipeError:  # `six-wheel check ... | head`: nobody reads on
+        drop_output()
+        return 1
+    except OSError as error:  # the standard output is a file on a full disk
+        drop_output()
+        print(f"{PROGRAM}: standard output: {error.strerror}", file=sys.stderr)
+        return 2
+
+
+def drop_output() -> None:
+    """Python has nothing more to write to the standard output at its exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def answer(arguments: list[str]) -> int:

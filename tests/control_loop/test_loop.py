@@ -295,15 +295,17 @@ def test_stamps_that_stand_still():
     assert robot.steps[-1].twist == (0.0, 0.0, 0.0)
 
 
-def test_a_counter_that_starts_over_is_followed_where_a_speed_tells():
-    text = SETTINGS.text + "odometry: {max_speed: 3.0}\n"
-    robot = Robot(Settings.of_text(text))
+@pytest.mark.parametrize(
+    ("more", "reset"), [("odometry: {max_speed: 3.0}\n", False), ("", False), ("", True)]
+)
+def test_a_counter_that_starts_over_is_followed(more, reset):
+    robot = Robot(Settings.of_text(SETTINGS.text + more))
     robot.run(600)
-    pose = robot.steps[-1].state.pose
-    robot.angles = [angle - 300.0 for angle in robot.angles]
+    before = robot.steps[-1].state.pose
+    robot.angles = [0.0 if reset else angle - 300.0 for angle in robot.angles]
     made = robot.run(3)
     assert "RESTARTED" in robot.said("odometry")
-    assert np.hypot(*(made[-1].state.pose - pose)[:2]) < 0.02
+    assert np.hypot(*(made[-1].state.pose - before)[:2]) < 0.02
 
 
 def test_limits_change_while_it_drives():

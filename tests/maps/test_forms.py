@@ -1,11 +1,11 @@
-"""Maps as they come: every form of one known ground is read right, or doubted in one line that helps."""
+"""Maps as they come: every form of one known ground is read right, or refused in one line that helps."""
 
 from collections import Counter
 from pathlib import Path
 
 import pytest
 
-from tests.maps.forms import images, others, rasters
+from tests.maps.forms import images, others, rasters, regressions
 from tests.maps.forms.ground import CLASSES, Form, classify
 
 pytest.importorskip("rasterio", reason="needs rasterio")
@@ -14,8 +14,17 @@ pytest.importorskip("rasterio", reason="needs rasterio")
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 
+def test_a_form_that_failed_once_does_not_again(tmp_path: Path) -> None:
+    for number, form in enumerate(regressions.every()):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        kind, words = classify(form, folder)
+        expected = ("right", "as proposed") if form.knowable else ("helpful",)
+        assert kind in expected, f"{form.name}: {kind}: {words}"
+
+
 def all_forms() -> list[Form]:
-    return [*images.every(), *others.every(), *rasters.rasters()]
+    return [*images.every(), *others.every(), *rasters.rasters(), *regressions.every()]
 
 
 def test_no_form_is_wrong_in_silence(tmp_path: Path) -> None:

@@ -248,6 +248,11 @@ def test_a_grid_map_of_a_bag_keeps_its_place(label: str, yaw: float, tmp_path: P
         sw.Terrain.read(path, layer="slope")
     with pytest.raises(TerrainFileError, match="has no map on /other, it has /map"):
         sw.Terrain.read(path, topic="/other")
+    with pytest.raises(
+        TerrainFileError, match="has a place of its own: leave spacing, origin and north_up out"
+    ):
+        sw.Terrain.read(path, spacing=1.0)
+    assert sw.Terrain.read(path, band="elevation") == ground
 
 
 def test_a_yard_is_its_seed() -> None:

@@ -95,7 +95,13 @@ def ended_by_signals() -> Iterator[None]:
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Run a command; whatever is wrong with its input becomes one line on stderr. Returns the exit code."""
+    """Run a command; whatever is wrong with its input becomes one line on stderr. Returns the exit code.
+
+    Raises
+    ------
+    BrokenPipeError
+        If nobody reads the standard output.
+    """
     try:
         if len(arguments) == 2 and arguments[0] in COMMANDS and arguments[1] in HELP_OPTIONS:
             # To read arguments typer loads pydantic, which takes longer than all of this.
@@ -113,11 +119,8 @@ def run(arguments: Sequence[str]) -> int:
             code = app(list(arguments), prog_name=PROGRAM, standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
         return 130
-    except (
-        BrokenPipeError
-    ):  # `six-wheel check ... | head`: nobody reads on, and Python must not flush at exit
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+    except BrokenPipeError:
+        raise
     except Exception as error:
         message = _explain(error)
         if message is None:

@@ -1,6 +1,7 @@
 """Everything a loop is told: the parameter file as text, changes to it, and options beside it."""
 
 import inspect
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 from six_wheel._core import Controller, Encoder, Noise, Odometry, Rover
 from six_wheel.control_loop.options import OPTIONS, Options
 from six_wheel.kinematics.odometry.gyroscope_errors import changed, with_readings_apart
+from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.logs.log_options import corrections, encoders_of
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import section_of
@@ -19,6 +21,7 @@ from six_wheel.robot_description.parameters.writing import dump
 
 __all__ = ["NAMES", "Settings", "read_value", "rover_keys", "with_changes"]
 
+LEAST_JUMP = 3.0  # [m/s], 6 cm at 50 Hz: a rover that is pushed, or rolls, may be faster than it drives
 NAMES = frozenset(option.name for option in OPTIONS)
 
 
@@ -120,7 +123,7 @@ class Settings:
         readings = "angles" if self.options.position_feedback else "speeds"
         if said.wheel_encoders.get("increments"):
             readings = "increments"
-        options: dict[str, Any] = dict(said.odometry) | {"dimensions": said.dimensions}
+        options: dict[str, Any] = self._jumps() | said.odometry | {"dimensions": said.dimensions}
         if self.listens and (gyroscope := said.known_gyroscope) is not None:
             if bias is not None:
                 gyroscope = changed(gyroscope, bias=bias[0], bias_noise=bias[1])
@@ -137,6 +140,13 @@ class Settings:
                 for wheel, each in known.items()
             }
         return Odometry(rover, Noise(**said.noise), readings=readings, **options)  # type: ignore[arg-type]
+
+    def _jumps(self) -> dict[str, float]:
+        """The rim speed [m/s] beyond which a counter must have started over, where the file gives none: twice
+        that of the fastest wheel's limit."""
+        fastest = limits_given(self.parameters.limits).get("wheel_speed", math.inf)
+        rim = fastest * max(wheel.radius for wheel in self.rover.wheels)
+        return {"max_speed": max(2.0 * rim, LEAST_JUMP)} if math.isfinite(rim) else {}
 
     def steering_factors(self) -> list[tuple[float, float]]:
         """For every steered wheel the factor and the offset that make its reading an angle [rad]."""

@@ -10,6 +10,7 @@ from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.rover_edit import reading_joints
 from six_wheel.logs.joints import JointRows
 from six_wheel.logs.mcap import RoverRecord
+from six_wheel.logs.mcap.writer import record_stamps
 
 __all__ = ["TrackRecord"]
 
@@ -34,11 +35,17 @@ class TrackRecord:
         self._record = RoverRecord(path, rover, "odometry", parameters)
 
     def write(self, chunk: JointRows, track: Track, covariances: Sequence[tuple[Floats, Floats]]) -> None:
-        """Append rows, with the 6 x 6 covariances of pose and twist of each."""
+        """Append rows, with the 6 x 6 covariances of pose and twist of each.
+
+        Raises
+        ------
+        RowError
+            If a time is one that a message cannot have.
+        """
         record, residuals = self._record, track.residuals
         assert residuals is not None
-        for row, seconds in enumerate(chunk.stamps.tolist()):
-            stamp = self._origin * 1_000_000_000 + round(1e9 * seconds)
+        stamps = record_stamps(chunk.stamps, chunk.rows, origin=self._origin)
+        for row, stamp in enumerate(stamps.tolist()):
             steering = [] if chunk.steering is None else chunk.steering[row].tolist()
             readings = [*steering, *chunk.wheel_angles[row].tolist()]
             joints = [sign * value for sign, value in zip(self._signs, readings, strict=True)]

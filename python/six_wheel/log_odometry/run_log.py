@@ -27,7 +27,7 @@ from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.joints import JointRows
 from six_wheel.logs.log_options import LogOptions, corrections
 from six_wheel.logs.recordings import GroundTruth
-from six_wheel.logs.tables import FORMATS, table_format
+from six_wheel.logs.tables import FORMATS, RowError, table_format
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.robot_description.parameters.writing import text_of
 
@@ -298,7 +298,10 @@ def reckon(
             if target is not None and target.suffix.lower() == RECORD and run.record is None:
                 record = TrackRecord(target, rover, text_of(rover), log.origin)
                 run.record = stack.enter_context(record)
-            columns = run.advance(chunk, known)
+            try:
+                columns = run.advance(chunk, known)
+            except RowError as error:
+                raise TableError(f"{path}: {error}") from None
             if target is not None and run.record is None:
                 if writer is None:
                     writer = stack.enter_context(TableWriter(target, run.units()))

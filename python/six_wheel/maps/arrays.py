@@ -50,9 +50,6 @@ def check_plausibility(heights: Any, spacing: Any, nodata_open: bool, unit_open:
         _check_unit(array, steps, whole)
 
 
-doubt = check_plausibility  # its name in the compiled module
-
-
 def _check_fill(values: NDArray[Any], nodata: float | None) -> None:
     values = values if values.dtype.kind == "f" else values.astype(np.float64)
     finding = find_fill(values, nodata)

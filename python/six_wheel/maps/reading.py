@@ -18,11 +18,12 @@ from six_wheel.maps.readers.sources import FIRST, Source, open_source
 if TYPE_CHECKING:
     from six_wheel.maps.readers.rasters import GridImage, Raster
 
-__all__ = ["TerrainFileError", "open_raster", "read", "read_with", "system_of"]
+__all__ = ["TerrainFileError", "describe", "open_raster", "read", "read_with"]
 
 BAGS = (".bag", ".db3", ".mcap")
 TEXTS = (".asc", ".csv", ".grd", ".txt", ".xyz", ".dat", ".tsv", ".pts", ".agr")
 YAML = (".yaml", ".yml")
+NO_SYSTEM = "of no known system, taken for metres"
 # First bytes of what GDAL reads, whatever its suffix.
 RASTERS = (
     b"DSAA",
@@ -70,16 +71,25 @@ def open_raster(path: Path, options: Options) -> "Raster | GridImage":
     return GridImage(_read_grid(source, options))
 
 
-def system_of(path: Path) -> str | None:
-    """Name of the coordinate reference system of an image; None where there is none."""
-    source = open_source(path)
-    if not _is_raster(source):
-        return None
-    from six_wheel.maps.readers.rasters import rasterio
-
-    with rasterio().open(_labelled(source).gdal) as dataset:
-        text = "" if dataset.crs is None else dataset.crs.to_wkt()
-    return text.partition('"')[2].partition('"')[0] or None
+def describe(path: Path, options: Options) -> list[tuple[str, str]]:
+    """Form, units, marks of unknown heights and coordinate system of a map, and the source of each."""
+    path, options, source = _find(path, options)
+    if _is_raster(source):
+        with _raster(source, options) as raster:
+            return raster.description
+    if _is_bag(path):
+        return [
+            ("form", "GridMap of a bag"),
+            ("unit", "1 m"),
+            ("coordinates", "of the frame of its header, in m"),
+        ]
+    reference = _reference(source)
+    unit = "1 m, taken for granted: the file has none"
+    if options.unit is not None or reference.height is not None:
+        said = "as asked" if options.unit is not None else "as its .prj says"
+        unit = f"{float(options.unit or reference.height or 1.0):g} m, {said}"
+    system = f"in units of {reference.plane:g} m by its .prj" if reference != UNKNOWN else NO_SYSTEM
+    return [("form", f"text, {source.suffix}"), ("unit", unit), ("coordinates", system)]
 
 
 def _find(path: str | PathLike[str], options: Options) -> tuple[Path, Options, Source]:
@@ -138,7 +148,7 @@ def _read_grid(source: Source, options: Options) -> Terrain:
     if _is_bag(path):
         from six_wheel.maps.readers import bags
 
-        return _made(bags.read(path, options.topic, options.layer), UNKNOWN, path, options)
+        return _made(bags.read(path, options), UNKNOWN, path, options)
     reference = _reference(source)
     return _made(grids.read(path, source.text(), options, reference), reference, path, options)
 

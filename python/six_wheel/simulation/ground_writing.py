@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from six_wheel._core import RockerBogie
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.rover_record import IMU, JOINTS, ODOMETRY, TRANSFORMS, TRUTH
+from six_wheel.logs.mcap.writer import record_stamps
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import replacing
@@ -110,7 +111,7 @@ def _write_bag(run: GroundSimulation, suspension: RockerBogie, path: Path) -> No
     with replacing(path) as place, record_of(place, planar) as writer:
         messages = Messages(writer, list(columns), (WORLD, BODY), *((BODY, name) for name in wheels))
         odometry = reckoned(run, planar)
-        for row, stamp in enumerate(np.rint(run.stamps * 1e9).astype(np.int64).tolist()):
+        for row, stamp in enumerate(record_stamps(run.stamps, np.arange(1, 1 + len(run.stamps))).tolist()):
             if not np.isfinite(places[row]).all():
                 continue  # no way to stand was found here
             there = (*places[row], *run.orientations[row])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from six_wheel._core import Odometry, Rover
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.rover_record import IMU, JOINTS, ODOMETRY, PARAMETERS, TRANSFORMS, TRUTH
-from six_wheel.logs.mcap.writer import RecordWriter
+from six_wheel.logs.mcap.writer import RecordWriter, record_stamps
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.robot_description.parameters.writing import text_of
@@ -99,7 +99,7 @@ def _write_bag(log: WheelLog, rover: Rover, path: Path) -> None:
         messages = Messages(writer, list(columns), (WORLD, BODY))
         poses = None if log.truth is None else log.truth.at(log.stamps)
         odometry = reckoned(log, rover)
-        for row, stamp in enumerate(np.rint(log.stamps * 1e9).astype(np.int64).tolist()):
+        for row, stamp in enumerate(record_stamps(log.stamps, np.arange(1, 1 + len(log.stamps))).tolist()):
             messages.write(JOINTS, stamp, rows[row])
             if poses is not None and np.isfinite(poses[row]).all():
                 there = frames.planar_pose(poses[row])

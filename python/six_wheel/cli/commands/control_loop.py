@@ -53,7 +53,7 @@ def command_filter(
 def _run(kind: Literal["node", "filter"], context: typer.Context, rover: str | None, reading: Reading) -> int:
     arguments = list(context.args)
     if rover == "--ros-args":  # there is no ROVER
-        rover, arguments = None, [rover, *arguments]
+        rover, arguments = None, ["--ros-args", *arguments]
     chosen = None if rover is None else choose(rover, reading)
     if arguments and arguments[0] != "--ros-args":
         raise ValueError(f"arguments of ROS must follow --ros-args, got {arguments[0]}")

@@ -86,7 +86,7 @@ def _draw_map(path: Path, reading: MapReading, output: Path | None) -> Path:
     import warnings
 
     from six_wheel.cli.report.map import map_facts
-    from six_wheel.maps.reading import read_with, system_of
+    from six_wheel.maps.reading import describe, read_with
     from six_wheel.plotting.ground.map import map_figure
     from six_wheel.plotting.saving import picture_path
 
@@ -95,8 +95,11 @@ def _draw_map(path: Path, reading: MapReading, output: Path | None) -> Path:
         warnings.simplefilter("always")
         ground = read_with(path, reading.options())
     warn([warning.message for warning in caught])
-    new_console().print(grid(map_facts(ground, system_of(path))))
-    return _save(map_figure(ground, title=path.name), target, [path] if path.is_file() else [])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        facts = map_facts(ground, describe(path, reading.options()))
+    new_console().print(grid(facts))
+    return _save(map_figure(ground, title=path.name, facts=facts), target, [path] if path.is_file() else [])
 
 
 def _draw_side(rover: str, reading: Reading, output: Path | None) -> Path:

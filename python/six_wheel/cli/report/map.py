@@ -9,8 +9,8 @@ from six_wheel._core import Terrain
 __all__ = ["map_facts"]
 
 
-def map_facts(ground: Terrain, system: str | None) -> list[tuple[str, str]]:
-    """Rows on a map: cells, extent, heights, slopes, what is not known, its coordinate system."""
+def map_facts(ground: Terrain, description: list[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Rows on a map: its form, cells, extent, heights, slopes, unknown cells, units and coordinate system."""
     heights = np.asarray(ground.heights)
     (rows, columns), (dx, dy), (x, y) = ground.shape, ground.spacing, ground.origin
     known = heights[~np.isnan(heights)]
@@ -20,6 +20,7 @@ def map_facts(ground: Terrain, system: str | None) -> list[tuple[str, str]]:
     slopes = slopes[~np.isnan(slopes)]
     turned = f", turned by {math.degrees(ground.yaw):.6g} degrees" if ground.yaw else ""
     facts = [
+        description[0],
         ("cells", f"{rows} x {columns} of {dx:.6g} x {dy:.6g} m, in {heights.dtype}"),
         ("extent", f"{dx * (columns - 1):.6g} m along x, {dy * (rows - 1):.6g} m along y{turned}"),
         ("first node", f"x {x:.12g}, y {y:.12g}, heights[0, 0], the southern end"),
@@ -32,5 +33,4 @@ def map_facts(ground: Terrain, system: str | None) -> list[tuple[str, str]]:
         steep = np.percentile(slopes, 99)
         facts.append(("slopes", f"median {np.median(slopes):.3g}, 99 % below {steep:.3g} degrees"))
     facts.append(("unknown", f"{share:.2%} of the cells"))
-    facts.append(("coordinates", system or "of no known system, taken as metres"))
-    return facts
+    return [*facts, *description[1:]]

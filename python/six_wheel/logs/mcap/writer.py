@@ -6,13 +6,18 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Self
 
-from six_wheel._core import __version__
+import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["FORMAT", "SETTINGS", "RecordWriter", "libraries"]
+from six_wheel._core import __version__
+from six_wheel.logs.tables import RowError
+
+__all__ = ["FORMAT", "LATEST", "SETTINGS", "RecordWriter", "libraries", "record_stamps"]
 
 INSTALL = 'pip install "six-wheel[bags]"'
 SETTINGS = "six_wheel"  # the name of the metadata
 FORMAT = "1"
+LATEST = 2**31 * 1_000_000_000  # [ns] that a stamp of ROS can say
 CHUNK = 1 << 18  # [bytes] half a second of a loop at 200 Hz: what is lost at most when the power goes
 
 
@@ -32,6 +37,32 @@ def libraries() -> Any:
         records=mcap.records,
         store=rosbags.typesys.get_typestore(rosbags.typesys.Stores.LATEST),
     )
+
+
+def record_stamps(
+    times: NDArray[Any], rows: NDArray[np.int64], *, nanoseconds: int = 1_000_000_000, origin: int = 0
+) -> NDArray[np.int64]:
+    """Times as the stamps of messages [ns].
+
+    Parameters
+    ----------
+    times : array, shape (n,)
+        In a unit of so many `nanoseconds`, counted from the second `origin`.
+    rows : array, shape (n,)
+        Their rows in the file they are from.
+
+    Raises
+    ------
+    RowError
+        If a time is one that a message cannot have.
+    """
+    stamps = times * nanoseconds + origin * 1_000_000_000
+    outside = ~((stamps >= 0) & (stamps < LATEST))
+    if outside.any():
+        k = int(outside.argmax())
+        rule = "a time in a bag must be from 0 to 2^31 seconds"
+        raise RowError(int(rows[k]), f"{rule}, got {stamps[k] / 1e9}")
+    return np.rint(times * nanoseconds).astype(np.int64) + origin * 1_000_000_000
 
 
 class RecordWriter:

@@ -385,7 +385,7 @@ class ReadingChecks:
         if not len(steps):
             return
         usual = float(np.median(steps))
-        usual = usual if usual <= 2.0 * LONG_GAP else 0.0
+        usual = usual if usual <= 1.5 * LONG_GAP else 0.0
         long = np.flatnonzero(steps > max(LONG_GAP, 10.0 * usual, self.readings.max_gap or 0.0))
         fastest = float(np.nanmax(np.abs(rates), initial=0.0))
         for place in long.tolist():

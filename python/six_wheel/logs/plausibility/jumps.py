@@ -58,10 +58,8 @@ def longest_step(values: Floats) -> float:
     for first in range(0, len(values) - 1, PIECE):
         rows = values[first : first + PIECE + 1]
         steps = rows[1:] - rows[:-1]
-        high, low = float(steps.max()), float(steps.min())
-        if math.isnan(high):
-            high, low = float(np.nanmax(steps, initial=0.0)), float(np.nanmin(steps, initial=0.0))
-        longest = max(longest, high, -low)
+        most = float(np.abs(steps, out=steps).max())
+        longest = max(longest, float(np.nanmax(steps, initial=0.0)) if math.isnan(most) else most)
     return longest
 
 

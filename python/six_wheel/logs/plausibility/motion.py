@@ -71,11 +71,12 @@ def _of_body(
     there = np.isfinite(rates[:, heard]).all(axis=1)
     if there.sum() < ENOUGH:
         return None
-    signed = rates * np.array([wheel.radius for wheel in rover.wheels])
-    middle = np.full(len(rates), np.nan)
-    middle[there] = np.median(np.abs(signed[there][:, heard]), axis=1)
-    spans = (periods[1:] + periods[:-1]) / 2.0
-    gained = np.abs(np.diff(middle)) / np.maximum(spans, STRETCH / 2.0)
+    spans = np.maximum((periods[1:] + periods[:-1]) / 2.0, STRETCH / 2.0)
+    gained = np.zeros(len(spans))
+    if float(np.nanmax(rims)) > HARDEST_START * STRETCH / 2.0:  # slower rims cannot gain so much
+        middle = np.full(len(rates), np.nan)
+        middle[there] = np.median(rims[there][:, heard], axis=1)
+        gained = np.abs(np.diff(middle)) / spans
     found = np.nan_to_num(gained) > HARDEST_START
     if found.any():
         row = int(np.argmax(found)) + 1

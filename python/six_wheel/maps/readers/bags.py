@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from six_wheel.maps.files import Grid, TerrainFileError
+from six_wheel.maps.files import Grid, Options, TerrainFileError
+from six_wheel.maps.readers.points import OTHERS
 
 __all__ = ["read"]
 
+LEVEL = 1e-3  # largest tilt of a map [rad]
 GRID_MAP = "grid_map_msgs/msg/GridMap"
 # Definitions of the messages, for bags that do not carry them (ANYbotics, grid_map_msgs; field names and
 # types).
@@ -24,18 +26,20 @@ DEFINITIONS = {
 }
 
 
-def read(path: Path, topic: str | None, layer: str | None) -> Grid:
+def read(path: Path, options: Options) -> Grid:
     """The last map of a topic.
 
     Parameters
     ----------
     path : path
         A bag of ROS 1 or ROS 2.
-    topic : str, optional
-        Which; default the only one with maps.
-    layer : str, optional
-        Which layer holds the heights; default ``elevation``, or the only one.
+    options : Options
+        `topic`, default the only one with maps; `layer` or `band` of the heights, default ``elevation`` or
+        the only one.
     """
+    if options.spacing is not None or options.origin is not None or options.north_up is not None:
+        raise TerrainFileError(f"{path} has a place of its own: leave spacing, origin and north_up out")
+    topic, layer = options.topic, options.layer or (None if options.band is None else str(options.band))
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError
         from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -49,9 +53,11 @@ def read(path: Path, topic: str | None, layer: str | None) -> Grid:
             maps = [connection for connection in bag.connections if connection.msgtype == GRID_MAP]
             topics = sorted({connection.topic for connection in maps})
             if not topics:
-                raise TerrainFileError(f"{path} must hold a {GRID_MAP}, it has none")
+                raise TerrainFileError(f"{path} must hold a {GRID_MAP}, it has {_kinds(bag.connections)}")
             if topic is None and len(topics) > 1:
-                raise TerrainFileError(f"{path} has maps on several topics, give one: {', '.join(topics)}")
+                raise TerrainFileError(
+                    f'{path} has maps on several topics, {", ".join(topics)}: topic="{topics[0]}"'
+                )
             if topic is not None and topic not in topics:
                 raise TerrainFileError(f"{path} has no map on {topic}, it has {', '.join(topics)}")
             chosen = [connection for connection in maps if connection.topic == (topic or topics[0])]
@@ -69,9 +75,12 @@ def read(path: Path, topic: str | None, layer: str | None) -> Grid:
 def _grid(path: Path, message: Any, layer: str | None) -> Grid:
     layers = list(message.layers)
     name = layer or ("elevation" if "elevation" in layers else layers[0] if len(layers) == 1 else None)
-    if name not in layers:
-        asked = f"no layer {layer}" if layer else "several layers, give one"
-        raise TerrainFileError(f"{path} has {asked}: {', '.join(layers)}")
+    if name is None or name not in layers:
+        listed = ", ".join(layers)
+        wanted = f"no layer {layer}: {listed}" if layer else f'several, {listed}: layer="{layers[0]}"'
+        raise TerrainFileError(f"{path} has {wanted}")
+    if layer is None and name.lower() in OTHERS:
+        raise TerrainFileError(f'{path} has one layer, {name}, no heights (layer="{name}" takes it)')
     data = message.data[layers.index(name)]
     shape = [dimension.size for dimension in data.layout.dim]
     cells = np.asarray(data.data, np.float32)
@@ -87,6 +96,11 @@ def _grid(path: Path, message: Any, layer: str | None) -> Grid:
     heights[np.isinf(heights)] = np.nan
     info = message.info
     q = info.pose.orientation
+    # z component of the third axis of the map: 1 where it is level.
+    if 1 - 2 * (q.x * q.x + q.y * q.y) < math.cos(LEVEL):
+        raise TerrainFileError(
+            f"{path} must hold a level map, its pose is tilted: transform it first (grid_map_ros)"
+        )
     yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
     rows, columns = heights.shape
     back = (-(columns - 1) * info.resolution / 2, -(rows - 1) * info.resolution / 2)
@@ -94,3 +108,8 @@ def _grid(path: Path, message: Any, layer: str | None) -> Grid:
     centre = info.pose.position
     origin = (centre.x + cos * back[0] - sin * back[1], centre.y + sin * back[0] + cos * back[1])
     return Grid(heights, (info.resolution, info.resolution), origin, yaw)
+
+
+def _kinds(connections: Any) -> str:
+    """Types of the messages of a bag, the first few."""
+    return ", ".join(sorted({connection.msgtype for connection in connections})[:5]) or "no messages"

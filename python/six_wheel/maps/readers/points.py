@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from six_wheel.maps.files import Grid, TerrainFileError, length
 
-__all__ = ["EAST", "NORTH", "Table", "find_columns", "lattice", "points_grid", "read_table"]
+__all__ = ["EAST", "NORTH", "OTHERS", "UP", "Table", "find_columns", "lattice", "points_grid", "read_table"]
 
 EAST = ("x", "easting", "east", "e", "column", "columns", "col", "longitude", "lon")
 NORTH = ("y", "northing", "north", "n", "row", "rows", "latitude", "lat")
@@ -28,6 +28,10 @@ UP = (
     "dsm",
     "topography",
 )
+OTHERS = (
+    "slope", "aspect", "hillshade", "shade", "roughness", "tri", "tpi", "error", "uncertainty", "variance",
+    "intensity", "confidence", "mask", "quality", "count", "red", "green", "blue", "traversability",
+)  # fmt: skip
 COMMENTS = ("#", ";", "//", "%")
 ON_LATTICE = 1e-3  # of a step
 MOST_COLUMNS = 9  # of a table of points

@@ -12,16 +12,12 @@ from six_wheel._core import Terrain
 from six_wheel.maps.files import Grid, Options, TerrainFileError, Window, length
 from six_wheel.maps.plausibility import find_fill, find_unit, is_fill, is_in_degrees
 from six_wheel.maps.readers.placement import Placement, TerrainFileWarning, apply, place
-from six_wheel.maps.readers.points import UP
+from six_wheel.maps.readers.points import OTHERS, UP
 from six_wheel.maps.readers.reference import UNKNOWN, read_reference
 from six_wheel.maps.readers.sources import Source
 
 __all__ = ["GridImage", "Raster", "TerrainFileWarning", "rasterio"]
 
-OTHERS = (
-    "slope", "aspect", "hillshade", "shade", "roughness", "tri", "tpi", "error", "uncertainty", "variance",
-    "intensity", "confidence", "mask", "quality", "count", "red", "green", "blue",
-)  # fmt: skip
 SAMPLE = 256  # rows and columns of a part that stands for the image
 COARSEST = 0.3  # cells in degrees of maps [deg]
 
@@ -253,6 +249,36 @@ class Raster:
             where = f"the map has x {left:g} to {right:g}, y {bottom:g} to {top:g}"
             raise TerrainFileError(f"{self.path}: window must overlap the map, got {window}; {where}")
         return self.grid(slice(first[1], last[1] + 1), slice(first[0], last[0] + 1))
+
+    @property
+    def description(self) -> list[tuple[str, str]]:
+        """Form, unit, marks and system, and the source of each."""
+        dataset, index = self.dataset, self.band - 1
+        name = f" {dataset.descriptions[index]}" if dataset.descriptions[index] else ""
+        form = f"{dataset.driver}, band {self.band}{name} of {dataset.count}, {dataset.dtypes[index]}"
+        factor = self.scale * self.unit
+        said = "as asked" if self.options.unit is not None else "as the file says"
+        unit = (
+            f"{factor:g} m, {said}"
+            if self.unit_known
+            else f"{factor:g} m, taken for granted: the file has none"
+        )
+        marks = [
+            str(mark)
+            for mark in (dataset.nodatavals[index], self.options.nodata, *self.marks)
+            if mark is not None
+        ]
+        mask = "a band of opacity" if self.alpha is not None else ""
+        system = "of no known system, taken for metres"
+        if self.crs is not None:
+            word = _well_known_text(self.crs).partition('"')[2].partition('"')[0]
+            system = (
+                self.crs.to_proj4().replace(" +no_defs=True", "")
+                if word.lower() in ("", "unknown", "unnamed")
+                else word
+            )
+        rows = [("form", form), ("unit", unit), ("nodata", ", ".join(filter(None, [*marks, mask])) or "none")]
+        return [*rows, ("coordinates", system)]
 
     def close(self) -> None:
         """Let go of the file."""

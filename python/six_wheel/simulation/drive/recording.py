@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Odometry
 from six_wheel.logs.mcap import RoverRecord
-from six_wheel.logs.tables import Chunk, RowError
+from six_wheel.logs.mcap.writer import LATEST, record_stamps
+from six_wheel.logs.tables import Chunk
 from six_wheel.simulation.drive.run_commands import Engine
 
 __all__ = ["DriveRecord"]
 
-LATEST = 2**31 * 1_000_000_000  # [ns] that a stamp of ROS can say
 POSE, TWIST = ("x", "y", "yaw"), ("vx", "vy", "omega")
 
 
@@ -95,14 +95,9 @@ class DriveRecord:
             record.slip(stamp, slips[row])
 
     def _stamps(self, time: NDArray[Any]) -> NDArray[np.int64]:
-        stamps = time * self._nanoseconds
-        outside = ~((stamps >= 0) & (stamps < LATEST))
-        if outside.any():
-            k = int(outside.argmax())
-            rule = "a time in a bag must be from 0 to 2^31 seconds"
-            raise RowError(self._rows + k + 1, f"{rule}, got {time[k]}")
-        self._rows += len(stamps)
-        return self._nearest(time)
+        rows = np.arange(self._rows + 1, self._rows + 1 + len(time))
+        self._rows += len(time)
+        return record_stamps(time, rows, nanoseconds=self._nanoseconds)
 
     def _nearest(self, time: NDArray[Any]) -> NDArray[np.int64]:
         stamps: NDArray[Any] = np.clip(time * self._nanoseconds, 0, LATEST - 1)
