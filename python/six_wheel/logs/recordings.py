@@ -50,13 +50,9 @@ class GroundTruth(Tabular):
         If the shapes do not fit, a number is not finite or time does not go on.
     """
 
-    stamps: Floats
-    poses: Floats
+    stamps: Floats | Any
+    poses: Floats | Any
     max_gap: float = 1.5
-
-    if TYPE_CHECKING:
-
-        def __init__(self, stamps: ArrayLike, poses: ArrayLike, max_gap: float = 1.5) -> None: ...
 
     def __post_init__(self) -> None:
         stamps = _numbers("stamps", self.stamps)
@@ -152,9 +148,9 @@ class WheelLog(Tabular):
         none of these.
     """
 
-    stamps: Floats
+    stamps: Floats | Any  # an array, made of what is given
     steering: Floats | Any  # None of a rover that does not steer
-    wheel_angles: Floats
+    wheel_angles: Floats | Any
     truth: GroundTruth | Any = None
     name: str = ""
     session: str = field(default="")
@@ -162,22 +158,6 @@ class WheelLog(Tabular):
     yaw: Floats | Any = None
     options: Mapping[str, Any] = field(default_factory=dict)
     plausibility: bool = field(default=True, repr=False)
-
-    if TYPE_CHECKING:
-
-        def __init__(
-            self,
-            stamps: ArrayLike,
-            steering: ArrayLike | None,
-            wheel_angles: ArrayLike,
-            truth: GroundTruth | ArrayLike | None = None,
-            name: str = "",
-            session: str = "",
-            yaw_rate: ArrayLike | None = None,
-            yaw: ArrayLike | None = None,
-            options: Mapping[str, Any] = ...,
-            plausibility: bool = True,
-        ) -> None: ...
 
     def __post_init__(self) -> None:
         stamps = _numbers("stamps", self.stamps)
