@@ -76,6 +76,13 @@ from six_wheel.kinematics.objects.notebooks import shown_in_notebooks
 from six_wheel.kinematics.rollout_cost import RolloutCost
 
 if TYPE_CHECKING:
+    # isort: off
+    from six_wheel import calibration as calibration, cli as cli, control_loop as control_loop
+    from six_wheel import kinematics as kinematics, log_odometry as log_odometry, logs as logs, maps as maps
+    from six_wheel import parallel as parallel, plotting as plotting, reference as reference
+    from six_wheel import robot_description as robot_description, simulation as simulation
+
+    # isort: on
     from six_wheel.calibration import calibrate
     from six_wheel.kinematics.four_axle import FourAxleState, FourAxleStep
     from six_wheel.kinematics.odometry import OdometryHealth, SlipReport, Track, Track3
@@ -83,7 +90,9 @@ if TYPE_CHECKING:
     from six_wheel.log_odometry import dead_reckon
     from six_wheel.log_odometry.evaluation import umbmark
     from six_wheel.logs import GroundTruth, WheelLog
+    from six_wheel.plotting import plot as plot
     from six_wheel.simulation import simulate
+    from six_wheel.view.opening import view as view
 
 __all__ = [
     "ArgumentTypeError",
@@ -220,26 +229,27 @@ def _as_command(name: str) -> str:
 
 shown_in_notebooks(ControllerRun, Costmap, FourAxle, Rover, SettledPose, Suspension, Terrain, TwistFit)
 
-__getattr__, __dir__ = attach(
-    __name__,
-    {
-        "calibration": ("calibrate",),
-        "cli": (),
-        "control_loop": (),
-        "kinematics": (),
-        "kinematics.four_axle": ("FourAxleState", "FourAxleStep"),
-        "kinematics.odometry": ("OdometryHealth", "SlipReport", "Track", "Track3"),
-        "kinematics.statuses": ("BoundsStatus", "FeasibilityReason", "SettleStatus", "FeasibilityLimits"),
-        "log_odometry": ("dead_reckon",),
-        "log_odometry.evaluation": ("umbmark",),
-        "logs": ("WheelLog", "GroundTruth"),
-        "maps": (),
-        "parallel": (),
-        "plotting": ("plot",),
-        "reference": (),
-        "robot_description": (),
-        "simulation": ("simulate",),
-        "view": (),
-    },
-    hint=_as_command,
-)
+if not TYPE_CHECKING:  # what is loaded when it is used has its types above
+    __getattr__, __dir__ = attach(
+        __name__,
+        {
+            "calibration": ("calibrate",),
+            "cli": (),
+            "control_loop": (),
+            "kinematics": (),
+            "kinematics.four_axle": ("FourAxleState", "FourAxleStep"),
+            "kinematics.odometry": ("OdometryHealth", "SlipReport", "Track", "Track3"),
+            "kinematics.statuses": ("BoundsStatus", "FeasibilityReason", "SettleStatus", "FeasibilityLimits"),
+            "log_odometry": ("dead_reckon",),
+            "log_odometry.evaluation": ("umbmark",),
+            "logs": ("WheelLog", "GroundTruth"),
+            "maps": (),
+            "parallel": (),
+            "plotting": ("plot",),
+            "reference": (),
+            "robot_description": (),
+            "simulation": ("simulate",),
+            "view": (),
+        },
+        hint=_as_command,
+    )

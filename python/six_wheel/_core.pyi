@@ -180,7 +180,7 @@ class TwistFit:
     @property
     def rank(self) -> int | NDArray[np.int64]: ...
     @property
-    def sigma_min(self) -> float | _Floats: ...
+    def sigma_min(self) -> Any: ...
     @property
     def weights(self) -> _Floats: ...  # (..., wheels), 0 to 1
     @property
@@ -250,7 +250,7 @@ class Profile:
     @property
     def duration(self) -> float: ...
     @property
-    def durations(self) -> float | _Floats: ...
+    def durations(self) -> Any: ...
     @property
     def peaks(self) -> Peaks: ...
     def at(self, times: ArrayLike) -> State: ...
@@ -514,7 +514,7 @@ class Rover:
     ) -> tuple[NDArray[_Real], NDArray[_Real]]: ...
     def forward(
         self,
-        steering: ArrayLike,
+        steering: ArrayLike | None,
         wheel_speeds: ArrayLike,
         *,
         steering_rates: ArrayLike | None = None,
@@ -526,7 +526,7 @@ class Rover:
     ) -> NDArray[_Real]: ...
     def fit(
         self,
-        steering: ArrayLike,
+        steering: ArrayLike | None,
         wheel_speeds: ArrayLike,
         *,
         method: _Method = "least_squares",
@@ -544,7 +544,7 @@ class Rover:
         threads: int | None = None,
     ) -> TwistJacobian: ...
     def mobility(self, steering: ArrayLike | None = None) -> Mobility: ...
-    def admissible(self, twist: ArrayLike, *, threads: int | None = None) -> bool | NDArray[np.bool_]: ...
+    def admissible(self, twist: ArrayLike, *, threads: int | None = None) -> Any: ...
     def project(
         self,
         twist: ArrayLike,
@@ -717,7 +717,7 @@ class Odometry:
         dimensions: ArrayLike | None = None,
     ) -> Odometry: ...
     @property
-    def gyroscope_bias(self) -> tuple[float, float] | None: ...
+    def gyroscope_bias(self) -> tuple[float, float] | Any: ...
     def update(
         self,
         steering: ArrayLike | None,
@@ -957,7 +957,7 @@ class SteeringCommand:
     @property
     def wheel_speeds(self) -> _Floats: ...  # (..., 6) [rad/s]
     @property
-    def turning_radius(self) -> float | _Floats: ...  # [m]
+    def turning_radius(self) -> Any: ...  # [m]
     @property
     def scrub(self) -> _Floats: ...  # (..., unsteered wheels) [m/s]
 
@@ -1015,7 +1015,7 @@ class Terrain:
         out: _Out | None = None,
         dtype: type[_Real] | None = None,
         threads: int | None = None,
-    ) -> float | NDArray[_Real]: ...
+    ) -> Any: ...
     def gradient_at(
         self,
         xy: ArrayLike,
@@ -1034,7 +1034,7 @@ class Terrain:
         dtype: type[_Real] | None = None,
         threads: int | None = None,
     ) -> NDArray[_Real]: ...
-    def contains(self, xy: ArrayLike, *, threads: int | None = None) -> bool | NDArray[np.bool_]: ...
+    def contains(self, xy: ArrayLike, *, threads: int | None = None) -> Any: ...
     def replace(self, **changes: Any) -> Terrain: ...
     def __replace__(self, **changes: Any) -> Terrain: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -1053,7 +1053,7 @@ class GroundCommand:
     @property
     def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
     @property
-    def scale(self) -> float | _Floats: ...
+    def scale(self) -> Any: ...
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> _Floats: ...
     def __iter__(self) -> Iterator[_Floats]: ...
@@ -1080,7 +1080,7 @@ class Traction:
     @property
     def lifted(self) -> NDArray[np.bool_]: ...  # (..., wheels)
     @property
-    def vertical_speed(self) -> float | _Floats: ...  # [m/s]
+    def vertical_speed(self) -> Any: ...  # [m/s]
 
 @final
 class WheelSlip:
@@ -1258,19 +1258,19 @@ class PoseBounds:
 class Feasibility:
     def __reduce__(self) -> tuple[Any, ...]: ...
     @property
-    def ok(self) -> bool | NDArray[np.bool_]: ...
+    def ok(self) -> Any: ...
     @property
     def reason(self) -> FeasibilityReason | NDArray[Any]: ...  # (...) FeasibilityReason
     @property
     def reason_codes(self) -> int | NDArray[np.uint8]: ...
     @property
-    def margin(self) -> float | _Floats: ...
+    def margin(self) -> Any: ...
     @property
-    def tilt(self) -> float | _Floats: ...  # [rad]
+    def tilt(self) -> Any: ...  # [rad]
     @property
-    def clearance(self) -> float | _Floats: ...  # [m]
+    def clearance(self) -> Any: ...  # [m]
     @property
-    def exact(self) -> bool | NDArray[np.bool_]: ...
+    def exact(self) -> Any: ...
 
 @final
 class Stability:
@@ -1278,13 +1278,13 @@ class Stability:
     @property
     def loads(self) -> _Floats: ...  # (..., wheels) [N]
     @property
-    def tip_over_angle(self) -> float | _Floats: ...  # [rad]
+    def tip_over_angle(self) -> Any: ...  # [rad]
     @property
-    def clearance(self) -> float | _Floats: ...  # [m]
+    def clearance(self) -> Any: ...  # [m]
     @property
     def joint_margins(self) -> _Floats: ...  # (..., joints) [rad]
     @property
-    def tilt(self) -> float | _Floats: ...  # [rad]
+    def tilt(self) -> Any: ...  # [rad]
     @property
     def by_pose(self) -> MarginJacobian | None: ...
     @property
@@ -1314,17 +1314,17 @@ class SettledPose:
     @property
     def suspension(self) -> Suspension: ...
     @property
-    def stands(self) -> bool | NDArray[np.bool_]: ...
+    def stands(self) -> Any: ...
     @property
     def poses(self) -> _Floats: ...  # (..., 3) [m, m, rad]
     @property
     def steering(self) -> _Floats: ...  # (..., steered) [rad]
     @property
-    def z(self) -> float | _Floats: ...  # [m]
+    def z(self) -> Any: ...  # [m]
     @property
-    def roll(self) -> float | _Floats: ...  # [rad]
+    def roll(self) -> Any: ...  # [rad]
     @property
-    def pitch(self) -> float | _Floats: ...  # [rad]
+    def pitch(self) -> Any: ...  # [rad]
     @property
     def joints(self) -> _Floats: ...  # (..., joints) [rad]
     @property
@@ -1415,7 +1415,7 @@ class RockerBogie(Suspension):
         out: _Out | None = None,
         dtype: type[_Real] | None = None,
         threads: int | None = None,
-    ) -> float | NDArray[_Real]: ...
+    ) -> Any: ...
     def steer(
         self,
         speed: ArrayLike,
@@ -1635,7 +1635,7 @@ class ControllerOutput:
     @property
     def wheel_speeds(self) -> _Floats: ...
     @property
-    def joint_errors(self) -> _Floats | None: ...
+    def joint_errors(self) -> _Floats | Any: ...
     @property
     def worst_joint(self) -> str | None: ...
     @property
@@ -1861,4 +1861,4 @@ def wrap_angle(
     out: _Out | None = None,
     dtype: type[_Real] | None = None,
     threads: int | None = None,
-) -> float | NDArray[_Real]: ...
+) -> Any: ...

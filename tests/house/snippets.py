@@ -1,4 +1,4 @@
-"""Code of the pages: every page as one Python file."""
+"""Code of the pages as files of Python: what a page types after prompts, and each program."""
 
 import re
 from pathlib import Path
@@ -9,16 +9,19 @@ BUILT = {"_build", "api"}
 PAGES = sorted(page for page in DOCS.rglob("*.md") if not BUILT & set(page.relative_to(DOCS).parts))
 
 
-def code(page: Path) -> str:
-    """Blocks of Python and what is typed after prompts, at the lines where the page has them."""
-    lines, kind = [], ""
-    for line in page.read_text(encoding="utf-8").splitlines():
+def snippets(page: Path) -> dict[str, str]:
+    """Code by file name, at the lines where the page has it. Parts of programs are left out."""
+    name = "_".join(page.relative_to(ROOT).with_suffix("").parts)
+    lines = page.read_text(encoding="utf-8").splitlines()
+    session, blocks, kind = [""] * len(lines), {}, ""
+    for number, line in enumerate(lines):
         if fence := re.match(r"```(\w*)", line):
             kind = "" if kind else fence[1] or "text"
-            lines.append("")
-        elif kind in ("pycon", "console"):
-            typed = re.match(r"(?:>>>|\.\.\.) ?(.*)", line)
-            lines.append(typed[1] if typed else "")
-        else:
-            lines.append(line if kind == "python" else "")
-    return "\n".join(lines).rstrip() + "\n"
+            start = number
+        elif kind == "python":
+            blocks.setdefault(f"{name}_{start + 1}.py", [""] * len(lines))[number] = line
+        elif kind == "pycon" and (typed := re.match(r"(?:>>>|\.\.\.) ?(.*)", line)):
+            session[number] = typed[1]
+    found = {f"{name}.py": session} if any(session) else {}
+    whole = {file: "\n".join(text).rstrip() + "\n" for file, text in (found | blocks).items()}
+    return {file: code for file, code in whole.items() if "import " in code}

@@ -78,7 +78,7 @@ class Calibration:
     chosen: tuple[str, ...] = field(default=())
     loss: str = "soft_l1"
     converged: bool = True
-    measured_noise: MeasuredNoise | None = None
+    measured_noise: MeasuredNoise | Any = None
     slips: tuple[str, ...] = ()
     gyroscope: MeasuredGyroscope | None = None
 

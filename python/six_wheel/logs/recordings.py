@@ -54,6 +54,10 @@ class GroundTruth(Tabular):
     poses: Floats
     max_gap: float = 1.5
 
+    if TYPE_CHECKING:
+
+        def __init__(self, stamps: ArrayLike, poses: ArrayLike, max_gap: float = 1.5) -> None: ...
+
     def __post_init__(self) -> None:
         stamps = _numbers("stamps", self.stamps)
         if stamps.ndim != 1 or len(stamps) < 2:
@@ -149,15 +153,31 @@ class WheelLog(Tabular):
     """
 
     stamps: Floats
-    steering: Floats | None
+    steering: Floats | Any  # None of a rover that does not steer
     wheel_angles: Floats
-    truth: GroundTruth | None = None
+    truth: GroundTruth | Any = None
     name: str = ""
     session: str = field(default="")
-    yaw_rate: Floats | None = None
-    yaw: Floats | None = None
+    yaw_rate: Floats | Any = None
+    yaw: Floats | Any = None
     options: Mapping[str, Any] = field(default_factory=dict)
     plausibility: bool = field(default=True, repr=False)
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            stamps: ArrayLike,
+            steering: ArrayLike | None,
+            wheel_angles: ArrayLike,
+            truth: GroundTruth | ArrayLike | None = None,
+            name: str = "",
+            session: str = "",
+            yaw_rate: ArrayLike | None = None,
+            yaw: ArrayLike | None = None,
+            options: Mapping[str, Any] = ...,
+            plausibility: bool = True,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         stamps = _numbers("stamps", self.stamps)
@@ -203,7 +223,7 @@ class WheelLog(Tabular):
         for number, column in enumerate(steps.T if steps.ndim == 2 else ()):
             check_increments(column, Column(f"increments of wheel {number}", ""), 0)
         angles = np.cumsum(steps, axis=0)
-        return cls(stamps, steering, angles, truth, name, session)  # type: ignore[arg-type]
+        return cls(stamps, steering, angles, truth, name, session)
 
     @classmethod
     def from_pandas(cls, frame: Any, rover: Rover, *, name: str = "", **options: Any) -> Self:

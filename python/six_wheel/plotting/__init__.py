@@ -10,7 +10,7 @@ thread and on any machine. `save` writes them as PNG, SVG or PDF.
 
 import sys
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 try:
     import matplotlib  # noqa: F401
@@ -97,6 +97,6 @@ class _Pictures(ModuleType):
         return figure(result, **options)
 
 
-plot = sys.modules[__name__]  # `six_wheel.plot`
+plot: _Pictures = cast(_Pictures, sys.modules[__name__])  # `six_wheel.plot`
 _Pictures.__call__.__qualname__ = "plot"  # as messages about its arguments call it
 sys.modules[__name__].__class__ = _Pictures

@@ -25,7 +25,7 @@ __all__ = ["GroundSimulation", "middle", "simulate_on_ground"]
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class GroundSimulation(Simulation):
     """A log of a drive over ground, with its truth and with where the rover stood all along.
 
@@ -49,14 +49,14 @@ class GroundSimulation(Simulation):
         What an IMU reports about the body's axes, with the noise of the gyroscope [rad/s].
     """
 
-    stand: SettledPose | None = None
-    wheel_speeds: Floats | None = None
-    flat_wheel_speeds: Floats | None = None
-    twists: Floats | None = None
-    joint_rates: Floats | None = None
-    slip: WheelSlip | None = None
-    orientations: Floats | None = None
-    angular_velocity: Floats | None = None
+    stand: SettledPose
+    wheel_speeds: Floats
+    flat_wheel_speeds: Floats
+    twists: Floats
+    joint_rates: Floats
+    slip: WheelSlip
+    orientations: Floats
+    angular_velocity: Floats
 
 
 def simulate_on_ground(

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Noise, Rover, integrate
 from six_wheel.kinematics.errors import ArgumentTypeError
-from six_wheel.logs.recordings import WheelLog
+from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.simulation.controlled import Controlled
 from six_wheel.simulation.course import Course
 
@@ -88,6 +88,7 @@ class Simulation(WheelLog):
         What the controller did, of a drive with a joint that sticks.
     """
 
+    truth: GroundTruth = field(kw_only=True)
     motion: Motion | None = None
     controlled: Controlled | None = None
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
-from typing import Any, TypeGuard
+from typing import Any, TypeGuard, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,7 @@ from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
-from six_wheel.simulation.on_terrain import simulate_on_ground
+from six_wheel.simulation.on_terrain import GroundSimulation, simulate_on_ground
 from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator
 from six_wheel.simulation.sensor_model import Encoders, Sensors, sample_times
 from six_wheel.simulation.sticking import Stick, drive_stuck
@@ -29,6 +29,51 @@ def _mean_rates(motion: Motion, stamps: Floats) -> Floats:
     edges = np.concatenate((stamps[:1], (stamps[1:] + stamps[:-1]) / 2.0, stamps[-1:]))
     rates: Floats = np.diff(motion.at(edges).poses[:, 2]) / np.diff(edges)
     return rates
+
+
+@overload
+def simulate(
+    rover: RockerBogie,
+    path: ArrayLike | tuple[ArrayLike, ArrayLike],
+    *,
+    ground: Terrain | None,
+    noise: Noise | None = None,
+    wheel_encoders: Encoders | None = None,
+    steering_encoders: Encoders | None = None,
+    slip: Slip | Sequence[Slip] = (),
+    gyroscope: Gyroscope | None = None,
+    rate: float = 50.0,
+    speed: float = 0.5,
+    start: ArrayLike | None = None,
+    seed: int = 0,
+    name: str = "",
+    session: str = "",
+) -> GroundSimulation: ...
+
+
+@overload
+def simulate(
+    rover: Rover,
+    path: ArrayLike | tuple[ArrayLike, ArrayLike],
+    *,
+    noise: Noise | None = None,
+    wheel_encoders: Encoders | None = None,
+    steering_encoders: Encoders | None = None,
+    slip: Slip | Sequence[Slip] = (),
+    stick: Stick | None = None,
+    limits: Limits | None = None,
+    control: Mapping[str, Any] | None = None,
+    gyroscope: Gyroscope | None = None,
+    rate: float = 50.0,
+    jitter: float = 0.0,
+    dropped: float = 0.0,
+    speed: float = 0.5,
+    start: ArrayLike | None = None,
+    truth_noise: tuple[float, float] = (0.0, 0.0),
+    seed: int = 0,
+    name: str = "",
+    session: str = "",
+) -> Simulation: ...
 
 
 @checked()

@@ -28,6 +28,6 @@ def with_truth(
     if len(truths) != len(logs):
         raise ValueError(f"truth must be given once per log, got {len(truths)} for {len(logs)}")
     return [
-        replace(log, truth=as_truth(one) if hasattr(one, "stamps") else one)  # type: ignore[arg-type]
+        replace(log, truth=as_truth(one) if hasattr(one, "stamps") else one)
         for log, one in zip(logs, truths, strict=True)
     ]

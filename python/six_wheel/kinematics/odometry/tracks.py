@@ -126,9 +126,9 @@ class Track(Tabular):
     stamps: Floats
     poses: Floats
     twists: Floats
-    covariances: Floats | None
-    residuals: Floats | None
-    weights: Floats | None
+    covariances: Floats | Any  # None where it was not asked for
+    residuals: Floats | Any  # None where it was not asked for
+    weights: Floats | Any  # None where it was not asked for
     health: NDArray[np.uint32]
 
     def __len__(self) -> int:

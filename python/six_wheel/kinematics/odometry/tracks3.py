@@ -3,7 +3,7 @@
 from __future__ import annotations  # NumPy is not loaded for its names
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from six_wheel._core import Suspension
 from six_wheel.kinematics.objects.short_text import described, few
@@ -49,8 +49,8 @@ class Track3(Tabular):
     stamps: Floats
     poses: Floats
     twists: Floats
-    covariances: Floats | None
-    slips: Floats | None
+    covariances: Floats | Any  # None where it was not asked for
+    slips: Floats | Any  # None where it was not asked for
     health: NDArray[np.uint32]
 
     def __len__(self) -> int:
@@ -74,7 +74,7 @@ class Track3(Tabular):
         return quaternions(self.attitudes)
 
     @property
-    def residuals(self) -> Floats | None:
+    def residuals(self) -> Floats | Any:
         """Speed at which each wheel's contact slid, shape (n, wheels) [m/s]; NaN in the air."""
         import numpy as np
 
