@@ -295,9 +295,7 @@ def test_stamps_that_stand_still():
     assert robot.steps[-1].twist == (0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("more", "reset"), [("odometry: {max_speed: 3.0}\n", False), ("", False), ("", True)]
-)
+@pytest.mark.parametrize(("more", "reset"), [("odometry: {max_speed: 3.0}\n", False), ("", True)])
 def test_a_counter_that_starts_over_is_followed(more, reset):
     robot = Robot(Settings.of_text(SETTINGS.text + more))
     robot.run(600)
