@@ -62,7 +62,8 @@ def record_stamps(
         k = int(outside.argmax())
         rule = "a time in a bag must be from 0 to 2^31 seconds"
         raise RowError(int(rows[k]), f"{rule}, got {stamps[k] / 1e9}")
-    return np.rint(times * nanoseconds).astype(np.int64) + origin * 1_000_000_000
+    whole: NDArray[np.int64] = np.rint(times * nanoseconds).astype(np.int64) + origin * 1_000_000_000
+    return whole
 
 
 class RecordWriter:
