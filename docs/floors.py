@@ -39,12 +39,14 @@ WORDS = {
 
 def crates() -> list[list[str]]:
     """Crates floor by floor, the lowest first: each above all that it depends on."""
-    above = {}
-    for manifest in (ROOT / "rust").glob("*/Cargo.toml"):
-        if manifest.parent.name != "fuzz":
-            needs = tomllib.loads(manifest.read_text(encoding="utf-8"))["dependencies"]
-            ours = (name.removeprefix("six-wheel-") for name in needs if name.startswith("six-wheel-"))
-            above[manifest.parent.name] = {name.replace("-", "_") for name in ours}
+    above: dict[str, set[str]] = {}
+    manifests = {path.parent.name: path for path in (ROOT / "rust").glob("*/Cargo.toml")}
+    del manifests["fuzz"]
+    for crate, manifest in manifests.items():
+        needs = tomllib.loads(manifest.read_text(encoding="utf-8"))["dependencies"]
+        above[crate] = {
+            name.removeprefix("six-wheel-").replace("-", "_") for name in needs
+        } & manifests.keys()
     sorter = TopologicalSorter(above)
     sorter.prepare()
     floors = []
