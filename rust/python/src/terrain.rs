@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::PyTypeInfo;
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 use six_wheel_terrain::terrain::{Heights, Interpolation, Sample, Terrain as Core, normal};
@@ -219,6 +220,9 @@ methods! { Terrain:
         let as_it_is = north_up.is_none() && nodata.is_none_or(is_nan) && unit.is_none_or(is_metre);
         if let Some(spacing) = spacing.filter(|_| as_it_is && is_plain(heights)) {
             let made = Self::from_arguments(heights, spacing, origin, yaw);
+            if made.as_ref().is_err_and(|error| error.is_instance_of::<PyMemoryError>(py)) {
+                return made; // heights that do not fit take long to look through
+            }
             let is_settled = nodata.is_some() && unit.is_some();
             let may_be_implausible =
                 |made: &Self| made.0.shape().contains(&3) || made.may_be_implausible() || !is_float(heights);
