@@ -19,6 +19,7 @@ from six_wheel.logs import JointLog, read_truth
 from six_wheel.logs.bags.joint_bag import JOINT_STATE
 from six_wheel.logs.bags.messages import POSES
 from six_wheel.logs.headers.columns import TableError
+from six_wheel.robot_description.parameters import dump
 from six_wheel.simulation.drive import drive
 from tests.logs.bag_messages import START, motion
 from tests.rovers import CART
@@ -324,8 +325,9 @@ def test_the_page_on_logs_shows_what_runs(tmp_path: Path, monkeypatch: pytest.Mo
     messages = states([joints(START + k * 10**9, ["left", "right"], [k, k]) for k in range(3)])
     poses = [(START + k, pose_of("geometry_msgs/msg/PoseStamped", START + k, k, 0, 0)) for k in range(2)]
     write(tmp_path / "drive_3", [*messages, *(("/mocap/pose", *pose) for pose in poses)])
+    (tmp_path / "rover.yaml").write_text(dump(CART), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    names: dict[str, Any] = {"rover": CART}
+    names: dict[str, Any] = {}
     exec(code, names)
     assert (len(names["log"]), len(names["log"].truth)) == (3, 2)
 

@@ -156,7 +156,7 @@ def test_every_height_is_answered(size, kind):
         "flat": lambda: np.ones((60, 60)),
         "step": lambda: np.where(np.arange(60) < 30, 0.0, 1.0) * np.ones((60, 1)),
     }
-    ground = sw.Terrain(made[kind]() * size, 0.1)
+    ground = sw.Terrain(made[kind]() * size, 0.1, nodata=np.nan)
     rover = ROVERS["perseverance"]
     pose = rover.settle(ground, [(3.0, 3.0, 0.3), (3.1, 2.9, 1.0)])
     rover.bounds(ground, [(3.0, 3.0, 0.3)])
@@ -178,9 +178,9 @@ def test_heights_without_digits_are_refused(height):
     heights = np.zeros((4, 5))
     heights[2, 3] = height
     with pytest.raises(ValueError, match=r"heights\[2, 3\] must be below 1e15 m, or nan where unknown, got"):
-        sw.Terrain(heights, 0.1)
+        sw.Terrain(heights, 0.1, nodata=np.nan)
     with pytest.raises(ValueError, match=r"heights\[2, 3\] must be"):
-        sw.Terrain(np.where(heights == 0, 0, 3e38).astype(np.float32), 0.1)
+        sw.Terrain(np.where(heights == 0, 0, 3e38).astype(np.float32), 0.1, nodata=np.nan)
 
 
 def test_at_a_stop_no_more_wheels_hang_than_have_to():

@@ -237,7 +237,7 @@ def seconds_of(stamps: Any) -> Any:
     if isinstance(stamps, Sequence) and len(stamps) and isinstance(stamps[0], datetime):
         stamps = as_dates(stamps)
     dtype = getattr(stamps, "dtype", None)
-    if getattr(dtype, "kind", "") not in ("m", "M"):
+    if getattr(dtype, "kind", "") not in ("m", "M") or np.ndim(stamps) == 0:
         return stamps
     times = np.asarray(stamps)
     return (times - times[:1]).astype("timedelta64[ns]").astype(np.float64) * 1e-9

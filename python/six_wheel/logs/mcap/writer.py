@@ -62,8 +62,11 @@ def record_stamps(
         k = int(outside.argmax())
         rule = "a time in a bag must be from 0 to 2^31 seconds"
         raise RowError(int(rows[k]), f"{rule}, got {stamps[k] / 1e9}")
-    whole: NDArray[np.int64] = np.rint(times * nanoseconds).astype(np.int64) + origin * 1_000_000_000
-    return whole
+    whole = times * nanoseconds
+    if whole.dtype.kind == "f":  # whole ones stay exact: a double has no digit for nanoseconds since 1970
+        whole = np.rint(whole)
+    exact: NDArray[np.int64] = whole.astype(np.int64) + origin * 1_000_000_000
+    return exact
 
 
 class RecordWriter:
