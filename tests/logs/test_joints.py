@@ -148,7 +148,7 @@ def test_columns_may_be_renamed(tmp_path: Path) -> None:
 STEPS = st.lists(st.integers(-30_000, 30_000), min_size=2, max_size=30)
 
 
-@pytest.mark.filterwarnings("ignore:.*no wheel turns:six_wheel.SuspiciousReadingsWarning")
+@pytest.mark.filterwarnings("ignore:.*no wheel turns:six_wheel.kinematics.errors.SuspiciousReadingsWarning")
 @given(
     steps=STEPS, bits=st.sampled_from([16, 32]), offset=st.integers(0, 1 << 32), chunk_rows=st.integers(1, 40)
 )
