@@ -170,6 +170,7 @@ def test_counters_that_wrap_and_counts_per_row_are_the_same_angle(
             "columns": {column: "left [ticks]"},
             "wheel_encoders": encoder,
             "increments": column == "c",
+            "stamp_unit": "s",
         }
         rows = rows_of(path, chunk_rows=chunk_rows, **options)
         turned = rows.wheel_angles[:, 0] - rows.wheel_angles[0, 0]
