@@ -90,7 +90,8 @@ def test_every_link_inside_leads_somewhere(pages: dict[Path, Page]) -> None:
 
 
 def test_nothing_is_loaded_from_elsewhere(pages: dict[Path, Page], site: Path) -> None:
-    assert [link for page in pages.values() for link in page.loaded if outside(link)] == []
+    loaded = {link for page in pages.values() for link in page.loaded if not link.startswith("data:")}
+    assert [link for link in loaded if outside(link)] == []
     styles = "".join(path.read_text(encoding="utf-8") for path in site.rglob("*.css"))
     assert re.findall(r"(?:@import|url\()\s*['\"]?(?:https?:)?//[^)]*", styles) == []
 
@@ -186,15 +187,7 @@ def browsed(page: Path, folder: Path, width: int, *options: str) -> subprocess.C
     return subprocess.run(command, capture_output=True, text=True, timeout=120)
 
 
-SHOWN = (
-    "index",
-    "start",
-    "tutorials/wheels",
-    "howto/view",
-    "reference/cli",
-    "reference/api/six_wheel.Rover",
-    "search",
-)
+SHOWN = ("index", "start", "tutorials/wheels", "reference/cli", "reference/api/six_wheel.Rover", "search")
 
 
 @pytest.mark.parametrize("name", SHOWN)
