@@ -137,7 +137,8 @@ def test_every_member_of_a_class_has_an_anchor(site: Path) -> None:
         if not isinstance(member, type) or member in places:
             continue
         places.add(member)
-        own = {*vars(member), *vars(member).get("__annotations__", ())}
+        annotated = vars(member).get("__annotations__", ())  # a narrower type is on the page of the base
+        own = {*vars(member), *(name for name in annotated if not hasattr(member.__base__, name))}
         missing += [f"{owner}.{name}" for name in own if name[0] != "_" and f"{owner}.{name}" not in names]
     assert missing == []
     assert len(places) > 100
