@@ -33,7 +33,7 @@ def said_of(call: Callable[[], Sequence[str]]) -> list[str]:
 
 
 def doubts(run: Path, folder: Path) -> list[str]:
-    """What is said of a run in memory and in two tables, as totals in radians and as whole counts."""
+    """Remarks on a run in memory and in two tables, as totals in radians and as whole counts."""
     rover = optiodom.read_rover(run)
     log = optiodom.read(run).in_radians(rover)
     counts = np.rint(log.wheel_angles * TICKS / (2.0 * np.pi))

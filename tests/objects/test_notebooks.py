@@ -1,4 +1,4 @@
-"""What a notebook shows of objects: text always, a picture where matplotlib is, never an error."""
+"""Objects in a notebook: text always, a picture where matplotlib is, never an error."""
 
 import pickle
 import subprocess

@@ -78,7 +78,7 @@ class LogReading(NamedTuple):
     truth_topic: Annotated[str | None, typer.Option(help="Topic of a bag with the truth.")] = None
 
     def arguments(self) -> str:
-        """What was given, as it is typed."""
+        """The options that were given, as they are typed."""
         words = []
         for name, value in self._asdict().items():
             if value == self._field_defaults[name]:

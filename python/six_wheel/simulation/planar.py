@@ -89,7 +89,7 @@ class Simulation(WheelLog):
     """
 
     truth: GroundTruth = field(kw_only=True)
-    """Where it truly was, at the times of the rows."""
+    """The true poses at the times of the rows."""
     motion: Motion | None = None
     controlled: Controlled | None = None
 

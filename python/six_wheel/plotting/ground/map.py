@@ -58,7 +58,7 @@ def map_figure(ground: Terrain, *, title: str = "", facts: Sequence[tuple[str, s
     for axes, name in ((left, "relief, light from the north-west"), (right, "slope")):
         axes.set(xlabel="x [m]", facecolor=UNKNOWN)
         axes.set_title(name, fontsize="medium")
-        axes.ticklabel_format(useOffset=False, style="plain")
+        axes.ticklabel_format(useOffset=False, scilimits=(-9, 9))  # places as the map has them
         axes.xaxis.set_major_locator(MaxNLocator(3))
         axes.yaxis.set_major_locator(MaxNLocator(5))
     left.set_ylabel("y along the rows' normal [m]" if ground.yaw else "y [m]")
