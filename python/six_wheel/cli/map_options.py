@@ -63,7 +63,7 @@ class MapReading(NamedTuple):
         )
 
     def ground(self, name: str | None) -> "Terrain | str | None":
-        """The ground that `name` stands for: a map by these options, or the name itself where none is given."""
+        """The ground that `name` stands for: a map by these options; the name itself where none is given."""
         if not self.given():
             return name
         if name in (None, "yard", "flat"):
