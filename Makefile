@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 ROS := .venv-ros
 BIN := $(VENV)/bin
+CORES := $(shell $(PYTHON) -c "import os; print(os.cpu_count())")
 SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv' -o -path '*.data/*' -type f) Cargo.toml Cargo.lock pyproject.toml \
 	$(wildcard rust/*/Cargo.toml)
 
@@ -50,7 +51,7 @@ test-rust:
 	cargo test --workspace --locked
 
 test-python: $(VENV)/installed
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
 
 # Where rclpy cannot be had the reason is in $(ROS)/without, and there is nothing to test.
 test-ros: $(ROS)/installed ## the nodes as processes, with rclpy from the package index in an environment of its own
@@ -80,11 +81,12 @@ test-versions: $(VENV)/installed ## the boundary with the oldest NumPy, and with
 	for python in $(PYTHONS); do $$python --version > /dev/null 2>&1 || { echo "$$python: not on this machine, skipped"; continue; }; \
 		for numpy in "$(OLDEST)" numpy; do home=target/versions/$$python-$${numpy%%=*}-$${#numpy}; \
 		test -x $$home/bin/python || $$python -m venv $$home; \
-		$$home/bin/python -m pip install --quiet --only-binary :all: "$$numpy" pytest hypothesis \
+		$$home/bin/python -m pip install --quiet --only-binary :all: "$$numpy" pytest pytest-xdist hypothesis \
 			|| { echo "$$python: no wheel of $$numpy, skipped"; continue; }; \
 		$$home/bin/python -m pip install --quiet --no-deps --force-reinstall $(VENV)/wheels/*.whl \
 			&& $$home/bin/python -c "import sys, numpy; print(sys.version.split()[0], 'NumPy', numpy.__version__)" \
-			&& $$home/bin/python -m pytest -q -p no:cacheprovider -o addopts= $(BOUNDARY) || exit 1; done; done
+			&& $$home/bin/python -m pytest -q -n $(CORES) --dist loadfile -p no:cacheprovider -o addopts= $(BOUNDARY) \
+			|| exit 1; done; done
 
 soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many cases; prints the worst ones
 	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED) -s -q
