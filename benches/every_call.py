@@ -29,6 +29,7 @@ BATCH = re.compile(r"shape \((\.\.\.|n\b|m\b)")
 NO_BATCH = {
     "Rover.omni": "positions of wheels",
     "Rover.swerve": "positions of wheels",
+    "evaluate": "two paths, their stamps matched",
     "simulate": "one log, made sample by sample",
     "umbmark": "two runs of a square",
     "body_slip": "the components of one motion",
@@ -184,12 +185,12 @@ def others(few):
         table.append(Row(call, "", function, arguments, {}, rows))
 
     bogie = sw.RockerBogie.preset("open_source_rover")
-    rocker, bogies = random.uniform(-0.2, 0.2, few), random.uniform(-0.2, 0.2, (few, 2))
-    add("RockerBogie.frames", bogie.frames, rocker, bogies)
-    add("RockerBogie.icr_offset", bogie.icr_offset, rocker, bogies)
-    add("RockerBogie.jacobians", bogie.jacobians, rocker, bogies)
+    joints = random.uniform(-0.2, 0.2, (few, 3))
+    add("RockerBogie.frames", bogie.frames, joints)
+    add("RockerBogie.icr_offset", bogie.icr_offset, joints)
+    add("RockerBogie.jacobians", bogie.jacobians, joints)
     speed, yaw_rate = np.full(few, 0.1), random.uniform(-0.05, 0.05, few)
-    add("RockerBogie.steer", bogie.steer, speed, yaw_rate, rocker, bogies)
+    add("RockerBogie.steer", bogie.steer, speed, yaw_rate, joints)
     yard = sw.Terrain.yard((12.0, 12.0), 0.1, cover=0.1, seed=1)
     stands = random.uniform([3.0, 3.0, -3.0], [9.0, 9.0, 3.0], (few, 3))
     add("RockerBogie.bounds", bogie.bounds, yard, stands)
@@ -215,7 +216,7 @@ def others(few):
     add("Suspension.forward", bogie.forward, stand, turns, rates)
     add("Suspension.inverse", bogie.inverse, stand, np.stack([speed, yaw_rate], axis=-1))
     add("Suspension.slip", bogie.slip, stand, rates, moved.twist, moved.joint_rates)
-    still, joints = np.zeros((few, 3)), np.column_stack([rocker, bogies])
+    still = np.zeros((few, 3))
     add("Suspension.traction", bogie.traction, speed, yaw_rate, still, joints, still)
     readings = turns, 0.02 * np.cumsum(rates, axis=0), stamps
     by_joints = {"joints": joints / 10.0, "attitude": np.zeros((few, 2))}

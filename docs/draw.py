@@ -35,13 +35,13 @@ from six_wheel.calibration.files import calibrate_files
 from six_wheel.cli.demo import drive_yard, figures
 from six_wheel.cli.demo.motion import ROVERS, drive_path, load_path
 from six_wheel.cli.report.calibration import before_and_after
-from six_wheel.log_odometry import Settings, reckon
+from six_wheel.log_odometry import ReckonSettings, reckon
 from six_wheel.logs import Chunk, optiodom
 from six_wheel.logs.detect_reader import example_run
 from six_wheel.logs.headers.columns import TIME
 from six_wheel.plotting.drawing import new_figure
 from six_wheel.plotting.log_odometry import draw_key, draw_path
-from six_wheel.simulation.drive import ControlledDrive, Loop
+from six_wheel.simulation.drive import ControlledDrive, DriveLoop
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
@@ -60,7 +60,7 @@ COLOURS = 160  # few, so that the files stay small
 
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
 RING = [math.radians(angle) for angle in (60.0, 180.0, 300.0)]
-ON_A_ROCK = RockerBogie.preset("rocky7").planar(0.3, (0.2, -0.4))
+ON_A_ROCK = RockerBogie.preset("rocky7").planar((0.3, 0.2, -0.4))
 
 VEHICLES = {
     "six_wheel": (
@@ -151,20 +151,20 @@ def calibration() -> Figure:
 
 
 def honesty() -> Figure:
-    """One run as a tape and a data sheet have it, with a guess, and with what calibration found."""
+    """One run as a tape and a data sheet have it, with the typical noise, and with what calibration found."""
     run = example_run()
     nominal, result = optiodom.read_rover(run), calibrate_files(optiodom.read_rover(run), [run]).result
     figure = new_figure(11.0, 4.6)
     for number, (title, rover, noise) in enumerate(
         (
             ("dishonest: nominal, noise of readings alone", nominal, Noise(speed=0.01, steering=0.009)),
-            ("honest: nominal, a guess", nominal, Noise()),
+            ("honest: nominal, the typical noise", nominal, Noise()),
             ("honest and useful: calibrated, measured", result.rover, result.noise),
         ),
         1,
     ):
         axes = figure.add_subplot(1, 3, number)
-        draw_path(axes, reckon(rover, run, settings=Settings(noise)))
+        draw_path(axes, reckon(rover, run, settings=ReckonSettings(noise)))
         axes.set_title(title, loc="left", fontsize=9, color=plot.drawing.SOFT)
     draw_key(figure, axes)
     return figure
@@ -181,7 +181,7 @@ def driven() -> Figure:
     twists = np.zeros((len(times), 3))
     twists[:, 0] = np.select([times < 7.0, times < 9.4], [1.0, 0.3])
     twists[:, 2] = np.select([times < 2.0, times < 5.0, times < 7.0, times < 9.4], [0.0, 0.5, 0.0, -0.4])
-    engine = ControlledDrive(rover, TIME.units[0], Loop(bounds))
+    engine = ControlledDrive(rover, TIME.units[0], DriveLoop(bounds))
     rows = [*engine.blocks(Chunk(1, times, twists)), *engine.end()]
     assert rows
     shares = engine.summary.shares

@@ -17,7 +17,7 @@ from six_wheel import Limits, Rover
 from six_wheel.logs.mcap import Record
 from six_wheel.logs.mcap import rover_record as topics
 from six_wheel.logs.mcap.layouts import foxglove
-from six_wheel.simulation.drive import Loop, drive
+from six_wheel.simulation.drive import DriveLoop, drive
 
 NOTHING = 1e-9  # [m/s] slip that is rounding
 MARGIN = (0.035, 0.012, 0.03, 0.035)  # left, right, bottom, top of a panel, in figures
@@ -33,7 +33,7 @@ def foxglove_figure() -> Figure:
         rows = np.column_stack([times, 0.5 * (times < 34.0), turning])
         np.savetxt(table, rows, delimiter=",", header="time,vx,omega", comments="")
         limits = Limits(speed=0.4, acceleration=0.2, steering_rate=0.3, wheel_speed=1.6)
-        drive(rover, table, path, loop=Loop(limits))
+        drive(rover, table, path, loop=DriveLoop(limits))
         record = Record(path)
         seen: dict[str, list[tuple[float, Any]]] = {}
         for message in record.messages():

@@ -40,8 +40,8 @@ def cost(found: sw.RolloutCost, place: int) -> np.ndarray:
     ahead = place + (np.arange(1, STEPS + 1) * SPEED * DT / 0.01).astype(int)
     wanted = path[np.minimum(ahead, len(path) - 1), :2]
     missed = np.hypot(*np.moveaxis(found.poses[:, 1:, :2] - wanted, -1, 0)).mean(axis=1)
-    over = np.maximum(found.wheel_speed - 6.0, 0.0) + np.maximum(found.steering_rate - 1.5, 0.0)
-    return missed + 0.1 * over + 10.0 * found.scrub
+    over = np.maximum(found.max_wheel_speed - 6.0, 0.0) + np.maximum(found.max_steering_rate - 1.5, 0.0)
+    return missed + 0.1 * over + 10.0 * found.max_side_slip
 
 
 pose, plan = path[0].copy(), np.tile([SPEED, 0.0, 0.0], (STEPS, 1))

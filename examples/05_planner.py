@@ -87,7 +87,7 @@ def drive(world: World, seed: int = 0, cycles: int = 600) -> Driven:
     planner = sw.Mppi(
         rover, limits, horizon=40, dt=DT, samples=1000, seed=seed, footprint=footprint, temperature=0.3,
         dtype="float32",
-        weights={"map": 5.0, "path": 4.0, "heading": 2.0, "progress": 6.0, "goal": 0.2, "terminal": 0},
+        cost_weights={"map": 5.0, "path": 4.0, "heading": 2.0, "progress": 6.0, "goal": 0.2, "terminal": 0},
     )  # fmt: skip
     costmap = world.costmap()
     pose, twist, steering = np.array(world.start), np.zeros(3), np.zeros(4)

@@ -9,7 +9,8 @@ Axes: x forward, y left, angles counter-clockwise (REP 103). Units: metres, seco
 """
 
 from os import PathLike
-from typing import TYPE_CHECKING
+from os.path import exists
+from typing import TYPE_CHECKING, Any
 
 from six_wheel._core import (
     BodySlip,
@@ -61,7 +62,7 @@ from six_wheel._core import (
     simd_levels,
     wrap_angle,
 )
-from six_wheel.kinematics import profiles
+from six_wheel.kinematics import config, profiles, se2
 from six_wheel.kinematics.controller import Reason
 from six_wheel.kinematics.errors import (
     ArgumentTypeError,
@@ -70,10 +71,10 @@ from six_wheel.kinematics.errors import (
     UnderdeterminedError,
 )
 from six_wheel.kinematics.geometry import Pose, Twist
-from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.keywords import checked, unknown_keyword
 from six_wheel.kinematics.lazy import attach
 from six_wheel.kinematics.objects.notebooks import shown_in_notebooks
-from six_wheel.kinematics.rollout_cost import RolloutCost
+from six_wheel.kinematics.objects.rollout_cost import RolloutCost
 
 if TYPE_CHECKING:
     # isort: off
@@ -84,14 +85,17 @@ if TYPE_CHECKING:
 
     # isort: on
     from six_wheel.calibration import calibrate
+    from six_wheel.control_loop.replay import replay
     from six_wheel.kinematics.four_axle import FourAxleState, FourAxleStep
     from six_wheel.kinematics.odometry import OdometryHealth, SlipReport, Track, Track3
     from six_wheel.kinematics.statuses import BoundsStatus, FeasibilityLimits, FeasibilityReason, SettleStatus
     from six_wheel.log_odometry import dead_reckon
-    from six_wheel.log_odometry.evaluation import umbmark
+    from six_wheel.log_odometry.evaluation import evaluate, umbmark
     from six_wheel.logs import GroundTruth, WheelLog
+    from six_wheel.maps import traverse
     from six_wheel.plotting import plot as plot
     from six_wheel.simulation import simulate
+    from six_wheel.simulation.drive import drive
     from six_wheel.view.opening import view as view
 
 __all__ = [
@@ -155,21 +159,39 @@ __all__ = [
     "body_slip",
     "calibrate",
     "compose",
+    "config",
     "dead_reckon",
     "default_threads",
     "differentiate",
+    "drive",
+    "evaluate",
     "exp",
     "integrate",
     "load",
     "log",
+    "plot",
     "profiles",
+    "read_log",
+    "replay",
     "rollout",
+    "se2",
     "set_default_threads",
     "simd_levels",
     "simulate",
+    "traverse",
     "umbmark",
     "wrap_angle",
 ]
+
+# What `dir` leaves out: names that `se2` and `config` have too, results that only calls make, and rooms whose
+# functions are here.
+_BESIDE = (
+    *("compose", "exp", "log", "wrap_angle", "default_threads", "set_default_threads", "simd_levels"),
+    *("BodySlip", "FourAxleState", "FourAxleStep", "GroundCommand", "GroundMotion", "Link", "MarginJacobian"),
+    *("Mobility", "MppiPlan", "RolloutCost", "SteeringCommand", "Traction", "WheelSlip"),
+    *("calibration", "cli", "control_loop", "kinematics", "log_odometry", "parallel", "plotting"),
+    *("robot_description", "simulation"),
+)
 
 
 @checked()
@@ -185,7 +207,8 @@ def load(
     Parameters
     ----------
     path : str or PathLike
-        A YAML or JSON file, or a robot description ending in ``.urdf`` or ``.xacro``.
+        A YAML or JSON file, or a robot description ending in ``.urdf`` or ``.xacro``; or the name of one of
+        `Rover.presets`, unless there is a file of that name.
     node : str, optional
         Which node of a parameter file describes the rover, where several do.
     kind : str, optional
@@ -210,6 +233,8 @@ def load(
         from six_wheel.robot_description.urdf import read_urdf
 
         return read_urdf(path, wheel_radius=wheel_radius).rover
+    if isinstance(path, str) and path in Rover.presets() and not exists(path):
+        return Rover.preset(path)
     if wheel_radius is not None:
         raise ValueError(f"wheel_radius must be left out except for a URDF or xacro file, got {wheel_radius}")
     try:
@@ -218,6 +243,54 @@ def load(
         message = f'parameter files need {error.name}: pip install "six-wheel[cli]"'
         raise ModuleNotFoundError(message, name=error.name) from None
     return file.load(path, node=node, kind=kind)
+
+
+def read_log(
+    path: str | PathLike[str] | Any,
+    rover: Rover,
+    *,
+    truth: str | PathLike[str] | None = None,
+    **options: Any,
+) -> "WheelLog":
+    """Read the wheel readings of a drive from a file as it is, or from a table in memory.
+
+    Parameters
+    ----------
+    path : str, PathLike, or DataFrame
+        A CSV or Parquet table, a ROS bag, a record; a DataFrame, a `pyarrow.Table` or a dict of columns.
+    rover : Rover
+        Names the joints.
+    truth : str or PathLike, optional
+        The file with the true poses, where the log has none.
+    **options
+        What the log does not say: `columns`, `wheel_encoders`, `steering_encoders`, `topics`, `stamp_unit`
+        and others of `six_wheel.logs.LogOptions`; of a table in memory `name` and options of `Odometry`.
+
+    Returns
+    -------
+    WheelLog
+        Angles in radians from a file; what `six_wheel.logs.read_log` has found beside it is not here.
+
+    Raises
+    ------
+    six_wheel.logs.TableError
+        A `ValueError` that names file, row and remedy, if the log or the truth cannot be used.
+    """
+    from six_wheel.logs import LogOptions, WheelLog, detect_reader
+
+    if isinstance(path, str) or hasattr(path, "__fspath__"):
+        import inspect
+
+        known_options = ("path", "rover", "truth", *inspect.signature(LogOptions).parameters)
+        for name in options.keys() - set(known_options):
+            raise TypeError(unknown_keyword("read_log", name, known_options))
+        from pathlib import Path
+
+        known = None if truth is None else Path(truth)
+        return detect_reader.read_log(path, rover, truth=known, **options)[0]
+    if truth is not None:
+        raise ValueError("truth must be left out for a table in memory: give it x, y and yaw")
+    return WheelLog.from_pandas(path, rover, **options)
 
 
 def _as_command(name: str) -> str:
@@ -236,20 +309,23 @@ if not TYPE_CHECKING:  # what is loaded when it is used has its types above
             "calibration": ("calibrate",),
             "cli": (),
             "control_loop": (),
+            "control_loop.replay": ("replay",),
             "kinematics": (),
             "kinematics.four_axle": ("FourAxleState", "FourAxleStep"),
             "kinematics.odometry": ("OdometryHealth", "SlipReport", "Track", "Track3"),
             "kinematics.statuses": ("BoundsStatus", "FeasibilityReason", "SettleStatus", "FeasibilityLimits"),
             "log_odometry": ("dead_reckon",),
-            "log_odometry.evaluation": ("umbmark",),
+            "log_odometry.evaluation": ("evaluate", "umbmark"),
             "logs": ("WheelLog", "GroundTruth"),
-            "maps": (),
+            "maps": ("traverse",),
             "parallel": (),
             "plotting": ("plot",),
             "reference": (),
             "robot_description": (),
             "simulation": ("simulate",),
+            "simulation.drive": ("drive",),
             "view": (),
         },
+        beside=_BESIDE,
         hint=_as_command,
     )

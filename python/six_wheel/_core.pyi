@@ -16,10 +16,11 @@ from six_wheel.kinematics.four_axle import (
     TurnSequence,
 )
 from six_wheel.kinematics.geometry import Pose
+from six_wheel.kinematics.objects.rollout_cost import RolloutCost
+from six_wheel.kinematics.objects.wheels import Wheels
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
 from six_wheel.kinematics.odometry.tracks3 import Track3
 from six_wheel.kinematics.profiles import Peaks, Phase, State, TransitionState
-from six_wheel.kinematics.rollout_cost import RolloutCost
 from six_wheel.kinematics.statuses import BoundsStatus, FeasibilityLimits, FeasibilityReason, SettleStatus
 from six_wheel.logs import WheelLog
 
@@ -242,8 +243,8 @@ class Profile:
         start_acceleration: ArrayLike | None = None,
         end_velocity: ArrayLike | None = None,
         end_acceleration: ArrayLike | None = None,
-        minimum_velocity: ArrayLike | None = None,
-        minimum_acceleration: ArrayLike | None = None,
+        min_velocity: ArrayLike | None = None,
+        min_acceleration: ArrayLike | None = None,
         duration: float | None = None,
         synchronise: Literal["time", "phase", "none"] = "time",
     ) -> Profile: ...
@@ -574,7 +575,7 @@ class Rover:
     def desaturate(self, wheel_speeds: ArrayLike, max_wheel_speed: ArrayLike) -> _Floats: ...
     def urdf(self, name: str = "rover") -> str: ...
     @property
-    def wheels(self) -> tuple[Wheel, ...]: ...
+    def wheels(self) -> Wheels: ...
     @property
     def wheel_names(self) -> tuple[str, ...]: ...
     @property
@@ -593,6 +594,7 @@ class Rover:
     def min_radius(self) -> float: ...
     @property
     def spin_radius(self) -> float: ...
+    def save(self, path: str | PathLike[str], **others: Any) -> None: ...
     def replace(self, wheel: str | None = None, /, **changes: Any) -> Rover: ...
     def __replace__(self, **changes: Any) -> Rover: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -612,6 +614,10 @@ class Noise:
         yaw_rate: float = 0.0,
         period: float | None = None,
     ) -> Noise: ...
+    @staticmethod
+    def typical(*, yaw: float = 0.0, yaw_rate: float = 0.0, period: float | None = None) -> Noise: ...
+    @staticmethod
+    def from_logs(rover: Rover, logs: Any, truth: Any = None) -> Noise: ...
     @property
     def speed(self) -> float: ...  # [m/s]
     @property
@@ -700,7 +706,8 @@ class Odometry:
         rover: Rover,
         noise: Noise | None = None,
         *,
-        readings: Literal["angles", "speeds", "increments"] = "angles",
+        readings: Literal["angles", "speeds", "ticks"] = "angles",
+        increments: bool = False,
         wheel_encoders: _Encoders | None = None,
         steering_encoders: _Encoders | None = None,
         method: _Method = "least_squares",
@@ -710,7 +717,7 @@ class Odometry:
         max_speed: float | None = None,
         max_steering_rate: float | None = None,
         smoothing: float = 0.0,
-        lag: float = 0.0,
+        lag: float = 1.0,
         history: int = 1024,
         gyroscope: Gyroscope | None = None,
         wheel_noise: ArrayLike | Mapping[str, float] | None = None,
@@ -740,7 +747,14 @@ class Odometry:
         residuals: bool = True,
     ) -> Track: ...
     def command(self, twist: ArrayLike, stamp: float) -> OdometryState: ...
-    def correct(self, pose: ArrayLike, stamp: float, covariance: ArrayLike) -> OdometryState: ...
+    def correct(
+        self,
+        pose: ArrayLike,
+        stamp: float,
+        covariance: ArrayLike | None = None,
+        *,
+        std: ArrayLike | None = None,
+    ) -> OdometryState: ...
     def at(self, stamp: float) -> Pose: ...
     def set_pose(self, pose: ArrayLike, covariance: ArrayLike | None = None) -> None: ...
     def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0), covariance: ArrayLike | None = None) -> None: ...
@@ -823,14 +837,15 @@ class Odometry3:
         ground: Terrain | None = None,
         attitude_noise: float = 0.002,
         joint_noise: float = 0.001,
-        readings: Literal["angles", "speeds", "increments"] = "angles",
+        readings: Literal["angles", "speeds", "ticks"] = "angles",
+        increments: bool = False,
         wheel_encoders: _Encoders | None = None,
         steering_encoders: _Encoders | None = None,
         slip_threshold: float | None = None,
         max_gap: float | None = None,
         max_speed: float | None = None,
         max_steering_rate: float | None = None,
-        lag: float = 0.0,
+        lag: float = 1.0,
         history: int = 1024,
     ) -> Odometry3: ...
     def update(
@@ -856,7 +871,14 @@ class Odometry3:
         covariances: bool = True,
         slips: bool = True,
     ) -> Track3: ...
-    def correct(self, pose: ArrayLike, stamp: float, covariance: ArrayLike) -> Odometry3State: ...
+    def correct(
+        self,
+        pose: ArrayLike,
+        stamp: float,
+        covariance: ArrayLike | None = None,
+        *,
+        std: ArrayLike | None = None,
+    ) -> Odometry3State: ...
     def set_pose(self, pose: ArrayLike, covariance: ArrayLike | None = None) -> None: ...
     def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0), covariance: ArrayLike | None = None) -> None: ...
     @property
@@ -877,7 +899,8 @@ class Preintegrated:
         noise: Noise | None = None,
         *,
         gyroscope: Gyroscope | None = None,
-        readings: Literal["angles", "speeds", "increments"] = "angles",
+        readings: Literal["angles", "speeds", "ticks"] = "angles",
+        increments: bool = False,
         wheel_encoders: _Encoders | None = None,
         steering_encoders: _Encoders | None = None,
         method: _Method = "least_squares",
@@ -1374,13 +1397,43 @@ class RockerBogie(Suspension):
     def preset(name: str) -> RockerBogie: ...
     @staticmethod
     def presets() -> dict[str, str]: ...
+    @staticmethod
+    def bogie_behind(
+        rocker_pivot: ArrayLike,
+        rocker_to_front: ArrayLike,
+        rocker_to_bogie: ArrayLike,
+        bogie_to_middle: ArrayLike,
+        bogie_to_rear: ArrayLike,
+        wheel_radius: float,
+        steered: _Steered = "corners",
+        steering_limit: float | tuple[float, float] | None = None,
+        *,
+        rocker_limit: float | tuple[float, float] | None = None,
+        bogie_limit: float | tuple[float, float] | None = None,
+        differential_bar: ArrayLike | None = None,
+    ) -> RockerBogie: ...
+    @staticmethod
+    def bogie_in_front(
+        rocker_pivot: ArrayLike,
+        rocker_to_rear: ArrayLike,
+        rocker_to_bogie: ArrayLike,
+        bogie_to_front: ArrayLike,
+        bogie_to_middle: ArrayLike,
+        wheel_radius: float,
+        steered: _Steered = "corners",
+        steering_limit: float | tuple[float, float] | None = None,
+        *,
+        rocker_limit: float | tuple[float, float] | None = None,
+        bogie_limit: float | tuple[float, float] | None = None,
+        differential_bar: ArrayLike | None = None,
+    ) -> RockerBogie: ...
     def frames(
-        self, rho: ArrayLike, beta: ArrayLike, psi: ArrayLike | None = None, *, threads: int | None = None
+        self, joints: ArrayLike, steering: ArrayLike | None = None, *, threads: int | None = None
     ) -> dict[str, _Floats]: ...
     def jacobians(
-        self, rho: ArrayLike, beta: ArrayLike, psi: ArrayLike | None = None, *, threads: int | None = None
+        self, joints: ArrayLike, steering: ArrayLike | None = None, *, threads: int | None = None
     ) -> dict[str, _Floats]: ...
-    def planar(self, rho: float, beta: ArrayLike) -> Rover: ...
+    def planar(self, joints: ArrayLike = (0.0, 0.0, 0.0)) -> Rover: ...
     def bounds(
         self,
         ground: Terrain,
@@ -1409,8 +1462,7 @@ class RockerBogie(Suspension):
     def urdf(self, name: str = "rover") -> str: ...
     def icr_offset(
         self,
-        rho: ArrayLike,
-        beta: ArrayLike,
+        joints: ArrayLike,
         *,
         out: _Out | None = None,
         dtype: type[_Real] | None = None,
@@ -1420,8 +1472,7 @@ class RockerBogie(Suspension):
         self,
         speed: ArrayLike,
         yaw_rate: ArrayLike,
-        rho: ArrayLike,
-        beta: ArrayLike,
+        joints: ArrayLike,
         *,
         previous: ArrayLike | None = None,
         previous_wheel_speeds: ArrayLike | None = None,
@@ -1648,6 +1699,12 @@ class ControllerOutput:
 @final
 class ControllerRun:
     def __reduce__(self) -> tuple[Any, ...]: ...
+    def to_arrays(self) -> dict[str, NDArray[Any]]: ...
+    def to_pandas(self) -> Any: ...
+    def to_arrow(self) -> Any: ...
+    def to_csv(self, path: str | PathLike[str]) -> None: ...
+    @property
+    def stamps(self) -> _Floats: ...
     @property
     def rover(self) -> Rover: ...
     @property
@@ -1670,7 +1727,7 @@ class Costmap:
         cls,
         values: ArrayLike,
         spacing: float | ArrayLike,
-        origin: ArrayLike = (0.0, 0.0),
+        origin: ArrayLike | None = None,
         *,
         lethal: float | None = None,
         outside: float | None = None,
@@ -1718,10 +1775,10 @@ class Mppi:
         dt: float = 0.05,
         samples: int = 2000,
         seed: int = 0,
-        noise: ArrayLike | None = None,
+        sampling_std: ArrayLike | None = None,
         correlation: float = 0.5,
         temperature: float = 1.0,
-        weights: Mapping[str, float] | None = None,
+        cost_weights: Mapping[str, float] | None = None,
         smoothing: bool = True,
         delay: float = 0.0,
         dtype: DTypeLike = "float64",
@@ -1763,9 +1820,9 @@ class Mppi:
     @property
     def seed(self) -> int: ...
     @property
-    def noise(self) -> _Floats: ...
+    def sampling_std(self) -> _Floats: ...
     @property
-    def weights(self) -> dict[str, float]: ...
+    def cost_weights(self) -> dict[str, float]: ...
 
 @final
 class MppiPlan:

@@ -169,8 +169,8 @@ def test_readings_of_any_kind_are_calibrated():
     exact = sw.simulate(PAIR, (times, twists))
     turned = np.diff(exact.wheel_angles, axis=0, prepend=0.0)
     rates = PAIR.inverse(np.stack([np.interp(exact.stamps, times, one) for one in twists.T], axis=-1))[1]
-    for readings, values in (("increments", turned), ("speeds", rates)):
-        log = sw.WheelLog(exact.stamps, None, values, exact.truth, options={"readings": readings})
+    for kind, values in (({"increments": True}, turned), ({"readings": "speeds"}, rates)):
+        log = sw.WheelLog(exact.stamps, None, values, exact.truth, options=kind)
         np.testing.assert_allclose(calibrate(start, log, **options).values, (0.042, 0.2), rtol=1e-4)
 
 

@@ -152,16 +152,22 @@ def test_real_robots_are_as_far_off_as_they_say(robot, parameters):
 
 @REQUIRED
 @pytest.mark.parametrize("robot", RUNS)
-def test_the_guess_errs_on_the_wide_side_for_every_robot(robot):
-    """As their tape measures say they are: all ends in the 95 % bound, half of them well inside."""
+def test_typical_noise_suits_every_robot(robot):
+    """With dimensions from a tape: sized by the tricycle, not more than twice too narrow for another one.
+
+    It once was 0.1 m per root metre, which is 10 to 1,000 times too wide in variance for these four.
+    """
     values = []
     for rover, log in map(read, RUNS[robot]):
         track = sw.dead_reckon(rover, log, start=log.truth.poses[0], residuals=False)
         error = track.poses[-1] - log.truth.poses[-1]
         error[2] = sw.wrap_angle(error[2])
         values.append(error @ np.linalg.solve(track.covariances[-1], error))
-    assert max(values) < 7.815
-    assert np.median(values) < 2.366 / 2.0  # half the median of chi-squared with 3 degrees of freedom
+    usual = 2.366  # median of chi-squared with 3 degrees of freedom
+    assert np.median(values) < 2.0 * usual
+    assert np.mean(np.array(values) < 7.815) > 0.75  # its 95 %, of 9 runs of the tricycle
+    if robot == "tricyc":
+        assert np.median(values) > usual / 2.0
 
 
 def test_a_file_says_what_dimensions_and_noise_may_be_off_by(tmp_path):

@@ -106,15 +106,15 @@ def test_check_shows_what_a_rover_can_do(run: Run) -> None:
     assert re.search(r"steering joints +turn_front_left, turn_front_right", out)
 
 
-def test_check_says_that_noise_is_a_guess(run: Run) -> None:
+def test_check_says_that_noise_is_that_of_a_typical_rover(run: Run) -> None:
     lines = [line for line in Path("rover.yaml").read_text().splitlines() if "noise" not in line]
     Path("guessed.yaml").write_text("\n".join(lines) + "\n")
     _, out, _ = run("check", "guessed.yaml")
-    assert "a guess, wide on purpose: slip of 0.1 m per root m" in " ".join(out.split())
+    assert "that of a typical rover, slip of 0.03 m per root m" in " ".join(out.split())
     Path("measured.yaml").write_text("\n".join([*lines, "noise: {slip: 0.01}"]) + "\n")
     _, out, _ = run("check", "measured.yaml")
     assert "slip 0.01" in out
-    assert "guess" not in out
+    assert "typical" not in out
 
 
 def test_check_knows_presets(run: Run) -> None:

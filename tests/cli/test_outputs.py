@@ -40,11 +40,13 @@ def test_every_path_is_known_as_read_or_written(name: str) -> None:
     assert parameters(COMMANDS[name]).keys() <= READ | set(WRITTEN)
 
 
-def option(parameter: inspect.Parameter) -> str:
-    """Name of an option on the command line."""
+def option(parameter: inspect.Parameter) -> list[str]:
+    """Name of an option on the command line; none of an argument."""
     info = next(each for each in get_args(parameter.annotation) if hasattr(each, "param_decls"))
+    if type(info).__name__ == "ArgumentInfo":
+        return []
     default = f"--{parameter.name}".replace("_", "-")
-    return next((each for each in info.param_decls or () if each.startswith("--")), default)
+    return [next((each for each in info.param_decls or () if each.startswith("--")), default)]
 
 
 def pairs() -> list[tuple[str, str]]:
@@ -59,7 +61,7 @@ def test_no_command_writes_what_it_reads(run: Run, name: str, output: str, spell
     arguments, files = [name], []
     for parameter in inspect.signature(COMMANDS[name].callback).parameters.values():
         info = next((each for each in get_args(parameter.annotation) if hasattr(each, "metavar")), None)
-        if type(info).__name__ == "ArgumentInfo":
+        if type(info).__name__ == "ArgumentInfo" and parameter.name != output:
             path = Path("rover.yaml" if parameter.name == "rover" else f"{parameter.name}.csv")
             if parameter.name != "rover":
                 path.write_text("time,vx,vy,omega\n0,0.1,0,0\n1,0.1,0,0\n")
@@ -87,8 +89,8 @@ def test_no_command_writes_what_it_reads(run: Run, name: str, output: str, spell
             case "chain":
                 Path("between.csv").symlink_to(source)
                 target.symlink_to("between.csv")
-        flag = option(inspect.signature(COMMANDS[name].callback).parameters[output])
-        code, _, err = run(*arguments, flag, str(target))
+        written = inspect.signature(COMMANDS[name].callback).parameters[output]
+        code, _, err = run(*arguments, *option(written), str(target))
         assert code == 2
         assert err.count("\n") == 1
         assert "must be another file than" in err

@@ -200,13 +200,13 @@ def test_bad_joint_states_stop_the_rover_and_are_named(alter, word):
 def test_a_steering_angle_that_cannot_be_stops_the_drive():
     robot = Robot()
     robot.run(600)
-    robot.said("motion")
+    robot.said("joints")
     robot.run(
         500,
         alter=lambda names, positions, velocities, stamp: (names, [2.5, *positions[1:]], velocities, stamp),
     )
     assert robot.steps[-1].twist == (0.0, 0.0, 0.0)
-    assert "halted: joint front_left_steering_joint does not follow" in robot.said("motion")
+    assert '"front_left" (to 0.05 rad), got (2.5,' in robot.said("joints")
 
 
 def test_order_and_strangers_and_several_messages_make_no_difference():

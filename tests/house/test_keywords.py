@@ -1,8 +1,9 @@
-"""A keyword that a call does not have is refused with the nearest one: constructors, layouts, functions."""
+"""A keyword that no call has is refused with the nearest one: constructors, layouts, functions, methods."""
 
 import inspect
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import is_dataclass
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,29 @@ import pytest
 import six_wheel as sw
 from six_wheel import _core, profiles
 from six_wheel.kinematics.keywords import unknown_keyword
+from tests.objects.samples import public_classes, samples
 from tests.rovers import SIX_SIZES
 
 ROVER = sw.Rover.preset("perseverance")
-FUNCTIONS = ("calibrate", "dead_reckon", "load", "simulate", "umbmark")
+FUNCTIONS = (
+    "body_slip", "calibrate", "compose", "dead_reckon", "differentiate", "drive", "evaluate", "exp",
+    "integrate", "load", "log", "read_log", "replay", "rollout", "simulate", "traverse", "umbmark",
+    "wrap_angle",
+)  # fmt: skip
 # Arguments that are needed: those that are missing are named first.
 NEEDED: dict[str, tuple[Any, ...]] = {
+    "body_slip": ((0.1,), (0.1,), ((1e-4,),)),
+    "compose": ((0, 0, 0), (0, 0, 0)),
+    "differentiate": (np.zeros((2, 3)), 1.0),
+    "exp": ((0, 0, 0),),
+    "integrate": (np.zeros((2, 3)), 1.0),
+    "log": ((0, 0, 0),),
+    "read_log": ("log.csv", ROVER),
+    "rollout": (np.zeros((1, 2, 3)), 1.0),
+    "wrap_angle": (0.0,),
+    "Noise.from_logs": (ROVER, None),
+    "RockerBogie.bogie_behind": ((0, 0, 0),) * 5 + (0.1,),
+    "RockerBogie.bogie_in_front": ((0, 0, 0),) * 5 + (0.1,),
     "Costmap.from_occupancy_grid": (None,),
     "Costmap.read": ("map.yaml",),
     "BodyTransition.between": (ROVER, (0, 0, 0), (0.1, 0, 0), 1.0),
@@ -78,6 +96,12 @@ def calls() -> Iterator[tuple[str, Callable[..., Any]]]:
                 yield f"{name}.{part}", member.__func__
     for name in FUNCTIONS:
         yield name, getattr(sw, name)
+    for name in sw.se2.__all__:
+        if name not in FUNCTIONS:
+            yield name, getattr(sw.se2, name)
+    for name in sw.se2.__all__:
+        if name not in FUNCTIONS:
+            yield name, getattr(sw.se2, name)
 
 
 def parameters(call: Callable[..., Any]) -> list[str]:
@@ -145,3 +169,67 @@ def test_a_module_suggests_names() -> None:
         AttributeError, match=r"^module 'six_wheel' has no attribute 'Rovr'; did you mean Rover\?"
     ):
         sw.Rovr  # noqa: B018
+
+
+def methods() -> Iterator[tuple[str, Callable[..., Any]]]:
+    """Every public method with keywords of an object of every public class, but those that make any."""
+    for name, one in samples().items():
+        for part in dir(one):
+            member = None if part.startswith("_") else getattr(one, part)
+            if (
+                part in ("replace", "save", "count", "index")
+                or not callable(member)
+                or inspect.isclass(member)
+            ):
+                continue
+            kinds = {each.kind for each in inspect.signature(member).parameters.values()}
+            if inspect.Parameter.VAR_KEYWORD in kinds:
+                continue  # its own keywords are those of what it calls
+            if not isinstance(inspect.getattr_static(type(one), part), staticmethod) and parameters(member):
+                yield f"{name}.{part}", member
+
+
+METHODS = dict(methods())
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_misspelt_keyword_of_a_method_is_refused_with_the_nearest_one(name: str) -> None:
+    """Those of the core said "got an unexpected keyword argument", without the others."""
+    names = parameters(METHODS[name])
+    longest = max(names, key=len)
+    wrong = longest[:-1] + "q" if len(longest) > 2 else longest + "q"
+    with pytest.raises(TypeError) as caught:
+        METHODS[name](**{wrong: 1})
+    text = str(caught.value)
+    assert re.match(rf"[\w.]+\.{name.partition('.')[2]}\(\) has no {wrong}; did you mean ", text), text
+    assert all(re.search(rf"\b{each}\b", text.partition("takes ")[2]) for each in names)
+
+
+@pytest.mark.parametrize(
+    "kind", [kind for kind in public_classes() if issubclass(kind, tuple) or is_dataclass(kind)]
+)
+def test_a_misspelt_keyword_of_a_class_of_python_is_refused(kind: type) -> None:
+    names = parameters(kind)
+    with pytest.raises(TypeError, match=f"^{kind.__name__}\\(\\) has no {names[0]}q; did you mean "):
+        kind(**{names[0] + "q": 1})
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: ROVER.inverse((1, 0, 0), center=(0, 0)), "Rover.inverse() has no center; did you mean ce"),
+        (lambda: sw.Controller(ROVER).step(now=1.0), "Controller.step() has no now; it takes stamp"),
+        (lambda: samples()["Track"].to_pandas(unit="m"), "Track.to_pandas() has no unit; it takes "),
+        (lambda: samples()["WheelLog"].to_csv("a", rovr=1), "WheelLog.to_csv() has no rovr; did you mean"),
+    ],
+)  # fmt: skip
+def test_a_method_says_what_is_meant(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises(TypeError, match="^" + re.escape(message)):
+        call()
+
+
+def test_other_errors_of_methods_stay_what_they_are() -> None:
+    with pytest.raises(ValueError, match="twist must be finite"):
+        ROVER.inverse(twist=(np.nan, 0, 0))
+    with pytest.raises(TypeError, match="missing 1 required positional argument"):
+        ROVER.inverse(previous=None)

@@ -103,4 +103,5 @@ def test_every_name_that_a_package_shows_is_there() -> None:
         package = import_module(".".join(("six_wheel", *room.relative_to(PACKAGE).parts)))
         for name in getattr(package, "__all__", ()):
             assert getattr(package, name) is not None
-        assert set(getattr(package, "__all__", ())) <= set(dir(package))
+        beside = set(getattr(package, "_BESIDE", ()))  # left out of `dir`, which is read on a first day
+        assert set(getattr(package, "__all__", ())) - beside <= set(dir(package))

@@ -16,13 +16,13 @@ pytest.importorskip("pyarrow")
 
 import six_wheel as sw
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning
-from six_wheel.log_odometry import FleetLog, Settings, reckon, reckon_all
+from six_wheel.log_odometry import FleetLog, ReckonSettings, reckon, reckon_all
 from six_wheel.logs.writing import _beside
 from six_wheel.simulation import write_log
 from tests.cli_runs import Run
 from tests.rovers import PAIR
 
-NOISE = Settings(sw.Noise(slip=0.01, side_slip=0.01))
+NOISE = ReckonSettings(sw.Noise(slip=0.01, side_slip=0.01))
 COUNT = 12
 
 
@@ -76,12 +76,14 @@ def test_tracks_are_those_of_one_by_one_to_the_bit(
     request: pytest.FixtureRequest,
 ) -> None:
     if where == "dask":
-        ways = {"client": request.getfixturevalue("client")}
+        ways = {"cluster": request.getfixturevalue("client")}
     else:
         ways = {"workers": 1 if where == "here" else 2}
     told: list[tuple[int, int]] = []
     done = list(
-        reckon_all(PAIR, [logs], tmp_path / "tracks", settings=NOISE, tell=lambda *k: told.append(k), **ways)
+        reckon_all(
+            PAIR, [logs], tmp_path / "tracks", settings=NOISE, progress=lambda *k: told.append(k), **ways
+        )
     )
     assert tracks(tmp_path / "tracks") == one_by_one
     assert failures(done) == ["broken.csv"]
@@ -95,7 +97,7 @@ def test_a_killed_worker_loses_nothing(
 ) -> None:
     victim = next(iter(client.run(os.getpid).values()))
     done = []
-    for one in reckon_all(PAIR, [logs], tmp_path / "tracks", settings=NOISE, client=client):
+    for one in reckon_all(PAIR, [logs], tmp_path / "tracks", settings=NOISE, cluster=client):
         done.append(one)
         if len(done) == 3:
             os.kill(victim, signal.SIGKILL)
@@ -123,7 +125,7 @@ def test_what_a_worker_that_died_had_begun_is_gone(logs: Path, tmp_path: Path) -
 def test_a_stopped_run_goes_on_and_what_changed_is_done_again(
     logs: Path, one_by_one: dict[str, bytes], tmp_path: Path
 ) -> None:
-    def run(settings: Settings = NOISE) -> Iterator[FleetLog]:
+    def run(settings: ReckonSettings = NOISE) -> Iterator[FleetLog]:
         return reckon_all(PAIR, [logs], tmp_path / "tracks", settings=settings, workers=1)
 
     stopped = run()
@@ -140,7 +142,7 @@ def test_a_stopped_run_goes_on_and_what_changed_is_done_again(
     lost = next((tmp_path / "tracks").rglob("run3.csv"))
     lost.unlink()
     assert sum(one.resumed for one in run()) == COUNT - 1
-    assert not any(one.resumed for one in run(Settings(sw.Noise(slip=0.02))))
+    assert not any(one.resumed for one in run(ReckonSettings(sw.Noise(slip=0.02))))
 
 
 def test_a_run_that_is_killed_goes_on(logs: Path, one_by_one: dict[str, bytes], tmp_path: Path) -> None:
@@ -191,7 +193,7 @@ def test_a_calibration_is_the_same_on_a_cluster(client: Any) -> None:
     drives = [
         sw.simulate(PAIR, commands, noise=sw.Noise(slip=0.005), rate=20.0, seed=seed) for seed in range(3)
     ]
-    alone, spread = sw.calibrate(start, drives), sw.calibrate(start, drives, client=client)
+    alone, spread = sw.calibrate(start, drives), sw.calibrate(start, drives, cluster=client)
     np.testing.assert_array_equal(alone.values, spread.values)
     np.testing.assert_array_equal(alone.covariance, spread.covariance)
     assert alone.chosen == spread.chosen

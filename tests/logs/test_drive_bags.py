@@ -13,13 +13,13 @@ from rosbags.highlevel import AnyReader
 
 import six_wheel as sw
 from six_wheel.logs.headers.columns import TableError
-from six_wheel.simulation.drive import Loop, drive
+from six_wheel.simulation.drive import DriveLoop, drive
 from tests.rovers import SIX_WHEELS as ROVER
 
 
 def test_a_record_of_a_drive_says_what_was_wanted_and_why_it_is_not(tmp_path: Path) -> None:
     (tmp_path / "c.csv").write_text("time,vx,omega\n0,0.5,0\n1,0.5,0.3\n2,0,0\n")
-    loop = Loop(sw.Limits(speed=0.3, acceleration=0.5), 20.0)
+    loop = DriveLoop(sw.Limits(speed=0.3, acceleration=0.5), 20.0)
     drive(ROVER, tmp_path / "c.csv", tmp_path / "run.mcap", loop=loop, chunk_rows=7)
     drive(ROVER, tmp_path / "c.csv", tmp_path / "run.parquet", loop=loop)
     table = pyarrow.parquet.read_table(tmp_path / "run.parquet").to_pydict()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.log_odometry import Settings
+from six_wheel.log_odometry import ReckonSettings
 from six_wheel.logs import JointLog, read_log
 from six_wheel.simulation import write_log
 from tests.cli_runs import Run
@@ -86,7 +86,7 @@ def test_white_noise_is_that_of_the_readings_whatever_their_rate(run: Run) -> No
         log, _ = read_log("log.csv", CART)
         assert np.std(log.yaw_rate) == pytest.approx(noise, rel=0.15)  # 400 readings: 4 %
     gyroscope = sw.robot_description.parameters.read_parameters("cart.yaml").known_gyroscope
-    settings = Settings(gyroscope=gyroscope, period=0.05)
+    settings = ReckonSettings(gyroscope=gyroscope, period=0.05)
     with JointLog("log.csv", CART) as opened:
         (chunk,) = opened.chunks()
     assert settings.options_for(chunk)["gyroscope"].noise == pytest.approx(0.004)

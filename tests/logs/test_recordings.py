@@ -100,7 +100,7 @@ def test_a_log_refuses_time_that_is_none_or_runs_backwards():
     [
         ({"wheel_encoders": sw.Encoder(100, wraps_at=50)}, [[0.0, 40, 80, 120, 160], [0.0, 40, 30, 20, 10]]),
         ({"readings": "speeds"}, [[1.0, 1, 1, 1, 1], [1.0, 1, 1, 1, 1]]),
-        ({"readings": "increments"}, [[0.0, 1, 1, 1, 1], [0.0, 1, 1, 1, 1]]),
+        ({"increments": True}, [[0.0, 1, 1, 1, 1], [0.0, 1, 1, 1, 1]]),
     ],
     ids=["ticks", "speeds", "increments"],
 )
@@ -115,7 +115,7 @@ def test_a_reading_that_is_missing_costs_no_other(options, columns):
     assert np.isnan(found.wheel_angles[:, 2]).all()
     np.testing.assert_array_equal(np.isnan(found.wheel_angles[:, 0]), np.arange(5) == 2)
     np.testing.assert_array_equal(found.wheel_angles[:, 1], whole.wheel_angles[:, 1])
-    lost = 1.0 if options == {"readings": "increments"} else 0.0  # nobody knows what was turned there
+    lost = 1.0 if options == {"increments": True} else 0.0  # nobody knows what was turned there
     rest = [0, 1, 3, 4]
     expected = whole.wheel_angles[rest, 0] - lost * np.array([0, 0, 1, 1])
     np.testing.assert_allclose(found.wheel_angles[rest, 0], expected, rtol=1e-14)
@@ -124,7 +124,7 @@ def test_a_reading_that_is_missing_costs_no_other(options, columns):
 def test_an_option_that_is_none_is_refused():
     """`calibrate` took a misspelt one without a word, and counts for radians."""
     with pytest.raises(
-        ValueError, match="options must be some of readings, wheel_encoders, .* got 'encoders'"
+        ValueError, match="options must be some of readings, increments, wheel_encoders, .* got 'encoders'"
     ):
         sw.WheelLog([0.0, 1.0], None, [[0, 0], [1, 1]], options={"encoders": sw.Encoder(100)})
 

@@ -109,7 +109,7 @@ def test_a_stop_in_the_middle_loses_nothing(chart: Path) -> None:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run(chart, "again.tif", tell=stop)
+        run(chart, "again.tif", progress=stop)
     assert not chart.with_name("again.tif").exists()
     assert chart.with_name("again.tif.tiles").is_dir()
     with pytest.raises(ValueError, match="holds another run: headings was 2, now 3"):
@@ -186,6 +186,6 @@ def test_limits_are_in_either_unit() -> None:
     from six_wheel.cli.commands.traverse import _limits
 
     limits = _limits(["roll=15deg", "pitch=0.25rad", "clearance=0.3", "tilt= 2e1deg"])
-    assert limits == sw.FeasibilityLimits(
+    assert limits == sw.FeasibilityLimits.curiosity().replace(
         roll=math.radians(15), pitch=0.25, clearance=0.3, tilt=math.radians(20)
     )

@@ -28,7 +28,7 @@ def flag(kind: type) -> bool:
 
 def public_classes() -> list[type]:
     """Classes of the first page and of `profiles`, without exceptions, warnings and enumerations."""
-    found = {getattr(module, name) for module in (sw, profiles) for name in dir(module) if name[0] != "_"}
+    found = {getattr(module, name) for module in (sw, profiles) for name in module.__all__}
     kinds = [kind for kind in found if inspect.isclass(kind) and kind.__module__.startswith("six_wheel")]
     kinds = [kind for kind in kinds if not issubclass(kind, BaseException) and not flag(kind)]
     return sorted(kinds, key=lambda kind: kind.__name__)
@@ -127,7 +127,7 @@ def _ground() -> list[Any]:
         stability.by_pose,
         command,
         motion,
-        ARM.steer(0.1, 0.05, 0.0, (0.0, 0.0)),
+        ARM.steer(0.1, 0.05, (0.0, 0.0, 0.0)),
         ARM.bounds(ground, pose),
         ARM.feasible(ground, pose),
         sw.FeasibilityLimits(),

@@ -34,6 +34,7 @@ WITHOUT = {
     "Pose",
     "State",
     "TransitionState",
+    "WheelContradiction",
 }
 OUT = os.environ.get("SIX_WHEEL_PICTURES")
 

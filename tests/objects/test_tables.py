@@ -35,6 +35,54 @@ def test_all_forms_have_the_same_columns(name, tmp_path):
     assert arrow.schema.field("time").metadata == {b"unit": b"s"}
 
 
+def test_runs_samples_and_evaluations_are_tables_too(tmp_path):
+    run = samples()["ControllerRun"]
+    assert list(run.to_arrays())[:2] == ["time", ROVER.joint_names[0]]
+    frame = run.to_pandas()
+    np.testing.assert_array_equal(frame["omega"], run.twist[:, 2])
+    np.testing.assert_array_equal(frame[ROVER.joint_names[-1]], run.commands[ROVER.joint_names[-1]])
+    run.to_csv(tmp_path / "run.csv")
+    assert list(pandas.read_csv(tmp_path / "run.csv")) == list(frame)
+    times = np.linspace(0.0, 2.0, 5)
+    profile = sw.profiles.linear((0.0, 1.0), (1.0, 3.0), 2.0)
+    assert list(profile.at(times).to_arrays(times=times))[:3] == ["time", "value_0", "value_1"]
+    one = sw.profiles.linear(0.0, 1.0, 2.0).at(1.0).to_pandas()
+    assert one["value"].tolist() == [0.5]
+    state = samples()["BodyTransition"].at(times)
+    np.testing.assert_array_equal(state.to_arrays()["vx"], state.twist[:, 0])
+    found = samples()["Evaluation"].to_arrays()
+    assert set(found) == {
+        "distance",
+        "position_error_first",
+        "yaw_error_first",
+        "position_error_se2",
+        "yaw_error_se2",
+    }
+    assert found["distance"][-1] == samples()["Evaluation"].distance
+
+
+def test_a_table_is_saved_by_its_ending(tmp_path):
+    log = samples()["WheelLog"]
+    for ending in ("csv", "parquet"):
+        pytest.importorskip("pyarrow")
+        path = tmp_path / f"log.{ending}"
+        log.save(path, rover=ROVER)
+        again = sw.read_log(path, ROVER)
+        np.testing.assert_array_equal(again.wheel_angles, log.wheel_angles)
+        np.testing.assert_allclose(again.truth.poses, log.truth.at(log.stamps), atol=0)
+    with pytest.raises(ValueError, match="path must end in .csv or .parquet, got 'log.txt'"):
+        log.save("log.txt")
+
+
+def test_a_log_is_read_from_a_frame():
+    log = samples()["WheelLog"]
+    again = sw.read_log(log.to_pandas(rover=ROVER), ROVER, name="a")
+    np.testing.assert_array_equal(again.wheel_angles, log.wheel_angles)
+    assert again.name == "a"
+    with pytest.raises(ValueError, match="truth must be left out for a table in memory"):
+        sw.read_log({"time": [0.0]}, ROVER, truth="truth.csv")
+
+
 def test_a_track_comes_back_from_its_frame():
     track = samples()["Track"]
     again = sw.Track.from_pandas(track.to_pandas(), ROVER)

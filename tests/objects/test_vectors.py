@@ -53,6 +53,33 @@ def test_poses_are_a_group(a, b, c):
     assert type((1.0, 2.0, 0.1) @ a) is sw.Pose
 
 
+@given(POSES, POSES, st.floats(0.0, 1.0))
+def test_a_pose_between_two_is_on_the_way(a, b, share):
+    step = a.between(b)
+    assert abs(step.yaw) <= math.pi + ROUNDING
+    assert_allclose((a @ step)[:2], b[:2], atol=1e-11)
+    assert_allclose(sw.wrap_angle((a @ step).yaw - b.yaw), 0.0, atol=1e-11)
+    assert a.interpolate(b, 0.0) == pytest.approx(a, abs=ROUNDING)
+    assert a.interpolate(b, 1.0)[:2] == pytest.approx(b[:2], abs=1e-10)
+    # Two shares of one arc make their sum.
+    first, whole = a.interpolate(b, share / 2.0), a.interpolate(b, share)
+    assert first @ a.between(first) == pytest.approx(whole, abs=1e-10)
+
+
+def test_the_group_takes_arrays():
+    poses = np.random.default_rng(0).normal(size=(4, 5, 3))
+    first, second = poses[:, :1], poses
+    assert_allclose(sw.se2.compose(sw.se2.inverse(poses), poses), 0.0, atol=ROUNDING)
+    seen = sw.se2.between(first, second)
+    assert seen.shape == (4, 5, 3)
+    assert_allclose(seen[2, 3], sw.Pose(*first[2, 0]).between(second[2, 3]), atol=ROUNDING)
+    shares = np.linspace(0.0, 1.0, 5)
+    found = sw.se2.interpolate(first, second, shares)
+    assert_allclose(found[1, 2], sw.Pose(*first[1, 0]).interpolate(second[1, 2], 0.5), atol=ROUNDING)
+    with pytest.raises(ValueError, match=r"pose must have shape \(..., 3\), got \(2,\)"):
+        sw.se2.inverse((0.0, 1.0))
+
+
 def test_what_has_no_meaning_is_refused():
     twist, pose = sw.Twist(1.0), sw.Pose(1.0, 2.0, 0.3)
     assert twist == (1.0, 0.0, 0.0) == sw.Twist(vx=1)

@@ -115,7 +115,7 @@ def test_a_stopped_run_goes_on_where_it_was(where: dict[str, Any], stop: int, tm
         prepared.append(item)
         return item
 
-    again = list(spread(jobs.waves, ITEMS, journal=journal, prepare=prepare, tell=told.append, **where))
+    again = list(spread(jobs.waves, ITEMS, journal=journal, prepare=prepare, progress=told.append, **where))
     assert sum(outcome.resumed for outcome in again) == stop
     assert len(prepared) == len(ITEMS) - stop
     assert told == list(range(1, len(ITEMS) + 1))

@@ -167,9 +167,9 @@ def test_what_was_read_otherwise_is_written_as_what_was_turned(tmp_path):
     from six_wheel.logs import read_log
 
     stamps = 0.1 * np.arange(50)
-    for readings in ("speeds", "increments"):
+    for options in ({"readings": "speeds"}, {"increments": True}):
         values = np.stack((np.sin(stamps), np.cos(stamps)), axis=-1)
-        log = sw.WheelLog(stamps, None, values, options={"readings": readings})
+        log = sw.WheelLog(stamps, None, values, options=options)
         write_log(log, PAIR, tmp_path / "log.csv")
         again = read_log(tmp_path / "log.csv", PAIR)[0]
         np.testing.assert_allclose(again.wheel_angles, log.in_radians(PAIR).wheel_angles, atol=1e-12)

@@ -21,7 +21,7 @@ def rocks() -> sw.Terrain:
 
 def test_level_ground_is_the_planar_simulation():
     """The rover stands level: readings, poses and steering are those of the rover seen from above."""
-    planar = simulate(ARM.planar(0, (0, 0)), COMMANDS, rate=5, start=(10, 15, 0.3))
+    planar = simulate(ARM.planar(), COMMANDS, rate=5, start=(10, 15, 0.3))
     run = simulate(ARM, COMMANDS, ground=LEVEL, rate=5, start=(10, 15, 0.3))
     np.testing.assert_allclose(run.truth.poses, planar.truth.poses, atol=1e-12)
     np.testing.assert_allclose(run.steering, planar.steering, atol=1e-12)
@@ -129,7 +129,7 @@ def test_unknown_ground_is_named():
 
 def test_the_planar_rover_has_no_ground():
     with pytest.raises(ValueError, match="rover must be a RockerBogie to drive over ground, got a Rover"):
-        simulate(ARM.planar(0, (0, 0)), COMMANDS, ground=LEVEL)
+        simulate(ARM.planar(), COMMANDS, ground=LEVEL)
 
 
 def test_counts_of_a_drive_over_ground_are_counts_in_a_bag(tmp_path: Path):
@@ -137,7 +137,7 @@ def test_counts_of_a_drive_over_ground_are_counts_in_a_bag(tmp_path: Path):
     pytest.importorskip("rosbags")
     from six_wheel.logs import LogOptions, read_log
 
-    planar = ARM.planar(0, (0, 0))
+    planar = ARM.planar()
     options = {"ground": LEVEL, "rate": 5, "start": (10, 15, 0)}
     run = simulate(ARM, COMMANDS, wheel_encoders=sw.Encoder(1 << 20), **options)
     write_ground(run, ARM, tmp_path / "run.mcap")

@@ -70,7 +70,7 @@ def test_links_and_wheels_on_ground_are_where_settle_and_frames_say(
         motion = view.motion
         stand = suspension.settle(GROUNDS[ground], pose, motion.steering)
         assert stand.stands
-        frames = suspension.frames(stand.joints[0], stand.joints[1:], motion.steering)
+        frames = suspension.frames(stand.joints, motion.steering)
         for number in range(6):
             world = stand.transform @ frames[f"A{number + 1}"]
             drawn = pose_of(view, "/world/rover", f"/world/rover/wheel_{number}")

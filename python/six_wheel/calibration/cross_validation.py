@@ -168,7 +168,7 @@ def cross_validate(
     lengths: Floats,
     margin: float,
     progress: Callable[[int, int, str], object] | None,
-    client: Any = None,
+    cluster: Any = None,
     workers: int | None = 1,
     journal: Journal | None = None,
 ) -> CrossValidation | None:
@@ -202,9 +202,9 @@ def cross_validate(
         Trial(replace(problem, model=with_mounts(rover, catalogue.find(names), drives)), tuple(keys))
         for names in sets
     ]
-    workers = None if client else workers
+    workers = None if cluster else workers
     outcomes = collect(
-        errors_left_out, items, cluster=client, workers=workers, journal=journal, tell=report_progress
+        errors_left_out, items, cluster=cluster, workers=workers, journal=journal, progress=report_progress
     )
     for number, failure in outcomes.failures.items():
         raise ValueError(f"{', '.join(sets[number])} could not be fitted: {failure}")

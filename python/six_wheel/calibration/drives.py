@@ -129,7 +129,7 @@ def prepare(rover: Rover, log: WheelLog, lengths: Floats, margin: float, number:
     rows, which = _windows(along, known, lengths, SHORTEST * reach)
     halves = along[rows].mean(axis=1)
     halfway = known[np.minimum(np.searchsorted(along[known], halves), len(known) - 1)] if len(rows) else which
-    if not log.truth.has_headings:
+    if not log.truth.has_yaw:
         good = _bent(log.truth.at(stamps)[:, :2], rows, halfway, along)
         rows, which, halfway = rows[good], which[good], halfway[good]
     if not len(rows):

@@ -153,5 +153,5 @@ def timed_path(model: Model, drive: Drive, values: Floats) -> tuple[Floats, Floa
 
 def _error(truth: GroundTruth, followed: Floats, poses: Floats) -> float:
     if not truth.has_positions:
-        return absolute_error(followed, poses).heading_rmse
-    return absolute_error(followed, poses, "first" if truth.has_headings else "se2").rmse
+        return absolute_error(followed, poses).yaw_rmse
+    return absolute_error(followed, poses, "first" if truth.has_yaw else "se2").rmse

@@ -15,6 +15,7 @@ from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.log_checks.copies import without_copies
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.run_calibration import calibrate
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.dimensions import FRAME
 from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
 from six_wheel.kinematics.poses import Floats, joined
@@ -54,6 +55,7 @@ class Calibrated:
         return self.result.runs[int(np.argsort(errors, kind="stable")[(len(errors) - 1) // 2])].number
 
 
+@checked()
 def calibrate_files(
     rover: Rover,
     paths: Sequence[Path],
@@ -150,7 +152,7 @@ def _run(rover: Rover, sources: Sequence[Path], reading: str, options: dict[str,
     """Everything that the worth of a set of parameters depends on."""
     files = [file for path in sources for file in (sorted(path.rglob("*")) if path.is_dir() else [path])]
     states = [[str(file.resolve()), file.stat().st_size, file.stat().st_mtime_ns] for file in files]
-    said = {name: repr(value) for name, value in options.items() if name not in ("client", "workers")}
+    said = {name: repr(value) for name, value in options.items() if name not in ("cluster", "workers")}
     return said | {"version": __version__, "rover": repr(rover), "reading": reading, "files": states}
 
 
@@ -160,7 +162,7 @@ def _read_back(text: str, parameters: Parameters | None) -> list[str]:
         parse_parameters(text)
         return []
     try:
-        written = parse_parameters(text, node=parameters.node, kind=parameters.asked)
+        written = parse_parameters(text, node=parameters.node, kind=parameters.kind_given)
     except ParameterFileError:
         written = parse_parameters(text, node=parameters.node)
     if (written.kind, written.controller) == (parameters.kind, parameters.controller):
@@ -273,7 +275,7 @@ def _truth(done: Calibrated, parameters: Parameters | None) -> dict[str, float] 
         return None
     kept = {} if parameters is None else parameters.truth
     # Positions alone were read where the sensor is, wherever the file has it.
-    turned = all(log.truth is not None and log.truth.has_headings for log in done.logs)
+    turned = all(log.truth is not None and log.truth.has_yaw for log in done.logs)
     place = np.array([kept.get(axis, 0.0) for axis in FRAME]) if turned else np.zeros(3)
     pose = joined(result.sensor, place)
     offset = result.time_offset + kept.get("time_offset", 0.0)
@@ -345,6 +347,6 @@ def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:
     if not log.truth.has_positions:  # nothing to lay the tracks over
         return dict(zip(("nominal", "calibrated"), tracks, strict=True)), truth[:0]
     known, shown = np.nan_to_num(truth[there]), [track[there] for track in tracks]
-    if not log.truth.has_headings:
+    if not log.truth.has_yaw:
         shown = [align(track, known, "se2") for track in shown]
     return dict(zip(("nominal", "calibrated"), shown, strict=True)), known

@@ -177,7 +177,7 @@ class Model:
         by_pose = carried(poses, twists, by_twist, drive.dt)
         rest = len(values) - self.own  # parameters that move only the tracked point
         offset = self.value(values, "time_offset", 0.0)
-        if drive.truth.has_headings:
+        if drive.truth.has_yaw:
             first, last = drive.rows.T
             moved, by_moved = _between_with(poses[first], poses[last], by_pose[first], by_pose[last])
             by_moved = np.pad(by_moved, ((0, 0), (0, 0), (0, rest)))
@@ -212,7 +212,7 @@ class Model:
         the mean over the way of what is left to the end. In the frame of `errors`; 0 where headings are not
         compared.
         """
-        if not (drive.truth.has_headings and drive.truth.has_positions):
+        if not (drive.truth.has_yaw and drive.truth.has_positions):
             return np.zeros((len(drive.rows), 2))
         poses = self.poses(drive, values)
         steps = np.diff(poses, axis=0) * (1.0, 1.0, size(self.nominal))
@@ -288,7 +288,7 @@ def with_mounts(nominal: Rover, parameters: Sequence[Parameter], drives: Sequenc
     What a parameter does just as well is left to it: the centres of rotation of a tracked rover all the way
     forward, the same offset of all wheels of one that steers with every wheel.
     """
-    if not all(drive.truth.has_headings and drive.truth.has_positions for drive in drives):
+    if not all(drive.truth.has_yaw and drive.truth.has_positions for drive in drives):
         return Model(nominal, parameters)
     asked = {parameter.name.partition("_")[2] for parameter in parameters if parameter.name in PLACES}
     axes = [axis for axis in FRAME if axis not in asked]

@@ -18,10 +18,13 @@ from scipy.special import chdtri, fdtri
 
 from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
 from six_wheel.calibration.estimates import Estimate, likelihood_end, three_digits
+from six_wheel.calibration.log_checks.records import with_truth
 from six_wheel.calibration.wheel_noise import normalised, told_apart
+from six_wheel.kinematics.odometry.dimensions import NUMBERS
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.log_odometry import dead_reckon
 from six_wheel.logs import WheelLog
+from six_wheel.logs.detect_reader import as_logs
 
 # Standard deviation of the truth itself [m, m, rad]: motion capture.
 TRUTH = np.array([1e-3, 1e-3, 1e-3])
@@ -161,6 +164,22 @@ def _end(
     )
     assert track.covariances is not None
     return track.poses[-1], track.covariances[-1]
+
+
+def noise_of(rover: Rover, logs: Any, truth: Any = None) -> Noise:
+    """See `Noise.from_logs`."""
+    drives = [log.in_radians(rover) for log in with_truth(as_logs(logs, rover), truth)]
+    if not all(log.truth is not None and log.truth.has_positions and log.truth.has_yaw for log in drives):
+        raise ValueError("logs must have their truth, with positions and yaw: give truth")
+    pieces, exact = 1 if len(drives) >= ENOUGH else PIECES, np.zeros((0, len(rover.wheels), NUMBERS))
+    sessions: dict[str, list[End]] = {}
+    for number, log in enumerate(drives):
+        found = ends(rover, exact, log, np.zeros(3), 0.0, pieces)
+        sessions.setdefault(log.session or str(number), []).extend(found)
+    measured = measure(list(sessions.values()), rover.wheel_names, len(sessions), COVERED, "ends of runs")
+    if measured is None:
+        raise ValueError("logs must hold a drive within their truth, got none that moves")
+    return measured.noise
 
 
 def measure(

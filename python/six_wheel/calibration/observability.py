@@ -63,7 +63,7 @@ class Observability:
 def told(drives: Sequence[Drive]) -> list[str]:
     """Messages on what truths of less than poses leave open, and on times at a standstill."""
     said = []
-    if any(not drive.truth.has_headings for drive in drives):
+    if any(not drive.truth.has_yaw for drive in drives):
         said.append(
             "positions alone tell no heading: which way the sensor faces and how far off a run ends are not "
             "known, errors are after the best rigid alignment"

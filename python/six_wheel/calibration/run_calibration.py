@@ -55,6 +55,7 @@ OF_TRACKS = (
 )
 
 
+@checked()
 def parameter_names(rover: Rover, logs: Sequence[WheelLog] = ()) -> list[str]:
     """Names that `calibrate` takes for this rover: groups such as ``wheel_radii``, and their members.
 
@@ -78,7 +79,7 @@ def calibrate(
     cross_validation: bool = True,
     max_time_offset: float = 0.5,
     progress: Progress | None = None,
-    client: Any = None,
+    cluster: Any = None,
     workers: int | None = 1,
     journal: Journal | None = None,
     **how: Any,
@@ -122,7 +123,7 @@ def calibrate(
         Largest time offset looked for [s]; only when ``time_offset`` is among the parameters.
     progress : callable, optional
         Called with steps done, steps in all and what is being done.
-    client : distributed.Client or str, optional
+    cluster : distributed.Client or str, optional
         A Dask cluster, or its address, that tries the sets of parameters; the result is the same to the bit.
     workers : int or None, default 1
         Processes of this machine that do so without a cluster, None for one per core.
@@ -178,7 +179,7 @@ def calibrate(
     if cross_validation or asked is None:
         folds = _parts(rover, whole[0], numbers[0], slipped, margin, prepared) if len(whole) == 1 else drives
         checked = cross_validate(
-            rover, catalogue, sets, folds, loss, lengths, margin, progress, client, workers, journal
+            rover, catalogue, sets, folds, loss, lengths, margin, progress, cluster, workers, journal
         )
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:

@@ -18,6 +18,7 @@ import typer
 from six_wheel.cli.commands.calibrate import calibrate
 from six_wheel.cli.commands.check import check
 from six_wheel.cli.commands.control_loop import PASSING, command_filter, node, replay
+from six_wheel.cli.commands.convert import convert
 from six_wheel.cli.commands.drive import drive
 from six_wheel.cli.commands.example import example
 from six_wheel.cli.commands.inspect import inspect
@@ -52,7 +53,8 @@ def demo(
     run(output, console=new_console())
 
 
-for command in (check, drive, simulate, inspect, odometry, calibrate, traverse, show, view, example, replay):
+ORDER = (check, drive, simulate, inspect, odometry, calibrate, traverse, show, view, convert, example, replay)
+for command in ORDER:
     app.command(help=COMMANDS[command.__name__])(with_options(command))
 # Arguments after --ros-args are for ROS to read.
 app.command("node", help=COMMANDS["node"], context_settings=PASSING)(with_options(node))
@@ -94,6 +96,16 @@ def ended_by_signals() -> Iterator[None]:
             os.kill(os.getpid(), caught[0])
 
 
+def with_pictures(arguments: Sequence[str]) -> list[str]:
+    """The arguments, with ``ROVER_COMMAND.png`` for a ``--plot`` that has no value."""
+    given, named = list(arguments), [each for each in arguments if not each.startswith("-")]
+    for place in range(len(given), 0, -1):
+        if given[place - 1] == "--plot" and (place == len(given) or given[place].startswith("-")):
+            rover = Path(named[1]).stem if len(named) > 1 else PROGRAM
+            given.insert(place, f"{rover}_{named[0]}.png")
+    return given
+
+
 def run(arguments: Sequence[str]) -> int:
     """Run a command; whatever is wrong with its input becomes one line on stderr. Returns the exit code.
 
@@ -112,6 +124,7 @@ def run(arguments: Sequence[str]) -> int:
             return 0
         if "" in arguments or any(re.fullmatch(r"--[a-z-]+=", argument) for argument in arguments):
             raise ValueError("an argument must not be empty, got one that is")
+        arguments = with_pictures(arguments)
         # The core would load NumPy by itself, and panic at a Ctrl-C meanwhile: here it is one.
         import numpy  # noqa: F401
 

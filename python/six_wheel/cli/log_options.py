@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from six_wheel.cli.shared import Reading, choose
+from six_wheel.cli.shared import Reading, choose, several
 from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class LogReading(NamedTuple):
         ),
     ] = None
     columns: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
             metavar="NAME,NAME,...", help="Names of all columns in order, of a table without a header line."
         ),
@@ -108,10 +108,10 @@ class LogReading(NamedTuple):
             given["stamp_unit"] = self.stamp_unit
         if columns := self._columns():
             given["columns"] = columns
-        if self.topic:
-            pairs = [text.partition("=") for text in self.topic]
+        if topics := several(self.topic, "=") if "=" in "".join(self.topic or ()) else several(self.topic):
+            pairs = [text.partition("=") for text in topics]
             mapped = all(equals for _, equals, _ in pairs)
-            given["topics"] = {topic: meaning for topic, _, meaning in pairs} if mapped else self.topic
+            given["topics"] = {topic: meaning for topic, _, meaning in pairs} if mapped else topics
         return LogOptions(
             self.log_format,
             self.readings,  # type: ignore[arg-type]
@@ -133,12 +133,12 @@ class LogReading(NamedTuple):
 
     def _columns(self) -> "dict[str, str] | list[str]":
         """Headers with what to read them as, or the names of all columns."""
-        if self.columns is not None:
+        if self.columns:
             if self.column:
                 raise ValueError("columns must be left out with column, got both")
-            return [name.strip() for name in next(csv.reader([self.columns]))]
+            return [name.strip() for text in self.columns for name in next(csv.reader([text]))]
         columns = {}
-        for text in self.column or []:
+        for text in several(self.column, "="):
             header, equals, meaning = text.partition("=")
             if not (header and equals):
                 raise ValueError(f'column must be HEADER=MEANING, such as "encL=left [ticks]", got "{text}"')

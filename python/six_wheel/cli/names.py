@@ -14,6 +14,7 @@ COMMANDS = {
     "traverse": "Where on a map a rover can stand: every cell, every heading, as a GeoTIFF.",
     "show": "A rover from above: its wheels, their axes meeting in the centre of rotation.",
     "view": "A rover or a record in the browser, in 3D: drag its sliders, drive it over rocks, play a drive.",
+    "convert": "A rover as .yaml or .urdf; a rover or a record as a layout of Foxglove or Rerun.",
     "example": "A parameter file, a table of commands, a log, a map to try the others on.",
     "node": "Drive a rover in ROS 2: commands and joint states in, joint commands and odometry out.",
     "filter": "Between a planner and a robot: commands of ROS 2 that it can follow, the curvature kept.",

@@ -50,7 +50,6 @@ WRITTEN = (
     "plot",
     "plot_speeds",
     "report",
-    "layout",
     "export",
 )  # parameters that name files to write
 
@@ -87,6 +86,18 @@ def with_options(command: Callable[..., None]) -> Callable[..., None]:
     run.__annotations__ = {name: parameter.annotation for name, parameter in flat.items()}
     run.__name__ = command.__name__
     return run
+
+
+def several(given: Sequence[str] | None, sign: str = "") -> list[str]:
+    """Values of an option that is given several times, or once with commas between them.
+
+    A text with commas in which a part lacks the sign, as ``key=[1,2]`` lacks a second ``=``, is one value.
+    """
+    found = []
+    for text in given or ():
+        parts = [part.strip() for part in text.split(",")]
+        found += [part for part in parts if part] if all(sign in part for part in parts) else [text]
+    return found
 
 
 def _files(value: object) -> list[Path]:

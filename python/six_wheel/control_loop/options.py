@@ -16,7 +16,7 @@ class Option:
     name : str
     default : bool, float or str
     description : str
-    least, most : float, optional
+    min_value, max_value : float, optional
         Between which a number lies.
     choices : tuple of str
         Of a text.
@@ -27,8 +27,8 @@ class Option:
     name: str
     default: bool | float | str
     description: str
-    least: float | None = None
-    most: float | None = None
+    min_value: float | None = None
+    max_value: float | None = None
     choices: tuple[str, ...] = ()
     live: bool = False
 
@@ -43,8 +43,9 @@ class Option:
             raise ValueError(f"{self.name} must be {names[kind]}, got {value!r}")
         if self.choices and value not in self.choices:
             raise ValueError(f'{self.name} must be one of {", ".join(self.choices)}, got "{value}"')
-        if self.least is not None and self.most is not None and not (self.least <= given <= self.most):
-            raise ValueError(f"{self.name} must lie between {self.least:g} and {self.most:g}, got {value:g}")
+        low, high = self.min_value, self.max_value
+        if low is not None and high is not None and not low <= given <= high:
+            raise ValueError(f"{self.name} must lie between {low:g} and {high:g}, got {value:g}")
         return value
 
 
@@ -59,20 +60,24 @@ class Options:
     open_loop: bool = _option(False, "odometry from the commands, for a rover without joint states")
     position_feedback: bool = _option(True, "wheels report positions (running totals); false: velocities")
     joint_state_timeout: float = _option(
-        0.5, "age of a joint's last reading at which the rover stops [s]", least=0.01, most=60.0, live=True
+        0.5,
+        "age of a joint's last reading at which the rover stops [s]",
+        min_value=0.01,
+        max_value=60.0,
+        live=True,
     )
     imu_timeout: float = _option(
         0.1,
         "how long joint readings wait for those of the gyroscope; then odometry goes by the wheels [s]",
-        least=0.001, most=1.0, live=True,
+        min_value=0.001, max_value=1.0, live=True,
     )  # fmt: skip
     update_rate: float = _option(
-        50.0, "steps per second while no joint states come [Hz]", least=1.0, most=1000.0
+        50.0, "steps per second while no joint states come [Hz]", min_value=1.0, max_value=1000.0
     )
     publish_rate: float = _option(
         50.0,
         "odometry messages per second, at most [Hz]; 0: one for every reading",
-        least=0.0, most=1000.0, live=True,
+        min_value=0.0, max_value=1000.0, live=True,
     )  # fmt: skip
     reset_on_time_jump: bool = _option(
         False, "odometry starts over where time jumps back, as simulations do it"

@@ -55,17 +55,17 @@ class Settings:
         return cls(text, parse_parameters(text, node=node, path=path), options or Options())
 
     @classmethod
-    def of_parameters(cls, said: Parameters, options: Options | None = None) -> "Settings":
+    def of_parameters(cls, given: Parameters, options: Options | None = None) -> "Settings":
         """From a parameter file that has been read: its own keys, where they alone tell what it is."""
         try:
-            text = with_changes(said.path.read_text(encoding="utf-8-sig"), said.node, {})
-            again = parse_parameters(text, node=said.node, path=said.path)
-            if same(again, said):
-                return cls(text, replace(said, asked=None), options or Options())
+            text = with_changes(given.path.read_text(encoding="utf-8-sig"), given.node, {})
+            again = parse_parameters(text, node=given.node, path=given.path)
+            if same(again, given):
+                return cls(text, replace(given, kind_given=None), options or Options())
         except (OSError, ValueError):
             pass  # another language than YAML, or a kind that only the command line told
-        text = own_text(said)
-        return cls(text, parse_parameters(text, path=said.path), options or Options())
+        text = own_text(given)
+        return cls(text, parse_parameters(text, path=given.path), options or Options())
 
     @classmethod
     def of_rover(cls, rover: Rover, options: Options | None = None, **others: Any) -> "Settings":
@@ -119,18 +119,18 @@ class Settings:
     def odometry(self, apart: float | None = None, bias: tuple[float, float] | None = None) -> Odometry:
         """Odometry as the file says, of joint states `apart` [s] from each other; `bias` is what has been
         learnt of that of the gyroscope, with its deviation [rad/s]."""
-        said, rover = self.parameters, self.rover
+        given, rover = self.parameters, self.rover
         readings = "angles" if self.options.position_feedback else "speeds"
-        if said.wheel_encoders.get("increments"):
-            readings = "increments"
-        options: dict[str, Any] = self._jumps() | said.odometry | {"dimensions": said.dimensions}
-        if self.listens and (gyroscope := said.known_gyroscope) is not None:
+        options: dict[str, Any] = self._jumps() | given.odometry | {"dimensions": given.dimensions}
+        if given.wheel_encoders.get("increments"):
+            readings, options["increments"] = "angles", True
+        if self.listens and (gyroscope := given.known_gyroscope) is not None:
             if bias is not None:
                 gyroscope = changed(gyroscope, bias=bias[0], bias_noise=bias[1])
-            options["gyroscope"] = with_readings_apart(gyroscope, said.gyroscope.get("period"), apart)
-        if said.wheel_encoders:
-            _, scale = corrections(rover, said.wheel_encoders)
-            known = encoders_of(rover, "wheel", said.wheel_encoders) or dict.fromkeys(
+            options["gyroscope"] = with_readings_apart(gyroscope, given.gyroscope.get("period"), apart)
+        if given.wheel_encoders:
+            _, scale = corrections(rover, given.wheel_encoders)
+            known = encoders_of(rover, "wheel", given.wheel_encoders) or dict.fromkeys(
                 rover.wheel_names, Encoder()
             )
             options["wheel_encoders"] = {
@@ -139,7 +139,7 @@ class Settings:
                 )
                 for wheel, each in known.items()
             }
-        return Odometry(rover, Noise(**said.noise), readings=readings, **options)  # type: ignore[arg-type]
+        return Odometry(rover, Noise(**given.noise), readings=readings, **options)  # type: ignore[arg-type]
 
     def _jumps(self) -> dict[str, float]:
         """The rim speed [m/s] beyond which a counter must have started over, where the file gives none: twice
@@ -150,9 +150,9 @@ class Settings:
 
     def steering_factors(self) -> list[tuple[float, float]]:
         """For every steered wheel the factor and the offset that make its reading an angle [rad]."""
-        said, rover = self.parameters, self.rover
-        known = encoders_of(rover, "steering", said.steering_encoders)
-        gains, _ = corrections(rover, said.wheel_encoders)
+        given, rover = self.parameters, self.rover
+        known = encoders_of(rover, "steering", given.steering_encoders)
+        gains, _ = corrections(rover, given.wheel_encoders)
         factors = []
         for wheel, gain in zip(rover.steered_wheel_names, gains.tolist(), strict=True):
             each = known.get(wheel, Encoder())
@@ -162,7 +162,7 @@ class Settings:
 
 def same(one: Parameters, other: Parameters) -> bool:
     """True if two files hold the same parameters; their paths and warnings do not count."""
-    whatever: dict[str, Any] = {"path": Path(), "warnings": (), "asked": None}
+    whatever: dict[str, Any] = {"path": Path(), "warnings": (), "kind_given": None}
     return replace(one, **whatever) == replace(other, **whatever)
 
 
@@ -235,9 +235,9 @@ def _section(text: str, node: str | None) -> Any:
     return found
 
 
-def own_text(said: Parameters) -> str:
+def own_text(given: Parameters) -> str:
     """A parameter file with this package's own keys that says the same."""
-    frames = {"odom_frame_id": said.odom_frame_id, "base_frame_id": said.base_frame_id}
-    text = dump(said.rover, limits=said.limits, control=said.control, **frames)
+    frames = {"odom_frame_id": given.odom_frame_id, "base_frame_id": given.base_frame_id}
+    text = dump(given.rover, limits=given.limits, control=given.control, **frames)
     groups = ("noise", "wheel_encoders", "steering_encoders", "odometry", "gyroscope", "truth", "calibration")
-    return with_changes(text, None, {key: dict(getattr(said, key)) for key in groups if getattr(said, key)})
+    return with_changes(text, None, {key: dict(getattr(given, key)) for key in groups if getattr(given, key)})

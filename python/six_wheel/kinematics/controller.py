@@ -4,7 +4,7 @@ from __future__ import annotations  # NumPy is not loaded for its names
 
 from typing import TYPE_CHECKING
 
-from six_wheel.kinematics.flags import TextFlag
+from six_wheel.kinematics.objects.flags import TextFlag
 
 if TYPE_CHECKING:
     import numpy as np
@@ -53,7 +53,7 @@ class Reason(TextFlag):
     JOINT_STUCK = 1 << 22, "a steering joint does not follow its commands: `worst_joint`"
 
     def __str__(self) -> str:
-        return super().__str__() or "none"
+        return "; ".join(f"{each.name}: {each._text}" for each in type(self) if each in self) or "none"
 
 
 def reason_names(reasons: int) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, SupportsFloat, TypeAlias
 
 from six_wheel._core import FourAxle
 from six_wheel.kinematics import rover_edit
+from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.objects.short_text import short_repr
 
@@ -38,6 +39,7 @@ Brake: TypeAlias = Literal["locked", "free"]
 Four: TypeAlias = tuple[float, float, float, float]
 
 
+@checked_class
 @dataclass(frozen=True, slots=True)
 class FourAxleState:
     """All that changes while a `FourAxle` drives. `replace` makes another one.
@@ -75,6 +77,7 @@ class FourAxleState:
         _check_brakes(self.front_brake, self.rear_brake)
 
 
+@checked_class
 @dataclass(frozen=True, slots=True)
 class FourAxleStep:
     """One step of a `FourAxle`: the brakes are set, then the wheels turn at constant speeds.

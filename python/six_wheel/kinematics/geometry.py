@@ -5,12 +5,14 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple, NoReturn, Self
 
 from six_wheel._core import compose, differentiate, exp, integrate, log, wrap_angle
-from six_wheel.kinematics import rover_edit
+from six_wheel.kinematics import rover_edit, se2
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.keywords import checked_class
 
 __all__ = ["Pose", "Twist", "compose", "differentiate", "exp", "integrate", "log", "wrap_angle"]
 
 
+@checked_class
 class Twist(NamedTuple):
     """Velocity of the body frame in body axes; goes wherever three floats do.
 
@@ -112,6 +114,7 @@ class Twist(NamedTuple):
         )
 
 
+@checked_class
 class Pose(NamedTuple):
     """Pose of the body frame in the world; it can be given wherever three floats can.
 
@@ -153,6 +156,22 @@ class Pose(NamedTuple):
         """A twist whose linear part is along the axes of the world, in body axes of a rover at this pose."""
         return Twist._make(_three("to_body", twist)).to_body(self.yaw)
 
+    def between(self, other: Sequence[float]) -> Self:
+        """`other` as seen from here, its yaw between -pi and pi: ``pose @ between`` is `other`."""
+        return type(self)._make(se2.between(self, _three("between", other)).tolist())
+
+    def interpolate(self, other: Sequence[float], share: float) -> Self:
+        """The pose after a share of the way to `other` on the arc of constant twist, the shorter way round.
+
+        Parameters
+        ----------
+        other : Pose or (float, float, float)
+            Where the way leads [m, m, rad].
+        share : float
+            0 is this pose, 1 is `other`.
+        """
+        return type(self)._make(se2.interpolate(self, _three("interpolate", other), share).tolist())
+
     def __matmul__(self, other: Sequence[float]) -> Self:
         return type(self)._make(compose(self, _three("@", other)).tolist())
 
@@ -188,7 +207,8 @@ class Pose(NamedTuple):
 
 
 def _refuse() -> NoReturn:
-    raise TypeError("poses do not add or scale: pose @ other composes, pose.inverse() is the way back")
+    rule = "pose @ other composes, as se2.compose does, pose.inverse() is the way back"
+    raise TypeError(f"poses do not add or scale: {rule}")
 
 
 def _is_number(value: object) -> bool:

@@ -7,9 +7,10 @@ from collections.abc import Callable, Collection, Iterable
 from functools import wraps
 from typing import Any, TypeVar
 
-__all__ = ["checked", "did_you_mean", "same_thing", "unknown_keyword"]
+__all__ = ["checked", "checked_class", "did_you_mean", "explained", "same_thing", "unknown_keyword"]
 
 _F = TypeVar("_F", bound=Callable[..., Any])
+_C = TypeVar("_C", bound=type[Any])
 
 # What a keyword of others, or of old, is here; the first that the call has counts.
 NAMES = {
@@ -84,6 +85,15 @@ def unknown_keyword(call: str, name: str, signature: str | Iterable[str]) -> str
     return f"{call}() has no {name}{hint} {'It' if hint[-1] != ';' else 'it'} takes {', '.join(names)}"
 
 
+def explained(text: str, method: Callable[..., Any]) -> str | None:
+    """The message for a keyword that a method of the core does not have, of its error; None for others."""
+    found = re.match(r"(\S+)\(\) got an unexpected keyword argument '(\w+)'", text)
+    if found is None:
+        return None
+    names = [name for name in inspect.signature(method).parameters if name != "self"]
+    return unknown_keyword(found[1], found[2], names)
+
+
 def checked(*others: Callable[..., Any], call: str = "") -> Callable[[_F], _F]:
     """Decorator of a public function: a keyword that it does not have is refused with the nearest one.
 
@@ -106,6 +116,7 @@ def checked(*others: Callable[..., Any], call: str = "") -> Callable[[_F], _F]:
             if parameter.kind in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY)
         }
         shown = [each for signature in signatures for each in signature.parameters if each in named]
+        shown = [each for each in shown if each not in ("self", "cls", "_cls")]
 
         @wraps(function)
         def call_checked(*arguments: Any, **keywords: Any) -> Any:
@@ -117,3 +128,19 @@ def checked(*others: Callable[..., Any], call: str = "") -> Callable[[_F], _F]:
         return call_checked  # type: ignore[return-value]
 
     return decorate
+
+
+def checked_class(kind: _C) -> _C:
+    """Decorator of a public class: its constructor and its own public methods are `checked`."""
+    for name, member in list(vars(kind).items()):
+        inner = member.__func__ if isinstance(member, classmethod | staticmethod) else member
+        makes = name in ("__init__", "__new__")
+        if not inspect.isfunction(inner) or not (makes or not name.startswith("_")):
+            continue
+        if any(each.kind is each.VAR_KEYWORD for each in inspect.signature(inner).parameters.values()):
+            continue  # it says itself what it does not have
+        call = kind.__name__ if makes else f"{kind.__name__}.{name}"
+        wrapped = checked(call=call)(inner)
+        made = wrapped if inner is member else type(member)(wrapped)
+        setattr(kind, name, made)
+    return kind

@@ -1,7 +1,7 @@
 """Names that a package has at once and loads when they are first used."""
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from importlib import import_module
 from types import ModuleType
 
@@ -18,7 +18,10 @@ class Package(ModuleType):
 
 
 def attach(
-    package: str, modules: Mapping[str, Sequence[str]], hint: Callable[[str], str] | None = None
+    package: str,
+    modules: Mapping[str, Sequence[str]],
+    beside: Collection[str] = (),
+    hint: Callable[[str], str] | None = None,
 ) -> Lookup:
     """`__getattr__` and `__dir__` of a package.
 
@@ -29,6 +32,8 @@ def attach(
     modules : mapping of str to sequence of str
         Its modules, those of its packages as ``package.module``, and of each the names that the package shows
         as its own.
+    beside : collection of str, optional
+        Names that it has and `dir` leaves out.
     hint : callable, optional
         Words about a name that is not there, "" for none; without words the nearest name is said.
     """
@@ -51,9 +56,9 @@ def attach(
         setattr(sys.modules[package], name, value)  # from now on without a detour
         return value
 
-    def names() -> list[str]:
+    def names() -> set[str]:
         inside = vars(sys.modules[package])
         own = (name for name in inside if name.startswith("__") and name.endswith("__"))
-        return sorted({*own, *inside.get("__all__", ()), *inner, *places})
+        return {*own, *inside.get("__all__", ()), *inner, *places}
 
-    return get, names
+    return get, lambda: sorted(names() - set(beside))

@@ -8,7 +8,7 @@ from functools import cache, partial
 from typing import Any, TypeVar
 
 from six_wheel._core import Limits, Rover, Wheel, without_questions
-from six_wheel.kinematics.keywords import unknown_keyword
+from six_wheel.kinematics.keywords import did_you_mean, unknown_keyword
 
 __all__ = [
     "joints_as_given",
@@ -61,6 +61,8 @@ def replace_in_rover(rover: Rover, wheel: str | None, changes: Mapping[str, Any]
     if wheel is not None and wheel not in rover.wheel_names:
         raise ValueError(f"wheel must be one of {', '.join(rover.wheel_names)}, got {wheel!r}")
     own = {name: value for name, value in changes.items() if name in of_rover}
+    if isinstance(some := own.get("wheels"), Mapping):
+        own["wheels"] = _with_some(rover, some)
     new = {name: value for name, value in changes.items() if name not in of_rover}
     if new:
         wheels = own.pop("wheels", rover.wheels)
@@ -70,6 +72,24 @@ def replace_in_rover(rover: Rover, wheel: str | None, changes: Mapping[str, Any]
     if "wheels" in own and tuple(own["wheels"]) != rover.wheels:
         own.setdefault("suspension", None)
     return replace(rover, **own)
+
+
+def _with_some(rover: Rover, some: Mapping[str, Any]) -> list[Wheel]:
+    """The wheels of a rover, some given anew by name: a `Wheel`, or changes of the one there is."""
+    if unknown := [name for name in some if name not in rover.wheel_names]:
+        known = list(rover.wheel_names)
+        hint = did_you_mean(str(unknown[0]), known)
+        raise ValueError(f"wheels must be some of {', '.join(known)}, got {unknown[0]!r}{hint}")
+
+    def made(wheel: Wheel) -> Wheel:
+        given = some.get(wheel.name, {})
+        if isinstance(given, Mapping):
+            return wheel.replace(**given)
+        if not isinstance(given, Wheel):
+            raise TypeError(f"wheels must hold Wheel or dict, got {given!r} for {wheel.name!r}")
+        return given.replace(name=wheel.name)
+
+    return without_questions(lambda: [made(wheel) for wheel in rover.wheels])
 
 
 def _changed(each: Wheel, only: str | None, changes: dict[str, Any]) -> Wheel:

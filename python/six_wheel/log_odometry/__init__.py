@@ -12,7 +12,7 @@ from six_wheel.kinematics.lazy import attach
 if TYPE_CHECKING:
     from six_wheel.log_odometry.dead_reckoning import dead_reckon, dead_reckon_chunks, table_columns
     from six_wheel.log_odometry.many_logs import FleetLog, reckon_all
-    from six_wheel.log_odometry.results import Count, Reckoned, Settings
+    from six_wheel.log_odometry.results import Count, Reckoned, ReckonSettings
     from six_wheel.log_odometry.run_log import reckon
     from six_wheel.log_odometry.slip import SlipSum
     from six_wheel.log_odometry.tracks import of_track
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 __all__ = [
     "Count",
     "FleetLog",
+    "ReckonSettings",
     "Reckoned",
-    "Settings",
     "SlipSum",
     "dead_reckon",
     "dead_reckon_chunks",
@@ -36,7 +36,7 @@ __getattr__, __dir__ = attach(
     {
         "dead_reckoning": ("dead_reckon", "dead_reckon_chunks", "table_columns"),
         "many_logs": ("FleetLog", "reckon_all"),
-        "results": ("Count", "Reckoned", "Settings"),
+        "results": ("Count", "Reckoned", "ReckonSettings"),
         "run_log": ("reckon",),
         "slip": ("SlipSum",),
         "tracks": ("of_track",),

@@ -195,7 +195,7 @@ def dead_reckon(
             rover, steering, columns, rates, options, stamp_unit=stamp_unit, plausibility=plausibility
         )
         options |= _readings_of(source)
-    odometry = Odometry(rover, noise, **options)
+    odometry = Odometry(rover, noise, **{"lag": 0.0} | options)  # no pose from outside comes late
     odometry.reset(start, start_covariance)
     stamps = None if stamps is None else tabular_input.seconds_of(stamps)
     if stamps is not None and stamp_unit is not None:
@@ -247,7 +247,7 @@ def _in_space(
         options = {**log.options, **options}
     if wheel_angles is None or stamps is None:
         raise ValueError("wheel_angles and stamps must be given for a suspension, got none of them")
-    odometry = Odometry3(suspension, noise, ground=ground, **options)
+    odometry = Odometry3(suspension, noise, ground=ground, **{"lag": 0.0} | options)
     odometry.reset(ORIGIN if start is None else start, start_covariance)
     return odometry.run(
         steering,
@@ -331,7 +331,7 @@ def dead_reckon_chunks(
     keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
     sensors, rows = {"yaw": yaw, "yaw_rate": yaw_rate}, chunk_rows or tabular_input.CHUNK_ROWS
     source = tabular_input.table(rover, table, columns, sensors, options, rows, stamp_unit, plausibility)
-    odometry = Odometry(rover, noise, **options | _readings_of(source))
+    odometry = Odometry(rover, noise, **{"lag": 0.0} | options | _readings_of(source))
     odometry.reset(start, start_covariance)
     return tabular_input.follow(odometry, source, keywords, progress)
 

@@ -16,7 +16,8 @@ from typing import Any
 
 from six_wheel._core import Rover, __version__
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning
-from six_wheel.log_odometry.results import Settings
+from six_wheel.kinematics.keywords import checked
+from six_wheel.log_odometry.results import ReckonSettings
 from six_wheel.log_odometry.run_log import reckon
 from six_wheel.logs.detect_reader import logs_in
 from six_wheel.logs.headers.columns import TableError
@@ -62,10 +63,11 @@ class LogTask:
     track: Path
     truth: Path | None
     log_options: LogOptions
-    settings: Settings
+    settings: ReckonSettings
     length: float
 
 
+@checked()
 def reckon_all(
     rover: Rover,
     paths: Sequence[Path],
@@ -74,11 +76,11 @@ def reckon_all(
     ending: str = ".csv",
     truth: Path | None = None,
     log_options: LogOptions | None = None,
-    settings: Settings | None = None,
+    settings: ReckonSettings | None = None,
     length: float = 0.5,
-    client: Any = None,
+    cluster: Any = None,
     workers: int | None = None,
-    tell: Callable[[int, int], object] | None = None,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Iterator[FleetLog]:
     """Dead-reckon many logs; those that were done before come first, the others as they get done.
 
@@ -96,11 +98,11 @@ def reckon_all(
         That holds the times of all logs.
     log_options, settings, length
         As in `reckon`.
-    client : distributed.Client or str, optional
+    cluster : distributed.Client or str, optional
         A Dask cluster or its address, whose workers see the same files.
     workers : int, optional
         Processes of this machine, default one per core.
-    tell : callable, optional
+    progress : callable, optional
         Called with the logs that are done and all logs.
 
     Raises
@@ -117,7 +119,7 @@ def reckon_all(
     tracks = _tracks(logs, output, ending)
     output.mkdir(parents=True, exist_ok=True)
     journal = Journal(output / JOURNAL, {"kept": "summaries of tracks"})
-    options, way = log_options or LogOptions(), settings or Settings()
+    options, way = log_options or LogOptions(), settings or ReckonSettings()
     jobs = [
         LogTask(rover, path.resolve(), track.resolve(), truth and truth.resolve(), options, way, length)
         for path, track in zip(logs, tracks, strict=True)
@@ -128,8 +130,8 @@ def reckon_all(
     def counted(one: FleetLog) -> FleetLog:
         nonlocal done
         done += 1
-        if tell is not None:
-            tell(done, len(jobs))
+        if progress is not None:
+            progress(done, len(jobs))
         return one
 
     left = []
@@ -138,7 +140,7 @@ def reckon_all(
             yield counted(FleetLog(logs[number], tracks[number], journal.read(key), resumed=True))
         else:
             left.append(number)
-    for outcome in spread(reckon_one, [jobs[number] for number in left], cluster=client, workers=workers):
+    for outcome in spread(reckon_one, [jobs[number] for number in left], cluster=cluster, workers=workers):
         number = left[outcome.index]
         failure = outcome.failure
         if failure is None and not tracks[number].is_file():

@@ -19,7 +19,7 @@ FIRST_ROWS = 5  # of every kind of finding, that are named
 
 
 @dataclass(frozen=True)
-class Settings:
+class ReckonSettings:
     """Settings of dead reckoning: the noise, other options of `Odometry`, and the first pose [m, m, rad].
 
     `gyroscope` is what one in the log errs by, of readings `period` [s] apart, if that is known; without it
@@ -91,7 +91,9 @@ class Reckoned:
         Of a gyroscope that was used, at the end, and how sure that is [rad/s].
     warnings : list of str
     elapsed : float
-        How long it took [s].
+        Time that it took [s].
+    noise : Noise or None
+        By which the covariances grew.
     """
 
     name: str
@@ -112,6 +114,7 @@ class Reckoned:
     gyroscope_bias: tuple[float, float] | None = None
     warnings: list[str] = field(default_factory=list)
     elapsed: float = 0.0
+    noise: Noise | None = None
     _trace: Trace = field(default_factory=Trace)
 
     @property

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Odometry, Rover
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.tracks import ROUNDING, OdometryHealth, Track
 from six_wheel.kinematics.poses import Floats, joined
 from six_wheel.log_odometry.evaluation.paths import absolute_error, align, evaluate
 from six_wheel.log_odometry.evaluation.slip import lost_stretches, reach
 from six_wheel.log_odometry.recording import TrackRecord
-from six_wheel.log_odometry.results import Count, Reckoned, Settings
+from six_wheel.log_odometry.results import Count, Reckoned, ReckonSettings
 from six_wheel.log_odometry.slip import SlipSum
 from six_wheel.logs.detect_reader import AnyLog, open_log
 from six_wheel.logs.frames.tabular_input import concatenate
@@ -62,7 +63,7 @@ UNUSED = (
 class _Run:
     """A log on its way through odometry: what one chunk hands to the next."""
 
-    def __init__(self, log: AnyLog, settings: Settings, options: LogOptions) -> None:
+    def __init__(self, log: AnyLog, settings: ReckonSettings, options: LogOptions) -> None:
         self.record: TrackRecord | None = None
         self.log = log
         self._options = options
@@ -96,8 +97,9 @@ class _Run:
         result = self.result
         if self._odometry is None:
             options = self._settings.options_for(chunk)
-            self._odometry = Odometry(self._rover_of(chunk), self._settings.noise, **options)
+            self._odometry = Odometry(self._rover_of(chunk), self._settings.noise, **{"lag": 0.0} | options)
             self._odometry.reset(self._settings.start)
+            result.noise = self._odometry.noise
         steering = None if chunk.steering is None else chunk.steering * self._gains
         track = self._reckon(self._odometry, chunk, steering, chunk.wheel_angles * self._scale)
         result.gyroscope_bias = self._odometry.gyroscope_bias
@@ -153,7 +155,7 @@ class _Run:
             self._reckoned.append((chunk.stamps, poses))
             return
         wanted = chunk.truth if truth is None else truth.at(chunk.stamps)
-        if truth is not None and wanted is not None and not truth.has_headings:
+        if truth is not None and wanted is not None and not truth.has_yaw:
             there = np.isfinite(wanted[:, 0])
             self._places.append((poses[there], wanted[there]))
             return
@@ -233,6 +235,7 @@ class _Run:
         return result
 
 
+@checked()
 def reckon(
     rover: Rover,
     path: Path,
@@ -241,7 +244,7 @@ def reckon(
     truth: Path | None = None,
     finish: Callable[[Reckoned], None] | None = None,
     log_options: LogOptions | None = None,
-    settings: Settings | None = None,
+    settings: ReckonSettings | None = None,
     length: float = 0.5,
     chunk_rows: int = 65_536,
     sources: Sequence[Path] = (),
@@ -286,7 +289,7 @@ def reckon(
             table_format(output, (*FORMATS, RECORD))
         log: AnyLog = open_log(path, rover, options)
         stack.callback(log.close)
-        run = _Run(log, settings or Settings(), options)
+        run = _Run(log, settings or ReckonSettings(), options)
         taken = [each for each in (path, truth, *sources) if each is not None]
         target = stack.enter_context(replacing(output, taken)) if output else None
         writer: TableWriter | None = None

@@ -11,7 +11,7 @@ from six_wheel.kinematics.odometry.tracks import (
     SlipReport,
     SlipWindow,
     Track,
-    WheelSlip,
+    WheelContradiction,
     can_contradict,
 )
 from six_wheel.kinematics.poses import Floats
@@ -81,7 +81,9 @@ class SlipSum:
         weights = self._weights / self._rows if self._weighted else [None] * len(self._worst)
         figures = zip(rover.wheel_names, rms, mean, self._worst, share, weights, strict=True)  # type: ignore[arg-type]
         wheels = tuple(
-            WheelSlip(name, float(r), float(m), worst, row, float(s), None if w is None else float(w))
+            WheelContradiction(
+                name, float(r), float(m), worst, row, float(s), None if w is None else float(w)
+            )
             for name, r, m, (worst, row), s, w in figures
         )
         largest = max(worst for worst, _ in self._worst)

@@ -41,7 +41,7 @@ def of_track(
     result.duration = float(track.stamps[-1] - track.stamps[0])
     result.distance = float(path_distance(track.poses)[-1])
     result.pose, result.covariance = track.poses[-1], track.covariances[-1]
-    result.slip = track.slip_report()
+    result.slip, result.noise = track.slip_report(), track.noise
     flat = track.covariances.reshape(-1, 9)
     result._trace.add(track.poses, np.hstack([track.stamps[:, None], flat, track.residuals]))
     if truth is not None:

@@ -256,8 +256,8 @@ def _odometry_options(rover: Rover, options: LogOptions) -> dict[str, Any]:
         if encoders := direct or encoders_of(rover, part, keys):
             given[name] = encoders
         if keys.get("increments"):
-            given["readings"] = "increments"
-    if options.readings in ("speeds", "increments"):
+            given["increments"] = True
+    if options.readings == "speeds":
         given["readings"] = options.readings
     return given
 

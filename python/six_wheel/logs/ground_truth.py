@@ -8,18 +8,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.headers.columns import TIME, Column, TableError, find_columns
 from six_wheel.logs.headers.joint_columns import position_columns, truth_columns
 from six_wheel.logs.headers.time_columns import seconds_since
 from six_wheel.logs.skip_bad_rows import Findings, Sieve, Source, TolerantTable
 
-__all__ = ["TRUTH", "has_headings", "poses_of", "read_truth"]
+__all__ = ["TRUTH", "has_yaw", "poses_of", "read_truth"]
 
 TRUTH = ("x", "y", "yaw", "qx", "qy", "qz", "qw")
 Floats = NDArray[np.float64]
 
 
+@checked()
 def read_truth(
     path: Path | str,
     *,
@@ -71,7 +73,7 @@ def read_truth(
     with contextlib.closing(source):
         for batch in Sieve(source.findings, (), stated).pass_on(source.batches(200_000)):
             poses = poses_of(batch.values)
-            wanted = poses if has_headings(batch.values) else poses[:, :2]
+            wanted = poses if has_yaw(batch.values) else poses[:, :2]
             good = np.isfinite(wanted).all(axis=1)
             for k in np.flatnonzero(~good):  # numbers that are none together
                 flaw = "the quaternion of a pose must not be zero"
@@ -94,7 +96,7 @@ def _find_truth(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[
     return columns
 
 
-def has_headings(values: Mapping[str, Any]) -> bool:
+def has_yaw(values: Mapping[str, Any]) -> bool:
     """True if columns of a pose hold a heading: a yaw or a quaternion."""
     return "yaw" in values or "qw" in values
 
@@ -106,7 +108,7 @@ def poses_of(values: Mapping[str, Floats]) -> Floats:
     """
     if "yaw" in values:
         yaw = values["yaw"]
-    elif not has_headings(values):
+    elif not has_yaw(values):
         yaw = np.full(len(values["x"]), np.nan)
     else:
         x, y, z, w = (values[f"q{axis}"] for axis in "xyzw")

@@ -61,7 +61,7 @@ class LogOptions:
         offset = self.truth.get("time_offset", 0.0)
         if not (sensor.any() or offset):
             return truth
-        poses = joined(truth.poses, inverse(sensor)) if truth.has_headings else truth.poses
+        poses = joined(truth.poses, inverse(sensor)) if truth.has_yaw else truth.poses
         return replace(truth, stamps=truth.stamps - offset, poses=poses)
 
 

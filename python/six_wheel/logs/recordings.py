@@ -4,7 +4,7 @@ from __future__ import annotations  # so that help shows the names of types, not
 
 import math
 import reprlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from numbers import Real
@@ -15,9 +15,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.errors import ArgumentTypeError
-from six_wheel.kinematics.objects import tables
-from six_wheel.kinematics.objects.tables import Columns, Tabular, joint_columns, pose_columns
+from six_wheel.kinematics.keywords import checked_class
+from six_wheel.kinematics.objects.tables import (
+    Columns,
+    Tabular,
+    headers_of,
+    joint_columns,
+    pose_columns,
+    rows_of,
+)  # fmt: skip
 from six_wheel.kinematics.poses import Floats, as_poses, interpolate
+from six_wheel.logs.joint_totals import angles_of, summed, where_there
 from six_wheel.logs.plausibility.proposals import Column
 from six_wheel.logs.plausibility.whole_numbers import check_increments
 
@@ -26,10 +34,10 @@ if TYPE_CHECKING:
 
 __all__ = ["GroundTruth", "WheelLog", "as_truth"]
 
-Rows: TypeAlias = NDArray[np.int64]
-OPTIONS = ("readings", "wheel_encoders", "steering_encoders")
+OPTIONS = ("readings", "increments", "wheel_encoders", "steering_encoders")
 
 
+@checked_class
 @dataclass(frozen=True, eq=False)
 class GroundTruth(Tabular):
     """Poses, positions or headings measured from outside, with stamps of their own.
@@ -82,7 +90,7 @@ class GroundTruth(Tabular):
         return not np.isnan(self.poses[0, 0])
 
     @property
-    def has_headings(self) -> bool:
+    def has_yaw(self) -> bool:
         """True if yaw is known."""
         return not np.isnan(self.poses[0, 2])
 
@@ -114,6 +122,7 @@ class GroundTruth(Tabular):
         return f"GroundTruth({len(self)} poses, {self.stamps[-1] - self.stamps[0]:.1f} s)"
 
 
+@checked_class
 @dataclass(frozen=True, eq=False)
 class WheelLog(Tabular):
     """Encoder readings of one drive, and the truth if it is known.
@@ -135,8 +144,8 @@ class WheelLog(Tabular):
     yaw_rate, yaw : array_like, shape (n,), optional
         Of a gyroscope [rad/s], and absolute yaw of a sensor with a zero of its own [rad].
     options : mapping
-        How `Odometry` has to read the log where it is not in radians: `readings`, `wheel_encoders`,
-        `steering_encoders`. `dead_reckon` and `calibrate` mind them.
+        How `Odometry` has to read the log where it is not in radians: `readings`, `increments`,
+        `wheel_encoders`, `steering_encoders`. `dead_reckon` and `calibrate` mind them.
     plausibility : bool
         Whether `dead_reckon` and `calibrate` refuse readings that no rover has; False for those that were
         checked when they were read.
@@ -227,13 +236,13 @@ class WheelLog(Tabular):
 
         how = {key: options.pop(key) for key in ("stamp_unit", "plausibility") if key in options}
         log = whole(table(rover, frame, options.pop("columns", None), {}, options, **how))
-        headers = set(tables.headers_of(frame))
+        headers = set(headers_of(frame))
         truth = None
         if headers >= {"x", "y", "yaw"}:
-            places = tables.rows_of(frame, ("x", "y", "yaw"))
+            places = rows_of(frame, ("x", "y", "yaw"))
             known = np.isfinite(places).all(axis=1)
             truth = GroundTruth(log.stamps[known], places[known])
-        rate = tables.rows_of(frame, ("yaw_rate",))[:, 0] if "yaw_rate" in headers else None
+        rate = rows_of(frame, ("yaw_rate",))[:, 0] if "yaw_rate" in headers else None
         return cls(log.stamps, log.steering, log.wheels, truth, name, yaw_rate=rate, options=options)
 
     def _columns(self, rover: Rover | None = None) -> Columns:
@@ -260,26 +269,24 @@ class WheelLog(Tabular):
         ValueError
             If an option does not fit the rover.
         """
-        if not self.options:
+        if not (known := self.options):
             return self
-        wheels = encoders_of("wheel_encoders", self.options.get("wheel_encoders"), rover.wheel_names)
-        joints = encoders_of(
-            "steering_encoders", self.options.get("steering_encoders"), rover.steered_wheel_names
-        )
-        readings = self.options.get("readings", "angles")
+        wheels = encoders_of("wheel_encoders", known.get("wheel_encoders"), rover.wheel_names)
+        joints = encoders_of("steering_encoders", known.get("steering_encoders"), rover.steered_wheel_names)
+        readings = known.get("readings", "angles")
+        if readings not in ("angles", "speeds", "ticks"):
+            raise ValueError(f"readings must be 'angles', 'speeds' or 'ticks', got {readings!r}")
         turned, steering = self.wheel_angles, self.steering
         for name, columns, one_each in (("wheel_angles", turned, wheels), ("steering", steering, joints)):
             if columns is not None and columns.shape[1] != len(one_each):
                 raise ValueError(f"{name} must have shape (n, {len(one_each)}), got {columns.shape}")
         if readings == "speeds":
-            turned = _where_there([partial(_summed, self.stamps)] * len(wheels), turned)
-        elif readings == "increments":
-            turned = _where_there([lambda steps, rows: np.cumsum(steps)] * len(wheels), turned)
-        elif readings != "angles":
-            raise ValueError(f"readings must be 'angles', 'speeds' or 'increments', got {readings!r}")
-        angles = _where_there([partial(_angles, one, False) for one in wheels], turned)
+            turned = where_there([partial(summed, self.stamps)] * len(wheels), turned)
+        elif known.get("increments"):
+            turned = where_there([lambda steps, rows: np.cumsum(steps)] * len(wheels), turned)
+        angles = where_there([partial(angles_of, one, False) for one in wheels], turned)
         if steering is not None:
-            steering = _where_there([partial(_angles, one, True) for one in joints], steering)
+            steering = where_there([partial(angles_of, one, True) for one in joints], steering)
         return replace(self, steering=steering, wheel_angles=angles, options={})
 
     @property
@@ -341,34 +348,6 @@ def encoders_of(argument: str, given: Any, names: Sequence[str]) -> list[Encoder
     if len(given) != len(names):
         raise ValueError(f"{argument} must be one or {len(names)}, got {len(given)}")
     return list(given)
-
-
-def _where_there(made: Sequence[Callable[[Floats, Rows], Floats]], columns: Floats) -> Floats:
-    """Apply to every column its function of the finite numbers and their rows; missing readings stay NaN."""
-    found = np.full_like(columns, math.nan)
-    for column, read, make in zip(found.T, columns.T, made, strict=True):
-        rows = np.flatnonzero(np.isfinite(read))
-        if len(rows):
-            column[rows] = make(read[rows], rows)
-    return found
-
-
-def _summed(stamps: Floats, rates: Floats, rows: Rows) -> Floats:
-    """Running totals of rates that change evenly from row to row."""
-    steps = (rates[1:] + rates[:-1]) / 2.0 * np.diff(stamps[rows])
-    return np.concatenate(([0.0], np.cumsum(steps)))
-
-
-def _angles(encoder: Encoder, absolute: bool, counts: Floats, rows: Rows) -> Floats:
-    """Angles [rad] of encoder counts, a counter that starts over unrolled; an absolute one starts near 0."""
-    steps = np.diff(counts)
-    if encoder.wraps_at is not None:
-        steps -= encoder.wraps_at * np.round(steps / encoder.wraps_at)
-    first = counts[0] * encoder.angle_per_tick + encoder.offset if absolute else 0.0
-    if absolute and encoder.wraps_at is not None:
-        around = abs(encoder.wraps_at * encoder.angle_per_tick)
-        first -= around * np.round(first / around)
-    return np.concatenate(([first], first + np.cumsum(steps) * encoder.angle_per_tick))
 
 
 def _check_order(stamps: Floats) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from six_wheel._core import Terrain
 from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.keywords import checked
 from six_wheel.maps.files import Grid, Options, TerrainFileError, cut
 from six_wheel.maps.plausibility import find_fill, find_unit, is_fill
 from six_wheel.maps.readers import grids
@@ -42,6 +43,7 @@ RASTERS = (
 )
 
 
+@checked(Options, call="Terrain.read")
 def read(path: str | PathLike[str], **options: Any) -> Terrain:
     """See `Terrain.read`."""
     return read_with(path, Options(**options))

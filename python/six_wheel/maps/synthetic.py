@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Terrain
+from six_wheel.kinematics.keywords import checked
 
 __all__ = ["yard"]
 
@@ -22,6 +23,7 @@ FRACTAL_SIZE = 40.0  # the roughness is that of a yard of this size [m]
 FADE = 0.615_572_206_672_458_2  # 2^-0.7: amplitude of an octave against the one before, Hurst 0.7
 
 
+@checked()
 def yard(
     size: float | tuple[float, float] = (40.0, 40.0),
     spacing: float = 0.05,

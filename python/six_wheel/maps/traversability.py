@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, __version__
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.statuses import FeasibilityLimits
 from six_wheel.maps.files import Options
@@ -71,6 +72,7 @@ class Window(NamedTuple):
     columns: slice
 
 
+@checked()
 def traverse(
     path: str | os.PathLike[str],
     rover: RockerBogie,
@@ -82,7 +84,7 @@ def traverse(
     belly: tuple[float, float, float, float] | None = None,
     cluster: Any = None,
     workers: int | None = None,
-    tell: Callable[[int, int], object] | None = None,
+    progress: Callable[[int, int], object] | None = None,
     band: int | str | None = None,
     nodata: float | None = None,
     unit: str | float | None = None,
@@ -107,11 +109,11 @@ def traverse(
     output : path
         GeoTIFF of four layers in the frame of the map: share of safe headings, worst tilt, clearance left,
         reason.
-    headings : int
+    headings : int, default 16
         Evenly spaced, from the x axis of the map's frame.
     limits : FeasibilityLimits, optional
-        What is allowed; default what Curiosity is.
-    map_error : float
+        What is allowed; default ``FeasibilityLimits.curiosity()``.
+    map_error : float, default 0.0
         How far the heights may be wrong [m].
     belly : (float, float, float, float), optional
         As for `RockerBogie.bounds`.
@@ -119,7 +121,7 @@ def traverse(
         A Dask cluster instead of this machine (extra ``[cluster]``).
     workers : int, optional
         Processes of this machine, default one per core.
-    tell : callable, optional
+    progress : callable, optional
         Called with the number of finished tiles and of all.
     band, nodata, unit, north_up, spacing, origin, topic, layer : optional
         As for `Terrain.read`, for what the map leaves open.
@@ -141,7 +143,7 @@ def traverse(
     if output.exists() and output.resolve() == path.resolve():
         raise ValueError(f"output must not be the map itself, got {output}")
     options = Options(None, topic, layer, band, nodata, unit, north_up, spacing, origin)
-    task = _Task(rover, headings, limits or FeasibilityLimits(), map_error, belly, options)
+    task = _Task(rover, headings, limits or FeasibilityLimits.curiosity(), map_error, belly, options)
     with open_raster(path, options) as raster:
         windows = list(_windows(raster.shape))
         # One tile here, before anything is written: what is wrong with the arguments is said at once.
@@ -155,7 +157,7 @@ def traverse(
             workers=workers,
             journal=journal,
             prepare=partial(_tile, raster, task),
-            tell=None if tell is None else lambda done: tell(done, len(windows)),
+            progress=None if progress is None else lambda done: progress(done, len(windows)),
         ):
             if outcome.failure is not None:
                 raise _failed(windows[outcome.index], outcome.failure)

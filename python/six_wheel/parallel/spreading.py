@@ -82,7 +82,7 @@ def spread(
     workers: int | None = None,
     journal: Journal | None = None,
     prepare: Callable[[Any], Any] | None = None,
-    tell: Callable[[int], object] | None = None,
+    progress: Callable[[int], object] | None = None,
 ) -> Generator[Outcome]:
     """Outcomes of a function for every item, in the order in which they finish.
 
@@ -103,7 +103,7 @@ def spread(
         Keeps every value before it is handed out; items it holds already are not done again.
     prepare : callable, optional
         Called here with an item that is to be done, just before it is sent; its answer is sent instead.
-    tell : callable, optional
+    progress : callable, optional
         Called with the number of items that are finished, after each.
 
     Yields
@@ -157,8 +157,8 @@ def spread(
                 if journal is not None and outcome.failure is None and not outcome.resumed:
                     journal.write(outcome.index, outcome.value)
                 finished += 1
-                if tell is not None:
-                    tell(finished)
+                if progress is not None:
+                    progress(finished)
                 yield outcome
 
 

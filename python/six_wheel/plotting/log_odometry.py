@@ -6,6 +6,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
+from six_wheel._core import Noise
 from six_wheel.kinematics.odometry.tracks import ROUNDING, SILENT
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.paths import absolute_error, align
@@ -78,13 +79,14 @@ def draw_path(axes: Axes, result: Reckoned) -> None:
         axes.plot(truth[:, 0], truth[:, 1], color=INK, linewidth=3.0, alpha=0.25, zorder=3, label="truth")
     (drawn,) = _thin(poses)
     axes.plot(drawn[:, 0], drawn[:, 1], color=MOTION, linewidth=1.6, zorder=3, label="odometry")
+    typical = ", by the noise of a typical rover" if result.noise == Noise.typical() else ""
     along = path_distance(poses)
     stations = np.searchsorted(along, np.linspace(0.0, along[-1], ELLIPSES + 1)[1:])
     for number, row in enumerate(np.unique(np.minimum(stations, len(poses) - 1))):
         values, vectors = np.linalg.eigh(covariances[row, :2, :2])
         wide, high = 2.0 * np.sqrt(LIKELY * np.maximum(values[::-1], 0.0))
         turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
-        label = {} if number else {"label": "95 % of where it may be"}
+        label = {} if number else {"label": f"95 % of where it may be{typical}"}
         ellipse = Ellipse(
             (poses[row, 0], poses[row, 1]), wide, high, angle=turn, facecolor=(*LIKELY_FACE, 0.1),
             edgecolor=(*LIKELY_FACE, 0.7), linewidth=0.8, zorder=2.5, **label,
@@ -141,7 +143,7 @@ def _draw_residuals(axes: Axes, result: Reckoned) -> None:
     names = result.rover.wheel_names
     stamps, residuals = _thin(stamps, residuals)
     if not np.nan_to_num(residuals).max() > ROUNDING:
-        said = "no wheel contradicts another" if result.slip.told else SILENT.replace(": ", ":\n")
+        said = "no wheel contradicts another" if result.slip.observable else SILENT.replace(": ", ":\n")
         box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.9}
         axes.text(0.5, 0.5, said, transform=axes.transAxes, ha="center", color=SOFT, bbox=box, zorder=4)
     order = np.argsort(-np.nan_to_num(residuals).max(axis=0), kind="stable")

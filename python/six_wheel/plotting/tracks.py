@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats, as_poses
-from six_wheel.log_odometry.evaluation.paths import Alignment, absolute_error, align, at_same_times
+from six_wheel.log_odometry.evaluation.paths import Alignment, absolute_error, at_same_times
+from six_wheel.log_odometry.evaluation.paths import align as aligned
 from six_wheel.log_odometry.evaluation.relative import error_growth, path_distance
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.plotting.drawing import (
@@ -35,7 +36,7 @@ def track_figure(
     tracks: ArrayLike | Track | Mapping[str, ArrayLike | Track],
     truth: ArrayLike | GroundTruth,
     *,
-    how: Alignment = "first",
+    align: Alignment = "first",
     title: str | None = None,
 ) -> Figure:
     """Picture of estimated paths against the true one, their errors along it, and how these grow.
@@ -46,7 +47,7 @@ def track_figure(
         Poses at the times of the truth [m, m, rad]; from the worst to the best.
     truth : array_like of shape (n, 3), or GroundTruth
         The true poses [m, m, rad]; a `GroundTruth` is brought to the stamps of tracks that share them.
-    how : {'first', 'se2', 'none'}
+    align : {'first', 'se2', 'none'}
         Alignment of each path, as in `six_wheel.log_odometry.evaluation.paths.align`.
     title : str, optional
         Written above the picture, over the errors.
@@ -72,7 +73,7 @@ def track_figure(
     distance, said = path_distance(wanted), []
     for number, (name, (track, _)) in enumerate(pairs.items()):
         colour = COLOURS[(len(pairs) - 1 - number) % len(COLOURS)]
-        moved = align(track, wanted, how)
+        moved = aligned(track, wanted, align)
         error = absolute_error(moved, wanted, "none")
         said.append(f"{name} {error.rmse:.3f} m")
         path.plot(moved[:, 0], moved[:, 1], color=colour, linewidth=1.3, label=name)

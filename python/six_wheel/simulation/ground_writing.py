@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie
+from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.rover_record import IMU, JOINTS, ODOMETRY, TRANSFORMS, TRUTH
 from six_wheel.logs.mcap.writer import record_stamps
@@ -34,6 +35,7 @@ Floats = NDArray[np.float64]
 ENDINGS = (*FORMATS, BAG)
 
 
+@checked()
 def write_ground(run: GroundSimulation, suspension: RockerBogie, path: str | Path) -> None:
     """Write a drive over ground.
 
@@ -75,7 +77,7 @@ def _columns(run: GroundSimulation, suspension: RockerBogie) -> dict[str, tuple[
     assert run.truth is not None
     assert run.orientations is not None
     assert run.angular_velocity is not None
-    planar, stand = suspension.planar(0.0, (0.0, 0.0)), run.stand
+    planar, stand = suspension.planar(), run.stand
     columns = reading_columns(run, planar)
     for (name, unit), values in zip(POSE, run.truth.poses.T, strict=True):
         columns[name] = (unit, values)
@@ -103,7 +105,7 @@ def _write_bag(run: GroundSimulation, suspension: RockerBogie, path: Path) -> No
     assert run.truth is not None
     assert run.orientations is not None
     assert run.angular_velocity is not None
-    planar, stand = suspension.planar(0.0, (0.0, 0.0)), run.stand
+    planar, stand = suspension.planar(), run.stand
     columns = joint_columns(run, planar) | dict(zip(suspension.free_joints, stand.joints.T, strict=True))
     rows = np.stack(list(columns.values()), axis=-1)
     places = np.column_stack((run.truth.poses[:, :2], stand.z))
@@ -126,7 +128,7 @@ def _wheel_transforms(turned: WheelLog, run: GroundSimulation, suspension: Rocke
     """Place and quaternion in the body of every wheel, turned as far as it has rolled, row by row."""
     assert run.stand is not None
     joints = np.nan_to_num(run.stand.joints)
-    found = suspension.frames(joints[:, 0], joints[:, 1:], np.nan_to_num(run.stand.steering))
+    found = suspension.frames(joints, np.nan_to_num(run.stand.steering))
     transforms = {}
     for number, name in enumerate(suspension.wheel_names):
         frame = found[f"A{number + 1}"]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import RockerBogie, SettledPose, Terrain
+from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.poses import quaternions
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
@@ -25,6 +26,7 @@ __all__ = ["GroundSimulation", "middle", "simulate_on_ground"]
 Floats = NDArray[np.float64]
 
 
+@checked_class
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class GroundSimulation(Simulation):
     """A log of a drive over ground, with its truth and with where the rover stood all along.
@@ -78,7 +80,7 @@ def simulate_on_ground(
     sample, and its wheels turn as far as they roll there.
     """
     random = generator(seed)
-    planar = suspension.planar(0.0, (0.0, 0.0))
+    planar = suspension.planar()
     course = read_course(path, planar, speed)
     first = course.begin(start)
     moved = drive(planar, course, sensors.noise, slips, 1.0 / (FINER * rate), first, random)

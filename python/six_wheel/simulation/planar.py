@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Noise, Rover, integrate
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.keywords import checked_class
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.simulation.controlled import Controlled
 from six_wheel.simulation.course import Course
@@ -19,6 +20,7 @@ Floats = NDArray[np.float64]
 FINER = 8
 
 
+@checked_class
 @dataclass(frozen=True, slots=True)
 class Slip:
     """A stretch in which wheels slip for a reason.
@@ -76,6 +78,7 @@ class Motion:
         return Motion(stamps, poses, steering, turned, rate[:, 0])
 
 
+@checked_class
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(WheelLog):
     """A log with its truth, and what only a simulation knows.

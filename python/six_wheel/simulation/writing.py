@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Odometry, Rover
+from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.rover_record import IMU, JOINTS, ODOMETRY, PARAMETERS, TRANSFORMS, TRUTH
 from six_wheel.logs.mcap.writer import RecordWriter, record_stamps
@@ -21,6 +22,7 @@ BAG = ".mcap"
 WORLD, BODY = "map", "base_link"
 
 
+@checked()
 def write_log(log: WheelLog, rover: Rover, path: str | Path) -> None:
     """Write a log: .csv or .parquet, its truth in columns x, y and yaw; or .mcap, for viewers.
 
@@ -42,7 +44,7 @@ def write_log(log: WheelLog, rover: Rover, path: str | Path) -> None:
         If what writes the format is not installed.
     """
     target = Path(path)
-    if log.options.get("readings", "angles") != "angles":
+    if log.options.get("readings") == "speeds" or log.options.get("increments"):
         log = log.in_radians(rover)  # a file has what was turned until then
     if target.suffix.lower() == BAG:
         _write_bag(log, rover, target)

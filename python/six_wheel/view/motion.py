@@ -191,8 +191,8 @@ def find_motion(subject: Subject, state: State, previous: Motion | None = None) 
                 return replace(again, remarks=(*again.remarks, *remarks))
         else:
             remarks.append(f"{stand.status}: it does not stand there")
-    frames = suspension.frames(joints[0], joints[1:], steering)
-    unturned = suspension.frames(joints[0], joints[1:])
+    frames = suspension.frames(joints, steering)
+    unturned = suspension.frames(joints)
     names = [f"A{number}" for number in range(1, len(rover.wheels) + 1)]
     wheels, straight = (np.stack([each[name] for name in names]) for each in (frames, unturned))
     return Motion(

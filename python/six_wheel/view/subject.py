@@ -182,7 +182,7 @@ def named_rover(
 ) -> Subject:
     """The subject of a rover, a suspension, a preset's name or a file with a rover."""
     if isinstance(what, RockerBogie):
-        return Subject(what.planar(0.0, (0.0, 0.0)), what)
+        return Subject(what.planar(), what)
     if isinstance(what, Rover):
         return Subject(what, known_suspension(what))
     if isinstance(what, Suspension):
@@ -203,7 +203,7 @@ def named_rover(
     found = find_rover(given, "x must be a file or a preset", **reading)
     rover, suspension = found.rover, found.rover.suspension
     if found.path is None and (suspension := preset_suspension(given)) is not None:
-        rover = suspension.planar(0.0, (0.0, 0.0))
+        rover = suspension.planar()
     return Subject(rover, suspension, found.name, found.limits, robot=found.robot, given=given)
 
 

@@ -1,9 +1,5 @@
 //! Brakes on the pivots of both pairs.
 
-use std::str::FromStr;
-
-use six_wheel_numerics::error::Error;
-
 /// The brake on the pivots of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Brake {
@@ -23,14 +19,6 @@ pub enum Pair {
 }
 
 impl Pair {
-    /// Its name in arguments and messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Rear => "rear",
-        }
-    }
-
     /// Indices of its axles.
     pub fn axles(self) -> [usize; 2] {
         match self {
@@ -49,17 +37,7 @@ impl Pair {
     }
 }
 
-impl FromStr for Pair {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        match name {
-            "front" => Ok(Self::Front),
-            "rear" => Ok(Self::Rear),
-            _ => Err(Error::value("pair", "be 'front' or 'rear'", format!("{name:?}"))),
-        }
-    }
-}
+named_values! { Pair as "pair": "front" => Front, "rear" => Rear }
 
 /// Both brakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,6 +10,9 @@
 //! rigid axle, hence one line, and any two angles will do. With pivots beside it the two lines of a locked
 //! pair meet in one point and hold the centre of rotation there, unless they are the same line.
 
+#[macro_use]
+extern crate six_wheel_numerics;
+
 mod brakes;
 mod flow;
 mod glide;

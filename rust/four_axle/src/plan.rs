@@ -6,8 +6,6 @@
 //! pivots at angle 0), else where they meet. In the first case the centre of rotation moves along that
 //! line, and the wheels of the free pair make it move; in the second nothing can turn but standing axles.
 
-use std::str::FromStr;
-
 use nalgebra::Vector3;
 
 use super::glide::PivotTransition;
@@ -30,21 +28,7 @@ pub enum Steer {
     Rear,
 }
 
-impl FromStr for Steer {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        match name {
-            "both" => Ok(Self::Both),
-            "front" => Ok(Self::Front),
-            "rear" => Ok(Self::Rear),
-            _ => {
-                let rule = "be 'both', 'front' or 'rear'";
-                Err(Error::value("steer", rule, format!("{name:?}")))
-            }
-        }
-    }
-}
+named_values! { Steer as "steer": "both" => Both, "front" => Front, "rear" => Rear }
 
 /// Speeds of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,13 +1,13 @@
 //! Motion of one settled pose, and the settings of motions.
 
 use super::contact::{COLUMNS, Contacts, Row, rest_offset};
-use crate::lanes::columns::{mask, truths};
 use crate::lanes::pose_lanes::Touching;
 use crate::rates::constants::{MotionConstants, PLAN};
 use crate::rates::contact_rows::{Contact as LaneContact, Contacts as LaneContacts};
 use crate::rates::fit::{FitInput, fit};
 use crate::rates::least_squares::DenseLeastSquares;
 use crate::rates::suspension_rates::{KnownRate, KnownRates, SuspensionRates};
+use six_wheel_numerics::simd::lanes::Mask;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::lanes::all;
@@ -109,8 +109,11 @@ impl Contacts {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let mut contacts = [LaneContact::zero(simd); MAX_WHEELS];
         let touches = self.touching().count();
-        let mut touching =
-            Touching { wheels: [zero; MAX_WHEELS], all: touches == self.count, nowhere: mask(simd, touches == 0) };
+        let mut touching = Touching {
+            wheels: [zero; MAX_WHEELS],
+            all: touches == self.count,
+            nowhere: Mask::splat(simd, touches == 0),
+        };
         for (wheel, (lanes, contact)) in contacts.iter_mut().zip(&self.wheels[..self.count]).enumerate() {
             for i in 0..3 {
                 for (cell, part) in lanes.rows[i].iter_mut().zip(contact.rows[i]) {
@@ -200,7 +203,7 @@ impl Kernel for OneSuspension<'_> {
         let mut equations = DenseLeastSquares::new(simd);
         let known = known_rates(simd, self.known);
         let found = SuspensionRates::new::<4>(simd, &constants, &touching, &known, &lanes, &mut equations);
-        let is_determined = truths(simd, found.determined)[0];
+        let is_determined = found.determined.booleans()[0];
         let mut jacobian = SuspensionJacobian { spread: [[0.0; 3]; COLUMNS], offset: [0.0; COLUMNS] };
         for (value, lane) in jacobian.offset.iter_mut().zip(found.offset) {
             *value = lane.last(simd);

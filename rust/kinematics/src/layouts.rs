@@ -21,21 +21,7 @@ pub enum Drive {
     All,
 }
 
-impl std::str::FromStr for Drive {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        match name {
-            "front" => Ok(Self::Front),
-            "rear" => Ok(Self::Rear),
-            "all" => Ok(Self::All),
-            _ => {
-                let rule = "be 'front', 'rear' or 'all'";
-                Err(Error::value("driven", rule, format!("{name:?}")))
-            }
-        }
-    }
-}
+named_values! { Drive as "driven": "front" => Front, "rear" => Rear, "all" => All }
 
 /// Centres of rotation of the treads of a skidding vehicle, in body axes [m].
 ///

@@ -10,6 +10,7 @@ pub mod columns;
 pub mod error;
 pub mod jacobi;
 pub mod least_squares;
+pub mod names;
 pub mod places;
 pub mod simd;
 pub mod sizes;

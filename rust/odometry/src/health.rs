@@ -29,7 +29,8 @@ impl Health {
     pub const JUMP: Self = Self(128);
     /// Left out: its wheels do not determine the motion.
     pub const UNDETERMINED: Self = Self(256);
-    /// The clock or the counters went on from another value for good; this sample follows the one left out before.
+    /// A counter started at zero again, or the clock or the counters went on from another value for good and this sample
+    /// follows the one left out before.
     pub const RESTARTED: Self = Self(512);
     /// Left out: the attitude is that of a rover that does not stand on its wheels.
     pub const OVERTURNED: Self = Self(1024);

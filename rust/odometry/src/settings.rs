@@ -14,8 +14,8 @@ use six_wheel_kinematics::estimate::Method;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::{Error, number};
 
-/// Slip that is flagged where noise is a guess, which is too wide to tell by [m/s].
-const GUESSED_SLIP: f64 = 0.05;
+/// Slip that is flagged where the noise is the typical one, which nobody measured on this rover [m/s].
+const TYPICAL_SLIP: f64 = 0.05;
 
 /// Kind of the readings of the wheels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,8 +50,8 @@ pub struct Settings {
     pub method: Method,
     /// True if disagreement of the wheels beyond the noise counts as more noise.
     pub inflate: bool,
-    /// Slip of a wheel that is flagged [m/s]; None: four standard deviations of what the noise explains, of a noise that is a
-    /// guess [`GUESSED_SLIP`].
+    /// Slip of a wheel that is flagged [m/s]; None: four standard deviations of what the noise explains, of the typical
+    /// noise [`TYPICAL_SLIP`].
     pub slip_threshold: Option<f64>,
     /// Time between samples beyond which a step is flagged [s].
     pub max_gap: Option<f64>,
@@ -174,7 +174,7 @@ impl Settings {
 
     /// Slip of a wheel that is flagged [m/s], where one number says it.
     pub(crate) fn flagged_slip(&self) -> Option<f64> {
-        self.slip_threshold.or(self.noise.is_guess().then_some(GUESSED_SLIP))
+        self.slip_threshold.or(self.noise.is_typical().then_some(TYPICAL_SLIP))
     }
 
     /// The encoder of a wheel.

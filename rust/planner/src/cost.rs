@@ -6,7 +6,7 @@ use super::costmap::Costmap;
 use crate::motion::drive::TRACK;
 use crate::numbers::BLOCK;
 use six_wheel_numerics::simd::float::Float;
-use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Points of the path at most.
@@ -211,7 +211,7 @@ impl<R: Float> CostTerms<'_, R> {
         let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let zero = number(0.0);
         let weight = number(self.weights.map * self.dt);
-        let mut hit = zero.lt(zero);
+        let mut hit = Mask::splat(simd, false);
         let mut worst_of_all = zero;
         let lethal = number(map.lethal().unwrap_or(f64::INFINITY));
         for step in track.chunks_exact(TRACK * BLOCK) {

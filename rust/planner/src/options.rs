@@ -101,7 +101,7 @@ impl Options {
             not_negative(name, weight)?;
         }
         for deviation in self.noise.unwrap_or_default() {
-            not_negative("noise", deviation)?;
+            not_negative("sampling_std", deviation)?;
         }
         if self.footprint.is_empty() || self.footprint.len() > 64 {
             let got = self.footprint.len().to_string();

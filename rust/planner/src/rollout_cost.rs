@@ -89,7 +89,7 @@ pub fn rollout_cost<'a>(
     let mut journey = Journey::new(controls.into(), count, steps.into(), starts)?;
     let logs = poses.len() / (count + 1);
     let plan = journey
-        .is_side_by_side(logs)
+        .is_side_by_side()
         .then_some(&rover.inverse_constants)
         .filter(|plan| rover.cone.is_safe() && plan.wheels.iter().all(|(part, _)| is_folded(part)));
     journey.rover = Some(rover);
@@ -204,7 +204,7 @@ impl Kernel for RolloutCostKernel<'_> {
                 held: [simd.splat_f64s(0.0); MAX_WHEELS],
                 counts: self.previous.is_some(),
                 worst: [zero; 4],
-                sure: zero.le(zero),
+                sure: Mask::splat(simd, true),
             };
             for (held, previous) in demands.held.iter_mut().zip(self.previous.unwrap_or_default()) {
                 *held = simd.splat_f64s(*previous);

@@ -36,7 +36,7 @@ named! {
     discretise driven drop dt duration end_twist errors false_alarm following_error following_time frame front_brake
     front_to_middle gear_ratio
     gravity ground gyroscope halt_deceleration heading history icr icr_forward
-    icr_left icr_right in_space inflate jerk joint_noise lag lateral_acceleration lethal level lift_angle lift_speed
+    icr_left icr_right in_space increments inflate jerk joint_noise lag lateral_acceleration lethal level lift_angle lift_speed
     limits map_error mass max_gap max_speed max_steering_rate max_step method middle_to_rear middle_track_width mode name noise offset
     other outside period pivot_rate pivots pose radius ramp readings rear_brake rear_pivot rear_to_wheel residuals
     roller_angle roughness rover scale_noise scrub shape side_slip slip slip_threshold slips smoothing

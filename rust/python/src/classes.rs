@@ -299,16 +299,16 @@ macro_rules! pickled_by_keywords {
 }
 
 /// Representation, hash, equality, pickling and `replace` of a class that wraps a value of the core made of numbers. Its
-/// method `numbers` lists them by name, None for one that is left out; another method may list those to pickle.
+/// method `numbers` lists them by name, None for one that is left out; others may list those to pickle and name the call.
 macro_rules! value_of_numbers {
     ($class:ident) => {
-        value_of_numbers! { $class: numbers }
+        value_of_numbers! { $class: numbers, |_value| stringify!($class) }
     };
-    ($class:ident: $given:ident) => {
+    ($class:ident: $given:ident, |$value:ident| $call:expr) => {
         #[pymethods]
         impl $class {
             fn __repr__(&self) -> String {
-                crate::classes::repr_of_numbers(stringify!($class), self.numbers())
+                crate::classes::repr_of_numbers((|$value: &Self| $call)(self), self.numbers())
             }
 
             fn __hash__(&self) -> u64 {

@@ -38,7 +38,8 @@ functions! {
     /// ------
     /// ValueError
     ///     If there is no pose, a value is not finite or a duration is not positive.
-    pub fn differentiate[py: Python<'py>](poses, dt, *, out=None, dtype=None, threads: Option<i64> = None)
+    pub fn differentiate[py: Python<'py>](poses, dt, *, out=None, dtype=None, threads: Option<i64> = None, **)
+    as "(poses, dt, *, out=None, dtype=None, threads=None)"
     -> PyResult<AnyArray<'py>> {
         let workers = any_workers(threads, None)?;
         let poses = Rows::read("poses", poses, 3)?;
@@ -78,7 +79,7 @@ functions! {
     /// -------
     /// ndarray, shape (..., 3)
     ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
-    pub fn exp[py: Python<'py>](twist, dt=None, *, out=None, dtype=None, threads: Option<i64> = None)
+    pub fn exp[py: Python<'py>](twist, dt=None, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(twist, dt=1.0, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
         over_time(py, ("twist", twist), dt, (out, dtype), threads, batch::Map::Exp)
     }
@@ -104,7 +105,7 @@ functions! {
     /// -------
     /// ndarray, shape (..., 3)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-    pub fn log[py: Python<'py>](pose, dt=None, *, out=None, dtype=None, threads: Option<i64> = None)
+    pub fn log[py: Python<'py>](pose, dt=None, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(pose, dt=1.0, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
         over_time(py, ("pose", pose), dt, (out, dtype), threads, batch::Map::Log)
     }
@@ -154,7 +155,8 @@ functions! {
     /// -------
     /// ndarray, shape (..., 3)
     ///     The end of `second` seen from the start of `first`.
-    pub fn compose[py: Python<'py>](first, second, *, out=None, dtype=None, threads: Option<i64> = None)
+    pub fn compose[py: Python<'py>](first, second, *, out=None, dtype=None, threads: Option<i64> = None, **)
+    as "(first, second, *, out=None, dtype=None, threads=None)"
     -> PyResult<AnyArray<'py>> {
         let workers = any_workers(threads, None)?;
         let mut first = Rows::read_finite("first", first, 3)?;
@@ -187,7 +189,8 @@ functions! {
     /// -------
     /// float or ndarray, shape (...)
     ///     The same angles, wrapped [rad].
-    pub fn wrap_angle[py: Python<'py>](angle, *, out=None, dtype=None, threads: Option<i64> = None)
+    pub fn wrap_angle[py: Python<'py>](angle, *, out=None, dtype=None, threads: Option<i64> = None, **)
+    as "(angle, *, out=None, dtype=None, threads=None)"
     -> PyResult<Bound<'py, PyAny>> {
         let workers = any_workers(threads, None)?;
         let angles = Scalars::read_finite("angle", angle)?;

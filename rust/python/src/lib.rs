@@ -30,6 +30,7 @@ use pyo3::prelude::*;
 use arguments::FromArgument;
 use controller::limits::Limits;
 use convert::refuse;
+use fastcall::{Answer, Arguments};
 use odometry::values::{Gyroscope, Noise};
 use rover::Rover;
 use terrain::Terrain;
@@ -50,7 +51,35 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     odometry::install(py)?;
     settle::install(py)?;
     ground_motion::install(py)?;
-    controller::install(py)
+    controller::install(py)?;
+    check_keywords(py)
+}
+
+/// Puts the check of keywords before the methods that have no quick way; those that have one check theirs there.
+fn check_keywords(py: Python<'_>) -> PyResult<()> {
+    checked_methods!(py, profiles::Profile: c"at");
+    checked_methods!(py, profiles::BodyTransition: c"at");
+    checked_methods!(py, profiles::ModuleTransition: c"at");
+    checked_methods!(py, profiles::IcrTransition: c"at");
+    checked_methods!(py, Rover: c"rollout_cost" c"fit" c"sensitivity" c"mobility" c"icr" c"commands" c"readings"
+        c"desaturate" c"urdf");
+    checked_methods!(py, odometry::state::OdometryState: c"covariance_6x6" c"twist_covariance_6x6");
+    checked_methods!(py, odometry::Odometry: c"run" c"command" c"correct" c"at" c"set_pose" c"reset");
+    checked_methods!(py, odometry::spatial::Odometry3: c"update" c"run" c"correct" c"set_pose" c"reset");
+    checked_methods!(py, odometry::preintegrated::Preintegrated: c"add" c"covariance_in" c"corrected" c"residual" c"factor"
+        c"split" c"merge");
+    checked_methods!(py, Terrain: c"height_at" c"gradient_at" c"normal_at" c"contains");
+    checked_methods!(py, ground_motion::BodySlip: c"compensate");
+    checked_methods!(py, suspension::Suspension: c"slip" c"stability");
+    checked_methods!(py, suspension::RockerBogie: c"frames" c"jacobians" c"planar" c"bounds" c"feasible" c"urdf"
+        c"icr_offset" c"steer");
+    checked_methods!(py, four_axle::FourAxle: c"inverse" c"forward" c"mobility" c"concurrent_angles" c"lock" c"release"
+        c"drive" c"turn_sequence" c"aim_sequence" c"simulate");
+    checked_methods!(py, Limits: c"on" c"halting_distance" c"stopping_distance");
+    checked_methods!(py, controller::Controller: c"run" c"reset");
+    checked_methods!(py, controller::run::ControllerRun: c"to_csv");
+    checked_methods!(py, planner::Mppi: c"step" c"restore");
+    Ok(())
 }
 
 /// Alignment of the memory that Python allocates for objects [bytes]. What needs more has to be in a box.

@@ -34,9 +34,11 @@ use values::{Gyroscope, Noise};
 ///     Any vehicle.
 /// noise : Noise, optional
 ///     Standard deviations of readings and slip, default ``Noise()``.
-/// readings : {'angles', 'speeds', 'increments'}
+/// readings : {'angles', 'speeds', 'ticks'}
 ///     Kind of the wheels' readings: running totals [rad]; rates at the stamps [rad/s], of which a step takes the mean
-///     of its two ends; or what came since the sample before [rad].
+///     of its two ends; or totals in ticks of `wheel_encoders`.
+/// increments : bool, default False
+///     Angles or ticks are those since the sample before, not totals.
 /// wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
 ///     For readings in counts: one for all, one each, or by the name of the wheel.
 /// method : {'least_squares', 'middle_wheels', 'robust'}
@@ -54,8 +56,8 @@ use values::{Gyroscope, Noise};
 ///     Steering rate beyond which a sample is refused [rad/s].
 /// smoothing : float, default 0.0
 ///     Time constant of the first-order filter of `velocity` [s]; 0: none.
-/// lag : float, default 0.0
-///     Largest delay of a pose given to `correct` [s]; 0: not before the last step.
+/// lag : float, default 1.0
+///     Largest delay of a pose given to `correct` [s]; 0: not before the last step, which is quicker.
 /// history : int, default 1024
 ///     Samples that are kept for that at most.
 /// gyroscope : Gyroscope, optional
@@ -132,12 +134,12 @@ copied_by! { Odometry,
 
 methods! { Odometry:
     #[new]
-    fn new[](rover: Bound<'py, Rover>, noise: Option<Bound<'py, Noise>> = None, *, readings: &str = "angles",
+    fn new[](rover: Bound<'py, Rover>, noise: Option<Bound<'py, Noise>> = None, *, readings: &str = "angles", increments: bool = false,
         wheel_encoders=None, steering_encoders=None, method: &str = "least_squares", inflate: bool = false,
         slip_threshold: Option<f64> = None, max_gap: Option<f64> = None, max_speed: Option<f64> = None,
         max_steering_rate: Option<f64> = None, smoothing: Option<f64> = None, lag: Option<f64> = None,
         history: usize = 1024, gyroscope: Option<Bound<'py, Gyroscope>> = None, wheel_noise=None, dimensions=None, **)
-    as "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None, wheel_noise=None, dimensions=None)"
+    as "(rover, noise=None, *, readings='angles', increments=False, wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=1.0, history=1024, gyroscope=None, wheel_noise=None, dimensions=None)"
     -> PyResult<Self> {
         let core = &rover.get().core;
         let [wheels, steered] = rover.get().wheels_and_steered();
@@ -152,9 +154,9 @@ methods! { Odometry:
             max_speed,
             max_steering_rate,
             smoothing: smoothing.unwrap_or(0.0),
-            lag: lag.unwrap_or(0.0),
+            lag: lag.unwrap_or(1.0),
             history,
-            ..settings(noise, readings, [wheel_encoders, steering_encoders], [&wheels, &steered])?
+            ..settings(noise, (readings, increments), [wheel_encoders, steering_encoders], [&wheels, &steered])?
         };
         let core = Core::new(core.clone(), settings).or_raise(&[])?;
         Ok(Self { work: Shared::new(Work { core, spares: Spares::default() }), rover: rover.clone().unbind() })
@@ -233,16 +235,19 @@ methods! { Odometry:
     ///     ``[x, y, yaw]`` in the world [m, m, rad].
     /// stamp : float
     ///     When the rover was there [s], not before the last `lag` seconds.
-    /// covariance : array_like, shape (3,) or (3, 3)
+    /// covariance : array_like, shape (3,) or (3, 3), optional
     ///     Variances of x, y and yaw, or their covariance, in world axes. An infinite variance says nothing of that
     ///     direction; zeros take the pose at its word.
+    /// std : array_like, shape (3,), optional
+    ///     Standard deviations of x, y [m] and yaw [rad], in place of `covariance`.
     ///
     /// Raises
     /// ------
     /// ValueError
     ///     If a value is not finite, the covariance is none or the stamp too old. The state is as before.
-    fn correct[&self, py: Python<'py>](pose: [f64; 3], stamp: f64, covariance) -> PyResult<OdometryState> {
-        let matrix = input::covariance(Some(covariance))?;
+    fn correct[&self, py: Python<'py>](pose: [f64; 3], stamp: f64, covariance=None, *, std=None)
+    -> PyResult<OdometryState> {
+        let matrix = input::covariance(Some(&input::variances(py, covariance, std)?))?;
         self.change(py, |core| core.correct(pose.into(), stamp, matrix))
     }
 

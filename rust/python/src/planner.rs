@@ -49,13 +49,13 @@ const FOOTPRINT: usize = 64;
 ///     Rollouts of a cycle.
 /// seed : int, default 0
 ///     Of the noise, 0 to 2^64 - 1.
-/// noise : array_like, shape (3,), optional
+/// sampling_std : array_like, shape (3,), optional
 ///     Standard deviation of the wishes [m/s, m/s, rad/s]; default half of what the limits allow.
 /// correlation : float, default 0.5
 ///     Time in which the noise of a rollout forgets itself, to 1/e [s].
 /// temperature : float, default 1.0
 ///     Cost by which a rollout counts 1/e as much.
-/// weights : dict, optional
+/// cost_weights : dict, optional
 ///     Weights of the costs, over the defaults: ``map`` 1 (cost of the map, per second), ``collision`` 1000 (a rollout
 ///     that comes to a lethal place), ``goal`` 1 and ``terminal`` 10 (distance to the goal, per second and at the
 ///     end), ``goal_yaw`` 10 (one less the cosine of the angle to the goal's yaw at the end, over 1 + distance / 1 m), ``path`` 5 (distance from it, per second), ``progress`` 10 (way made along it), ``heading`` 1 (square of the
@@ -102,7 +102,7 @@ getters! { Mppi, self, py:
     /// Of the noise.
     seed: u64 = self.options.seed;
     /// Standard deviation of the wishes, shape (3,) [m/s, m/s, rad/s].
-    noise: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, &self.core.lock(py)?.noise()));
+    sampling_std: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, &self.core.lock(py)?.noise()));
     /// All it remembers: ``controls`` (horizon, 3), what is wished at every step [m/s, m/s, rad/s]; ``cycle``, cycles so
     /// far; ``steering``, where the joints are meant to be [rad]; ``progress``, how far along its path it is [m].
     state: PyResult<Bound<'py, PyDict>> = {
@@ -123,17 +123,19 @@ getters! { Mppi, self, py:
         output.finish()
     };
     /// Weights of the cost terms, by name.
-    weights: PyResult<Bound<'py, PyDict>> =
+    cost_weights: PyResult<Bound<'py, PyDict>> =
         Weights::NAMES.into_iter().zip(self.options.weights.values()).into_py_dict(py);
 }
 
 impl Mppi {
     /// Arguments of the constructor behind the rover.
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let Options { horizon, dt, samples, seed, noise, correlation, temperature, smoothing, delay, .. } =
-            self.options;
+        let Options {
+            horizon, dt, samples, seed, noise: sampling_std, correlation, temperature, smoothing, delay, ..
+        } = self.options;
         let dtype = if self.options.precision == Precision::Single { "float32" } else { "float64" };
-        let (limits, weights, footprint) = (self.limits.clone(), self.weights(py)?, self.options.footprint.clone());
+        let (limits, footprint) = (self.limits.clone(), self.options.footprint.clone());
+        let cost_weights = self.cost_weights(py)?;
         Ok(dict!(
             py,
             limits,
@@ -141,10 +143,10 @@ impl Mppi {
             dt,
             samples,
             seed,
-            noise,
+            sampling_std,
             correlation,
             temperature,
-            weights,
+            cost_weights,
             smoothing,
             delay,
             dtype,
@@ -156,16 +158,16 @@ impl Mppi {
 methods! { Mppi:
     #[new]
     fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, horizon=None, dt: Option<f64> = None,
-        samples=None, seed=None, noise=None, correlation: f64 = 0.5, temperature: f64 = 1.0,
-        weights: native Option<&Bound<'py, PyDict>> = None, smoothing: bool = true, delay: f64 = 0.0, dtype=None,
+        samples=None, seed=None, sampling_std=None, correlation: f64 = 0.5, temperature: f64 = 1.0,
+        cost_weights: native Option<&Bound<'py, PyDict>> = None, smoothing: bool = true, delay: f64 = 0.0, dtype=None,
         footprint=None, **)
-    as "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
+    as "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, sampling_std=None, correlation=0.5, temperature=1.0, cost_weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
     -> PyResult<Self> {
         let usual = Options::default();
         let count = |argument: &str, value: Option<&Bound<'_, PyAny>>, usual: u64| {
             value.map_or(Ok(usual), |value| whole(argument, value))
         };
-        let noise = Rows::read_finite_beside("noise", noise, 3, &[])?;
+        let sampling_std = Rows::read_finite_beside("sampling_std", sampling_std, 3, &[])?;
         let footprint = match footprint {
             Some(points) => Rows::read_table("footprint", points, 2)?.flat().as_chunks().0.to_vec(),
             None => usual.footprint.clone(),
@@ -178,10 +180,10 @@ methods! { Mppi:
             dt: dt.unwrap_or(usual.dt),
             samples: size(count("samples", samples, usual.samples as u64)?),
             seed: count("seed", seed, usual.seed)?,
-            noise: noise.map(|rows| rows.triples()[0]),
+            noise: sampling_std.map(|rows| rows.triples()[0]),
             correlation,
             temperature,
-            weights: weights.map_or(Ok(Weights::default()), read_weights)?,
+            weights: cost_weights.map_or(Ok(Weights::default()), read_weights)?,
             smoothing,
             delay,
             precision: dtype.map_or(Ok(Precision::Double), precision)?,

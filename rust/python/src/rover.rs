@@ -4,6 +4,7 @@
 mod admissible;
 mod commands;
 mod fastcall;
+mod files;
 mod fit;
 pub mod joints;
 mod kinematics;
@@ -134,7 +135,9 @@ impl Rover {
             return Err(refuse("suspension", &rule, &got));
         }
         let wheels: Vec<Wheel> = core.wheels().iter().cloned().map(Wheel).collect();
-        let wheels = PyTuple::new(py, wheels)?.unbind();
+        let wheels =
+            py.import("six_wheel.kinematics.objects.wheels")?.call_method1("Wheels", (PyTuple::new(py, wheels)?,))?;
+        let wheels = wheels.cast_into::<PyTuple>()?.unbind();
         Ok(Self { core, wheels, traction, steering, suspension: fittings.suspension })
     }
 
@@ -237,7 +240,7 @@ impl ArgumentKind for Rover {
 }
 
 getters! { Rover, self, py:
-    /// The wheels, in the order of every array.
+    /// The wheels, in the order of every array: ``wheels[0]`` or, by name, ``wheels["front_left"]``.
     wheels: Py<PyTuple> = self.wheels.clone_ref(py);
     /// Names of the wheels, in the order of every array.
     wheel_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, &self.wheels_and_steered()[0]);
@@ -299,7 +302,8 @@ methods! { Rover:
     ///     Name of the wheel that changes; default every wheel.
     /// **changes
     ///     Arguments of `Wheel` but for its name; `steering_limit` is that of every steered wheel. Without a name arguments of
-    ///     `Rover`, too. None leaves one out, so that it has its default.
+    ///     `Rover`, too; of them `wheels` may be a dict of some wheels by name, each a `Wheel` or a dict of its changes. None
+    ///     leaves one out, so that it has its default.
     ///
     /// Returns
     /// -------
@@ -320,30 +324,6 @@ methods! { Rover:
 
 #[pymethods]
 impl Rover {
-    /// The text of a URDF from which `load` makes this rover again, and which viewers open.
-    ///
-    /// Parameters
-    /// ----------
-    /// name : str
-    ///     Of the robot.
-    ///
-    /// Returns
-    /// -------
-    /// str
-    ///     With a link and a joint for every wheel and its steering, under the names of the joints, and
-    ///     rockers and bogies where there is a suspension. The base frame lies on the ground, a suspension's
-    ///     where it has its own.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a wheel is none that a URDF can hold: with rollers.
-    #[pyo3(signature = (name="rover"))]
-    fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
-        let module = slf.py().import("six_wheel.robot_description.urdf")?;
-        module.call_method1("rover_urdf", (slf, name))?.extract()
-    }
-
     /// `replace`, for `copy.replace`.
     #[pyo3(signature = (**changes))]
     fn __replace__<'py>(slf: &Bound<'py, Self>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {

@@ -109,7 +109,8 @@ impl<T: Send> Shared<T> {
                 }
                 if self.taken_by.load(Ordering::Relaxed) == here {
                     return Err(PyRuntimeError::new_err(
-                        "a call of this object is at work in this thread, which a signal has interrupted",
+                        "a call of this object is at work in this thread: the handler of a signal or the code of an argument \
+                         cannot use it",
                     ));
                 }
                 let waited = self.gate.lock_py_attached(py);

@@ -229,13 +229,12 @@ impl RockerBogie {
             return Err(Error::value("joints", rule, joints.len().to_string()));
         }
         let (suspension, psi) = joints.split_at(FIRST_PSI);
-        finite("rho", &suspension[..1])?;
-        finite("beta", &suspension[1..])?;
-        finite("psi", psi)?;
+        finite("joints", suspension)?;
+        finite("steering", psi)?;
         let right = self.dimensions.differential.right(suspension[0]);
         let right = right.ok_or_else(|| {
             let rule = "be within reach of the differential bar";
-            Error::value("rho", rule, number(suspension[0]))
+            Error::value("joints", rule, number(suspension[0]))
         })?;
         Ok(Posture::new(&self.links, joints, right))
     }

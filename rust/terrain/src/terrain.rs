@@ -36,20 +36,7 @@ pub enum Interpolation {
     Bicubic,
 }
 
-impl std::str::FromStr for Interpolation {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        match name {
-            "bilinear" => Ok(Self::Bilinear),
-            "bicubic" => Ok(Self::Bicubic),
-            _ => {
-                let rule = "be 'bilinear' or 'bicubic'";
-                Err(Error::value("method", rule, format!("{name:?}")))
-            }
-        }
-    }
-}
+named_values! { Interpolation as "method": "bilinear" => Bilinear, "bicubic" => Bicubic }
 
 /// Height and gradient of the ground at a point, if they are known.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,7 @@ pytest.importorskip("pydantic", reason='needs pip install "six-wheel[cli]"')
 
 from six_wheel.control_loop.replay import compare, replay
 from six_wheel.logs.mcap import Record, RecordError
-from six_wheel.simulation.drive.closed_loop import Loop
+from six_wheel.simulation.drive.closed_loop import DriveLoop
 from six_wheel.simulation.drive.run_file import drive
 from tests.limits import only
 from tests.rovers import SIX_WHEELS as ROVER
@@ -37,8 +37,8 @@ def table(path: Path, unit: str = "s", rows: int = 200) -> Path:
 
 
 WAYS = {
-    "controller": Loop(LIMITS),
-    "another rate": Loop(LIMITS, rate=37.0, control={"timeout": 0.3}),
+    "controller": DriveLoop(LIMITS),
+    "another rate": DriveLoop(LIMITS, rate=37.0, control={"timeout": 0.3}),
     "directly": None,
 }
 
@@ -73,7 +73,7 @@ def test_other_parameters_are_those_of_the_new_drive(tmp_path: Path) -> None:
     assert not replayed.same_bits
     # As if it had been driven so: not by the replay's own code.
     limits = only(speed=0.3, **GIVEN)
-    drive(ROVER, tmp_path / "commands.csv", slow, loop=Loop(limits))
+    drive(ROVER, tmp_path / "commands.csv", slow, loop=DriveLoop(limits))
     driven = replay(slow).recorded
     np.testing.assert_array_equal(replayed.again.wheel_speeds, driven.wheel_speeds)
     np.testing.assert_array_equal(replayed.again.steering, driven.steering)

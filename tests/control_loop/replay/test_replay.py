@@ -186,7 +186,7 @@ def test_commands(path, run, refused):
 
 
 def test_layouts(path, run, refused):
-    code, out, _ = run("show", str(path), "--layout", "layout.json")
+    code, out, _ = run("convert", str(path), "layout.json")
     assert (code, Path(out.strip()).name) == (0, "layout.json")
     layout = json.loads(Path("layout.json").read_text())
     assert layout == layouts.foxglove(ROVER)
@@ -207,5 +207,5 @@ def test_layouts(path, run, refused):
         return {part} if isinstance(part, str) else used(part["first"]) | used(part["second"])
 
     assert used(layout["layout"]) == panels
-    assert "the ending of a layout must be one of .json" in refused("show", "husky", "--layout", "a.txt")
-    assert "a rover without its record" in refused("show", "husky", "--layout", "a.rrd")
+    assert "the ending of a layout must be one of .json" in refused("convert", "husky", "a.txt")
+    assert "a rover without its record" in refused("convert", "husky", "a.rrd")

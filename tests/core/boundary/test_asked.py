@@ -41,18 +41,18 @@ BATCHES = {
 }
 GROUND = sw.Terrain(np.random.default_rng(1).uniform(0, 0.1, (9, 9)), 0.1, (-0.4, -0.4))
 ARM = sw.RockerBogie.preset("rocky7")
-ANGLES = (0.1 * TWISTS[:, 0], 0.1 * TWISTS[:, 1:])  # rho, beta
+JOINTS = 0.1 * TWISTS
 OTHERS = {
     "commands": lambda **how: tuple(ROVER.commands(TWISTS, **how).values()),
     "height": lambda **how: GROUND.height_at(POINTS, **how),
     "gradient": lambda **how: GROUND.gradient_at(POINTS, method="bicubic", **how),
     "normal": lambda **how: GROUND.normal_at(POINTS, **how),
     "contains": lambda **how: GROUND.contains(2 * POINTS, **how),
-    "icr_offset": lambda **how: ARM.icr_offset(*ANGLES, **how),
-    "frames": lambda **how: tuple(ARM.frames(*ANGLES, **how).values()),
-    "jacobians": lambda **how: tuple(ARM.jacobians(*ANGLES, **how).values()),
+    "icr_offset": lambda **how: ARM.icr_offset(JOINTS, **how),
+    "frames": lambda **how: tuple(ARM.frames(JOINTS, **how).values()),
+    "jacobians": lambda **how: tuple(ARM.jacobians(JOINTS, **how).values()),
     "steer": lambda **how: _of(
-        ARM.steer(TWISTS[:, 0], 0.1, *ANGLES, **how), ("steering", "wheel_speeds", "turning_radius", "scrub")
+        ARM.steer(TWISTS[:, 0], 0.1, JOINTS, **how), ("steering", "wheel_speeds", "turning_radius", "scrub")
     ),
     "admissible": lambda **how: ROVER.admissible(TWISTS, **how),
     "project strictly": lambda **how: ROVER.project(TWISTS, "yaw_rate", out=np.empty_like(TWISTS), **how),
@@ -85,7 +85,7 @@ def test_threads_change_no_bit(call):
 
 def _calls():
     """Whatever can be called, by name."""
-    for name in dir(sw):
+    for name in sw.__all__:
         thing = getattr(sw, name)
         members = inspect.getmembers(thing, callable) if inspect.isclass(thing) else [("", thing)]
         for member, call in members:

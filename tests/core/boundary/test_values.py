@@ -121,7 +121,7 @@ ARGUMENTS = [(name, argument) for name, (_, changes) in CASES.items() for argume
 
 def public_values():
     """Public classes with equality, and a call that makes an equal one: by pickle, tuples, dataclasses."""
-    things = [getattr(module, name) for module in (sw, profiles) for name in dir(module)]
+    things = [getattr(module, name) for module in (sw, profiles) for name in module.__all__]
     for kind in {thing for thing in things if inspect.isclass(thing)}:
         has_call = "__reduce__" in vars(kind) or issubclass(kind, tuple) or hasattr(kind, "__post_init__")
         flag = issubclass(kind, int | str | BaseException) or not kind.__module__.startswith("six_wheel")
@@ -222,7 +222,7 @@ def test_a_rover_with_other_wheels():
 
 
 def test_wheels_that_change_stand_on_no_suspension_of_before():
-    rover = sw.Rover(ARM.planar(0.0, (0.0, 0.0)).wheels, suspension=ARM)
+    rover = sw.Rover(ARM.planar().wheels, suspension=ARM)
     assert rover.replace().suspension == rover.replace(reversed_joints=[]).suspension == ARM
     assert rover.replace(radius=0.2).suspension is None
     assert rover.replace(radius=0.2, suspension=ARM).suspension == ARM

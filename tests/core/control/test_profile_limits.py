@@ -33,8 +33,8 @@ def random_case(rng: np.random.Generator) -> tuple[dict, dict]:
 
     limits = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
     if rng.random() < 0.3:
-        limits["minimum_velocity"] = -velocity * rng.uniform(0.7, 1.5, axes)
-        limits["minimum_acceleration"] = -acceleration * rng.uniform(0.7, 1.5, axes)
+        limits["min_velocity"] = -velocity * rng.uniform(0.7, 1.5, axes)
+        limits["min_acceleration"] = -acceleration * rng.uniform(0.7, 1.5, axes)
     ends = {
         "start": rng.normal(scale=3.0, size=axes),
         "end": rng.normal(scale=3.0, size=axes),
@@ -64,8 +64,8 @@ def test_the_published_ruckig_takes_as_long():
             setattr(asked, f"{place}_velocity", ends[f"{name}_velocity"])
             setattr(asked, f"{place}_acceleration", ends[f"{name}_acceleration"])
         for name, limit in limits.items():
-            prefix = "" if name.startswith("minimum") else "max_"
-            setattr(asked, prefix + name.replace("minimum", "min"), limit)
+            prefix = "" if name.startswith("min_") else "max_"
+            setattr(asked, prefix + name, limit)
         asked.synchronization = kinds[synchronise]
         theirs = ruckig.Trajectory(len(ends["start"]))
         try:
@@ -113,7 +113,7 @@ def assert_within(profile: profiles.Profile, ends: dict, limits: dict) -> None:
     assert np.all(np.abs(near[0] - ends["end"]) <= 2e-7 * extent)
     swing = np.abs(ends["start_acceleration"]) ** 2 / limits["jerk"] / 2
     for name, part in [("velocity", state.velocity), ("acceleration", state.acceleration)]:
-        lower, upper = limits.get(f"minimum_{name}", -limits[name]), limits[name]
+        lower, upper = limits.get(f"min_{name}", -limits[name]), limits[name]
         start = ends[f"start_{name}"]
         room = swing if name == "velocity" else 0.0
         # A start that cannot but pass a limit does so by what its acceleration still carries it.
@@ -129,7 +129,7 @@ PROFILES = [
     profiles.s_curve((0.0, 1.0), (2.0, 1.0), 1.0),
     profiles.time_optimal(0, 1, velocity=1),
     profiles.time_optimal([0, 1], 2, velocity=1, acceleration=[1, 2], jerk=3, end_velocity=0.1, duration=9),
-    profiles.time_optimal(0, 1, velocity=1, minimum_velocity=-2, acceleration=1, synchronise="phase"),
+    profiles.time_optimal(0, 1, velocity=1, min_velocity=-2, acceleration=1, synchronise="phase"),
 ]
 
 
@@ -177,12 +177,12 @@ BAD = [
     (lambda: profiles.time_optimal(0, 1, velocity=math.inf), r"^velocity must be finite where"),
     (lambda: profiles.time_optimal(0, 1, velocity=1, jerk=-1), r"^jerk must be positive, got -1.0$"),
     (
-        lambda: profiles.time_optimal(0, 1, velocity=1, minimum_velocity=1),
-        r"^minimum_velocity must be negative",
+        lambda: profiles.time_optimal(0, 1, velocity=1, min_velocity=1),
+        r"^min_velocity must be negative",
     ),
     (
-        lambda: profiles.time_optimal(0, 1, velocity=1, minimum_velocity=math.nan),
-        r"^minimum_velocity must be",
+        lambda: profiles.time_optimal(0, 1, velocity=1, min_velocity=math.nan),
+        r"^min_velocity must be",
     ),
     (lambda: profiles.time_optimal(0, 1, velocity=1, end_velocity=2), r"^end_velocity must lie within"),
     (

@@ -256,8 +256,8 @@ def test_integrate_and_rollouts():
 
 
 def test_suspension():
-    rho, beta = np.linspace(-0.1, 0.1, 4), np.random.default_rng(4).normal(size=(4, 2)) * 0.1
-    np.testing.assert_array_equal(ROCKY.frames(rho, beta[0])["A1"][2], ROCKY.frames(rho[2], beta[0])["A1"])
-    np.testing.assert_array_equal(ROCKY.icr_offset(rho[:, None], beta)[1], ROCKY.icr_offset(rho[1], beta))
-    command = ROCKY.steer(0.3, [0.0, 0.1], 0.05, (0.1, 0.05), previous=[0.0] * 2)
+    joints = np.random.default_rng(4).normal(size=(4, 3)) * 0.1
+    np.testing.assert_array_equal(ROCKY.frames(joints)["A1"][2], ROCKY.frames(joints[2])["A1"])
+    np.testing.assert_array_equal(ROCKY.icr_offset(joints[:, None])[1], ROCKY.icr_offset(joints[1:2]))
+    command = ROCKY.steer(0.3, [0.0, 0.1], (0.05, 0.1, 0.05), previous=[0.0] * 2)
     assert command.wheel_speeds.shape == (2, 6)

@@ -20,6 +20,7 @@ import six_wheel as sw
 # has not returned by then is interrupted, and the process says so.
 CHILD = """
 import os, signal, threading, time
+from functools import partial
 import numpy as np
 import six_wheel as sw
 
@@ -27,8 +28,9 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 random = np.random.default_rng(1)
 rover, arm = sw.Rover.preset("perseverance"), sw.RockerBogie.preset("perseverance")
 x = 0.1 * np.arange(400)
-ground = sw.Terrain(0.1 * np.sin(x[:, None]) * np.cos(0.7 * x[None, :]), spacing=0.1)
-poses = random.uniform(5.0, 35.0, (COUNT, 3))
+heights = 0.1 * np.sin(x[:, None]) * np.cos(0.7 * x[None, :])
+ground = sw.Terrain(heights, spacing=0.1, origin=(-20.0, -20.0))
+poses = random.uniform(-15.0, 15.0, (COUNT, 3))
 angles, speeds = rover.inverse((0.0, 0.0, 0.1))
 rows = np.arange(COUNT)[:, None]
 call = CALLS
@@ -52,8 +54,8 @@ CALLS = {
     "settle by two threads": (10**7, "lambda: arm.settle(ground, poses, threads=2)"),
     "a log on ground": (
         10**6,
-        "lambda: sw.dead_reckon(arm, np.broadcast_to(angles, (COUNT, len(angles))), 0.01 * rows * speeds,"
-        " 0.01 * rows[:, 0], ground=ground, start=(20.0, 20.0, 0.0))",
+        "partial(sw.Odometry3(arm, ground=ground).run, np.tile(angles, (COUNT, 1)), 0.01 * rows * speeds,"
+        " 0.01 * rows[:, 0])",
     ),
 }
 

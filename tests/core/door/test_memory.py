@@ -42,9 +42,9 @@ CALLS = {
     "Profile.at": "sw.profiles.linear(0.0, 1.0, 2.0).at(HUGE(10**12, 1))",
     "Profile.at, axes": "sw.profiles.linear([0.0] * 50, [1.0] * 50, 2.0).at(np.zeros(10**7))",
     "Profile": "sw.profiles.linear(HUGE(10**12, 1)[:, 0], 1.0, 2.0)",
-    "frames": "ROCKY.frames(0.1, HUGE(10**7, 2))",
-    "icr_offset": "ROCKY.icr_offset(0.1, HUGE(10**12, 2))",
-    "steer": "ROCKY.steer(HUGE(10**12, 1)[:, 0], 0.0, 0.0, (0.0, 0.0))",
+    "frames": "ROCKY.frames(HUGE(10**7, 3))",
+    "icr_offset": "ROCKY.icr_offset(HUGE(10**12, 3))",
+    "steer": "ROCKY.steer(HUGE(10**12, 1)[:, 0], 0.0, (0.0, 0.0, 0.0))",
     "settle": "ARM.settle(GROUND, HUGE(10**12, 3))",
     "settle, stands": "ARM.settle(GROUND, HUGE(3 * 10**6, 3))",
     "settle, steering": "ARM.settle(GROUND, (5.0, 5.0, 0.0), HUGE(10**12, 4))",
@@ -67,7 +67,7 @@ CALLS = {
     "encoders": "sw.Odometry(ROVER, wheel_encoders=itertools.repeat(sw.Encoder(100.0)))",
     "wheels": "sw.Rover(itertools.repeat(ROVER.wheels[0]))",
     "overflow": "ROVER.icr(HUGE(2**58, 3))",
-    "overflow of frames": "ROCKY.frames(0.1, HUGE(2**57, 2))",
+    "overflow of frames": "ROCKY.frames(HUGE(2**57, 3))",
 }
 
 PROGRAM = """

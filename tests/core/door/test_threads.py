@@ -88,7 +88,7 @@ def test_eight_threads_on_one_object(kind):
             assert controller.stamp is not None
 
     else:
-        odometry = sw.Odometry(ROVER, readings="increments")
+        odometry = sw.Odometry(ROVER, increments=True)
         odometry.update((0.0,) * 4, (0.0,) * 6, 0.0)
         clock = iter(range(1, 10**9))
         lock = threading.Lock()

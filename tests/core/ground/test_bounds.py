@@ -67,8 +67,8 @@ def drop(rover: sw.RockerBogie, stand: sw.SettledPose) -> Any:
     Of poses at which the rover does not stand, which have no joints, as with level joints.
     """
     joints = np.nan_to_num(stand.joints)
-    frames = rover.frames(joints[:, 0], joints[:, 1:])
-    level = rover.frames(0.0, (0.0, 0.0))
+    frames = rover.frames(joints)
+    level = rover.frames((0.0, 0.0, 0.0))
     return np.max([level[f"A{k}"][2, 3] - frames[f"A{k}"][:, 2, 3] for k in range(1, 7)], axis=0)
 
 
@@ -213,7 +213,7 @@ def test_bad_input_is_named(options: dict[str, Any], message: str) -> None:
 def test_feasible_is_what_settling_says() -> None:
     ground = sw.Terrain.yard(30, 0.1, 0.1, seed=9)
     rover, poses = sw.RockerBogie.preset("perseverance"), some(ground, 800, 9)
-    limits = sw.FeasibilityLimits(clearance=0.2)
+    limits = sw.FeasibilityLimits.curiosity().replace(clearance=0.2)
     found = rover.feasible(ground, poses, limits)
     stand = rover.settle(ground, poses)
     stability = rover.stability(stand, mass=1.0)
@@ -268,6 +268,7 @@ def test_feasible_says_why_not() -> None:
     steep = sw.Terrain(np.tile(0.5 * x, (120, 1)), 0.1)
     assert rover.feasible(steep, (6, 6, 0)).reason == "pitch"
     assert rover.feasible(steep, (6, 6, math.pi / 2)).reason == "roll"
+    assert rover.feasible(steep, (6, 6, 0), sw.FeasibilityLimits()).ok  # nothing is asked of how it stands
     level = sw.Terrain(np.zeros((120, 120)), 0.1)
     assert rover.feasible(level, (6, 6, 0), sw.FeasibilityLimits(clearance=0.7)).reason == "clearance"
     assert rover.feasible(level, (0.2, 6, 0)).reason == "off_map"
@@ -283,7 +284,7 @@ def test_loads_carry_the_weight_and_balance() -> None:
     stand = rover.settle(level, (6, 6, 0.4))
     found = rover.stability(stand, mass=1025.0, centre_of_mass=(0.1, 0.05, 0.8), gravity=3.71)
     assert found.loads.sum() == pytest.approx(1025 * 3.71, rel=1e-12)
-    wheels = np.array([rover.frames(0.0, (0.0, 0.0))[f"A{k}"][:2, 3] for k in range(1, 7)])
+    wheels = np.array([rover.frames((0.0, 0.0, 0.0))[f"A{k}"][:2, 3] for k in range(1, 7)])
     # The moments of the loads about the origin are that of the weight; bogies carry by their levers.
     np.testing.assert_allclose(found.loads @ wheels / found.loads.sum(), (0.1, 0.05), atol=1e-4)
     middle, rear = 0.44998, 0.625

@@ -114,7 +114,7 @@ def test_level_ground_is_the_planar_model() -> None:
     chain = plain.rocker_bogie(**PERSEVERANCE)
     stand = plain.settle(plain.Terrain(np.zeros((40, 40)), 1.0), chain, (20, 20, 0.3))
     for speed, yaw_rate in ((0.1, 0.0), (0.1, 0.05), (0.02, -0.3), (-0.1, 0.02)):
-        planar = RockerBogie.preset("perseverance").steer(speed, yaw_rate, 0, (0, 0))
+        planar = RockerBogie.preset("perseverance").steer(speed, yaw_rate, (0, 0, 0))
         told = plain.inverse(chain, stand, speed, yaw_rate)
         np.testing.assert_allclose(told.steering, planar.steering, atol=1e-12)
         np.testing.assert_allclose(told.wheel_speeds, planar.wheel_speeds, atol=1e-12)

@@ -87,7 +87,7 @@ def test_steered_wheels_roll_where_a_rover_stands_with_them(name: str) -> None:
     # The others go to and fro between two cells of the ground.
     assert still.mean() > 0.9
     assert isinstance(arm, sw.RockerBogie)
-    sides = np.array([wheel.steered for wheel in arm.planar(0, (0, 0)).wheels], float)
+    sides = np.array([wheel.steered for wheel in arm.planar().wheels], float)
     kept = arm.settle(ground, poses[still], angles[still])
     there_and_back(arm, kept, commands[still], sides)
 
@@ -98,6 +98,6 @@ def test_on_level_ground_it_is_the_rover_seen_from_above(name: str) -> None:
     stand = arm.settle(sw.Terrain(np.zeros((9, 9)), 1.0, (-4, -4)), np.zeros((200, 3)))
     told = arm.inverse(stand, commands)
     assert isinstance(arm, sw.RockerBogie)
-    above = arm.steer(*commands.T, 0, (0, 0))
+    above = arm.steer(*commands.T, (0, 0, 0))
     np.testing.assert_allclose(told.wheel_speeds, above.wheel_speeds, rtol=0, atol=1e-12)
     np.testing.assert_allclose(told.steering, above.steering, rtol=0, atol=1e-12)

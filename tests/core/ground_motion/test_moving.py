@@ -129,7 +129,7 @@ def test_steered_wheels_roll_whatever_they_stand_on() -> None:
     for dimensions in CHAINS.values():
         arm = sw.RockerBogie(**dict(dimensions) | {"steering_limit": math.pi})
         chain = plain.rocker_bogie(**dimensions)
-        steered = [k for k, wheel in enumerate(arm.planar(0, (0, 0)).wheels) if wheel.steered]
+        steered = [k for k, wheel in enumerate(arm.planar().wheels) if wheel.steered]
         for _ in range(100):
             stand = plain.SettledPose(
                 "settled",
@@ -171,12 +171,12 @@ def test_at_rest_traction_is_the_planar_inverse(name: str) -> None:
     """Rovers that stand level: to rounding."""
     arm = sw.RockerBogie.preset(name)
     for speed, curvature in ((0.1, 0.0), (0.1, 0.5), (-0.04, -0.2), (0.0, 1.0)):
-        planar = arm.steer(speed, speed * curvature, 0, (0, 0))
+        planar = arm.steer(speed, speed * curvature, (0, 0, 0))
         told = arm.traction(speed, curvature, (0, 0, speed * curvature), (0, 0, 0), (0, 0, 0))
         np.testing.assert_allclose(told.wheel_speeds, planar.wheel_speeds, atol=1e-12)
         np.testing.assert_allclose(told.steering, planar.steering, atol=1e-12)
         assert not told.lifted.any()
-    planar = arm.steer(0, 0.2, 0, (0, 0))  # on the spot
+    planar = arm.steer(0, 0.2, (0, 0, 0))  # on the spot
     told = arm.traction(0, None, (0, 0, 0), (0, 0, 0), (0, 0, 0), yaw_rate=0.2)
     np.testing.assert_allclose(told.wheel_speeds, planar.wheel_speeds, atol=1e-12)
     np.testing.assert_allclose(told.steering, planar.steering, atol=1e-12)

@@ -58,7 +58,7 @@ def test_measured_angles_beyond_a_limit_are_no_error_later_either():
     controller = sw.Controller(ROVER, LIMITS)
     controller.command((0.5, 0.0, 0.1), 0.0)
     controller.step(0.0)
-    out = controller.step(0.1, [0.0, 0.0, 2.0, 0.0])
+    out = controller.step(0.1, [0.0, 0.0, 1.2, 0.0])
     assert out.reasons & Reason.ALIGNING
 
 

@@ -42,6 +42,11 @@ def suspensions(draw: st.DrawFn) -> sw.RockerBogie:
     )
 
 
+def chain(rho, beta) -> np.ndarray:
+    """Rows of joints of the suspension, of the angles as the papers name them."""
+    return np.concatenate([np.asarray(rho)[..., None], beta], axis=-1)
+
+
 def steered(arm: sw.RockerBogie) -> int:
     return len(arm.joint_names) - 3
 
@@ -78,7 +83,7 @@ def plain(arm: sw.RockerBogie) -> reference.RockerBogie:
 
 @given(suspensions(), angles, betas)
 def test_every_frame_is_a_rigid_motion(arm, rho, beta):
-    for frame in arm.frames(rho, beta, [0.3] * steered(arm)).values():
+    for frame in arm.frames(chain(rho, beta), [0.3] * steered(arm)).values():
         rotation = frame[:3, :3]
         np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), rtol=0, atol=ROUNDING)
         assert np.linalg.det(rotation) == pytest.approx(1.0, abs=ROUNDING)
@@ -90,7 +95,7 @@ def test_the_right_hand_side_mirrors_the_left(arm, rho, beta, psi):
     # Rockers and bogies exchanged, every wheel steered the other way: y changes its sign and nothing else.
     psi = psi * (steered(arm) // 2)
     mirrored_psi = [-angle for pair in zip(psi[1::2], psi[::2], strict=True) for angle in pair]
-    frames, mirrored = arm.frames(rho, beta, psi), arm.frames(-rho, beta[::-1], mirrored_psi)
+    frames, mirrored = arm.frames(chain(rho, beta), psi), arm.frames(chain(-rho, beta[::-1]), mirrored_psi)
     flip = np.diag([1.0, -1.0, 1.0, 1.0])
     for wheel in WHEELS:
         twin = mirrored["A" + MIRRORED[wheel[1]]]
@@ -104,7 +109,7 @@ def test_links_are_rigid(arm, rho, beta):
         cos, sin = math.cos(angle), math.sin(angle)
         return np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]]) @ vector
 
-    of, frames = arm.dimensions, arm.frames(rho, beta)
+    of, frames = arm.dimensions, arm.frames(chain(rho, beta))
     pivot = np.array(of["rocker_pivot"])
     front = pivot + turned(rho, np.array(of["rocker_to_front"]))
     np.testing.assert_allclose(frames["A1"][:3, 3], front, rtol=0, atol=ROUNDING)
@@ -118,12 +123,12 @@ def test_links_are_rigid(arm, rho, beta):
 @given(suspensions(), angles, betas, st.lists(angles, min_size=4, max_size=4))
 def test_jacobians_are_the_differences_of_frames(arm, rho, beta, psi):
     joints, step = np.array([rho, *beta, *psi[: steered(arm)]]), 1e-5
-    jacobians = arm.jacobians(rho, beta, joints[3:])
+    jacobians = arm.jacobians(chain(rho, beta), joints[3:])
     for joint in range(len(joints)):
         ahead, behind = joints.copy(), joints.copy()
         ahead[joint] += step
         behind[joint] -= step
-        there, back = (arm.frames(q[0], q[1:3], q[3:]) for q in (ahead, behind))
+        there, back = (arm.frames(q[:3], q[3:]) for q in (ahead, behind))
         for wheel in WHEELS:
             slope = (there[wheel][:3, 3] - back[wheel][:3, 3]) / (2 * step)
             # Arms up to 2.5 m: truncated arm step^2 / 6 = 4e-11, rounding eps arm / step = 6e-11.
@@ -135,26 +140,26 @@ def test_a_batch_is_its_rows(arm, seed):
     generator = np.random.default_rng(seed)
     rho, beta = generator.uniform(-1, 1, (2, 3)), generator.uniform(-1, 1, (2, 3, 2))
     psi, speeds = psis(arm, generator, 2, 3), generator.uniform(-1, 1, (2, 2, 3))
-    frames, jacobians = arm.frames(rho, beta, psi), arm.jacobians(rho, beta, psi)
-    offsets = arm.icr_offset(rho, beta)
+    frames, jacobians = arm.frames(chain(rho, beta), psi), arm.jacobians(chain(rho, beta), psi)
+    offsets = arm.icr_offset(chain(rho, beta))
     # Speed before yaw rate: Rocky 7 cannot make every turn.
-    command = arm.steer(speeds[0], 0.1 * speeds[0] * speeds[1], rho, beta)
+    command = arm.steer(speeds[0], 0.1 * speeds[0] * speeds[1], chain(rho, beta))
     for i in np.ndindex(2, 3):
-        for name, frame in arm.frames(rho[i], beta[i], psi[i]).items():
+        for name, frame in arm.frames(chain(rho[i], beta[i]), psi[i]).items():
             np.testing.assert_array_equal(frames[name][i], frame)
-        for name, jacobian in arm.jacobians(rho[i], beta[i], psi[i]).items():
+        for name, jacobian in arm.jacobians(chain(rho[i], beta[i]), psi[i]).items():
             np.testing.assert_array_equal(jacobians[name][i], jacobian)
-        assert offsets[i] == arm.icr_offset(rho[i], beta[i])
-        one = arm.steer(speeds[0][i], 0.1 * speeds[0][i] * speeds[1][i], rho[i], beta[i])
+        assert offsets[i] == arm.icr_offset(chain(rho[i], beta[i]))
+        one = arm.steer(speeds[0][i], 0.1 * speeds[0][i] * speeds[1][i], chain(rho[i], beta[i]))
         for field in ("steering", "wheel_speeds", "turning_radius", "scrub"):
             np.testing.assert_array_equal(getattr(command, field)[i], getattr(one, field))
 
 
 @given(suspensions(), angles, betas, st.floats(-2, 2), st.floats(-2, 2))
 def test_steering_is_the_wheel_equation_of_the_planar_rover(arm, rho, beta, speed, yaw_rate):
-    rover, offset = arm.planar(rho, beta), arm.icr_offset(rho, beta)
+    rover, offset = arm.planar(chain(rho, beta)), arm.icr_offset(chain(rho, beta))
     twist = (speed, yaw_rate * offset, yaw_rate)
-    command = arm.steer(speed, yaw_rate, rho, beta)
+    command = arm.steer(speed, yaw_rate, chain(rho, beta))
     steering, speeds = rover.inverse(twist, level="scalar")
     np.testing.assert_array_equal(command.steering, steering)
     np.testing.assert_array_equal(command.wheel_speeds, speeds)
@@ -168,7 +173,7 @@ def test_steering_is_the_wheel_equation_of_the_planar_rover(arm, rho, beta, spee
 
 @given(suspensions(), angles, betas)
 def test_planar_wheels_are_under_the_frames(arm, rho, beta):
-    rover, frames = arm.planar(rho, beta), arm.frames(rho, beta)
+    rover, frames = arm.planar(chain(rho, beta)), arm.frames(chain(rho, beta))
     assert rover.wheel_names == NAMES
     for wheel, name in zip(rover.wheels, WHEELS, strict=True):
         assert [wheel.x, wheel.y] == frames[name][:2, 3].tolist()
@@ -176,17 +181,17 @@ def test_planar_wheels_are_under_the_frames(arm, rho, beta):
 
 
 def test_steering_turns_a_wheel_about_its_centre():
-    straight, turned = ROCKY.frames(0.2, (0.1, -0.3)), ROCKY.frames(0.2, (0.1, -0.3), (0.5, -0.4))
+    straight, turned = ROCKY.frames((0.2, 0.1, -0.3)), ROCKY.frames((0.2, 0.1, -0.3), (0.5, -0.4))
     for wheel, psi in (("A1", 0.5), ("A2", -0.4)):
         np.testing.assert_allclose(
             turned[wheel], straight[wheel] @ reference.rot_z(psi), rtol=0, atol=ROUNDING
         )
-    for jacobian in ROCKY.jacobians(0.2, (0.1, -0.3), (0.5, -0.4)).values():
+    for jacobian in ROCKY.jacobians((0.2, 0.1, -0.3), (0.5, -0.4)).values():
         np.testing.assert_allclose(jacobian[:, 3:], 0.0, atol=1e-15)
 
 
 def test_a_held_angle_is_kept_at_rest():
-    command = ROCKY.steer(0.0, 0.0, 0.1, (0.0, 0.0), previous=(0.3, -0.2))
+    command = ROCKY.steer(0.0, 0.0, (0.1, 0.0, 0.0), previous=(0.3, -0.2))
     assert command.steering.tolist() == [0.3, -0.2]
     assert math.isnan(command.turning_radius)
     assert command.wheel_speeds.tolist() == [0.0] * 6
@@ -199,7 +204,7 @@ def test_a_held_angle_is_kept_at_rest():
 def test_frames_agree_with_the_reference(arm, rho, beta, seed):
     psi = psis(arm, np.random.default_rng(seed)).tolist()
     expected = plain(arm).frames(rho, beta, psi)
-    frames = arm.frames(rho, beta, psi)
+    frames = arm.frames(chain(rho, beta), psi)
     assert list(frames) == FRAMES
     for wheel in WHEELS if arm is not ROCKY else FRAMES:
         np.testing.assert_allclose(frames[wheel], expected[wheel], rtol=0, atol=1e-12)
@@ -208,7 +213,7 @@ def test_frames_agree_with_the_reference(arm, rho, beta, seed):
 @given(st.floats(-math.pi, math.pi), betas, betas)
 def test_every_frame_of_rocky_7_agrees_with_the_printed_table(rho, beta, psi):
     expected = reference.RockerBogie.rocky7().frames(rho, beta, list(psi))
-    for name, frame in ROCKY.frames(rho, beta, psi).items():
+    for name, frame in ROCKY.frames(chain(rho, beta), psi).items():
         np.testing.assert_allclose(frame, expected[name], rtol=0, atol=1e-12)
 
 
@@ -218,19 +223,19 @@ def test_steering_agrees_with_the_reference(arm, rho, beta, speed, yaw_rate):
     expected = plain(arm).steer(speed, yaw_rate, rho, beta)
     assume(np.abs(expected.psi).max() < limit - 1e-6)  # the reference knows no limits, nor ties at 90 degrees
     assume(np.abs(expected.wheel_speeds).min() > 1e-3 or speed == yaw_rate == 0.0)  # nor pivots at rest
-    command = arm.steer(speed, yaw_rate, rho, beta)
+    command = arm.steer(speed, yaw_rate, chain(rho, beta))
     # Pivots move at 0.065 mm/s or more: rounding of 1e-16 m/s turns them by 2e-12 at most.
     np.testing.assert_allclose(command.steering, expected.psi, rtol=0, atol=1e-11)
     np.testing.assert_allclose(command.wheel_speeds, expected.wheel_speeds, rtol=0, atol=1e-12)
     np.testing.assert_allclose(command.scrub, expected.scrub, rtol=0, atol=1e-12)
-    assert arm.icr_offset(rho, beta) == pytest.approx(plain(arm).icr_offset(rho, beta), abs=1e-13)
+    assert arm.icr_offset(chain(rho, beta)) == pytest.approx(plain(arm).icr_offset(rho, beta), abs=1e-13)
 
 
 # Exact cases
 
 
 def test_rocky_7_at_rest():
-    frames = ROCKY.frames(0.0, (0.0, 0.0))
+    frames = ROCKY.frames((0.0, 0.0, 0.0))
     places = {
         "A1": (0.40875, 0.2, -0.02),
         "A3": (0.068996, 0.2, -0.019969),
@@ -271,11 +276,11 @@ def test_rocky_7_has_the_printed_table():
 
 
 def test_a_positive_rocker_angle_lowers_the_left_front():
-    up, down = ROCKY.frames(0.0, (0, 0)), ROCKY.frames(0.1, (0, 0))
+    up, down = ROCKY.frames((0.0, 0, 0)), ROCKY.frames((0.1, 0, 0))
     assert down["A1"][2, 3] < up["A1"][2, 3]
     assert down["A2"][2, 3] > up["A2"][2, 3]
-    assert ROCKY.frames(0, (0.1, 0))["A3"][2, 3] < up["A3"][2, 3]
-    assert ROCKY.frames(0, (0, 0.1))["A4"][2, 3] < up["A4"][2, 3]
+    assert ROCKY.frames((0, 0.1, 0))["A3"][2, 3] < up["A3"][2, 3]
+    assert ROCKY.frames((0, 0, 0.1))["A4"][2, 3] < up["A4"][2, 3]
 
 
 @pytest.mark.parametrize(
@@ -290,11 +295,11 @@ def test_rocky_7_turns(speed, psi, rim_speeds):
     dimensions = ROCKY.dimensions
     dimensions["rocker_to_bogie"] = (-dimensions["rocker_pivot"][0], *dimensions["rocker_to_bogie"][1:])
     exact = sw.RockerBogie(**dimensions)
-    assert exact.icr_offset(0, (0, 0)) == pytest.approx(0.0, abs=1e-16)
-    assert ROCKY.icr_offset(0, (0, 0)) == pytest.approx(3.5e-6, abs=1e-7)
+    assert exact.icr_offset((0, 0, 0)) == pytest.approx(0.0, abs=1e-16)
+    assert ROCKY.icr_offset((0, 0, 0)) == pytest.approx(3.5e-6, abs=1e-7)
     v1, v2, left, right = rim_speeds
     for arm, tolerance in ((exact, 5.1e-7), (ROCKY, 5e-6)):
-        command = arm.steer(speed, 0.1, 0.0, (0.0, 0.0))
+        command = arm.steer(speed, 0.1, (0.0, 0.0, 0.0))
         np.testing.assert_allclose(command.steering, psi, rtol=0, atol=tolerance)
         expected = (v1, v2, left, right, left, right)
         np.testing.assert_allclose(command.wheel_speeds * 0.065, expected, rtol=0, atol=tolerance)
@@ -305,22 +310,22 @@ def test_rocky_7_turns(speed, psi, rim_speeds):
 @pytest.mark.parametrize(("name", "radius"), [("perseverance", 0.26288), ("curiosity", 0.25)])
 def test_flight_rovers_at_rest_are_their_flat_presets(name, radius):
     arm, flat = PRESETS[name], sw.Rover.preset(name)
-    for wheel, expected in zip(arm.planar(0.0, (0.0, 0.0)).wheels, flat.wheels, strict=True):
+    for wheel, expected in zip(arm.planar().wheels, flat.wheels, strict=True):
         assert (wheel.name, wheel.radius) == (expected.name, radius)
         assert wheel.steering_range == expected.steering_range
         assert (wheel.x, wheel.y) == pytest.approx((expected.x, expected.y), abs=1e-15)
     for wheel in WHEELS:  # on the ground
-        assert arm.frames(0.0, (0.0, 0.0))[wheel][2, 3] == pytest.approx(radius, abs=1e-15)
+        assert arm.frames((0.0, 0.0, 0.0))[wheel][2, 3] == pytest.approx(radius, abs=1e-15)
     twist = (0.04, 0.0, 0.02)
-    command = arm.steer(0.04, 0.02, 0.0, (0.0, 0.0))
+    command = arm.steer(0.04, 0.02, (0.0, 0.0, 0.0))
     for got, expected in zip((command.steering, command.wheel_speeds), flat.inverse(twist), strict=True):
         np.testing.assert_allclose(got, expected, rtol=0, atol=ROUNDING)
     np.testing.assert_allclose(command.scrub, 0.0, atol=ROUNDING)
 
 
 def test_rocky_7_at_rest_is_its_flat_preset_moved():
-    for wheel, flat in zip(ROCKY.planar(0, (0, 0)).wheels, sw.Rover.preset("rocky7").wheels, strict=True):
-        moved = (wheel.x + ROCKY.icr_offset(0, (0, 0)), wheel.y)
+    for wheel, flat in zip(ROCKY.planar().wheels, sw.Rover.preset("rocky7").wheels, strict=True):
+        moved = (wheel.x + ROCKY.icr_offset((0, 0, 0)), wheel.y)
         assert moved == pytest.approx((flat.x, flat.y), abs=1e-15)
         assert (wheel.name, wheel.radius, wheel.steering_range) == (
             flat.name,

@@ -316,7 +316,7 @@ def test_bad_wheels_are_named(keywords, message):
     (lambda r: r.inverse((1, 0, 0), centre=(0, nan)), "centre must be finite, got (0.0, nan)"),
     (lambda r: r.inverse((1, 0, 0), centre=(0, 0, 0)), "centre must have shape (..., 2), got shape (3,)"),
     (lambda r: r.inverse([(1, 0, 0)] * 3, centre=[(0, 0)] * 2),
-     "centre must have shape (3, 2), got shape (2, 2)"),
+     "centre must have shape (3, 2), got shape (2, 2) beside twist"),
     (lambda r: r.inverse((1, 0, 0), previous_wheel_speeds=(nan, 0)),
      "previous_wheel_speeds must be finite, got (nan, 0.0)"),
     (lambda r: r.inverse((1, 0, 0), previous_wheel_speeds=(0,)),

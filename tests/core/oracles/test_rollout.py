@@ -98,7 +98,7 @@ def test_any_layout(kernel, rover, seed):
 def test_possible_controls_cost_what_the_inverse_says(kernel, rover):
     controls = rover.project(samples(4, 12, 9))
     found = rover.rollout_cost(controls, 0.1, level=kernel)
-    assert found.scrub.max() < 1e-9
+    assert found.max_side_slip.max() < 1e-9
     np.testing.assert_array_equal(found.poses, sw.rollout(controls, 0.1, level=kernel))
     speeds, steering = np.zeros(len(rover.wheels)), np.zeros(len(rover.steered_wheel_names))
     fastest, widest, quickest = [], [], []
@@ -119,14 +119,14 @@ def test_what_impossible_controls_cost(kernel):
     controls[:, :, 0], controls[:, 1, 1] = 1.0, 0.25
     sideways = rover.rollout_cost(controls, 0.5, level=kernel)
     # The middle wheels cannot steer: they slide with the whole of vy. The others just point there.
-    np.testing.assert_allclose(sideways.scrub, 0.25, rtol=1e-15)
-    np.testing.assert_allclose(sideways.steering_angle, math.atan2(0.25, 1.0), rtol=1e-15)
-    np.testing.assert_allclose(sideways.steering_rate, math.atan2(0.25, 1.0) / 0.5, rtol=1e-15)
+    np.testing.assert_allclose(sideways.max_side_slip, 0.25, rtol=1e-15)
+    np.testing.assert_allclose(sideways.max_steering_angle, math.atan2(0.25, 1.0), rtol=1e-15)
+    np.testing.assert_allclose(sideways.max_steering_rate, math.atan2(0.25, 1.0) / 0.5, rtol=1e-15)
     radius = min(wheel.radius for wheel in rover.wheels)
-    np.testing.assert_allclose(sideways.wheel_speed, math.hypot(1.0, 0.25) / radius, rtol=1e-15)
+    np.testing.assert_allclose(sideways.max_wheel_speed, math.hypot(1.0, 0.25) / radius, rtol=1e-15)
     previous = np.full(len(rover.steered_wheel_names), 0.5)
     turned = rover.rollout_cost(controls[:, :1], 0.5, previous=previous, level=kernel)
-    np.testing.assert_allclose(turned.steering_rate, 1.0, rtol=1e-15)
+    np.testing.assert_allclose(turned.max_steering_rate, 1.0, rtol=1e-15)
 
 
 @ALL_KERNELS
@@ -163,10 +163,10 @@ def test_shapes(kernel):
     starts = np.random.default_rng(9).normal(size=(2, 12, 3))
     found = rover.rollout_cost(controls, 0.1, starts, level=kernel)
     assert found.poses.shape == (2, 12, 7, 3)
-    assert found.scrub.shape == (2, 12)
+    assert found.max_side_slip.shape == (2, 12)
     one = rover.rollout_cost(controls[1], 0.1, starts[1], level=kernel)
     np.testing.assert_array_equal(found.poses[1], one.poses)
-    np.testing.assert_array_equal(found.steering_rate[1], one.steering_rate)
+    np.testing.assert_array_equal(found.max_steering_rate[1], one.max_steering_rate)
     for empty in ((0, 6, 3), (12, 0, 3)):
         nothing = rover.rollout_cost(np.zeros(empty), 0.1, level=kernel)
         assert not costs(nothing).any()

@@ -40,7 +40,11 @@ def begun(rover, drive, how):
 @pytest.mark.parametrize(("rover", "how"), BEGUN.values(), ids=BEGUN.keys())
 @pytest.mark.parametrize("kernel", sw.simd_levels())
 def test_a_cycle_is_that_of_the_reference(rover, how, kernel):
-    options = {"noise": (0.6, 0.4, 0.9), "temperature": 5.0, "weights": {"effort": 0.3, "scrub": 0.7}}
+    options = {
+        "sampling_std": (0.6, 0.4, 0.9),
+        "temperature": 5.0,
+        "cost_weights": {"effort": 0.3, "scrub": 0.7},
+    }
     plan = sw.Mppi(
         rover, sw.Limits(**LIMITS), horizon=40, dt=DT, samples=200, seed=7, smoothing=False, **options
     )
@@ -55,8 +59,8 @@ def test_a_cycle_is_that_of_the_reference(rover, how, kernel):
     motions = plain.drive(drive, wishes, components(drive, twist), setting, loose)
     way = plain.poses(drive, motions, START)
     value = plain.map_value(HILLS.astype(float), 0.1, (0.3, -0.2), way[:, 1:, :2], outside=0.9)
-    total = plain.costs(drive, motions, way, plan.weights, np.array([4.0, 3.0]), value, lethal=0.97)
-    total += plain.path_costs(drive, way, PATH, plan.state["progress"], plan.weights)
+    total = plain.costs(drive, motions, way, plan.cost_weights, np.array([4.0, 3.0]), value, lethal=0.97)
+    total += plain.path_costs(drive, way, PATH, plan.state["progress"], plan.cost_weights)
     # Who wants to turn on the spot and cannot is as far from a turn to the left as from one to the right:
     # rounding decides. So do two of the samples that are no noise, and one that brakes to exactly zero speed.
     apart = np.abs(plan.costs / total - 1) > 1e-12
@@ -82,7 +86,7 @@ def test_wishes_are_the_noise_of_the_counter(name, dtype):
     rover = ROVERS[name]
     components = 2 if name == "differential" else 3
     plan = sw.Mppi(
-        rover, horizon=11, samples=3000, seed=2**63 + 5, noise=(1, 1, 1), correlation=0, dtype=dtype
+        rover, horizon=11, samples=3000, seed=2**63 + 5, sampling_std=(1, 1, 1), correlation=0, dtype=dtype
     )
     plan.step((0, 0, 0), goal=(3, 1))
     noise = random_numbers.normals(2**63 + 5, 0, 3000, 11, components)
@@ -131,10 +135,10 @@ def test_no_rollout_asks_for_more_than_its_limits(rover):
     poses, twists = seen[0]
     np.testing.assert_allclose(sw.rollout(twists, DT, START), poses, rtol=0, atol=1e-12)
     asked = rover.rollout_cost(twists, DT, START, previous=steering)
-    assert asked.wheel_speed.max() <= LIMITS["wheel_speed"] * (1 + 1e-12)
+    assert asked.max_wheel_speed.max() <= LIMITS["wheel_speed"] * (1 + 1e-12)
     # Wheels side by side in a fixed axle slide by design; steered ones never do.
-    by_design = rover.rollout_cost(sw.Rover(rover.wheels).project(twists), DT, START).scrub
-    assert (asked.scrub <= by_design + 1e-9).all()
+    by_design = rover.rollout_cost(sw.Rover(rover.wheels).project(twists), DT, START).max_side_slip
+    assert (asked.max_side_slip <= by_design + 1e-9).all()
     speed, yaw = np.hypot(twists[..., 0], twists[..., 1]), np.abs(twists[..., 2])
     assert speed.max() <= LIMITS["speed"] * (1 + 1e-12)
     assert yaw.max() <= LIMITS["yaw_rate"] * (1 + 1e-12)
@@ -143,7 +147,7 @@ def test_no_rollout_asks_for_more_than_its_limits(rover):
     moving = (np.abs(twists).max(axis=-1) > 1e-9).all(axis=1)
     assert moving.any()
     if len(steering) and rover.min_radius > 0:
-        assert asked.steering_rate[moving].max() <= LIMITS["steering_rate"] * (1 + 1e-9)
+        assert asked.max_steering_rate[moving].max() <= LIMITS["steering_rate"] * (1 + 1e-9)
     assert found.reason == ""
 
 

@@ -34,8 +34,8 @@ def test_nothing_slides_and_no_limit_is_passed(driven):
     _, run = driven
     asked = ROVER.rollout_cost(run.twists[None], DT, run.poses[0])
     # Single precision.
-    assert asked.scrub[0] < 1e-6
-    assert asked.wheel_speed[0] <= LIMITS.wheel_speed * (1 + 1e-6)
+    assert asked.max_side_slip[0] < 1e-6
+    assert asked.max_wheel_speed[0] <= LIMITS.wheel_speed * (1 + 1e-6)
     assert np.abs(np.diff(run.steering, axis=0)).max() <= LIMITS.steering_rate * DT * (1 + 1e-5)
     assert np.abs(run.steering).max() <= 1.3 + 1e-6
     assert np.abs(np.diff(run.twists[:, 0])).max() <= 1.5 * LIMITS.acceleration * DT

@@ -45,7 +45,7 @@ def test_costs_of_a_yaw_are_those_of_the_equation():
 
     planner.step((0.0, 0.0, 0.3), goal=(1.0, 0.5, 2.0), extra_cost=look)
     x, y, yaw = ends[0].T
-    added = plain.goal_yaw_cost(ends[0], (1.0, 0.5, 2.0), planner.weights)
+    added = plain.goal_yaw_cost(ends[0], (1.0, 0.5, 2.0), planner.cost_weights)
     np.testing.assert_allclose(
         added, 10 * (1 - np.cos(yaw - 2.0)) / (1 + np.hypot(x - 1.0, y - 0.5)), rtol=1e-14
     )

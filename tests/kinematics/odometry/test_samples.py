@@ -190,7 +190,7 @@ def test_values_are_values():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"readings": "ticks"}, "readings must be 'angles', 'speeds' or 'increments', got 'ticks'"),
+        ({"readings": "counts"}, "readings must be 'angles', 'speeds' or 'ticks', got 'counts'"),
         ({"method": "best"}, "method must be 'least_squares'"),
         ({"wheel_encoders": [sw.Encoder()] * 3}, "wheel_encoders must be one encoder or 6, got 3"),
         (
@@ -225,10 +225,10 @@ def test_huge_readings_are_refused_not_infinite():
     assert np.all(np.isfinite(odometry.update(None, (1.0, 2.0), 1e-300 + 1.0).covariance))
 
 
-def test_noise_that_nobody_measured_is_a_wide_guess():
+def test_noise_that_nobody_measured_is_that_of_a_typical_rover():
     guess = sw.Noise()
-    assert (guess.slip, guess.side_slip) == (0.1, 0.1)
-    assert sw.Noise(yaw_rate=0.002).slip == 0.1  # says nothing of the wheels
+    assert (guess.slip, guess.side_slip) == (0.03, 0.03)
+    assert sw.Noise(yaw_rate=0.002).slip == 0.03  # says nothing of the wheels
     assert (sw.Noise(speed=0.02).slip, sw.Noise(steering=0.02).side_slip, sw.Noise(slip=0.02).side_slip) == (
         0,
     ) * 3

@@ -84,7 +84,7 @@ def test_bad_readings_are_named_and_change_nothing(row: dict[str, Any], message:
         ({"attitude_noise": -1.0}, "attitude_noise must be finite and not negative, got -1.0"),
         ({"joint_noise": np.nan}, "joint_noise must be finite"),
         ({"lag": -1.0}, "lag must be finite"),
-        ({"readings": "ticks"}, "readings must be"),
+        ({"readings": "ticks"}, "wheel_encoders must be given with readings='ticks'"),
         ({"wheel_encoders": [sw.Encoder()] * 4}, "wheel_encoders must be one encoder or 6, got 4"),
     ],
 )
@@ -130,6 +130,6 @@ def test_dead_reckon_names_what_is_not_for_it() -> None:
     with pytest.raises(ValueError, match="yaw must be left out for a suspension"):
         sw.dead_reckon(arm, None, None, None, yaw=[0.0])
     with pytest.raises(ValueError, match="joints must be left out for a rover"):
-        sw.dead_reckon(arm.planar(0, (0, 0)), None, None, None, joints=[0.0])
+        sw.dead_reckon(arm.planar(), None, None, None, joints=[0.0])
     with pytest.raises(ValueError, match="wheel_angles and stamps must be given"):
         sw.dead_reckon(arm, np.zeros((3, 4)))

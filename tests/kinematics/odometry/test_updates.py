@@ -230,7 +230,7 @@ def test_a_motor_that_runs_the_other_way_round():
 def test_increments_are_totals_apart(name):
     log = drive(VEHICLES[name], n=30)
     increments = np.diff(log.angles, axis=0, prepend=log.angles[:1] - 5.0)
-    state = follow(sw.Odometry(log.rover, readings="increments"), log.steering, increments, log.stamps)
+    state = follow(sw.Odometry(log.rover, increments=True), log.steering, increments, log.stamps)
     np.testing.assert_allclose(state.pose, log.poses[-1], rtol=0, atol=1e-11)
 
 

@@ -90,7 +90,7 @@ def test_a_path_too_short_has_no_relative_error():
     error = evaluation.relative_error(estimate, truth, 100.0)
     assert len(error.rows) == 0
     assert math.isnan(error.rmse)
-    assert math.isnan(error.heading_rmse)
+    assert math.isnan(error.yaw_rmse)
     still = np.zeros((4, 3))
     assert len(evaluation.error_growth(still, still).length) == 0
     assert "nan" in repr(evaluation.evaluate(still, still))
@@ -126,7 +126,7 @@ def test_arguments_out_of_range_are_refused():
             evaluation.relative_error(estimate, truth, length)
     with pytest.raises(ValueError, match="stride must be 1 or more"):
         evaluation.segments(truth, 1.0, stride=0)
-    with pytest.raises(ValueError, match="how must be"):
+    with pytest.raises(ValueError, match="align must be"):
         evaluation.align(estimate, truth, "sim3")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="rows must be in 0 to 5"):
         evaluation.relative_error(estimate, truth, rows=[(0, 6)])

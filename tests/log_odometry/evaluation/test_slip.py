@@ -71,13 +71,13 @@ def test_no_slip_is_no_stretch():
 def test_wheels_that_cannot_contradict_each_other_say_so():
     log, _ = slipped()
     report = sw.dead_reckon(PAIR, log).slip_report()
-    assert not report.told
+    assert not report.observable
     assert SILENT in str(report)
     six = sw.Rover.preset("perseverance")
     steering, speeds = six.inverse((0.04, 0.0, 0.01))
     times = np.arange(10.0)
     track = sw.dead_reckon(six, np.tile(steering, (10, 1)), np.outer(times, speeds), times)
-    assert track.slip_report().told
+    assert track.slip_report().observable
     assert "no stretch in which a wheel slipped" in str(track.slip_report())
 
 

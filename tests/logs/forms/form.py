@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import six_wheel as sw
-from six_wheel.log_odometry import Settings, reckon
+from six_wheel.log_odometry import ReckonSettings, reckon
 from six_wheel.logs import LogOptions
 
 FAR = 0.08  # [m] and [rad] by which a path may be off at its end: ticks, and rows that were left out
@@ -85,6 +85,6 @@ def _path(form: Form, source: Any) -> tuple[Any, list[str]]:
         return track.poses[-1], []
     options = LogOptions(**form.options)
     bounds = {name: getattr(options, name) for name in ("max_speed", "max_gap")}
-    settings = Settings(options={name: value for name, value in bounds.items() if value is not None})
+    settings = ReckonSettings(options={name: value for name, value in bounds.items() if value is not None})
     result = reckon(form.rover, source, log_options=options, settings=settings)
     return result.pose, list(result.warnings)

@@ -33,7 +33,7 @@ def made(run) -> dict[str, list[str]]:
 
 def test_every_path_of_a_layout_is_in_its_record(run) -> None:
     for name, panels in made(run).items():
-        code, out, _ = run("show", f"{name}.mcap", "--layout", f"{name}.json")
+        code, out, _ = run("convert", f"{name}.mcap", f"{name}.json")
         assert (code, Path(out.strip()).name) == (0, f"{name}.json")
         shown = json.loads(Path(f"{name}.json").read_text())["configById"]
         assert list(shown) == ["3D!rover", *panels]
@@ -58,7 +58,7 @@ def test_rerun_takes_every_kind_of_record(run) -> None:
     pytest.importorskip("rerun", reason='needs pip install "six-wheel[viewer]"')
     for name in made(run):
         for ending in (".rbl", ".rrd"):
-            code, _, err = run("show", f"{name}.mcap", "--layout", f"{name}{ending}")
+            code, _, err = run("convert", f"{name}.mcap", f"{name}{ending}")
             assert (code, err) == (0, "")
             assert Path(f"{name}{ending}").stat().st_size > 10_000
 

@@ -39,7 +39,7 @@ ROVERS = {
         wheel_radius=0.065,
         steered="front",
         steering_limit=1.0472,
-    ).planar(0.0, (0.0, 0.0)),
+    ).planar(),
     "four_axle": sw.FourAxle((0.4, 0.3), 0.2, 0.1, steering_limit=1.0).rover,
     "custom": sw.Rover(
         [

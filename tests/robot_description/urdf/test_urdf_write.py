@@ -32,7 +32,7 @@ def test_a_suspension_comes_back_number_for_number(name: str) -> None:
     found = parse_urdf(arm.urdf())
     assert found.rover.suspension == arm
     assert found.warnings == ()
-    flat = arm.planar(0.0, (0.0, 0.0))
+    flat = arm.planar()
     assert found.rover.wheel_names == flat.wheel_names
     for one, other in zip(found.rover.wheels, flat.wheels, strict=True):
         np.testing.assert_allclose([one.x, one.y], [other.x, other.y], atol=1e-15)
@@ -143,7 +143,7 @@ def test_a_rover_on_a_suspension_comes_back_whole(alone: str, steered: Any, limi
         steering_limit=(0.2, 1.0), differential_bar=(0.7, 0.3, 0.4),
         **{f"rocker_to_{far}": (0.8 * way, 0.1, -0.3), f"bogie_to_{near}": (-0.39 * way, 0.1, -0.22)},
     )  # fmt: skip
-    rover = sw.Rover(arm.planar(0.0, (0.0, 0.0)).wheels, suspension=arm)
+    rover = sw.Rover(arm.planar().wheels, suspension=arm)
     assert parse_urdf(rover.urdf()).rover == rover
     assert parse_urdf(arm.urdf()).rover.suspension == arm
 
@@ -174,8 +174,8 @@ def test_yourdfpy_reads_what_is_written(name: str, tmp_path: Path) -> None:
     for rho, beta in ((0.0, (0.0, 0.0)), (0.1, (0.2, -0.3))):
         hinges = {"left_rocker_joint": rho, "left_bogie_joint": beta[0], "right_bogie_joint": beta[1]}
         robot.update_cfg([hinges.get(joint, 0.0) for joint in robot.actuated_joint_names])
-        frames = arm.frames(rho, beta)
-        for k, wheel in enumerate(arm.planar(0.0, (0.0, 0.0)).wheel_names, 1):
+        frames = arm.frames((rho, *beta))
+        for k, wheel in enumerate(arm.planar().wheel_names, 1):
             place = robot.get_transform(f"{wheel}_tyre", "base_link")[:3, 3]
             # Two compositions of the same chain: rounding of four products.
             np.testing.assert_allclose(place, frames[f"A{k}"][:3, 3], atol=1e-14)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel.simulation.drive import (
-    Loop,
+    DriveLoop,
     drive,
 )
 from tests.simulation.drive.closed_loops import (
@@ -105,7 +105,7 @@ def test_no_limit_is_exceeded_and_the_rover_ends_at_rest(
     rover, folder = ROVERS[name], tmp_path_factory.mktemp("laws")
     time, twists = wild(seed, 120, sideways=name == "swerve")
     output = folder / "run.parquet"
-    summary = drive(rover, write(folder / "c.parquet", time, twists), output, loop=Loop(LIMITS, rate))
+    summary = drive(rover, write(folder / "c.parquet", time, twists), output, loop=DriveLoop(LIMITS, rate))
     result = read(output)
     steering, speeds = joints(result, rover)
     driven, limited = columns(result), columns(result, "limited_")
@@ -140,7 +140,7 @@ def test_what_is_within_the_limits_passes_through(tmp_path: Path) -> None:
     twists[:, 0] = 0.1 * np.minimum(time, 4.0)  # 0.1 m/s^2, where 0.5 are allowed
     wide = sw.Limits(speed=1.0, acceleration=0.5, wheel_speed=10.0, steering_rate=1.0)
     output = tmp_path / "run.csv"
-    summary = drive(ROVER, write(tmp_path / "c.csv", time, twists), output, loop=Loop(wide, RATE))
+    summary = drive(ROVER, write(tmp_path / "c.csv", time, twists), output, loop=DriveLoop(wide, RATE))
     result = read(output)
     rows = slice(0, len(time))
     np.testing.assert_array_equal(columns(result, "limited_")[rows], twists)
@@ -154,7 +154,10 @@ def test_it_is_the_controllers_loop(tmp_path: Path) -> None:
     time, twists = wild(5, 100)
     output = tmp_path / "run.parquet"
     drive(
-        ROVER, write(tmp_path / "c.parquet", time, twists), output, loop=Loop(LIMITS, RATE, {"timeout": 0.25})
+        ROVER,
+        write(tmp_path / "c.parquet", time, twists),
+        output,
+        loop=DriveLoop(LIMITS, RATE, {"timeout": 0.25}),
     )
     result = read(output)
     steering, speeds = joints(result, ROVER)
@@ -180,8 +183,8 @@ def test_chunks_change_nothing(tmp_path: Path, chunk_rows: int) -> None:
     time, twists = wild(8, 90)
     commands = write(tmp_path / "c.parquet", time, twists)
     one, parts = tmp_path / "one.parquet", tmp_path / "parts.parquet"
-    whole = drive(ROVER, commands, one, loop=Loop(LIMITS, RATE))
-    cut = drive(ROVER, commands, parts, loop=Loop(LIMITS, RATE), chunk_rows=chunk_rows)
+    whole = drive(ROVER, commands, one, loop=DriveLoop(LIMITS, RATE))
+    cut = drive(ROVER, commands, parts, loop=DriveLoop(LIMITS, RATE), chunk_rows=chunk_rows)
     first, second = read(one), read(parts)
     assert list(first) == list(second)
     for name in first:

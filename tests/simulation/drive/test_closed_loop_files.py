@@ -12,7 +12,7 @@ import six_wheel as sw
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.simulation.drive import (
     ControlledDrive,
-    Loop,
+    DriveLoop,
     closed_loop,
     drive,
 )
@@ -39,7 +39,7 @@ def test_nanoseconds_stay_whole(tmp_path: Path) -> None:
         ROVER,
         write(tmp_path / "c.csv", stamps, [[0.3, 0, 0]] * 10, "stamp_ns"),
         output,
-        loop=Loop(LIMITS, 60),
+        loop=DriveLoop(LIMITS, 60),
     )
     time = read(output)["time_ns"]
     np.testing.assert_array_equal(time, begin + np.rint(np.arange(len(time)) * 1e9 / 60).astype(np.int64))
@@ -51,7 +51,7 @@ def test_a_command_at_loop_rate_is_that_of_its_step(tmp_path: Path, begin: float
     count = 500
     twists = np.column_stack([np.linspace(0, 0.5, count), np.zeros(count), np.zeros(count)])
     commands = write(tmp_path / "c.parquet", begin + np.arange(count) / 60, twists)
-    drive(ROVER, commands, tmp_path / "run.parquet", loop=Loop(LIMITS, 60))
+    drive(ROVER, commands, tmp_path / "run.parquet", loop=DriveLoop(LIMITS, 60))
     given = columns(read(tmp_path / "run.parquet"), "commanded_")
     np.testing.assert_array_equal(given[:count], twists)
 
@@ -59,7 +59,12 @@ def test_a_command_at_loop_rate_is_that_of_its_step(tmp_path: Path, begin: float
 def test_commands_faster_than_the_loop(tmp_path: Path) -> None:
     time, twists = np.arange(2000) / 1000, np.zeros((2000, 3))
     twists[:, 0] = np.arange(2000) / 4000
-    drive(ROVER, write(tmp_path / "c.parquet", time, twists), tmp_path / "run.parquet", loop=Loop(LIMITS, 20))
+    drive(
+        ROVER,
+        write(tmp_path / "c.parquet", time, twists),
+        tmp_path / "run.parquet",
+        loop=DriveLoop(LIMITS, 20),
+    )
     given = columns(read(tmp_path / "run.parquet"), "commanded_")
     np.testing.assert_array_equal(given[:40, 0], twists[::50, 0])
     assert (given[40:, 0] == twists[-1, 0]).all()
@@ -67,7 +72,7 @@ def test_commands_faster_than_the_loop(tmp_path: Path) -> None:
 
 def test_one_row_is_driven_until_the_timeout_and_to_rest(tmp_path: Path) -> None:
     commands, output = write(tmp_path / "c.csv", [5.0], [[1, 0, 0]]), tmp_path / "run.csv"
-    summary = drive(ROVER, commands, output, loop=Loop(LIMITS, RATE, {"timeout": 1.0}))
+    summary = drive(ROVER, commands, output, loop=DriveLoop(LIMITS, RATE, {"timeout": 1.0}))
     result = read(output)
     assert result["time"][0] == 5.0
     assert result["time"][-1] > 6.0
@@ -80,12 +85,12 @@ def test_one_row_is_driven_until_the_timeout_and_to_rest(tmp_path: Path) -> None
 
 def test_one_row_of_rest_is_one_row(tmp_path: Path) -> None:
     commands = write(tmp_path / "c.csv", [5.0], [[0, 0, 0]])
-    assert drive(ROVER, commands, tmp_path / "run.csv", loop=Loop(LIMITS, RATE)).rows == 1
+    assert drive(ROVER, commands, tmp_path / "run.csv", loop=DriveLoop(LIMITS, RATE)).rows == 1
 
 
 def test_without_a_timeout_the_stop_begins_with_the_next_step(tmp_path: Path) -> None:
     commands, output = write(tmp_path / "c.csv", [0.0, 2.0], [[0.4, 0, 0]] * 2), tmp_path / "run.csv"
-    drive(ROVER, commands, output, loop=Loop(LIMITS, RATE, {"timeout": None}))
+    drive(ROVER, commands, output, loop=DriveLoop(LIMITS, RATE, {"timeout": None}))
     result = read(output)
     np.testing.assert_array_equal(result["commanded_vx"], np.where(result["time"] > 2.0, 0.0, 0.4))
     assert not (result["reasons"] & sw.Reason.STALE.value).any()
@@ -94,7 +99,7 @@ def test_without_a_timeout_the_stop_begins_with_the_next_step(tmp_path: Path) ->
 
 def test_over_a_long_gap_the_rover_stands(tmp_path: Path) -> None:
     commands, output = write(tmp_path / "c.csv", [0.0, 3600.0], [[0.4, 0, 0]] * 2), tmp_path / "run.parquet"
-    summary = drive(ROVER, commands, output, loop=Loop(LIMITS, RATE), chunk_rows=1000)
+    summary = drive(ROVER, commands, output, loop=DriveLoop(LIMITS, RATE), chunk_rows=1000)
     result = read(output)
     waiting = (result["time"] > 5.0) & (result["time"] < 3600.0)
     assert not result["limited_vx"][waiting].any()
@@ -106,7 +111,7 @@ def test_over_a_long_gap_the_rover_stands(tmp_path: Path) -> None:
 def test_a_gap_that_no_drive_has_names_its_row(tmp_path: Path, time: list[float]) -> None:
     commands = write(tmp_path / "c.csv", time, [[0.4, 0, 0]] * 2)
     with pytest.raises(TableError, match=r"row 2 \(line 3\): time must be less than 200000 s"):
-        drive(ROVER, commands, tmp_path / "run.csv", loop=Loop(LIMITS, RATE))
+        drive(ROVER, commands, tmp_path / "run.csv", loop=DriveLoop(LIMITS, RATE))
     assert list(tmp_path.iterdir()) == [commands]
 
 
@@ -114,7 +119,7 @@ def test_a_gap_longer_than_integers_count_names_its_row(tmp_path: Path) -> None:
     time = np.array([-(2**62), 2**63 - 1])
     commands = write(tmp_path / "c.parquet", time, [[0.4, 0, 0]] * 2, "time_ns")
     with pytest.raises(TableError, match="row 2: time must be less than 200000 s"):
-        drive(ROVER, commands, loop=Loop(LIMITS, RATE))
+        drive(ROVER, commands, loop=DriveLoop(LIMITS, RATE))
 
 
 def test_a_stop_that_takes_for_ever_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -122,7 +127,7 @@ def test_a_stop_that_takes_for_ever_is_an_error(tmp_path: Path, monkeypatch: pyt
     slow = sw.Limits(acceleration=1.0, deceleration=1e-6)
     commands = write(tmp_path / "c.csv", [0.0, 1.0], [[0.4, 0, 0]] * 2)
     with pytest.raises(TableError, match=r"row 2 \(line 3\): the rover must stop within 1,000 steps"):
-        drive(ROVER, commands, tmp_path / "run.csv", loop=Loop(slow, RATE))
+        drive(ROVER, commands, tmp_path / "run.csv", loop=DriveLoop(slow, RATE))
 
 
 # --- abuse -----------------------------------------------------------------------------------------------
@@ -142,30 +147,30 @@ def test_a_stop_that_takes_for_ever_is_an_error(tmp_path: Path, monkeypatch: pyt
 def test_bad_rates(tmp_path: Path, rate: float, words: str) -> None:
     commands = write(tmp_path / "c.csv", [0.0], [[1, 0, 0]])
     with pytest.raises(ValueError, match=words):
-        drive(ROVER, commands, tmp_path / "run.csv", loop=Loop(LIMITS, rate))
+        drive(ROVER, commands, tmp_path / "run.csv", loop=DriveLoop(LIMITS, rate))
     assert list(tmp_path.iterdir()) == [commands]
 
 
 def test_slow_loops_need_longer_steps(tmp_path: Path) -> None:
     commands = write(tmp_path / "c.csv", [0.0, 1.0], [[0.5, 0, 0]] * 2)
-    summary = drive(ROVER, commands, loop=Loop(LIMITS, 2.0, {"max_step": 0.5}))
+    summary = drive(ROVER, commands, loop=DriveLoop(LIMITS, 2.0, {"max_step": 0.5}))
     assert summary.rate == 2.0
-    assert drive(ROVER, commands, loop=Loop(LIMITS, None, {"period": 0.05})).rate == pytest.approx(20)
-    assert drive(ROVER, commands, loop=Loop(LIMITS)).rate == 50
+    assert drive(ROVER, commands, loop=DriveLoop(LIMITS, None, {"period": 0.05})).rate == pytest.approx(20)
+    assert drive(ROVER, commands, loop=DriveLoop(LIMITS)).rate == 50
 
 
 def test_keep_projects_before_the_controller(tmp_path: Path) -> None:
     time, twists = np.arange(0, 2, 0.1), np.tile([0.3, 0.2, 0.1], (20, 1))
     output = tmp_path / "run.csv"
     commands = write(tmp_path / "c.csv", time, twists)
-    summary = drive(ROVER, commands, output, loop=Loop(LIMITS, RATE), keep="nearest")
+    summary = drive(ROVER, commands, output, loop=DriveLoop(LIMITS, RATE), keep="nearest")
     assert summary.projected_rows == 20
     assert "PROJECTED" not in summary.reasons
     wanted = ROVER.project(twists[0], keep="nearest")
     np.testing.assert_allclose(
         columns(read(output), "commanded_"), np.broadcast_to(wanted, (summary.rows, 3))
     )
-    assert "PROJECTED" in drive(ROVER, commands, loop=Loop(LIMITS, RATE)).reasons
+    assert "PROJECTED" in drive(ROVER, commands, loop=DriveLoop(LIMITS, RATE)).reasons
 
 
 # --- outputs ---------------------------------------------------------------------------------------------
@@ -173,7 +178,7 @@ def test_keep_projects_before_the_controller(tmp_path: Path) -> None:
 
 def test_parquet_knows_the_bits_of_the_reasons(tmp_path: Path) -> None:
     output = tmp_path / "run.parquet"
-    drive(ROVER, write(tmp_path / "c.csv", *wild(2, 30)), output, loop=Loop(LIMITS, RATE))
+    drive(ROVER, write(tmp_path / "c.csv", *wild(2, 30)), output, loop=DriveLoop(LIMITS, RATE))
     schema = parquet.read_schema(output)
     bits = dict(pair.split("=") for pair in schema.field("reasons").metadata[b"bits"].decode().split())
     assert {name: int(bit) for name, bit in bits.items()} == {each.name: each.value for each in sw.Reason}
@@ -183,7 +188,7 @@ def test_parquet_knows_the_bits_of_the_reasons(tmp_path: Path) -> None:
 
 def test_what_is_written_can_be_driven_again(tmp_path: Path) -> None:
     first, second = tmp_path / "run.csv", tmp_path / "again.csv"
-    drive(ROVER, write(tmp_path / "c.csv", *wild(3, 40)), first, loop=Loop(LIMITS, RATE))
+    drive(ROVER, write(tmp_path / "c.csv", *wild(3, 40)), first, loop=DriveLoop(LIMITS, RATE))
     drive(ROVER, first, second)  # directly
     np.testing.assert_allclose(columns(read(second)), columns(read(first), "limited_"), atol=1e-9)
 
@@ -196,14 +201,14 @@ def picture(path: Path) -> Callable[[ControlledDrive], None]:
 @pytest.mark.parametrize("name", ROVERS)
 def test_the_picture_is_drawn(tmp_path: Path, name: str) -> None:
     commands = write(tmp_path / "c.csv", *wild(4, 60, sideways=name == "swerve"))
-    drive(ROVERS[name], commands, loop=Loop(LIMITS, RATE), finish=picture(tmp_path / "run.svg"))
+    drive(ROVERS[name], commands, loop=DriveLoop(LIMITS, RATE), finish=picture(tmp_path / "run.svg"))
     text = (tmp_path / "run.svg").read_text()
     assert text.count("<path") > 50
 
 
 def test_the_picture_of_one_row_and_of_no_limits(tmp_path: Path) -> None:
     commands = write(tmp_path / "c.csv", [0.0], [[0, 0, 0]])
-    drive(ROVER, commands, loop=Loop(), finish=picture(tmp_path / "run.png"))
+    drive(ROVER, commands, loop=DriveLoop(), finish=picture(tmp_path / "run.png"))
     assert (tmp_path / "run.png").stat().st_size > 10_000
 
 

@@ -11,7 +11,7 @@ import six_wheel as sw
 pa = pytest.importorskip("pyarrow")
 csv = pytest.importorskip("pyarrow.csv")
 
-from six_wheel.simulation.drive import Loop, drive  # noqa: E402
+from six_wheel.simulation.drive import DriveLoop, drive  # noqa: E402
 from tests.rovers import SIX_SIZES  # noqa: E402
 
 RATE, DURATION = 50.0, 10.0  # [Hz, s]
@@ -39,7 +39,7 @@ def write(path: Path, noise: float) -> Path:
 @pytest.mark.parametrize("noise", [1e-8, 0.01])
 def test_the_way_driven_is_the_way_commanded(tmp_path, name, noise):
     rover = ROVERS[name]
-    summary = drive(rover, write(tmp_path / "commands.csv", noise), loop=Loop(LIMITS, RATE))
+    summary = drive(rover, write(tmp_path / "commands.csv", noise), loop=DriveLoop(LIMITS, RATE))
     # A body that stands until its joints are there, and then follows at its acceleration.
     joints = max(np.abs(rover.inverse((SPEED, 0.0, YAW_RATE))[0])) / LIMITS.steering_rate
     ideal = SPEED * (DURATION - joints) - SPEED**2 / (2.0 * LIMITS.acceleration)

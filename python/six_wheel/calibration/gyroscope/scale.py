@@ -109,7 +109,7 @@ def _stretches(stamps: Floats, whole: Floats) -> Iterator[tuple[int, int]]:
 
 def _true_headings(log: WheelLog, offset: float) -> Floats:
     """Headings of a truth with poses [rad], otherwise NaN: headings alone may be the gyroscope's own."""
-    if log.truth is None or not (log.truth.has_headings and log.truth.has_positions):
+    if log.truth is None or not (log.truth.has_yaw and log.truth.has_positions):
         return np.full(len(log), np.nan)
     return log.truth.at(log.stamps + offset)[:, 2]
 

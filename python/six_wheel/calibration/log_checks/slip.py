@@ -75,7 +75,7 @@ def slipped(problem: Problem, records: Sequence[WheelLog], parts: int) -> list[S
 
 
 def _lost(model: Model, drive: Drive, values: Floats) -> tuple[Stretch, ...]:
-    if not (drive.truth.has_positions and drive.truth.has_headings):
+    if not (drive.truth.has_positions and drive.truth.has_yaw):
         return ()  # a motion needs both
     return lost_stretches(*timed_path(model, drive, values), size(model.nominal), LEAST)
 

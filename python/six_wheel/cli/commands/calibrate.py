@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from six_wheel.cli.log_options import ExampleOption, LogReading, PlotOption, ReportOption, choose_with_logs
-from six_wheel.cli.shared import Reading, grid, new_console, progress_bar, text_table, warn
+from six_wheel.cli.shared import Reading, grid, new_console, progress_bar, several, text_table, warn
 
 if TYPE_CHECKING:
     from six_wheel.calibration.files import Calibrated
@@ -17,13 +17,13 @@ class FitOptions(NamedTuple):
     """Options of the fit."""
 
     parameters: Annotated[
-        str,
+        list[str] | None,
         typer.Option(
             metavar="auto|NAME,NAME,...",
             help="What to find: wheel_radius, wheel_radii, track_width, wheelbase, steering_offset, ... "
-            "auto takes what predicts runs best that were not fitted.",
+            "auto, the default, takes what predicts runs best that were not fitted.",
         ),
-    ] = "auto"
+    ] = None
     loss: Annotated[
         str,
         typer.Option(
@@ -32,7 +32,8 @@ class FitOptions(NamedTuple):
         ),
     ] = "auto"
     segment: Annotated[
-        list[float] | None, typer.Option(help="Length of the stretches that are compared [m]; several times.")
+        list[str] | None,
+        typer.Option(metavar="LENGTH,...", help="Length of the stretches that are compared [m], or several."),
     ] = None
     confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95
     cross_validation: Annotated[
@@ -51,9 +52,18 @@ class FitOptions(NamedTuple):
 
     def of_calibrate(self) -> dict[str, Any]:
         """Arguments of `calibrate`."""
-        names = [name.strip() for name in self.parameters.split(",") if name.strip()]
+        names = several(self.parameters) if self.parameters else ["auto"]
         options = self._asdict() | {"parameters": "auto" if names == ["auto"] else names}
-        return options | {"window": options.pop("segment") or None, "client": options.pop("cluster")}
+        del options["segment"]
+        return options | {"window": [_length(text) for text in several(self.segment)] or None}
+
+
+def _length(text: str) -> float:
+    """A length of stretches [m]."""
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(f"--segment must be a length [m], or several, got {text!r}") from None
 
 
 def calibrate(

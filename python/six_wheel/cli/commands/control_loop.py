@@ -12,6 +12,7 @@ from six_wheel.cli.shared import (
     grid,
     new_console,
     progress_bar,
+    several,
     text_table,
     warn,
 )
@@ -97,7 +98,7 @@ def replay(
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture of both runs: .png, .svg or .pdf.")] = None,
 ) -> None:
-    changes = _changes(change or [])
+    changes = _changes(several(change, "="))
     from six_wheel.control_loop.replay import compare
     from six_wheel.control_loop.replay import replay as run_again
     from six_wheel.logs.writing import replacing

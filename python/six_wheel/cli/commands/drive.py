@@ -21,7 +21,7 @@ from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
     from six_wheel._core import Limits
-    from six_wheel.simulation.drive.closed_loop import ControlledDrive, Loop
+    from six_wheel.simulation.drive.closed_loop import ControlledDrive, DriveLoop
     from six_wheel.simulation.drive.feedforward import Drive
     from six_wheel.simulation.drive.run_commands import Peak, Summary
 
@@ -117,7 +117,7 @@ def drive(
     new_console().print(grid(rows))
 
 
-def _loop(chosen: NamedRover, rate: float | None, halt: float | None) -> "Loop | None":
+def _loop(chosen: NamedRover, rate: float | None, halt: float | None) -> "DriveLoop | None":
     """The controller to drive through, if there is anything for it to keep or it is asked for."""
     from six_wheel._core import Limits
 
@@ -125,9 +125,9 @@ def _loop(chosen: NamedRover, rate: float | None, halt: float | None) -> "Loop |
     control = chosen.parameters.control if chosen.parameters else {}
     if rate is None and halt is None and limits == Limits() and not control:
         return None
-    from six_wheel.simulation.drive.closed_loop import Loop
+    from six_wheel.simulation.drive.closed_loop import DriveLoop
 
-    return Loop(limits, rate, control, halt)
+    return DriveLoop(limits, rate, control, halt)
 
 
 def _summary(summary: "Summary", limits: "Limits", halt: float | None = None) -> list[tuple[str, object]]:

@@ -22,7 +22,7 @@ from six_wheel.cli.shared import Reading, grid, new_console, progress_bar, warn
 from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
-    from six_wheel.log_odometry.results import Reckoned, Settings
+    from six_wheel.log_odometry.results import Reckoned, ReckonSettings
 Options: TypeAlias = Callable[[], dict[str, Any]]
 """Arguments of dead reckoning, refused if they are wrong once the files are known to be good."""
 
@@ -62,10 +62,10 @@ class Estimate(NamedTuple):
         bool, typer.Option("--inflate", help="Widen the covariance where wheels disagree.")
     ] = False
 
-    def settings(self, chosen: NamedRover, max_speed: float | None) -> "Settings":
+    def settings(self, chosen: NamedRover, max_speed: float | None) -> "ReckonSettings":
         """Settings of dead reckoning: those of the parameter file, overridden by the arguments."""
         from six_wheel._core import Noise
-        from six_wheel.log_odometry.results import Settings
+        from six_wheel.log_odometry.results import ReckonSettings
 
         said = chosen.parameters
         noise = dict(said.noise) if said else {}
@@ -79,7 +79,7 @@ class Estimate(NamedTuple):
         options |= {"inflate": True} if self.inflate else {}
         options |= {} if max_speed is None else {"max_speed": max_speed}
         known, period = (said.known_gyroscope, said.gyroscope.get("period")) if said else (None, None)
-        return Settings(Noise(**noise), options, self.start, known, period)
+        return ReckonSettings(Noise(**noise), options, self.start, known, period)
 
 
 class ManyLogs(NamedTuple):
@@ -197,9 +197,9 @@ def _reckon_all(
             paths,
             files.output,
             ending=many.output_format,
-            client=many.cluster,
+            cluster=many.cluster,
             workers=many.workers,
-            tell=progress,
+            progress=progress,
             **options(),
         ):
             done.append(one)

@@ -27,9 +27,7 @@ SPEED = 0.5  # [m/s] of the motion that is drawn where none is given and no limi
 def show(
     rover: Annotated[
         str,
-        typer.Argument(
-            metavar="ROVER", help="Parameter file, URDF, name of a preset, a map, or with --layout a record."
-        ),
+        typer.Argument(metavar="ROVER", help="Parameter file, URDF, name of a preset, or a map."),
     ],
     twist: Annotated[
         Motion | None,
@@ -44,13 +42,6 @@ def show(
             "MAP_map.png",
         ),
     ] = None,
-    layout: Annotated[
-        Path | None,
-        typer.Option(
-            help="No picture, but how viewers show records of this rover: .json (Foxglove), .rbl (Rerun), "
-            "or of a record .rrd (the record for Rerun, with its layout)."
-        ),
-    ] = None,
     side: Annotated[
         bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie.")
     ] = False,
@@ -58,11 +49,9 @@ def show(
     map_reading: MapReading,
     reading: Reading,
 ) -> None:
-    is_drawn = layout is None and not side and twist is None
+    is_drawn = not side and twist is None
     if any(option is not None for option in map_reading) or (is_drawn and _is_map(Path(rover))):
         print(_draw_map(Path(rover), map_reading, output))
-    elif layout is not None:
-        print(_write_layout(rover, reading, layout))
     elif side:
         print(_draw_side(rover, reading, output))
     else:
@@ -166,25 +155,3 @@ def _demands(chosen: NamedRover, motion: tuple[float, ...]) -> list[tuple[str, f
         ("speed", float((vx**2 + vy**2) ** 0.5), limits.speed, "m/s"),
         ("yaw_rate", abs(omega), limits.yaw_rate, "rad/s"),
     ]
-
-
-def _write_layout(rover: str, reading: Reading, target: Path) -> Path:
-    """Write a layout for the rover of a parameter file, a preset or a record; where it is."""
-    from six_wheel.logs.mcap import layouts
-    from six_wheel.logs.writing import replacing
-
-    record = Path(rover) if Path(rover).suffix.lower() == ".mcap" else None
-    if record is None:
-        chosen = choose(rover, reading)
-        shown, source = chosen.rover, chosen.path
-    else:
-        from six_wheel.control_loop.replay.rerun import settings_of
-        from six_wheel.logs.mcap import Record
-
-        if not record.is_file():
-            raise ValueError(f"{record}: no such file")
-        shown, source = settings_of(Record(record)).rover, record
-    layouts.check(target, record)
-    with replacing(target, [source] if source else []) as temporary:
-        layouts.write(temporary, shown, record)
-    return target.resolve()

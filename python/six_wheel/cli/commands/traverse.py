@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from six_wheel.cli.map_options import MapReading
-from six_wheel.cli.shared import SUSPENDED, choose_suspension, grid, new_console, progress_bar
+from six_wheel.cli.shared import SUSPENDED, choose_suspension, grid, new_console, progress_bar, several
 
 if TYPE_CHECKING:
     from six_wheel.kinematics.statuses import FeasibilityLimits
@@ -65,7 +65,7 @@ def traverse(
         picture_path(plot)
     from six_wheel.maps.traversability import traverse as run
 
-    limits = _limits(limit or [])
+    limits = _limits(several(limit, "="))
     begin = time.monotonic()
     with progress_bar("tiles") as update:
         done = run(
@@ -77,7 +77,7 @@ def traverse(
             map_error=map_error,
             cluster=cluster,
             workers=workers,
-            tell=lambda done, total: update(done, total),
+            progress=lambda done, total: update(done, total),
             **map_reading.given(),
         )
     if plot is not None:
@@ -109,4 +109,4 @@ def _limits(texts: list[str]) -> "FeasibilityLimits":
         except (KeyError, ValueError):
             rule = "be an angle such as 15deg or 0.26rad" if name in ANGLES else "be a number"
             raise ValueError(f"limit {name} must {rule}, got {text!r}") from None
-    return FeasibilityLimits(**found)
+    return FeasibilityLimits.curiosity().replace(**found)

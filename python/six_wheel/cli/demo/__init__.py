@@ -11,13 +11,13 @@ from six_wheel.kinematics.lazy import attach
 if TYPE_CHECKING:
     from six_wheel.cli.demo.control import ControlResult, drive_controlled
     from six_wheel.cli.demo.ground import drive_yard
-    from six_wheel.cli.demo.motion import DemoResult, Motion, drive_path, load_path, recorded_motion
+    from six_wheel.cli.demo.motion import DemoMotion, DemoResult, drive_path, load_path, recorded_motion
     from six_wheel.cli.demo.running import run
 
 __all__ = [
     "ControlResult",
+    "DemoMotion",
     "DemoResult",
-    "Motion",
     "drive_controlled",
     "drive_path",
     "drive_yard",
@@ -31,7 +31,7 @@ __getattr__, __dir__ = attach(
     {
         "control": ("ControlResult", "drive_controlled"),
         "ground": ("drive_yard",),
-        "motion": ("DemoResult", "Motion", "drive_path", "load_path", "recorded_motion"),
+        "motion": ("DemoResult", "DemoMotion", "drive_path", "load_path", "recorded_motion"),
         "running": ("run",),
         "figures": (),
     },

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from six_wheel.cli.demo.motion import REST_SPEED, SMOOTHING, SUSTAINED, DemoResult, Motion
+from six_wheel.cli.demo.motion import REST_SPEED, SMOOTHING, SUSTAINED, DemoMotion, DemoResult
 from six_wheel.kinematics.rover_edit import joints_by_wheel
 from six_wheel.plotting.drawing import INK, SOFT, new_figure, tidy
 from six_wheel.plotting.path import draw_path
@@ -70,7 +70,7 @@ def write_commands(result: DemoResult, path: Path) -> None:
     np.savetxt(path, rows, fmt="%.9g", delimiter=",", header=header, comments="")
 
 
-def introduce(motion: Motion) -> str:
+def introduce(motion: DemoMotion) -> str:
     """Text on the recording and its preparation."""
     yaw, ahead = motion.frame
     way = float(np.sum(np.abs(motion.twists[:, 0]) * np.diff(motion.times)))

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover, differentiate, integrate
 
-__all__ = ["DemoResult", "Motion", "drive_path", "load_path", "recorded_motion"]
+__all__ = ["DemoMotion", "DemoResult", "drive_path", "load_path", "recorded_motion"]
 
 Floats = NDArray[np.float64]
 
@@ -25,8 +25,8 @@ SUSTAINED = 1.0  # [s] what is held for less is the beginning or end of somethin
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
-    """Motion of the recorded robot, seen from its fixed axle, where a robot cannot move sideways."""
+class DemoMotion:
+    """DemoMotion of the recorded robot, seen from its fixed axle, where a robot cannot move sideways."""
 
     times: Floats
     """(n,) time stamps [s]."""
@@ -97,7 +97,7 @@ def load_path() -> tuple[Floats, Floats]:
     return table[:, 0], table[:, 1:]
 
 
-def recorded_motion(times: ArrayLike, poses: ArrayLike) -> Motion:
+def recorded_motion(times: ArrayLike, poses: ArrayLike) -> DemoMotion:
     """Twists of a recorded robot with a fixed axle.
 
     Positions and yaw are smoothed by local quadratics. The recorded frame is never exactly the robot's: the
@@ -142,7 +142,7 @@ def recorded_motion(times: ArrayLike, poses: ArrayLike) -> Motion:
     turning = _held(~driving & (np.abs(twists[:, 2]) > REST_YAW_RATE), held)
     twists[~driving, :2] = 0.0
     twists[~(driving | turning)] = 0.0
-    return Motion(stamps, _axle(recorded, frame), twists, start, frame)
+    return DemoMotion(stamps, _axle(recorded, frame), twists, start, frame)
 
 
 def drive_path(rover: Rover, name: str, times: ArrayLike, poses: ArrayLike) -> DemoResult:

@@ -42,7 +42,7 @@ def facts(result: Reckoned) -> Rows:
 def slipped(result: Reckoned) -> Rows:
     """Rows on the wheel that disagrees most with the others, and on the times of slip."""
     slip = result.slip
-    if not slip.told:
+    if not slip.observable:
         known = _lost(result)
         return [("wheels", SILENT + ("" if known else "; a gyroscope or a truth can tell")), *known]
     worst = max(slip.wheels, key=lambda wheel: wheel.rms, default=None)
@@ -97,7 +97,7 @@ def judged(evaluation: Evaluation | None) -> Rows:
         ("error at the end", end),
     ]
     if len(relative.rows):
-        turn = math.degrees(relative.heading_rmse)
+        turn = math.degrees(relative.yaw_rmse)
         rows.append(
             ("error per distance", f"{relative.percent:.2f} % and {turn:.2f}° over {relative.length:g} m")
         )
@@ -150,7 +150,7 @@ def written(result: Reckoned, picture_name: str) -> str:
         "How fast a contact slides if the fitted motion is the true one.",
         table(heads, wheels),
     ]
-    if not result.slip.told:
+    if not result.slip.observable:
         parts.append(f"{SILENT[0].upper()}{SILENT[1:]}.")
     if result.lost:
         rows = [(f"{one.start:.2f} to {one.end:.2f}", f"{1e3 * one.distance:.1f}") for one in result.lost]

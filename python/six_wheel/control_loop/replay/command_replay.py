@@ -15,7 +15,7 @@ from six_wheel.control_loop.replay.run_summary import OUT, Collected, Replayed
 from six_wheel.logs.headers.columns import TIME
 from six_wheel.logs.mcap import Record, RecordError, rover_record
 from six_wheel.logs.tables import Chunk, RowError
-from six_wheel.simulation.drive.closed_loop import ControlledDrive, Loop
+from six_wheel.simulation.drive.closed_loop import ControlledDrive, DriveLoop
 from six_wheel.simulation.drive.feedforward import Drive
 from six_wheel.simulation.drive.recording import DriveRecord
 
@@ -60,7 +60,7 @@ def _engine(settings: Settings, told: dict[str, Any]) -> ControlledDrive | Drive
     rover, said = settings.rover, settings.parameters
     if told["rate"] is None:
         return Drive(rover, unit, told["keep"])
-    loop, rows = Loop(said.limits, told["rate"], said.control, told["halt"]), told["block_rows"]
+    loop, rows = DriveLoop(said.limits, told["rate"], said.control, told["halt"]), told["block_rows"]
     return ControlledDrive(rover, unit, loop, told["keep"], block_rows=rows)
 
 

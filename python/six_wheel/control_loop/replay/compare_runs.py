@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import integrate
 from six_wheel.control_loop.replay.run_summary import Replayed, Run
+from six_wheel.kinematics.keywords import checked
 
 __all__ = ["Difference", "Figures", "compare"]
 
@@ -63,6 +64,7 @@ class Difference:
     rows: list[tuple[str, str, str]] = field(default_factory=list)
 
 
+@checked()
 def compare(replayed: Replayed) -> Difference:
     """Differences between the recorded run and the rerun."""
     one, other = replayed.recorded, replayed.again

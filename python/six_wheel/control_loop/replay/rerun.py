@@ -5,6 +5,7 @@ that were measured: what a rover would have measured under other commands nobody
 """
 
 import json
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,8 @@ from six_wheel.control_loop import Loop, Options, Settings, Step
 from six_wheel.control_loop.recorder import Recorder
 from six_wheel.control_loop.replay.command_replay import DRIVE, replay_drive
 from six_wheel.control_loop.replay.run_summary import OUT, Collected, Replayed, planar
+from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.mcap import Record, RecordError, rover_record
 from six_wheel.logs.mcap.frames import JointStates, angular_velocity
 from six_wheel.logs.mcap.reader import Message
@@ -26,10 +29,11 @@ READ = ("odometry", "simulate")  # records of what was measured
 IN = (rover_record.WANTED, rover_record.JOINTS, rover_record.IMU, rover_record.TICK, rover_record.CHANGES)
 
 
+@checked()
 def replay(
-    path: Path,
+    path: str | os.PathLike[str],
     changes: Mapping[str, Any] | None = None,
-    output: Path | None = None,
+    output: str | os.PathLike[str] | None = None,
     *,
     progress: Callable[[int, int], None] | None = None,
 ) -> Replayed:
@@ -37,11 +41,11 @@ def replay(
 
     Parameters
     ----------
-    path : Path
+    path : path
         A record of a node, or of a drive.
     changes : mapping of str to object, optional
         Keys of the parameter file or options, with other values: ``{"limits.speed": 0.3}``.
-    output : Path, optional
+    output : path, optional
         A record of the new run, .mcap.
     progress : callable, optional
         Called now and then with how far it is and how far it will go.
@@ -53,6 +57,8 @@ def replay(
     ValueError
         If a change cannot be used.
     """
+    path = as_path("path", path)
+    output = None if output is None else as_path("output", output)
     record = Record(path)
     made_by = record.settings.get("made_by")
     if made_by not in (*LOOPS, DRIVE):

@@ -111,8 +111,8 @@ class Declared:
         descriptor = self._descriptor(option.description, not option.live)
         if option.choices:
             descriptor.additional_constraints = "one of " + ", ".join(option.choices)
-        if option.least is not None and option.most is not None:
-            _range(descriptor, option.least, option.most)
+        if option.min_value is not None and option.max_value is not None:
+            _range(descriptor, option.min_value, option.max_value)
         if option.live:
             self.live.add(option.name)
         return self._declare(option.name, value, descriptor)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.keywords import unknown_keyword
 from six_wheel.kinematics.objects.notebooks import mimebundle
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ class Tabular:
 
     def to_arrays(self, **names: Any) -> dict[str, NDArray[Any]]:
         """The columns by name, arrays of shape (n,), in the units of `to_arrow`."""
-        return {name: values for name, (_, values) in self._columns(**names).items()}
+        return {name: values for name, (_, values) in _columns_of(self, "to_arrays", names).items()}
 
     def to_pandas(self, **names: Any) -> Any:
         """The columns as a `pandas.DataFrame`.
@@ -50,7 +51,8 @@ class Tabular:
             If pandas is not installed; the message has the install line.
         """
         pandas = _needed("pandas", "pandas")
-        return pandas.DataFrame(self.to_arrays(**names))
+        columns = _columns_of(self, "to_pandas", names)
+        return pandas.DataFrame({name: values for name, (_, values) in columns.items()})
 
     def to_arrow(self, **names: Any) -> Any:
         """The columns as a `pyarrow.Table`, each with its ``unit`` in the metadata of its field.
@@ -61,7 +63,7 @@ class Tabular:
             If pyarrow is not installed; the message has the install line.
         """
         arrow = _needed("pyarrow", "six-wheel[cli]")
-        columns = self._columns(**names)
+        columns = _columns_of(self, "to_arrow", names)
         fields = [
             arrow.field(name, arrow.from_numpy_dtype(values.dtype), metadata={"unit": unit} if unit else None)
             for name, (unit, values) in columns.items()
@@ -78,13 +80,58 @@ class Tabular:
         OSError
             If the file cannot be written.
         """
-        import csv
+        _write_csv(path, {name: values for name, (_, values) in _columns_of(self, "to_csv", names).items()})
 
-        columns = self.to_arrays(**names)
-        with as_path("path", path).open("w", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(columns)
-            writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+    def save(self, path: str | os.PathLike[str], **names: Any) -> None:
+        """Write the columns to a file with their units: CSV in its header, Parquet in its metadata.
+
+        Parameters
+        ----------
+        path : path
+            Ends in .csv or .parquet. A file that is there is replaced.
+        **names
+            As of `to_csv`: of a `WheelLog` ``rover=``, so that `read_log` finds joints by their names.
+
+        Raises
+        ------
+        ValueError
+            If the ending is none of these.
+        ModuleNotFoundError
+            If pyarrow is needed and not installed; the message has the install line.
+        """
+        ending = as_path("path", path).suffix.lower()
+        if ending == ".csv":
+            columns = _columns_of(self, "save", names)
+            stated = {
+                f"{name} [{unit}]" if unit else name: values for name, (unit, values) in columns.items()
+            }
+            _write_csv(path, stated)
+        elif ending == ".parquet":
+            table = self.to_arrow(**names)
+            _needed("pyarrow.parquet", "six-wheel[cli]").write_table(table, os.fspath(path))
+        else:
+            raise ValueError(f"path must end in .csv or .parquet, got {str(path)!r}")
+
+
+def _write_csv(path: str | os.PathLike[str], columns: Mapping[str, NDArray[Any]]) -> None:
+    import csv
+
+    with as_path("path", path).open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+
+
+def _columns_of(table: Tabular, method: str, names: Mapping[str, Any]) -> Columns:
+    """The columns of a table by the keywords of one of its methods."""
+    if names:
+        import inspect
+
+        known = list(inspect.signature(table._columns).parameters)
+        for name in names:
+            if name not in known:
+                raise TypeError(unknown_keyword(f"{type(table).__name__}.{method}", name, known))
+    return table._columns(**names)
 
 
 def pose_columns(

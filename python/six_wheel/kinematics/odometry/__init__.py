@@ -11,7 +11,13 @@ from six_wheel.kinematics.lazy import attach
 if TYPE_CHECKING:
     from six_wheel.kinematics.odometry.dimensions import deviations
     from six_wheel.kinematics.odometry.thinning import Trace
-    from six_wheel.kinematics.odometry.tracks import OdometryHealth, SlipReport, SlipWindow, Track, WheelSlip
+    from six_wheel.kinematics.odometry.tracks import (
+        OdometryHealth,
+        SlipReport,
+        SlipWindow,
+        Track,
+        WheelContradiction,
+    )
     from six_wheel.kinematics.odometry.tracks3 import Track3
 
 __all__ = [
@@ -27,7 +33,7 @@ __all__ = [
     "Trace",
     "Track",
     "Track3",
-    "WheelSlip",
+    "WheelContradiction",
     "deviations",
 ]
 
@@ -38,6 +44,6 @@ __getattr__, __dir__ = attach(
         "gyroscope_errors": (),
         "tracks3": ("Track3",),
         "thinning": ("Trace",),
-        "tracks": ("OdometryHealth", "SlipReport", "SlipWindow", "Track", "WheelSlip"),
+        "tracks": ("OdometryHealth", "SlipReport", "SlipWindow", "Track", "WheelContradiction"),
     },
 )

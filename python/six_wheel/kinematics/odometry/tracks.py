@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
 from six_wheel._core import Encoder, Noise, Odometry, OdometryState, Rover
-from six_wheel.kinematics.flags import NamedFlag
+from six_wheel.kinematics.keywords import checked_class
+from six_wheel.kinematics.objects.flags import TextFlag
 from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.objects.short_text import described, few, short_repr
 from six_wheel.kinematics.objects.tables import (
@@ -37,45 +38,45 @@ __all__ = [
     "SlipReport",
     "SlipWindow",
     "Track",
-    "WheelSlip",
+    "WheelContradiction",
 ]
 
 ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
 SILENT = "the wheels cannot contradict each other: of slip nothing can be told from them alone"
 
 
-class OdometryHealth(NamedFlag):
-    """Flags of one sample."""
+class OdometryHealth(TextFlag):
+    """Flags of one sample. Each has a text, `help`: its meaning, and what to do."""
 
-    GOOD = 0
-    FIRST = 1
-    """The reference from which the next sample counts."""
-    GAP = 2
-    """After more than `max_gap`; the way in between is one arc."""
-    WRAPPED = 4
-    """A counter started over."""
-    SLIP = 8
-    """A wheel contradicts the others by more than the noise explains."""
-    NOT_FINITE = 16
-    """Left out: a reading is not a finite number."""
-    DUPLICATE = 32
-    """Left out: its stamp is that of the sample before."""
-    BACKWARDS = 64
-    """Left out: its stamp is before that of the sample before."""
-    JUMP = 128
-    """Left out: the rover would have moved or steered faster than `max_speed` or `max_steering_rate`."""
-    UNDETERMINED = 256
-    """Left out: its wheels do not determine the motion."""
-    RESTARTED = 512
-    """Clock or counters went on from another value for good; it counts from the sample left out before."""
-    OVERTURNED = 1024
-    """Left out: the attitude is that of a rover that does not stand on its wheels."""
-    UNSETTLED = 2048
-    """It does not settle on the ground there; the pose goes by joints and attitude, or on as it went."""
-    OFF_GROUND = 4096
-    """Left out: it does not settle on the ground there, and nothing else says how its wheels stand."""
+    GOOD = 0, "nothing is wrong"
+    FIRST = 1, "the reference from which the next sample counts"
+    GAP = 2, "after more than `max_gap`; the way in between is one arc: look for lost samples"
+    WRAPPED = 4, "a counter started over, and was followed"
+    SLIP = 8, "a wheel contradicts the others by more than the noise explains: see `slip_report`"
+    NOT_FINITE = 16, "left out: a reading is not a finite number; look for a lost encoder"
+    DUPLICATE = 32, "left out: its stamp is that of the sample before"
+    BACKWARDS = 64, "left out: its stamp is before that of the sample before; sort the log, or mend its clock"
+    JUMP = (
+        128,
+        "left out: the rover would have moved or steered faster than `max_speed` or `max_steering_rate`",
+    )
+    UNDETERMINED = 256, "left out: its wheels do not determine the motion; read more wheels"
+    RESTARTED = (
+        512,
+        "a counter started at zero again, and it counts from there; or clock or counters went on from "
+        "another value for good, and it counts from the sample left out before",
+    )
+    OVERTURNED = 1024, "left out: the attitude is upside down; look at the axes of the sensor"
+    UNSETTLED = (
+        2048,
+        "it does not settle on the ground there: the pose goes by joints and attitude, or on as it went",
+    )
+    OFF_GROUND = (
+        4096,
+        "left out: it does not settle on the ground there; give a larger map, or joints and attitude",
+    )
 
-    LEFT_OUT = NOT_FINITE | DUPLICATE | BACKWARDS | JUMP | UNDETERMINED | OVERTURNED | OFF_GROUND
+    LEFT_OUT = 16 | 32 | 64 | 128 | 256 | 1024 | 4096, "left out, for any of its reasons"
 
 
 def rows_with(health: NDArray[np.uint32], flag: OdometryHealth) -> NDArray[np.int64]:
@@ -96,6 +97,7 @@ def findings(health: NDArray[np.uint32]) -> list[str]:
     return lines
 
 
+@checked_class
 @dataclass(frozen=True, slots=True, eq=False)
 class Track(Tabular):
     """Poses of a rover over a whole log, one row per sample.
@@ -120,6 +122,8 @@ class Track(Tabular):
         Say of each wheel, of the robust method.
     health : ndarray of uint32, shape (n,)
         `OdometryHealth` flags.
+    noise : Noise or None
+        By which the covariances grew, if that is known.
     """
 
     rover: Rover
@@ -130,6 +134,7 @@ class Track(Tabular):
     residuals: Floats | Any  # None where it was not asked for
     weights: Floats | Any  # None where it was not asked for
     health: NDArray[np.uint32]
+    noise: Noise | None = None
 
     def __len__(self) -> int:
         return len(self.stamps)
@@ -150,7 +155,7 @@ class Track(Tabular):
         return findings(self.health)
 
     def slip_report(
-        self, *, threshold: float | None = None, gap: float = 0.5, shortest: int = 2
+        self, *, threshold: float | None = None, gap: float = 0.5, min_rows: int = 2
     ) -> SlipReport:
         """Wheels that disagree with the others, with size and times of the disagreement; see `SlipReport`.
 
@@ -160,10 +165,10 @@ class Track(Tabular):
             Residual from which on a wheel slips [m/s]; default the rows flagged `OdometryHealth.SLIP`.
         gap : float, default 0.5
             Rows of slip that lie no further apart than this are one window [s].
-        shortest : int, default 2
+        min_rows : int, default 2
             Rows that make a window: fewer are noise.
         """
-        return SlipReport.of(self, threshold, gap, shortest)
+        return SlipReport.of(self, threshold, gap, min_rows)
 
     def _columns(self) -> Columns:
         columns = pose_columns(self.stamps, self.poses) | twist_columns(self.twists)
@@ -212,7 +217,7 @@ class Track(Tabular):
 
 
 @dataclass(frozen=True, slots=True)
-class WheelSlip:
+class WheelContradiction:
     """Statistics of the residual of one wheel over a log."""
 
     name: str
@@ -262,6 +267,7 @@ class SlipWindow:
         return cls(begin, end, int(rows[first]), int(rows[last]), names[wheel], distance, worst)
 
 
+@checked_class
 @dataclass(frozen=True, slots=True, repr=False)
 class SlipReport:
     """Per wheel and over time, how the wheels contradict the motion that fits all of them best.
@@ -270,17 +276,19 @@ class SlipReport:
     slips the fit gives way a little, so others seem to slide as well; the one that slides most is named.
     """
 
-    wheels: tuple[WheelSlip, ...]
+    wheels: tuple[WheelContradiction, ...]
     windows: tuple[SlipWindow, ...]
     rows: int
-    told: bool = True
+    observable: bool = True
     """True where the wheels can contradict each other: two wheels of a differential drive cannot."""
 
     _repr_mimebundle_ = mimebundle
 
     def __repr__(self) -> str:
         found = {"wheels": len(self.wheels), "rows": self.rows, "windows": len(self.windows)}
-        return short_repr("SlipReport", found | {"worst_wheel": self.worst_wheel, "told": self.told})
+        return short_repr(
+            "SlipReport", found | {"worst_wheel": self.worst_wheel, "observable": self.observable}
+        )
 
     @property
     def worst_wheel(self) -> str | None:
@@ -289,7 +297,7 @@ class SlipReport:
         return worst.name if worst.rms > 0.0 else None
 
     @classmethod
-    def of(cls, track: Track, threshold: float | None, gap: float, shortest: int) -> SlipReport:
+    def of(cls, track: Track, threshold: float | None, gap: float, min_rows: int) -> SlipReport:
         """The report of a track."""
         import numpy as np
 
@@ -301,7 +309,7 @@ class SlipReport:
         names = track.rover.wheel_names
         weights = None if track.weights is None else track.weights[used].mean(axis=0)
         if not len(residuals):
-            wheels = [WheelSlip(name, 0.0, 0.0, 0.0, 0, 0.0, None) for name in names]
+            wheels = [WheelContradiction(name, 0.0, 0.0, 0.0, 0, 0.0, None) for name in names]
             return cls(tuple(wheels), (), 0, can_contradict(track.rover))
         largest = residuals.max(axis=1)
         moving = largest > 0.0
@@ -310,7 +318,7 @@ class SlipReport:
         for i, name in enumerate(names):
             worst = int(np.argmax(residuals[:, i]))
             wheels.append(
-                WheelSlip(
+                WheelContradiction(
                     name,
                     float(np.sqrt(np.mean(residuals[:, i] ** 2))),
                     float(np.mean(residuals[:, i])),
@@ -324,11 +332,11 @@ class SlipReport:
         places = np.flatnonzero(flagged if threshold is None else largest > threshold)
         windows = []
         for run in np.split(places, np.flatnonzero(np.diff(stamps[places]) > gap) + 1):
-            if len(run) >= max(shortest, 1):
+            if len(run) >= max(min_rows, 1):
                 first, last = int(run[0]), int(run[-1])
                 windows.append(SlipWindow.of_rows(names, residuals, stamps, rows, first, last))
-        told = can_contradict(track.rover, largest=float(largest.max()))
-        return cls(tuple(wheels), tuple(windows), len(residuals), told)
+        observable = can_contradict(track.rover, largest=float(largest.max()))
+        return cls(tuple(wheels), tuple(windows), len(residuals), observable)
 
     def __str__(self) -> str:
         width = max(len(wheel.name) for wheel in self.wheels)
@@ -343,7 +351,7 @@ class SlipReport:
                 f"{window.start:.3f} s to {window.end:.3f} s (rows {window.first_row} to {window.last_row}): "
                 f"{window.wheel} slid {window.distance:.3f} m, at {window.worst:.3f} m/s at most"
             )
-        if not self.told:
+        if not self.observable:
             lines.append(
                 f"{SILENT} (a gyroscope or a truth can: six_wheel.log_odometry.evaluation.slip_against)"
             )

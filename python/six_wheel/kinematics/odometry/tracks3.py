@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from six_wheel._core import Suspension
+from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.short_text import described, few
 from six_wheel.kinematics.objects.tables import Columns, Tabular, pose_columns
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, findings, rows_with
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["Track3"]
 
 
+@checked_class
 @dataclass(frozen=True, slots=True, eq=False)
 class Track3(Tabular):
     """Poses of a rover on ground over a whole log, one row per sample.

@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import wrap_angle
-from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.keywords import checked, checked_class
 from six_wheel.kinematics.objects.notebooks import mimebundle
+from six_wheel.kinematics.objects.tables import Columns, Tabular
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.odometry.tracks3 import Track3
 from six_wheel.kinematics.poses import Floats, as_poses, inverse, joined
@@ -39,14 +40,15 @@ __all__ = ["AbsoluteError", "Alignment", "Evaluation", "absolute_error", "align"
 Alignment = Literal["first", "se2", "none"]
 
 
-def align(estimate: ArrayLike, truth: ArrayLike, how: Alignment = "se2") -> Floats:
+@checked()
+def align(estimate: ArrayLike, truth: ArrayLike, align: Alignment = "se2") -> Floats:
     """The estimate, moved as one rigid body onto the truth.
 
     Parameters
     ----------
     estimate, truth : array_like, shape (n, 3)
         Poses at the same times [m, m, rad].
-    how : {'first', 'se2', 'none'}
+    align : {'first', 'se2', 'none'}
         So that the first poses agree; so that the positions agree best in the sense of least squares,
         without scale; or not at all.
 
@@ -57,19 +59,19 @@ def align(estimate: ArrayLike, truth: ArrayLike, how: Alignment = "se2") -> Floa
     Raises
     ------
     ValueError
-        If the shapes differ, a pose is not finite, or `how` is none of these.
+        If the shapes differ, a pose is not finite, or `align` is none of these.
 
     Source: Umeyama, Least-Squares Estimation of Transformation Parameters Between Two Point Patterns,
     IEEE PAMI 13(4), 1991; in the plane the rotation is one `atan2`.
     """
     wanted = as_poses("truth", truth)
     moved = as_poses("estimate", estimate, len(wanted))
-    if how == "none":
+    if align == "none":
         return moved.copy()
-    if how == "first":
+    if align == "first":
         return joined(joined(wanted[0], inverse(moved[0])), moved)
-    if how != "se2":
-        raise ValueError(f"how must be 'first', 'se2' or 'none', got {how!r}")
+    if align != "se2":
+        raise ValueError(f"align must be 'first', 'se2' or 'none', got {align!r}")
     centre, onto = moved[:, :2].mean(axis=0), wanted[:, :2].mean(axis=0)
     products = (moved[:, :2] - centre).T @ (wanted[:, :2] - onto)
     yaw = math.atan2(products[0, 1] - products[1, 0], products[0, 0] + products[1, 1])
@@ -77,6 +79,10 @@ def align(estimate: ArrayLike, truth: ArrayLike, how: Alignment = "se2") -> Floa
     return joined(joined(np.array((onto[0], onto[1], yaw)), back), moved)
 
 
+_aligned = align  # where an argument has its name
+
+
+@checked_class
 @dataclass(frozen=True, eq=False)
 class AbsoluteError:
     """Distance of every pose from its true one, after an alignment.
@@ -84,7 +90,7 @@ class AbsoluteError:
     `position` [m] and `heading` [rad, signed] have shape (n,).
     """
 
-    alignment: Alignment
+    align: Alignment
     position: Floats = field(repr=False)
     heading: Floats = field(repr=False)
 
@@ -109,7 +115,7 @@ class AbsoluteError:
         return float(self.position[-1])
 
     @property
-    def heading_rmse(self) -> float:
+    def yaw_rmse(self) -> float:
         """Root mean square of the heading error [rad]."""
         return rms(self.heading)
 
@@ -120,24 +126,26 @@ class AbsoluteError:
 
     def __repr__(self) -> str:
         return (
-            f"AbsoluteError({self.alignment}: rmse {self.rmse:.4f} m, max {self.maximum:.4f} m, "
+            f"AbsoluteError({self.align}: rmse {self.rmse:.4f} m, max {self.maximum:.4f} m, "
             f"final {self.final:.4f} m {math.degrees(self.final_heading):+.2f} deg)"
         )
 
 
-def absolute_error(estimate: ArrayLike, truth: ArrayLike, how: Alignment = "first") -> AbsoluteError:
+@checked()
+def absolute_error(estimate: ArrayLike, truth: ArrayLike, align: Alignment = "first") -> AbsoluteError:
     """Absolute trajectory error: how far each pose is from the true one once the paths are aligned.
 
     Parameters, errors
         As in `align`.
     """
     wanted = as_poses("truth", truth)
-    error = align(estimate, wanted, how) - wanted
-    return AbsoluteError(how, np.hypot(error[:, 0], error[:, 1]), np.asarray(wrap_angle(error[:, 2])))
+    error = _aligned(estimate, wanted, align) - wanted
+    return AbsoluteError(align, np.hypot(error[:, 0], error[:, 1]), np.asarray(wrap_angle(error[:, 2])))
 
 
+@checked_class
 @dataclass(frozen=True, eq=False)
-class Evaluation:
+class Evaluation(Tabular):
     """All measures of one estimated path.
 
     Attributes
@@ -148,6 +156,8 @@ class Evaluation:
         With the first pose given, and after the best rigid alignment.
     relative : RelativeError
     growth : ErrorGrowth
+    along : ndarray, shape (n,)
+        Way along the true path up to each pose [m].
     """
 
     distance: float
@@ -155,12 +165,21 @@ class Evaluation:
     aligned: AbsoluteError
     relative: RelativeError
     growth: ErrorGrowth = field(repr=False)
+    along: Floats = field(repr=False)
+
+    def _columns(self) -> Columns:
+        """Way along the true path, and the errors of every pose after each of the alignments."""
+        columns: Columns = {"distance": ("m", self.along)}
+        for error in (self.first, self.aligned):
+            columns[f"position_error_{error.align}"] = ("m", error.position)
+            columns[f"yaw_error_{error.align}"] = ("rad", error.heading)
+        return columns
 
     _repr_mimebundle_ = mimebundle
 
     def __repr__(self) -> str:
         turned = math.degrees(self.first.final_heading)
-        per = math.degrees(self.relative.heading_rmse)
+        per = math.degrees(self.relative.yaw_rmse)
         return (
             f"Evaluation({self.distance:.2f} m: ATE {self.first.rmse:.4f} m, "
             f"aligned {self.aligned.rmse:.4f} m, end {self.first.final:.4f} m {turned:+.2f} deg, "
@@ -177,7 +196,7 @@ class Evaluation:
             "final_deg": math.degrees(self.first.final_heading),
             "relative_length_m": self.relative.length,
             "relative_percent": self.relative.percent,
-            "relative_deg": math.degrees(self.relative.heading_rmse),
+            "relative_deg": math.degrees(self.relative.yaw_rmse),
         }
 
 
@@ -242,10 +261,12 @@ def evaluate(
     """
     estimate, truth = at_same_times(estimate, truth)
     wanted = as_poses("truth", truth)
+    along = path_distance(wanted)
     return Evaluation(
-        float(path_distance(wanted)[-1]),
+        float(along[-1]),
         absolute_error(estimate, wanted, "first"),
         absolute_error(estimate, wanted, "se2"),
         relative_error(estimate, wanted, length, stride=stride),
         error_growth(estimate, wanted, stride=stride),
+        along,
     )

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.poses import Floats, as_poses, between
 
 __all__ = [
@@ -32,12 +33,14 @@ def rms(values: Floats) -> float:
     return math.sqrt(float(np.mean(np.square(values)))) if values.size else math.nan
 
 
+@checked()
 def path_distance(poses: ArrayLike) -> Floats:
     """Distance driven up to each pose, as the sum of the chords [m], shape (n,)."""
     steps = np.diff(as_poses("poses", poses)[:, :2], axis=0)
     return np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
 
 
+@checked()
 def segments(poses: ArrayLike, length: float, *, stride: int | None = STRIDE) -> Rows:
     """First and last row of the stretches of a path that are `length` long.
 
@@ -101,17 +104,18 @@ class RelativeError:
         return 100.0 * self.rmse / self.length
 
     @property
-    def heading_rmse(self) -> float:
+    def yaw_rmse(self) -> float:
         """Root mean square of the heading error [rad]."""
         return rms(self.heading)
 
     def __repr__(self) -> str:
         return (
             f"RelativeError({len(self.rows)} x {self.length:g} m: rmse {self.percent:.2f} %, "
-            f"{math.degrees(self.heading_rmse):.2f} deg)"
+            f"{math.degrees(self.yaw_rmse):.2f} deg)"
         )
 
 
+@checked()
 def relative_error(
     estimate: ArrayLike,
     truth: ArrayLike,
@@ -166,6 +170,7 @@ class ErrorGrowth:
         return f"ErrorGrowth({said})"
 
 
+@checked()
 def error_growth(
     estimate: ArrayLike,
     truth: ArrayLike,
@@ -192,6 +197,6 @@ def error_growth(
     return ErrorGrowth(
         np.array([error.length for error in errors]),
         np.array([error.rmse for error in errors]),
-        np.array([error.heading_rmse for error in errors]),
+        np.array([error.yaw_rmse for error in errors]),
         np.array([len(error.rows) for error in errors], dtype=np.int64),
     )

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats, between
 from six_wheel.logs.recordings import Reference, as_truth
@@ -33,6 +34,7 @@ class Stretch:
         return f"{self.start:.2f} s to {self.end:.2f} s"
 
 
+@checked()
 def slip_against(
     track: Track, truth: Reference | None = None, yaw_rate: ArrayLike | None = None
 ) -> tuple[Stretch, ...]:

@@ -15,7 +15,7 @@ from six_wheel.logs.headers.time_columns import scale_of
 __all__ = ["Meaning", "Sensors", "meaning_of", "names"]
 
 STAMPS = ("stamp", "stamps", "time", "timestamp", "t")
-ENDINGS = {"angles": ("", ".position"), "speeds": ("", ".velocity"), "increments": ("",)}
+ENDINGS = {"angles": ("", ".position"), "ticks": ("", ".position"), "speeds": ("", ".velocity")}
 
 Sensors: TypeAlias = Mapping[str, Any]
 
@@ -75,12 +75,10 @@ def meaning_of(
         by_name = joint_columns(names, rover, default, units, stamp_unit)
     except ValueError as error:
         raise ValueError(f"{plain}; {error}" if plain else str(error)) from None
-    return _of_columns(rover, headers, by_name, sensors, readings)
+    return _of_columns(rover, headers, by_name, sensors)
 
 
-def _of_columns(
-    rover: Rover, headers: Sequence[str], by_name: JointColumns, sensors: Sensors, readings: str
-) -> Meaning:
+def _of_columns(rover: Rover, headers: Sequence[str], by_name: JointColumns, sensors: Sensors) -> Meaning:
     """The meaning of a table whose headers say what is in them."""
     steering, _ = joints_by_wheel(rover)
     known = by_name.columns
@@ -111,7 +109,7 @@ def _of_columns(
     return Meaning(
         found,
         scales,
-        readings if readings == "increments" else kind,
+        kind,
         frozenset(backwards),
         known["time"].stated,
         all(column.stated for column in wheels_of) and any("[" in column.header for column in wheels_of),

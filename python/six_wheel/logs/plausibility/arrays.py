@@ -36,7 +36,7 @@ def array_checks(
     steered = [_of(joints, place, name) for place, name in enumerate(rover.steered_wheel_names)]
     described = Readings(
         rover,
-        kind=str(options.get("readings", "angles")),
+        kind="increments" if options.get("increments") else _kind(options),
         wheels=[Column(known.get(name, f"wheel_angles of {name}"), name) for name in rover.wheel_names],
         steering=[
             Column(known.get(f"{name} steering", f"steering of {name}"), name)
@@ -50,7 +50,7 @@ def array_checks(
         wraps=any(one.wraps_at is not None for one in each),
         steering_wraps=any(one.wraps_at is not None for one in steered),
         turn=each[0].ticks_per_turn if each else None,
-        increments_stated="readings" in options,
+        increments_stated=bool({"readings", "increments"} & options.keys()),
         scale=np.array([one.angle_per_tick for one in each]),
         max_speed=options.get("max_speed"),
         max_gap=options.get("max_gap"),
@@ -72,6 +72,11 @@ def check_arrays(checks: ReadingChecks, steering: Any, wheels: Any, stamps: Any)
     fits = angles is not None and angles.shape == (len(times), steered) and steered
     checks.take(times, raw, None, angles if fits else None)
     checks.finish()
+
+
+def _kind(options: Mapping[str, Any]) -> str:
+    """Totals, whatever their unit, or speeds."""
+    return "speeds" if options.get("readings") == "speeds" else "angles"
 
 
 def _of(given: Any, place: int, name: str) -> Encoder:

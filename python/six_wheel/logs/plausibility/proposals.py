@@ -74,7 +74,7 @@ def encoders(
     if increments:
         keys.append("increments: true")
         options.append("--increments")
-        python.append('readings="increments"')
+        python.append("increments=True")
     key = f"{name}: {{{', '.join(keys)}}}"
     return Proposal(key, "" if steering else " ".join(options), ", ".join(python))
 

@@ -138,7 +138,7 @@ def _draw_space(axes: Any, run: GroundSimulation, suspension: RockerBogie, groun
 def _draw_rover(axes: Any, suspension: RockerBogie, stand: SettledPose, row: int) -> None:
     """Links and wheels at one pose."""
     transform, joints = stand.transform[row], stand.joints[row]
-    frames = suspension.frames(joints[0], joints[1:], stand.steering[row])
+    frames = suspension.frames(joints, stand.steering[row])
     world = {name: transform @ frame for name, frame in frames.items()}
     radius = suspension.dimensions["wheel_radius"]
     t = np.linspace(0, 2 * np.pi, RIM)

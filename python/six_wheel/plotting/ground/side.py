@@ -66,7 +66,7 @@ def _along(stand: SettledPose, points: Floats) -> Floats:
 
 def _draw_side(axes: Axes, rover: RockerBogie, stand: SettledPose, side: int, fade: float) -> None:
     radius, alpha = rover.dimensions["wheel_radius"], 1.0 - fade
-    frames = rover.frames(stand.joints[0], stand.joints[1:])
+    frames = rover.frames(stand.joints)
     world = [stand.transform @ frames[name] for name in (f"S{side + 1}", f"B{side + 1}", f"S{side + 5}")]
     bogie = world[1][:3, 3]
     behind = "rocker_to_front" in rover.dimensions

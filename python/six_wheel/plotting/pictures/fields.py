@@ -165,7 +165,7 @@ def planner_figure(planner: Any, *, title: str | None) -> Figure:
 def rollouts_figure(found: Any, *, title: str | None) -> Figure:
     """A `RolloutCost`: its paths, by the largest speed of a wheel."""
     poses = np.asarray(found.poses).reshape(-1, *np.shape(found.poses)[-2:])
-    speeds = np.asarray(found.wheel_speed).ravel()
+    speeds = np.asarray(found.max_wheel_speed).ravel()
     figure = new_figure(7.2, 5.0)
     axes = figure.add_subplot()
     _draw_rollouts(axes, figure, poses, speeds, "largest wheel speed [rad/s]")

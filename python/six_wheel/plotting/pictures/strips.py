@@ -154,7 +154,9 @@ def slip_strips(report: Any, *, title: str | None) -> Figure:
         place = names.index(window.wheel)
         windows.barh(place, window.end - window.start, left=window.start, color=FORBIDDEN, height=0.5)
     if not report.windows:
-        words = "no wheel contradicts another" if report.told else "the wheels cannot contradict each other"
+        words = (
+            "no wheel contradicts another" if report.observable else "the wheels cannot contradict each other"
+        )
         windows.text(0.5, 0.5, words, transform=windows.transAxes, color=SOFT, ha="center", fontsize=LABEL)
         windows.set_xticks([])
     tidy(bars, "residual [mm/s]", "")

@@ -138,7 +138,7 @@ def _mended(parameters: Parameters, rover: Rover, beside: Values) -> str | None:
                 values[name] = wanted
         text = _edit(file, values)
         try:
-            node, kind = parameters.node, parameters.asked
+            node, kind = parameters.node, parameters.kind_given
             found = None if text is None else parse_parameters(text, node=node, kind=kind)
             if found is not None and _same(found.rover, rover) and _holds(found, beside):
                 return text
@@ -160,7 +160,7 @@ def _take_apart(parameters: Parameters) -> _File | None:
     text = parameters.path.read_text(encoding="utf-8-sig")
     tree = ros_yaml.parse(text, _unheard)
     found = section_of(tree, parameters.node, _unheard)
-    form = None if found is None else form_of(found, _unheard, _unheard, parameters.asked)
+    form = None if found is None else form_of(found, _unheard, _unheard, parameters.kind_given)
     if found is None or form is None:
         return None
     return _File(text, tree, found, form, check_values(found, form, _unheard))

@@ -31,6 +31,7 @@ from typing import Any, NoReturn
 
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
 from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 from six_wheel.robot_description.parameters import ros_yaml
@@ -89,7 +90,7 @@ class Parameters:
         The kind of vehicle, ``preset`` for a known rover.
     controller : str or None
         The controller or robot whose parameter names the file has, such as ``diff_drive_controller``.
-    asked : str or None
+    kind_given : str or None
         What the reader was told that the file is.
     """
 
@@ -114,7 +115,7 @@ class Parameters:
     warnings: tuple[Finding, ...] = ()
     kind: str = "six_wheel"
     controller: str | None = None
-    asked: str | None = None
+    kind_given: str | None = None
 
     @property
     def dimensions(self) -> Any:
@@ -162,6 +163,7 @@ def load(path: str | os.PathLike[str], *, node: str | None = None, kind: str | N
     return read_parameters(path, node=node, kind=kind).rover
 
 
+@checked()
 def read_parameters(
     path: str | os.PathLike[str], *, node: str | None = None, kind: str | None = None
 ) -> Parameters:
@@ -174,6 +176,7 @@ def read_parameters(
     return _read(path, _text(path, log), node, kind, log)
 
 
+@checked()
 def parse_parameters(
     text: str, *, node: str | None = None, kind: str | None = None, path: Path = Path("rover")
 ) -> Parameters:
@@ -215,7 +218,7 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: FileFi
     of_kind = form.kind if form.kind_of is None else form.kind_of(values)
     parameters = Parameters(
         path, found.node, rover, **named, warnings=log.in_order(), kind=of_kind, controller=controller,
-        asked=kind,
+        kind_given=kind,
     )  # fmt: skip
     _check_controller(found, parameters, log)
     return parameters

@@ -124,7 +124,7 @@ def check_bogies(section: Section, values: Values, error: Report, warning: Repor
 def on_flat_ground(**arguments: Any) -> Rover:
     """A rocker-bogie rover: its wheels where its suspension puts them with all joints at zero."""
     arm = RockerBogie(**arguments)
-    return Rover(arm.planar(0.0, (0.0, 0.0)).wheels, suspension=arm)
+    return Rover(arm.planar().wheels, suspension=arm)
 
 
 def with_axles_locked(**arguments: Any) -> Rover:

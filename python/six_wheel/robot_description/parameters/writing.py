@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from six_wheel._core import Limits, Rover, Wheel
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.rover_edit import joints_as_given, limits_given
 from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.joint_names import wheel_said_by
@@ -17,6 +18,7 @@ __all__ = ["dump", "text_of"]
 _SIX = Rover.six_wheel(front_to_middle=1.0, middle_to_rear=1.0, track_width=2.0, wheel_radius=1.0)
 
 
+@checked()
 def dump(
     rover: Rover,
     *,

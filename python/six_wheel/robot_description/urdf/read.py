@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from six_wheel._core import Limits, RockerBogie, Rover, Wheel, unit_questions, without_questions
+from six_wheel.kinematics.keywords import checked
 from six_wheel.robot_description.diagnostics import Finding
 from six_wheel.robot_description.urdf.elements import Notes
 from six_wheel.robot_description.urdf.macros import expanded, has_macros
@@ -56,6 +57,7 @@ class Robot:
     tree: Tree | None = field(default=None, repr=False)
 
 
+@checked()
 def read_urdf(
     path: str | os.PathLike[str],
     *,

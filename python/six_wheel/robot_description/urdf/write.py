@@ -36,7 +36,7 @@ def rover_urdf(rover: Rover, name: str = "rover") -> str:
 
 def suspension_urdf(arm: RockerBogie, name: str = "rover") -> str:
     """See `RockerBogie.urdf`."""
-    text = _text(_Description(name).suspended(arm.planar(0.0, (0.0, 0.0)), arm))
+    text = _text(_Description(name).suspended(arm.planar(), arm))
     if (found := _read_back(text).suspension) != arm:
         raise ValueError(f"a URDF must hold the suspension, got {arm!r}, which comes back as {found!r}")
     return text

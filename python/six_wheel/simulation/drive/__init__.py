@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.simulation.drive.closed_loop import ControlledDrive, Loop
+    from six_wheel.simulation.drive.closed_loop import ControlledDrive, DriveLoop
     from six_wheel.simulation.drive.feedforward import Drive
     from six_wheel.simulation.drive.run_commands import Engine, Peak, Summary
     from six_wheel.simulation.drive.run_file import drive
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 __all__ = [
     "ControlledDrive",
     "Drive",
+    "DriveLoop",
     "Engine",
-    "Loop",
     "Peak",
     "Summary",
     "drive",
@@ -29,7 +29,7 @@ __getattr__, __dir__ = attach(
     __name__,
     {
         "performance": (),
-        "closed_loop": ("ControlledDrive", "Loop"),
+        "closed_loop": ("ControlledDrive", "DriveLoop"),
         "min_max_thinning": (),
         "feedforward": ("Drive",),
         "run_commands": ("Engine", "Peak", "Summary"),

@@ -16,7 +16,7 @@ from six_wheel.logs.tables import Chunk, RowError
 from six_wheel.simulation.drive.min_max_thinning import Course
 from six_wheel.simulation.drive.run_commands import Engine, Floats
 
-RATE = 50.0  # [Hz] usual for rovers: what `Loop` steps at unless told otherwise
+RATE = 50.0  # [Hz] usual for rovers: what `DriveLoop` steps at unless told otherwise
 SNAP = 1e-6  # [s] a stamp this near to a step is that of the step: tables write times in microseconds
 MOST_STEPS = 10_000_000  # between two commands: two days at 50 Hz; more is a wrong stamp
 BLOCK_ROWS = 1 << 16  # at a time: more is no faster
@@ -25,7 +25,7 @@ REASONS_METADATA = {"reasons": {"bits": " ".join(f"{each.name}={each.value}" for
 
 
 @dataclass(frozen=True)
-class Loop:
+class DriveLoop:
     """A controller and how often it steps.
 
     Attributes
@@ -88,7 +88,7 @@ class ControlledDrive(Engine):
         Any layout of wheels.
     time_unit : Unit
         Unit of the times to come.
-    loop : Loop
+    loop : DriveLoop
         The controller and its rate.
     keep : str, optional
         What `Rover.project` keeps of a twist that the rover cannot make, before the controller is given it.
@@ -110,7 +110,7 @@ class ControlledDrive(Engine):
         self,
         rover: Rover,
         time_unit: Unit,
-        loop: Loop,
+        loop: DriveLoop,
         keep: str | None = None,
         *,
         block_rows: int = 200_000,

@@ -7,16 +7,19 @@ would say.
 """
 
 import contextlib
+import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.tables import FORMATS, CommandTable, RowError, table_format
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.robot_description.parameters.writing import text_of
-from six_wheel.simulation.drive.closed_loop import REASONS_METADATA, ControlledDrive, Loop
+from six_wheel.simulation.drive.closed_loop import REASONS_METADATA, ControlledDrive, DriveLoop
 from six_wheel.simulation.drive.feedforward import Drive
 from six_wheel.simulation.drive.recording import DriveRecord
 from six_wheel.simulation.drive.run_commands import Engine, Summary
@@ -26,12 +29,13 @@ __all__ = ["drive"]
 BAG = ".mcap"
 
 
+@checked()
 def drive(
     rover: Rover,
-    commands: Path,
-    output: Path | None = None,
+    commands: str | os.PathLike[str],
+    output: str | os.PathLike[str] | None = None,
     *,
-    loop: Loop | None = None,
+    loop: DriveLoop | None = None,
     finish: Callable[[Drive | ControlledDrive], None] | None = None,
     keep: str | None = None,
     chunk_rows: int = 200_000,
@@ -44,18 +48,18 @@ def drive(
     ----------
     rover : Rover
         Any layout of wheels.
-    commands : Path
+    commands : path
         A command table, see `logs`.
-    output : Path, optional
+    output : path, optional
         Joint commands, poses, twists and residuals, .csv or .parquet; .mcap: a record with the topics of
         `logs.mcap.rover_record`, for viewers.
-    loop : Loop, optional
+    loop : DriveLoop, optional
         The controller to drive through, and how often it steps; without it, directly.
     finish : callable, optional
         Called with the drive at its end, before the output is replaced: what it raises leaves all as it was.
     keep : str, optional
         What to keep of a twist that the rover cannot make: curvature, speed, yaw_rate or nearest.
-    chunk_rows : int
+    chunk_rows : int, default 200,000
         Most rows in memory at a time.
     sources : sequence of Path
         Files that must not be overwritten, beside `commands`.
@@ -67,6 +71,8 @@ def drive(
     TableError
         If the table, a row of it or an output file cannot be used.
     """
+    commands = as_path("commands", commands)
+    output = None if output is None else as_path("output", output)
     if chunk_rows < 1:
         raise ValueError(f"chunk_rows must be positive, got {chunk_rows}")
     begin = time.perf_counter()
@@ -104,7 +110,7 @@ def _write(writer: "TableWriter | DriveRecord | None", blocks: Iterator[list[Any
             writer.write(columns)
 
 
-def _writer(path: Path, engine: Engine, loop: Loop | None) -> "TableWriter | DriveRecord":
+def _writer(path: Path, engine: Engine, loop: DriveLoop | None) -> "TableWriter | DriveRecord":
     if path.suffix.lower() == BAG:
         others = {} if loop is None else {"limits": loop.limits, "control": loop.control}
         return DriveRecord(path, engine, text_of(engine.rover, **others))

@@ -88,7 +88,7 @@ def _of_track3(track: Track3) -> Record:
     slips = None if track.slips is None else np.linalg.norm(track.slips, axis=-1)
     covariances = None if track.covariances is None else track.covariances[:, :2, :2]
     return Record(
-        suspension.planar(0.0, (0.0, 0.0)), "track", _since(track.stamps), track.poses[:, [0, 1, 5]],
+        suspension.planar(), "track", _since(track.stamps), track.poses[:, [0, 1, 5]],
         slips=slips, twists=track.twists[:, [0, 1, 5]], covariances=covariances, suspension=suspension,
     )  # fmt: skip
 
@@ -102,7 +102,7 @@ def _of_log(log: WheelLog, owner: Rover | None) -> Record:
             np.abs(made.slip.ratio) * np.abs(made.wheel_speeds) * float(suspension.dimensions["wheel_radius"])
         )
         return Record(
-            suspension.planar(0.0, (0.0, 0.0)), log.name or "simulation", _since(log.stamps), stand.poses,
+            suspension.planar(), log.name or "simulation", _since(log.stamps), stand.poses,
             stand.steering, made.wheel_speeds, np.nan_to_num(slips), made.twists[:, [0, 1, 5]],
             suspension=suspension, ground=stand.ground,
         )  # fmt: skip

@@ -69,7 +69,7 @@ def _frames_at_zero(subject: Subject, motion: Motion) -> dict[str, Floats]:
     frames: dict[str, Floats] = {"body": np.eye(4)}
     straight = motion.straight
     if subject.suspension is not None:
-        found = subject.suspension.frames(0.0, (0.0, 0.0))
+        found = subject.suspension.frames((0.0, 0.0, 0.0))
         frames |= found
         straight = np.stack([found[f"A{k + 1}"] for k in range(len(straight))])
     for k, frame in enumerate(straight):

@@ -2,6 +2,7 @@
 
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS};
+use six_wheel_kinematics::wheels::Wheel;
 use six_wheel_numerics::error::{Error, finite, numbers};
 
 use super::Controller;
@@ -20,22 +21,26 @@ impl Controller {
     /// Fails unless there is an angle for every joint, near its range at least.
     pub(super) fn check_angles(&self, argument: &'static str, angles: &[f64]) -> Result<(), Error> {
         self.check_numbers(argument, angles)?;
-        for (&joint, &i) in self.joints.iter().zip(self.rover.steered()) {
-            let wheel = &self.rover.wheels()[i];
-            let range = wheel.steering().unwrap_or_default();
-            if (angles[joint] - range.clip(angles[joint])).abs() > MEASURED_SLACK {
-                let rule = format!(
-                    "be inside the steering range, {range}, of wheel {:?} (to {MEASURED_SLACK} rad)",
-                    wheel.name
-                );
-                return Err(Error::value(argument, rule, numbers(angles)));
-            }
+        let mut joints = self.joints.iter().zip(self.rover.steered());
+        joints.try_for_each(|(&joint, &i)| check_angle(argument, &self.rover.wheels()[i], angles, joint))
+    }
+
+    /// Fails unless there is an angle for every joint, near the rover's own range at least.
+    pub(super) fn check_measured(&self, measured: &[f64]) -> Result<(), Error> {
+        self.check_numbers("measured", measured)?;
+        let mut joints = self.given.steered().iter().enumerate();
+        joints.try_for_each(|(joint, &i)| check_angle("measured", &self.given.wheels()[i], measured, joint))
+    }
+
+    /// The joints start at the measured angles, or at the end of the rover's own range that is nearer.
+    pub(super) fn start_at(&mut self, measured: &[f64]) {
+        for ((angle, &measured), &i) in self.steering.iter_mut().zip(measured).zip(self.given.steered()) {
+            *angle = self.given.wheels()[i].steering().unwrap_or_default().clip(measured);
         }
-        Ok(())
     }
 
     /// Fails unless there is a finite angle for every joint.
-    pub(super) fn check_numbers(&self, argument: &'static str, angles: &[f64]) -> Result<(), Error> {
+    fn check_numbers(&self, argument: &'static str, angles: &[f64]) -> Result<(), Error> {
         if angles.len() != self.steering.len() {
             let rule = format!("have {} angles, one per steered wheel", self.steering.len());
             return Err(Error::value(argument, rule, angles.len().to_string()));
@@ -84,4 +89,14 @@ impl Controller {
             }
         }
     }
+}
+
+/// Fails unless the angle of this joint is near the range of its wheel at least.
+fn check_angle(argument: &'static str, wheel: &Wheel, angles: &[f64], joint: usize) -> Result<(), Error> {
+    let range = wheel.steering().unwrap_or_default();
+    if (angles[joint] - range.clip(angles[joint])).abs() <= MEASURED_SLACK {
+        return Ok(());
+    }
+    let rule = format!("be inside the steering range, {range}, of wheel {:?} (to {MEASURED_SLACK} rad)", wheel.name);
+    Err(Error::value(argument, rule, numbers(angles)))
 }

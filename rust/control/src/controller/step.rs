@@ -13,17 +13,18 @@ use six_wheel_numerics::error::Error;
 impl Controller {
     /// Moves on to the time `now` [s], the steering angles being `measured` [rad].
     ///
-    /// Fails, without effect, if the time is not later than that of the last step, or an angle is not finite. Measured
-    /// angles may lie beyond a limit: the joints come back inside at their rates. A step longer than the longest allowed counts as that.
+    /// Fails, without effect, if the time is not later than that of the last step, or an angle is not finite or far outside
+    /// the rover's own range: a little is play, and the joints start at the end of the range. Measured angles may lie beyond a
+    /// limit: the joints come back inside at their rates. A step longer than the longest allowed counts as that.
     pub fn step(&mut self, now: f64, measured: Option<&[f64]>) -> Result<(), Error> {
         self.check_time(now)?;
         if let Some(measured) = measured {
-            self.check_numbers("measured", measured)?;
+            self.check_measured(measured)?;
         }
         let mut reasons = self.ignored;
         self.ignored &= !reason::OUT_OF_ORDER;
         if let (None, false, Some(measured)) = (self.clock, self.placed, measured) {
-            self.steering.copy_from_slice(measured);
+            self.start_at(measured);
         }
         let (dt, paused) = self.take_time(now);
         reasons |= paused;

@@ -44,8 +44,8 @@ impl Controller {
                 found = found.filter(|&other| larger(other)).or(Some(k));
             }
             if following.holds[k].map_or(late, |_| !rests) {
-                // At the same whole turn as it was commanded.
-                following.holds[k] = Some(self.steering[k] + error);
+                // At the same whole turn as it was commanded, inside its range.
+                following.holds[k] = Some(wheel.steering().unwrap_or_default().clip(self.steering[k] + error));
             }
         }
         if let Some(joint) = found {

@@ -1,7 +1,5 @@
 //! Goals: the steady motions that commands become by mode, projection and limits of speed.
 
-use std::str::FromStr;
-
 use nalgebra::{Matrix3, Vector3};
 
 use super::arc::Arc;
@@ -11,7 +9,6 @@ use super::reason;
 use six_wheel_kinematics::admissible::Keep;
 use six_wheel_kinematics::geometry::{Pose, Twist};
 use six_wheel_kinematics::rover::Rover;
-use six_wheel_numerics::error::Error;
 
 /// Rounds after which a command of finite steps has settled under the limits.
 const ROUNDS: usize = 32;
@@ -31,16 +28,6 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// Name of the mode.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Free => "free",
-            Self::Crab => "crab",
-            Self::FrontOnly => "front_only",
-            Self::Spin => "spin",
-        }
-    }
-
     /// The part of a twist that it leaves.
     fn of(self, twist: Twist) -> Twist {
         match self {
@@ -51,16 +38,7 @@ impl Mode {
     }
 }
 
-impl FromStr for Mode {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        let modes = [Self::Free, Self::Crab, Self::FrontOnly, Self::Spin];
-        let rule = "be 'free', 'crab', 'front_only' or 'spin'";
-        let found = modes.into_iter().find(|mode| mode.name() == name);
-        found.ok_or_else(|| Error::value("mode", rule, format!("{name:?}")))
-    }
-}
+named_values! { Mode as "mode": "free" => Free, "crab" => Crab, "front_only" => FrontOnly, "spin" => Spin }
 
 /// A motion to reach: a speed along a direction.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,5 @@
 //! States and limits of one axis, and the way in which several go together.
 
-use std::str::FromStr;
-
 use six_wheel_numerics::error::{Error, number, numbers};
 
 /// Value of an axis and its first two derivatives with respect to time.
@@ -29,11 +27,11 @@ pub struct Bounds {
     /// Largest velocity, positive.
     pub velocity: f64,
     /// Smallest velocity, negative.
-    pub minimum_velocity: f64,
+    pub min_velocity: f64,
     /// Largest acceleration, positive.
     pub acceleration: f64,
     /// Smallest acceleration, negative.
-    pub minimum_acceleration: f64,
+    pub min_acceleration: f64,
     /// Largest magnitude of the jerk, positive.
     pub jerk: f64,
 }
@@ -41,15 +39,15 @@ pub struct Bounds {
 impl Bounds {
     /// The same limits in both directions.
     pub fn symmetric(velocity: f64, acceleration: f64, jerk: f64) -> Self {
-        Self { velocity, minimum_velocity: -velocity, acceleration, minimum_acceleration: -acceleration, jerk }
+        Self { velocity, min_velocity: -velocity, acceleration, min_acceleration: -acceleration, jerk }
     }
 
     pub(super) fn check(&self, end: &Moving) -> Result<(), Error> {
         let limits = [
             ("velocity", self.velocity, 1.0),
-            ("minimum_velocity", self.minimum_velocity, -1.0),
+            ("min_velocity", self.min_velocity, -1.0),
             ("acceleration", self.acceleration, 1.0),
-            ("minimum_acceleration", self.minimum_acceleration, -1.0),
+            ("min_acceleration", self.min_acceleration, -1.0),
             ("jerk", self.jerk, 1.0),
         ];
         for (argument, limit, sign) in limits {
@@ -69,12 +67,12 @@ impl Bounds {
             let rule = format!("lie within {}", numbers(&[lower, upper]));
             Err(Error::value(argument, rule, number(value)))
         };
-        let (slowest, fastest) = (self.minimum_velocity, self.velocity);
+        let (slowest, fastest) = (self.min_velocity, self.velocity);
         within("end_velocity", end.velocity, slowest, fastest)?;
         if self.jerk == f64::INFINITY {
             return Ok(());
         }
-        let (weakest, strongest) = (self.minimum_acceleration, self.acceleration);
+        let (weakest, strongest) = (self.min_acceleration, self.acceleration);
         within("end_acceleration", end.acceleration, weakest, strongest)?;
         // The velocity before the end is at best that from which the jerk builds up the acceleration.
         let before = end.velocity - end.acceleration * end.acceleration.abs() / (2.0 * self.jerk);
@@ -102,18 +100,4 @@ pub enum Synchronise {
     None,
 }
 
-impl FromStr for Synchronise {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        match name {
-            "time" => Ok(Self::Time),
-            "phase" => Ok(Self::Phase),
-            "none" => Ok(Self::None),
-            _ => {
-                let rule = "be 'time', 'phase' or 'none'";
-                Err(Error::value("synchronise", rule, format!("{name:?}")))
-            }
-        }
-    }
-}
+named_values! { Synchronise as "synchronise": "time" => Time, "phase" => Phase, "none" => None }

@@ -81,9 +81,9 @@ fn ask_in(
     input.target_velocity = scaled(1, &|i| end[i].velocity);
     input.target_acceleration = scaled(2, &|i| end[i].acceleration);
     input.max_velocity = scaled(1, &|i| bounds[i].velocity);
-    input.min_velocity = Some(scaled(1, &|i| bounds[i].minimum_velocity));
+    input.min_velocity = Some(scaled(1, &|i| bounds[i].min_velocity));
     input.max_acceleration = scaled(2, &|i| bounds[i].acceleration);
-    input.min_acceleration = Some(scaled(2, &|i| bounds[i].minimum_acceleration));
+    input.min_acceleration = Some(scaled(2, &|i| bounds[i].min_acceleration));
     input.max_jerk = scaled(3, &|i| bounds[i].jerk);
     input.minimum_duration = duration.map(|duration| duration / units.time);
     input.synchronization = match synchronise {
@@ -118,8 +118,8 @@ impl Units {
     fn of(start: &[Moving], end: &[Moving], bounds: &[Bounds], duration: Option<f64>) -> Self {
         let mut time = duration.unwrap_or(0.0);
         for ((start, end), bounds) in start.iter().zip(end).zip(bounds) {
-            let velocity = bounds.velocity.min(-bounds.minimum_velocity);
-            let acceleration = bounds.acceleration.min(-bounds.minimum_acceleration);
+            let velocity = bounds.velocity.min(-bounds.min_velocity);
+            let acceleration = bounds.acceleration.min(-bounds.min_acceleration);
             let jerk = bounds.jerk;
             let distance = (end.value - start.value).abs();
             let strong = start.acceleration.abs().max(end.acceleration.abs());
@@ -218,8 +218,8 @@ fn is_sound(axis: &Axis, units: &Units, i: usize, start: &Moving, end: &Moving, 
         value = constant_jerk_state(piece.state, next - piece.start)[0];
     }
     let [velocity, acceleration, jerk] = axis.peaks();
-    let fastest = bounds.velocity.max(-bounds.minimum_velocity);
-    let strongest = bounds.acceleration.max(-bounds.minimum_acceleration);
+    let fastest = bounds.velocity.max(-bounds.min_velocity);
+    let strongest = bounds.acceleration.max(-bounds.min_acceleration);
     let within = |peak: f64, limit: f64, order| peak <= limit * (1.0 + TOLERANCE) + TOLERANCE / units.factor(i, order);
     // Braking into the limits starts beyond them.
     let start_velocity = start.velocity.abs() + start.acceleration.powi(2) / bounds.jerk;

@@ -1,7 +1,5 @@
 //! Profiles of a given shape in a given time.
 
-use std::str::FromStr;
-
 use super::{Axis, Derivatives, Piece, Profile};
 use six_wheel_numerics::error::{Error, finite, number, positive};
 
@@ -17,21 +15,7 @@ pub enum Shape {
     SCurve,
 }
 
-impl FromStr for Shape {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        match name {
-            "linear" => Ok(Self::Linear),
-            "trapezoid" => Ok(Self::Trapezoid),
-            "s_curve" => Ok(Self::SCurve),
-            _ => {
-                let rule = "be 'linear', 'trapezoid' or 's_curve'";
-                Err(Error::value("shape", rule, format!("{name:?}")))
-            }
-        }
-    }
-}
+named_values! { Shape as "shape": "linear" => Linear, "trapezoid" => Trapezoid, "s_curve" => SCurve }
 
 impl Shape {
     /// A profile of this shape.

@@ -105,19 +105,6 @@ impl Span {
     }
 }
 
-/// Truth values of a mask, lane by lane.
-#[inline(always)]
-pub(crate) fn truths<S: Simd>(simd: S, mask: Mask<S>) -> [bool; MOST] {
-    Column::of(mask.select(all(simd, 1.0), all(simd, 0.0))).0.map(|truth| truth > 0.0)
-}
-
-/// The same mask in every lane.
-#[inline(always)]
-pub(crate) fn mask<S: Simd>(simd: S, truth: bool) -> Mask<S> {
-    let zero = all(simd, 0.0);
-    if truth { zero.le(zero) } else { zero.lt(zero) }
-}
-
 /// Lanes in which a number is not NaN.
 #[inline(always)]
 pub(crate) fn is_number<S: Simd>(number: Lanes<S>) -> Mask<S> {

@@ -78,7 +78,7 @@ impl<S: Vector> PoseLanes<S> {
             steers: false,
             at: [(zero, one); MAX_WHEELS],
             normals: [[zero; 3]; MAX_WHEELS],
-            touching: Touching { wheels: [zero; MAX_WHEELS], all: true, nowhere: zero.le(zero) },
+            touching: Touching { wheels: [zero; MAX_WHEELS], all: true, nowhere: Mask::splat(simd, true) },
             stopped: [zero; MAX_FREE],
             any_stopped: false,
         }
@@ -112,13 +112,13 @@ impl<S: Vector> PoseLanes<S> {
     /// Reads gaps, contact angles and normals. Returns the lanes in which a wheel hangs.
     fn read_contacts(&mut self, simd: S, chain: &Chain, source: &PoseSource<'_>, axes: [Vectors<S>; 3]) -> Mask<S> {
         let (zero, one, hanging) = (all(simd, 0.0), all(simd, 1.0), all(simd, HANGING));
-        let mut hangs = zero.lt(zero);
-        (self.touching.all, self.touching.nowhere) = (true, zero.le(zero));
+        let mut hangs = Mask::splat(simd, false);
+        (self.touching.all, self.touching.nowhere) = (true, Mask::splat(simd, true));
         for wheel in 0..chain.wheels().len().min(MAX_WHEELS) {
             let (gap, at, upwards) = source.contact(simd, wheel);
             let touches = gap.abs().le(hanging);
             self.touching.wheels[wheel] = touches.select(one, zero);
-            self.touching.all &= !(!touches).any();
+            self.touching.all &= touches.all();
             self.touching.nowhere = self.touching.nowhere & !touches;
             hangs = hangs | hanging.lt(gap);
             self.at[wheel] = at;

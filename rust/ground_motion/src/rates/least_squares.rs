@@ -4,7 +4,6 @@
 //! (G. Golub, C. Van Loan, Matrix Computations, 4th ed., 5.1, 5.3.)
 
 use super::constants::{MotionConstants, PivotOrder, UNKNOWNS};
-use crate::lanes::columns::truths;
 use crate::lanes::pose_lanes::Touching;
 use six_wheel_numerics::least_squares::{DEPENDENT, shortest};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -146,7 +145,7 @@ impl<S: Vector> DenseLeastSquares<S> {
         for j in 0..used {
             let Some((pivot, image)) = self.reflect::<RIGHT>(simd, j, used, left) else {
                 // No equation has the unknown.
-                return ([[zero; RIGHT]; UNKNOWNS], zero.lt(zero));
+                return ([[zero; RIGHT]; UNKNOWNS], Mask::splat(simd, false));
             };
             left &= !(1 << pivot);
             (pivots[j], images[j]) = (pivot, image);
@@ -309,7 +308,7 @@ impl<S: Vector> PlanarTriangle<S> {
 
     /// The shortest motion in least squares, in these lanes; the given one in the others.
     pub fn solve(&self, simd: S, lanes: Mask<S>, motion: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-        let wanted = truths(simd, lanes);
+        let wanted = lanes.booleans();
         let (mut solution, mut cells) = ([Column::ZERO; 3], [[Column::ZERO; 4]; 3]);
         for (column, part) in solution.iter_mut().zip(motion) {
             *column = Column::of(part);

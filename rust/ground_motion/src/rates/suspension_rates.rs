@@ -77,7 +77,7 @@ impl<S: Vector> SuspensionRates<S> {
             spread: [[zero; 3]; UNKNOWNS],
             free: [one; 3],
             offset: [zero; COLUMNS],
-            determined: zero.le(zero),
+            determined: Mask::splat(simd, true),
         };
         if RIGHT != 3 {
             for (value, known) in rates.offset.iter_mut().zip(known) {
@@ -122,10 +122,10 @@ impl<S: Vector> SuspensionRates<S> {
     ) -> Solution<S, RIGHT> {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let (wheels, unknown) = (constants.wheels.min(MAX_WHEELS), &self.unknown[..self.count.min(UNKNOWNS)]);
-        let mut eliminated = zero.lt(zero);
+        let mut eliminated = Mask::splat(simd, false);
         let mut solution = [[zero; RIGHT]; UNKNOWNS];
         if let Some(order) = constants.pivot_order.as_ref().filter(|_| self.count == UNKNOWNS) {
-            let mut square = zero.le(zero);
+            let mut square = Mask::splat(simd, true);
             for touching in &touching.wheels[..wheels] {
                 square = square & one.le(*touching);
             }

@@ -3,7 +3,7 @@
 use super::prepared::Prepared;
 use super::run::{InLanes, MotionScratch, Rows, run_rows, take};
 use crate::contact::COLUMNS;
-use crate::lanes::columns::{Span, direction_of, is_number, mask};
+use crate::lanes::columns::{Span, direction_of, is_number};
 use crate::lanes::pose_lanes::PoseLanes;
 use crate::lanes::settled_poses::SettledPoses;
 use crate::rates::constants::MotionConstants;
@@ -130,7 +130,7 @@ impl InLanes<'_, ForwardRange<'_>> {
     fn steering<S: Vector>(&self, simd: S, given: Span, poses: &PoseLanes<S>) -> SteeringDirections<S> {
         let steered = self.chain.steering().len().min(MAX_WHEELS);
         let (mut angles, mut steers) = (poses.steering, poses.steers);
-        let mut moved = mask(simd, false);
+        let mut moved = Mask::splat(simd, false);
         if let Some(steering) = self.range.readings.steering {
             angles = given.read::<S, MAX_WHEELS>(simd, steering, steered);
             steers = true;

@@ -3,7 +3,7 @@
 use super::prepared::Prepared;
 use super::run::{InLanes, MotionScratch, Rows, run_rows, take};
 use crate::contact::COLUMNS;
-use crate::lanes::columns::{Span, direction_of, is_number, mask};
+use crate::lanes::columns::{Span, direction_of, is_number};
 use crate::lanes::pose_lanes::PoseLanes;
 use crate::lanes::settled_poses::SettledPoses;
 use crate::motion::{Command, View};
@@ -262,7 +262,7 @@ impl InLanes<'_, InverseRange<'_>> {
         angles: &[Option<JointAngle<S>>; MAX_WHEELS],
     ) -> ([Lanes<S>; MAX_WHEELS], Lanes<S>) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        let mut moved = mask(simd, false);
+        let mut moved = Mask::splat(simd, false);
         for (angle, present) in angles.iter().zip(poses.steering) {
             if let Some(angle) = angle {
                 moved = moved | !(angle.angle - present).abs().le(zero);

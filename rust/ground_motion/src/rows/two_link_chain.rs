@@ -1,4 +1,7 @@
 //! Traction of one row, for rockers and bogies: the lanes of a register are the wheels.
+//!
+//! Operations and their order are those of rows in lanes ([`super::traction`] and `Placing` of the chain), so that a row
+//! has the same bits alone and in a batch.
 
 use super::wheel_command::{CentreVelocity, LiftLimits};
 use crate::driving::{Drives, Driving, Turns};
@@ -8,6 +11,7 @@ use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::direction;
+use six_wheel_numerics::simd::vec3::cross;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::lanes::{ChainConstants, Column, LARGEST_TURN, MOST, all};
 use six_wheel_terrain::suspension::{Chain, Differential, MAX_FREE, MAX_WHEELS};
@@ -52,6 +56,10 @@ impl TwoLinkChain {
             joints: [None; MAX_WHEELS],
             range,
         };
+        // The angle beyond a bar has its sine and cosine from elsewhere.
+        if plan.parts.iter().any(|part| part.across.is_some_and(|across| across != Differential::Gear)) {
+            return None;
+        }
         if let Some((joint, across)) = plan.parts.iter().find_map(|part| Some((part.joint, part.across?))) {
             two_link.across = (joint, across);
         }
@@ -70,7 +78,6 @@ impl TwoLinkChain {
             }
             two_link.steers.0[lane] = f64::from(u8::from(wheel.steering.is_some()));
             two_link.inverse_radius.0[lane] = 1.0 / wheel.radius;
-            two_link.left.0[lane] = wheel.pivot[1];
             two_link.origins[2][0].0[lane] = wheel.pivot[0];
             two_link.origins[2][1].0[lane] = wheel.pivot[2] + up;
             for (k, part) in wheel.movers.iter().rev().map(|&part| &plan.parts[part]).enumerate() {
@@ -83,6 +90,7 @@ impl TwoLinkChain {
                 two_link.origins[k][0].0[lane] = part.origin[0];
                 two_link.origins[k][1].0[lane] = part.origin[2];
             }
+            two_link.left.0[lane] += wheel.pivot[1];
         }
         let same = chain.steering().iter().all(|other| *other == range);
         same.then_some(two_link)
@@ -217,29 +225,35 @@ impl OneRow<'_, '_> {
             }
         }
         let (s1, c1) = direction(simd, turns[0]);
-        let (s2, c2) = direction(simd, turns[0] + turns[1]);
-        let [body, knee, wheel] = &chain.origins;
-        let (x, z) = (register(simd, &wheel[0], k), register(simd, &wheel[1], k));
-        let arm = [x.mul_add(c2, z * s2), z.mul_add(c2, -(x * s2))];
-        let (x, z) = (register(simd, &knee[0], k), register(simd, &knee[1], k));
-        let leg = [x.mul_add(c1, z.mul_add(s1, arm[0])), z.mul_add(c1, arm[1] - x * s1)];
-        let (x, z) = (register(simd, &body[0], k) + leg[0], register(simd, &body[1], k) + leg[1]);
+        let (s, c) = direction(simd, turns[1]);
+        let (s2, c2) = (s1.mul_add(c, c1 * s), c1.mul_add(c, -(s1 * s)));
+        let out = |[x, z]: [Lanes<S>; 2], s: Lanes<S>, c: Lanes<S>| [x.mul_add(c, z * s), z.mul_add(c, -(x * s))];
+        let [body, knee, wheel] =
+            chain.origins.each_ref().map(|at| at.each_ref().map(|column| register(simd, column, k)));
+        let to_knee = out(knee, s1, c1);
+        let knee = [body[0] + to_knee[0], body[1] + to_knee[1]];
+        let to_wheel = out(wheel, s2, c2);
+        let (x, z) = (knee[0] + to_wheel[0], knee[1] + to_wheel[1]);
         let y = register(simd, &chain.left, k);
         let [roll, pitch, _] = self.driving.angular_velocity[0];
         let [roll, pitch, yaw] = [all(simd, roll), all(simd, pitch), all(simd, input.yaw_rate)];
-        // As commanded, and how the centres move.
-        let in_plan = [all(simd, input.speed) - yaw * y, yaw.mul_add(x, all(simd, input.yaw_rate * self.offset))];
-        let forth = swings[1].mul_add(arm[1], swings[0].mul_add(leg[1], pitch.mul_add(z, in_plan[0])));
-        let down = swings[1].mul_add(arm[0], swings[0].mul_add(leg[0], pitch * x));
-        let up = roll.mul_add(y, -down);
-        let aside = in_plan[1] - roll * z;
+        let [speed, sideways] = [all(simd, input.speed), all(simd, input.yaw_rate) * all(simd, self.offset)];
+        // As commanded, and how the centres move with the body and both limbs.
+        let in_plan = [speed - yaw * y, yaw.mul_add(x, sideways)];
+        let swing = swings[0] + swings[1];
+        let forth = swings[1].mul_add(knee[1], swings[0] * body[1]);
+        let down = swings[1].mul_add(knee[0], swings[0] * body[0]);
+        let [forwards, aside, upwards] = cross([roll, pitch, yaw], [x, y, z]);
+        let forth = (speed + forwards) + swing.mul_add(z, -forth);
+        let aside = sideways + aside;
+        let up = (zero + upwards) + (down - swing * x);
         let steered = zero.lt(register(simd, &chain.steers, k));
-        let to = polar([c2 * in_plan[0], in_plan[1]]);
+        let to = polar([zero + c2 * in_plan[0], zero + in_plan[1]]);
         let steering = JointAngle::in_range(simd, chain.range, angle_of(simd, to.turned), to.turned);
         let (ss, cs) = (steered.select(steering.turned.0, zero), steered.select(steering.turned.1, one));
         let along = (forth.mul_add(c2, -(up * s2))).mul_add(cs, aside * ss);
         let across = up.mul_add(c2, forth * s2);
-        let turn = (pitch + swings[0] + swings[1]).mul_add(cs, -(roll.mul_add(c2, -(yaw * s2)) * ss));
+        let turn = (pitch + swing).mul_add(cs, -(roll.mul_add(c2, -(yaw * s2)) * ss));
         let inverse_radius = register(simd, &chain.inverse_radius, k);
         WheelLanes {
             centre: CentreVelocity { along, across, vertical: [-(s2 * cs), c2], turn, inverse_radius },

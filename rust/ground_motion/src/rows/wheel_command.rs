@@ -1,7 +1,7 @@
 //! Command of a wheel from the velocity of its centre, and the vertical speed of the body.
 
 use crate::driving::Lift;
-use crate::lanes::columns::{angle_of, is_number, mask, polar};
+use crate::lanes::columns::{angle_of, is_number, polar};
 use crate::rates::constants::MotionConstants;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
@@ -123,7 +123,7 @@ pub(super) fn fitted_vertical_speed<S: Vector>(
 ) -> Lanes<S> {
     let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
     let mut vertical = start;
-    let mut open = mask(simd, true);
+    let mut open = Mask::splat(simd, true);
     for _ in 0..STEPS {
         let (mut slope, mut square) = (zero, all(simd, DAMPING));
         for ((centre, measured), radius) in centres.iter().zip(measured).zip(constants.radii) {

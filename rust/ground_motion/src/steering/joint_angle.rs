@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::lanes::columns::{Span, direction_of, mask};
+use crate::lanes::columns::{Span, direction_of};
 use six_wheel_kinematics::steering::{ANGLE_TOLERANCE, SteeringRange};
 use six_wheel_numerics::error::{Error, ErrorKind, number};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -26,7 +26,7 @@ pub(crate) struct JointAngle<S: Vector> {
 impl<S: Vector> JointAngle<S> {
     /// An angle that is given.
     pub fn given(simd: S, angle: Lanes<S>, from: Lanes<S>) -> Self {
-        let no = mask(simd, false);
+        let no = Mask::splat(simd, false);
         Self { turned: direction_of(simd, angle - from), angle, slips: no, outside: no }
     }
 
@@ -44,7 +44,12 @@ impl<S: Vector> JointAngle<S> {
         let outside = !(stays | goes_back | goes_on);
         // What is outside stays as it was, for the message.
         let angle = outside.select(angle, found);
-        Self { turned: (turned.0.xor_sign(flip), turned.1.xor_sign(flip)), angle, slips: mask(simd, false), outside }
+        Self {
+            turned: (turned.0.xor_sign(flip), turned.1.xor_sign(flip)),
+            angle,
+            slips: Mask::splat(simd, false),
+            outside,
+        }
     }
 
     /// Lanes in which there is no angle.
@@ -73,7 +78,7 @@ pub(crate) fn check<S: Vector>(
     touching: &[Lanes<S>; MAX_WHEELS],
     known: Mask<S>,
 ) -> Result<(), Error> {
-    let mut failed = mask(simd, false);
+    let mut failed = Mask::splat(simd, false);
     for angle in angles.iter().flatten() {
         failed = failed | angle.failed();
     }

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use super::joint_angle::JointAngle;
 use super::side_slip::{SideSlip, WheelAxes};
-use crate::lanes::columns::{angle_of, direction_of, mask, polar, roots};
+use crate::lanes::columns::{angle_of, direction_of, polar, roots};
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::direction;
@@ -61,7 +61,7 @@ pub(crate) struct SteeringInput<'a, S: Vector> {
 #[inline(always)]
 pub(crate) fn steer<S: Vector>(simd: S, input: &SteeringInput<'_, S>) -> [Option<JointAngle<S>>; MAX_WHEELS] {
     let slip = SideSlip::new(simd, input.plan, input.axes, input.touching);
-    let no = mask(simd, false);
+    let no = Mask::splat(simd, false);
     let zero = all(simd, 0.0);
     let straight = (zero, all(simd, 1.0));
     let mut searches = [RootSearch::new(simd, straight, no); MAX_WHEELS];
@@ -122,7 +122,7 @@ pub(crate) fn steer<S: Vector>(simd: S, input: &SteeringInput<'_, S>) -> [Option
 #[inline(always)]
 fn find_roots<S: Vector>(simd: S, slip: &SideSlip<'_, S>, searches: &mut [RootSearch<S>; MAX_WHEELS]) {
     for _ in 0..MAX_NEWTON_STEPS {
-        let mut open = mask(simd, false);
+        let mut open = Mask::splat(simd, false);
         for (k, search) in searches.iter_mut().enumerate() {
             if search.open.any() {
                 let joint = &slip.joints[k];
@@ -164,7 +164,7 @@ struct RootSearch<S: Vector> {
 #[inline_always]
 impl<S: Vector> RootSearch<S> {
     fn new(simd: S, from: Turned<S>, wanted: Mask<S>) -> Self {
-        let (zero, no) = (all(simd, 0.0), mask(simd, false));
+        let (zero, no) = (all(simd, 0.0), Mask::splat(simd, false));
         Self {
             start: zero,
             from,

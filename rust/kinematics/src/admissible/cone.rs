@@ -141,7 +141,7 @@ impl AdmissibleCone {
                 yes = yes & wheel.is_clearly_within(simd, twist, rates, none);
             }
         }
-        if !(!yes).any() {
+        if yes.all() {
             return Admissibility { is_possible: yes, is_valid: yes };
         }
         self.decided(simd, twist, rates, yes, None)
@@ -155,7 +155,7 @@ impl AdmissibleCone {
         for wheel in self.limited.iter().filter(|wheel| joints.contains(&wheel.joint)) {
             yes = yes & wheel.is_clearly_within(simd, twist, Rates::Row(&[]), none);
         }
-        if !(!yes).any() {
+        if yes.all() {
             return yes;
         }
         self.decided(simd, twist, Rates::Row(&[]), yes, Some(joints)).is_possible
@@ -164,8 +164,7 @@ impl AdmissibleCone {
     /// Lanes in which squares neither overflow nor lose digits.
     #[inline(always)]
     fn safe_lanes<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
-        let zero = Lanes::splat(simd, 0.0);
-        if self.is_safe { is_in_safe_range(simd, twist) } else { zero.lt(zero) }
+        if self.is_safe { is_in_safe_range(simd, twist) } else { Mask::splat(simd, false) }
     }
 
     /// Yes in the lanes where that is clear, no where that is, elsewhere the decision by definition. Of the ranges, those of
@@ -179,8 +178,7 @@ impl AdmissibleCone {
         yes: Mask<S>,
         joints: Option<&[usize]>,
     ) -> Admissibility<S> {
-        let zero = Lanes::splat(simd, 0.0);
-        let mut no = zero.lt(zero);
+        let mut no = Mask::splat(simd, false);
         // With rates contacts may be faster than the bound.
         if !rates.are_given() {
             let some = self.clear_slips(simd, twist)[1];
@@ -193,7 +191,7 @@ impl AdmissibleCone {
             no = no & self.safe_lanes(simd, twist) & !yes;
         }
         let is_clear = yes | no;
-        if !(!is_clear).any() {
+        if is_clear.all() {
             return Admissibility { is_possible: yes, is_valid: is_clear };
         }
         run_rarely(simd, ByDefinition { cone: self, twist, rates, yes, no })
@@ -318,7 +316,7 @@ impl LimitedWheel {
     fn is_clearly_outside<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], some: Lanes<S>) -> Mask<S> {
         match &self.wedge {
             Some(wedge) => some.lt(wedge.overshoot(simd, twist)),
-            None => some.lt(some),
+            None => Mask::splat(simd, false),
         }
     }
 

@@ -1,9 +1,5 @@
 //! The parts of a twist that a projection preserves.
 
-use std::str::FromStr;
-
-use six_wheel_numerics::error::Error;
-
 /// Part of a twist that a projection preserves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keep {
@@ -17,19 +13,6 @@ pub enum Keep {
     Nearest,
 }
 
-impl FromStr for Keep {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        match name {
-            "curvature" => Ok(Self::Curvature),
-            "speed" => Ok(Self::Speed),
-            "yaw_rate" => Ok(Self::YawRate),
-            "nearest" => Ok(Self::Nearest),
-            _ => {
-                let rule = "be 'curvature', 'speed', 'yaw_rate' or 'nearest'";
-                Err(Error::value("keep", rule, format!("{name:?}")))
-            }
-        }
-    }
+named_values! {
+    Keep as "keep": "curvature" => Curvature, "speed" => Speed, "yaw_rate" => YawRate, "nearest" => Nearest
 }

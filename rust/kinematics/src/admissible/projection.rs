@@ -149,7 +149,7 @@ impl Projection<'_> {
                 *found = is_nearer.select(point, *found);
             }
         }
-        let mut vanishes = zero.le(zero);
+        let mut vanishes = Mask::splat(simd, true);
         for (part, length) in found.iter().zip(self.lengths(simd)) {
             vanishes = vanishes & (part.abs() * length).le(size * splat(VANISHED));
         }
@@ -178,7 +178,7 @@ impl Projection<'_> {
                 *part = *part + share * Lanes::splat(simd, *along);
             }
         }
-        let mut is_admissible = zero.le(zero);
+        let mut is_admissible = Mask::splat(simd, true);
         if face.bound {
             for &k in components(keep) {
                 let off = (point[k] - wanted[k]).abs();
@@ -229,7 +229,6 @@ impl Kernel for HasPoint<'_> {
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> bool {
         let wanted = self.0.twist.map(|part| Lanes::splat(simd, part));
-        let zero = Lanes::splat(simd, 0.0);
-        self.0.projection.beyond(simd, wanted, zero.le(zero)).is_found.any()
+        self.0.projection.beyond(simd, wanted, Mask::splat(simd, true)).is_found.any()
     }
 }

@@ -5,7 +5,7 @@ use super::projection::Projection;
 use crate::kernels::row::load;
 use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_columns, transpose_to_rows};
 use six_wheel_numerics::error::Error;
-use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
 
@@ -27,7 +27,7 @@ impl Kernel for JudgeRange<'_> {
         let blocks = self.twists.chunks(BLOCK).zip(self.answers.chunks_mut(BLOCK));
         for (block, (rows, answers)) in blocks.enumerate() {
             transpose_to_columns(simd, rows.as_flattened(), &mut twists);
-            let mut are_valid = zero.le(zero);
+            let mut are_valid = Mask::splat(simd, true);
             for k in 0..rows.len().div_ceil(S::F64_LANES) {
                 let judged = self.cone.judge(simd, load(simd, &twists, k), Rates::Row(&[]));
                 are_valid = are_valid & judged.is_valid;
@@ -59,12 +59,11 @@ impl Kernel for ProjectRange<'_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let zero = Lanes::splat(simd, 0.0);
         let [mut wanted, mut found] = [[Column::ZERO; 3]; 2];
         let blocks = self.twists.chunks(BLOCK).zip(self.projected.chunks_mut(BLOCK));
         for (block, (rows, targets)) in blocks.enumerate() {
             transpose_to_columns(simd, rows.as_flattened(), &mut wanted);
-            let mut are_found = zero.le(zero);
+            let mut are_found = Mask::splat(simd, true);
             for k in 0..rows.len().div_ceil(S::F64_LANES) {
                 let (twist, is_found) = self.projection.lanes(simd, load(simd, &wanted, k));
                 are_found = are_found & is_found;

@@ -74,10 +74,11 @@ impl<'a> Journey<'a> {
         self.starts[if one { 0 } else { log }]
     }
 
-    /// True if so many logs are worked on side by side. It depends on nothing else, so that no result does.
+    /// True if logs are worked on side by side. It depends on the length of a log alone, so that no result depends on the
+    /// others.
     #[inline]
-    pub fn is_side_by_side(&self, logs: usize) -> bool {
-        logs >= GROUP && self.count <= SHORT_LOG
+    pub fn is_side_by_side(&self) -> bool {
+        self.count <= SHORT_LOG
     }
 
     /// So many logs are read at a time.

@@ -1,11 +1,8 @@
 //! Readings of the wheels, and the ways in which they are fitted.
 
-use std::str::FromStr;
-
 use nalgebra::Vector3;
 
 use crate::geometry::Twist;
-use six_wheel_numerics::error::Error;
 
 /// Method by which the wheels' readings are weighted against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,20 +15,8 @@ pub enum Method {
     Robust,
 }
 
-impl FromStr for Method {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        match name {
-            "least_squares" => Ok(Self::LeastSquares),
-            "middle_wheels" => Ok(Self::MiddleWheels),
-            "robust" => Ok(Self::Robust),
-            _ => {
-                let rule = "be 'least_squares', 'middle_wheels' or 'robust'";
-                Err(Error::value("method", rule, format!("{name:?}")))
-            }
-        }
-    }
+named_values! {
+    Method as "method": "least_squares" => LeastSquares, "middle_wheels" => MiddleWheels, "robust" => Robust
 }
 
 /// Treatment of a motion that no reading sees.

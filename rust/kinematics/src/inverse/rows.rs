@@ -9,7 +9,7 @@ use crate::kernels::steered::wheel::WheelQuery;
 use crate::rover_data::{Inputs, RoverData};
 use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_columns, transpose_to_rows, with_columns};
 use six_wheel_numerics::error::Error;
-use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{Kernel, Level, run_rarely};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::stream::{Output, prefetch_ahead};
@@ -46,15 +46,14 @@ impl Kernel for CheckRange<'_> {
     fn run<S: Vector>(self, simd: S) -> Self::Output {
         let (joints, wheels) = (self.rover.steered().len(), self.rover.wheels().len());
         let Inputs { previous, previous_speeds, steering_rates } = self.inputs;
-        let zero = Lanes::splat(simd, 0.0);
         let mut columns = [Column::ZERO; 3];
         for (b, rows) in self.twists.chunks(BLOCK).enumerate() {
             let first = b * BLOCK;
             let of = |values, width| block(values, width, first, rows.len());
-            let mut passes = zero.le(zero);
+            let mut passes = Mask::splat(simd, true);
             for values in [of(previous, joints), of(previous_speeds, wheels), of(steering_rates, joints)] {
                 if !all_within(simd, values, f64::MAX) {
-                    passes = zero.lt(zero);
+                    passes = Mask::splat(simd, false);
                 }
             }
             if !self.rates.is_empty() {
@@ -219,8 +218,7 @@ impl SolveBlock<'_, '_> {
     /// Solves a block as if every steered wheel took its first solution. Returns true if every one does.
     fn first_solutions<S: Vector>(&mut self, simd: S) -> bool {
         let Self { constants, input, ref mut steering, ref mut speeds, registers } = *self;
-        let zero = Lanes::splat(simd, 0.0);
-        let mut are_final = zero.le(zero);
+        let mut are_final = Mask::splat(simd, true);
         let mut joint = 0;
         for ((kind, per_radius), speeds) in constants.wheels.iter().zip(speeds.iter_mut()) {
             let per_radius = Lanes::splat(simd, *per_radius);
@@ -250,7 +248,7 @@ impl SolveBlock<'_, '_> {
                 }
             }
         }
-        !(!are_final).any()
+        are_final.all()
     }
 
     /// Solves the steered wheels whose first solution is not their motion; `common` where a direction tie has a common direction.

@@ -68,7 +68,7 @@ impl Kernel for InverseRow<'_> {
         let twist = self.twist.map(|part| Lanes::splat(simd, part));
         let rounding = Lanes::splat(simd, constants.rounding(self.twist));
         let (mut angles, mut speeds) = ([0.0; GROUP], [0.0; GROUP]);
-        let mut passes = all_true(simd);
+        let mut passes = Mask::splat(simd, true);
         for k in 0..constants.order.len().div_ceil(S::F64_LANES) {
             let mut speed = roll(simd, group, k, twist);
             if k * S::F64_LANES < group.steered {
@@ -102,7 +102,7 @@ struct WheelInput<S: Vector> {
 #[inline_always]
 impl InverseRow<'_> {
     fn input<S: Vector>(&self, simd: S, register: usize, twist: [Lanes<S>; 3], rounding: Lanes<S>) -> WheelInput<S> {
-        let mut is_finite = all_true(simd);
+        let mut is_finite = Mask::splat(simd, true);
         let mut given = [None; 2];
         for (lanes, row) in given.iter_mut().zip([self.inputs.previous, self.inputs.steering_rates]) {
             if let Some(row) = row {
@@ -187,7 +187,7 @@ impl RowOfBothSolutions<'_> {
         let zero = splat(0.0);
         let twist = row.twist.map(splat);
         let rounding = splat(row.constants.rounding(row.twist));
-        let mut is_safe = all_true(simd);
+        let mut is_safe = Mask::splat(simd, true);
         let registers = GROUP / S::F64_LANES;
         for register in 0..row.constants.order.len().div_ceil(S::F64_LANES) {
             let (g, k) = (register / registers, register % registers);
@@ -225,7 +225,7 @@ impl RowOfBothSolutions<'_> {
                 speeds[*lane] = rim_speed * group.per_radius[*lane];
             }
         }
-        !(!is_safe).any()
+        is_safe.all()
     }
 
     /// The common direction of the wheels of a tie, wheel after wheel: rounding is that of a row of a batch.
@@ -243,12 +243,6 @@ impl RowOfBothSolutions<'_> {
         }
         votes.common_direction(simd)
     }
-}
-
-#[inline(always)]
-fn all_true<S: Vector>(simd: S) -> Mask<S> {
-    let zero = Lanes::splat(simd, 0.0);
-    zero.le(zero)
 }
 
 /// Lanes of register `k` with a steered wheel.

@@ -171,17 +171,16 @@ struct ByFactors<'a> {
 impl<S: Vector> NormalSolver<S> for ByFactors<'_> {
     #[inline(always)]
     fn solve(&mut self, simd: S, normal: [Lanes<S>; 6], right: [Lanes<S>; 3]) -> ([Lanes<S>; 3], Mask<S>) {
-        let zero = Lanes::splat(simd, 0.0);
         let mut numbers = [0.0; 6];
         for (number, lanes) in numbers.iter_mut().zip(normal) {
             *number = first(lanes);
         }
         let [a, b, c, d, e, f] = numbers;
         match self.rover.solution(Matrix3::new(a, b, c, b, d, e, c, e, f), self.unseen) {
-            Ok(solution) => (product(simd, &solution, right), zero.le(zero)),
+            Ok(solution) => (product(simd, &solution, right), Mask::splat(simd, true)),
             Err(error) => {
                 self.error = Some(error);
-                (right, zero.lt(zero))
+                (right, Mask::splat(simd, false))
             }
         }
     }

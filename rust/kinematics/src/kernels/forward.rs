@@ -10,7 +10,7 @@ use crate::rover_data::RoverData;
 use crate::table::Log;
 use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_columns, transpose_to_rows, with_columns};
 use six_wheel_numerics::error::Error;
-use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::polynomials::LARGEST_ANGLE;
 use six_wheel_numerics::simd::vector::Vector;
@@ -86,12 +86,12 @@ impl Kernel for Check<'_> {
             if pass && !self.steering.is_empty() {
                 transpose_to_columns(simd, steering, self.steering);
                 let one = Lanes::splat(simd, 1.0);
-                let mut determined = one.le(one);
+                let mut determined = Mask::splat(simd, true);
                 for k in 0..BLOCK / S::F64_LANES {
                     let (_, surely) = solve(simd, constants.normal(simd, self.steering, k), [one; 3]);
                     determined = determined & surely;
                 }
-                pass = !(!determined).any();
+                pass = determined.all();
             }
             if pass {
                 continue;

@@ -125,7 +125,7 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
     log: Log<'_>,
 ) -> bool {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let mut all: Mask<S> = zero.le(zero);
+    let mut all: Mask<S> = Mask::splat(simd, true);
     for k in 0..count.min(BLOCK).div_ceil(S::F64_LANES) {
         prefetch_ahead(simd, log.steering, k, BLOCK / S::F64_LANES);
         prefetch_ahead(simd, log.speeds, k, BLOCK / S::F64_LANES);
@@ -144,5 +144,5 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
         kept.rare.store(k, is_solved.select(zero, one));
         all = all & is_solved;
     }
-    !(!all).any()
+    all.all()
 }

@@ -116,7 +116,7 @@ impl<'a> Block<'a> {
                 ];
                 let pair = &mut pair[..1 + usize::from(more > 0)];
                 for _ in 0..*phase {
-                    let mut active = zero.lt(zero);
+                    let mut active = Mask::splat(simd, false);
                     for rounds in &mut *pair {
                         rounds.round::<false>(simd, &constants.wheels, &mut ByMinors);
                         active = active | rounds.active;
@@ -163,7 +163,7 @@ impl<'a> Block<'a> {
         sigmas: &mut Column,
     ) -> bool {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        let mut all = zero.le(zero);
+        let mut all = Mask::splat(simd, true);
         for k in 0..count.div_ceil(S::F64_LANES) {
             let mut weights = [zero; MOST];
             for (weight, column) in weights.iter_mut().zip(self.weights.iter()) {
@@ -175,7 +175,7 @@ impl<'a> Block<'a> {
             self.kept.rare.store(k, sure.select(zero, one));
             all = all & sure;
         }
-        !(!all).any()
+        all.all()
     }
 }
 

@@ -6,7 +6,7 @@ use crate::geometry::Steps;
 use crate::se2::accumulate::{Sum, Walk};
 use crate::se2::angles::{reduce_lanes, sin_cos_any};
 use crate::se2::maps::sinc;
-use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::polynomials::{direction, sinc_of_square};
 use six_wheel_numerics::simd::vector::Vector;
@@ -153,7 +153,7 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
     let width = 3 * S::F64_LANES;
     let zero = Lanes::splat(simd, 0.0);
     let largest = Lanes::splat(simd, LARGEST_HALF_TURN);
-    let mut near = zero.le(zero);
+    let mut near = Mask::splat(simd, true);
     let [mut ahead, mut left, mut turns, mut halves] = [[zero; N]; 4];
     let [mut headings, mut squares] = [Lanes::<S, f64, N>::constant(simd, 0.0); 2];
     let heading = Sums::splat(simd, &walk.heading);

@@ -172,10 +172,10 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
         Mask { simd: self.simd, values }
     }
 
-    /// The largest whole number up to a number from 0 to [`Float::INTEGERS`].
+    /// The largest whole number up to a number, which is at most half of [`Float::INTEGERS`] in size.
     pub fn floor(self) -> Self {
-        let integers = Self::constant(self.simd, T::INTEGERS);
-        let near = (self + integers) - integers;
+        let round = Self::constant(self.simd, T::ROUND);
+        let near = (self + round) - round;
         let one = Self::constant(self.simd, 1.0);
         self.lt(near).select(near - one, near)
     }
@@ -221,6 +221,12 @@ impl<S: Vector, T: Float> Lanes<S, T> {
 
 #[inline_always]
 impl<S: Simd, T: Float, const N: usize> Mask<S, T, N> {
+    /// The same in every lane.
+    pub fn splat(simd: S, truth: bool) -> Self {
+        let zero = Lanes::constant(simd, 0.0);
+        if truth { zero.le(zero) } else { zero.lt(zero) }
+    }
+
     /// `yes` where true, `no` elsewhere.
     pub fn select(self, mut yes: Lanes<S, T, N>, no: Lanes<S, T, N>) -> Lanes<S, T, N> {
         for_each!(k: { yes.values[k] = T::select(self.simd, self.values[k], yes.values[k], no.values[k]); });
@@ -236,6 +242,21 @@ impl<S: Simd, T: Float, const N: usize> Mask<S, T, N> {
             }
         }
         T::any(self.simd, all)
+    }
+
+    /// True if every lane is true.
+    pub fn all(self) -> bool {
+        !(!self).any()
+    }
+}
+
+impl<S: Simd> Mask<S> {
+    /// The lanes one by one, false beyond the last.
+    #[inline(always)]
+    pub fn booleans(self) -> [bool; 8] {
+        let mut numbers = [0.0; 8];
+        self.select(Lanes::splat(self.simd, 1.0), Lanes::splat(self.simd, 0.0)).copy_to_slice(&mut numbers);
+        numbers.map(|number| number != 0.0)
     }
 }
 

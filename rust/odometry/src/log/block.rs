@@ -8,7 +8,7 @@ use crate::samples::recording::TrackRows;
 use crate::settings::Settings;
 use crate::uncertainty::{ROUNDING, rounded};
 use six_wheel_numerics::columns::{Column, transpose_to_rows};
-use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
 
@@ -150,7 +150,7 @@ fn report_covariance<S: Vector>(simd: S, k: usize, rows: usize, block: &mut LogB
     let rounding = Lanes::splat(simd, ROUNDING);
     let covariance = rounded(Covariance3::from(settled).and(open.into()), rounding);
     let zero = Lanes::splat(simd, 0.0);
-    let mut negative = zero.lt(zero);
+    let mut negative = Mask::splat(simd, false);
     for minor in covariance.minors() {
         negative = negative | minor.lt(zero);
     }

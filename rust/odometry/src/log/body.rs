@@ -123,7 +123,7 @@ fn sum_displacement<S: Vector>(
 ) -> ([Lanes<S>; 3], Mask<S>) {
     let zero = Lanes::splat(simd, 0.0);
     let joints = scratch.joints.len() / 2;
-    let mut is_fine = zero.le(zero);
+    let mut is_fine = Mask::splat(simd, true);
     let mut sum = [zero; 3];
     in_parts!(
         constants,
@@ -159,8 +159,7 @@ fn sum_noise<S: Vector>(
     displacement: [Lanes<S>; 3],
     scratch: &mut BlockScratch,
 ) -> (Covariance3<Lanes<S>>, Mask<S>) {
-    let zero = Lanes::splat(simd, 0.0);
-    let mut suspects = zero.lt(zero);
+    let mut suspects = Mask::splat(simd, false);
     let mut sum = Covariance3::zero(simd);
     in_parts!(
         constants,
@@ -220,7 +219,7 @@ fn beyond_rounding<S: Vector>(simd: S, scratch: &BlockScratch, suspects: Mask<S>
     for place in &scratch.places {
         furthest = furthest.max(here.of(&place.rolled).abs());
     }
-    let mut slips = furthest.lt(furthest);
+    let mut slips = Mask::splat(simd, false);
     for place in &scratch.places {
         let explained = splat(SUSPICIOUS) * here.of(&place.variance).sqrt();
         let bound = explained + splat(ROUNDING) * furthest;

@@ -1,6 +1,7 @@
 //! A sample of running totals from which a step is made without looking at every reading.
 
 use super::Odometry;
+use crate::samples::increments::may_start_over;
 use crate::samples::recording::Sample;
 use crate::settings::gyroscope;
 use crate::step::{StepInput, StepOutput, WheelInput};
@@ -9,7 +10,7 @@ use six_wheel_numerics::error::HUGE;
 impl Odometry {
     /// Takes in a sample. Returns true if a wheel slips, and the yaw increment by the gyroscope [rad]. Returns None, with
     /// nothing changed, where something has to be checked first: the rover stands, the equations are no constants of the
-    /// rover, or the sample may have to be refused.
+    /// rover, a counter may have started over, or the sample may have to be refused.
     #[inline]
     pub(crate) fn direct_step(&mut self, sample: &Sample<'_>) -> Option<(bool, Option<f64>)> {
         let (reference, constants) = (&self.reference, &self.work.constants);
@@ -25,6 +26,9 @@ impl Odometry {
             return None;
         }
         let wheels = [reference.wheels.as_slice(), sample.wheels];
+        if wheels[0].iter().zip(wheels[1]).any(|(before, after)| may_start_over(*before, *after)) {
+            return None;
+        }
         let bias = self.state.uncertainty.bias;
         if let Some(rate) = sample.yaw_rate
             && self.stands(rate, bias, dt, self.turned_between(wheels))

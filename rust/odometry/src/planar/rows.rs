@@ -5,8 +5,17 @@ use std::ops::Range;
 use super::Odometry;
 use crate::health::Health;
 use crate::log::{BlockScratch, LogBlock, LogIntegrator, Rows};
+use crate::samples::increments::may_start_over;
 use crate::samples::recording::{Recording, TrackRows};
 use crate::settings::gyroscope;
+
+/// The first of these rows, of so many wheels, in which a counter may have started over; their end where there is none.
+fn first_start_over(readings: &[f64], wheels: usize, rows: Range<usize>) -> usize {
+    let before = &readings[(rows.start - 1) * wheels..(rows.end - 1) * wheels];
+    let after = &readings[rows.start * wheels..rows.end * wheels];
+    let found = before.iter().zip(after).position(|(before, after)| may_start_over(*before, *after));
+    found.map_or(rows.end, |place| rows.start + place / wheels)
+}
 
 /// Rows of a log that are worth a register.
 const FEW: usize = 4;
@@ -38,6 +47,7 @@ impl Odometry {
         if has_gyroscope {
             end = self.load_gyroscope_rows(recording, first..end, block);
         }
+        end = first_start_over(recording.wheels, wheels, first..end);
         if end - first < FEW {
             return 0;
         }

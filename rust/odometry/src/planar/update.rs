@@ -3,7 +3,9 @@
 use super::{Odometry, StepReadings};
 use crate::health::{Health, Refusal};
 use crate::motion::Motion;
-use crate::samples::increments::{Counts, add_increments, check_rim_speed, check_steering_rate};
+use crate::samples::increments::{
+    Counts, StepTiming, add_increments, check_rim_speed, check_steering_rate, count_from_zero,
+};
 use crate::samples::recording::Sample;
 use crate::settings::Readings;
 use crate::settings::gyroscope;
@@ -52,14 +54,14 @@ impl Odometry {
             return Err(Refusal::new(flag, error));
         }
         let wrapped = self.difference(&sample, dt);
+        let counted = Health::WRAPPED.when(wrapped) | Health::RESTARTED.when(self.count_from_zero(&sample, dt));
         self.check_jump(dt).map_err(|error| Refusal::new(Health::JUMP, error))?;
         let bias = self.state.uncertainty.bias;
         if let Some(rate) = sample.yaw_rate
             && self.stands(rate, bias, dt, self.turned.iter().copied())
         {
             self.rest(rate, dt);
-            let flags = Health::WRAPPED.when(wrapped);
-            return Ok(self.commit_sample(&sample, flags, None));
+            return Ok(self.commit_sample(&sample, counted, None));
         }
         let before = self.reference.yaw_rate;
         let gyro_turn = sample.yaw_rate.map(|rate| gyroscope::turn(before, rate, bias, dt));
@@ -75,8 +77,7 @@ impl Odometry {
         let slips = work
             .advance(rover, settings, motion, HUGE, Some(state), residual)
             .map_err(|error| Refusal::new(Health::UNDETERMINED, error))?;
-        let flags = Health::WRAPPED.when(wrapped) | Health::SLIP.when(slips);
-        Ok(self.commit_sample(&sample, flags, gyro_turn))
+        Ok(self.commit_sample(&sample, counted | Health::SLIP.when(slips), gyro_turn))
     }
 
     /// Takes a sample whose step has been made as the one from which the next one counts.
@@ -145,6 +146,18 @@ impl Odometry {
         let before = Counts { wheels: &reference.wheels, steering: &reference.steering };
         let after = Counts { wheels: sample.wheels, steering: sample.steering };
         add_increments(settings, skipped, [before, after], dt, turned, angles)
+    }
+
+    /// Counts wheels whose counters started at zero since the reference from there; true if there is one.
+    fn count_from_zero(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
+        let wheels = self.rover.wheels();
+        let reach = wheels.iter().map(|wheel| wheel.x.hypot(wheel.y)).fold(0.0, f64::max);
+        let Twist { vx, vy, omega } = self.state.twist;
+        let timing =
+            StepTiming { dt, last_dt: self.history.last_duration(), speed: vx.hypot(vy) + omega.abs() * reach };
+        let readings = [self.reference.wheels.as_slice(), sample.wheels];
+        let radii = wheels.iter().map(|wheel| wheel.radius);
+        count_from_zero(&self.settings, readings, radii, timing, &mut self.turned)
     }
 
     /// Fails if the rover would have moved faster than it can.

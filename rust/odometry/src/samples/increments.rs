@@ -4,6 +4,24 @@ use crate::samples::skipped_rows::SkippedRows;
 use crate::settings::{Readings, Settings};
 use six_wheel_numerics::error::{Error, number};
 
+/// Acceleration of a rim that no wheel on the ground has [m/s²]: twice that of a friction of 1.
+const LARGEST_ACCELERATION: f64 = 20.0;
+/// Distance up to which a counter that starts over is not told from a wheel that turns [m].
+const LEAST_JUMP: f64 = 0.05;
+/// Number of steps like the last one from which on a step has lost readings in between.
+const LOST: f64 = 5.0;
+
+/// Duration of this step and of the one before [s], and the speed of the fastest wheel at its start, or more [m/s].
+#[derive(Clone, Copy, Debug)]
+pub struct StepTiming {
+    /// [s]
+    pub dt: f64,
+    /// [s], 0 where there was none.
+    pub last_dt: f64,
+    /// [m/s]
+    pub speed: f64,
+}
+
 /// Readings of wheels and steering joints, as their encoders count.
 #[derive(Clone, Copy, Debug)]
 pub struct Counts<'a> {
@@ -46,6 +64,46 @@ pub fn add_increments(
         *angle += counts * encoder.angle_per_count();
     }
     wrapped
+}
+
+/// True if the counter of these two readings may have started at zero in between: the second one is nearer to zero.
+#[inline]
+pub fn may_start_over(before: f64, after: f64) -> bool {
+    (before - 2.0 * after) * before > 0.0
+}
+
+/// Replaces the rotations of wheels whose counters have started at zero, as those of a microcontroller that resets, by
+/// what they count since then. Returns true if there is one.
+///
+/// Such a reading is as near to zero as the wheel can have come since, at its speed and [`LARGEST_ACCELERATION`], and
+/// further than that from the one before. After lost readings any motion is possible: there all wheels read zero exactly.
+pub fn count_from_zero(
+    settings: &Settings,
+    [before, after]: [&[f64]; 2],
+    radii: impl Iterator<Item = f64>,
+    timing: StepTiming,
+    rotations: &mut [f64],
+) -> bool {
+    if settings.readings != Readings::Angles {
+        return false;
+    }
+    let StepTiming { dt, last_dt, speed } = timing;
+    let possible = (speed * dt + LARGEST_ACCELERATION * dt * dt).max(LEAST_JUMP);
+    let is_lost =
+        last_dt > 0.0 && dt > LOST * last_dt && after.iter().all(|reading| *reading == 0.0 || reading.is_nan());
+    let least = if is_lost { LEAST_JUMP } else { possible };
+    let mut started = false;
+    for (wheel, (((before, after), radius), rotation)) in before.iter().zip(after).zip(radii).zip(rotations).enumerate()
+    {
+        let encoder = settings.wheel_encoder(wheel);
+        let per_count = encoder.angle_per_count();
+        let [rolled, since] = [after - before, *after].map(|counts| (radius * per_count * counts).abs());
+        if encoder.modulus.is_none() && may_start_over(*before, *after) && rolled > least && since <= possible {
+            *rotation = after * per_count;
+            started = true;
+        }
+    }
+    started
 }
 
 /// Fails if a wheel of this name and radius, after this rotation, rolled faster than the rover can.

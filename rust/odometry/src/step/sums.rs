@@ -15,7 +15,7 @@ use crate::propagation::fusion::{KalmanGain, remaining_error};
 use nalgebra::Vector3;
 use pulp::Scalar;
 use six_wheel_kinematics::kernels::wheel_lanes::{Eight, GROUP, padded};
-use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Parts of a sum over wheels.
@@ -92,7 +92,7 @@ pub(crate) fn sum_displacement<S: Vector>(
     angles: &mut [f64],
 ) -> Option<[f64; 3]> {
     let zero = Lanes::splat(simd, 0.0);
-    let mut is_fine = zero.le(zero);
+    let mut is_fine = Mask::splat(simd, true);
     let mut sums = [[zero; 3]; PARTS];
     let mut joint = 0;
     for (group, scratch) in constants.groups.iter().zip(&mut constants.scratch) {
@@ -147,10 +147,9 @@ pub(crate) fn sum_noise<S: Vector>(
     terms: &NoiseTerms<S>,
     [x, y, yaw]: [f64; 3],
 ) -> (Covariance3, bool) {
-    let zero = Lanes::splat(simd, 0.0);
     let displacement = [Lanes::splat(simd, x), Lanes::splat(simd, y), Lanes::splat(simd, yaw)];
     let mut sums = [Covariance3::zero(simd); PARTS];
-    let mut suspects = zero.lt(zero);
+    let mut suspects = Mask::splat(simd, false);
     let StepConstants { groups, fitted, scratch, .. } = constants;
     for ((group, fitted), scratch) in groups.iter().zip(fitted).zip(&mut *scratch) {
         let rows = if is_fitted { &*fitted } else { &group.constant };

@@ -38,7 +38,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         for part in &mut agrees {
             *part = part.xor_sign(side);
         }
-        let (mut outside, mut need) = (zero.lt(zero), zero);
+        let (mut outside, mut need) = (Mask::splat(simd, false), zero);
         for range in &projection.ranges {
             let Wheel { along, across } = &range.wheel;
             let (along, across) = (times(simd, along, &z), times(simd, across, &z).abs());

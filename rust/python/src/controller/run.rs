@@ -12,6 +12,8 @@ use crate::rover::Rover;
 result_class! {
     /// The commands of `Controller.run`, one row a step.
     pub struct ControllerRun {
+        /// Stamps of the steps [s], shape (n,).
+        stamps: Py<PyAny>,
         /// Steering angles [rad], shape (n, steered wheels), in the order of `Rover.steered_wheel_names`.
         steering: Py<PyAny>,
         /// Rates of the steering angles [rad/s], shape (n, steered wheels).
@@ -44,7 +46,7 @@ methods! { Controller:
     /// Returns
     /// -------
     /// ControllerRun
-    ///     `steering`, `wheel_speeds`, `twist`, `reasons`, `steering_rates`, one row a step.
+    ///     `stamps`, `steering`, `wheel_speeds`, `twist`, `reasons`, `steering_rates`, one row a step.
     ///
     /// Raises
     /// ------
@@ -71,8 +73,9 @@ methods! { Controller:
         let core = &mut *guard;
         compute_rows(py, count, &[count.max(commands)], || core.run(stamps, twists, times, steps, is_interrupted))?;
         let [steering, steering_rates, wheel_speeds, twist] = results.finish_arrays()?;
+        let stamps = memory::array(py, times, &[count])?.into_any().unbind();
         let (rover, reasons) = (self.rover.clone_ref(py), PyArray1::from_vec(py, reasons).unbind());
-        Ok(ControllerRun { steering, steering_rates, wheel_speeds, twist, reasons, rover })
+        Ok(ControllerRun { stamps, steering, steering_rates, wheel_speeds, twist, reasons, rover })
     }
 }
 
@@ -95,4 +98,49 @@ impl ControllerRun {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(format!("<ControllerRun of {} steps>", self.__len__(py)?))
     }
+
+    /// The columns by name, arrays of shape (n,): time, joint commands, twist, reasons, in the units of `to_arrow`.
+    fn to_arrays<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        table(slf)?.call_method0("to_arrays")
+    }
+
+    /// The columns as a `pandas.DataFrame`.
+    ///
+    /// Raises
+    /// ------
+    /// ModuleNotFoundError
+    ///     If pandas is not installed; the message has the install line.
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        table(slf)?.call_method0("to_pandas")
+    }
+
+    /// The columns as a `pyarrow.Table`, each with its ``unit`` in the metadata of its field.
+    ///
+    /// Raises
+    /// ------
+    /// ModuleNotFoundError
+    ///     If pyarrow is not installed; the message has the install line.
+    fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        table(slf)?.call_method0("to_arrow")
+    }
+
+    /// Write the columns to a CSV file with all their digits.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path
+    ///     A file that is there is replaced.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be written.
+    fn to_csv(slf: &Bound<'_, Self>, path: &Bound<'_, PyAny>) -> PyResult<()> {
+        table(slf)?.call_method1("to_csv", (path,)).map(drop)
+    }
+}
+
+/// The run as a table.
+fn table<'py>(run: &Bound<'py, ControllerRun>) -> PyResult<Bound<'py, PyAny>> {
+    run.py().import("six_wheel.kinematics.objects.results")?.call_method1("RunTable", (run,))
 }

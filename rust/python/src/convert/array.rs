@@ -10,6 +10,7 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use super::errors::{ArgumentTypeError, is_of_another_kind, refuse, short_repr};
 use super::memory;
 use super::numpy_module::{numpy, ready};
+use super::strided;
 
 /// Depth to which lists are searched for masked arrays.
 pub const DEEP: usize = 8;
@@ -42,10 +43,13 @@ pub fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Bo
     refuse_masks(argument, value, 0)?;
     let array = match value.cast::<PyUntypedArray>() {
         Ok(array) => array.clone(),
-        Err(_) => numpy(py)?
-            .call_method1(intern!(py, "asarray"), (value,))
-            .map_err(|error| not_rectangular(argument, value, error))?
-            .cast_into()?,
+        Err(_) => {
+            before_code_of(value)?;
+            numpy(py)?
+                .call_method1(intern!(py, "asarray"), (value,))
+                .map_err(|error| not_rectangular(argument, value, error))?
+                .cast_into()?
+        }
     };
     let dtype = array.dtype();
     if !matches!(dtype.kind(), b'f' | b'i' | b'u') {
@@ -54,6 +58,33 @@ pub fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Bo
         return Err(ArgumentTypeError::new_err(message));
     }
     Ok(array)
+}
+
+/// Keeps what the call has read so far, where reading this value runs code of the caller's.
+fn before_code_of(value: &Bound<'_, PyAny>) -> PyResult<()> {
+    if memory::reads() && runs_code(value, 0) { strided::keep_read(value.py()) } else { Ok(()) }
+}
+
+/// False for plain numbers, arrays, and lists and tuples of them.
+fn runs_code(value: &Bound<'_, PyAny>, depth: usize) -> bool {
+    let is_plain = value.is_exact_instance_of::<PyFloat>()
+        || value.is_exact_instance_of::<PyInt>()
+        || value.is_instance_of::<PyBool>()
+        || value.is_none()
+        || value.cast::<PyUntypedArray>().is_ok();
+    if is_plain {
+        return false;
+    }
+    if depth == DEEP {
+        return true;
+    }
+    if let Ok(list) = value.cast_exact::<PyList>() {
+        list.iter().any(|item| runs_code(&item, depth + 1))
+    } else if let Ok(tuple) = value.cast_exact::<PyTuple>() {
+        tuple.iter().any(|item| runs_code(&item, depth + 1))
+    } else {
+        true
+    }
 }
 
 /// The first value that is no number, with its place: `None at [2]`. Nothing where an array has another dtype all through.
@@ -180,12 +211,14 @@ pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
         return Err(refused());
     }
     refuse_masks(argument, value, DEEP)?;
+    before_code_of(value)?;
     value.extract::<f64>().map_err(|error| if is_of_another_kind(py, &error) { refused() } else { error })
 }
 
 /// The items of an iterable, `most` at most: more are none that could be meant.
 pub fn items<'py>(argument: &str, value: &Bound<'py, PyAny>, most: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let mut items = Vec::new();
+    before_code_of(value)?;
     for item in value.try_iter()? {
         if items.len() == most {
             return Err(refuse(argument, &format!("hold {most} at most"), "more"));

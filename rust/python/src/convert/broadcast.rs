@@ -2,7 +2,7 @@
 
 use pyo3::PyResult;
 
-use super::errors::{refuse_shape, shape_text};
+use super::errors::{refuse, shape_text};
 
 /// An argument with leading axes.
 pub trait Broadcast {
@@ -35,16 +35,18 @@ pub fn given<'a, T: Broadcast>(argument: &'static str, value: &'a mut Option<T>)
 }
 
 /// The leading axes of all arguments together: counted from the last one, each has the same length in all of them,
-/// or 1, or is not there.
+/// or 1, or is not there. What does not fit is named beside the first argument that it does not fit.
 pub fn together<'a>(arguments: impl IntoIterator<Item = Named<'a>>) -> PyResult<Vec<usize>> {
     let mut arguments: Vec<Named<'a>> = arguments.into_iter().collect();
     let mut common: Vec<usize> = Vec::new();
-    for (argument, value) in &arguments {
+    for (k, (argument, value)) in arguments.iter().enumerate() {
         common = match joint(&common, value.leading()) {
             Some(joint) => joint,
             None => {
-                let rule = value.rule(&common);
-                return Err(refuse_shape(argument, &rule, &value.shape_over(value.leading())));
+                let unfit = |(_, other): &&Named<'a>| joint(other.leading(), value.leading()).is_none();
+                let beside = arguments[..k].iter().find(unfit).map_or("the others", |(other, _)| other);
+                let got = format!("shape {} beside {beside}", shape_text(&value.shape_over(value.leading())));
+                return Err(refuse(argument, &value.rule(&common), &got));
             }
         };
     }
@@ -71,6 +73,16 @@ pub fn joint(first: &[usize], second: &[usize]) -> Option<Vec<usize>> {
             _ => None,
         })
         .collect()
+}
+
+/// The row that each row over common axes has among those of an argument's own.
+pub fn rows_over(own: &[usize], common: &[usize]) -> Vec<usize> {
+    let mut rows = vec![0];
+    for (axis, &length) in common.iter().enumerate() {
+        let own = (axis + own.len()).checked_sub(common.len()).map_or(1, |axis| own[axis]);
+        rows = rows.iter().flat_map(|row| (0..length).map(move |k| row * own + if own == 1 { 0 } else { k })).collect();
+    }
+    rows
 }
 
 /// Leading axes with a last one.

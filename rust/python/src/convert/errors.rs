@@ -8,6 +8,7 @@ use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyTuple};
 use six_wheel_numerics::error::{Error, ErrorKind, finite};
+use six_wheel_numerics::names::one_of;
 use six_wheel_numerics::sizes::are_finite;
 
 import_exception!(six_wheel.kinematics.errors, ArgumentTypeError);
@@ -123,9 +124,8 @@ pub fn refuse(argument: &str, rule: &str, value: &str) -> PyErr {
 pub fn choice<T: Copy>(argument: &str, name: &str, got: fn(&str) -> String, all: &[(&str, T)]) -> PyResult<T> {
     let found = all.iter().find(|(known, _)| *known == name);
     found.map(|(_, value)| *value).ok_or_else(|| {
-        let names: Vec<String> = all.iter().map(|(known, _)| format!("'{known}'")).collect();
-        let (first, last) = names.split_at(names.len() - 1);
-        refuse(argument, &format!("be {} or {}", first.join(", "), last[0]), &got(name))
+        let names: Vec<&str> = all.iter().map(|(known, _)| *known).collect();
+        refuse(argument, &one_of(&names), &got(name))
     })
 }
 

@@ -1,6 +1,5 @@
 //! Rows of numbers on their way in: whatever `numpy.asarray` takes, as slices of `f64`.
 
-use numpy::npyffi::PyArrayObject;
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -9,32 +8,12 @@ use six_wheel_kinematics::table::Table;
 use super::array::{read_array, three_numbers};
 use super::broadcast::{Broadcast, joined};
 use super::errors::{check_finite, refuse, refuse_shape, shape_text};
-use super::memory::{self, BorrowedArray, repeated};
+use super::memory::{self, BorrowedArray, Memory, repeated};
 use super::numpy_module::numpy;
 use super::strided::Strided;
 
 /// Numbers from which an array in another form is read block by block.
 const MANY: usize = 1 << 15;
-
-/// The numbers of an array that is C-contiguous, aligned and of native `f64`, as they were when it was read:
-/// whatever becomes of the array object, they stay where they are.
-pub(super) struct Memory<'py> {
-    data: *const f64,
-    count: usize,
-    pub(super) array: Bound<'py, PyUntypedArray>,
-    _held: BorrowedArray,
-}
-
-impl Memory<'_> {
-    pub(super) fn numbers(&self) -> &[f64] {
-        if self.count == 0 {
-            return &[];
-        }
-        // SAFETY: so many aligned numbers were there when the array was read; it is held, and with it its memory.
-        // No kernel writes to it (`memory`).
-        unsafe { std::slice::from_raw_parts(self.data, self.count) }
-    }
-}
 
 enum Data<'py> {
     Three([f64; 3]),
@@ -205,7 +184,8 @@ impl Broadcast for Rows<'_> {
     fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
         let shape = joined(leading, self.width);
         if let Data::Array(memory) = &self.data {
-            let wide = repeated(&memory.array, &joined(&self.leading, self.width), &shape)?;
+            let was = joined(&self.leading, self.width);
+            let wide = repeated(&memory.source(&was)?, &was, &shape)?;
             *self = Self::of(argument, &wide, self.width)?;
             return Ok(());
         }
@@ -232,7 +212,7 @@ pub enum Blocks<'py> {
         width: usize,
         /// Keeps the memory.
         array: Bound<'py, PyUntypedArray>,
-        _held: BorrowedArray,
+        held: BorrowedArray,
     },
 }
 
@@ -260,7 +240,7 @@ impl<'py> Blocks<'py> {
                 leading: leading(argument, array, width)?,
                 width,
                 array: array.clone(),
-                _held: memory::read(argument, array)?,
+                held: memory::read(argument, array)?,
             });
         }
         Rows::of(argument, array, width).map(Self::Flat)
@@ -287,7 +267,7 @@ impl<'py> Blocks<'py> {
     pub fn table(&self) -> Table<'_> {
         match self {
             Self::Flat(rows) => Table::Flat(rows.flat()),
-            Self::Strided { strided, .. } => Table::Read(strided),
+            Self::Strided { strided, held, .. } => held.kept().map_or(Table::Read(strided), Table::Flat),
         }
     }
 
@@ -295,14 +275,25 @@ impl<'py> Blocks<'py> {
     pub fn flat(self, argument: &str) -> PyResult<Rows<'py>> {
         match self {
             Self::Flat(rows) => Ok(rows),
-            Self::Strided { array, width, .. } => Rows::of(argument, &array, width),
+            Self::Strided { ref array, ref held, width, .. } => {
+                Rows::of(argument, &held.source(array, &self.shape())?, width)
+            }
+        }
+    }
+
+    /// The array as it was read, if one is.
+    fn source(&self) -> Option<PyResult<Bound<'py, PyUntypedArray>>> {
+        match self {
+            Self::Flat(Rows { data: Data::Array(memory), .. }) => Some(memory.source(&self.shape())),
+            Self::Strided { array, held, .. } => Some(held.source(array, &self.shape())),
+            Self::Flat(_) => None,
         }
     }
 
     /// The array that is read, if one is.
     fn array(&self) -> Option<&Bound<'py, PyUntypedArray>> {
         match self {
-            Self::Flat(Rows { data: Data::Array(memory), .. }) => Some(&memory.array),
+            Self::Flat(Rows { data: Data::Array(memory), .. }) => Some(memory.array()),
             Self::Strided { array, .. } => Some(array),
             Self::Flat(_) => None,
         }
@@ -315,7 +306,10 @@ impl<'py> Blocks<'py> {
         }
         let numbers = match self {
             Self::Flat(rows) => memory::gathered(rows.flat().iter().copied())?,
-            Self::Strided { strided, .. } => strided.all()?,
+            Self::Strided { strided, held, .. } => match held.kept() {
+                Some(kept) => memory::gathered(kept.iter().copied())?,
+                None => strided.all()?,
+            },
         };
         *self = Self::Flat(Rows { data: Data::Owned(numbers), leading: self.leading().to_vec(), width: self.width() });
         Ok(())
@@ -335,8 +329,8 @@ impl Broadcast for Blocks<'_> {
     }
 
     fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
-        if let Some(array) = self.array() {
-            let wide = repeated(array, &self.shape(), &self.shape_over(leading))?;
+        if let Some(array) = self.source() {
+            let wide = repeated(&array?, &self.shape(), &self.shape_over(leading))?;
             *self = Self::of(argument, &wide, self.width())?;
         } else if let Self::Flat(rows) = self {
             rows.spread(argument, leading)?;
@@ -375,12 +369,5 @@ pub(super) fn contiguous<'py>(argument: &str, array: &Bound<'py, PyUntypedArray>
         memory::count(array.shape())?;
         numpy(py)?.call_method1(intern!(py, "require"), (array, "d", ["C", "A"]))?.cast_into()?
     };
-    let count = memory::count(array.shape())?;
-    Ok(Memory {
-        // SAFETY: a live array object has a valid header; only the address is taken here.
-        data: unsafe { (*array.as_array_ptr().cast::<PyArrayObject>()).fields.data }.cast_const().cast(),
-        count,
-        array,
-        _held: held,
-    })
+    Memory::new(array, held)
 }

@@ -1,17 +1,22 @@
 //! Overlap of arrays. Every array that a call reads or writes is registered by its addresses until the call is done, so
 //! that no kernel writes where itself or another one reads.
 //!
+//! What is read keeps its numbers: NumPy does not resize an array with weak references, and before code of the caller's
+//! runs, which may write to it, the numbers are copied ([`keep`]).
+//!
 //! Asked and changed with the interpreter's lock held only, like the memory of NumPy itself.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, ThreadId};
 
-use numpy::npyffi::{PY_ARRAY_API, PyArray_Descr, npy_intp};
-use numpy::{PyArrayDescrMethods, PyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::npyffi::{PY_ARRAY_API, PyArray_Descr, PyArrayObject, npy_intp};
+use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::ffi::PyObject;
 use pyo3::intern;
 use pyo3::prelude::*;
+use pyo3::types::PyWeakrefReference;
 use six_wheel_numerics::places::Places;
 
 use super::errors::{refuse, shape_text};
@@ -23,7 +28,11 @@ struct Entry {
     number: u64,
     places: Places,
     /// Keeps the memory from becoming another array's.
-    _array: Py<PyUntypedArray>,
+    array: Py<PyUntypedArray>,
+    /// Keeps it from being resized.
+    _pin: Py<PyWeakrefReference>,
+    /// The numbers as they were read, where code of the caller's has run since.
+    kept: Option<Vec<f64>>,
     /// The argument it is, if it is written to.
     written: Option<String>,
     thread: ThreadId,
@@ -36,6 +45,9 @@ struct BorrowTable {
 
 static ENTRIES: Mutex<BorrowTable> = Mutex::new(BorrowTable { all: Vec::new(), next: 0 });
 
+/// Number of entries whose numbers are kept.
+static KEPT: AtomicUsize = AtomicUsize::new(0);
+
 fn entries() -> MutexGuard<'static, BorrowTable> {
     ENTRIES.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -43,11 +55,37 @@ fn entries() -> MutexGuard<'static, BorrowTable> {
 /// Forgets what other threads are at: after a fork there are none.
 pub fn forget() {
     let others = std::mem::take(&mut entries().all);
+    KEPT.store(0, Ordering::Relaxed);
     drop(others); // without the lock: the last reference to an array may run code
 }
 
 /// An array in use, for as long as this lives.
 pub struct BorrowedArray(u64);
+
+impl BorrowedArray {
+    /// The numbers as they were read, where code of the caller's has run since.
+    pub fn kept(&self) -> Option<&[f64]> {
+        if KEPT.load(Ordering::Relaxed) == 0 {
+            return None;
+        }
+        let entries = entries();
+        let kept = entries.all.iter().find(|entry| entry.number == self.0)?.kept.as_deref()?;
+        // SAFETY: what is kept stays where it is until this is dropped: an entry moves, its vector does not change.
+        Some(unsafe { std::slice::from_raw_parts(kept.as_ptr(), kept.len()) })
+    }
+
+    /// The array as it was read, which had this shape.
+    pub fn source<'py>(
+        &self,
+        array: &Bound<'py, PyUntypedArray>,
+        shape: &[usize],
+    ) -> PyResult<Bound<'py, PyUntypedArray>> {
+        match self.kept() {
+            None => Ok(array.clone()),
+            Some(kept) => Ok(self::array(array.py(), kept, shape)?.as_untyped().clone()),
+        }
+    }
+}
 
 impl Drop for BorrowedArray {
     fn drop(&mut self) {
@@ -55,7 +93,51 @@ impl Drop for BorrowedArray {
         let place = entries.all.iter().position(|entry| entry.number == self.0);
         let entry = place.map(|place| entries.all.swap_remove(place));
         drop(entries);
+        if entry.as_ref().is_some_and(|entry| entry.kept.is_some()) {
+            KEPT.fetch_sub(1, Ordering::Relaxed);
+        }
         drop(entry); // without the lock, as above
+    }
+}
+
+/// The numbers of an array that is C-contiguous, aligned and of native `f64`, as they were when it was read:
+/// whatever becomes of the array object, they stay where they are.
+pub(super) struct Memory<'py> {
+    data: *const f64,
+    count: usize,
+    array: Bound<'py, PyUntypedArray>,
+    held: BorrowedArray,
+}
+
+impl<'py> Memory<'py> {
+    /// Those of such an array, which is held.
+    pub(super) fn new(array: Bound<'py, PyUntypedArray>, held: BorrowedArray) -> PyResult<Self> {
+        let count = count(array.shape())?;
+        // SAFETY: a live array object has a valid header; only the address is taken here.
+        let data = unsafe { (*array.as_array_ptr().cast::<PyArrayObject>()).fields.data };
+        Ok(Self { data: data.cast_const().cast(), count, array, held })
+    }
+
+    /// The array as it was read, which had this shape.
+    pub(super) fn source(&self, shape: &[usize]) -> PyResult<Bound<'py, PyUntypedArray>> {
+        self.held.source(&self.array, shape)
+    }
+
+    /// The array object itself.
+    pub(super) fn array(&self) -> &Bound<'py, PyUntypedArray> {
+        &self.array
+    }
+
+    pub(super) fn numbers(&self) -> &[f64] {
+        if self.count == 0 {
+            return &[];
+        }
+        if let Some(kept) = self.held.kept() {
+            return kept;
+        }
+        // SAFETY: so many aligned numbers were there when the array was read; it is held, and with it its memory.
+        // No kernel writes to it.
+        unsafe { std::slice::from_raw_parts(self.data, self.count) }
     }
 }
 
@@ -69,7 +151,7 @@ struct BorrowError {
 
 /// Notes that an argument is read.
 pub fn read(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<BorrowedArray> {
-    let (held, clash) = hold(array, None);
+    let (held, clash) = hold(array, None)?;
     match clash {
         None => Ok(held),
         Some(_) => Err(refuse(argument, "not be written to meanwhile", "an array in use as out=")),
@@ -82,7 +164,7 @@ pub fn write(
     rule: impl FnOnce() -> String,
     array: &Bound<'_, PyUntypedArray>,
 ) -> PyResult<BorrowedArray> {
-    let (held, clash) = hold(array, Some(argument));
+    let (held, clash) = hold(array, Some(argument))?;
     let Some(clash) = clash else { return Ok(held) };
     if !clash.own {
         return Err(refuse(argument, &rule(), "a read-only array or one in use"));
@@ -109,7 +191,8 @@ pub fn places(array: &Bound<'_, PyUntypedArray>) -> Places {
 }
 
 /// Notes an array, and what stands against that: whoever writes to memory shares it with nobody. No Python code runs.
-fn hold(array: &Bound<'_, PyUntypedArray>, written: Option<&str>) -> (BorrowedArray, Option<BorrowError>) {
+fn hold(array: &Bound<'_, PyUntypedArray>, written: Option<&str>) -> PyResult<(BorrowedArray, Option<BorrowError>)> {
+    let pin = PyWeakrefReference::new(array.as_any())?.unbind();
     let (places, thread) = (places(array), thread::current().id());
     let mut entries = entries();
     let clash = entries
@@ -123,11 +206,40 @@ fn hold(array: &Bound<'_, PyUntypedArray>, written: Option<&str>) -> (BorrowedAr
     entries.all.push(Entry {
         number,
         places,
-        _array: array.clone().unbind(),
+        array: array.clone().unbind(),
+        _pin: pin,
+        kept: None,
         written: written.map(str::to_owned),
         thread,
     });
-    (BorrowedArray(number), clash)
+    Ok((BorrowedArray(number), clash))
+}
+
+/// True if a call of this thread reads an array.
+pub fn reads() -> bool {
+    let here = thread::current().id();
+    entries().all.iter().any(|entry| entry.thread == here && entry.written.is_none())
+}
+
+/// Keeps the numbers that this thread reads, before code of the caller's runs, which may change them; `numbers` copies
+/// those of an array.
+pub(super) fn keep<'py>(
+    py: Python<'py>,
+    numbers: impl Fn(&Bound<'py, PyUntypedArray>) -> PyResult<Option<Vec<f64>>>,
+) -> PyResult<()> {
+    let here = thread::current().id();
+    let is_read = |entry: &&Entry| entry.thread == here && entry.written.is_none() && entry.kept.is_none();
+    let read: Vec<_> =
+        entries().all.iter().filter(is_read).map(|entry| (entry.number, entry.array.clone_ref(py))).collect();
+    for (number, array) in read {
+        // What NumPy has to convert is a copy already.
+        let Some(numbers) = numbers(array.bind(py))? else { continue };
+        if let Some(entry) = entries().all.iter_mut().find(|entry| entry.number == number) {
+            entry.kept = Some(numbers);
+            KEPT.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+    Ok(())
 }
 
 /// The number of elements of an array of this shape. `MemoryError` if no memory could hold them.

@@ -14,7 +14,7 @@ mod scalars;
 mod strided;
 
 pub use array::{items, name, number, read_array, singles};
-pub use broadcast::{Broadcast, Named, given, joined, joint, named, together};
+pub use broadcast::{Broadcast, Named, given, joined, joint, named, rows_over, together};
 pub use compute::{batches_at_work, compute, compute_rows, forget_other_threads};
 pub use errors::{
     ArgumentTypeError, OrRaise, choice, is_interrupted, is_of_another_kind, one_row, one_twist, one_twist_first, raise,

@@ -7,11 +7,12 @@ use numpy::{
 };
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyString, PyType};
 
 use super::errors::{ArgumentTypeError, refuse, refuse_shape, shape_text, short_repr};
 use super::memory::{self, BorrowedArray};
 use super::numpy_module::{Array, numpy, ready};
+use super::strided;
 
 /// Set on arrays that warn when they are written to.
 const WARN_ON_WRITE: i32 = 1 << 31;
@@ -32,6 +33,9 @@ impl Precision {
     ) -> PyResult<Option<Self>> {
         let Some(dtype) = dtype else { return Ok(None) };
         let rule = "be float64 or float32";
+        if !dtype.is_instance_of::<PyString>() && !dtype.is_instance_of::<PyType>() {
+            strided::keep_read(py)?; // it may run code of the caller's
+        }
         let known = numpy(py)?.call_method1(intern!(py, "dtype"), (dtype,));
         let known = known.map_err(|_| refuse("dtype", rule, &short_repr(dtype)))?;
         let known = known.cast_into::<PyArrayDescr>()?;

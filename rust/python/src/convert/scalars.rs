@@ -8,8 +8,8 @@ use six_wheel_kinematics::geometry::Steps;
 use super::array::read_array;
 use super::broadcast::Broadcast;
 use super::errors::{check_finite, refuse_shape, shape_text};
-use super::input::{Memory, contiguous};
-use super::memory::repeated;
+use super::input::contiguous;
+use super::memory::{Memory, repeated};
 
 /// One number, or one per row.
 pub struct Scalars<'py> {
@@ -107,7 +107,7 @@ impl Broadcast for Scalars<'_> {
     /// One number stays one.
     fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
         if let Some(each) = &self.each {
-            *self = Self::of(argument, &repeated(&each.array, &self.shape, leading)?)?;
+            *self = Self::of(argument, &repeated(&each.source(&self.shape)?, &self.shape, leading)?)?;
         }
         Ok(())
     }

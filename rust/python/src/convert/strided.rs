@@ -136,3 +136,8 @@ impl Source for Strided {
         (self.reader)(self, first, target);
     }
 }
+
+/// Keeps the numbers that this thread reads, before code of the caller's runs, which may change them.
+pub(super) fn keep_read(py: Python<'_>) -> PyResult<()> {
+    memory::keep(py, |array| Strided::of(array).map(|strided| strided.all()).transpose())
+}

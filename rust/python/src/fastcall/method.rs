@@ -56,6 +56,18 @@ macro_rules! fast_method {
     };
 }
 
+/// Puts a function before methods that have no quick way, so that unknown keywords are refused with the nearest one.
+macro_rules! checked_methods {
+    ($py:expr, $class:ty: $($name:literal)*) => {$({
+        fast_method!(General<0>: $class, $name, [], 0, unanswered);
+
+        fn unanswered<'py>(_: Borrowed<'_, 'py, $class>, []: Arguments<'_, 'py, 0>) -> Answer<'py> {
+            None
+        }
+        crate::fastcall::install::<0, General>($py)?;
+    })*};
+}
+
 /// Name and parameters of a quick method, and the method behind it.
 pub struct Method<const N: usize> {
     name: &'static CStr,
@@ -141,7 +153,13 @@ unsafe extern "C" fn entry<const N: usize, Q: Quick<N>>(
     }
     match method.general.get(py) {
         // SAFETY: a method of the same class in the same convention.
-        Some(general) => unsafe { general(this, arguments, count, names) },
+        Some(general) => {
+            let answer = unsafe { general(this, arguments, count, names) };
+            if answer.is_null() && !names.is_null() {
+                super::keywords::explain(&py.get_type::<Q::Class>(), method.name);
+            }
+            answer
+        }
         None => null_mut(),
     }
 }

@@ -141,7 +141,7 @@ functions! {
     ///
     /// Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, ch. 2.
     pub fn integrate[py: Python<'py>](twists, dt, start=None, *, out=None, dtype=None, threads: Option<i64> = None,
-        level: Option<&str> = None)
+        level: Option<&str> = None, **)
     as "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, threads=None, level=None)"
     -> PyResult<AnyArray<'py>> {
         let twists = Blocks::read("twists", twists, 3)?;
@@ -192,7 +192,7 @@ functions! {
     ///     If a value is not finite or a duration is negative.
     pub fn rollout[py: Python<'py>](controls, dt, start=None, *, out=None, dtype=None,
         rover: Option<Bound<'py, Rover>> = None, limits: Option<Limits> = None, twist=None, steering=None,
-        delay: f64 = 0.0, threads: Option<i64> = None, level: Option<&str> = None)
+        delay: f64 = 0.0, threads: Option<i64> = None, level: Option<&str> = None, **)
     as "(controls, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, level=None)"
     -> PyResult<AnyArray<'py>> {
         let course = Course::read_controls(controls, dt, start)?;

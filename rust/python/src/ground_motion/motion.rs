@@ -5,7 +5,7 @@ use six_wheel_ground_motion::{Command, Commands, Movings, ReadingRows, View, for
 
 use super::results::{Columns, GroundCommand, GroundMotion};
 use super::settled_pose_input::Stands;
-use crate::convert::{Out, Rows, choice, compute_rows, joined, number, refuse};
+use crate::convert::{Out, Rows, choice, compute_rows, given, joined, named, number, refuse, together};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
@@ -29,7 +29,7 @@ methods! { Suspension:
     /// ----------
     /// stand : SettledPose
     ///     Result of `settle`, shape (...). Rows that did not settle give NaN.
-    /// command : array_like, shape (..., 2) or (2,)
+    /// command : array_like, shape (..., 2)
     ///     Forward speed [m/s] and yaw rate [rad/s].
     /// view : {'body', 'plan'}
     ///     Frame of the motion: the body's, along its x and about its z axis, or seen from above, along the heading.
@@ -61,19 +61,16 @@ methods! { Suspension:
     fn inverse[&self, py: Python<'py>](stand, command, *, view: &str = "body", steering=None, max_wheel_speed=None,
         out=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<GroundCommand> {
         let chain = &self.chain;
-        let stands = Stands::read(chain, stand)?;
-        let commands = Rows::read_finite("command", command, 2)?;
-        let leading = if stands.is_single() {
-            commands.leading.clone()
-        } else {
-            if !commands.is_single() {
-                commands.check_leading("command", stands.leading())?;
-            }
-            stands.leading().to_vec()
-        };
-        let count: usize = leading.iter().product();
+        let mut stands = Stands::read(chain, stand)?;
         let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let kept = steering.map(|kept| stands.read_beside("steering", kept, steered, &leading)).transpose()?;
+        let mut commands = Rows::read_finite("command", command, 2)?;
+        let mut kept = Rows::read_optional("steering", steering, steered)?;
+        let numbers = [named("stand", &mut stands), named("command", &mut commands)];
+        let leading = together(numbers.into_iter().chain(given("steering", &mut kept)))?;
+        let count: usize = leading.iter().product();
+        if let Some(kept) = &kept {
+            stands.check_finite("steering", kept)?;
+        }
         let mut how = Command { view: self::view(view)?, offset: self.motion.offset, wheel_speed: f64::INFINITY };
         if let Some(limit) = max_wheel_speed {
             how.wheel_speed = number("max_wheel_speed", limit)?;
@@ -146,19 +143,26 @@ methods! { Suspension:
         angular_velocity=None, *, steering_rates=None, weights=None, out=None, threads: Option<i64> = None,
         level: Option<&str> = None) -> PyResult<GroundMotion> {
         let chain = &self.chain;
-        let stands = Stands::read(chain, stand)?;
+        let mut stands = Stands::read(chain, stand)?;
         let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let speeds = Rows::read("wheel_speeds", wheel_speeds, wheels)?;
-        let leading = if stands.is_single() { speeds.leading.clone() } else { stands.leading().to_vec() };
-        speeds.check_leading("wheel_speeds", &leading)?;
-        let beside = |name: &'static str, value, width| Rows::read_beside(name, value, width, &leading);
-        let of_joints = |name, rows: Option<&Bound<'py, PyAny>>| {
-            rows.map(|rows| stands.read_beside(name, rows, steered, &leading)).transpose()
-        };
-        let steering = of_joints("steering", steering)?;
-        let measured = beside("joint_rates", joint_rates, joints)?;
-        let turning = beside("angular_velocity", angular_velocity, 3)?;
-        let steering_rates = of_joints("steering_rates", steering_rates)?;
+        let mut speeds = Rows::read("wheel_speeds", wheel_speeds, wheels)?;
+        let mut steering = Rows::read_optional("steering", steering, steered)?;
+        let mut measured = Rows::read_optional("joint_rates", joint_rates, joints)?;
+        let mut turning = Rows::read_optional("angular_velocity", angular_velocity, 3)?;
+        let mut steering_rates = Rows::read_optional("steering_rates", steering_rates, steered)?;
+        let numbers = [named("stand", &mut stands), named("wheel_speeds", &mut speeds)];
+        let numbers = numbers
+            .into_iter()
+            .chain(given("steering", &mut steering))
+            .chain(given("joint_rates", &mut measured))
+            .chain(given("angular_velocity", &mut turning))
+            .chain(given("steering_rates", &mut steering_rates));
+        let leading = together(numbers)?;
+        for (name, rows) in [("steering", &steering), ("steering_rates", &steering_rates)] {
+            if let Some(rows) = rows {
+                stands.check_finite(name, rows)?;
+            }
+        }
         let gaps =
             [("wheel_speeds", Some(&speeds)), ("joint_rates", measured.as_ref()), ("angular_velocity", turning.as_ref())];
         for (name, rows) in gaps {

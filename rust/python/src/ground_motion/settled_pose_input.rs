@@ -2,18 +2,45 @@
 
 use pyo3::prelude::*;
 use six_wheel_ground_motion::{SettledPoseInput, SettledPoses};
+use six_wheel_terrain::ground;
 use six_wheel_terrain::suspension::Chain;
 
 use crate::arguments::other_kind;
-use crate::convert::{Rows, Scalars, refuse_shape, shape_text};
+use crate::convert::{Broadcast, Rows, Scalars, joined, refuse_shape, rows_over, shape_text};
 use crate::settle::Stand;
 
 /// Settled poses: the result of `settle`, or an object with the same attributes. Read once for all rows.
 pub enum Stands<'py> {
     /// The numbers as they are.
     Settled(Bound<'py, Stand>),
+    /// The same over more axes.
+    Repeated(Repeated),
     /// The numbers of its attributes.
     Told(Box<Attributes<'py>>),
+}
+
+/// Settled poses over more axes than they had.
+pub struct Repeated {
+    leading: Vec<usize>,
+    stands: Vec<ground::Stand>,
+    poses: Vec<[f64; 3]>,
+    steering: Vec<f64>,
+}
+
+impl Repeated {
+    fn new(stand: &Stand, leading: &[usize]) -> Self {
+        let rows = rows_over(&stand.leading, leading);
+        let one = stand.steering.is_empty() || stand.stands.len() * stand.angles(0).len() != stand.steering.len();
+        Self {
+            leading: leading.to_vec(),
+            stands: rows.iter().map(|&row| stand.stands[row]).collect(),
+            poses: rows.iter().map(|&row| stand.poses[row]).collect(),
+            steering: match one {
+                true => stand.steering.clone(),
+                false => rows.iter().flat_map(|&row| stand.angles(row)).copied().collect(),
+            },
+        }
+    }
 }
 
 /// Attributes of an object like `SettledPose`.
@@ -85,40 +112,17 @@ impl<'py> Stands<'py> {
         }
     }
 
-    /// Lengths of the leading axes.
-    pub fn leading(&self) -> &[usize] {
-        match self {
-            Self::Settled(stand) => &stand.get().leading,
-            Self::Told(told) => &told.leading,
-        }
-    }
-
-    /// Number of rows.
-    pub fn count(&self) -> usize {
-        self.leading().iter().product()
-    }
-
-    /// True for one pose, false for a batch.
-    pub fn is_single(&self) -> bool {
-        self.leading().is_empty()
-    }
-
-    /// Reads numbers beside the poses. Where a pose does not stand they may be NaN, as other calls give them for it.
-    pub fn read_beside(
-        &self,
-        name: &'static str,
-        value: &Bound<'py, PyAny>,
-        width: usize,
-        leading: &[usize],
-    ) -> PyResult<Rows<'py>> {
-        let rows = Rows::read_over(name, value, width, leading)?;
-        rows.check_finite_where(name, |row| !self.stands(if self.is_single() { 0 } else { row }))?;
-        Ok(rows)
+    /// Fails unless numbers beside the poses are finite. Where a pose does not stand they may be NaN, as other calls give
+    /// them for it.
+    pub fn check_finite(&self, name: &'static str, rows: &Rows<'py>) -> PyResult<()> {
+        let single = self.leading().iter().product::<usize>() == 1;
+        rows.check_finite_where(name, |row| !self.stands(if single { 0 } else { row }))
     }
 
     /// True if a pose stands.
     fn stands(&self, row: usize) -> bool {
         match self {
+            Self::Repeated(repeated) => repeated.stands[row].status.stands(),
             Self::Settled(stand) => stand.get().stands[row].status.stands(),
             Self::Told(told) => !told.roll.flat()[row].is_nan(),
         }
@@ -131,6 +135,9 @@ impl<'py> Stands<'py> {
                 let stand = stand.get();
                 SettledPoses::Settled { stands: &stand.stands, poses: &stand.poses, steering: &stand.steering }
             }
+            Self::Repeated(Repeated { stands, poses, steering, .. }) => {
+                SettledPoses::Settled { stands, poses, steering }
+            }
             Self::Told(told) => SettledPoses::Input(SettledPoseInput {
                 roll: told.roll.flat(),
                 pitch: told.pitch.flat(),
@@ -142,5 +149,44 @@ impl<'py> Stands<'py> {
                 gap: told.gap.flat(),
             }),
         }
+    }
+}
+
+impl Broadcast for Stands<'_> {
+    fn leading(&self) -> &[usize] {
+        match self {
+            Self::Settled(stand) => &stand.get().leading,
+            Self::Repeated(repeated) => &repeated.leading,
+            Self::Told(told) => &told.leading,
+        }
+    }
+
+    fn shape_over(&self, leading: &[usize]) -> Vec<usize> {
+        leading.to_vec()
+    }
+
+    /// One pose stays one: the core takes it for all rows.
+    fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
+        if self.leading().iter().product::<usize>() == 1 {
+            return Ok(());
+        }
+        match self {
+            Self::Settled(stand) => *self = Self::Repeated(Repeated::new(stand.get(), leading)),
+            Self::Repeated(_) => {}
+            Self::Told(told) => {
+                let wheels = told.normals.leading.last().copied().unwrap_or_default();
+                told.leading = leading.to_vec();
+                told.roll.spread(argument, leading)?;
+                told.pitch.spread(argument, leading)?;
+                told.transform.spread(argument, &joined(leading, 4))?;
+                told.normals.spread(argument, &joined(leading, wheels))?;
+                let numbers =
+                    [told.joints.as_mut(), told.steering.as_mut(), Some(&mut told.angles), Some(&mut told.gap)];
+                for rows in numbers.into_iter().flatten() {
+                    rows.spread(argument, leading)?;
+                }
+            }
+        }
+        Ok(())
     }
 }

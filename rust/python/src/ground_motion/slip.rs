@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use six_wheel_ground_motion::{SlipInput, SlipTest, Slips, slip_rows};
 
 use super::settled_pose_input::Stands;
-use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, refuse};
+use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, named, refuse, together};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
@@ -52,12 +52,20 @@ methods! { Suspension:
     -> PyResult<WheelSlip> {
         let workers = any_workers(threads, None)?;
         let chain = &self.chain;
-        let stands = Stands::read(chain, stand)?;
+        let mut stands = Stands::read(chain, stand)?;
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
-        let leading = stands.leading().to_vec();
-        let speeds = stands.read_beside("wheel_speeds", wheel_speeds, wheels, &leading)?;
-        let twists = stands.read_beside("twist", twist, 6, &leading)?;
-        let rates = stands.read_beside("joint_rates", joint_rates, joints, &leading)?;
+        let mut speeds = Rows::read("wheel_speeds", wheel_speeds, wheels)?;
+        let mut twists = Rows::read("twist", twist, 6)?;
+        let mut rates = Rows::read("joint_rates", joint_rates, joints)?;
+        let leading = together([
+            named("stand", &mut stands),
+            named("wheel_speeds", &mut speeds),
+            named("twist", &mut twists),
+            named("joint_rates", &mut rates),
+        ])?;
+        for (name, rows) in [("wheel_speeds", &speeds), ("twist", &twists), ("joint_rates", &rates)] {
+            stands.check_finite(name, rows)?;
+        }
         let shapes = [(); 2].map(|()| joined(&leading, wheels));
         let mut results = Out::read(out, ["ratio", "angle"])?.results(py, shapes, false)?;
         let footings = stands.footings();
@@ -65,7 +73,7 @@ methods! { Suspension:
         let slips = Slips { ratios, angles };
         let twists = twists.flat().as_chunks().0;
         let input = SlipInput { speeds: speeds.flat(), twists, joint_rates: rates.flat() };
-        compute_rows(py, stands.count(), &leading, || {
+        compute_rows(py, speeds.count(), &leading, || {
             slip_rows(chain, &self.motion, &footings, &input, slips, workers)
         })?;
         let [ratio, angle] = results.finish_arrays()?;
@@ -148,7 +156,8 @@ functions! {
     ///
     /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
     /// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
-    pub fn body_slip[py: Python<'py>](navigated, kinematic, covariance, *, false_alarm: f64 = 0.01)
+    pub fn body_slip[py: Python<'py>](navigated, kinematic, covariance, *, false_alarm: f64 = 0.01, **)
+    as "(navigated, kinematic, covariance, *, false_alarm=0.01)"
     -> PyResult<BodySlip> {
         let length = navigated.len().unwrap_or(0);
         if !(1..=6).contains(&length) {

@@ -6,7 +6,9 @@ use six_wheel_ground_motion::{Drives, Driving, Lift, Turns, traction_rows};
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
 use super::results::{Columns, array};
-use crate::convert::{Out, Rows, Scalars, compute_rows, joined, memory, refuse, scalar_or_array};
+use crate::convert::{
+    Out, Rows, Scalars, compute_rows, given, joined, memory, named, refuse, scalar_or_array, together,
+};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
@@ -51,24 +53,14 @@ pickled_by_fields! { Traction, this, py:
     Self(Columns::Batch([wheel_speeds, steering, contact_angles, lifted, vertical_speed]))
 }
 
-/// One finite number for all rows, or one for each.
-fn read_speeds<'py>(name: &'static str, value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<Scalars<'py>> {
-    let scalars = Scalars::read(name, value)?;
-    if !scalars.shape.is_empty() {
-        scalars.fit_exactly(name, leading)?;
-    }
-    scalars.check_finite(name).map(|()| scalars)
-}
-
 /// True and the curvature, or false and the yaw rate: one of them is given.
 fn read_turn<'py>(
     curvature: Option<&Bound<'py, PyAny>>,
     yaw_rate: Option<&Bound<'py, PyAny>>,
-    leading: &[usize],
 ) -> PyResult<(bool, Scalars<'py>)> {
     match (curvature, yaw_rate) {
-        (Some(curvature), None) => Ok((true, read_speeds("curvature", curvature, leading)?)),
-        (None, Some(yaw_rate)) => Ok((false, read_speeds("yaw_rate", yaw_rate, leading)?)),
+        (Some(curvature), None) => Ok((true, Scalars::read_finite("curvature", curvature)?)),
+        (None, Some(yaw_rate)) => Ok((false, Scalars::read_finite("yaw_rate", yaw_rate)?)),
         (Some(_), Some(_)) => Err(refuse("curvature", "be None where yaw_rate is given", "both")),
         (None, None) => Err(refuse("curvature", "be given, or yaw_rate", "neither")),
     }
@@ -141,14 +133,26 @@ methods! { Suspension:
         out=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<Traction> {
         let chain = &self.chain;
         let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let turning = Rows::read_finite("angular_velocity", angular_velocity, 3)?;
-        let (leading, count) = (turning.leading.clone(), turning.count());
-        let angles = Rows::read_finite_over("joints", joints, free, &leading)?;
-        let rates = Rows::read_finite_over("joint_rates", joint_rates, free, &leading)?;
-        let present = Rows::read_finite_beside("steering", steering, steered, &leading)?;
-        let measured = Rows::read_finite_beside("wheel_speeds", wheel_speeds, wheels, &leading)?;
-        let speed = read_speeds("speed", speed, &leading)?;
-        let (curved, turn) = read_turn(curvature, yaw_rate, &leading)?;
+        let mut turning = Rows::read_finite("angular_velocity", angular_velocity, 3)?;
+        let mut angles = Rows::read_finite("joints", joints, free)?;
+        let mut rates = Rows::read_finite("joint_rates", joint_rates, free)?;
+        let finite = |name, value: Option<&Bound<'py, PyAny>>, width| {
+            value.map(|value| Rows::read_finite(name, value, width)).transpose()
+        };
+        let mut present = finite("steering", steering, steered)?;
+        let mut measured = finite("wheel_speeds", wheel_speeds, wheels)?;
+        let mut speed = Scalars::read_finite("speed", speed)?;
+        let (curved, mut turn) = read_turn(curvature, yaw_rate)?;
+        let numbers = [
+            named("angular_velocity", &mut turning),
+            named("joints", &mut angles),
+            named("joint_rates", &mut rates),
+            named("speed", &mut speed),
+            named(if curved { "curvature" } else { "yaw_rate" }, &mut turn),
+        ];
+        let numbers = numbers.into_iter().chain(given("steering", &mut present));
+        let leading = together(numbers.chain(given("wheel_speeds", &mut measured)))?;
+        let count = turning.count();
         let lift = read_lift(lift_angle, lift_speed)?;
         let workers = any_workers(threads, level)?;
         let shapes = [wheels, steered, wheels].map(|width| joined(&leading, width));

@@ -2,13 +2,13 @@
 
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyMapping};
+use pyo3::types::{PyDict, PyList, PyMapping};
 use six_wheel_odometry::dimensions::NUMBERS;
 use six_wheel_odometry::{Deviations, Encoder as CoreEncoder, Readings, Settings};
 
 use super::values::{Encoder, Noise};
 use crate::arguments::other_kind;
-use crate::convert::{OrRaise, Rows, Scalars, choice, items, number, refuse};
+use crate::convert::{OrRaise, Rows, Scalars, choice, items, number, refuse, refuse_shape};
 
 /// An encoder for all joints, one per joint, or some by name.
 fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<CoreEncoder>> {
@@ -39,17 +39,28 @@ fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) ->
     }
 }
 
+/// The kind of readings by the arguments `readings` and `increments`; counts are angles in another unit.
+fn readings_of((readings, increments): (&str, bool), encoders: bool) -> PyResult<Readings> {
+    let all = [("angles", Readings::Angles), ("speeds", Readings::Speeds), ("ticks", Readings::Angles)];
+    let kind = choice("readings", readings, |name| format!("'{name}'"), &all)?;
+    match (readings, increments) {
+        ("ticks", _) if !encoders => Err(refuse("wheel_encoders", "be given with readings='ticks'", "None")),
+        ("speeds", true) => Err(refuse("increments", "be left out with readings='speeds'", "True")),
+        (_, true) => Ok(Readings::Increments),
+        _ => Ok(kind),
+    }
+}
+
 /// The settings that all odometry has: noise, kind of readings, encoders of these wheels and steered wheels.
 pub fn settings(
     noise: Option<Bound<'_, Noise>>,
-    readings: &str,
+    kind: (&str, bool),
     [wheel_encoders, steering_encoders]: [Option<&Bound<'_, PyAny>>; 2],
     [wheels, steered]: [&[&str]; 2],
 ) -> PyResult<Settings> {
-    let all = [("angles", Readings::Angles), ("speeds", Readings::Speeds), ("increments", Readings::Increments)];
     Ok(Settings {
         noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
-        readings: choice("readings", readings, |name| format!("'{name}'"), &all)?,
+        readings: readings_of(kind, wheel_encoders.is_some())?,
         wheel_encoders: encoders("wheel_encoders", wheel_encoders, wheels)?,
         steering_encoders: encoders("steering_encoders", steering_encoders, steered)?,
         ..Settings::default()
@@ -117,6 +128,29 @@ pub fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
         _ => return Err(rows.refuse_shape("covariance", "(3,) or (3, 3)")),
     }
     Ok(matrix)
+}
+
+/// The covariance or, in its place, the squares of standard deviations.
+pub fn variances<'py>(
+    py: Python<'py>,
+    covariance: Option<&Bound<'py, PyAny>>,
+    std: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let std = match (covariance, std) {
+        (Some(covariance), None) => return Ok(covariance.clone()),
+        (None, Some(std)) => std,
+        (None, None) => return Err(refuse("covariance", "be given, or std in its place", "None")),
+        (Some(_), Some(_)) => return Err(refuse("std", "be left out beside covariance", "both")),
+    };
+    let deviations = Scalars::read("std", std)?;
+    if let Some(negative) = deviations.flat().iter().find(|deviation| deviation.is_nan() || **deviation < 0.0) {
+        return Err(refuse("std", "hold deviations of at least 0", &negative.to_string()));
+    }
+    if deviations.shape.len() != 1 {
+        return Err(refuse_shape("std", "have shape (3,), or (6,) in space", &deviations.shape));
+    }
+    let squares: Vec<f64> = deviations.flat().iter().map(|deviation| deviation * deviation).collect();
+    Ok(PyList::new(py, squares)?.into_any())
 }
 
 /// None is what a rover says that does not steer.

@@ -1,15 +1,14 @@
 //! `six_wheel.Preintegrated`.
 
+mod copies;
 mod parts;
 
 use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple, PyType};
+use pyo3::types::PyDict;
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_numerics::error::Error;
-use six_wheel_odometry::preintegrated::{
-    Column, ErrorFrame, PreintegratedMotion, PreintegrationOptions, Residual, Samples,
-};
+use six_wheel_odometry::preintegrated::{Column, ErrorFrame, PreintegratedMotion, PreintegrationOptions, Residual};
 use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 
 use super::input::{settings, steering_left_out};
@@ -17,6 +16,7 @@ use super::values::{Gyroscope, Noise};
 use crate::arguments::ArgumentKind;
 use crate::convert::{OrRaise, Rows, Scalars, choice, compute, is_interrupted, number, raise, refuse};
 use crate::rover::Rover;
+use crate::state_lock::Shared;
 
 /// Names of the dimensions of wheels, as of `TwistJacobian`, in the order of `DIMENSIONS`; of constant slip; of the bias.
 const NAMES: [&str; 7] = ["radius", "x", "y", "heading", "scrub", "trail", "roller_angle"];
@@ -24,10 +24,13 @@ const SLIPS: [&str; 2] = ["slip", "side_slip"];
 const BIAS: &str = "gyroscope_bias";
 
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
-/// Columns by their name.
-type Named = Vec<(String, Vec<Column>)>;
-/// Stamps, readings of steering joints and of wheels, yaw rates, attitudes.
-type RestoredSamples = (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>, Vec<[f64; 4]>);
+/// A change by its name: its columns, and a number for each.
+struct Change {
+    name: String,
+    columns: Vec<Column>,
+    numbers: Vec<f64>,
+}
+
 /// Error, its derivatives by two poses, and those by what may change.
 type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'py, PyDict>);
 
@@ -48,7 +51,7 @@ type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'
 ///     Standard deviations of readings and slip, default ``Noise()``.
 /// gyroscope : Gyroscope, optional
 ///     Of the `yaw_rate` that comes with the samples: its noise, and the bias that is taken off.
-/// readings, wheel_encoders, steering_encoders, method
+/// readings, increments, wheel_encoders, steering_encoders, method
 ///     As for `Odometry`.
 /// in_space : bool
 ///     True if every sample has an attitude: SE(3) instead of the plane. Wheels then move the body in the plane they
@@ -64,12 +67,18 @@ type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'
 ///
 /// Source: C. Forster, L. Carlone, F. Dellaert, D. Scaramuzza, On-Manifold Preintegration for Real-Time
 /// Visual-Inertial Odometry, IEEE T-RO 33(1), 2017, for the idea; the wheel equation here is that of any rover.
-#[pyclass(module = "six_wheel")]
+#[pyclass(frozen, module = "six_wheel")]
 pub struct Preintegrated {
-    core: Core,
+    work: Shared<Work>,
+    in_space: bool,
     rover: Py<Rover>,
     /// Options of the constructor that were given, by name.
     given: Py<PyDict>,
+}
+
+/// The state that one thread at a time works with.
+struct Work {
+    core: Core,
     /// Of the samples so far.
     replayed: Option<PreintegratedMotion>,
 }
@@ -82,43 +91,64 @@ getters! { Preintegrated, self, py:
     /// Name of the tangent space of `covariance`, `residual` and all derivatives.
     tangent: &'static str = "end";
     /// When the motion begins [s]; None before a sample.
-    begin: Option<f64> = self.core.span().map(|[begin, _]| begin);
+    begin: PyResult<Option<f64>> = Ok(self.span(py)?.map(|[begin, _]| begin));
     /// When it ends [s]; None before a sample.
-    end: Option<f64> = self.core.span().map(|[_, end]| end);
+    end: PyResult<Option<f64>> = Ok(self.span(py)?.map(|[_, end]| end));
     /// From begin to end [s].
-    duration: f64 = self.core.span().map_or(0.0, |[begin, end]| end - begin);
+    duration: PyResult<f64> = Ok(self.span(py)?.map_or(0.0, |[begin, end]| end - begin));
     /// The rover.
     rover: Py<Rover> = self.rover.clone_ref(py);
     /// Standard deviations of readings and slip.
-    noise: Noise = self.core.options().settings.noise.into();
+    noise: PyResult<Noise> = Ok(self.work.lock(py)?.core.options().settings.noise.into());
     /// Error model of the gyroscope; None without one.
-    gyroscope: Option<Gyroscope> = self.core.options().gyroscope.map(Gyroscope);
+    gyroscope: PyResult<Option<Gyroscope>> = Ok(self.work.lock(py)?.core.options().gyroscope.map(Gyroscope));
+}
+
+impl Preintegrated {
+    /// Begin and end [s], once there is a sample.
+    fn span(&self, py: Python<'_>) -> PyResult<Option<[f64; 2]>> {
+        Ok(self.work.lock(py)?.core.span())
+    }
+}
+
+/// Changes as one of the motion in its tangent.
+fn in_tangent(changes: &[Change], motion: &PreintegratedMotion) -> [f64; 6] {
+    let mut sum = [0.0; 6];
+    for change in changes {
+        for (&column, number) in change.columns.iter().zip(&change.numbers) {
+            for (sum, part) in sum.iter_mut().zip(motion.by(column).iter()) {
+                *sum += part * number;
+            }
+        }
+    }
+    sum
 }
 
 methods! { Preintegrated:
     #[new]
     fn new[](rover: Bound<'py, Rover>, noise: Option<Bound<'py, Noise>> = None, *,
-        gyroscope: Option<Bound<'py, Gyroscope>> = None, readings: &str = "angles", wheel_encoders=None,
-        steering_encoders=None, method: &str = "least_squares", in_space: bool = false,
+        gyroscope: Option<Bound<'py, Gyroscope>> = None, readings: &str = "angles", increments: bool = false,
+        wheel_encoders=None, steering_encoders=None, method: &str = "least_squares", in_space: bool = false,
         attitude_noise: Option<f64> = None, **)
-    as "(rover, noise=None, *, gyroscope=None, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
+    as "(rover, noise=None, *, gyroscope=None, readings='angles', increments=False, wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
     -> PyResult<Self> {
         let py = rover.py();
-        let given = dict!(py, noise = &noise, gyroscope = &gyroscope, readings, wheel_encoders, steering_encoders, method,
-            in_space, attitude_noise);
+        let given = dict!(py, noise = &noise, gyroscope = &gyroscope, readings, increments, wheel_encoders, steering_encoders,
+            method, in_space, attitude_noise);
         let core = &rover.get().core;
         let [wheels, steered] = rover.get().wheels_and_steered();
         let options = PreintegrationOptions {
             settings: Settings {
                 method: method.parse::<Method>().or_raise(&[])?,
-                ..settings(noise, readings, [wheel_encoders, steering_encoders], [&wheels, &steered])?
+                ..settings(noise, (readings, increments), [wheel_encoders, steering_encoders], [&wheels, &steered])?
             },
             gyroscope: gyroscope.map(|known| known.get().0),
             in_space,
             attitude_noise: attitude_noise.unwrap_or(0.01),
         };
         let core = Core::new(core.clone(), options).or_raise(&[])?;
-        Ok(Self { core, rover: rover.clone().unbind(), given: given.unbind(), replayed: None })
+        let work = Shared::new(Work { core, replayed: None });
+        Ok(Self { work, in_space, rover: rover.clone().unbind(), given: given.unbind() })
     }
 
     /// Takes in one sample, or all rows of a log. The first one is where the motion begins.
@@ -142,7 +172,7 @@ methods! { Preintegrated:
     ///     If the wheels do not determine the motion.
     /// ValueError
     ///     If a value is not finite, a stamp not later than the last one or a shape wrong; nothing was taken in.
-    fn add[&mut self, py: Python<'py>](steering, wheel_angles=None, stamp=None, *, yaw_rate=None, attitude=None)
+    fn add[&self, py: Python<'py>](steering, wheel_angles=None, stamp=None, *, yaw_rate=None, attitude=None)
     -> PyResult<()> {
         let (Some(wheel_angles), Some(stamp)) = (wheel_angles, stamp) else {
             if wheel_angles.is_some() || stamp.is_some() || !steering.hasattr("wheel_angles")? {
@@ -153,8 +183,7 @@ methods! { Preintegrated:
             let [steering, wheels, stamps] = parts;
             return self.add(py, &steering?, Some(&wheels?), Some(&stamps?), yaw_rate, attitude);
         };
-        let rover = self.core.rover();
-        let (count, joints) = (rover.wheels().len(), rover.steered().len());
+        let (count, joints) = (self.rover.get().count(), self.rover.get().joints());
         let wheels = Rows::read("wheel_angles", wheel_angles, count)?;
         let leading = wheels.leading.as_slice();
         if leading.len() > 1 {
@@ -181,8 +210,9 @@ methods! { Preintegrated:
             yaws: None,
             yaw_rates: rates.as_ref().map(Scalars::flat),
         };
-        self.replayed = None;
-        let core = &mut self.core;
+        let mut work = self.work.lock(py)?;
+        work.replayed = None;
+        let core = &mut work.core;
         compute(py, wheels.count(), || core.add_log(log, attitudes, is_interrupted)).map_err(|error| {
             let row = error.row.filter(|_| !leading.is_empty());
             raise(Error { row, ..error }, leading)
@@ -202,7 +232,7 @@ methods! { Preintegrated:
     ///     Zero where they agree; weigh it by the inverse of `covariance`.
     /// by_i, by_j : ndarray, shape (3, 3) or (6, 6)
     ///     Its derivatives by both poses, as they move by ``pose exp(e)``.
-    fn residual[&mut self, py: Python<'py>](pose_i, pose_j)
+    fn residual[&self, py: Python<'py>](pose_i, pose_j)
     -> PyResult<(Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>)> {
         let (error, by_i, by_j, _) = self.factor(py, pose_i, pose_j, &PyDict::new(py))?;
         Ok((error, by_i, by_j))
@@ -224,16 +254,17 @@ methods! { Preintegrated:
     ///     As in `residual`.
     /// by_changes : dict of str to ndarray
     ///     Derivatives by every change, arrays (3 or 6, wheels).
-    fn factor[&mut self, py: Python<'py>](pose_i, pose_j, changes: native &Bound<'py, PyDict>)
+    fn factor[&self, py: Python<'py>](pose_i, pose_j, changes: native &Bound<'py, PyDict>)
     -> PyResult<Factor<'py>> {
         let poses = [self.pose_of("pose_i", pose_i)?, self.pose_of("pose_j", pose_j)?];
-        let (change, wanted) = self.change(py, changes)?;
-        let rows = self.rows();
-        let replayed = self.replayed(py)?;
+        let (changes, rows) = (self.changes(changes)?, self.rows());
+        let mut work = self.work.lock(py)?;
+        let replayed = work.replayed(py)?;
+        let change = in_tangent(&changes, replayed);
         let residual = Residual::of(&replayed.motion, &change.into(), [&poses[0], &poses[1]]);
         let error: Vec<f64> = rows.iter().map(|&row| residual.error[row]).collect();
         let by_changes = PyDict::new(py);
-        for (name, columns) in wanted {
+        for Change { name, columns, .. } in changes {
             let by: Vec<_> = columns.iter().map(|&column| residual.by_motion * replayed.by(column)).collect();
             let table: Vec<Vec<f64>> = rows.iter().map(|&row| by.iter().map(|one| one[row]).collect()).collect();
             by_changes.set_item(name, PyArray2::from_vec2(py, &table)?)?;
@@ -251,9 +282,10 @@ methods! { Preintegrated:
     /// other : Preintegrated
     ///     Of the same rover, its first sample the last one here.
     fn merge[&self, py: Python<'py>](other: Bound<'py, Self>) -> PyResult<Self> {
-        let other = other.try_borrow()?;
-        let (ours, theirs) = (&self.core, &other.core);
-        let merged = compute(py, theirs.len(), || ours.merge(theirs));
+        // A copy: two objects that are merged into each other by two threads would wait for each other.
+        let theirs = other.get().work.lock(py)?.core.clone();
+        let ours = &self.work.lock(py)?.core;
+        let merged = compute(py, theirs.len(), || ours.merge(&theirs));
         Ok(self.with(merged.or_raise(&[])?, py))
     }
 }
@@ -262,18 +294,19 @@ methods! { Preintegrated:
 impl Preintegrated {
     /// The motion ``begin_from_end``: ``[x, y, yaw]``, the yaw with its full turns, or in space a matrix (4, 4).
     #[getter]
-    fn delta<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        if let Some(pose) = self.core.pose() {
+    fn delta<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut work = self.work.lock(py)?;
+        if let Some(pose) = work.core.pose() {
             return Ok(PyArray1::from_slice(py, &<[f64; 3]>::from(pose)).into_any());
         }
-        let replayed = self.replayed(py)?;
+        let replayed = work.replayed(py)?;
         let (motion, yaw) = (replayed.motion, replayed.yaw);
         Ok(self.written(py, &motion, yaw))
     }
 
     /// Covariance of the motion in the tangent space `tangent`, shape (3, 3) or (6, 6).
     #[getter]
-    fn covariance<'py>(&mut self, py: Python<'py>) -> PyResult<Matrix<'py>> {
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Matrix<'py>> {
         self.covariance_in(py, "end")
     }
 
@@ -284,20 +317,21 @@ impl Preintegrated {
     /// tangent : {'end', 'begin', 'coordinates'}
     ///     ``delta exp(e)``, in axes of the body at the end; ``exp(e) delta``, at the beginning; or ``delta + e``, the
     ///     coordinates of the end seen from the beginning, as `OdometryState.covariance`.
-    fn covariance_in<'py>(&mut self, py: Python<'py>, tangent: &str) -> PyResult<Matrix<'py>> {
+    fn covariance_in<'py>(&self, py: Python<'py>, tangent: &str) -> PyResult<Matrix<'py>> {
         let all = [("end", ErrorFrame::End), ("begin", ErrorFrame::Begin), ("coordinates", ErrorFrame::Coordinates)];
         let chosen = choice("tangent", tangent, |name| format!("'{name}'"), &all)?;
-        if let Some(covariance) = self.core.covariance().filter(|_| tangent == "coordinates") {
+        let mut work = self.work.lock(py)?;
+        if let Some(covariance) = work.core.covariance().filter(|_| tangent == "coordinates") {
             return Ok(PyArray2::from_vec2(py, &covariance.map(Vec::from))?);
         }
-        let covariance = self.replayed(py)?.covariance_in(chosen);
+        let covariance = work.replayed(py)?.covariance_in(chosen);
         self.square(py, |i, k| covariance[(i, k)])
     }
 
     /// Derivatives of the motion by the dimensions of the wheels, dict of name to array (3 or 6, wheels): `radius`,
     /// `x`, `y`, `heading`, `scrub`, `trail`, `roller_angle`.
     #[getter]
-    fn by_dimension<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    fn by_dimension<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.tables(py, NAMES.into_iter())
     }
 
@@ -305,15 +339,16 @@ impl Preintegrated {
     /// by which its contact slipped forwards; `side_slip`, how far it slipped to its left, as a share of the way its pivot
     /// went.
     #[getter]
-    fn by_slip<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    fn by_slip<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.tables(py, SLIPS.into_iter())
     }
 
     /// Derivative by the bias of the gyroscope [rad/s], shape (3,) or (6,); zero without one.
     #[getter]
-    fn by_gyroscope_bias<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn by_gyroscope_bias<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let rows = self.rows();
-        let by = self.replayed(py)?.by(Column::Bias);
+        let mut work = self.work.lock(py)?;
+        let by = work.replayed(py)?.by(Column::Bias);
         let kept: Vec<f64> = rows.iter().map(|&row| by[row]).collect();
         Ok(kept.to_pyarray(py))
     }
@@ -325,9 +360,11 @@ impl Preintegrated {
     /// changes : dict of str to array_like
     ///     By names of `by_dimension` and `by_slip`, arrays of shape (wheels,), or one number for all; and
     ///     ``"gyroscope_bias"`` [rad/s].
-    fn corrected<'py>(&mut self, py: Python<'py>, changes: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
-        let (change, _) = self.change(py, changes)?;
-        let (motion, yaw) = self.replayed(py)?.corrected(change);
+    fn corrected<'py>(&self, py: Python<'py>, changes: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
+        let changes = self.changes(changes)?;
+        let mut work = self.work.lock(py)?;
+        let replayed = work.replayed(py)?;
+        let (motion, yaw) = replayed.corrected(in_tangent(&changes, replayed));
         Ok(self.written(py, &motion, yaw))
     }
 
@@ -339,56 +376,24 @@ impl Preintegrated {
     ///     From `begin` to `end` [s]. Within a step the rover is on its arc.
     fn split(&self, py: Python<'_>, stamp: &Bound<'_, PyAny>) -> PyResult<(Self, Self)> {
         let stamp = number("stamp", stamp)?;
-        let parts = compute(py, self.core.len(), || self.core.split(stamp));
+        let core = &self.work.lock(py)?.core;
+        let parts = compute(py, core.len(), || core.split(stamp));
         let [first, second] = parts.or_raise(&[])?;
         Ok((self.with(first, py), self.with(second, py)))
     }
 
-    fn __len__(&self) -> usize {
-        self.core.len()
+    fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
+        Ok(self.work.lock(py)?.core.len())
     }
 
-    fn __repr__(&mut self, py: Python<'_>) -> PyResult<String> {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let delta = self.delta(py)?;
         let shown: Vec<f64> = delta.call_method0("ravel")?.extract()?;
-        let (samples, duration) = (self.core.len(), self.duration(py));
+        let (samples, duration) = (self.__len__(py)?, self.duration(py)?);
         let place = match shown.as_slice() {
             [x, y, yaw] => format!("x={x:.4} m, y={y:.4} m, yaw={yaw:.4} rad"),
             all => format!("x={:.4} m, y={:.4} m, z={:.4} m", all[3], all[7], all[11]),
         };
         Ok(format!("Preintegrated({samples} samples, {duration} s, {place})"))
-    }
-
-    /// The motion of these samples, as `__reduce__` lists them.
-    #[classmethod]
-    fn _restore(
-        class: &Bound<'_, PyType>,
-        rover: Py<Rover>,
-        given: Bound<'_, PyDict>,
-        samples: RestoredSamples,
-        shares: [f64; 2],
-    ) -> PyResult<Self> {
-        let empty = class.call((rover,), Some(&given))?.cast_into::<Self>()?;
-        let (stamps, steering, wheels, rates, attitudes) = samples;
-        let samples = Samples { stamps, steering, wheels, rates, attitudes };
-        let empty = empty.borrow();
-        Ok(empty.with(empty.core.with_samples(samples, shares).or_raise(&[])?, class.py()))
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let (py, this) = (slf.py(), slf.borrow());
-        let (samples, shares) = this.core.samples();
-        let Samples { stamps, steering, wheels, rates, attitudes } = samples.clone();
-        let samples: RestoredSamples = (stamps, steering, wheels, rates, attitudes);
-        let fields = (&this.rover, &this.given, samples, shares).into_pyobject(py)?;
-        crate::classes::restored_by(slf.as_any(), &fields.iter().collect::<Vec<_>>())
-    }
-
-    fn __copy__(&self, py: Python<'_>) -> Self {
-        self.with(self.core.clone(), py)
-    }
-
-    fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> Self {
-        self.with(self.core.clone(), py)
     }
 }

@@ -7,6 +7,7 @@ use six_wheel_odometry::{Recording, TrackRows};
 
 use super::Odometry;
 use super::input::{Columns, build_track};
+use super::values::Noise;
 use crate::convert::{Array, Output, Scalars, compute_rows, is_interrupted, memory};
 
 methods! { Odometry:
@@ -71,13 +72,14 @@ methods! { Odometry:
         let mut work = self.work.lock(py)?;
         let core = &mut work.core;
         compute_rows(py, rows, &log.wheels.leading, || core.run(recording, log.is_strict, track, is_interrupted))?;
+        let noise = Noise::from(work.core.settings().noise);
         drop(work);
         let finish = |out: Option<Output<'py>>| -> PyResult<Option<Array<'py>>> { out.map(Output::finish).transpose() };
         let stamps = memory::array(py, log.stamps.flat(), &[rows])?;
         let (poses, twists, covariances) = (poses.finish()?, twists.finish()?, finish(covariances)?);
         let (residuals, weights, health) = (finish(residuals)?, finish(weights)?, PyArray1::from_vec(py, flags));
         let rover = &self.rover;
-        let keywords = dict!(py, rover, stamps, poses, twists, covariances, residuals, weights, health);
+        let keywords = dict!(py, rover, stamps, poses, twists, covariances, residuals, weights, health, noise);
         build_track(&keywords, "Track")
     }
 }

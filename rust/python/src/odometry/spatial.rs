@@ -9,7 +9,7 @@ use six_wheel_ground_motion::spatial::{Odometry3 as Core, Recording3, Sample3, S
 use six_wheel_numerics::error::Error;
 use six_wheel_odometry::Settings;
 
-use super::input::{Columns, build_track, row, settings};
+use super::input::{Columns, build_track, row, settings, variances};
 use super::values::Noise;
 use crate::convert::{OrRaise, Output, Rows, Scalars, compute_rows, is_interrupted, memory, ready};
 use crate::state_lock::Shared;
@@ -40,9 +40,11 @@ use state::Odometry3State;
 ///     Standard deviation of roll and of pitch, as read [rad].
 /// joint_noise : float, default 0.001
 ///     Standard deviation of every joint angle, as read [rad].
-/// readings : {'angles', 'speeds', 'increments'}
+/// readings : {'angles', 'speeds', 'ticks'}
 ///     Kind of the wheels' readings: running totals [rad]; rates at the stamps [rad/s], of which a step takes the mean
-///     of its two ends; or what came since the sample before [rad].
+///     of its two ends; or totals in ticks of `wheel_encoders`.
+/// increments : bool, default False
+///     Angles or ticks are those since the sample before, not totals.
 /// wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
 ///     For readings in counts: one for all, one each, or by the name of the wheel.
 /// slip_threshold : float, optional
@@ -53,8 +55,8 @@ use state::Odometry3State;
 ///     Rim speed beyond which a sample is refused [m/s].
 /// max_steering_rate : float, optional
 ///     Steering rate beyond which a sample is refused [rad/s].
-/// lag : float, default 0
-///     Largest delay of a pose given to `correct` [s]; 0: not before the last step.
+/// lag : float, default 1.0
+///     Largest delay of a pose given to `correct` [s]; 0: not before the last step, which is quicker.
 /// history : int, default 1024
 ///     Samples that are kept for that at most.
 ///
@@ -113,10 +115,10 @@ methods! { Odometry3:
     #[new]
     fn new[](suspension: Bound<'py, Suspension>, noise: Option<Bound<'py, Noise>> = None, *,
         ground: Option<Bound<'py, Terrain>> = None, attitude_noise: Option<f64> = None, joint_noise: Option<f64> = None,
-        readings: &str = "angles", wheel_encoders=None, steering_encoders=None, slip_threshold: Option<f64> = None,
+        readings: &str = "angles", increments: bool = false, wheel_encoders=None, steering_encoders=None, slip_threshold: Option<f64> = None,
         max_gap: Option<f64> = None, max_speed: Option<f64> = None, max_steering_rate: Option<f64> = None,
         lag: Option<f64> = None, history: usize = 1024, **)
-    as "(suspension, noise=None, *, ground=None, attitude_noise=0.002, joint_noise=0.001, readings='angles', wheel_encoders=None, steering_encoders=None, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, lag=0.0, history=1024)"
+    as "(suspension, noise=None, *, ground=None, attitude_noise=0.002, joint_noise=0.001, readings='angles', increments=False, wheel_encoders=None, steering_encoders=None, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, lag=1.0, history=1024)"
     -> PyResult<Self> {
         ready(suspension.py())?;
         let chain = &suspension.get().chain;
@@ -127,9 +129,9 @@ methods! { Odometry3:
             max_gap,
             max_speed,
             max_steering_rate,
-            lag: lag.unwrap_or(0.0),
+            lag: lag.unwrap_or(1.0),
             history,
-            ..settings(noise, readings, [wheel_encoders, steering_encoders], [&wheels, &steered])?
+            ..settings(noise, (readings, increments), [wheel_encoders, steering_encoders], [&wheels, &steered])?
         };
         let usual = Settings3::default();
         let settings = Settings3 {
@@ -275,17 +277,19 @@ methods! { Odometry3:
     ///     ``[x, y, z, roll, pitch, yaw]`` [m, rad], the matrix ``world_from_body``, or ``[x, y, yaw]`` with all else 0.
     /// stamp : float
     ///     When the rover was there [s], not before the last `lag` seconds.
-    /// covariance : array_like, shape (6,), (6, 6), (3,) or (3, 3)
+    /// covariance : array_like, shape (6,), (6, 6), (3,) or (3, 3), optional
     ///     Variances or covariance of x, y, z and about the axes of the world; of x, y and yaw those of z, roll and pitch
     ///     are infinite. An infinite variance says nothing of that direction; zeros take the pose at its word.
+    /// std : array_like, shape (6,) or (3,), optional
+    ///     Standard deviations, in place of `covariance`.
     ///
     /// Raises
     /// ------
     /// ValueError
     ///     If a value is not finite, the covariance is none or the stamp too old. The state is as before.
-    fn correct[&self, py: Python<'py>](pose, stamp: f64, covariance) -> PyResult<Odometry3State> {
+    fn correct[&self, py: Python<'py>](pose, stamp: f64, covariance=None, *, std=None) -> PyResult<Odometry3State> {
         let pose = self::pose("pose", pose)?;
-        let matrix = self::covariance(Some(covariance), f64::INFINITY)?;
+        let matrix = self::covariance(Some(&variances(py, covariance, std)?), f64::INFINITY)?;
         self.change(py, |core| core.correct(pose, stamp, matrix))
     }
 

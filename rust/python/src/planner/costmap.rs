@@ -76,7 +76,7 @@ methods! { Costmap:
     #[new]
     fn new[py: Python<'py>](values, spacing, origin=None, *, lethal: Option<f64> = None, outside: Option<f64> = None,
         frame: Option<String> = None, **)
-    as "(values, spacing, origin=(0.0, 0.0), *, lethal=None, outside=None, frame=None)" -> PyResult<Self> {
+    as "(values, spacing, origin=None, *, lethal=None, outside=None, frame=None)" -> PyResult<Self> {
         let numpy = py.import("numpy")?;
         let array = numpy.call_method1("asarray", (values,))?;
         let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;

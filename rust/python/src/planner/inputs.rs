@@ -69,10 +69,10 @@ pub fn precision(dtype: &Bound<'_, PyAny>) -> PyResult<Precision> {
 pub fn read_weights(given: &Bound<'_, PyDict>) -> PyResult<Weights> {
     let mut values = Weights::default().values();
     for (key, value) in given.iter() {
-        let name: String = key.extract().map_err(|_| refuse("weights", "have names", "another key"))?;
+        let name: String = key.extract().map_err(|_| refuse("cost_weights", "have names", "another key"))?;
         let Some(place) = Weights::NAMES.iter().position(|known| *known == name) else {
             let rule = format!("be of {}", Weights::NAMES.join(", "));
-            return Err(refuse("weights", &rule, &format!("{name:?}")));
+            return Err(refuse("cost_weights", &rule, &format!("{name:?}")));
         };
         values[place] = number(&name, &value)?;
     }

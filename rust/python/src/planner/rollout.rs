@@ -12,13 +12,14 @@ use crate::rover::Rover;
 use crate::workers::workers;
 
 /// Fields of the result, as `out=` names them.
-const NAMES: [&str; 5] = ["out.poses", "out.wheel_speed", "out.steering_angle", "out.steering_rate", "out.scrub"];
+const NAMES: [&str; 5] =
+    ["out.poses", "out.max_wheel_speed", "out.max_steering_angle", "out.max_steering_rate", "out.max_side_slip"];
 
 methods! { Rover:
     /// Rollouts for a sampling planner: poses, and the worst that each rollout asks of the wheels.
     ///
     /// One pass over the controls, which need not be possible for this rover: where a wheel cannot steer to where
-    /// it should, it takes the nearest angle it can, and `scrub` says by how much that misses. Every step's angles
+    /// it should, it takes the nearest angle it can, and `max_side_slip` says by how much that misses. Every step's angles
     /// are those of `inverse` with the angles of the step before as `previous`.
     ///
     /// Parameters
@@ -45,9 +46,9 @@ methods! { Rover:
     /// -------
     /// RolloutCost
     ///     A named tuple: ``poses`` (..., k, t + 1, 3) [m, m, rad], the first of every rollout its start, and the
-    ///     largest of each rollout, shape (..., k): ``wheel_speed`` either way round [rad/s], ``steering_angle`` to
-    ///     either side [rad], ``steering_rate`` from step to step, over the duration of the later one [rad/s], and
-    ///     ``scrub``, at which a wheel slides sideways [m/s].
+    ///     largest of each rollout, shape (..., k): ``max_wheel_speed`` either way round [rad/s], ``max_steering_angle`` to
+    ///     either side [rad], ``max_steering_rate`` from step to step, over the duration of the later one [rad/s], and
+    ///     ``max_side_slip``, at which a wheel slides sideways [m/s].
     ///
     /// Raises
     /// ------
@@ -85,7 +86,7 @@ methods! { Rover:
 fn result<'py>(py: Python<'py>, arrays: Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     static RESULT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let class = RESULT.get_or_try_init(py, || {
-        let module = py.import("six_wheel.kinematics.rollout_cost")?;
+        let module = py.import("six_wheel.kinematics.objects.rollout_cost")?;
         module.getattr("RolloutCost").map(Bound::unbind)
     })?;
     class.bind(py).call1(arrays)

@@ -63,9 +63,9 @@ impl Given<'_> {
             let (velocity, acceleration) = (self.at("velocity", axis), self.at("acceleration", axis));
             Bounds {
                 velocity,
-                minimum_velocity: lower(self.at("minimum_velocity", axis), velocity),
+                min_velocity: lower(self.at("min_velocity", axis), velocity),
                 acceleration,
-                minimum_acceleration: lower(self.at("minimum_acceleration", axis), acceleration),
+                min_acceleration: lower(self.at("min_acceleration", axis), acceleration),
                 jerk: self.at("jerk", axis),
             }
         };
@@ -87,7 +87,7 @@ methods! { Profile:
     ///     is no limit. A start beyond them is first brought within, as fast as they allow.
     /// start_velocity, start_acceleration, end_velocity, end_acceleration : float or array_like, optional
     ///     State of motion at both ends, default 0. Accelerations count where the jerk is limited.
-    /// minimum_velocity, minimum_acceleration : float or array_like, optional
+    /// min_velocity, min_acceleration : float or array_like, optional
     ///     Limits of the other direction, negative; default those of the one.
     /// duration : float, optional
     ///     Stretch the profile to this time [s]; default the least possible.
@@ -105,9 +105,9 @@ methods! { Profile:
     /// States, RSS 2021; computed by the crate rsruckig.
     #[staticmethod]
     fn time_optimal[py: Python<'py>](start, end, *, velocity, acceleration=None, jerk=None, start_velocity=None,
-        start_acceleration=None, end_velocity=None, end_acceleration=None, minimum_velocity=None,
-        minimum_acceleration=None, duration: Option<f64> = None, synchronise: &str = "time", **)
-    as "(start, end, *, velocity, acceleration=None, jerk=None, start_velocity=None, start_acceleration=None, end_velocity=None, end_acceleration=None, minimum_velocity=None, minimum_acceleration=None, duration=None, synchronise='time')" -> PyResult<Self> {
+        start_acceleration=None, end_velocity=None, end_acceleration=None, min_velocity=None,
+        min_acceleration=None, duration: Option<f64> = None, synchronise: &str = "time", **)
+    as "(start, end, *, velocity, acceleration=None, jerk=None, start_velocity=None, start_acceleration=None, end_velocity=None, end_acceleration=None, min_velocity=None, min_acceleration=None, duration=None, synchronise='time')" -> PyResult<Self> {
         let mut given = Given { keywords: PyDict::new(py), all: Vec::new() };
         given.add("start", Values::read("start", start)?);
         given.add("end", Values::read("end", end)?);
@@ -118,8 +118,8 @@ methods! { Profile:
         given.read("start_acceleration", start_acceleration, 0.0)?;
         given.read("end_velocity", end_velocity, 0.0)?;
         given.read("end_acceleration", end_acceleration, 0.0)?;
-        given.read_mirrored("minimum_velocity", minimum_velocity)?;
-        given.read_mirrored("minimum_acceleration", minimum_acceleration)?;
+        given.read_mirrored("min_velocity", min_velocity)?;
+        given.read_mirrored("min_acceleration", min_acceleration)?;
         if let Some(duration) = duration {
             given.keywords.set_item("duration", duration)?;
         }

@@ -11,10 +11,8 @@ impl RockerBogie {
     ///
     /// Parameters
     /// ----------
-    /// rho : float
-    ///     Angle of the left rocker [rad]; the right one has ``-rho``.
-    /// beta : array_like, shape (2,)
-    ///     Angles of the left and the right bogie against their rockers [rad].
+    /// joints : array_like, shape (3,)
+    ///     Angles of the left rocker (the right one has the opposite one), the left and the right bogie [rad]; default 0.
     ///
     /// Returns
     /// -------
@@ -25,8 +23,9 @@ impl RockerBogie {
     /// ------
     /// ValueError
     ///     If an angle is not finite or a shape does not fit.
-    fn planar(&self, py: Python<'_>, rho: &Bound<'_, PyAny>, beta: &Bound<'_, PyAny>) -> PyResult<Rover> {
-        let (rho, beta) = Joints::read_one(rho, beta)?;
+    #[pyo3(signature = (joints=None), text_signature = "($self, joints=(0.0, 0.0, 0.0))")]
+    fn planar(&self, py: Python<'_>, joints: Option<&Bound<'_, PyAny>>) -> PyResult<Rover> {
+        let (rho, beta) = joints.map_or(Ok((0.0, [0.0; 2])), Joints::read_one)?;
         Rover::named(py, self.0.planar(rho, beta))
     }
 }

@@ -7,7 +7,7 @@ mod stand;
 use pyo3::prelude::*;
 use six_wheel_terrain::ground::{self, Settler, Status};
 
-use crate::convert::{Rows, compute, memory, raise, read_point};
+use crate::convert::{Rows, compute, memory, named, raise, read_point, together};
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
 use crate::workers::any_workers;
@@ -16,12 +16,12 @@ pub use fastcall::install;
 pub use stability::{Feasibility, MarginJacobian, Stability};
 pub use stand::Stand;
 
-/// Steering angles beside poses: none, one row for all, or one per pose.
-pub fn read_steering(value: Option<&Bound<'_, PyAny>>, joints: usize, leading: &[usize]) -> PyResult<Vec<f64>> {
+/// Steering angles beside poses, whose leading axes then go together: none, one row for all, or one per pose.
+pub fn read_steering(value: Option<&Bound<'_, PyAny>>, joints: usize, poses: &mut Rows<'_>) -> PyResult<Vec<f64>> {
     let Some(value) = value else { return Ok(Vec::new()) };
-    let rows = Rows::read("steering", value, joints)?;
+    let mut rows = Rows::read("steering", value, joints)?;
     if !rows.is_single() {
-        rows.check_leading("steering", leading)?;
+        together([named("poses", poses), named("steering", &mut rows)])?;
     }
     memory::gathered(rows.flat().iter().copied())
 }
@@ -72,8 +72,8 @@ methods! { Suspension:
         derivatives: bool = false, centre_of_mass=None, threads: Option<i64> = None, level: Option<&str> = None)
     -> PyResult<Stand> {
         let chain = &slf.get().chain;
-        let poses = Rows::read("poses", poses, 3)?;
-        let steering = read_steering(steering, chain.steering().len(), &poses.leading)?;
+        let mut poses = Rows::read("poses", poses, 3)?;
+        let steering = read_steering(steering, chain.steering().len(), &mut poses)?;
         let mut settler = Settler::new(&ground.get().0, chain);
         if let Some(centre) = centre_of_mass {
             settler.balance = read_point("centre_of_mass", centre)?.into();

@@ -120,7 +120,7 @@ pub fn slopes<const N: usize>(
 fn allowed(py: Python<'_>, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Allowed> {
     let limits = match limits {
         Some(limits) => limits.clone(),
-        None => py.import("six_wheel.kinematics.statuses")?.call_method0("FeasibilityLimits")?,
+        None => py.import("six_wheel.kinematics.statuses")?.getattr("FeasibilityLimits")?.call_method0("curiosity")?,
     };
     let read = |name: &str| match limits.getattr(name) {
         Ok(value) => number(name, &value),
@@ -152,7 +152,7 @@ methods! { RockerBogie:
     /// poses : array_like, shape (..., 3)
     ///     Rows ``[x, y, yaw]`` of the rover's origin [m, m, rad].
     /// limits : FeasibilityLimits, optional
-    ///     Limits of a feasible pose; default those of Curiosity.
+    ///     Limits of a feasible pose; default ``FeasibilityLimits.curiosity()``.
     /// map_error : float, default 0.0
     ///     Largest error of the heights of the map [m]: bounds hold for all of them, settled
     ///     clearances are less by twice as much.

@@ -17,7 +17,7 @@ use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
 /// A differential couples the rockers: the left one turns by `rho`, the right one by ``-rho``. Each
 /// carries a wheel and a bogie, which turns by ``beta[0]`` on the left and ``beta[1]`` on the right and
 /// carries two wheels. These angles count about +y, so a positive one lowers what lies ahead of the joint.
-/// Steering angles `psi` count counter-clockwise.
+/// Methods take them as `joints`, rows of ``(rho, beta[0], beta[1])``. Steering angles count counter-clockwise.
 ///
 /// The dimensions are those of the left-hand side with all joints at 0, as vectors ``(x, y, z)`` in the
 /// axes of the rover's frame R (x forward, y left, z up) [m]; the right-hand side mirrors them. With the bogies
@@ -129,11 +129,6 @@ impl Link {
     }
 }
 
-/// An argument that may only be left out where another takes its place.
-fn given<'a, 'py>(argument: &str, value: Option<&'a Bound<'py, PyAny>>) -> PyResult<&'a Bound<'py, PyAny>> {
-    value.ok_or_else(|| ArgumentTypeError::new_err(format!("{argument} must be given, got nothing")))
-}
-
 equal_by!(RockerBogie: 0);
 pickled_by_keywords!(RockerBogie: dimensions);
 
@@ -180,47 +175,40 @@ getters! { RockerBogie, self, py:
     };
 }
 
-methods! { RockerBogie:
-    #[new]
-    fn new[py: Python<'py>](rocker_pivot, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None,
-        bogie_to_rear=None, wheel_radius=None, steered: &str = "corners", steering_limit=None, *, rocker_to_rear=None,
-        bogie_to_front=None, rocker_limit=None, bogie_limit=None, differential_bar=None, **)
-    as "(rocker_pivot, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None, bogie_to_rear=None, wheel_radius=None, steered='corners', steering_limit=None, *, rocker_to_rear=None, bogie_to_front=None, rocker_limit=None, bogie_limit=None, differential_bar=None)"
-    -> PyResult<PyClassInitializer<Self>> {
-        let steered = steered.parse::<Steered>();
-        let bogie = match (rocker_to_rear, bogie_to_front) {
-            (None, None) => Bogie::Behind,
-            _ => Bogie::InFront,
-        };
-        let (values, unused) = match bogie {
-            Bogie::Behind => ([rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear], [None, None]),
-            Bogie::InFront => (
-                [rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle],
-                [("rocker_to_front", rocker_to_front), ("bogie_to_rear", bogie_to_rear)]
-                    .map(|(argument, value)| value.map(|_| argument)),
-            ),
-        };
-        if let Some(argument) = unused.into_iter().flatten().next() {
-            let rule = "be left out beside rocker_to_rear or bogie_to_front, which put the bogies in front";
-            return Err(refuse(argument, rule, "a value"));
-        }
-        let steering = steering(py, steering_limit)?;
-        let names = bogie.names();
-        let read = |k: usize| numbers(names[k + 1], given(names[k + 1], values[k])?);
-        let pivot = numbers(names[0], rocker_pivot)?;
-        let (wheel, to_bogie, first, second) = (read(0)?, read(1)?, read(2)?, read(3)?);
-        Self::build(Core::new(Dimensions {
-            rocker_pivot: pivot,
-            rocker_to_wheel: wheel,
-            rocker_to_bogie: to_bogie,
-            bogie_to_wheels: [first, second],
-            bogie,
-            wheel_radius: number("wheel_radius", given("wheel_radius", wheel_radius)?)?,
-            steered: steered.or_raise(&[])?,
+/// Where the bogies are, and what may be left out.
+struct Given<'a, 'py> {
+    bogie: Bogie,
+    steered: &'a str,
+    steering_limit: Option<&'a Bound<'py, PyAny>>,
+    rocker_limit: Option<&'a Bound<'py, PyAny>>,
+    bogie_limit: Option<&'a Bound<'py, PyAny>>,
+    differential_bar: Option<&'a Bound<'py, PyAny>>,
+}
+
+impl Given<'_, '_> {
+    /// The rover with these vectors, in the order of [`Bogie::names`], and this radius of the wheels.
+    fn build(
+        self,
+        py: Python<'_>,
+        vectors: [&Bound<'_, PyAny>; 5],
+        wheel_radius: &Bound<'_, PyAny>,
+    ) -> PyResult<PyClassInitializer<RockerBogie>> {
+        let names = self.bogie.names();
+        let steering = steering(py, self.steering_limit)?;
+        let read = |k: usize| numbers(names[k], vectors[k]);
+        let (rocker_pivot, rocker_to_wheel, rocker_to_bogie) = (read(0)?, read(1)?, read(2)?);
+        RockerBogie::build(Core::new(Dimensions {
+            rocker_pivot,
+            rocker_to_wheel,
+            rocker_to_bogie,
+            bogie_to_wheels: [read(3)?, read(4)?],
+            bogie: self.bogie,
+            wheel_radius: number("wheel_radius", wheel_radius)?,
+            steered: self.steered.parse::<Steered>().or_raise(&[])?,
             steering,
-            rocker_limit: joint_range("rocker_limit", rocker_limit)?,
-            bogie_limit: joint_range("bogie_limit", bogie_limit)?,
-            differential: match differential_bar {
+            rocker_limit: joint_range("rocker_limit", self.rocker_limit)?,
+            bogie_limit: joint_range("bogie_limit", self.bogie_limit)?,
+            differential: match self.differential_bar {
                 None => Differential::Gear,
                 Some(bar) => {
                     let [half_length, lever, rod] = numbers("differential_bar", bar)?;
@@ -228,6 +216,91 @@ methods! { RockerBogie:
                 }
             },
         }))
+    }
+}
+
+methods! { RockerBogie:
+    #[new]
+    fn new[py: Python<'py>](rocker_pivot=None, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None,
+        bogie_to_rear=None, wheel_radius=None, steered: &str = "corners", steering_limit=None, *, rocker_to_rear=None,
+        bogie_to_front=None, rocker_limit=None, bogie_limit=None, differential_bar=None, **)
+    as "(rocker_pivot, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None, bogie_to_rear=None, wheel_radius=None, steered='corners', steering_limit=None, *, rocker_to_rear=None, bogie_to_front=None, rocker_limit=None, bogie_limit=None, differential_bar=None)"
+    -> PyResult<PyClassInitializer<Self>> {
+        let (bogie, vectors, unused) = match (rocker_to_rear, bogie_to_front) {
+            (None, None) => (Bogie::Behind, [rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear], [None; 2]),
+            _ => (
+                Bogie::InFront,
+                [rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle],
+                [rocker_to_front.map(|_| "rocker_to_front"), bogie_to_rear.map(|_| "bogie_to_rear")],
+            ),
+        };
+        if let Some(argument) = unused.into_iter().flatten().next() {
+            let rule = "be left out beside rocker_to_rear or bogie_to_front, which put the bogies in front";
+            return Err(refuse(argument, rule, "a value"));
+        }
+        let [wheel, to_bogie, first, second] = vectors;
+        let all = [rocker_pivot, wheel, to_bogie, first, second, wheel_radius];
+        let names = bogie.names().into_iter().chain(["wheel_radius"]);
+        let missing: Vec<_> = names.zip(all).filter(|(_, value)| value.is_none()).map(|(name, _)| name).collect();
+        let [Some(pivot), Some(wheel), Some(to_bogie), Some(first), Some(second), Some(radius)] = all else {
+            return Err(ArgumentTypeError::new_err(format!("{} must be given, got nothing", missing.join(", "))));
+        };
+        let given = Given { bogie, steered, steering_limit, rocker_limit, bogie_limit, differential_bar };
+        given.build(py, [pivot, wheel, to_bogie, first, second], radius)
+    }
+
+    /// A rover whose bogies are behind and carry the middle and the rear wheels, as on Perseverance.
+    ///
+    /// Parameters
+    /// ----------
+    /// rocker_pivot, rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear : (float, float, float)
+    ///     The vectors of the left-hand side with all joints at 0, as of the class [m].
+    /// wheel_radius : float
+    ///     Hub to ground [m].
+    /// steered, steering_limit, rocker_limit, bogie_limit, differential_bar
+    ///     As of the class.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     As of the class.
+    #[staticmethod]
+    fn bogie_behind[py: Python<'py>](rocker_pivot, rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear,
+        wheel_radius, steered: &str = "corners", steering_limit=None, *, rocker_limit=None, bogie_limit=None,
+        differential_bar=None, **)
+    as "(rocker_pivot, rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear, wheel_radius, steered='corners', steering_limit=None, *, rocker_limit=None, bogie_limit=None, differential_bar=None)"
+    -> PyResult<Py<Self>> {
+        let given =
+            Given { bogie: Bogie::Behind, steered, steering_limit, rocker_limit, bogie_limit, differential_bar };
+        let vectors = [rocker_pivot, rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear];
+        Py::new(py, given.build(py, vectors, wheel_radius)?)
+    }
+
+    /// A rover whose bogies are in front and carry the front and the middle wheels, as on the Open Source Rover.
+    ///
+    /// Parameters
+    /// ----------
+    /// rocker_pivot, rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle : (float, float, float)
+    ///     The vectors of the left-hand side with all joints at 0, as of the class [m].
+    /// wheel_radius : float
+    ///     Hub to ground [m].
+    /// steered, steering_limit, rocker_limit, bogie_limit, differential_bar
+    ///     As of the class.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     As of the class.
+    #[staticmethod]
+    fn bogie_in_front[py: Python<'py>](rocker_pivot, rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle,
+        wheel_radius, steered: &str = "corners", steering_limit=None, *, rocker_limit=None, bogie_limit=None,
+        differential_bar=None, **)
+    as "(rocker_pivot, rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle, wheel_radius, steered='corners', steering_limit=None, *, rocker_limit=None, bogie_limit=None, differential_bar=None)"
+    -> PyResult<Py<Self>> {
+        let given =
+            Given { bogie: Bogie::InFront, steered, steering_limit, rocker_limit, bogie_limit, differential_bar };
+        let vectors = [rocker_pivot, rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle];
+        Py::new(py, given.build(py, vectors, wheel_radius)?)
     }
 }
 

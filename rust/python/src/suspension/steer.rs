@@ -33,10 +33,9 @@ methods! { RockerBogie:
     ///
     /// Parameters
     /// ----------
-    /// rho : float or array_like, shape (...)
-    ///     Angle of the left rocker [rad]; the right one has ``-rho``.
-    /// beta : array_like, shape (..., 2)
-    ///     Angles of the left and the right bogie against their rockers [rad].
+    /// joints : array_like, shape (..., 3)
+    ///     Angles of the left rocker, `rho` (the right one has ``-rho``), and of the left and the right bogie against their
+    ///     rockers, `beta_1` and `beta_2` [rad]; ``SettledPose.joints`` is such.
     /// out : ndarray, shape (...), optional
     ///     Array for the result.
     /// dtype : dtype, optional
@@ -53,13 +52,12 @@ methods! { RockerBogie:
     /// ------
     /// ValueError
     ///     If an angle is not finite or a shape does not fit.
-    fn icr_offset[&self, py: Python<'py>](rho, beta, *, out=None, dtype=None, threads: Option<i64> = None)
+    fn icr_offset[&self, py: Python<'py>](joints, *, out=None, dtype=None, threads: Option<i64> = None)
     -> PyResult<Bound<'py, PyAny>> {
         let workers = any_workers(threads, None)?;
-        let mut joints = Joints::read(rho, beta)?;
-        together(joints.both())?;
-        let rows = memory::gathered((0..joints.beta.count()).map(|k| joints.row(k)))?;
-        let mut offsets = Output::asked(py, (out, dtype), &joints.beta.leading)?;
+        let joints = Joints::read(joints)?;
+        let rows = memory::gathered((0..joints.0.count()).map(|k| joints.row(k)))?;
+        let mut offsets = Output::asked(py, (out, dtype), &joints.0.leading)?;
         if out.is_some() {
             offsets = offsets.beside()?; // a row may be refused after others
         }
@@ -79,7 +77,7 @@ methods! { RockerBogie:
     /// Steering angles and wheel speeds for a forward speed and a yaw rate, and the scrub of the unsteered wheels.
     ///
     /// The point of the line of `icr_offset` abreast of the origin moves straight ahead: this is
-    /// ``planar(rho, beta).inverse((speed, 0, yaw_rate), centre=(-icr_offset, 0))``.
+    /// ``planar(joints).inverse((speed, 0, yaw_rate), centre=(-icr_offset, 0))``.
     ///
     /// Parameters
     /// ----------
@@ -87,10 +85,9 @@ methods! { RockerBogie:
     ///     Forward speed of the origin of R [m/s].
     /// yaw_rate : float or array_like, shape (...)
     ///     Counter-clockwise [rad/s].
-    /// rho : float or array_like, shape (...)
-    ///     Angle of the left rocker [rad]; the right one has ``-rho``.
-    /// beta : array_like, shape (..., 2)
-    ///     Angles of the left and the right bogie against their rockers [rad].
+    /// joints : array_like, shape (..., 3)
+    ///     Angles of the left rocker, `rho` (the right one has ``-rho``), and of the left and the right bogie against their
+    ///     rockers, `beta_1` and `beta_2` [rad]; ``SettledPose.joints`` is such.
     /// previous : array_like, shape (..., steered wheels), optional
     ///     Present steering angles [rad], default 0; a wheel whose pivot rests holds them.
     /// previous_wheel_speeds : array_like, shape (..., 6), optional
@@ -112,25 +109,23 @@ methods! { RockerBogie:
     ///
     /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
     /// ICRA 1999.
-    fn steer[&self, py: Python<'py>](speed, yaw_rate, rho, beta, *, previous=None, previous_wheel_speeds=None,
+    fn steer[&self, py: Python<'py>](speed, yaw_rate, joints, *, previous=None, previous_wheel_speeds=None,
         threads: Option<i64> = None) -> PyResult<SteeringCommand> {
         let workers = any_workers(threads, None)?;
         let steered = self.steered().len();
-        let mut joints = Joints::read(rho, beta)?;
+        let mut joints = Joints::read(joints)?;
         let mut speeds = Scalars::read_finite("speed", speed)?;
         let mut yaw_rates = Scalars::read_finite("yaw_rate", yaw_rate)?;
         let mut previous = Rows::read_optional("previous", previous, steered)?;
         let mut rolling = Rows::read_optional("previous_wheel_speeds", previous_wheel_speeds, WHEELS.len())?;
-        let all = joints
-            .both()
+        let all = [joints.named(), named("speed", &mut speeds), named("yaw_rate", &mut yaw_rates)]
             .into_iter()
-            .chain([named("speed", &mut speeds), named("yaw_rate", &mut yaw_rates)])
             .chain(given("previous", &mut previous))
             .chain(given("previous_wheel_speeds", &mut rolling));
         let leading = together(all)?;
         let (previous, rolling) = (previous.as_ref().map(Rows::flat), rolling.as_ref().map(Rows::flat));
         let motion = |k| (speeds.at(k), yaw_rates.at(k), joints.row(k));
-        let motions = memory::gathered((0..joints.beta.count()).map(motion))?;
+        let motions = memory::gathered((0..joints.0.count()).map(motion))?;
         let unsteered = WHEELS.len() - steered;
         let widths = [steered, WHEELS.len(), unsteered];
         let mut results = Results::fresh(py, widths.map(|width| joined(&leading, width)))?;

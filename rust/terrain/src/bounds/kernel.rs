@@ -279,7 +279,7 @@ impl<S: Vector> Place<S> {
         let (hx, hy) = (all(simd, patch.half[0]), all(simd, patch.half[1]));
         let reach = all(simd, patch.reach);
         let (zero, less, round) = (all(simd, 0.0), all(simd, 0.5), all(simd, ROUND));
-        let mut on_map = zero.le(zero);
+        let mut on_map = Mask::splat(simd, true);
         let [mut first, mut last] = [self.origin; 2];
         for axis in 0..2 {
             let (ahead, left) = (self.ahead[axis], self.left[axis]);

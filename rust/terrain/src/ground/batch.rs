@@ -17,8 +17,7 @@ use self::pivots::{PivotOrder, solve};
 use self::poses::{CHUNK, LEFT, Left, PoseBatch, ROUNDS, SettleRange, column, scatter};
 use self::scan::{AllWheels, RimScan, Site, StateLanes, WheelByWheel};
 use super::active_set::ActiveSet;
-use super::rims::circles::{FAR, cells, floor};
-use super::rims::contact::booleans;
+use super::rims::circles::{FAR, cells};
 use super::rims::extent::Extent;
 use super::settler::Settler;
 use super::stand::Stand;
@@ -132,7 +131,7 @@ impl SettleRange<'_, '_> {
     /// Puts poses in their first state. Those over ground that is not known have no round to go.
     fn start<S: Vector, const N: usize>(&self, simd: S, batch: &mut PoseBatch<N>, rows: &[u16]) {
         let mut here = self.here(simd, batch, rows);
-        let known = booleans(simd, initial_state(simd, &self.site(), &mut here));
+        let known = initial_state(simd, &self.site(), &mut here).booleans();
         for k in 0..MAX_STATE {
             scatter(&mut batch.columns[column::STATE + k], rows, here.state[k]);
         }
@@ -159,7 +158,7 @@ pub(crate) fn initial_state<S: Vector>(simd: S, site: &Site<'_>, here: &mut Stat
             let centre = poses.wheel(simd, wheel).centre;
             let u = (here.origin[0] + centre[0]) * spacing[0];
             let v = (here.origin[1] + centre[1]) * spacing[1];
-            let corner = [floor(simd, u), floor(simd, v)];
+            let corner = [u.floor(), v.floor()];
             let cell = cells(simd, site.ground, corner[0], corner[1]);
             let (a, b) = (u - corner[0], v - corner[1]);
             let height = cell.h00
@@ -176,7 +175,7 @@ pub(crate) fn initial_state<S: Vector>(simd: S, site: &Site<'_>, here: &mut Stat
         let lifted = here.state[0] + sum / count.max(unit);
         if !site.order.is_square {
             here.state[0] = lifted;
-            return zero.lt(zero);
+            return Mask::splat(simd, false);
         }
         let (step, smallest) = solve(simd, site.order, &mut scan.rows);
         let is_solved = scan.touches & Lanes::splat(simd, pivots::SMALLEST_PIVOT).le(smallest);

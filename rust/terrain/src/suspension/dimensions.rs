@@ -24,27 +24,9 @@ impl Steered {
             Self::All => &[0, 1, 2, 3, 4, 5],
         }
     }
-
-    /// The name by which [`str::parse`] finds it.
-    #[inline]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Corners => "corners",
-            Self::All => "all",
-        }
-    }
 }
 
-impl std::str::FromStr for Steered {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        let found = [Self::Front, Self::Corners, Self::All].into_iter().find(|steered| steered.name() == name);
-        let rule = "be 'front', 'corners' or 'all'";
-        found.ok_or_else(|| Error::value("steered", rule, format!("{name:?}")))
-    }
-}
+named_values! { Steered as "steered": "front" => Front, "corners" => Corners, "all" => All }
 
 /// End of the bogies: they carry the middle wheels and those of this end, the rockers those of the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -164,7 +164,7 @@ impl<'a, S: Vector> LinkPoses<'a, S> {
             pitch_axis: [-sy, cy, zero],
             links: [body; MAX_PARTS],
             axes: [[zero; 3]; MAX_PARTS],
-            reaches: zero.le(zero),
+            reaches: Mask::splat(simd, true),
         };
         for (k, link) in chain.parts().iter().enumerate().take(MAX_PARTS) {
             if !poses.is_steered && chain.is_knuckle(k) {

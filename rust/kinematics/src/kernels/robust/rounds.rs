@@ -97,9 +97,9 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
             least,
             scale: Lanes::splat(simd, f64::INFINITY),
             change: zero,
-            held: zero.lt(zero),
-            active: zero.le(zero),
-            sure: zero.le(zero),
+            held: Mask::splat(simd, false),
+            active: Mask::splat(simd, true),
+            sure: Mask::splat(simd, true),
         };
         for (place, readings) in rounds.readings.iter_mut().zip(readings) {
             *place = *readings;
@@ -272,7 +272,7 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
         }
         let [a, b, c, d, e, f] = follow;
         let mut step = [[zero; 3]; 3];
-        let mut sure = zero.le(zero);
+        let mut sure = Mask::splat(simd, true);
         for (column, right) in step.iter_mut().zip([[a, b, c], [b, d, e], [c, e, f]]) {
             let (solved, determined) = solve(simd, normal, right);
             (*column, sure) = (solved, sure & determined);
@@ -292,7 +292,7 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
             }
         }
         let Some([x, y, z]) = power else {
-            return zero.lt(zero);
+            return Mask::splat(simd, false);
         };
         // Eigenvalues of what pulls are at least 0: their sum bounds the largest.
         let most = x[0] + y[1] + z[2];

@@ -215,7 +215,7 @@ impl<S: Simd> SteeredWheel<S> {
             speed: square.sqrt(),
             turn_rate,
             trail_angle: zero,
-            is_solvable: zero.le(zero),
+            is_solvable: Mask::splat(simd, true),
             is_forwards: zero.le(x),
             unscale,
         };

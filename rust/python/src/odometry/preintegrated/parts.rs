@@ -6,35 +6,24 @@ use pyo3::types::PyDict;
 use six_wheel_odometry::preintegrated::space::Motion3;
 use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, PLANE, PreintegratedMotion};
 
-use super::{BIAS, Core, Matrix, NAMES, Named, Preintegrated, SLIPS};
+use super::{BIAS, Change, Core, Matrix, NAMES, Preintegrated, SLIPS, Work};
 use crate::convert::{OrRaise, Rows, Scalars, compute, is_interrupted, numbers, raise, refuse};
+use crate::state_lock::Shared;
 
 impl Preintegrated {
     pub(super) fn with(&self, core: Core, py: Python<'_>) -> Self {
-        Self { core, rover: self.rover.clone_ref(py), given: self.given.clone_ref(py), replayed: None }
-    }
-
-    pub(super) fn in_space(&self) -> bool {
-        self.core.options().in_space
+        let work = Shared::new(Work { core, replayed: None });
+        Self { work, in_space: self.in_space, rover: self.rover.clone_ref(py), given: self.given.clone_ref(py) }
     }
 
     /// Rows of a tangent that count.
     pub(super) fn rows(&self) -> &'static [usize] {
-        if self.in_space() { &[0, 1, 2, 3, 4, 5] } else { &PLANE }
-    }
-
-    pub(super) fn replayed(&mut self, py: Python<'_>) -> PyResult<&PreintegratedMotion> {
-        if self.replayed.is_none() {
-            let core = &self.core;
-            let replayed = compute(py, core.len(), || core.replay(is_interrupted)).map_err(|e| raise(e, &[]))?;
-            self.replayed = Some(replayed);
-        }
-        self.replayed.as_ref().ok_or_else(|| refuse("samples", "be there", "none"))
+        if self.in_space { &[0, 1, 2, 3, 4, 5] } else { &PLANE }
     }
 
     /// Columns by the names of `by_dimension`, `by_slip` and the bias.
     pub(super) fn columns(&self, name: &str) -> Option<Vec<Column>> {
-        let wheels = self.core.rover().wheels().len();
+        let wheels = self.rover.get().count();
         let each = |column: &dyn Fn(usize) -> Column| Some((0..wheels).map(column).collect());
         match name {
             "slip" => each(&Column::Slip),
@@ -47,23 +36,24 @@ impl Preintegrated {
         }
     }
 
-    pub(super) fn table<'py>(&mut self, py: Python<'py>, columns: &[Column]) -> PyResult<Matrix<'py>> {
-        let rows = self.rows();
-        let replayed = self.replayed(py)?;
-        let by: Vec<_> = columns.iter().map(|&column| replayed.by(column)).collect();
-        let table: Vec<Vec<f64>> = rows.iter().map(|&row| by.iter().map(|one| one[row]).collect()).collect();
-        Ok(PyArray2::from_vec2(py, &table)?)
-    }
-
     pub(super) fn tables<'py>(
-        &mut self,
+        &self,
         py: Python<'py>,
         names: impl Iterator<Item = &'static str>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let tables = PyDict::new(py);
+        let mut work = self.work.lock(py)?;
+        let replayed = work.replayed(py)?;
         for name in names {
-            let columns = self.columns(name).unwrap_or_default();
-            tables.set_item(name, self.table(py, &columns)?)?;
+            let by = self
+                .columns(name)
+                .unwrap_or_default()
+                .into_iter()
+                .map(|column| replayed.by(column))
+                .collect::<Vec<_>>();
+            let row = |&row: &usize| by.iter().map(|one| one[row]).collect();
+            let table: Vec<Vec<f64>> = self.rows().iter().map(row).collect();
+            tables.set_item(name, PyArray2::from_vec2(py, &table)?)?;
         }
         Ok(tables)
     }
@@ -75,7 +65,7 @@ impl Preintegrated {
     }
 
     pub(super) fn pose_of(&self, argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Motion3> {
-        if !self.in_space() {
+        if !self.in_space {
             let pose = numbers(argument, value)?;
             if pose.iter().any(|part| !part.is_finite()) {
                 return Err(refuse(argument, "be finite", &format!("{pose:?}")));
@@ -89,7 +79,7 @@ impl Preintegrated {
     }
 
     pub(super) fn written<'py>(&self, py: Python<'py>, motion: &Motion3, yaw: f64) -> Bound<'py, PyAny> {
-        if self.in_space() {
+        if self.in_space {
             let rows = motion.matrix().map(Vec::from);
             return PyArray1::from_slice(py, rows.concat().as_slice())
                 .reshape([4, 4])
@@ -99,10 +89,9 @@ impl Preintegrated {
         PyArray1::from_slice(py, &[x, y, yaw]).into_any()
     }
 
-    /// Changes by name, as a change of the motion in its tangent.
-    pub(super) fn change(&mut self, py: Python<'_>, changes: &Bound<'_, PyDict>) -> PyResult<([f64; 6], Named)> {
-        let (mut sum, mut wanted) = ([0.0; 6], Vec::new());
-        for (name, values) in changes {
+    /// Changes by name: their columns, and a number for each of these.
+    pub(super) fn changes(&self, changes: &Bound<'_, PyDict>) -> PyResult<Vec<Change>> {
+        let change = |(name, values): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
             let name: String = name.extract()?;
             let Some(columns) = self.columns(&name) else {
                 let all = [&NAMES[..], &SLIPS, &[BIAS]].concat().join(", ");
@@ -116,16 +105,20 @@ impl Preintegrated {
                 return Err(refuse("changes", &rule, &given.len().to_string()));
             }
             values.check_finite("changes")?;
-            let replayed = self.replayed(py)?;
-            for (k, &column) in columns.iter().enumerate() {
-                let by = replayed.by(column);
-                let value = given[k.min(given.len() - 1)];
-                for (sum, part) in sum.iter_mut().zip(by.iter()) {
-                    *sum += part * value;
-                }
-            }
-            wanted.push((name, columns));
+            let numbers = (0..columns.len()).map(|k| given[k.min(given.len() - 1)]).collect();
+            Ok(Change { name, columns, numbers })
+        };
+        changes.iter().map(change).collect()
+    }
+}
+
+impl Work {
+    pub(super) fn replayed(&mut self, py: Python<'_>) -> PyResult<&PreintegratedMotion> {
+        if self.replayed.is_none() {
+            let core = &self.core;
+            let replayed = compute(py, core.len(), || core.replay(is_interrupted)).map_err(|e| raise(e, &[]))?;
+            self.replayed = Some(replayed);
         }
-        Ok((sum, wanted))
+        self.replayed.as_ref().ok_or_else(|| refuse("samples", "be there", "none"))
     }
 }

@@ -5,7 +5,6 @@ use super::poses::{DONE, LEFT, LOOK, PoseBatch, ROUNDS, SettleRange, SolveState,
 use super::scan::{RimScan, StateLanes, UPPER, WheelSearch};
 use crate::ground::active_set::CLOSED_GAP;
 use crate::ground::rims::circles::{FAR, RIMS, spread};
-use crate::ground::rims::contact::booleans;
 use crate::ground::rims::extent::{Extent, MARGIN};
 use crate::ground::rims::interval::TIE;
 use crate::ground::settler::Status;
@@ -62,7 +61,7 @@ impl SettleRange<'_, '_> {
         let mut scan = search.scan(simd, &self.site(), &here, extent, reach);
         let (whole, _) = solve(simd, self.order, &mut scan.rows);
         let step = self.step(simd, batch, rows, &here, &scan, &whole);
-        let (goes_on, settles) = self.next_states(simd, batch, rows, extent, &scan, &step);
+        let (goes_on, settles) = self.next_states(batch, rows, extent, &scan, &step);
         if settles {
             self.write_settled(batch, first, rows, &here, &scan);
         }
@@ -124,7 +123,6 @@ impl SettleRange<'_, '_> {
     /// Puts every pose in its next state. Returns 1 for the poses that take their step, and true if one has settled.
     fn next_states<S: Vector, const N: usize>(
         &self,
-        simd: S,
         batch: &mut PoseBatch<N>,
         rows: &[u16],
         extent: Extent,
@@ -132,8 +130,8 @@ impl SettleRange<'_, '_> {
         step: &NewtonStep<S>,
     ) -> ([f64; RIMS], bool) {
         let whole = matches!(extent, Extent::Whole | Extent::Both);
-        let moves = booleans(simd, scan.touches & step.is_finite);
-        let (closed, near) = (booleans(simd, step.is_closed), booleans(simd, step.is_short));
+        let moves = (scan.touches & step.is_finite).booleans();
+        let (closed, near) = (step.is_closed.booleans(), step.is_short.booleans());
         let (clear, worst) = (spread(scan.clear), spread(scan.worst));
         let (turn, share) = (spread(step.turn), spread(step.share));
         let (mut goes_on, mut settles) = ([0.0; RIMS], false);

@@ -1,7 +1,7 @@
 //! Arcs of rims over one cell each: where they end, and bounds of the gap along them.
 
 use super::candidate::Candidate;
-use super::circles::{Cells, GapDerivatives, Point, RimLanes, both, floor};
+use super::circles::{Cells, GapDerivatives, Point, RimLanes, both};
 use super::interval::{AngleInterval, GapMinimum};
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -101,7 +101,7 @@ impl<'a, S: Vector> Search<'a, S> {
     /// The cell ahead of a point and the directions in which the rim goes from there.
     pub(super) fn cell_at(&self, at: &Point<S>) -> [[Lanes<S>; 2]; 2] {
         let (zero, unit) = (self.all(0.0), self.all(1.0));
-        let cell = both!(k, floor(self.simd, self.rims.centre[k] + at.spoke[k]));
+        let cell = both!(k, (self.rims.centre[k] + at.spoke[k]).floor());
         let sign = both!(k, {
             // Where it turns just there, the direction that it then takes.
             let rests = at.tangent[k].abs().le(zero);

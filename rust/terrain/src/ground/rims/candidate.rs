@@ -80,7 +80,7 @@ impl<S: Vector> Candidate<S> {
             step = step * (step * inverse).mul_add(gap.third * half, unit);
             near = step.abs().lt(Lanes::splat(simd, CLOSE));
             let found = near | (high - low).lt(Lanes::splat(simd, 1e-14));
-            if !(!found).any() {
+            if found.all() {
                 break;
             }
             let next = angle - step;

@@ -2,7 +2,6 @@
 
 use crate::terrain::{Heights, Terrain};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
-use six_wheel_numerics::simd::polynomials::ROUND;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// An expression for 0 and 1. A closure would not get the instructions of the level.
@@ -34,14 +33,6 @@ pub(crate) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; RIMS] {
     let mut values = [0.0; RIMS];
     lanes.copy_to_slice(&mut values);
     values
-}
-
-/// Largest whole numbers not above these, up to 2^50.
-#[inline(always)]
-pub(crate) fn floor<S: Vector>(simd: S, x: Lanes<S>) -> Lanes<S> {
-    let round = Lanes::splat(simd, ROUND);
-    let near = (x + round) - round;
-    x.lt(near).select(near - Lanes::splat(simd, 1.0), near)
 }
 
 /// Cells of the lanes.

@@ -8,7 +8,6 @@ use super::interval::{AngleInterval, GapMinimum};
 use super::walk::find_min_gap;
 use crate::terrain::Terrain;
 use six_wheel_kinematics::wheels::Direction;
-use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
 /// A minimum this far above the least one is no contact [m].
@@ -89,7 +88,7 @@ pub(crate) fn find_contacts<S: Vector>(
         let mut rims = RimLanes::load(simd, circles, first);
         let mut upper = [false; RIMS];
         for half in 0..2 {
-            let found = find_min_gap(simd, ground, &rims, &AngleInterval::lower(simd)).contacts(simd);
+            let found = find_min_gap(simd, ground, &rims, &AngleInterval::lower(simd)).contacts();
             let contacts = &mut contacts[first..first + lanes];
             for (lane, (contact, found)) in contacts.iter_mut().zip(found).enumerate() {
                 if half == 0 {
@@ -114,11 +113,11 @@ pub(crate) fn find_contacts<S: Vector>(
 
 impl<S: Vector> GapMinimum<S> {
     #[inline(always)]
-    fn contacts(&self, simd: S) -> [RimContact; RIMS] {
+    fn contacts(&self) -> [RimContact; RIMS] {
         let (gap, next_gap) = (spread(self.gap), spread(self.next_gap));
         let ([sin, cos], slope) = (both!(k, spread(self.at[k])), both!(k, spread(self.slope[k])));
         let [next_sin, next_cos] = both!(k, spread(self.next_at[k]));
-        let (unknown, outside) = (booleans(simd, self.unknown), booleans(simd, self.outside));
+        let (unknown, outside) = (self.unknown.booleans(), self.outside.booleans());
         let mut contacts = [RimContact::NOTHING; RIMS];
         for (k, contact) in contacts.iter_mut().enumerate().take(S::F64_LANES) {
             (contact.unknown, contact.outside) = (unknown[k], outside[k]);
@@ -131,12 +130,6 @@ impl<S: Vector> GapMinimum<S> {
         }
         contacts
     }
-}
-
-/// The lanes of a mask.
-#[inline(always)]
-pub(crate) fn booleans<S: Vector>(simd: S, mask: Mask<S>) -> [bool; RIMS] {
-    spread(mask.select(Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.0))).map(|lane| lane != 0.0)
 }
 
 /// True if a part of the upper half may be nearer to the ground than this, or over ground that is not known.
@@ -169,6 +162,7 @@ fn upper_half_matters(ground: &Terrain, circle: &WheelCircle, gap: f64) -> bool 
 
 #[cfg(test)]
 mod tests {
+    use six_wheel_numerics::simd::lanes::Lanes;
     use std::sync::Arc;
 
     use super::super::interval::TIE;

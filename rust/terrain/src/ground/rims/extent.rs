@@ -3,7 +3,7 @@
 //! The lanes are rims, of as many poses or of one: nothing here asks which. What a whole search leaves out is higher above the
 //! ground than the last contact.
 
-use super::circles::{FAR, Point, RIMS, RimLanes, cells, floor, spread};
+use super::circles::{FAR, Point, RIMS, RimLanes, cells, spread};
 use super::interval::{AngleInterval, GapMinimum};
 use super::walk::find_min_gap;
 use crate::pyramid::Pyramid;
@@ -70,14 +70,13 @@ impl Extent {
         last: [Lanes<S>; 2],
         half_width: Option<Turned<S>>,
     ) -> (GapMinimum<S>, Mask<S>) {
-        let zero = Lanes::splat(simd, 0.0);
         let last = match self {
             Self::Sampled => sampled(simd, ground, rims),
             _ => last,
         };
         let (interval, covers) = match half_width {
             None => whole_interval(simd, ground, rims, last),
-            Some(turned) => (near_interval(simd, last, turned), zero.lt(zero)),
+            Some(turned) => (near_interval(simd, last, turned), Mask::splat(simd, false)),
         };
         halves(simd, ground, *rims, interval, covers, self == Self::Both)
     }
@@ -131,7 +130,7 @@ fn gap<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, [sin, cos]: [La
     for (k, at) in at.iter_mut().enumerate() {
         *at = *at + (rims.forward[k] * sin - rims.up[k] * cos);
     }
-    let (column, row) = (floor(simd, at[0]), floor(simd, at[1]));
+    let (column, row) = (at[0].floor(), at[1].floor());
     let cell = cells(simd, ground, column, row);
     let (a, b) = (at[0] - column, at[1] - row);
     at[2] - (cell.h00 + cell.along * a + (cell.across + cell.twist * a) * b)
@@ -196,10 +195,10 @@ fn highest_beside<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, lowe
         // Turned on by an angle from the lowest point it is tangent sin + spoke cos, with the cosine of either sign.
         let (ahead, aside) = (lowest.tangent[k], lowest.spoke[k].abs());
         let (low, high) = (ahead.min(zero) - aside, ahead.max(zero) + aside);
-        rear[0][k] = floor(simd, rims.centre[k] - high);
-        rear[1][k] = floor(simd, rims.centre[k] - low);
-        front[0][k] = floor(simd, rims.centre[k] + low);
-        front[1][k] = floor(simd, rims.centre[k] + high);
+        rear[0][k] = (rims.centre[k] - high).floor();
+        rear[1][k] = (rims.centre[k] - low).floor();
+        front[0][k] = (rims.centre[k] + low).floor();
+        front[1][k] = (rims.centre[k] + high).floor();
     }
     [highest(simd, ground, rear), highest(simd, ground, front)]
 }

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
+from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.short_text import short_repr
 
 if TYPE_CHECKING:
@@ -11,18 +12,19 @@ if TYPE_CHECKING:
 Floats: TypeAlias = "NDArray[np.float64]"
 
 
+@checked_class
 class RolloutCost(NamedTuple):
     """Poses of k rollouts of t steps, and the worst each asks of the wheels: see `Rover.rollout_cost`."""
 
     poses: Floats
     """Rows ``[x, y, yaw]``, shape (..., k, t + 1, 3) [m, m, rad]."""
-    wheel_speed: Floats
+    max_wheel_speed: Floats
     """Largest wheel speed, either way round, shape (..., k) [rad/s]."""
-    steering_angle: Floats
+    max_steering_angle: Floats
     """Largest steering angle, to either side, shape (..., k) [rad]."""
-    steering_rate: Floats
+    max_steering_rate: Floats
     """Largest steering rate, shape (..., k) [rad/s]."""
-    scrub: Floats
+    max_side_slip: Floats
     """Largest speed at which a wheel slides sideways, shape (..., k) [m/s]."""
 
     def __repr__(self) -> str:

@@ -1,0 +1,33 @@
+"""Rovers into files that `load` reads."""
+
+from os import PathLike
+from typing import Any
+
+from six_wheel._core import Rover
+from six_wheel.kinematics.errors import as_path
+
+__all__ = ["save_rover"]
+
+
+def save_rover(rover: Rover, path: str | PathLike[str], **others: Any) -> None:
+    """See `Rover.save`."""
+    target = as_path("path", path)
+    ending = target.suffix.lower()
+    if ending == ".urdf":
+        if others:
+            raise ValueError(f"{next(iter(others))} must be left out for a URDF, which has no place for it")
+        text = rover.urdf()
+    elif ending in (".yaml", ".yml"):
+        text = _parameters(rover, others)
+    else:
+        raise ValueError(f"path must end in .yaml, .yml or .urdf, got {str(path)!r}")
+    target.write_text(text, encoding="utf-8")
+
+
+def _parameters(rover: Rover, others: dict[str, Any]) -> str:
+    try:
+        from six_wheel.robot_description.parameters.writing import dump
+    except ModuleNotFoundError as error:
+        message = f'parameter files need {error.name}: pip install "six-wheel[cli]"'
+        raise ModuleNotFoundError(message, name=error.name) from None
+    return dump(rover, **others)

@@ -1,0 +1,52 @@
+//! `Rover.urdf` and `Rover.save`.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::Rover;
+
+#[pymethods]
+impl Rover {
+    /// The text of a URDF from which `load` makes this rover again, and which viewers open.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Of the robot.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     With a link and a joint for every wheel and its steering, under the names of the joints, and
+    ///     rockers and bogies where there is a suspension. The base frame lies on the ground, a suspension's
+    ///     where it has its own.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a wheel is none that a URDF can hold: with rollers.
+    #[pyo3(signature = (name="rover"))]
+    fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
+        let module = slf.py().import("six_wheel.robot_description.urdf")?;
+        module.call_method1("rover_urdf", (slf, name))?.extract()
+    }
+
+    /// Writes a file from which `load` makes an equal rover: a parameter file, or a robot description.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path
+    ///     Ends in .yaml, .yml or .urdf. A file that is there is replaced.
+    /// **others
+    ///     Of a parameter file: `node`, `limits`, `control`, `odom_frame_id`, `base_frame_id`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no such file can say what this rover is, or the ending is none of these.
+    #[pyo3(signature = (path, **others))]
+    fn save(slf: &Bound<'_, Self>, path: &Bound<'_, PyAny>, others: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let module = slf.py().import("six_wheel.robot_description.saving")?;
+        module.getattr("save_rover")?.call((slf, path), others).map(drop)
+    }
+}
