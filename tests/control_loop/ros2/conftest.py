@@ -5,6 +5,7 @@ import signal
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -71,6 +72,16 @@ def start(tmp_path: Path) -> Iterator[Callable[..., Process]]:
     yield start
     for process in started:
         process.end()
+
+
+@pytest.fixture
+def cyclone(monkeypatch: pytest.MonkeyPatch, _domain: None) -> ModuleType:
+    """The module `tests.control_loop.ros2.cyclone`, where there is its implementation of DDS."""
+    pytest.importorskip("cyclonedds", reason="needs pip install cyclonedds")
+    from tests.control_loop.ros2 import cyclone
+
+    monkeypatch.setenv("CYCLONEDDS_URI", cyclone.URI)
+    return cyclone
 
 
 @pytest.fixture

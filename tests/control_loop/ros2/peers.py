@@ -14,6 +14,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import Log
 from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import JointState
 
@@ -23,7 +24,13 @@ PATIENCE = (
     60.0  # [s] for what has to come: milliseconds, and on a machine that is very busy as long as it likes
 )
 PERIOD = 0.005  # [s] of the robot's joint states
+BUSY = 0.6  # [s] that a machine whose processors are all taken may add
 TWIST = (0.5, 0.0, 0.2)
+
+
+def seconds(message: Any) -> float:
+    """The stamp of a message [s]."""
+    return float(message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec)
 
 
 class Process:
@@ -57,10 +64,11 @@ class Process:
 class Peer:
     """A node in this process with everything that a node under test talks to.
 
-    Its robot follows joint commands at once and reports positions every `PERIOD` while it spins.
+    Its robot follows joint commands at once and reports positions every `PERIOD` while it spins. `parts` are
+    those that are in the graph from the beginning, of "robot" and "planner"; see `join`.
     """
 
-    def __init__(self, rover: sw.Rover, commands: str = "joint_commands") -> None:
+    def __init__(self, rover: sw.Rover, parts: Sequence[str] = ("robot", "planner")) -> None:
         self.rover = rover
         self.context = rclpy.Context()
         rclpy.init(context=self.context)
@@ -76,21 +84,30 @@ class Peer:
         self.odometry: list[Odometry] = []
         self.diagnostics: list[DiagnosticArray] = []
         self.limited: list[Any] = []
+        self.log: list[str] = []  # lines that nodes logged
         self.wanted: tuple[float, float, float] | None = None
         self.clock: Callable[[], int] = time.time_ns
         self.alter: Callable[[JointState], JointState | None] = lambda state: state
-        self._states = self.node.create_publisher(JointState, "joint_states", 10)
-        self._wanted = self.node.create_publisher(TwistStamped, "cmd_vel", 10)
+        self._states = self._wanted = None
+        self.join(*parts)
         subscribe = self.node.create_subscription
         self._kept = [
-            subscribe(JointState, commands, self._on_commands, 10),
+            subscribe(JointState, "joint_commands", self._on_commands, 10),
             subscribe(Odometry, "odom", self.odometry.append, 10),
             subscribe(DiagnosticArray, "/diagnostics", self.diagnostics.append, 10),
             subscribe(TwistStamped, "cmd_vel_out", self.limited.append, 10),
+            subscribe(Log, "/rosout", lambda line: self.log.append(line.msg), 100),
         ]
         self._next = time.monotonic()
         self._stamp = time.time_ns()
         self._count = 0
+
+    def join(self, *parts: str) -> None:
+        """Enter the graph as the robot, with its joint states, or as the planner, with its commands."""
+        if "robot" in parts:
+            self._states = self.node.create_publisher(JointState, "joint_states", 10)
+        if "planner" in parts:
+            self._wanted = self.node.create_publisher(TwistStamped, "cmd_vel", 10)
 
     def close(self) -> None:
         """Leave the graph."""
@@ -131,7 +148,7 @@ class Peer:
                 stamp = time.time_ns()
                 step, self._stamp = (stamp - self._stamp) * 1e-9, stamp
                 self.angles = [a + step * w for a, w in zip(self.angles, self.wheel_speeds, strict=True)]
-                if (state := self.alter(self.state())) is not None:
+                if self._states is not None and (state := self.alter(self.state())) is not None:
                     self._states.publish(state)
                 self._count += 1
                 if self.wanted is not None and self._count % 10 == 0:
@@ -140,7 +157,9 @@ class Peer:
         return until is not None and bool(until())
 
     def want(self, twist: Sequence[float], age: float = 0.0) -> None:
-        """Send a command, given some time ago [s]."""
+        """Send a command, given some time ago [s], as far as there is a planner."""
+        if self._wanted is None:
+            return
         message = TwistStamped()
         given = self.clock() - round(age * 1e9)
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(given, 1_000_000_000)
@@ -163,7 +182,7 @@ class Peer:
 
     def decelerations(self) -> list[float]:
         """By how much the fastest wheel of the commands slows down, by their own stamps [rad/s^2]."""
-        times = [each.header.stamp.sec + 1e-9 * each.header.stamp.nanosec for each in self.commands]
+        times = [seconds(each) for each in self.commands]
         fastest = [max(map(abs, each.velocity[len(self.steering) :])) for each in self.commands]
         rows = list(zip(times, fastest, strict=True))
         return [

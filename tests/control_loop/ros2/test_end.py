@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 from lifecycle_msgs.srv import ChangeState
 
-from tests.control_loop.ros2.peers import driving
+from tests.control_loop.ros2.peers import BUSY, driving, seconds
 
 SLOW = "limits: {speed: 1.0, acceleration: 0.5, deceleration: 0.02, steering_rate: 1.0"
 STOPS = {"halts": f"{SLOW}, halt_deceleration: 1.0}}", "halts slowly": f"{SLOW}}}"}
 TWIST = (0.4, 0.0, 0.0)
 RADIUS = 0.15  # [m]
 LAST = 4.5  # [s] after the first signal at which the last command goes out at the latest
-BUSY = 0.5  # [s] more on a machine that does something else
 
 
 @pytest.fixture
@@ -39,8 +38,7 @@ def end(peer, process, *signals):
     assert process.process.returncode == 0, process.said
     assert not any(peer.wheel_speeds)
     assert "Traceback" not in process.said
-    stamp = peer.commands[-1].header.stamp
-    return stamp.sec + 1e-9 * stamp.nanosec - first
+    return seconds(peer.commands[-1]) - first
 
 
 @pytest.mark.parametrize("slow_file", ["halts"], indirect=True)

@@ -1,94 +1,41 @@
 """The node among others: another DDS, a simulation's clock, a subscriber that never reads; the filter."""
 
-import os
 import signal
 import time
-from dataclasses import dataclass
 
 import numpy as np
-import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 import six_wheel as sw
-from tests.control_loop.ros2.peers import PATIENCE, Peer
+from tests.control_loop.ros2.peers import BUSY, PATIENCE, TWIST, Peer, driving, seconds
 from tests.limits import only
 
-ONLY_HERE = """<CycloneDDS><Domain Id="any">
-<General><AllowMulticast>false</AllowMulticast>
-<Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>
-<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers></Discovery>
-</Domain></CycloneDDS>"""
-TWIST = (0.5, 0.0, 0.2)
+SOON = 2.0  # [s] after which it drives again
 
 
-def test_another_implementation_of_dds(start, rover_file, monkeypatch):
-    pytest.importorskip("cyclonedds", reason="needs pip install cyclonedds")
-    monkeypatch.setenv("CYCLONEDDS_URI", ONLY_HERE)
-    from cyclonedds.core import Policy, Qos
-    from cyclonedds.domain import DomainParticipant
-    from cyclonedds.idl import IdlStruct
-    from cyclonedds.idl.types import float64, int32, sequence, uint32
-    from cyclonedds.pub import DataWriter
-    from cyclonedds.sub import DataReader
-    from cyclonedds.topic import Topic
-
-    @dataclass
-    class Time(IdlStruct, typename="builtin_interfaces::msg::dds_::Time_"):
-        sec: int32
-        nanosec: uint32
-
-    @dataclass
-    class Header(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
-        stamp: Time
-        frame_id: str
-
-    @dataclass
-    class State(IdlStruct, typename="sensor_msgs::msg::dds_::JointState_"):
-        header: Header
-        name: sequence[str]
-        position: sequence[float64]
-        velocity: sequence[float64]
-        effort: sequence[float64]
-
-    @dataclass
-    class Vector(IdlStruct, typename="geometry_msgs::msg::dds_::Vector3_"):
-        x: float64
-        y: float64
-        z: float64
-
-    @dataclass
-    class Twist(IdlStruct, typename="geometry_msgs::msg::dds_::Twist_"):
-        linear: Vector
-        angular: Vector
-
-    @dataclass
-    class Stamped(IdlStruct, typename="geometry_msgs::msg::dds_::TwistStamped_"):
-        header: Header
-        twist: Twist
-
+def test_another_implementation_of_dds(start, cyclone, rover_file):
     rover = sw.load(rover_file)
     names = [*rover.steering_joints, *rover.traction_joints]
-    participant = DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
-    reliable = Qos(Policy.Reliability.Reliable(1_000_000_000), Policy.History.KeepLast(10))
-    states = DataWriter(participant, Topic(participant, "rt/joint_states", State, qos=reliable))
-    wanted = DataWriter(participant, Topic(participant, "rt/cmd_vel", Stamped, qos=reliable))
-    commands = DataReader(participant, Topic(participant, "rt/joint_commands", State, qos=reliable))
+    participant = cyclone.Participant()
+    states = participant.writer("joint_states", cyclone.JointState)
+    wanted = participant.writer("cmd_vel", cyclone.TwistStamped)
+    commands = participant.reader("joint_commands", cyclone.JointState)
     start("node", str(rover_file))
     steering, angles, speeds = [0.0] * 4, np.zeros(6), np.zeros(6)
     end, last, count = time.monotonic() + PATIENCE, time.time_ns(), 0
     _, there = rover.inverse(TWIST)
+    twist = cyclone.Twist(cyclone.Vector3(TWIST[0], 0.0, 0.0), cyclone.Vector3(0.0, 0.0, TWIST[2]))
     while time.monotonic() < end and not np.allclose(speeds, there, atol=1e-9):
         time.sleep(0.005)
         now = time.time_ns()
         angles, last, count = angles + (now - last) * 1e-9 * speeds, now, count + 1
-        header = Header(Time(*divmod(now, 1_000_000_000)), "")
-        states.write(State(header, names, [*steering, *angles.tolist()], [], []))
+        header = cyclone.Header(cyclone.Time(*divmod(now, 1_000_000_000)), "")
+        states.write(cyclone.JointState(header, names, [*steering, *angles.tolist()], [], []))
         if count % 10 == 0:
-            linear, angular = Vector(TWIST[0], 0.0, 0.0), Vector(0.0, 0.0, TWIST[2])
-            wanted.write(Stamped(header, Twist(linear, angular)))
+            wanted.write(cyclone.TwistStamped(header, twist))
         for command in commands.take(N=10):
-            if isinstance(command, State):
+            if isinstance(command, cyclone.JointState):
                 steering, speeds = list(command.position[:4]), np.array(command.velocity[4:])
     np.testing.assert_allclose(speeds, there, atol=1e-9)
 
@@ -107,25 +54,41 @@ def test_the_clock_of_a_simulation(start, peer, rover_file):
         state.header.stamp = tick.clock
         return state
 
+    def drives_soon():
+        begin = time.monotonic()
+        peer.commands.clear()
+        peer.until(lambda: peer.commands and any(peer.wheel_speeds))
+        assert time.monotonic() - begin < SOON + BUSY
+
+    peer.wanted = TWIST
+    start("node", str(rover_file), "--ros-args", "-p", "use_sim_time:=true")
+    peer.until(lambda: peer.diagnostics)
+    peer.spin(1.0)
+    assert not peer.commands  # without a clock
     peer.alter = simulated
     peer.clock = lambda: time_now[0]
-    start("node", str(rover_file), "--ros-args", "-p", "use_sim_time:=true")
-    peer.wanted = TWIST
     peer.until(lambda: peer.odometry and peer.odometry[-1].twist.twist.linear.x > 0.4)
     assert peer.odometry[-1].header.stamp.sec < 10_000
     time_now[0] -= 50_000_000_000
     peer.diagnostics.clear()
+    drives_soon()
     peer.until(lambda: peer.diagnosed("time must not run backwards"))
     peer.odometry.clear()
     peer.until(lambda: peer.odometry)
     assert abs(peer.odometry[0].pose.pose.position.x) < 2.0  # it started over, where the simulation did
     time_now[0] += 50_000_000_000
     peer.diagnostics.clear()
+    drives_soon()
     peer.until(lambda: peer.diagnosed("time must not jump"))
+    driving(peer)
     running[0] = False
+    peer.spin(1.0)
+    before, stamps = peer.commands[-1], [seconds(each) for each in peer.commands]
+    assert stamps.count(stamps[-1]) == 1
     peer.until_silent()  # time stands still, and so do the steps
     running[0] = True
     peer.until(lambda: peer.commands)
+    np.testing.assert_allclose(peer.commands[0].velocity, before.velocity, atol=1e-9)  # and no step after
 
 
 def test_a_subscriber_that_never_reads_holds_up_nobody(start, peer, rover_file):

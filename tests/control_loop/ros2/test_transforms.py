@@ -4,7 +4,6 @@ import json
 import os
 import sys
 import time
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -17,7 +16,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from six_wheel.control_loop.ros2 import transforms
 from six_wheel.logs.mcap import frames
 from tests.control_loop.ros2.peers import PATIENCE
-from tests.control_loop.ros2.test_surroundings import ONLY_HERE
 
 pytestmark = pytest.mark.skipif(find_spec("tf2_msgs") is not None, reason="tf2_msgs is installed here")
 
@@ -41,65 +39,16 @@ def test_hash_of_the_type_is_that_of_its_description(monkeypatch):
     assert generator.calculate_type_hash(description) == f"RIHS01_{transforms.HASH}"
 
 
-def test_transforms_are_those_of_odom(start, peer, rover_file, monkeypatch):
-    pytest.importorskip("cyclonedds", reason="needs pip install cyclonedds")
-    monkeypatch.setenv("CYCLONEDDS_URI", ONLY_HERE)
-    from cyclonedds.core import Policy, Qos
-    from cyclonedds.domain import DomainParticipant
-    from cyclonedds.idl import IdlStruct
-    from cyclonedds.idl.types import float64, int32, sequence, uint32
-    from cyclonedds.sub import DataReader
-    from cyclonedds.topic import Topic
-
-    @dataclass
-    class Time(IdlStruct, typename="builtin_interfaces::msg::dds_::Time_"):
-        sec: int32
-        nanosec: uint32
-
-    @dataclass
-    class Header(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
-        stamp: Time
-        frame_id: str
-
-    @dataclass
-    class Vector(IdlStruct, typename="geometry_msgs::msg::dds_::Vector3_"):
-        x: float64
-        y: float64
-        z: float64
-
-    @dataclass
-    class Quaternion(IdlStruct, typename="geometry_msgs::msg::dds_::Quaternion_"):
-        x: float64
-        y: float64
-        z: float64
-        w: float64
-
-    @dataclass
-    class Transform(IdlStruct, typename="geometry_msgs::msg::dds_::Transform_"):
-        translation: Vector
-        rotation: Quaternion
-
-    @dataclass
-    class Stamped(IdlStruct, typename="geometry_msgs::msg::dds_::TransformStamped_"):
-        header: Header
-        child_frame_id: str
-        transform: Transform
-
-    @dataclass
-    class Message(IdlStruct, typename="tf2_msgs::msg::dds_::TFMessage_"):
-        transforms: sequence[Stamped]
-
-    participant = DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
-    reliable = Qos(Policy.Reliability.Reliable(1_000_000_000), Policy.History.KeepLast(500))
-    reader = DataReader(participant, Topic(participant, "rt/tf", Message, qos=reliable))
+def test_transforms_are_those_of_odom(start, peer, cyclone, rover_file):
+    reader = cyclone.Participant().reader("tf", cyclone.TFMessage, depth=500)
     start(
         "node", str(rover_file), "--ros-args", "-p", "base_frame_id:=chassis", "-p", "tf_frame_prefix:=mars"
     )
     peer.wanted = (0.5, 0.0, 0.3)
-    heard: list[Message] = []
+    heard = []
 
     def enough():
-        heard.extend(each for each in reader.take(N=100) if isinstance(each, Message))
+        heard.extend(each for each in reader.take(N=100) if isinstance(each, cyclone.TFMessage))
         return len(heard) > 50 and peer.odometry and peer.odometry[-1].pose.pose.position.x > 0.3
 
     peer.until(enough)
