@@ -5,13 +5,12 @@ import signal
 
 import numpy as np
 import pytest
-from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
+from geometry_msgs.msg import Twist
 from lifecycle_msgs.srv import ChangeState, GetState
 from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParameters
 from rclpy.parameter import Parameter as Value
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
-from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from tests.control_loop.ros2.peers import PATIENCE, TWIST, call, driving
@@ -127,22 +126,6 @@ def test_faults_of_commands_are_said(start, peer, rover_file):
     finally:
         second.close()
         peer.node.destroy_publisher(other)
-
-
-def test_poses_that_are_none_are_said_and_left_out(start, peer, rover_file):
-    start("node", str(rover_file))
-    poses = peer.node.create_publisher(PoseWithCovarianceStamped, "set_pose", 1)
-    peer.until(lambda: peer.odometry and poses.get_subscription_count())
-    place, covariance = PoseWithCovarianceStamped(), PoseWithCovarianceStamped()
-    for message in (place, covariance):
-        message.pose.pose.position.x, message.pose.pose.orientation.w = 5.0, 1.0
-    place.pose.pose.position.y = math.inf
-    covariance.pose.covariance[0] = math.nan
-    for message in (place, covariance):
-        peer.diagnostics.clear()
-        poses.publish(message)
-        peer.until(lambda: peer.diagnosed("odometry: set_pose must be a pose"))
-        assert abs(peer.odometry[-1].pose.pose.position.x) < 1.0
 
 
 def test_without_velocities_a_rover_that_needs_them_stops(start, peer, rover_file):
@@ -297,23 +280,6 @@ def test_namespaces_and_remapping(start, peer, rover_file):
     peer.until(lambda: limited)
     peer.until(lambda: ("driver", "/mars") in peer.node.get_node_names_and_namespaces())
     del kept
-
-
-def test_poses_are_set_and_reset(start, peer, rover_file):
-    start("node", str(rover_file))
-    peer.until(lambda: peer.odometry)
-    poses = peer.node.create_publisher(PoseWithCovarianceStamped, "set_pose", 1)
-    message = PoseWithCovarianceStamped()
-    message.pose.pose.position.x, message.pose.pose.orientation.w = 5.0, 1.0
-    peer.until(lambda: poses.get_subscription_count())
-    poses.publish(message)
-
-    def at() -> float:
-        return peer.odometry[-1].pose.pose.position.x
-
-    peer.until(lambda: at() == pytest.approx(5.0, abs=0.01))
-    assert call(peer, Trigger, "/rover_controller/reset_odometry", Trigger.Request()).success
-    peer.until(lambda: at() == pytest.approx(0.0, abs=0.01))
 
 
 def test_a_record_is_replayed_to_the_bit(start, peer, rover_file, tmp_path):

@@ -146,7 +146,9 @@ class RoverNode(BaseNode):
     def _on_set_odometry(self, request: Any, response: Any) -> Any:
         """As ros2_controllers have it: the pose is that, for certain."""
         error = self._set_pose([request.x, request.y, request.yaw], [[0.0] * 3] * 3)
-        response.success, response.message = not error, error or "odometry goes on from there"
+        flat = not any((request.z, request.roll, request.pitch))
+        said = "odometry goes on from there" + ("" if flat else "; z, roll and pitch are not part of it")
+        response.success, response.message = not error, error or said
         return response
 
     def _set_pose(self, pose: list[float], covariance: list[list[float]]) -> str:
