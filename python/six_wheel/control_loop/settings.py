@@ -23,6 +23,18 @@ __all__ = ["NAMES", "Settings", "read_value", "rover_keys", "with_changes"]
 
 LEAST_JUMP = 3.0  # [m/s], 6 cm at 50 Hz: a rover that is pushed, or rolls, may be faster than it drives
 NAMES = frozenset(option.name for option in OPTIONS)
+# Parameters of ros2_controllers that a node has too.
+SHARED = (
+    "enable_odom_tf",
+    "open_loop",
+    "pose_covariance_diagonal",
+    "position_feedback",
+    "publish_limited_velocity",
+    "publish_rate",
+    "reference_timeout",
+    "twist_covariance_diagonal",
+    "use_stamped_vel",
+)
 
 
 @dataclass(frozen=True)
@@ -36,11 +48,14 @@ class Settings:
     parameters : Parameters
         What it says.
     options : Options
+    node_options : dict
+        What the file says of the other options of a node, unchecked.
     """
 
     text: str
     parameters: Parameters
     options: Options = field(default_factory=Options)
+    node_options: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
     def of_text(
@@ -56,14 +71,19 @@ class Settings:
 
     @classmethod
     def of_parameters(cls, given: Parameters, options: Options | None = None) -> "Settings":
-        """From a parameter file that has been read: its own keys, where they alone tell what it is."""
+        """From a parameter file that has been read: its own keys, where they alone tell what it is. Options
+        that are not given are those of the file."""
         try:
-            text = with_changes(given.path.read_text(encoding="utf-8-sig"), given.node, {})
+            file = given.path.read_text(encoding="utf-8-sig")
+            text = with_changes(file, given.node, {})
             again = parse_parameters(text, node=given.node, path=given.path)
-            if same(again, given):
-                return cls(text, replace(given, kind_given=None), options or Options())
         except (OSError, ValueError):
             pass  # another language than YAML, or a kind that only the command line told
+        else:
+            if same(again, given):
+                of_node = _options_of_node(file, given)
+                options = options or Options.of({name: of_node[name] for name in NAMES & of_node.keys()})
+                return cls(text, replace(given, kind_given=None), options, of_node)
         text = own_text(given)
         return cls(text, parse_parameters(text, path=given.path), options or Options())
 
@@ -158,6 +178,17 @@ class Settings:
             each = known.get(wheel, Encoder())
             factors.append((gain * each.angle_per_tick, gain * each.offset))
         return factors
+
+
+def _options_of_node(text: str, given: Parameters) -> dict[str, Any]:
+    """Options of a node in its parameter file; of a controller's file those that mean the same there."""
+    found = _section(text, given.node)
+    data: dict[str, Any] = found.data | found.node_options
+    if given.controller is None:
+        return data
+    if data.get("tf_frame_prefix_enable") is False:
+        data.pop("tf_frame_prefix", None)
+    return {name: data[name] for name in (*SHARED, *found.node_options) if name in data}
 
 
 def same(one: Parameters, other: Parameters) -> bool:

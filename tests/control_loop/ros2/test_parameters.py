@@ -1,10 +1,10 @@
 """Parameters of the node as teams set them: slips, frames, `ros2 param dump`; lines of its log."""
 
 import math
+import textwrap
 
 import pytest
 import yaml
-from rcl_interfaces.msg import Log
 from rcl_interfaces.srv import GetParameters, ListParameters
 from rclpy.parameter import parameter_value_to_python
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -28,16 +28,45 @@ ALL = [
 def dumped(peer):
     """The text that `ros2 param dump` writes."""
     names = call(peer, ListParameters, f"{NODE}/list_parameters", ListParameters.Request()).result.names
-    request = GetParameters.Request(names=names)
-    values = call(peer, GetParameters, f"{NODE}/get_parameters", request).values
     tree: dict = {}
-    for name, value in zip(names, values, strict=True):
+    for name, value in zip(names, values_of(peer, *names), strict=True):
         *groups, key = name.split(".")
         inside = tree
         for group in groups:
             inside = inside.setdefault(group, {})
-        inside[key] = parameter_value_to_python(value)
+        inside[key] = value
     return yaml.safe_dump({NODE: {"ros__parameters": tree}})
+
+
+def values_of(peer, *names, node=NODE):
+    request = GetParameters.Request(names=names)
+    values = call(peer, GetParameters, f"{node}/get_parameters", request).values
+    return [parameter_value_to_python(value) for value in values]
+
+
+def test_what_the_file_says_of_the_node_counts(start, peer, rover_file):
+    """It was ignored in silence; what is given beside the file comes first."""
+    lines = "publish_rate: 10.0\ncommand_interface: group\nautostart: false\ncmd_vel_timeout: 0.25\n"
+    rover_file.write_text(rover_file.read_text() + textwrap.indent(lines, "    "))
+    start("node", str(rover_file), "--ros-args", "-p", "publish_rate:=20.0")
+    names = "publish_rate", "command_interface", "autostart", "cmd_vel_timeout"
+    assert values_of(peer, *names, node="/rover_controller") == [20.0, "group", False, 0.25]
+
+
+def test_names_of_ros2_controllers(start, peer, rover_file):
+    diagonal = "pose_covariance_diagonal:=[0.1,0.1,0.1,0.1,0.1,0.1]"
+    given = ["-p", "reference_timeout:=0.3", "-p", diagonal, "-r", "__ns:=/mars"]
+    process = start("node", str(rover_file), "--ros-args", *given)
+    names = "reference_timeout", "cmd_vel_timeout", "pose_covariance_diagonal", "twist_covariance_diagonal"
+    assert values_of(peer, *names) == [0.3, 0.3, [0.1] * 6, [0.0] * 6]
+    assert "unknown parameter" not in process.said
+    unused = "pose_covariance_diagonal is not used: covariances are computed from the noise and the readings"
+    assert process.said.count(unused) == 1
+    assert "twist_covariance_diagonal" not in process.said
+    process.end()
+    # Both names: that of the parameter that can be set while it drives.
+    start("node", str(rover_file), "--ros-args", *given, "-p", "cmd_vel_timeout:=0.2")
+    assert values_of(peer, "cmd_vel_timeout") == [0.2]
 
 
 def test_slips_frames_and_a_dump(start, peer, rover_file, tmp_path):
@@ -78,13 +107,11 @@ def test_a_value_out_of_range_is_one_line(start, rover_file):
 
 
 def test_a_stop_is_a_line_of_the_log_and_its_end_another(start, peer, rover_file):
-    lines: list[str] = []
-    kept = peer.node.create_subscription(Log, "/rosout", lambda log: lines.append(log.msg), 100)
     start("node", str(rover_file))
     driving(peer)
 
     def said(text):
-        return sum(text in line for line in lines)
+        return sum(text in line for line in peer.log)
 
     begin = "joints: the rover stops, joint states are missing: joint fl_steer must be in the joint states"
     peer.alter = lambda state: None
@@ -98,7 +125,6 @@ def test_a_stop_is_a_line_of_the_log_and_its_end_another(start, peer, rover_file
     driving(peer)
     peer.until(lambda: said("commands: over: commands must keep coming"))
     assert said("joint states are missing") == 1
-    del kept
 
 
 def test_zero_is_no_limit_only_beside_parameters_of_the_node(tmp_path):

@@ -201,7 +201,7 @@ def test_what_a_ros_file_says():
     parameters = read_parameters(DATA / "by_axle.yaml")
     assert parameters.node == "rover_controller"
     assert (parameters.odom_frame_id, parameters.base_frame_id) == ("odom", "base_footprint")
-    assert (parameters.limits, parameters.control) == (sw.Limits(), {})
+    assert (parameters.limits, parameters.control) == (sw.Limits(), {"timeout": 0.5})
     assert parameters.warnings == ()
     assert parameters.path == DATA / "by_axle.yaml"
 

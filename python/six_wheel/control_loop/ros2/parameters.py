@@ -14,6 +14,7 @@ from six_wheel.control_loop.settings import NAMES, rover_keys
 from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.robot_description.parameters.detect_format import NO_LIMIT
 from six_wheel.robot_description.parameters.file import Parameters
+from six_wheel.robot_description.parameters.foreign.limits import is_number
 from six_wheel.robot_description.parameters.ros_node_parameters import closest
 from six_wheel.robot_description.parameters.schema import GROUPS
 
@@ -21,6 +22,9 @@ __all__ = ["FILTER", "NODE", "Declared"]
 
 LARGEST = NO_LIMIT
 NONE = 0.0  # value of a parameter that is not given
+TIMEOUT, REFERENCE = "cmd_vel_timeout", "reference_timeout"
+UNUSED = ("pose_covariance_diagonal", "twist_covariance_diagonal")
+COMPUTED = "covariances are computed from the noise and the readings"
 OTHERS = (
     "qos_overrides.",
     "use_sim_time",
@@ -83,8 +87,10 @@ class Declared:
             if value != options[option.name]:
                 changes[option.name] = value
         for option in own:
-            self.own[option.name] = option.check(self._option(option, option.default))
+            given = option.check(settings.node_options.get(option.name, option.default))
+            self.own[option.name] = option.check(self._option(option, given))
         changes |= self._groups(settings)
+        self._unused(settings)
         changes |= self._keys(settings)
         changes |= self._frames(settings.parameters)
         self.settings = settings.changed(changes) if changes else settings
@@ -122,7 +128,7 @@ class Declared:
         changes: dict[str, Any] = {}
         said = settings.parameters
         timeout = said.control.get("timeout", 0.5)
-        given = {"cmd_vel_timeout": NONE if timeout is None else timeout}
+        given = {TIMEOUT: NONE if timeout is None else timeout}
         limits = dict.fromkeys(GROUPS["limits"].model_fields, NONE) | limits_given(said.limits)
         given |= {f"limits.{name}": min(value, LARGEST) for name, value in limits.items()}
         noise = Noise(**said.noise)
@@ -138,10 +144,22 @@ class Declared:
             descriptor = self._descriptor(f"{what}{none}", read_only=False)
             _range(descriptor, 0.0, LARGEST)
             self.live.add(name)
-            now = self._declare(name, float(value), descriptor)
+            other = self._reference_timeout(settings) if name == TIMEOUT else NONE
+            now = self._declare(name, float(other or value), descriptor)
             if now != value:
                 changes |= _meant(name, now)
         return changes | self._following(settings)
+
+    def _reference_timeout(self, settings: Settings) -> float:
+        """The timeout by the name that steering controllers have for it; 0 where nobody gives it by that."""
+        descriptor = self._descriptor(
+            f"another name of {TIMEOUT}, which comes first; 0: that one alone", True
+        )
+        _range(descriptor, 0.0, LARGEST)
+        given = settings.node_options.get(REFERENCE)
+        value: float = self._declare(REFERENCE, float(given) if is_number(given) else NONE, descriptor)
+        overrides = self._node._parameter_overrides
+        return value if REFERENCE in overrides and TIMEOUT not in overrides else NONE
 
     def _following(self, settings: Settings) -> dict[str, Any]:
         """When a joint is one that does not follow: to be set when the node starts."""
@@ -167,6 +185,16 @@ class Declared:
             if now != value and list(now if isinstance(now, Sequence) else [now]) != value:
                 changes[name] = now
         return changes
+
+    def _unused(self, settings: Settings) -> None:
+        """Parameters of ros2_controllers that are accepted; a value for one is warned of."""
+        for name in UNUSED:
+            given = settings.node_options.get(name, [NONE] * 6)
+            if not (isinstance(given, list) and all(map(is_number, given))):
+                raise ValueError(f"{name} must be a list of numbers, got {given}")
+            descriptor = self._descriptor(f"not used: {COMPUTED}", True)
+            if any(self._declare(name, [float(each) for each in given], descriptor)):
+                self._node.get_logger().warning(f"{name} is not used: {COMPUTED}")
 
     def _frames(self, said: Parameters) -> dict[str, Any]:
         """The frames, with the prefix before both."""
@@ -218,7 +246,7 @@ def _range(descriptor: Any, least: float, most: float) -> None:
 
 def _meant(name: str, value: Any) -> Mapping[str, Any]:
     """A parameter of ROS as a key of the file; 0 takes a limit away, so that it has its default."""
-    if name == "cmd_vel_timeout":
+    if name == TIMEOUT:
         return {"control.timeout": value or LARGEST}
     if name.startswith("limits."):
         return {name: math.inf if value >= LARGEST else value or None}

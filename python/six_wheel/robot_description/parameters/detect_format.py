@@ -56,14 +56,14 @@ def section_of(tree: Tree, node: str | None, report: Report) -> Section | None:
     """The parameters of the rover in a file; see `ros_node_parameters.section`."""
     found = section(tree, node, KEYS, TELLING, PLAIN, report)
     if found is not None and NODE_OPTIONS & found.data.keys():
+        for name in {*NODE_OPTIONS, "rover", "robot_description"} & found.data.keys():
+            found.node_options[name] = found.data.pop(name)
         _drop_unset(found.data)
     return found
 
 
 def _drop_unset(data: Values) -> None:
     """Take out what `ros2 param dump` writes of `six-wheel node` and nobody gave: there 0 stands for none."""
-    for name in {*NODE_OPTIONS, "rover", "robot_description"} & data.keys():
-        del data[name]
     limits, control = (
         dict(group) if isinstance(group := data.get(key), dict) else {} for key in ("limits", "control")
     )

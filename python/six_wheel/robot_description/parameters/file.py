@@ -36,6 +36,7 @@ from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import check_keys, form_of, section_of
+from six_wheel.robot_description.parameters.foreign.limits import own_timeout
 from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN
 from six_wheel.robot_description.parameters.foreign.yagsl import gather_modules
 from six_wheel.robot_description.parameters.joints import JointList, check_wheels, wheels_of_joints
@@ -199,6 +200,8 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: FileFi
     values = check_values(found, form, log.error)
     form.check(found, values, log.error, log.warning)
     values = form.complete(found, values)
+    if form not in FOREIGN and (timeout := own_timeout(found, log.error)):
+        values["control"] = timeout | values.get("control", {})
     rover = without_questions(lambda: _rover(found, form, values, log))  # they become findings
     if rover is not None:
         check_wheels(found, values, rover, log.error)

@@ -56,6 +56,7 @@ class Section:
     places: dict[Path, Place] = field(default_factory=dict)
     type: str | None = None
     """The node's controller, if the file names it: ``diff_drive_controller/DiffDriveController``."""
+    node_options: dict[str, Any] = field(default_factory=dict)  # that only `six-wheel node`, `filter` declare
 
     def line_of(self, path: Path) -> int | None:
         """The line of a part; for what is missing, that of the whole section."""

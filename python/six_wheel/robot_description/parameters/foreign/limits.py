@@ -6,8 +6,19 @@ from typing import Any, TypeGuard
 from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import GROUPS, Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
+from six_wheel.robot_description.parameters.schema import shown
 
-__all__ = ["LIMITS", "SLOWING", "STEERING_RANGE", "TIMEOUTS", "check_limits", "is_number", "with_limits"]
+__all__ = [
+    "LIMITS",
+    "SLOWING",
+    "STEERING_RANGE",
+    "TIMEOUTS",
+    "check_limits",
+    "is_number",
+    "own_timeout",
+    "with_limits",
+    "with_timeout",
+]
 
 # Limits of controllers that are limits here; any other limit is reported as not read.
 LIMITS = {
@@ -41,16 +52,32 @@ def with_limits(section: Section, values: Values, second: float = 1.0) -> Values
         for key, name in (SLOWING | LIMITS).items()
         if key in values and _in_force(data, key) and _has_its_sign(key, values[key])
     }
+    control = with_timeout(data, second)
+    if isinstance(data.get(ALIGNING), bool):
+        control["align"] = "cosine" if data[ALIGNING] else "none"
+    both = {"limits": limits, "control": control}
+    return values | {key: read | values.get(key, {}) for key, read in both.items() if read}
+
+
+def with_timeout(data: Values, second: float = 1.0) -> Values:
+    """The age at which a command is too old, as the key `timeout` of `control`, if the data has it."""
     control: Values = {}
     for key in TIMEOUTS:
         if is_number(data.get(key)) and 0 < data[key] < math.inf:
             control["timeout"] = data[key] / second
         elif key in COMMAND_TIMEOUTS and is_number(data.get(key)) and data[key] == 0:
             control["timeout"] = "never"
-    if isinstance(data.get(ALIGNING), bool):
-        control["align"] = "cosine" if data[ALIGNING] else "none"
-    both = {"limits": limits, "control": control}
-    return values | {key: read | values.get(key, {}) for key, read in both.items() if read}
+    return control
+
+
+def own_timeout(section: Section, error: Report) -> Values:
+    """The same for a file with this package's keys beside those of ROS; an error if it can be none."""
+    for key in TIMEOUTS:
+        value = section.data.get(key, 0.0)
+        if not is_number(value) or not 0 <= value < math.inf:
+            section.report(error, (key,), f"{key} must be a time in seconds, got {shown(value)}", "0: never")
+            return {}
+    return with_timeout(section.data)
 
 
 def _has_its_sign(key: str, value: float) -> bool:
