@@ -118,24 +118,3 @@ def test_a_joint_that_sticks_halts_and_is_named(start, peer, rover_file, tmp_pat
     replayed = replay(tmp_path / "run.mcap")
     assert replayed.same_bits
     assert any("JOINT_STUCK" in names for names in replayed.recorded.reasons)
-
-
-@pytest.mark.parametrize("every", [1, 2], ids=["200 Hz", "100 Hz"])
-def test_a_planner_with_noise_is_driven(start, peer, rover_file, every):
-    """Commands with 1 % of noise in their yaw rate, one with every step or every other one."""
-    start("node", str(rover_file))
-    peer.until(lambda: peer.odometry)
-    random = np.random.default_rng(1)
-    count, wanted = itertools.count(), (0.4, 0.0, 0.3)
-
-    def speak(state):
-        if next(count) % every == 0:
-            peer.want((wanted[0], wanted[1], wanted[2] * (1.0 + 0.01 * random.standard_normal())))
-        return state
-
-    peer.alter = speak
-    peer.spin(3.0)
-    peer.odometry.clear()
-    peer.spin(3.0)
-    measured = [message.twist.twist.linear.x for message in peer.odometry]
-    assert np.mean(measured) >= 0.9 * wanted[0]

@@ -5,7 +5,10 @@ are all taken may add. Time for which the node was ready and another process had
 """
 
 import itertools
+import math
+import time
 
+import numpy as np
 import pytest
 
 import six_wheel as sw
@@ -71,6 +74,38 @@ def test_after_a_fault_it_is_at_rest_and_says_so_once(start, peer, rover_file, n
     driving(peer, (SPEED, 0.0, 0.0))
     peer.until(lambda: said(True))
     assert (said(False), said(True)) == (1, 1)
+
+
+def noise(t, random):
+    """A yaw rate with 1 % of noise [rad/s]."""
+    return 0.3 * (1.0 + 0.01 * random.standard_normal())
+
+
+def weaving(t, random):
+    return 0.3 * math.sin(2.0 * t)
+
+
+@pytest.mark.parametrize("turning", [noise, weaving])
+@pytest.mark.parametrize("rate", [10.0, 100.0, 500.0])
+def test_a_planner_gets_the_speed_it_asks_for(start, peer, rover_file, rate, turning):
+    """Whatever its rate, against the robot's 200 Hz, and however its commands differ from each other: with
+    noise in every command the rover drove at 0.02 m/s of 0.4."""
+    start("node", str(rover_file))
+    peer.until(lambda: peer.odometry)
+    random, begin, sent = np.random.default_rng(1), time.monotonic(), [0]
+
+    def speak(state):
+        t = time.monotonic() - begin
+        while sent[0] < rate * t:
+            peer.want((SPEED, 0.0, turning(t, random)))
+            sent[0] += 1
+        return state
+
+    peer.alter = speak
+    peer.spin(3.0)
+    peer.odometry.clear()
+    peer.spin(3.0)
+    assert np.mean([message.twist.twist.linear.x for message in peer.odometry]) >= 0.9 * SPEED
 
 
 def test_ten_thousand_commands_a_second_hold_up_none(start, peer, rover_file, tmp_path):

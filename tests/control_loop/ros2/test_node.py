@@ -308,6 +308,12 @@ def test_a_record_is_replayed_to_the_bit(start, peer, rover_file, tmp_path):
     peer.until(lambda: refused.process.poll() is not None)
     assert refused.process.returncode == 2
     assert "record must be a new file" in refused.said
+    # Nor into a folder that is not there; the reason was in no log.
+    refused = start("node", str(rover_file), "--ros-args", "-p", "record:=nowhere/run.mcap")
+    peer.until(lambda: refused.process.poll() is not None)
+    assert refused.process.returncode == 2
+    rule = "record must be a file that can be written, got nowhere/run.mcap: No such file or directory"
+    assert rule in refused.said
 
 
 def test_a_killed_node_leaves_a_record(start, peer, rover_file, tmp_path):

@@ -64,6 +64,7 @@ def test_names_of_ros2_controllers(start, peer, rover_file):
     assert process.said.count(unused) == 1
     assert "twist_covariance_diagonal" not in process.said
     process.end()
+    peer.clients.clear()  # whom they know is gone
     # Both names: that of the parameter that can be set while it drives.
     start("node", str(rover_file), "--ros-args", *given, "-p", "cmd_vel_timeout:=0.2")
     assert values_of(peer, "cmd_vel_timeout") == [0.2]
@@ -95,11 +96,17 @@ def test_slips_frames_and_a_dump(start, peer, rover_file, tmp_path):
     assert process.end() == 0
 
 
-def test_a_value_out_of_range_is_one_line(start, rover_file):
+def test_a_value_that_cannot_be_is_one_line(start, rover_file):
     for given, line in (
         ("update_rate:=0.0", "update_rate must lie between 1 and 1000, got 0"),
         ("limits.speed:=-1.0", "limits.speed must lie between 0 and 1e+06, got -1"),
         ("imu_timeout:=.nan", "imu_timeout must lie between 0.001 and 1, got nan"),
+        ("limits.speed:=1", "limits.speed must be a number with a decimal point, got 1"),
+        ("autostart:=1", "autostart must be true or false, got 1"),
+        (
+            "pose_covariance_diagonal:=0.1",
+            "pose_covariance_diagonal must be a list of the type in the file or by default, got 0.1",
+        ),
     ):
         process = start("node", str(rover_file), "--ros-args", "-p", given)
         process.process.wait(PATIENCE)

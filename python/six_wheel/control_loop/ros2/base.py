@@ -59,14 +59,26 @@ class BaseNode(LifecycleNode):
 
     def on_configure(self, state: Any) -> Any:
         """Topics are there and odometry counts; nothing is commanded yet."""
+        try:
+            self._configure()
+        except Exception as error:  # rclpy tells nobody of it
+            self.get_logger().error(" ".join(str(error).split()) or type(error).__name__)
+            self.on_cleanup(state)
+            return TransitionCallbackReturn.FAILURE
+        return TransitionCallbackReturn.SUCCESS
+
+    def _configure(self) -> None:
         halted = self.loop.halted
         self.loop = Loop(self.settings)
         if self.options["record"] and self.recorder is None:
             path = Path(self.options["record"])
             if path.exists():
-                self.get_logger().error(f"record must be a new file, got {path}")
-                return TransitionCallbackReturn.FAILURE
-            self.recorder = Recorder(path, self.settings)
+                raise ValueError(f"record must be a new file, got {path}")
+            try:
+                self.recorder = Recorder(path, self.settings)
+            except OSError as error:
+                rule = f"record must be a file that can be written, got {path}"
+                raise ValueError(f"{rule}: {error.strerror or error}") from None
         self._activate(False)
         if halted:
             self.halt()
@@ -85,7 +97,6 @@ class BaseNode(LifecycleNode):
         ):
             timer = self.create_timer(period, call, clock=steady)
             self._things.append((self.destroy_timer, timer))
-        return TransitionCallbackReturn.SUCCESS
 
     def on_activate(self, state: Any) -> Any:
         """Commands are taken."""

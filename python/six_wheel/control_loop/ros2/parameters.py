@@ -24,6 +24,14 @@ LARGEST = NO_LIMIT
 NONE = 0.0  # value of a parameter that is not given
 TIMEOUT, REFERENCE = "cmd_vel_timeout", "reference_timeout"
 UNUSED = ("pose_covariance_diagonal", "twist_covariance_diagonal")
+# Types of parameters in words: ROS takes no whole number for one with a decimal point.
+_KINDS = {
+    bool: "true or false",
+    float: "a number with a decimal point",
+    int: "a whole number",
+    list: "a list of the type in the file or by default",
+    str: "text",
+}
 COMPUTED = "covariances are computed from the noise and the readings"
 OTHERS = (
     "qos_overrides.",
@@ -220,12 +228,15 @@ class Declared:
 
     def _declare(self, name: str, value: Any, descriptor: Any) -> Any:
         """The value of a parameter: the one given for it, or else this."""
-        from rclpy.exceptions import InvalidParameterValueException
+        from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 
         if self._node.has_parameter(name):
             return self._node.get_parameter(name).value
         try:
             return self._node.declare_parameter(name, value, descriptor).value
+        except InvalidParameterTypeException:
+            got, kind = self._node._parameter_overrides[name].value, _KINDS[type(value)]
+            raise ValueError(f"{name} must be {kind}, got {got}") from None
         except InvalidParameterValueException:
             (allowed,) = descriptor.floating_point_range
             least, most = allowed.from_value, allowed.to_value

@@ -104,17 +104,14 @@ class _Signals:
 
 def _spin(ros: Any, kind: str, settings: Settings, signals: _Signals) -> None:
     name = node_name(settings.parameters.node, kind)
-    try:
-        if kind == "node":
-            from six_wheel.control_loop.ros2.node import RoverNode
+    if kind == "node":
+        from six_wheel.control_loop.ros2.node import RoverNode
 
-            node: Any = RoverNode(name, settings)
-        else:
-            from six_wheel.control_loop.ros2.filter import FilterNode
+        node: Any = RoverNode(name, settings)
+    else:
+        from six_wheel.control_loop.ros2.filter import FilterNode
 
-            node = FilterNode(name, settings)
-    except ros.exceptions.InvalidParameterTypeException as error:
-        raise ValueError(" ".join(str(error).split())) from None
+        node = FilterNode(name, settings)
     executor = _executor(ros)
     executor.add_node(node)
     try:
