@@ -97,11 +97,14 @@ def test_a_map_in_degrees_is_refused(tmp_path: Path) -> None:
         sw.Terrain.read(path)
     grid = tmp_path / "grid.asc"
     grid.write_text("ncols 2\nnrows 2\nxllcorner 14\nyllcorner 50\ncellsize 0.00001\n1 2\n3 4\n")
-    with pytest.raises(TerrainFileError, match="coordinates that look like degrees, .* gdalwarp"):
+    with pytest.raises(
+        TerrainFileError,
+        match="coordinates look like degrees: .* gdalwarp -s_srs EPSG:4326 -t_srs EPSG:32633",
+    ):
         sw.Terrain.read(grid)
     grid.write_text("ncols 2\nnrows 2\nxllcorner 14\nyllcorner 50\ncellsize 1\n1 2\n3 4\n")
     grid.with_suffix(".prj").write_text('GEOGCS["WGS 84"]')
-    with pytest.raises(TerrainFileError, match="coordinates are degrees"):
+    with pytest.raises(TerrainFileError, match="its coordinates are degrees"):
         sw.Terrain.read(grid)
 
 
@@ -176,83 +179,6 @@ def test_a_missing_library_names_the_install_line(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
     with pytest.raises(ImportError, match=r'pip install "six-wheel\[bags\]"'):
         sw.Terrain.read(tmp_path / "a.mcap")
-
-
-def write_bag(path: Path, cells: Any, start: tuple[int, int], label: str, yaw: float) -> Path:
-    """A bag with a grid map; `cells` (rows, columns) as it numbers them, before its ring buffer."""
-    highlevel = pytest.importorskip("rosbags.rosbag2", reason="needs rosbags")
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-    from six_wheel.maps.readers.bags import DEFINITIONS, GRID_MAP
-
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    for name, definition in DEFINITIONS.items():
-        store.register(get_types_from_msg(definition, name))
-    types = store.types
-    stored = np.roll(cells, start, (0, 1)).astype(np.float32)
-    rows, columns = cells.shape
-    sizes = {"column_index": columns, "row_index": rows}
-    other = "row_index" if label == "column_index" else "column_index"
-    flat = (stored.T if label == "column_index" else stored).ravel()
-    dimension = types["std_msgs/msg/MultiArrayDimension"]
-    layout = types["std_msgs/msg/MultiArrayLayout"](
-        dim=[
-            dimension(label=label, size=sizes[label], stride=flat.size),
-            dimension(label=other, size=sizes[other], stride=sizes[other]),
-        ],
-        data_offset=0,
-    )
-    pose = types["geometry_msgs/msg/Pose"](
-        position=types["geometry_msgs/msg/Point"](x=3.0, y=-2.0, z=0.0),
-        orientation=types["geometry_msgs/msg/Quaternion"](
-            x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2)
-        ),
-    )
-    message = types[GRID_MAP](
-        header=types["std_msgs/msg/Header"](
-            stamp=types["builtin_interfaces/msg/Time"](sec=0, nanosec=0), frame_id="map"
-        ),
-        info=types["grid_map_msgs/msg/GridMapInfo"](
-            resolution=0.5, length_x=0.5 * rows, length_y=0.5 * columns, pose=pose
-        ),
-        layers=["elevation"],
-        basic_layers=[],
-        data=[types["std_msgs/msg/Float32MultiArray"](layout=layout, data=flat)],
-        outer_start_index=start[0],
-        inner_start_index=start[1],
-    )
-    with highlevel.Writer(path, version=9) as writer:
-        connection = writer.add_connection("/map", GRID_MAP, typestore=store)
-        writer.write(connection, 0, store.serialize_cdr(message, GRID_MAP))
-    return path
-
-
-@pytest.mark.parametrize("label", ["column_index", "row_index"])
-@pytest.mark.parametrize("yaw", [0.0, 0.6])
-def test_a_grid_map_of_a_bag_keeps_its_place(label: str, yaw: float, tmp_path: Path) -> None:
-    cells = np.arange(30.0).reshape(6, 5)
-    cells[3, 2] = np.nan
-    path = write_bag(tmp_path / "bag", cells, (3, 1), label, yaw)
-    ground = sw.Terrain.read(path)
-    assert ground.shape == (5, 6)
-    # Cell (0, 0) is where x and y of the map's own axes are largest.
-    for row, column in ((0, 0), (5, 4), (5, 0)):
-        x, y = 1.25 - 0.5 * row, 1.0 - 0.5 * column
-        point = (
-            3 + (math.cos(yaw) * x - math.sin(yaw) * y) * (1 - 1e-9),
-            -2 + (math.sin(yaw) * x + math.cos(yaw) * y) * (1 - 1e-9),
-        )
-        assert ground.height_at(point) == pytest.approx(cells[row, column], abs=1e-6)
-    assert np.isnan(ground.heights).sum() == 1
-    with pytest.raises(TerrainFileError, match="has no layer slope: elevation"):
-        sw.Terrain.read(path, layer="slope")
-    with pytest.raises(TerrainFileError, match="has no map on /other, it has /map"):
-        sw.Terrain.read(path, topic="/other")
-    with pytest.raises(
-        TerrainFileError, match="has a place of its own: leave spacing, origin and north_up out"
-    ):
-        sw.Terrain.read(path, spacing=1.0)
-    assert sw.Terrain.read(path, band="elevation") == ground
 
 
 def test_a_yard_is_its_seed() -> None:

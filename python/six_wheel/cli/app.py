@@ -29,6 +29,7 @@ from six_wheel.cli.commands.traverse import traverse
 from six_wheel.cli.commands.view import view
 from six_wheel.cli.names import COMMANDS, INSTALL, PROGRAM, PURPOSE
 from six_wheel.cli.shared import new_console, progress_bar, with_options
+from six_wheel.kinematics.errors import DoubtError
 
 EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "yaml")
 HELP_OPTIONS = ["-h", "--help"]
@@ -169,4 +170,6 @@ def _explain(error: Exception) -> str | None:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     if isinstance(error, MemoryError):
         return "not enough memory"
+    if isinstance(error, DoubtError):
+        return error.told("option")
     return str(error) if isinstance(error, ValueError | OSError | ImportError) else None

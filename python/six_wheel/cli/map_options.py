@@ -1,5 +1,6 @@
 """Options for what a map leaves open, the same for every command that reads one."""
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
@@ -7,6 +8,13 @@ import typer
 if TYPE_CHECKING:
     from six_wheel._core import Terrain
     from six_wheel.maps.files import Options
+
+
+RULES = {
+    "--nodata": "be a number, or several with commas between them",
+    "--origin": "be two numbers, x,y",
+    "--spacing": "be one number or two, dx,dy",
+}
 
 
 class MapReading(NamedTuple):
@@ -23,8 +31,11 @@ class MapReading(NamedTuple):
         typer.Option(metavar="LAYER", help="Layer of a grid map; default elevation, or the only one."),
     ] = None
     nodata: Annotated[
-        float | None,
-        typer.Option(help="Number that stands for an unknown height; nan if every number is a height."),
+        str | None,
+        typer.Option(
+            metavar="N or N,N",
+            help="Numbers that stand for unknown heights; nan if every number is a height.",
+        ),
     ] = None
     unit: Annotated[
         str | None,
@@ -49,13 +60,14 @@ class MapReading(NamedTuple):
         """The same as those of `Terrain.read`."""
         from six_wheel.maps.files import Options
 
+        nodata = None if self.nodata is None else _numbers("--nodata", self.nodata, range(1, 9))
         origin = None if self.origin is None else _numbers("--origin", self.origin, (2,))
         spacing = None if self.spacing is None else _numbers("--spacing", self.spacing, (1, 2))
         return Options(
             topic=self.topic,
             layer=self.layer,
             band=self.band,
-            nodata=self.nodata,
+            nodata=nodata,
             unit=self.unit,
             north_up=self.north_up,
             spacing=spacing if spacing is None or len(spacing) == 2 else spacing[0],
@@ -78,12 +90,12 @@ class MapReading(NamedTuple):
         return {name: value for name, value in self.options()._asdict().items() if value is not None}
 
 
-def _numbers(name: str, text: str, counts: tuple[int, ...]) -> tuple[float, ...]:
+def _numbers(name: str, text: str, counts: Collection[int]) -> tuple[float, ...]:
     try:
         numbers = tuple(float(part) for part in text.split(","))
     except ValueError:
         numbers = ()
     if len(numbers) not in counts:
-        rule = "be two numbers, x,y" if counts == (2,) else "be one number or two, dx,dy"
+        rule = RULES[name]
         raise ValueError(f'{name} must {rule}, got "{text}"')
     return numbers

@@ -2,31 +2,21 @@
 
 import math
 import warnings
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.errors import SuspiciousUnitsWarning
-from six_wheel.maps.files import Grid, Options, length
+from six_wheel.kinematics.errors import DoubtError, SuspiciousUnitsWarning
+from six_wheel.maps import doubts
+from six_wheel.maps.doubts import answer
+from six_wheel.maps.files import Grid, Options, bracketed_unit, length
 from six_wheel.maps.plausibility import find_fill, find_unit, is_fill
-from six_wheel.maps.readers.points import EAST, NORTH, find_columns, lattice
+from six_wheel.maps.readers.axes import Axis, by_coordinates, check_shape
+from six_wheel.maps.readers.points import EAST, NORTH, SCATTERED, find_columns, lattice
 from six_wheel.maps.readers.reference import read_reference
 
 __all__ = ["check_plausibility", "read"]
-
-EVEN = 1e-3  # of a step: coordinates in single precision
-BANDS = 16  # more than this along the first axis are rows
-
-
-class Axis(NamedTuple):
-    """Coordinates along one axis of an array."""
-
-    name: str
-    places: NDArray[np.float64]
-    unit: str
-    direction: str = ""
-    """``x``, ``y``, or nothing where neither name nor attributes say it."""
 
 
 def check_plausibility(heights: Any, spacing: Any, nodata_open: bool, unit_open: bool) -> None:
@@ -35,26 +25,27 @@ def check_plausibility(heights: Any, spacing: Any, nodata_open: bool, unit_open:
         array = np.asarray(heights)
     except ValueError:
         return  # no array at all
-    _check_shape(array)
+    if array.dtype == object and isinstance(heights, np.ndarray):
+        raise ValueError("heights must be real numbers, got dtype object: heights.astype(float)")
+    check_shape(array)
     if array.ndim != 2 or array.dtype.kind not in "fiu" or min(array.shape) < 2:
         return
     steps = Options(spacing=spacing).checked().steps
     assert steps is not None
     if unit_open and array.dtype == np.uint8 and isinstance(heights, np.ndarray):
-        raise ValueError(
-            'heights must be heights, got cells of 8 bits, a picture: unit="m" if they are metres'
-        )
-    _check_fill(array, None if nodata_open else math.nan)
+        raise DoubtError("heights must be a map, got what ", *doubts.cells_of_bits())
+    if nodata_open:
+        _check_fill(array)
     if unit_open:
         whole = isinstance(heights, np.ndarray) and heights.dtype.kind in "iu"
         _check_unit(array, steps, whole)
 
 
-def _check_fill(values: NDArray[Any], nodata: float | None) -> None:
+def _check_fill(values: NDArray[Any], known: tuple[float, ...] = ()) -> None:
     values = values if values.dtype.kind == "f" else values.astype(np.float64)
-    finding = find_fill(values, nodata)
+    finding = find_fill(values, known)
     if finding is not None:
-        raise ValueError(f"heights must be heights, got marks of unknown ones? {finding}")
+        raise DoubtError("heights must be heights, got marks of unknown ones? ", *finding)
 
 
 def _check_unit(values: NDArray[Any], steps: tuple[float, float], whole: bool) -> None:
@@ -63,43 +54,13 @@ def _check_unit(values: NDArray[Any], steps: tuple[float, float], whole: bool) -
     if finding is None:
         return
     if 3 in values.shape:
-        raise ValueError(
+        raise DoubtError(
             "heights must have rows and columns, got three, scattered points? "
-            'grid them first (scipy.interpolate.griddata), unit="m" if they are heights'
+            "grid them first (scipy.interpolate.griddata), ",
+            answer("unit", "m"),
+            " if they are heights",
         )
-    warnings.warn(f"Terrain: {finding}", SuspiciousUnitsWarning, stacklevel=3)
-
-
-def _check_shape(array: NDArray[Any]) -> None:
-    """Fails for what is no matrix of heights by its shape: several bands, one list, points."""
-    if array.ndim == 3:
-        if array.shape[0] <= BANDS:
-            one = "src.read(1), not src.read()"
-        else:
-            one = "a picture? one band of it is heights[:, :, 0]"
-        raise ValueError(
-            f"heights must have at least two rows and two columns, got shape {array.shape}: {one}"
-        )
-    if array.ndim == 1 and array.size > 1 and array.dtype.kind in "fiu":
-        made = "heights.reshape(rows, columns)"
-        raise ValueError(
-            f"heights must have at least two rows and two columns, got shape {array.shape}: {made}"
-        )
-    if array.ndim == 2 and array.dtype.kind in "fiu" and 3 in array.shape and max(array.shape) >= 9:
-        turned = array.shape[1] != 3
-        _refuse_points((array.T if turned else array).astype(np.float64), ".T" if turned else "")
-
-
-def _refuse_points(array: NDArray[np.float64], turned: str) -> None:
-    """Fails where rows are points x, y, z of a grid."""
-    grid = lattice(*array.T)
-    if grid is not None and grid.heights.size == len(array) and min(grid.heights.shape) > 2:
-        order = np.lexsort((array[:, 0], array[:, 1]))
-        sort = "" if (order == np.arange(len(array))).all() else "[np.lexsort((p[:, 0], p[:, 1]))]"
-        rows, columns = grid.heights.shape
-        points = "p" if not turned else "p = heights.T; p"
-        made = f"sw.Terrain({points}{sort}[:, 2].reshape({rows}, {columns}), {grid.spacing}, {grid.origin})"
-        raise ValueError(f"heights must have rows and columns, got points x, y, z: {made}")
+    warnings.warn(f"Terrain: {DoubtError(*finding)}", SuspiciousUnitsWarning, stacklevel=3)
 
 
 def read(
@@ -115,22 +76,20 @@ def read(
     else:
         axes = _axes(heights)
         values = _values(heights)
-        _check_shape(values)
+        check_shape(values)
     whole = values.dtype.kind in "iu"
     factor, shift, marks = _attributes(heights)
-    marks += [] if options.nodata is None or math.isnan(options.nodata) else [options.nodata]
+    marks += options.marks
     if marks or factor != 1.0 or shift:
         values = np.array(values, np.float32 if values.dtype == np.float32 else np.float64)
     for mark in marks:
         values[is_fill(values, mark)] = np.nan
-    if values.ndim == 2 and values.dtype.kind in "fiu":
-        _check_fill(values, options.nodata)
+    if values.ndim == 2 and values.dtype.kind in "fiu" and not options.every_number_counts:
+        _check_fill(values, options.marks)
     if axes is not None:
-        values, options = _by_coordinates(values, axes, options)
+        values, options = by_coordinates(values, axes, options)
     if options.steps is None:
-        raise ValueError(
-            "spacing must be given where heights have no coordinates: spacing=0.1, between cells in metres"
-        )
+        raise DoubtError(*doubts.no_spacing())
     if options.unit is not None:
         factor, shift = float(options.unit), 0.0
     if factor != 1.0 or shift:
@@ -148,10 +107,11 @@ def _values(heights: Any) -> NDArray[Any]:
         filled: NDArray[Any] = np.ma.filled(heights.astype(np.float32 if single else np.float64), np.nan)
         return filled if np.ma.getmaskarray(heights).any() else np.ma.getdata(heights)
     values = np.asarray(heights)
-    if values.dtype == object and hasattr(heights, "iloc"):
+    if values.dtype == object:
         try:
-            values = heights.to_numpy(np.float64, na_value=np.nan)
-        except ValueError as error:
+            is_table = hasattr(heights, "iloc")
+            values = heights.to_numpy(np.float64, na_value=np.nan) if is_table else values.astype(np.float64)
+        except (TypeError, ValueError) as error:
             raise ValueError(f"heights must be real numbers: {error}") from None
     return values
 
@@ -202,10 +162,7 @@ def _points(heights: Any) -> Grid | None:
     table = [np.asarray(heights[columns[index]], np.float64) for index in indices]
     grid = lattice(*(column * length(unit, "unit") for column, unit in zip(table, units, strict=True)))
     if grid is None:
-        raise ValueError(
-            "heights must have rows and columns, got scattered points, or several heights at one place: "
-            "grid them first (scipy.interpolate.griddata)"
-        )
+        raise ValueError(f"heights must have rows and columns, got {SCATTERED}")
     return grid
 
 
@@ -215,7 +172,8 @@ def _attributes(heights: Any) -> tuple[float, float, list[float]]:
     The unit is negative where heights count downwards.
     """
     attributes = getattr(heights, "attrs", None) or {}
-    size = length(str(attributes.get("units", "m")), "units of heights")
+    stated = attributes.get("units") or bracketed_unit(attributes.get("long_name"))
+    size = length(str(stated or "m"), "units of heights")
     if str(attributes.get("positive", "up")).lower() == "down":
         size = -size
     marks = [attributes[name] for name in ("_FillValue", "missing_value", "nodata") if name in attributes]
@@ -285,45 +243,3 @@ def _direction(name: str, attributes: Any) -> str:
         if not standard and name.lower() in words:
             return direction
     return ""
-
-
-def _by_coordinates(
-    values: NDArray[np.floating], axes: list[Axis], options: Options
-) -> tuple[NDArray[np.floating], Options]:
-    """Heights with rows along +y and columns along +x, and their place."""
-    if axes[0].direction == "x" or (axes[1].direction == "y" and axes[0].direction != "y"):
-        values, axes = values.T, axes[::-1]
-    if not all(axis.places.size for axis in axes):
-        return values, options
-    steps, firsts = [], []
-    for number, (name, places, unit, _) in enumerate(axes):
-        if unit.startswith("degree") or (unit in ("m", "1.0") and name.lower().startswith(("lat", "lon"))):
-            raise ValueError(
-                f"coordinates {name} must be in metres, got degrees: "
-                "project first (rioxarray, .rio.reproject)"
-            )
-        places = places * length(unit, f"units of {name}")
-        differences = np.diff(places)
-        step = (places[-1] - places[0]) / max(len(places) - 1, 1)
-        if not (len(places) > 1 and step != 0 and np.abs(differences - step).max() <= EVEN * abs(step)):
-            got = f"steps of {differences.min():g} to {differences.max():g}" if differences.size else "one"
-            raise ValueError(
-                f"coordinates {name} must be evenly spaced, got {got}: interpolate first (.interp)"
-            )
-        if step < 0:
-            values = np.flip(values, number)
-        steps.append(abs(float(step)))
-        firsts.append(float(min(places[0], places[-1])))
-    spacing, origin = (steps[1], steps[0]), (firsts[1], firsts[0])
-    given = options.steps
-    if given is not None and not np.allclose(given, spacing, rtol=EVEN, atol=0):
-        raise ValueError(f"spacing must be that of the coordinates, {spacing}, got {given}: leave it out")
-    if options.origin is not None and not np.allclose(
-        options.origin, origin, rtol=0, atol=EVEN * min(spacing)
-    ):
-        raise ValueError(
-            f"origin must be that of the coordinates, {origin}, got {options.origin}: leave it out"
-        )
-    if options.north_up is not None:
-        raise ValueError("north_up must be left out: the coordinates say which row is the northern one")
-    return values, options._replace(spacing=spacing, origin=origin)

@@ -2,12 +2,14 @@
 
 import math
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.errors import FileError
+from six_wheel.kinematics.errors import DoubtError, FileError
+from six_wheel.maps.doubts import answer
 
 __all__ = ["Grid", "Options", "TerrainFileError", "Window", "cut", "length"]
 
@@ -31,7 +33,10 @@ UNITS = {name: size for size, names in LENGTHS.items() for name in names}
 """Lengths by their names [m], those of files among them; a plural s goes where the name is not known."""
 
 
-class TerrainFileError(FileError):
+NAMED_UNITS = ("ft", "feet", "cm", "mm", "km")  # of files and bands that are called by them
+
+
+class TerrainFileError(DoubtError, FileError):
     """A file that is no map, or one that cannot be used."""
 
 
@@ -42,6 +47,8 @@ class Grid(NamedTuple):
     spacing: tuple[float, float]  # [m]
     origin: tuple[float, float]  # [m]
     yaw: float = 0.0  # [rad]
+    unit_stated: bool = False
+    """True if the form says the unit of its heights."""
 
 
 class Options(NamedTuple):
@@ -51,7 +58,7 @@ class Options(NamedTuple):
     topic: str | None = None
     layer: str | None = None
     band: int | str | None = None
-    nodata: float | None = None
+    nodata: float | Sequence[float] | None = None
     unit: Unit | None = None
     north_up: bool | None = None
     spacing: float | tuple[float, float] | None = None
@@ -61,13 +68,30 @@ class Options(NamedTuple):
         """The same as numbers. Fails where one is none."""
         check(self.window)
         unit = None if self.unit is None else length(self.unit, "unit")
-        nodata = None if self.nodata is None else number("nodata", self.nodata)
+        nodata = self.nodata
+        if nodata is not None:
+            several = nodata if isinstance(nodata, (tuple, list, np.ndarray)) else [nodata]
+            nodata = tuple(number("nodata", each) for each in several)
         origin = None if self.origin is None else pair("origin", self.origin)
         spacing = None if self.spacing is None else pair("spacing", self.spacing)
         if spacing is not None and not (min(spacing) > 0 and math.isfinite(sum(spacing))):
-            hint = "; rows that run south are north_up=True" if spacing[0] > 0 > spacing[1] else ""
-            raise ValueError(f"spacing must be finite and positive, got {spacing}{hint}")
+            south = spacing[0] > 0 > spacing[1]
+            turned = answer("spacing", (spacing[0], -spacing[1])).beside(answer("north_up", True))
+            hint = ("; for rows that run south ", turned) if south else ()
+            raise DoubtError(f"spacing must be finite and positive, got {spacing}", *hint)
         return self._replace(unit=unit, nodata=nodata, origin=origin, spacing=spacing)
+
+    @property
+    def marks(self) -> tuple[float, ...]:
+        """Numbers that stand for unknown heights; none where every number is a height, or none is given."""
+        given = self.nodata
+        several = () if given is None else given if isinstance(given, Sequence) else (given,)
+        return () if any(map(math.isnan, several)) else tuple(several)
+
+    @property
+    def every_number_counts(self) -> bool:
+        """True if every number is a height."""
+        return self.nodata is not None and not self.marks
 
     @property
     def steps(self) -> tuple[float, float] | None:
@@ -111,15 +135,34 @@ def pair(name: str, value: object) -> tuple[float, float]:
 def length(unit: Unit, name: str) -> float:
     """Length of a unit by its name or as a number [m]. Fails for one that is not known."""
     try:
-        value = float(unit)
+        value: float | None = float(unit)
     except (TypeError, ValueError):
-        # As in "[m]", "US_survey_foot", "metres above the areoid".
-        text = re.sub(r"[\[\]().]|\babove\b.*", "", str(unit).lower().replace("_", " ")).strip()
-        value = UNITS.get(text, UNITS.get(text.removesuffix("s"), math.nan))
-    if math.isfinite(value) and value > 0:
+        value = named_length(str(unit))
+    if value is not None and math.isfinite(value) and value > 0:
         return value
     rule = "be m, cm, mm, dm, km, ft, us-ft, in or its length in metres"
     raise ValueError(f"{name} must {rule}, got {unit!r}")
+
+
+def named_length(unit: str) -> float | None:
+    """Length of a unit by its name [m], as "[m]", "US_survey_foot", "metres above the areoid", or None."""
+    text = re.sub(r"[\[\]().]|\babove\b.*", "", unit.lower().replace("_", " ")).strip()
+    return UNITS.get(text, UNITS.get(text.removesuffix("s")))
+
+
+def bracketed_unit(text: object) -> str:
+    """The unit of length in brackets, as in ``elevation [ft]``; nothing without one."""
+    for found in re.findall(r"[\[(]\s*([^\])]*?)\s*[\])]", str(text or "")):
+        if found and named_length(found) is not None:
+            return str(found)
+    return ""
+
+
+def unit_in_name(name: object) -> str:
+    """The unit that a name has, as ``site_ft.tif``; nothing without one, or where a number is before it."""
+    words = re.split(r"[^a-z0-9]+", str(name or "").lower())
+    pairs = zip(["", *words], words, strict=False)
+    return next((word for before, word in pairs if word in NAMED_UNITS and not before.isdecimal()), "")
 
 
 def check(window: Window | None) -> None:

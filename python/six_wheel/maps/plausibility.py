@@ -5,11 +5,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.maps import doubts
+from six_wheel.maps.doubts import Words
+
 __all__ = ["find_fill", "find_unit", "is_fill", "is_in_degrees"]
 
 LARGEST = 1e15  # from this on a number is no height, as in the core [m]
 SAME = 1e-5  # of the value: text files round their marks
 APART = 100.0  # of a mark from all other heights [m]
+LOWEST = -9999.0  # below all ground of the Earth, the Moon and Mars that is no bed of a sea [m]
 RANGES = 3.0  # the same of zeros, in ranges of the other heights
 STEEP = math.tan(math.radians(80.0))  # a median slope as no ground has it
 ENOUGH = 64  # slopes of which the median says something
@@ -46,35 +50,33 @@ def is_mark(number: float) -> bool:
     )
 
 
-def find_fill(heights: NDArray[np.floating], nodata: float | None = None) -> str | None:
+def find_fill(heights: NDArray[np.floating], known: tuple[float, ...] = ()) -> Words | None:
     """The first mark of unknown heights among numbers as they are stored, and the option that settles it.
 
     It is the least or the largest number, no other within 100 m of it: a common mark, or zeros, farther from
-    all other heights than these are from each other. `nodata` is the mark that was given, None without one;
-    NaN says that every number is a height.
+    all other heights than these are from each other. Where all numbers are one there is nothing to compare it
+    with: it is a mark if no ground can be as low or as high. `known` are the marks that were given.
     """
-    if nodata is not None and math.isnan(nodata):
-        return None
     for extreme in _range(heights):
         if not math.isfinite(extreme) or not (extreme == 0.0 or is_mark(extreme)):
             continue
         marked = is_fill(heights, extreme)
         count = int(marked.sum())
         least, most = _range(heights[~marked])
-        needed = APART
-        if extreme == 0.0:
+        if math.isnan(least):  # no others
+            if extreme <= LOWEST or extreme >= LARGEST:
+                return doubts.all_marked(count, extreme)
+            continue
+        elif extreme == 0.0:
             if not 2 <= count < marked.size / 2 or not least < most:  # ground of two heights is made by hand
                 continue
-            needed = max(APART, RANGES * (most - least))
-        if min(abs(least - extreme), abs(most - extreme)) < needed:  # false without others
+            if min(abs(least), abs(most)) < max(APART, RANGES * (most - least)):
+                continue
+        elif min(abs(least - extreme), abs(most - extreme)) < APART:
             continue
         row, column = (int(index) for index in np.argwhere(marked)[0])
-        value = float(heights[row, column])
-        subject = f"{count} heights are" if count > 1 else "1 height is"
-        where = f"{subject} {value:.9g}, the first at row {row}, column {column}"
-        if nodata is not None and not is_fill(np.array([value]), nodata)[0]:
-            return f"{where}, beside nodata={nodata:g}: mark both by nan in an array for sw.Terrain"
-        return f"{where}: nodata={value:.9g} if they are unknown, nodata=nan if not"
+        found = count, float(heights[row, column]), (row, column)
+        return doubts.another_mark(*found, known) if known else doubts.flagged_heights(*found)
     return None
 
 
@@ -87,7 +89,7 @@ def _range(heights: NDArray[np.floating]) -> tuple[float, float]:
 
 def find_unit(
     heights: NDArray[np.floating], spacing: tuple[float, float], *, whole: bool = False
-) -> str | None:
+) -> Words | None:
     """Reason why heights are hardly in metres, if there is one.
 
     Parameters
@@ -110,14 +112,11 @@ def find_unit(
     if slopes.size < ENOUGH:
         return None
     median = float(np.median(slopes))
-    settles = 'unit="cm", unit="mm" or unit="ft" if they are, unit="m" if not'
     if median > STEEP:
-        tilt = math.degrees(math.atan(median))
-        return f"half the slopes are above {tilt:.0f} degrees, heights not in metres? {settles}"
+        return doubts.steep_heights(math.degrees(math.atan(median)), ("cm", "mm", "ft"))
     known = parts[~np.isnan(parts)]
     if whole and min(spacing) < FINE and np.ptp(known) > 0:
-        cells = f"cells of {min(spacing):g} m"
-        return f"heights are whole numbers on {cells}, not metres? {settles}"
+        return doubts.whole_heights(min(spacing))
     return None
 
 

@@ -1,5 +1,7 @@
 """Opens a map: finds its form, and reads it by the reader of that form."""
 
+import contextlib
+from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,9 +11,10 @@ import numpy as np
 from six_wheel._core import Terrain
 from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.keywords import checked
-from six_wheel.maps.files import Grid, Options, TerrainFileError, cut
+from six_wheel.maps import doubts
+from six_wheel.maps.files import Grid, Options, TerrainFileError, cut, unit_in_name
 from six_wheel.maps.plausibility import find_fill, find_unit, is_fill
-from six_wheel.maps.readers import grids
+from six_wheel.maps.readers import grids, matrices
 from six_wheel.maps.readers.reference import UNKNOWN, Reference, read_projection, read_reference
 from six_wheel.maps.readers.refusals import refuse_others
 from six_wheel.maps.readers.sources import FIRST, Source, open_source
@@ -40,6 +43,7 @@ RASTERS = (
     b"\xff\xd8\xff",
     b"[",
     b"north:",
+    b"!",  # ZMap
 )
 
 
@@ -51,7 +55,11 @@ def read(path: str | PathLike[str], **options: Any) -> Terrain:
 
 def read_with(path: str | PathLike[str], options: Options) -> Terrain:
     """The same with its options together."""
-    path, options, source = _find(path, options)
+    with _asked_in(path):
+        return _read(*_find(path, options))
+
+
+def _read(path: Path, options: Options, source: Source) -> Terrain:
     if _is_raster(source):
         with _raster(source, options) as raster:
             grid = raster.read(options.window)
@@ -64,13 +72,15 @@ def read_with(path: str | PathLike[str], options: Options) -> Terrain:
 
 def open_raster(path: Path, options: Options) -> "Raster | GridImage":
     """A map that is read by windows: an image stays open, any other form is in memory."""
-    path, options, source = _find(path, options)
-    if _is_raster(source):
-        return _raster(source, options)
+    with _asked_in(path):
+        path, options, source = _find(path, options)
+        if _is_raster(source):
+            return _raster(source, options)
+        ground = _read_grid(source, options)
     from six_wheel.maps.readers.rasters import GridImage, rasterio
 
     rasterio()
-    return GridImage(_read_grid(source, options))
+    return GridImage(ground)
 
 
 def describe(path: Path, options: Options) -> list[tuple[str, str]]:
@@ -85,6 +95,9 @@ def describe(path: Path, options: Options) -> list[tuple[str, str]]:
             ("unit", "1 m"),
             ("coordinates", "of the frame of its header, in m"),
         ]
+    if _is_array(source):
+        unit = f"{float(options.unit or 1.0):g} m, {'as asked' if options.unit else 'taken for granted'}"
+        return [("form", f"NumPy, {source.suffix}"), ("unit", unit), ("coordinates", NO_SYSTEM)]
     reference = _reference(source)
     unit = "1 m, taken for granted: the file has none"
     if options.unit is not None or reference.height is not None:
@@ -92,6 +105,17 @@ def describe(path: Path, options: Options) -> list[tuple[str, str]]:
         unit = f"{float(options.unit or reference.height or 1.0):g} m, {said}"
     system = f"in units of {reference.plane:g} m by its .prj" if reference != UNKNOWN else NO_SYSTEM
     return [("form", f"text, {source.suffix}"), ("unit", unit), ("coordinates", system)]
+
+
+@contextlib.contextmanager
+def _asked_in(path: str | PathLike[str]) -> Iterator[None]:
+    """Within it, doubts about a map that a YAML file names propose keys of that file."""
+    try:
+        yield
+    except TerrainFileError as error:
+        if Path(path).suffix.lower() in YAML and any(not isinstance(part, str) for part in error.parts):
+            raise TerrainFileError(f"{error.told('key')} (keys of {path})") from None
+        raise
 
 
 def _find(path: str | PathLike[str], options: Options) -> tuple[Path, Options, Source]:
@@ -103,20 +127,18 @@ def _find(path: str | PathLike[str], options: Options) -> tuple[Path, Options, S
     if not path.exists():
         hint = ": download it first" if "://" in str(path) or ":/" in str(path)[:8] else ""
         raise FileNotFoundError(f"{path} must be a file, there is none{hint}")
+    if path.is_file() and path.stat().st_size == 0:
+        raise TerrainFileError(f"{path} is empty (0 bytes): fetch it again")
     source = open_source(path)
+    if path.is_file():
+        refuse_others(source, source.read(FIRST))
     if _is_bag(path):
-        if path.is_file():
-            refuse_others(source, source.read(FIRST))
         return path, options, source
     if options.topic is not None or options.layer is not None:
         raise TerrainFileError(f"{path}: topic and layer are for bags, this is none")
     if path.is_dir() and path.suffix.lower() != ".zarr":
         tiles = f"gdalbuildvrt all.vrt {path}/*.tif makes one map of its tiles"
         raise TerrainFileError(f"{path} is a folder: {tiles}")
-    if path.is_file():
-        if path.stat().st_size == 0:
-            raise TerrainFileError(f"{path} is empty (0 bytes): fetch it again")
-        refuse_others(source, source.read(FIRST))
     if source.suffix in YAML:
         return _find(*_described(source, options))
     return path, options, source
@@ -126,9 +148,15 @@ def _is_bag(path: Path) -> bool:
     return path.suffix.lower() in BAGS or (path / "metadata.yaml").exists()
 
 
+def _is_array(source: Source) -> bool:
+    return source.path.is_file() and (
+        source.suffix == ".npz" or source.read(FIRST).startswith(matrices.NUMPY)
+    )
+
+
 def _is_raster(source: Source) -> bool:
     """True for what GDAL reads: all but bags and text."""
-    if _is_bag(source.path) or source.suffix in YAML:
+    if _is_bag(source.path) or source.suffix in YAML or _is_array(source):
         return False
     if source.suffix not in TEXTS or source.path.is_dir():
         return True
@@ -145,12 +173,14 @@ def _raster(source: Source, options: Options) -> "Raster":
 
 
 def _read_grid(source: Source, options: Options) -> Terrain:
-    """Ground of a bag or of text."""
+    """Ground of a bag, an array or text."""
     path = source.path
     if _is_bag(path):
         from six_wheel.maps.readers import bags
 
         return _made(bags.read(path, options), UNKNOWN, path, options)
+    if _is_array(source):
+        return _made(matrices.read(source, options), UNKNOWN, path, options)
     reference = _reference(source)
     return _made(grids.read(path, source.text(), options, reference), reference, path, options)
 
@@ -158,19 +188,13 @@ def _read_grid(source: Source, options: Options) -> Terrain:
 def _reference(source: Source) -> Reference:
     """The reference system beside a text: a ``.prj`` file, or the metadata that GDAL writes."""
     text = source.beside(".prj")
-    if text is not None:
+    if text is not None and text.strip():
         reference = read_projection(text)
         if reference is None:
             told = "must be well-known text or lines of names and values"
             raise TerrainFileError(f"{source.path}: its .prj {told}: correct it, or remove it")
     else:
         reference = read_reference((source.beside(f"{source.suffix}.aux.xml") or "").replace("&quot;", '"'))
-    if reference.degrees:
-        name = source.path
-        command = f"gdalwarp -t_srs EPSG:326NN {name.name} {name.stem}.tif, NN the UTM zone"
-        raise TerrainFileError(
-            f"{name} must be in metres, its coordinates are degrees: project it first: {command}"
-        )
     return reference
 
 
@@ -210,23 +234,24 @@ def _labelled(source: Source) -> Source:
 def _made(grid: Grid, reference: Reference, path: Path, options: Options) -> Terrain:
     """Ground of a grid whose heights are as they are in its file."""
     heights = np.array(grid.heights)
-    if options.nodata is not None:
-        heights[is_fill(heights, options.nodata)] = np.nan
+    for mark in options.marks:
+        heights[is_fill(heights, mark)] = np.nan
     unit = float(options.unit or reference.height or 1.0)
-    finding = find_fill(heights, options.nodata)
+    finding = None if options.every_number_counts else find_fill(heights, options.marks)
     if unit != 1.0:
         heights = heights * unit
-    if finding is None and options.unit is None and reference.height is None:
-        finding = find_unit(heights, grid.spacing)
+    if finding is None and options.unit is None and reference.height is None and not grid.unit_stated:
+        word = unit_in_name(path.stem)
+        finding = doubts.named_unit(path.stem, word) if word else find_unit(heights, grid.spacing)
     if finding is None and np.isnan(heights).all():
-        finding = "no height is known"
+        finding = ("no height is known, all are marked as unknown",)
     if finding is not None:
-        raise TerrainFileError(f"{path}: {finding}")
+        raise TerrainFileError(f"{path}: ", *finding)
     return _terrain(cut(grid._replace(heights=heights), options.window, str(path)), path)
 
 
 def _terrain(grid: Grid, path: Path) -> Terrain:
     try:
-        return Terrain(*grid, nodata=np.nan, unit="m")
+        return Terrain(*grid[:4], nodata=np.nan, unit="m")
     except ValueError as error:
         raise TerrainFileError(f"{path}: {error}") from None

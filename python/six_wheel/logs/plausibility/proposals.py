@@ -3,14 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from six_wheel.kinematics.errors import FileError
+from six_wheel.kinematics.errors import FileError, Proposal
 
 __all__ = [
     "Column",
     "ImplausibleReadingError",
     "Proposal",
     "at_its_word",
-    "both",
     "columns",
     "encoders",
     "max_speed",
@@ -32,19 +31,6 @@ class Column:
 
     header: str
     wheel: str
-
-
-@dataclass(frozen=True)
-class Proposal:
-    """An option as the parameter file, the command line and Python write it."""
-
-    key: str
-    option: str
-    argument: str
-
-    def __str__(self) -> str:
-        option = f"{self.option}, or " if self.option else ""
-        return f"{option}{self.key} in the parameter file, or {self.argument} in Python"
 
 
 def stamp_unit(symbol: str) -> Proposal:
@@ -77,12 +63,6 @@ def encoders(
         python.append("increments=True")
     key = f"{name}: {{{', '.join(keys)}}}"
     return Proposal(key, "" if steering else " ".join(options), ", ".join(python))
-
-
-def both(one: Proposal, other: Proposal) -> Proposal:
-    """Two options together."""
-    option = f"{one.option} {other.option}".strip()
-    return Proposal(f"{one.key}, {other.key}", option, f"{one.argument}, {other.argument}")
 
 
 def columns(meanings: Mapping[str, str]) -> Proposal:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from six_wheel.logs.plausibility.proposals import (
     Column,
     ImplausibleReadingError,
-    both,
     columns,
     encoders,
 )
@@ -58,7 +57,7 @@ def check_counts(
             if mapped:
                 ending = "_steering [ticks]" if steering else " [ticks]"
                 meanings = {each.header: f"{each.wheel}{ending}" for each in named if each.header}
-                proposal = both(columns(meanings), proposal)
+                proposal = columns(meanings).beside(proposal)
             raise ImplausibleReadingError(
                 f"{what}: counts are no radians; give {proposal}, COUNTS those of a turn"
             )

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from six_wheel.maps import doubts
 from six_wheel.maps.files import Grid, Options, TerrainFileError
 from six_wheel.maps.readers.points import OTHERS
 
@@ -38,7 +39,7 @@ def read(path: Path, options: Options) -> Grid:
         the only one.
     """
     if options.spacing is not None or options.origin is not None or options.north_up is not None:
-        raise TerrainFileError(f"{path} has a place of its own: leave spacing, origin and north_up out")
+        raise TerrainFileError(f"{path} ", *doubts.own_place(options))
     topic, layer = options.topic, options.layer or (None if options.band is None else str(options.band))
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError
@@ -56,10 +57,11 @@ def read(path: Path, options: Options) -> Grid:
                 raise TerrainFileError(f"{path} must hold a {GRID_MAP}, it has {_kinds(bag.connections)}")
             if topic is None and len(topics) > 1:
                 raise TerrainFileError(
-                    f'{path} has maps on several topics, {", ".join(topics)}: topic="{topics[0]}"'
+                    f"{path} ", *doubts.several("topics of maps", topics, "topic", topics[0])
                 )
             if topic is not None and topic not in topics:
-                raise TerrainFileError(f"{path} has no map on {topic}, it has {', '.join(topics)}")
+                wrong = doubts.no_name_of_that("map on", topic, topics, "topic", topics[0])
+                raise TerrainFileError(f"{path} ", *wrong)
             chosen = [connection for connection in maps if connection.topic == (topic or topics[0])]
             last = None
             for connection, _, raw in bag.messages(chosen):
@@ -67,25 +69,37 @@ def read(path: Path, options: Options) -> Grid:
             if last is None:
                 raise TerrainFileError(f"{path} has no message on {topic or topics[0]}")
             message: Any = bag.deserialize(last[1], last[0].msgtype)
-    except AnyReaderError as error:
-        raise TerrainFileError(f"{path} must be a bag: {error}") from None
-    return _grid(path, message, layer)
+    except (ImportError, TerrainFileError):
+        raise
+    except Exception as error:  # rosbags lets through whatever reading damaged bytes raises
+        told = error if isinstance(error, AnyReaderError) else f"it is damaged or cut off: {error}"
+        raise TerrainFileError(f"{path} must be a bag: {' '.join(str(told).split())}") from None
+    return _grid(path, message, topic or topics[0], layer)
 
 
-def _grid(path: Path, message: Any, layer: str | None) -> Grid:
+def _grid(path: Path, message: Any, topic: str, layer: str | None) -> Grid:
     layers = list(message.layers)
     name = layer or ("elevation" if "elevation" in layers else layers[0] if len(layers) == 1 else None)
-    if name is None or name not in layers:
-        listed = ", ".join(layers)
-        wanted = f"no layer {layer}: {listed}" if layer else f'several, {listed}: layer="{layers[0]}"'
-        raise TerrainFileError(f"{path} has {wanted}")
+    if not layers:
+        raise TerrainFileError(f"{path} has a map without layers on {topic}: record one with heights")
+    if name is None:
+        raise TerrainFileError(f"{path} ", *doubts.several("layers", layers, "layer", layers[0]))
+    if name not in layers:
+        raise TerrainFileError(f"{path} ", *doubts.no_name_of_that("layer", name, layers, "layer", layers[0]))
     if layer is None and name.lower() in OTHERS:
-        raise TerrainFileError(f'{path} has one layer, {name}, no heights (layer="{name}" takes it)')
+        raise TerrainFileError(f"{path} ", *doubts.band_by_name("layer", name, "layer", name))
+    if len(message.data) != len(layers):
+        raise TerrainFileError(
+            f"{path} must have an array per layer, got {len(message.data)} of {len(layers)}"
+        )
     data = message.data[layers.index(name)]
     shape = [dimension.size for dimension in data.layout.dim]
     cells = np.asarray(data.data, np.float32)
-    if len(shape) != 2 or cells.size != shape[0] * shape[1]:
-        raise TerrainFileError(f"{path}: layer {name} must have two dimensions, got {shape}")
+    if len(shape) != 2:
+        raise TerrainFileError(f"{path}: layer {name} must have two dimensions, got {len(shape)}")
+    if cells.size != shape[0] * shape[1]:
+        told = f"must have {shape[0]} x {shape[1]} cells, got {cells.size}"
+        raise TerrainFileError(f"{path}: layer {name} {told}")
     cells = cells.reshape(shape)
     if data.layout.dim[0].label == "column_index":
         cells = cells.T
@@ -97,10 +111,10 @@ def _grid(path: Path, message: Any, layer: str | None) -> Grid:
     info = message.info
     q = info.pose.orientation
     # z component of the third axis of the map: 1 where it is level.
-    if 1 - 2 * (q.x * q.x + q.y * q.y) < math.cos(LEVEL):
-        raise TerrainFileError(
-            f"{path} must hold a level map, its pose is tilted: transform it first (grid_map_ros)"
-        )
+    tilt = math.acos(max(-1.0, min(1.0, 1 - 2 * (q.x * q.x + q.y * q.y))))
+    if tilt > LEVEL:
+        told = f"its pose is tilted by {math.degrees(tilt):.2f} degrees: transform it first (grid_map_ros)"
+        raise TerrainFileError(f"{path} must hold a level map, {told}")
     yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
     rows, columns = heights.shape
     back = (-(columns - 1) * info.resolution / 2, -(rows - 1) * info.resolution / 2)

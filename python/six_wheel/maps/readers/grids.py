@@ -5,10 +5,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.maps import doubts
 from six_wheel.maps.files import Grid, Options, TerrainFileError
 from six_wheel.maps.plausibility import is_fill, is_in_degrees
-from six_wheel.maps.readers.points import COMMENTS, points_grid, read_table
-from six_wheel.maps.readers.reference import UNKNOWN, Reference
+from six_wheel.maps.readers.axes import Axis, by_coordinates
+from six_wheel.maps.readers.points import COMMENTS, points_grid, read_crossed, read_table
+from six_wheel.maps.readers.reference import UNKNOWN, Reference, in_degrees
 
 __all__ = ["read"]
 
@@ -33,18 +35,40 @@ def read(path: Path, text: str, options: Options, reference: Reference = UNKNOWN
     if plain[0].split()[0].lower().rstrip(":") in KEYS:
         grid, placed = _esri(path, plain, options)
     else:
-        table = read_table(lines)
-        points = None if table is None else points_grid(table, path)
-        grid = _list(path, "\n".join(plain)) if points is None else points
+        grid, placed = _table(path, lines, plain, options)
     if placed.spacing is not None or placed.origin is not None or placed.north_up is not None:
-        raise TerrainFileError(f"{path} has a place of its own: leave spacing, origin and north_up out")
-    if reference == UNKNOWN and is_in_degrees(grid.origin, grid.spacing, grid.heights.shape):
-        raise TerrainFileError(
-            f"{path} has coordinates that look like degrees, cells of {grid.spacing[0]:g}: project it first: "
-            f"gdalwarp -s_srs EPSG:4326 -t_srs EPSG:326NN {path.name} {path.stem}.tif, NN the UTM zone"
-        )
+        raise TerrainFileError(f"{path} ", *doubts.own_place(placed))
+    if reference.degrees or (
+        reference == UNKNOWN and is_in_degrees(grid.origin, grid.spacing, grid.heights.shape)
+    ):
+        raise in_degrees(path, grid.origin, reference)
     (dx, dy), (x, y), metre = grid.spacing, grid.origin, reference.plane
     return grid._replace(spacing=(dx * metre, dy * metre), origin=(x * metre, y * metre))
+
+
+def _table(path: Path, lines: list[str], plain: list[str], options: Options) -> tuple[Grid, Options]:
+    """The grid of points, of heights with coordinates or without, or of a list, and the options left."""
+    crossed = read_crossed(plain)
+    if crossed is not None:
+        x, y, heights = crossed
+        if all((places == np.arange(places.size)).all() for places in (x, y)):  # numbers of rows and columns
+            return _unplaced(path, heights, options)
+        axes = [Axis("y", y, "m", "y"), Axis("x", x, "m", "x")]
+        try:
+            values, placed = by_coordinates(heights, axes, options)
+        except ValueError as error:
+            raise TerrainFileError(f"{path}: {error}") from None
+        return placed._replace(north_up=None).unplaced(values, False), Options()
+    table = read_table(lines)
+    points = None if table is None else points_grid(table, path)
+    return (points, options) if points is not None else _list(path, "\n".join(plain), options)
+
+
+def _unplaced(path: Path, heights: NDArray[np.float64], options: Options) -> tuple[Grid, Options]:
+    """A matrix of heights where the options put it."""
+    if options.steps is None:
+        raise TerrainFileError(f"{path} ", *doubts.no_place("is a matrix without a place", north_up=False))
+    return options.unplaced(heights, False), options._replace(spacing=None, origin=None, north_up=None)
 
 
 def _numbers(path: Path, parts: list[str]) -> NDArray[np.float64]:
@@ -88,9 +112,7 @@ def _esri(path: Path, lines: list[str], options: Options) -> tuple[Grid, Options
     heights[is_fill(heights, header.get("nodata_value", header.get("nodata", -9999.0)))] = np.nan
     if not any(key.startswith("xll") for key in header) or not any(key.startswith("yll") for key in header):
         if options.origin is None:
-            raise TerrainFileError(
-                f"{path} has no xllcorner and yllcorner: origin=(x, y), the middle of its south-western cell"
-            )
+            raise TerrainFileError(f"{path} ", *doubts.no_corners())
         x, y = options.origin
         options = options._replace(origin=None)
     else:
@@ -110,17 +132,16 @@ def _cells(body: str, count: int) -> list[str]:
     return body.split()
 
 
-def _list(path: Path, text: str) -> Grid:
+def _list(path: Path, text: str, options: Options) -> tuple[Grid, Options]:
+    """The grid of one list, or of a matrix of heights, and those options that it has not used."""
     separator = "," if "," in text else None
     parts = [part.strip() for part in text.replace("\n", separator or "\n").split(separator)]
     numbers = _numbers(path, [part for part in parts if part])
     counts = numbers[[2, 5]] if numbers.size > 6 else np.zeros(2)
     if not (counts % 1 == 0).all() or numbers.size - 6 != counts.prod():
         widths = {len(line.split(separator)) for line in text.splitlines()}
-        if len(widths) == 1 and widths.pop() > 1 and "\n" in text:
-            mark = ', delimiter=","' if separator else ""
-            made = f'sw.Terrain(np.loadtxt("{path.name}"{mark}), spacing=0.1)'
-            raise TerrainFileError(f"{path} is a matrix without a place: {made}")
+        if len(widths) == 1 and (width := widths.pop()) > 1 and "\n" in text:
+            return _unplaced(path, numbers.reshape(-1, width), options)
     if numbers.size < 6:
         raise TerrainFileError(f"{path} must begin with x min, x max, x count, y min, y max, y count")
     x0, x1, columns, y0, y1, rows = numbers[:6]
@@ -130,4 +151,4 @@ def _list(path: Path, text: str) -> Grid:
     if heights.size != rows * columns:
         raise TerrainFileError(f"{path} must hold {rows:g} x {columns:g} heights, got {heights.size}")
     spacing = (float((x1 - x0) / (columns - 1)), float((y1 - y0) / (rows - 1)))
-    return Grid(heights.reshape(int(rows), int(columns)), spacing, (float(x0), float(y0)))
+    return Grid(heights.reshape(int(rows), int(columns)), spacing, (float(x0), float(y0))), options

@@ -8,10 +8,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from six_wheel.maps.files import Options, TerrainFileError, length
+from six_wheel.maps import doubts
+from six_wheel.maps.files import Options, TerrainFileError
 from six_wheel.maps.plausibility import is_in_degrees
-from six_wheel.maps.readers.points import EAST, NORTH
-from six_wheel.maps.readers.reference import UNKNOWN, Reference, projection_command, scale_factors
+from six_wheel.maps.readers import netcdf
+from six_wheel.maps.readers.reference import (
+    UNKNOWN,
+    Reference,
+    in_degrees,
+    projection_command,
+    scale_factors,
+    shell_names,
+)
 
 __all__ = ["Placement", "TerrainFileWarning", "apply", "place"]
 
@@ -79,110 +87,51 @@ def apply(transform: Any, x: float, y: float) -> tuple[float, float]:
 def place(dataset: Any, path: Path, options: Options, reference: Reference) -> Placement:
     """Place of an open image, or where the options put it. Fails where neither says, and for degrees."""
     transform, shape, metre = dataset.transform, dataset.shape, reference.plane
-    axes = _axes(dataset) if dataset.driver == "netCDF" else {}
+    axes = netcdf.axes_of(dataset) if dataset.driver == "netCDF" else {}
     if reference.degrees:
-        raise _in_degrees(path, apply(transform, shape[1] / 2, shape[0] / 2), reference)
+        raise in_degrees(path, apply(transform, shape[1] / 2, shape[0] / 2), reference)
     numbers = tuple(transform)[:6]
     if numbers in ((1, 0, 0, 0, 1, 0), (1, 0, 0, 0, -1, 0)) or not all(
         value == 0 or 1e-300 < abs(value) < 1e300 for value in numbers
     ):
         if dataset.gcps[0] or dataset.rpcs:
             told = "is placed by control points alone: gdalwarp"
-            raise TerrainFileError(f"{path} {told} {path.name} {path.stem}_placed.tif")
-        transform, metre = _by_options(path, type(transform), shape, options), 1.0
-    elif options.spacing is not None or options.origin is not None:
-        raise TerrainFileError(f"{path} has a place of its own: leave spacing and origin out")
-    elif options.north_up is not None:
-        raise TerrainFileError(f"{path} says itself which row is the northern one: leave north_up out")
+            raise TerrainFileError(f"{path} {told} {shell_names(path, '_placed.tif')}")
+        if len(axes) == 2:
+            told = f"has coordinates {axes['x']} and {axes['y']} with uneven steps"
+            raise TerrainFileError(f"{path} {told}: interpolate first (xarray, .interp)")
+        # GDAL turns over what NetCDF stores, taking its first row for the southern one.
+        from_south = dataset.driver == "netCDF"
+        transform, metre = _by_options(path, type(transform), shape, options, from_south), 1.0
+    elif options.spacing is not None or options.origin is not None or options.north_up is not None:
+        raise TerrainFileError(f"{path} ", *doubts.own_place(options))
     elif dataset.crs is None and axes:
-        metre = _unit_of_axes(dataset, path, axes)
+        metre = netcdf.unit_of_axes(dataset, path, axes)
+    ends = [apply(transform, column + 0.5, 0.5)[0] for column in (0, shape[1] - 1)]
+    if axes and netcdf.is_transposed(path, (ends[0], ends[1]), shape, axes.get("x", "")):
+        transform = type(transform)(*numbers[3:], *numbers[:3])
     placed = Placement(transform, metre, shape)
     right, down, spacing = np.array(placed.right), np.array(placed.down), placed.spacing
     if not min(spacing) > 0:
         raise TerrainFileError(f"{path} must have pixels with a size, got {numbers}")
     if abs(right @ down) > RIGHT_ANGLE * spacing[0] * spacing[1]:
-        warp = f"gdalwarp {path.name} {path.stem}_square.tif"
+        warp = f"gdalwarp {shell_names(path, '_square.tif')}"
         raise TerrainFileError(f"{path} must have axes at right angles, got {numbers}: {warp}")
-    if axes:
-        _check_axes(dataset, path, placed, axes)
     if reference == UNKNOWN and is_in_degrees(placed.bounds[:2], spacing, shape):
-        raise _in_degrees(path, placed.bounds[:2], reference, "-s_srs EPSG:4326 ")
+        raise in_degrees(path, placed.bounds[:2], reference)
     if reference.geographic is not None and dataset.crs.is_projected:
         _check_scale(dataset, path, placed, reference)
     return placed
 
 
-def _by_options(path: Path, affine: Any, shape: tuple[int, int], options: Options) -> Any:
+def _by_options(path: Path, affine: Any, shape: tuple[int, int], options: Options, from_south: bool) -> Any:
+    """Transform of an image without one; `from_south` where the first row in the file is the last here."""
     if options.steps is None:
-        raise TerrainFileError(
-            f"{path} has no place (no transform): spacing=0.1, the size of its cells in metres, "
-            "origin=(x, y) if it matters, and north_up=False if its first row is the southern one"
-        )
+        raise TerrainFileError(f"{path} ", *doubts.no_place(north_up=not from_south))
     (dx, dy), (x, y) = options.steps, options.first
-    north_up = options.north_up is not False
+    north_up = options.north_up is None or options.north_up is not from_south
     top = y + dy * (shape[0] - 0.5) if north_up else y - dy / 2
     return affine(dx, 0, x - dx / 2, 0, -dy if north_up else dy, top)
-
-
-def _in_degrees(
-    path: Path, at: tuple[float, float], reference: Reference, more: str = ""
-) -> TerrainFileError:
-    command = projection_command(path.name, *at, reference.radius).replace("gdalwarp ", f"gdalwarp {more}")
-    told = "look like degrees" if more else "are degrees"
-    return TerrainFileError(f"{path} must be in metres, its coordinates {told}: project it first: {command}")
-
-
-def _axes(dataset: Any) -> dict[str, str]:
-    """Names of the coordinates x and y of a NetCDF variable by ``standard_name``, ``axis``, or the names."""
-    tags = dataset.tags()
-    names = {key.partition("#")[0] for key in tags if "#" in key}
-    found = dict[str, str]()
-    for axis, words in (("x", EAST), ("y", NORTH)):
-        by_attribute = [
-            name
-            for name in sorted(names)
-            if tags.get(f"{name}#standard_name") == f"projection_{axis}_coordinate"
-            or tags.get(f"{name}#axis", "").lower() == axis
-        ]
-        by_name = [name for name in sorted(names) if name.lower() in words]
-        for name in (by_attribute or by_name)[:1]:
-            found[axis] = name
-    return found
-
-
-def _unit_of_axes(dataset: Any, path: Path, axes: dict[str, str]) -> float:
-    """Unit of the coordinates x and y [m], of which GDAL takes no notice without a system."""
-    units = {dataset.tags().get(f"{name}#units", "m") for name in axes.values()}
-    try:
-        (size,) = {length(unit, "units") for unit in units}
-    except ValueError:
-        listed = ", ".join(sorted(units))
-        told = f"has coordinates in {listed}: give them units of length, m or km, the same for both"
-        raise TerrainFileError(f"{path} {told}") from None
-    return size
-
-
-def _check_axes(dataset: Any, path: Path, placed: Placement, axes: dict[str, str]) -> None:
-    """Fails where rows of a NetCDF variable run along x: GDAL takes any last dimension for x."""
-    from rasterio import open as open_dataset
-    from rasterio.errors import NotGeoreferencedWarning, RasterioIOError
-
-    name, (rows, columns) = axes.get("x", ""), placed.shape
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", NotGeoreferencedWarning)
-            with open_dataset(f"NETCDF:{path}:{name}") as axis:
-                places = axis.read(1).ravel()
-    except RasterioIOError:
-        return
-    ends = {round(float(value), 6) for value in (places[0], places[-1])}
-    first = {round(apply(placed.transform, column + 0.5, 0.5)[0], 6) for column in (0, columns - 1)}
-    if len(places) == columns and (ends == first or len(places) != rows):
-        return
-    if len(places) == rows:
-        other = axes.get("y", "y")
-        flipped = f"ncpdq -a {other},{name} {path.name} {path.stem}_rows.nc"
-        raise TerrainFileError(f"{path} has rows along {name}: {flipped} makes them run along {other}")
 
 
 def _check_scale(dataset: Any, path: Path, placed: Placement, reference: Reference) -> None:
@@ -206,7 +155,7 @@ def _check_scale(dataset: Any, path: Path, placed: Placement, reference: Referen
         return
     factors = scale_factors(reference, [(a * metre, b * metre) for a, b in places], degrees)
     if max(abs(factor - 1.0) for factor in factors) > STRETCHED:
-        command = projection_command(path.name, *degrees[0], reference.radius)
+        command = projection_command(path, *degrees[0], reference.radius)
         warnings.warn(
             f"{path}: its projection makes distances {factors[0]:.3f} times as long along x and "
             f"{factors[1]:.3f} along y as on the ground: {command}",

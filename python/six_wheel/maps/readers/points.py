@@ -10,7 +10,10 @@ from numpy.typing import NDArray
 
 from six_wheel.maps.files import Grid, TerrainFileError, length
 
-__all__ = ["EAST", "NORTH", "OTHERS", "UP", "Table", "find_columns", "lattice", "points_grid", "read_table"]
+__all__ = [
+    "EAST", "NORTH", "OTHERS", "SCATTERED", "Table",
+    "find_columns", "is_height", "lattice", "points_grid", "read_crossed", "read_table",
+]  # fmt: skip
 
 EAST = ("x", "easting", "east", "e", "column", "columns", "col", "longitude", "lon")
 NORTH = ("y", "northing", "north", "n", "row", "rows", "latitude", "lat")
@@ -33,9 +36,15 @@ OTHERS = (
     "intensity", "confidence", "mask", "quality", "count", "red", "green", "blue", "traversability",
 )  # fmt: skip
 COMMENTS = ("#", ";", "//", "%")
+SCATTERED = (
+    "scattered points, or several heights at one place: "
+    "grid them first (gdal_grid, or scipy.interpolate.griddata)"
+)
 ON_LATTICE = 1e-3  # of a step
 MOST_COLUMNS = 9  # of a table of points
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?")
+FILLERS = ("coord", "coordinate", "coordinates", "pos", "position")  # beside the word that counts
+UNITS = ("m", "cm", "mm", "km", "ft", "feet")  # as last word of a name
 NAME = re.compile(r'["\']?\s*([^\[\("\']*?)\s*(?:[\[\(]\s*([^\]\)]*)\s*[\]\)])?\s*["\']?')
 
 
@@ -71,6 +80,25 @@ def read_table(lines: Sequence[str]) -> Table | None:
     return Table(np.array(values, np.float64), names)
 
 
+def read_crossed(lines: Sequence[str]) -> tuple[NDArray[np.float64], ...] | None:
+    """Heights below a line of x, behind a column of y, as tables of pandas are written: x, y, heights.
+
+    None for other text.
+    """
+    separator, commas = _separator(lines[-1])
+    rows = [[part.strip(" \"'") for part in line.split(separator)] for line in lines]
+    if len(rows) < 3 or len(rows[0]) < 3 or len({len(row) for row in rows}) > 1:
+        return None
+    if _is_number(rows[0][0], commas) or not all(_is_number(part, commas) for part in rows[0][1:]):
+        return None
+    try:
+        head = np.array([_number(part, commas) for part in rows[0][1:]])
+        values = np.array([[_number(part, commas) for part in row] for row in rows[1:]])
+    except ValueError:
+        return None
+    return head, values[:, 0], values[:, 1:]
+
+
 def _separator(line: str) -> tuple[str | None, bool]:
     """Separator of a line of numbers, None for blanks; true if their decimals stand behind commas."""
     parts = line.split()
@@ -78,7 +106,7 @@ def _separator(line: str) -> tuple[str | None, bool]:
         return ";", "," in line
     if "," in line and len(parts) > 2 and any(map(DECIMAL_COMMA.fullmatch, parts)):
         return "\t" if "\t" in line.strip() else None, True
-    return next((mark for mark in ("\t", ",") if mark in line.strip()), None), False
+    return next((mark for mark in ("\t", "|", ",") if mark in line.strip()), None), False
 
 
 def _number(text: str, commas: bool) -> float:
@@ -93,6 +121,21 @@ def _is_number(text: str, commas: bool) -> bool:
     return bool(text)
 
 
+def split_name(name: str) -> tuple[str, str]:
+    """The word of a name in small letters, and its unit: ``z [cm]``, ``Elev_ft``, ``X coord``."""
+    match = NAME.fullmatch(name.strip())
+    word, unit = (match[1], match[2] or "") if match else (name, "")
+    parts = [part for part in re.split(r"[\s_.-]+", word.lower()) if part and part not in FILLERS]
+    if len(parts) > 1 and parts[-1] in UNITS:
+        unit = unit or parts.pop()
+    return " ".join(parts), unit
+
+
+def is_height(name: str) -> bool:
+    """True for the name of a band, a variable or a column of heights."""
+    return split_name(name)[0] in UP
+
+
 def find_columns(names: Sequence[str]) -> tuple[tuple[int, int, int], tuple[str, str, str]] | None:
     """Columns of x, y and z by their names, and their units (empty if none is said); None unless each is one.
 
@@ -100,14 +143,12 @@ def find_columns(names: Sequence[str]) -> tuple[tuple[int, int, int], tuple[str,
     """
     found = dict[int, tuple[int, str]]()
     for column, name in enumerate(names):
-        match = NAME.fullmatch(name.strip())
-        word, unit = (match[1], match[2] or "") if match else (name, "")
-        word, _, end = word.lower().partition("_")
+        word, unit = split_name(name)
         for role, words in enumerate((EAST, NORTH, UP)):
-            if word in words and end in ("", "m", "cm", "mm", "km", "ft"):
+            if word in words:
                 if role in found:
                     return None
-                found[role] = (column, unit or end)
+                found[role] = (column, unit)
     if len(found) != 3:
         return None
     if names[found[0][0]].strip("\"' ").lower().startswith("lon"):
@@ -118,7 +159,7 @@ def find_columns(names: Sequence[str]) -> tuple[tuple[int, int, int], tuple[str,
 
 def points_grid(table: Table, path: Path) -> Grid | None:
     """The grid of a table; None if it has no names and is no list of points."""
-    columns, factors = (0, 1, 2), [1.0, 1.0, 1.0]
+    columns, factors, unit_stated = (0, 1, 2), [1.0, 1.0, 1.0], False
     if table.names is not None:
         found = find_columns(table.names)
         if found is None and len(table.names) > MOST_COLUMNS:
@@ -127,6 +168,7 @@ def points_grid(table: Table, path: Path) -> Grid | None:
             listed = ", ".join(name.strip() for name in table.names[:6])
             raise TerrainFileError(f"{path} has columns {listed}: call those of the points x, y and z")
         columns, units = found
+        unit_stated = bool(units[2])
         if any(unit.lower().startswith("deg") for unit in units):
             raise TerrainFileError(
                 f"{path} must be in metres, its coordinates are degrees: project it first (cs2cs, gdalwarp)"
@@ -141,11 +183,8 @@ def points_grid(table: Table, path: Path) -> Grid | None:
         # Else columns of heights: those are on no lattice whose places repeat.
         return grid if grid is not None and max(grid.heights.shape) < len(table.rows) else None
     if grid is None:
-        raise TerrainFileError(
-            f"{path} has scattered points, or several heights at one place: "
-            "grid them first (gdal_grid, or scipy.interpolate.griddata)"
-        )
-    return grid
+        raise TerrainFileError(f"{path} has {SCATTERED}")
+    return grid._replace(unit_stated=unit_stated)
 
 
 def lattice(x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64]) -> Grid | None:

@@ -9,16 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Terrain
-from six_wheel.maps.files import Grid, Options, TerrainFileError, Window, length
+from six_wheel.maps import doubts
+from six_wheel.maps.files import Grid, Options, TerrainFileError, Window, bracketed_unit, length, unit_in_name
 from six_wheel.maps.plausibility import find_fill, find_unit, is_fill, is_in_degrees
+from six_wheel.maps.readers.netcdf import check_length
 from six_wheel.maps.readers.placement import Placement, TerrainFileWarning, apply, place
-from six_wheel.maps.readers.points import OTHERS, UP
+from six_wheel.maps.readers.points import OTHERS, is_height
 from six_wheel.maps.readers.reference import UNKNOWN, read_reference
 from six_wheel.maps.readers.sources import Source
 
 __all__ = ["GridImage", "Raster", "TerrainFileWarning", "rasterio"]
 
 SAMPLE = 256  # rows and columns of a part that stands for the image
+NO_UNIT = ("", "none", "unknown", "undefined", "unspecified", "unitless", "n/a")
 COARSEST = 0.3  # cells in degrees of maps [deg]
 
 
@@ -58,6 +61,7 @@ class Raster:
         self._environment = library.Env(CPL_DEBUG=False, GDAL_NETCDF_IGNORE_XY_AXIS_NAME_CHECKS="YES")
         self._environment.__enter__()
         try:
+            check_length(source)
             self.dataset = self._open(source.gdal)
         except BaseException:
             self._environment.__exit__(None, None, None)
@@ -86,14 +90,12 @@ class Raster:
             if dataset.count or not parts:
                 return dataset
             dataset.close()
-            named = [part for part in parts if part.lower() in UP]
+            named = [part for part in parts if is_height(part)]
             wanted = self.options.band
             name = named[0] if wanted is None and len(named) == 1 else str(wanted)
             if name not in parts:
-                listed = ", ".join(parts)
-                raise TerrainFileError(
-                    f'{self.path} has several variables: {listed}; band="{next(iter(parts))}"'
-                )
+                first = (named or list(parts))[0]
+                raise self._doubt(doubts.several("variables", list(parts), "band", first))
             return library.open(parts[name])
 
     def _band(self) -> int:
@@ -102,34 +104,35 @@ class Raster:
         alphas = [k for k, kind in enumerate(self.dataset.colorinterp, 1) if kind.name == "alpha"]
         self.alpha = alphas[0] if alphas else None
         bands: list[int] = [k for k in self.dataset.indexes if k not in alphas]
-        told = ", ".join(f"{k} {names[k - 1]}" if names[k - 1] else str(k) for k in bands)
+        told = [f"{k} {names[k - 1]}" if names[k - 1] else str(k) for k in bands]
         if isinstance(wanted, str) and wanted.isdecimal():
             wanted = int(wanted)
         if isinstance(wanted, int) and not isinstance(wanted, bool):
             if wanted not in bands:
-                raise TerrainFileError(f"{self.path} has no band {wanted}, it has {told}")
+                raise self._doubt(doubts.no_name_of_that("band", wanted, told, "band", bands[-1]))
             return wanted
         if isinstance(wanted, str) and len(bands) > 1:
             if wanted not in names:
-                raise TerrainFileError(f"{self.path} has no band {wanted}, it has {told}")
+                raise self._doubt(doubts.no_name_of_that("band", wanted, told, "band", bands[-1]))
             return int(names.index(wanted)) + 1
-        named = [k for k in bands if (names[k - 1] or "").lower() in UP]
+        named = [k for k in bands if is_height(names[k - 1] or "")]
         if len(named) == 1 or (len(bands) == 1 and wanted is not None):
             return (named or bands)[0]
         kinds = {self.dataset.dtypes[k - 1] for k in bands}
         if all(kind.startswith("complex") for kind in kinds):
             raise TerrainFileError(f"{self.path} must hold real numbers, got {kinds.pop()}")
         if len(bands) in (3, 4) and kinds == {"uint8"}:
-            told = f"{self.dataset.count} bands of 8 bits (band=1 takes one)"
-            raise TerrainFileError(f"{self.path} is a picture, not heights: {told}")
+            raise self._doubt(doubts.picture_bands(self.dataset.count))
         if len(bands) == 1:
             word = (names[bands[0] - 1] or "").lower()
             if word in OTHERS:
-                raise TerrainFileError(f"{self.path} has one band, {word}, no heights (band=1 takes it)")
+                raise self._doubt(doubts.band_by_name("band", word, "band", 1))
             return bands[0]
-        raise TerrainFileError(
-            f"{self.path} has {len(bands)} bands: {told}; give that of the heights, as band={bands[-1]}"
-        )
+        raise self._doubt(doubts.several("bands", told, "band", bands[-1]))
+
+    def _doubt(self, words: doubts.Words) -> TerrainFileError:
+        """The error of a doubt about this image."""
+        return TerrainFileError(f"{self.path} ", *words)
 
     def _measure(self) -> None:
         """Units and sense of coordinates and heights. Fails for pictures, and where the file has none."""
@@ -146,16 +149,20 @@ class Raster:
             if self.dataset.nodatavals[index] is None and _is_number(tags.get(name))
         ]
         self.scale, self.offset = self.dataset.scales[index], self.dataset.offsets[index]
-        unit = (self.dataset.units[index] or tags.get("units") or tags.get("unit") or "").strip()
+        name = self.dataset.descriptions[index] or ""
+        brackets = bracketed_unit(name), bracketed_unit(tags.get("long_name"))
+        said = (self.dataset.units[index], tags.get("units"), tags.get("unit"), *brackets)
+        unit = next((word.strip() for word in said if word and word.strip().lower() not in NO_UNIT), "")
         picture = dtype == "uint8" and (self.scale, self.offset) == (1.0, 0.0)
         if options.unit is None and not unit and picture:
-            told = 'cells of 8 bits without a unit (unit="m" takes them as metres)'
-            raise TerrainFileError(f"{self.path} is a picture, not heights: {told}")
+            raise self._doubt(doubts.cells_of_bits())
         if options.unit is None and not unit and self.dataset.driver in ("PNG", "JPEG", "BMP"):
-            raise TerrainFileError(
-                f'{self.path} has no unit: unit="mm", or the height of one count in metres, unit=0.01'
-            )
+            raise self._doubt(doubts.counts_without_unit())
         vertical = self.reference.height
+        if options.unit is None and not unit and vertical is None:
+            for called in (name, self.path.stem):
+                if word := unit_in_name(called):
+                    raise self._doubt(doubts.named_unit(called, word))
         self.unit = 1.0
         if options.unit is not None:
             self.unit = length(options.unit, "unit")
@@ -163,14 +170,10 @@ class Raster:
             try:
                 self.unit = length(unit, "unit")
             except ValueError:
-                raise TerrainFileError(
-                    f'{self.path} has heights in {unit!r}: unit="m", or its length in metres'
-                ) from None
+                raise self._doubt(doubts.unknown_unit(unit)) from None
         if vertical is not None and options.unit is None:
             if unit and abs(abs(vertical) - self.unit) > 1e-3 * self.unit:
-                other = f"{abs(vertical):g}"
-                told = f"has heights in {unit} by its band, in units of {other} m by its vertical system"
-                raise TerrainFileError(f'{self.path} {told}: unit="{unit}" or unit={other}')
+                raise self._doubt(doubts.two_units(unit, abs(vertical)))
             self.unit = abs(vertical)
         if tags.get("positive", "").lower() == "down" or (vertical or 0.0) < 0.0:
             self.unit = -self.unit
@@ -195,8 +198,8 @@ class Raster:
         if self.reference == UNKNOWN and is_in_degrees(
             self.placement.bounds[:2], self.spacing, self.shape, COARSEST
         ):
-            finding += "; or are its coordinates degrees (gdalwarp -s_srs EPSG:4326 projects it)?"
-        raise TerrainFileError(f"{self.path}: {finding}")
+            finding += ("; or are its coordinates degrees (gdalwarp -s_srs EPSG:4326 projects it)?",)
+        raise TerrainFileError(f"{self.path}: ", *finding)
 
     def heights(self, rows: slice, columns: slice) -> NDArray[np.floating]:
         """Pixels of a window as they lie in the image; NaN where there are none [m]."""
@@ -207,21 +210,21 @@ class Raster:
             raise TerrainFileError(f"{self.path} is damaged or cut off: {_words(error)}") from None
         plain = (self.scale, self.offset, self.unit) == (1.0, 0.0, 1.0)
         single = band.dtype == np.float32 and plain
-        nodata = self.options.nodata
-        if nodata is not None and math.isnan(nodata):
+        options = self.options
+        if options.every_number_counts:
             band = np.ma.getdata(band)
         heights: NDArray[np.floating] = np.ma.filled(
             band.astype(np.float32 if single else np.float64), np.nan
         )
-        for mark in self.marks if nodata is None else [nodata]:
+        for mark in self.marks if options.nodata is None else options.marks:
             heights[is_fill(heights, mark)] = np.nan
         if self.alpha is not None:  # GDAL takes one of 8 or 16 bits for a mask, and no other
             heights[self.dataset.read(self.alpha, window=window) == 0] = np.nan
         # Some images mark what is not known by infinities beside their own mark.
         heights[np.isinf(heights)] = np.nan
-        finding = find_fill(heights, nodata)
+        finding = None if options.every_number_counts else find_fill(heights, options.marks)
         if finding is not None:
-            raise TerrainFileError(f"{self.path}: {finding}")
+            raise TerrainFileError(f"{self.path}: ", *finding)
         if not plain:
             heights = (heights * self.scale + self.offset) * self.unit
         return heights
@@ -265,7 +268,7 @@ class Raster:
         )
         marks = [
             str(mark)
-            for mark in (dataset.nodatavals[index], self.options.nodata, *self.marks)
+            for mark in (dataset.nodatavals[index], *self.options.marks, *self.marks)
             if mark is not None
         ]
         mask = "a band of opacity" if self.alpha is not None else ""

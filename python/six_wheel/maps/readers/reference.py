@@ -2,11 +2,22 @@
 
 import math
 import re
+import shlex
+from pathlib import Path
 from typing import NamedTuple
 
-from six_wheel.maps.files import length
+from six_wheel.maps.files import TerrainFileError, length
 
-__all__ = ["UNKNOWN", "Reference", "projection_command", "read_projection", "read_reference", "scale_factors"]
+__all__ = [
+    "UNKNOWN",
+    "Reference",
+    "in_degrees",
+    "projection_command",
+    "read_projection",
+    "read_reference",
+    "scale_factors",
+    "shell_names",
+]
 
 EARTH = 6.3e6, 6.4e6  # [m]
 GEOGRAPHIC = ("GEOGCS", "GEOGCRS", "GEODCRS", "GEOGRAPHICCRS")
@@ -111,15 +122,29 @@ def _length(unit: str) -> float:
     return 1.0 / float(unit) if unit.isdecimal() and int(unit) > 0 else length(unit, "units")
 
 
-def projection_command(name: str, longitude: float, latitude: float, radius: float) -> str:
-    """The command that projects a map around a place [degrees] to metres."""
-    target = name.rpartition(".")[0] + "_metres.tif"
+def in_degrees(path: Path, at: tuple[float, float], reference: Reference) -> TerrainFileError:
+    """The error of a map in degrees around a place: with no reference system it only looks like one."""
+    told = "look like degrees" if reference == UNKNOWN else "are degrees"
+    command = projection_command(
+        path, *at, reference.radius, "-s_srs EPSG:4326 " if reference == UNKNOWN else ""
+    )
+    return TerrainFileError(f"{path} must be in metres, its coordinates {told}: project it first: {command}")
+
+
+def shell_names(path: Path, ending: str) -> str:
+    """A map and a file made of it beside it, as a command names them."""
+    return f"{shlex.quote(str(path))} {shlex.quote(str(path.with_name(path.stem + ending)))}"
+
+
+def projection_command(path: Path, longitude: float, latitude: float, radius: float, source: str = "") -> str:
+    """The command that projects a map around a place [degrees] to metres; `source` states its system."""
+    names = shell_names(path, "_metres.tif")
     if EARTH[0] < radius < EARTH[1]:
         zone = min(int((longitude + 180.0) % 360.0 // 6.0) + 1, 60)
         system = f"EPSG:{32600 + zone if latitude >= 0 else 32700 + zone}"
-        return f"gdalwarp -t_srs {system} {name} {target}"
+        return f"gdalwarp {source}-t_srs {system} {names}"
     place = f"+lat_ts={latitude:.4g} +lon_0={longitude:.4g} +R={radius:.10g}"
-    return f'gdalwarp -t_srs "+proj=eqc {place} +units=m" {name} {target}'
+    return f'gdalwarp {source}-t_srs "+proj=eqc {place} +units=m" {names}'
 
 
 def scale_factors(

@@ -21,17 +21,12 @@ def refuse_others(source: Source, begin: bytes) -> None:
 
 
 def _kind(source: Source, begin: bytes) -> str | None:
-    suffix, name = source.suffix, source.name.name
+    suffix = source.suffix
     if begin.startswith(b"version https://git-lfs"):
         return "is a pointer of Git LFS, not the file: git lfs pull"
     head = begin.lstrip()[:64].lower()
     if head.startswith((b"<!doctype html", b"<html")) or (head.startswith(b"<?xml") and b"<error>" in head):
         return "is a web page, not the file: download it again"
-    if begin.startswith(b"\x93NUMPY"):
-        return f'is an array without a place: sw.Terrain(np.load("{name}"), spacing=0.1)'
-    if suffix == ".npz":
-        loaded = f'np.load("{name}")["heights"]'
-        return f"holds arrays without a place: sw.Terrain({loaded}, spacing=0.1)"
     if suffix in MESHES or begin.startswith((b"ply\n", b"ply\r", b"solid ")):
         return "is a mesh: make a raster of it first (CloudCompare, Rasterize; or sample z)"
     if suffix in POINTS or begin.startswith((b"LASF", b"# .PCD")):

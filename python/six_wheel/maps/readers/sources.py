@@ -39,13 +39,14 @@ class Source(NamedTuple):
     def read(self, size: int = -1) -> bytes:
         """Its first bytes, or all. Fails where it is not packed as its name says."""
         try:
-            with self._open() as file:
+            with self.open() as file:
                 return file.read(size)
         except (gzip.BadGzipFile, zipfile.BadZipFile, zlib.error, EOFError, RuntimeError) as error:
             told = f"{self.path} must be packed as its name says: fetch it again, or unpack it ({error})"
             raise TerrainFileError(told) from None
 
-    def _open(self) -> IO[bytes] | gzip.GzipFile:
+    def open(self) -> IO[bytes] | gzip.GzipFile:
+        """The file, or the one in it, as bytes."""
         if self.packing == "zip":
             return zipfile.ZipFile(self.path).open(str(self.name))
         if self.packing == "gz":
