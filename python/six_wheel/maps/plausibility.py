@@ -17,7 +17,7 @@ LOWEST = -9999.0  # below all ground of the Earth, the Moon and Mars that is no 
 RANGES = 3.0  # the same of zeros, in ranges of the other heights
 STEEP = math.tan(math.radians(80.0))  # a median slope as no ground has it
 ENOUGH = 64  # slopes of which the median says something
-SAMPLES = 256  # rows and columns that are sampled
+SAMPLES = 64  # rows and columns that are sampled, up to twice as many
 FINE = 0.5  # cells for which whole metres are too coarse [m]
 DEGREES = 1e-3  # cells up to this are degrees where their places are in the range of degrees
 

@@ -62,6 +62,8 @@ def read_with(path: str | PathLike[str], options: Options) -> Terrain:
 def _read(path: Path, options: Options, source: Source) -> Terrain:
     if _is_raster(source):
         with _raster(source, options) as raster:
+            if options.window is not None:
+                raster.glance()
             grid = raster.read(options.window)
             raster.check_plausibility(grid.heights)
             if np.isnan(grid.heights).all():
@@ -75,7 +77,13 @@ def open_raster(path: Path, options: Options) -> "Raster | GridImage":
     with _asked_in(path):
         path, options, source = _find(path, options)
         if _is_raster(source):
-            return _raster(source, options)
+            raster = _raster(source, options)
+            try:
+                raster.check_sample()
+            except BaseException:
+                raster.close()
+                raise
+            return raster
         ground = _read_grid(source, options)
     from six_wheel.maps.readers.rasters import GridImage, rasterio
 

@@ -20,7 +20,8 @@ from six_wheel.maps.readers.sources import Source
 
 __all__ = ["GridImage", "Raster", "TerrainFileWarning", "rasterio"]
 
-SAMPLE = 256  # rows and columns of a part that stands for the image
+SAMPLE = (256, 256)  # rows and columns of a part that stands for the image
+GLANCE = (8, 256)  # the same where only a window is read: few strips, which are as wide as the image
 NO_UNIT = ("", "none", "unknown", "undefined", "unspecified", "unitless", "n/a")
 COARSEST = 0.3  # cells in degrees of maps [deg]
 
@@ -72,7 +73,6 @@ class Raster:
             self.crs = self.dataset.crs
             self.placement = place(self.dataset, self.path, self.options, self.reference)
             self.shape, self.spacing = self.placement.shape, self.placement.spacing
-            self._check_sample()
         except BaseException:
             self.close()
             raise
@@ -180,15 +180,20 @@ class Raster:
         self.unit_known = bool(options.unit is not None or unit or vertical is not None)
         self.whole = np.issubdtype(np.dtype(dtype), np.integer) and self.scale == 1.0
 
-    def _check_sample(self) -> None:
+    def check_sample(self, sample: tuple[int, int] = SAMPLE) -> None:
         """Checks parts that stand for the whole image, before anything is computed from one of them."""
-        rows, columns = self.shape
-        for row, column in ((0.5, 0.5), (0.1, 0.1), (0.9, 0.9)):
-            first = [int(max(size - SAMPLE, 0) * share) for size, share in ((rows, row), (columns, column))]
-            parts = [slice(k, min(k + SAMPLE, size)) for k, size in zip(first, self.shape, strict=True)]
+        for share in (0.5, 0.1, 0.9):
+            parts = []
+            for size, most in zip(self.shape, sample, strict=True):
+                first = int(max(size - most, 0) * share)
+                parts.append(slice(first, min(first + most, size)))
             self.check_plausibility(self.heights(*parts))
-            if rows <= SAMPLE and columns <= SAMPLE:
+            if self.shape[0] <= sample[0] and self.shape[1] <= sample[1]:
                 break
+
+    def glance(self) -> None:
+        """The same by less, before a window is read."""
+        self.check_sample(GLANCE)
 
     def check_plausibility(self, heights: NDArray[np.floating]) -> None:
         """Fails if heights of this image are hardly in metres."""
