@@ -143,7 +143,7 @@ def test_every_doubt_has_a_file_that_brings_it_up(tmp_path: Path, heard: list[st
         case.make(folder)
         assert refusal(folder / case.name, case.options) is not None
         assert heard[-1] == name or name not in doubts.__all__
-    with pytest.raises(DoubtError, match=r"spacing must be given .*: spacing=0\.1"):
+    with pytest.raises(ValueError, match=r"spacing must be given .*: spacing=0\.1"):
         sw.Terrain(grid())
     assert set(heard) == set(doubts.__all__) - OTHERS
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.errors import DoubtError, SuspiciousUnitsWarning
+from six_wheel.kinematics.errors import DoubtError, Proposal, SuspiciousUnitsWarning
 from six_wheel.maps import doubts
 from six_wheel.maps.doubts import answer
 from six_wheel.maps.files import Grid, Options, bracketed_unit, length
@@ -33,7 +33,7 @@ def check_plausibility(heights: Any, spacing: Any, nodata_open: bool, unit_open:
     steps = Options(spacing=spacing).checked().steps
     assert steps is not None
     if unit_open and array.dtype == np.uint8 and isinstance(heights, np.ndarray):
-        raise DoubtError("heights must be a map, got what ", *doubts.cells_of_bits())
+        raise _doubt("heights must be a map, got what ", *doubts.cells_of_bits())
     if nodata_open:
         _check_fill(array)
     if unit_open:
@@ -41,11 +41,16 @@ def check_plausibility(heights: Any, spacing: Any, nodata_open: bool, unit_open:
         _check_unit(array, steps, whole)
 
 
+def _doubt(*words: str | Proposal) -> ValueError:
+    """The error of a doubt about an argument, which Python alone utters."""
+    return ValueError(str(DoubtError(*words)))
+
+
 def _check_fill(values: NDArray[Any], known: tuple[float, ...] = ()) -> None:
     values = values if values.dtype.kind == "f" else values.astype(np.float64)
     finding = find_fill(values, known)
     if finding is not None:
-        raise DoubtError("heights must be heights, got marks of unknown ones? ", *finding)
+        raise _doubt("heights must be heights, got marks of unknown ones? ", *finding)
 
 
 def _check_unit(values: NDArray[Any], steps: tuple[float, float], whole: bool) -> None:
@@ -54,7 +59,7 @@ def _check_unit(values: NDArray[Any], steps: tuple[float, float], whole: bool) -
     if finding is None:
         return
     if 3 in values.shape:
-        raise DoubtError(
+        raise _doubt(
             "heights must have rows and columns, got three, scattered points? "
             "grid them first (scipy.interpolate.griddata), ",
             answer("unit", "m"),
@@ -89,7 +94,7 @@ def read(
     if axes is not None:
         values, options = by_coordinates(values, axes, options)
     if options.steps is None:
-        raise DoubtError(*doubts.no_spacing())
+        raise _doubt(*doubts.no_spacing())
     if options.unit is not None:
         factor, shift = float(options.unit), 0.0
     if factor != 1.0 or shift:

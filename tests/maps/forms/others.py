@@ -126,16 +126,18 @@ def texts() -> list[Form]:
         Form(
             "text",
             "matrix",
-            written("\n".join(" ".join(f"{v:.4f}" for v in row) for row in grid(0.0)), "a.txt"),
-            help=r"sw\.Terrain\(np\.loadtxt",
-            knowable=False,
+            written("\n".join(" ".join(f"{v:.4f}" for v in row) for row in grid(None)), "a.txt"),
+            {"spacing": CELL},
+            place=None,
+            hole=False,
         ),
         Form(
             "text",
             "matrix with commas",
-            written("\n".join(",".join(f"{v:.4f}" for v in row) for row in grid(0.0)), "a.csv"),
-            help=r"sw\.Terrain|np\.loadtxt",
-            knowable=False,
+            written("\n".join(",".join(f"{v:.4f}" for v in row) for row in grid(None)), "a.csv"),
+            {"spacing": CELL},
+            place=None,
+            hole=False,
         ),
     ]
     x, y = middles()
@@ -319,8 +321,8 @@ def frames() -> list[Form]:
 def refused() -> list[Form]:
     """Files that hold no map, and packed ones."""
     files: list[tuple[str, bytes, str]] = [
-        ("a.npy", b"\x93NUMPY\x01\0", "np.load"),
-        ("a.npz", b"PK\x03\x04", "np.load"),
+        ("a.npy", b"\x93NUMPY\x01\0", "damaged"),
+        ("a.npz", b"PK\x03\x04", "damaged"),
         ("a.stl", b"solid a\n", "mesh"),
         ("a.obj", b"v 0 0 0\n", "mesh"),
         ("a.ply", b"ply\nformat ascii 1.0\n", "mesh"),

@@ -92,7 +92,8 @@ def classify(case: Case, folder: Path) -> tuple[str, str]:
         except (ValueError, OSError, ImportError) as error:
             words = str(error)
             proposed = [part for part in getattr(error, "parts", ()) if isinstance(part, Proposal)]
-            answers = _answers(" ".join(part.argument for part in proposed), case, given)
+            asked = " ".join(part.argument for part in proposed) or words
+            answers = _answers(asked, case, given)
             if not answers:
                 return _helpful(case, words), words
             given |= answers
