@@ -22,6 +22,7 @@ from six_wheel.logs import (  # noqa: E402
 )
 from six_wheel.logs.headers.columns import TableError  # noqa: E402
 from six_wheel.logs.headers.joint_columns import joint_columns  # noqa: E402
+from six_wheel.logs.plausibility.jumps import find_jumps  # noqa: E402
 from six_wheel.simulation.drive import drive  # noqa: E402
 from tests import optiodom_data  # noqa: E402
 from tests.logs.carts import write  # noqa: E402
@@ -177,6 +178,32 @@ def test_counters_that_wrap_and_counts_per_row_are_the_same_angle(
         # Ticks are whole and exact; one rounding in the scale, one in the product.
         np.testing.assert_allclose(turned, (totals - offset) * 2 * np.pi / 4000, rtol=1e-15, atol=1e-15)
         assert np.isnan(rows.wheel_angles[:, 1]).all()
+
+
+@pytest.mark.parametrize(
+    ("steps", "offset"),
+    [([0] * 17 + [8, -239], 0), ([0] * 17 + [250, -5], 0), ([0] * 22 + [22, -231], 250)],
+)
+def test_a_wheel_that_starts_or_halts_is_no_counter_that_starts_over(steps: list[int], offset: int) -> None:
+    # A total of a few rows at rest and two others was taken for one that wraps at 256, or was set anew.
+    assert find_jumps(np.cumsum([offset, *steps]).astype(float), whole=True) is None
+
+
+@pytest.mark.parametrize("bits", [8, 12, 16, 24, 32])
+@pytest.mark.parametrize("low", [0.0, 0.5, 0.3])
+@pytest.mark.parametrize("share", [1 / 12, 1 / 100, 1 / 3000])
+def test_counters_that_start_over_are_found(bits: int, low: float, share: float) -> None:
+    # From 0, from half their range below it, and shifted by software, over and over.
+    size, rows = float(1 << bits), np.arange(500)
+    rates = np.maximum(share * size, 2.0) * np.sin(np.minimum(rows / 8.0, 1.0)) * (1.0 + 0.1 * np.cos(rows))
+    totals = np.floor(0.9 * size + np.cumsum(rates))
+    below = np.floor(low * size)
+    readings = (totals + below) % size - below
+    jumps = np.count_nonzero(np.abs(np.diff(readings)) > size / 2.0)
+    found = find_jumps(readings, whole=True)
+    if jumps > (low == 0.3):
+        assert found is not None
+        assert (found.wraps_at, len(found.rows)) == (size, jumps)
 
 
 def test_encoders_per_wheel_and_backwards(tmp_path: Path) -> None:

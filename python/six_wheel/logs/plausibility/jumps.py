@@ -24,6 +24,8 @@ CALM = 0.5  # of a jump, below which all other steps must stay
 APART = 8.0  # times the other steps around it, that a jump is at least
 AROUND = 25  # rows on either side that tell what steps are usual
 LEAST = 3  # steps that have to be there beside a jump
+PLAIN = 25.0  # times what steps change from row to row, that a counter's range is at least
+RARE = 1000.0  # the same where the readings are not within 0 and that range, and where no range is usual
 PIECE = 8192  # rows that fit a cache
 MOST = 0.02  # share of steps that are jumps; more are motion in another unit
 ROWS = 20  # that a column has at least, of which anything is said
@@ -105,7 +107,8 @@ def find_jumps(
     found = found[_calm(sizes, found)]
     if len(found):
         wraps_at, known = _wrap(values, steps, found, span, turns, whole)
-        if wraps_at is not None and (known or whole or not steering):
+        seen = wraps_at is not None and _is_certain(values, steps, found, wraps_at, known, whole)
+        if seen and (known or whole or not steering):
             return Jumps(there[found + 1], wraps_at, float(values[found[0]]), float(values[found[0] + 1]))
     found = np.flatnonzero(sizes > APART * _around(sizes))
     found = _lasting(steps, found)
@@ -174,6 +177,36 @@ def _wrap(
     return (float(round(max(guess, lowest))) if whole else guess), False
 
 
+def _is_certain(
+    values: Floats, steps: Floats, found: NDArray[np.int64], wraps_at: float, known: bool, whole: bool
+) -> bool:
+    """True if jumps by about `wraps_at` are those of a counter, and not a wheel that starts or halts.
+
+    Between them a counter goes on as around them, up to what its steps change from row to row. That two
+    jumps agree by chance is as rare as the square of one; the first of an unusual range says nothing.
+    """
+    others = np.delete(steps, found)
+    moving = (others[1:] != 0.0) | (others[:-1] != 0.0)
+    changes = np.abs(np.diff(others))[moving]
+    few = len(changes) <= LEAST
+    usual = float(changes.max(initial=0.0) if few else np.quantile(changes, 0.9))
+    usual += 1.0 if whole else 1e-6 * wraps_at
+    calm = np.setdiff1d(np.arange(len(steps)), found)
+    place = np.searchsorted(calm, found)
+    around = np.stack([steps[calm[np.maximum(place - 1, 0)]], steps[calm[np.minimum(place, len(calm) - 1)]]])
+    turned = steps[found] - np.sign(steps[found]) * wraps_at
+    off = np.maximum(around.min(axis=0) - turned, turned - around.max(axis=0))
+    if float(np.median(off)) > 2.0 * usual:
+        return False
+    low, high = float(values.min()), float(values.max())
+    last = wraps_at - 1.0 if whole else 1.000_001 * wraps_at  # the highest reading
+    within = (-1e-6 * wraps_at <= low and high <= last) or 2.0 * max(-low, high) <= 1.000_001 * wraps_at
+    jumps = len(found) if known else len(found) - 1
+    usually = known and wraps_at not in DECIMALS
+    rare = jumps * math.log(wraps_at / usual)
+    return rare > math.log(PLAIN if within and usually and not few else RARE)
+
+
 def _around(sizes: Floats) -> Floats:
     """The longest of the steps around each, itself left out, in blocks of `AROUND`."""
     width = AROUND
@@ -197,8 +230,12 @@ def _is_reset(values: Floats, found: NDArray[np.int64], whole: bool) -> NDArray[
         return np.zeros(0, dtype=bool)
     steps = np.diff(values)
     usual = np.delete(np.abs(steps), found)
-    most = max(float(usual.max(initial=0.0)), 1.0 if whole else 0.0)
-    near = np.minimum(np.abs(values[found + 1]), np.abs(values[found + 1] - values[0])) <= 2.0 * most
-    far = np.abs(steps[found]) > APART * most
-    reset: NDArray[np.bool_] = near & far
+    least = 1.0 if whole else 0.0
+    most = max(float(usual.max(initial=0.0)), least)
+    places = np.maximum(found - 1, 0), np.minimum(found + 1, len(steps) - 1)
+    beside = np.maximum(*(np.abs(steps[each]) for each in places))
+    turned = np.minimum(beside, most) + least
+    near = np.minimum(np.abs(values[found + 1]), np.abs(values[found + 1] - values[0])) <= 1.5 * turned
+    seen = RARE if np.count_nonzero(usual) <= LEAST else APART
+    reset: NDArray[np.bool_] = near & (np.abs(steps[found]) > seen * most)
     return reset
