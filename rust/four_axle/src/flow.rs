@@ -42,7 +42,7 @@ pub struct Track {
 }
 
 impl Track {
-    /// With room for so many samples.
+    /// With memory for this number of samples.
     fn with_room(samples: usize) -> Result<Self, Error> {
         let mut track = Self::default();
         let reserved = [

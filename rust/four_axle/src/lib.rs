@@ -319,7 +319,7 @@ impl FourAxle {
     }
 }
 
-/// The nearest side-slip rows of axle lines that share a point, and what is orthogonal to their columns.
+/// The nearest side-slip rows of axle lines that share a point, and the twists orthogonal to them.
 fn sharing(side_slip: &Matrix4x3<f64>) -> (Matrix4x3<f64>, Matrix4<f64>) {
     let found = Jacobi::new(side_slip);
     let mut left = Matrix4::identity();

@@ -126,7 +126,7 @@ impl SuspensionJacobian {
 }
 
 impl Fit {
-    /// The twist for rates beside those in plan, and what the rows then ask for in plan.
+    /// The twist for rates other than those in plan, and for the planar rates that the rows then need.
     fn moved(&self, beside: &Row, asked: Vector3<f64>) -> Answer {
         let plan = self.inverse * asked;
         std::array::from_fn(|c| beside[c] + Vector3::from(self.suspension.spread[c]).dot(&plan))

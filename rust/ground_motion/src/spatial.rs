@@ -215,7 +215,7 @@ impl Odometry3 {
         Ok(Health::FIRST)
     }
 
-    /// Fails unless what has to be read was.
+    /// Fails unless all readings that are needed are finite.
     fn check_numbers(&self, sample: &Sample3<'_>) -> Result<(), Refusal> {
         let missing = |error| Refusal::new(Health::NOT_FINITE, error);
         finite("steering", sample.steering).map_err(missing)?;
@@ -280,7 +280,7 @@ impl Odometry3 {
         check_steering_rate(&settings.common, dt, joints)
     }
 
-    /// The planar part of a sample, for what is remembered of one that was left out.
+    /// The planar part of a sample, kept of samples that are left out.
     fn plain<'a>(sample: &Sample3<'a>) -> Sample<'a> {
         Sample {
             steering: sample.steering,

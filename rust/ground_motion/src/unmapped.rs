@@ -1,9 +1,9 @@
 //! Contacts where no map says how the ground lies.
 //!
-//! The joints say where the wheels stand in the body. Their points nearest to the ground lie about a plane, and the
-//! wheels together go along it: on a plane exactly, over anything else on average, so that what is lost of a height
-//! on the way up comes back on the way down. A single wheel goes where its centre goes, as in `traction`: across
-//! that plane where the joints and the body turn it.
+//! The joint angles give the places of the wheels in the body. A plane is fitted to the lowest points of the rims, and the wheels
+//! together move along it: exactly on a plane, on average over any other ground, so that an error of height on the way up is
+//! undone on the way down. The velocity of a single wheel is that of its centre, as in `traction`: it has a part across that
+//! plane where the joints and the body turn.
 
 use nalgebra::Vector3;
 
@@ -11,7 +11,7 @@ use super::contact::{COLUMNS, Contact, ContactPlane, Contacts, Row, carried, in_
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, Placed};
 
-/// Rounds in which plane and contacts on it are found; each leaves less than a hundredth of what was missing.
+/// Rounds in which the plane and the contacts on it are found; each leaves less than a hundredth of the error.
 const ROUNDS: usize = 6;
 
 /// Change of the plane's slopes at which it is found.
@@ -42,8 +42,8 @@ pub struct Climb<'a> {
     pub turned: &'a [f64],
     /// Climb of every centre against the plane, as a sine.
     pub slopes: &'a [f64; MAX_WHEELS],
-    /// Standard deviation of the way that a centre is found to go across the plane [m]. Slopes are means over so many
-    /// times it that its noise does not make wheels climb: readings at the ends of steps cancel in them.
+    /// Standard deviation of the measured displacement of a centre across the plane [m]. Slopes are means over a distance of many
+    /// times this, so that its noise does not make wheels climb: readings at the ends of steps cancel in them.
     pub doubt: f64,
 }
 
@@ -138,7 +138,7 @@ impl ContactPlane {
         if rolled == 0.0 {
             return before;
         }
-        // What is no longer than the doubt counts for less than its length.
+        // A displacement that is not longer than its standard deviation counts for less than its length.
         let length = rolled * rolled / (rolled.abs() + doubt);
         let kept = match doubt > 0.0 {
             true => (-length / (MEMORY * doubt)).exp(),

@@ -118,7 +118,7 @@ impl Rover {
         for (axle, x) in axles {
             for (((side, sign), radius), centre) in SIDES.into_iter().zip(radii).zip(centres) {
                 let name = if axle.is_empty() { side.into() } else { format!("{axle}_{side}") };
-                // Contact and pivot differ by as much as the tread's centre lies off the tread.
+                // The instantaneous centre of the track lies `scrub` beside the pivot and `trail` behind it.
                 wheels.push(Wheel {
                     scrub: centre - sign * half,
                     trail: -skid.forward,

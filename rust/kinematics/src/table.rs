@@ -145,7 +145,7 @@ impl<'a> From<Log<'a>> for Readings<'a> {
 pub enum Durations<'a> {
     /// Every step takes the same time [s].
     Constant(f64),
-    /// One duration per step [s]: so many of them.
+    /// The number of durations, one per step [s].
     Each(Table<'a>, usize),
 }
 

@@ -1,6 +1,6 @@
 //! Numbers that cannot be a rover's in metres and radians: questions, each with the unit that is likely.
 //!
-//! They are no errors: what is asked about is computed all the same.
+//! They are warnings: the call computes its result all the same.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

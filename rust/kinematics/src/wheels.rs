@@ -1,4 +1,4 @@
-//! The wheel equation: what one wheel, fixed or steered, with scrub and trail, asks of a twist.
+//! The wheel equation: the rows by which one wheel, fixed or steered, with scrub and trail, constrains a twist.
 //!
 //! A wheel's contact lies at `pivot + trail (-e) + scrub n`, where `e` is its heading and `n` the left
 //! normal of that. With the pivot's velocity `u`, the contact moves at

@@ -88,7 +88,7 @@ pub fn number(value: f64) -> String {
     if value.is_nan() { "nan".into() } else { format!("{value:?}") }
 }
 
-/// Four digits of a number, as Python writes it: what a person reads.
+/// Four digits of a number, as Python writes it, for messages.
 pub fn short(value: f64) -> String {
     number(format!("{value:.3e}").parse().unwrap_or(value))
 }
@@ -110,7 +110,7 @@ pub fn numbers(values: &[f64]) -> String {
 /// Numbers of a state, and lengths of a rover, from which on sums of their squares might not be finite.
 pub const HUGE: f64 = 1e60;
 
-/// Limits and radii up to which what is divided by them might not be finite.
+/// Limits and radii up to this are refused: quotients by them may not be finite.
 pub const TINY: f64 = 1e-60;
 
 /// Fails unless every value is finite.

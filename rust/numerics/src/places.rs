@@ -3,7 +3,7 @@
 /// Steps of the search for a byte that two arrays share. Views of one table take a few; what takes more counts as shared.
 const STEPS: usize = 10_000;
 
-/// Steps of so many bytes, up to so many of them.
+/// Steps of a number of bytes each, and their largest number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Term {
     bytes: usize,

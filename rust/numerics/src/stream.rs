@@ -13,7 +13,7 @@ const LARGE: usize = (32 << 20) / size_of::<f64>();
 /// Blocks from the one that is worked on to the one that is fetched.
 const AHEAD: usize = 4;
 
-/// True if an output of so many numbers is written past the caches.
+/// True if an output of this number of doubles is written past the caches.
 #[inline]
 pub fn is_large(numbers: usize) -> bool {
     numbers > LARGE

@@ -88,7 +88,7 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
         }
     }
 
-    /// Makes every entry that there is memory for now, so that no sample allocates what one of them holds on the heap.
+    /// Makes all entries now, with the memory on the heap that each of them holds, so that no sample allocates.
     #[must_use]
     pub fn filled(mut self, readings: &R, state: &S) -> Self {
         let entry = HistoryEntry { stamp: 0.0, dt: 0.0, readings: readings.clone(), state: state.clone() };
@@ -118,7 +118,7 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
         &self.entries[self.index(number)]
     }
 
-    /// Makes room for one more sample, at this stamp, where what is kept has to stay. Fails where there is none.
+    /// Makes room for one more sample at this stamp, without dropping one inside the lag. Fails where there is none.
     #[inline]
     pub fn make_room(&mut self, stamp: f64) -> Result<(), Error> {
         let is_full = self.capacity > 0 && self.next - self.first == self.capacity as u64;
@@ -138,8 +138,8 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
         self.check_room(self.entries.len())
     }
 
-    /// Fails unless there is memory for so many more entries and what they hold. It is asked for in one piece and
-    /// given back: there are no small requests that may fail.
+    /// Fails unless there is memory for `more` entries and the memory that each of them holds. It is asked for in one piece and
+    /// given back, so that small requests do not fail later.
     fn check_room(&self, more: usize) -> Result<(), Error> {
         let Some(entry) = self.entries.first() else {
             return Ok(());

@@ -100,7 +100,7 @@ impl Settings {
         Ok(())
     }
 
-    /// The same for so many wheels and steering joints, whatever they are mounted on.
+    /// The same for these numbers of wheels and steering joints.
     pub fn check_for(&self, wheels: usize, joints: usize) -> Result<(), Error> {
         self.noise.check()?;
         self.gyroscope.map_or(Ok(()), |known| known.check())?;

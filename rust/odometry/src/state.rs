@@ -16,7 +16,7 @@ pub(crate) struct State {
     pub uncertainty: Uncertainty,
 }
 
-/// Bytes that a piece of memory takes beside what is asked for, at most.
+/// Largest overhead of the allocator for a piece of memory [bytes].
 pub(crate) const OVERHEAD: usize = 32;
 
 impl Snapshot for State {

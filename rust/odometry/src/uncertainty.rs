@@ -1,4 +1,4 @@
-//! The error of a pose: how it grows along a step and shrinks with what is known from outside.
+//! The error of a pose: its growth along a step, and its decrease by other measurements.
 //!
 //! A reading of a steering angle is the end of one step and the start of the next: its error enters both. So the
 //! error of the pose is kept in two parts: `settled`, and for every such reading the column by which its error
@@ -47,7 +47,7 @@ pub(crate) struct StepNoise {
     pub own: Covariance3,
     /// The same of readings that other steps share, as if those at its two ends erred on their own.
     pub ends: Covariance3,
-    /// Per error that stays the same all along: what it makes of the displacement.
+    /// For every error that is the same in all steps, the derivative of the displacement by it.
     pub constant_errors: Vec<[f64; 3]>,
 }
 

@@ -260,7 +260,7 @@ impl<R: Float> CostTerms<'_, R> {
         value
     }
 
-    /// Follows the path beside the rollout: where it is along it is corrected at every step by what it is off.
+    /// Follows the path beside the rollout: the arc length of its nearest point is corrected at every step by its error.
     fn along<S: Vector>(&self, simd: S, track: &[R], at: usize, mut sum: Lanes<S, R>) -> Lanes<S, R> {
         let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let lanes = R::lanes::<S>();

@@ -144,7 +144,7 @@ impl Mppi {
         &self.costs[..self.options.samples.min(self.costs.len())]
     }
 
-    /// Drives the rollouts of a cycle. What the planner remembers stays as it is until [`Self::weigh`].
+    /// Drives the rollouts of a cycle. The state of the planner does not change before [`Self::weigh`].
     pub fn roll(&mut self, situation: CycleInput<'_>, workers: Workers) -> Result<(), Error> {
         finite("state.pose", &situation.pose)?;
         finite("state.twist", &situation.twist)?;

@@ -112,7 +112,7 @@ impl Options {
 
     /// Steps whose controls are on their way already.
     pub(crate) fn fixed(&self) -> usize {
-        // What is on its way for a part of a step only can still be changed.
+        // A command that takes effect within the first step can still be changed.
         ((self.delay / self.dt).round() as usize).min(self.horizon - 1)
     }
 }

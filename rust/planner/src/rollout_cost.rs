@@ -43,7 +43,7 @@ pub struct Costs<'a> {
 }
 
 impl Costs<'_> {
-    /// In pieces of so many rollouts.
+    /// Cut into pieces of this number of rollouts.
     fn pieces(&mut self, share: usize) -> impl Iterator<Item = Costs<'_>> {
         let first = self.wheel_speed.chunks_mut(share);
         let pairs = first.zip(self.steering_angle.chunks_mut(share));

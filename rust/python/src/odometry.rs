@@ -44,7 +44,7 @@ use values::{Gyroscope, Noise};
 /// method : {'least_squares', 'middle_wheels', 'robust'}
 ///     Weights of the wheels, as in `Rover.fit`.
 /// inflate : bool
-///     Count what the wheels disagree by beyond the noise as more noise of the step.
+///     Count residuals of the wheels beyond the noise as more noise of the step.
 /// slip_threshold : float, optional
 ///     Slip of a wheel from which on a sample is flagged [m/s]; by default four standard deviations of the noise,
 ///     of a noise that is a guess 0.05 m/s.

@@ -1,4 +1,4 @@
-//! `six_wheel.Rover`: the class, its wheels and joints, and how it is a value. What it computes has rooms
+//! `six_wheel.Rover`: the class, its wheels and joints, and its behaviour as a value. Its calls have modules
 //! of its own: `layouts`, `kinematics`, `fit`, `admissible`, `mobility`.
 
 mod admissible;
@@ -204,7 +204,7 @@ pub fn setting_questions(settings: &Bound<'_, PyDict>) -> Vec<(&'static str, Str
     listed(odd_settings(settings))
 }
 
-/// Warns of what is odd about settings.
+/// Warns of implausible settings.
 #[pyfunction]
 pub fn ask_settings(settings: &Bound<'_, PyDict>) -> PyResult<()> {
     warn_units(settings.py(), odd_settings(settings))

@@ -15,7 +15,7 @@ const BATCH: usize = 8;
 /// Threads of a call that does not say. It is here and not in the core, and changes no result.
 static DEFAULT_THREADS: AtomicUsize = AtomicUsize::new(1);
 
-/// The threads and the level for a call of so many rows.
+/// The threads and the level for a call with this number of rows.
 pub fn workers(rows: usize, threads: Option<i64>, level: Option<&str>) -> PyResult<Workers> {
     let workers = any_workers(threads, level)?;
     Ok(match level {

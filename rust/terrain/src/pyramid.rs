@@ -169,9 +169,9 @@ impl Pyramid {
         -f64::from(rounded_down(-top))
     }
 
-    /// Extremes over boxes of cells, and of what is in `span`: in pairs as [`Vector::least_pairs`] has them.
+    /// Extremes over boxes of cells and of those in `span`, in pairs as [`Vector::least_pairs`] has them.
     ///
-    /// Whichever windows cover a box and nothing else, its extremes are the same to the bit.
+    /// Any set of windows that covers exactly a box gives the same extremes, to the bit.
     ///
     /// # Safety
     ///

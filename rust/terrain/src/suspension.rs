@@ -325,7 +325,7 @@ pub fn jacobians(rover: &RockerBogie, joints: &[f64], derivatives: &mut [f64], w
     })
 }
 
-/// An array as so many outputs one after another, of `count` rows of a width each.
+/// An array cut into several outputs one after another, each of `count` rows of its own width.
 fn blocks<const N: usize>(array: &mut [f64], count: usize, width: usize) -> [(&mut [f64], usize); N] {
     let mut blocks = array.chunks_exact_mut((count * width).max(1));
     std::array::from_fn(|_| (blocks.next().unwrap_or_default(), width))

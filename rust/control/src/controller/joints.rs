@@ -7,7 +7,7 @@ use six_wheel_numerics::error::{Error, finite, numbers};
 
 use super::Controller;
 
-/// Play and noise of a measured steering angle beyond its range [rad]; what is farther off is another wheel's angle.
+/// Play and noise of a measured steering angle beyond its range [rad]; an angle farther off is an error of wiring or units.
 const MEASURED_SLACK: f64 = 0.05;
 
 /// The angles to write.

@@ -1,4 +1,4 @@
-//! Directions of motion along a great circle of twist space, and what they ask of body and wheels.
+//! Directions of motion along a great circle of twist space, and the speeds of body and wheels in each.
 //!
 //! A twist is a speed times a direction: a twist of unit length, by the root mean square of the pivots'
 //! velocities. Straight, spin and crab are points of that sphere like any other. On the way from one direction to

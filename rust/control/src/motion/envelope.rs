@@ -28,7 +28,7 @@ use super::reason;
 /// Excess that is rounding.
 const ROUNDING: f64 = 1.0 + 1e-12;
 
-/// A limit and what it is called.
+/// A limit and its name.
 #[derive(Clone, Copy, Debug)]
 pub struct Cap {
     /// The limit.
@@ -83,7 +83,7 @@ fn times(a: f64, b: f64) -> f64 {
     if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
 }
 
-/// The limit over what it is shared by: infinite for nothing.
+/// The limit divided by a rate: infinite for a rate of 0.
 pub fn over(limit: f64, share: f64) -> f64 {
     if share > 0.0 { limit / share } else { f64::INFINITY }
 }

@@ -237,7 +237,7 @@ mod tests {
         let (mut v, mut a, mut way) = (speed, rate, 0.0);
         let dt = 1e-5;
         while v > 0.0 {
-            // Ease off once what is left is what easing off takes.
+            // The deceleration begins to fall once the speed that is left is what that takes.
             let ease = a < 0.0 && v <= a * a / (2.0 * jerk);
             a = if ease { (a + jerk * dt).min(-1e-4) } else { (a - jerk * dt).max(-deceleration) };
             way += v * dt;

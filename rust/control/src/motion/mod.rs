@@ -1,7 +1,7 @@
 //! One number on its way to a goal, its rate and the change of its rate limited.
 //!
-//! Beside it what such a motion is made of: the arc of directions, limits and what they leave of it, goals, and the reasons
-//! why a motion is not what was asked for.
+//! Beside it the parts of such a motion: the arc of directions, limits and the part of the arc inside them, goals, and the
+//! reasons for which a motion differs from its command.
 
 pub mod arc;
 pub mod envelope;

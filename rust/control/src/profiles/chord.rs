@@ -1,4 +1,4 @@
-//! The straight way between two twists, and what the wheels do along it.
+//! The straight line between two twists, and the motion of the wheels along it.
 //!
 //! A twist is a point in homogeneous coordinates of the centre of rotation, `ICR = (-vy, vx) / omega`, times a
 //! speed. Between two twists the centre moves along a straight line, on which infinity (driving straight) and the

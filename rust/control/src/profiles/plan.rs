@@ -19,7 +19,7 @@ const SAME_ANGLE: f64 = 1e-12;
 /// Offsets of a detour's corner from the middle of the chord, as shares of the larger twist.
 const DETOURS: [f64; 6] = [0.3, -0.3, 0.7, -0.7, 1.4, -1.4];
 
-/// A chord that takes longer than this many times what its wheels need at rest is worth a detour.
+/// A detour is tried where the chord takes longer than this factor times the time that its wheels need at rest.
 const LONG: f64 = 1.5;
 
 /// Phases in the making.

@@ -28,7 +28,7 @@ pub struct Wheels<'a> {
 }
 
 impl Wheels<'_> {
-    /// Angles and speeds by the wheel equation, each angle the one next to what is there.
+    /// Angles and speeds by the wheel equation; of equivalent angles the one nearest to the present angle.
     pub fn roll(&mut self, rover: &Rover, twist: Twist) {
         let mut near = [0.0; MAX_WHEELS];
         let near = &mut near[..self.steering.len()];

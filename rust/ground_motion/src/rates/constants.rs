@@ -69,7 +69,7 @@ pub(crate) struct MotionConstants {
 }
 
 impl MotionConstants {
-    /// Of any chain of so many wheels and free angles: each of these may move every wheel.
+    /// Of any chain with these numbers of wheels and free angles: each free angle may move every wheel.
     pub fn dense(wheels: usize, joints: usize, radii: [f64; MAX_WHEELS]) -> Self {
         let order = std::array::from_fn(|joint| joint);
         Self { wheels, joints, radii, order, moved: [u32::MAX; MAX_WHEELS], pivot_order: None }

@@ -143,7 +143,7 @@ impl<S: Vector> PlanarProblem<'_, S> {
             normal.add(roll.columns, roll.left, roll.weight);
             normal.add(side.columns, side.left, side.weight);
         }
-        // What the wheels do along the normals comes last: in lanes where it is nothing it is as if there were none.
+        // The equations along the normals come last, so that lanes without them have the bits of a batch without them.
         if (!exactly).any() {
             for wheel in 0..wheels {
                 let lift = self.lifting_equation::<RIGHT>(simd, wheel, exactly);

@@ -87,7 +87,7 @@ impl<S: Vector> SuspensionRates<S> {
                 *free = known[column].unknown(simd);
             }
         }
-        // What few wheels have a part in comes first: the others lose little of what they do not have.
+        // Unknowns that few wheels share are eliminated first: this adds few non-zero entries to the rows of the others.
         let joints = constants.order().iter().map(|joint| 6 + joint);
         for column in joints.chain(FOLLOWING.into_iter().take(3)) {
             if !matches!(known[column % COLUMNS], KnownRate::Everywhere(_)) {
@@ -204,7 +204,7 @@ impl<S: Vector> SuspensionRates<S> {
         all(simd, wheels as f64).le(missing)
     }
 
-    /// Derivatives of a wheel's velocity along `direction` by the planar motion, and what is left without that motion.
+    /// Derivatives of a wheel's velocity along `direction` by the planar motion, and that velocity without planar motion.
     pub fn planar_row<const RIGHT: usize>(
         &self,
         constants: &MotionConstants,

@@ -54,8 +54,8 @@ impl<R: Rows> Kernel for InLanes<'_, R> {
     }
 }
 
-/// Solves so many rows in ranges, which `range` makes for so many rows each, one after the other. Fails at the first row
-/// that does.
+/// Solves all rows in ranges, which `range` makes one after the other for the number of rows it is given. Fails at the first row
+/// that has an error.
 pub(crate) fn run_rows<R: Rows + Send>(
     chain: &Chain,
     prepared: &Prepared,

@@ -161,8 +161,8 @@ impl InLanes<'_, TractionRange<'_>> {
         }
     }
 
-    /// Angles of the steering joints: where the centres of their wheels go together in plan, forwards or backwards. Joints
-    /// whose wheels rest keep what they have.
+    /// Angles of the steering joints, each along the mean velocity in plan of the centres of its wheels, forwards or backwards.
+    /// Joints whose wheels rest keep their angle.
     fn steering_angles<S: Vector>(
         &self,
         simd: S,

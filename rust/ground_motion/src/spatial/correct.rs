@@ -13,7 +13,7 @@ use six_wheel_odometry::preintegrated::space::Motion3;
 use six_wheel_odometry::state::check_pose;
 
 impl Fixed {
-    /// Moves a pose towards one from outside. What was measured of the tilt, and what follows from the map, stays.
+    /// Corrects a pose by a measured one. Tilt that was measured, and all that follows from the map, stays.
     fn correct_with_pose(&self, state: &mut State, read: &Read, seen: &PoseMeasurement3) {
         let PoseMeasurement3 { pose, covariance } = seen;
         let keeps = match read.attitude {
@@ -38,7 +38,7 @@ impl Fixed {
         let gain = state.errors.correct(covariance, &by_error, &keeps);
         state.shift(&(gain * difference));
         if let Some(ground) = &self.ground {
-            // Where it does not settle it keeps what it had.
+            // Where it does not settle, height, tilt and joints stay as they were.
             let _ = self.stand(state, read, ground);
         }
     }

@@ -8,7 +8,7 @@ use crate::{Contacts, Response};
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
-/// One step: what was read at its ends.
+/// The readings at both ends of a step.
 pub(crate) struct StepReadings<'a> {
     pub chain: &'a Chain,
     pub settings: &'a Settings3,

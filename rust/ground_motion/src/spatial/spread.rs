@@ -1,7 +1,7 @@
 //! The error of a pose in space: axes of the world, at the place where the body is.
 //!
-//! As in the plane (`odometry::uncertainty`) readings at the end of one step are those at the start of the next, so
-//! what they err by is kept in columns of its own until it has counted twice.
+//! As in the plane (`odometry::uncertainty`) readings at the end of one step are those at the start of the next, so their errors
+//! are kept in columns of their own until both steps are done.
 
 use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
 

@@ -206,7 +206,7 @@ impl Fixed {
         };
         match self.stand(state, read, ground) {
             Ok(()) => Ok(()),
-            // Off the map what was measured will do.
+            // Off the map the measured tilt and joint angles are used.
             Err(_) if self.has_tilt_and_joints(read) => Ok(()),
             Err(status) => {
                 let PlanPose { x, y, .. } = state.plan();

@@ -44,7 +44,8 @@ impl Odometry3 {
         flag
     }
 
-    /// The second row in succession that only fits the one left out before it: what it counts from moved for good.
+    /// Starts over at the second row in succession that is consistent with the row left out before it only: its clock or its
+    /// counters have a new zero.
     fn restart(&mut self, sample: Sample3<'_>, flag: Health) -> Option<Health> {
         let before = self.reference?;
         let mut moved = before;

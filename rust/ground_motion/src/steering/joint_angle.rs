@@ -42,7 +42,7 @@ impl<S: Vector> JointAngle<S> {
         let found = stays.select(angle, goes_back.select(back, on)).max(lower).min(upper);
         let flip = stays.select(all(simd, 0.0), all(simd, -0.0));
         let outside = !(stays | goes_back | goes_on);
-        // What is outside stays as it was, for the message.
+        // An angle outside its range stays as it was, for the message.
         let angle = outside.select(angle, found);
         Self {
             turned: (turned.0.xor_sign(flip), turned.1.xor_sign(flip)),

@@ -22,10 +22,10 @@ const MAX_NEWTON_STEPS: usize = 12;
 /// Newton's method is accepted while `|step_k| <= 0.5 |step_(k-1)|`, with `|step_0| = 0.5` rad.
 const MIN_STEP_REDUCTION: f64 = 0.5;
 
-/// A step shorter than this [rad] is the last one: its square is what it leaves.
+/// A step shorter than this [rad] is the last one: the error after it is about its square.
 const CONVERGED_STEP: f64 = 1e-8;
 
-/// The same where the second derivative is known too: its cube is what it leaves.
+/// The same where the second derivative is known too: the error is about its cube.
 const CONVERGED_BENT_STEP: f64 = 2e-6;
 
 /// Rounding of a sine, as a share of the speeds it is made of, and of an angle [rad].

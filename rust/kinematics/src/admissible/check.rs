@@ -1,4 +1,4 @@
-//! Checks of single twists, and what a twist that fails them fails at.
+//! Checks of single twists: the condition that a twist violates first, and by how much.
 
 use crate::admissible::cone::{AdmissibleCone, Rates, SLIP_TOLERANCE};
 use crate::geometry::Twist;

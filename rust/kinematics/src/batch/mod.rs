@@ -5,7 +5,7 @@
 //! 1. A **call** (one file a kind, here) has rows of numbers as the caller keeps them (a [`Table`]), and [`Workers`]: a level and
 //!    a number of threads. It cuts the rows into shares, one per thread (`threads/workers.rs` in `six_wheel_numerics`), and those into blocks
 //!    that stay in the caches.
-//! 2. It has the constants of the rover: what a formula needs to know of it, as numbers.
+//! 2. It has the constants of the rover: the numbers that a formula needs of it.
 //! 3. [`Level::run_any`] enters a function that is compiled once per set of instructions, with a token `S`
 //!    that proves the processor has them. Everything below it is `#[inline(always)]`.
 //! 4. A **formula** ([`crate::kernels`], one file a job) takes 64 rows at a time apart (`columns.rs`): row after row in

@@ -21,7 +21,7 @@ const SHORT_LOG: usize = 1024;
 /// Logs worked on together: as many as the widest register has lanes.
 const GROUP: usize = 8;
 
-/// Logs of `count` steps each, and what they begin with: one start for every log, or one for all.
+/// Logs of `count` steps each, and their starts: one for every log, or one for all.
 #[derive(Clone, Copy)]
 pub struct Journey<'a> {
     /// Twists, row after row.

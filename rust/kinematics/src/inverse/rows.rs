@@ -89,7 +89,7 @@ impl Kernel for CheckRange<'_> {
 }
 
 impl InverseConstants {
-    /// Solves rows that have been checked; `past` the caches, if what is written does not fit in.
+    /// Solves rows that have been checked; writes past the caches if `past`, for outputs larger than they are.
     pub(crate) fn solve_rows(
         &self,
         level: Level,
@@ -119,7 +119,7 @@ struct SolveRange<'a> {
     columns: &'a mut [Column],
 }
 
-/// Rows of a block, column by column. What is not given is empty.
+/// Rows of a block, column by column. Arguments that are not given are empty.
 struct InputColumns<'a> {
     twists: [Column; 3],
     /// Bound of the rounding of pivot velocities, twice over [m/s].

@@ -207,7 +207,7 @@ struct SlowRows<'a> {
 }
 
 impl SlowRows<'_> {
-    /// Settles them and writes what they come to.
+    /// Settles them and writes the results.
     #[inline(always)]
     fn settle<S: Vector>(
         &mut self,

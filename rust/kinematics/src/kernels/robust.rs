@@ -23,7 +23,7 @@ const SQUARES: [f64; 2] = [1e-100, 1e100];
 /// values of the rows themselves.
 const EXACT_ROOT: f64 = 1e-3;
 
-/// Rotations are over when what they take away is this share of the trace.
+/// Jacobi rotations end when the entries they remove are below this share of the trace.
 const DIAGONAL: f64 = 1e-18;
 const SWEEPS: usize = 8;
 

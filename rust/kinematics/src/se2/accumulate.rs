@@ -90,7 +90,7 @@ impl Walk {
 /// Beyond this an angle has no digit behind the point, and of its turns none that counts [rad].
 const NO_DIGITS: f64 = 1e15;
 
-/// Takes whole turns out of an angle, exactly but for what a turn in two parts leaves.
+/// Takes whole turns out of an angle, exact up to the error of a turn given as the sum of two doubles.
 fn unwind(angle: &mut Sum) {
     if angle.sum.abs() > NO_DIGITS {
         *angle = Sum::new(wrap_angle(angle.sum));

@@ -162,7 +162,7 @@ pub fn direction<S: Simd, T: Float, const N: usize>(
     in_quarter(simd, shifted, sin, cos)
 }
 
-/// Sine and cosine after so many quarter turns, the whole number in the lowest bits of `shifted`.
+/// Sine and cosine after a number of quarter turns, which is in the lowest bits of `shifted`.
 #[inline(always)]
 fn in_quarter<S: Simd, T: Float, const N: usize>(
     simd: S,

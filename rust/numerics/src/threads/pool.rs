@@ -123,7 +123,7 @@ impl ThreadPool {
         }
     }
 
-    /// Starts threads until there are so many, or no more can start. Each has arrived on return, and has taken all the
+    /// Starts threads until there are `count`, or no more can start. Each has arrived on return, and has taken all the
     /// memory it ever will.
     fn grow<'a>(&'static self, mut state: MutexGuard<'a, State>, wanted: usize) -> MutexGuard<'a, State> {
         while state.threads < wanted {

@@ -64,7 +64,7 @@ impl Workers {
         self.threads.clamp(1, MOST_HELPERS + 1)
     }
 
-    /// Rows that one thread takes at a time, out of so many.
+    /// Rows that one thread takes at a time, of all `rows`.
     pub fn share(self, rows: usize) -> usize {
         if rows < WORTH_A_THREAD {
             return rows.max(1);

@@ -56,7 +56,7 @@ fn displacement_error<S: Vector>(jacobian: &StepJacobian<S>, errors: &mut [Lagge
     }
 }
 
-/// A register of what steps add to what is settled of the pose's covariance.
+/// What the steps of a register add to the settled part of the pose's covariance.
 #[inline(always)]
 pub(crate) fn add_covariance<S: Vector>(
     simd: S,

@@ -9,7 +9,7 @@ use crate::samples::increments::may_start_over;
 use crate::samples::recording::{Recording, TrackRows};
 use crate::settings::gyroscope;
 
-/// The first of these rows, of so many wheels, in which a counter may have started over; their end where there is none.
+/// The first of these rows in which a counter may have started over; their end where there is none.
 fn first_start_over(readings: &[f64], wheels: usize, rows: Range<usize>) -> usize {
     let before = &readings[(rows.start - 1) * wheels..(rows.end - 1) * wheels];
     let after = &readings[rows.start * wheels..rows.end * wheels];
@@ -17,7 +17,7 @@ fn first_start_over(readings: &[f64], wheels: usize, rows: Range<usize>) -> usiz
     found.map_or(rows.end, |place| rows.start + place / wheels)
 }
 
-/// Rows of a log that are worth a register.
+/// Number of rows of a log from which registers are faster.
 const FEW: usize = 4;
 
 impl Odometry {

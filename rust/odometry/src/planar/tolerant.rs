@@ -14,8 +14,8 @@ use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
 const SINGLY: usize = 8;
 
 impl Odometry {
-    /// Takes in a sample if it can be; otherwise leaves it out and returns the flag of the reason. The state goes on
-    /// from the last good one either way. Fails, with nothing changed, only where there is no memory for what is kept.
+    /// Takes in a sample that is acceptable; otherwise leaves it out and returns the flag of the reason. The state goes on
+    /// from the last good one either way. Fails, with nothing changed, only where there is no memory for the history.
     pub fn absorb(&mut self, sample: Sample<'_>) -> Result<Health, Error> {
         match self.try_update(sample) {
             Ok(health) => Ok(health),
@@ -36,7 +36,8 @@ impl Odometry {
         flag
     }
 
-    /// The second row in succession that only fits the one left out before it: what it counts from moved for good.
+    /// Starts over at the second row in succession that is consistent with the row left out before it only: its clock or its
+    /// counters have a new zero.
     fn restart(&mut self, sample: Sample<'_>, flag: Health) -> Option<Health> {
         let before = self.reference.clone();
         if flag == Health::BACKWARDS {

@@ -84,7 +84,7 @@ impl Covariance3 {
     }
 
     pub fn is_below(&self, bound: f64) -> bool {
-        // No covariance is larger than the larger of its variances. Of what is far too large rounding may make the sign.
+        // No covariance is larger than the larger of its two variances. Rounding may turn the sign of huge variances.
         self.diagonal().iter().all(|variance| variance.abs() < bound)
     }
 

@@ -32,7 +32,7 @@ impl<const N: usize> PoseGain<N> {
         let cross = covariance * by_error.transpose();
         let innovation = by_error * cross + noise + (SMatrix::identity() - known);
         let gain = if noise.iter().all(|part| *part == 0.0) {
-            // Taken at its word: the pose is what is measured, and the rest follows as far as it is tied to it.
+            // An exact measurement: the pose becomes the measured one, and the rest follows by its correlation.
             innovation.cholesky().map_or(known, |innovation| cross * innovation.inverse())
         } else {
             cross * Jacobi::new(&innovation).inverse(f64::EPSILON * innovation.amax())

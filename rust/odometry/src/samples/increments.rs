@@ -72,11 +72,12 @@ pub fn may_start_over(before: f64, after: f64) -> bool {
     (before - 2.0 * after) * before > 0.0
 }
 
-/// Replaces the rotations of wheels whose counters have started at zero, as those of a microcontroller that resets, by
-/// what they count since then. Returns true if there is one.
+/// Finds the wheels whose counters have started again at zero, as after a reset of a microcontroller, and replaces their
+/// rotations by the counts since then. Returns true if there is one.
 ///
-/// Such a reading is as near to zero as the wheel can have come since, at its speed and [`LARGEST_ACCELERATION`], and
-/// further than that from the one before. After lost readings any motion is possible: there all wheels read zero exactly.
+/// Such a reading is so near to zero that the wheel can have come from there in the time of the step, at its speed and
+/// [`LARGEST_ACCELERATION`], and too far from the reading before. After lost readings any motion is possible: there a restart is
+/// found only where all wheels read exactly zero.
 pub fn count_from_zero(
     settings: &Settings,
     [before, after]: [&[f64]; 2],

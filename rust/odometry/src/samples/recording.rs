@@ -31,7 +31,7 @@ pub struct Recording<'a> {
 }
 
 impl<'a> Recording<'a> {
-    /// One row of a log of so many wheels and steering joints.
+    /// Row `k` of a log with these numbers of wheels and steering joints.
     pub fn row(&self, wheels: usize, joints: usize, k: usize) -> Sample<'a> {
         let at = |values: Option<&'a [f64]>| values.map(|values| values[k]).filter(|value| !value.is_nan());
         Sample {

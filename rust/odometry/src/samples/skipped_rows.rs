@@ -63,7 +63,7 @@ impl SkippedRows {
         (flag == Health::BACKWARDS || flag == Health::JUMP) && self.flag == flag && stamp > self.stamp
     }
 
-    /// Notes a row that is left out: what it read, and the increments that did happen.
+    /// Notes a row that is left out: its readings, and its increments, which did happen.
     pub fn leave_out(&mut self, flag: Health, sample: &Sample<'_>, readings: Readings) {
         if flag == Health::BACKWARDS || flag == Health::JUMP {
             self.marked = true;

@@ -13,8 +13,8 @@ use super::quantities::{Column, DIMENSIONS};
 use six_wheel_kinematics::estimate::sensitivity::Linearised;
 use six_wheel_numerics::error::{Error, HUGE, number};
 
-/// Numbers of one wheel that may be off, in their order: [`DIMENSIONS`], and as shares of what they read the turns of the
-/// wheel and its steering angle.
+/// Numbers of one wheel that may be off, in their order: [`DIMENSIONS`], and the scale factors of the readings of its rotation
+/// and of its steering angle.
 pub const NUMBERS: usize = DIMENSIONS.len() + 2;
 
 /// Independent errors of one standard deviation, each with the quantities that it changes.
@@ -60,7 +60,7 @@ impl Deviations {
         self.count == 0
     }
 
-    /// Fails unless they are of a rover with so many wheels.
+    /// Fails unless they are of a rover with this number of wheels.
     pub fn check_for(&self, wheels: usize) -> Result<(), Error> {
         if self.is_empty() || self.wheels == wheels {
             return Ok(());

@@ -30,7 +30,7 @@ pub struct Gyroscope {
     pub bias_noise: f64,
     /// Random walk of the bias, as a standard deviation after one second [rad/s per root s].
     pub bias_walk: f64,
-    /// Standard deviation of the factor that its readings are off by, a share of what it turns.
+    /// Standard deviation of the scale factor of its readings [1].
     pub scale_noise: f64,
 }
 

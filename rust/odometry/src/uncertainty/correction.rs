@@ -1,4 +1,4 @@
-//! Corrections of a pose's error by what is known from outside: a yaw, a pose, a gyroscope at rest.
+//! Corrections of a pose's error by other measurements: a yaw, a pose, a gyroscope at rest.
 
 use nalgebra::{Matrix3, Vector3};
 

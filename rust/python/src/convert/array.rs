@@ -229,7 +229,7 @@ pub fn items<'py>(argument: &str, value: &Bound<'py, PyAny>, most: usize) -> PyR
     Ok(items)
 }
 
-/// One of some names; what is none looks like itself, and is refused with the names.
+/// One of some names; another value is refused with all names.
 pub fn name(value: &Bound<'_, PyAny>) -> String {
     value.extract().unwrap_or_else(|_| short_repr(value))
 }

@@ -74,7 +74,7 @@ fn interruption(row: Option<usize>) -> PyErr {
     let error = ENDED_BY.with(|ended_by| ended_by.borrow_mut().take());
     let error = error.unwrap_or_else(|| PyKeyboardInterrupt::new_err(()));
     if let Some(row) = row {
-        // Without room for a note the exception says what it said.
+        // Without memory for a note the exception stays as it is.
         let _ = Python::attach(|py| error.value(py).call_method1("add_note", (format!("before row {row}"),)).map(drop));
     }
     error

@@ -166,7 +166,7 @@ pub fn read_point(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<
     Rows::read_finite_over(argument, value, 3, &[]).map(|point| point.triples()[0])
 }
 
-/// Reads so many numbers.
+/// Reads exactly `N` numbers.
 pub fn numbers<const COUNT: usize>(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; COUNT]> {
     let row = Rows::read_one(argument, value, COUNT)?;
     Ok(std::array::from_fn(|place| row.flat()[place]))

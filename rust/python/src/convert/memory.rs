@@ -259,7 +259,7 @@ pub fn none_for(shape: &[usize]) -> PyErr {
     PyMemoryError::new_err(message)
 }
 
-/// Room for so many values. `MemoryError` if there is none.
+/// Memory for this number of values. `MemoryError` if there is none.
 pub fn room<T>(count: usize) -> PyResult<Vec<T>> {
     let mut values = Vec::new();
     values.try_reserve_exact(count).map_err(|_| none_for(&[count]))?;

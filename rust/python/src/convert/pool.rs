@@ -15,7 +15,8 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-/// Sizes of arrays that are worth it [bytes]: smaller ones stay with the C library, larger ones pay for their pages.
+/// Sizes of arrays for which the pool is faster [bytes]: smaller ones are left to the C library; for larger ones the time of
+/// the call is much longer than that of fresh pages.
 const SIZES: RangeInclusive<usize> = 1 << 16..=1 << 24;
 
 /// Upper bound of the memory that is kept [bytes].
@@ -229,7 +230,7 @@ pub struct Pool<'py> {
     before: Bound<'py, PyAny>,
 }
 
-/// The pool for an array of so many bytes, if that is worth it.
+/// The pool for an array of this number of bytes; None for sizes at which it is not faster.
 pub fn of(py: Python<'_>, size: usize) -> PyResult<Option<Pool<'_>>> {
     if !SIZES.contains(&size) {
         return Ok(None);

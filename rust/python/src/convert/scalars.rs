@@ -79,7 +79,7 @@ impl<'py> Scalars<'py> {
         Err(refuse_shape(argument, &format!("have shape {}", shape_text(shape)), &self.shape))
     }
 
-    /// Fails unless it is one number or one for each of so many.
+    /// Fails unless it is one number, or one for each row.
     pub fn fit(&mut self, argument: &str, count: usize) -> PyResult<()> {
         if self.shape.is_empty() || self.shape == [count] {
             return Ok(());

@@ -153,7 +153,7 @@ pub fn variances<'py>(
     Ok(PyList::new(py, squares)?.into_any())
 }
 
-/// None is what a rover says that does not steer.
+/// No steering angles: for rovers that do not steer.
 pub fn steering_left_out<'py>(joints: usize) -> PyResult<Option<Rows<'py>>> {
     if joints == 0 {
         return Ok(None);

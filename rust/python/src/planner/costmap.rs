@@ -1,4 +1,4 @@
-//! `six_wheel.Costmap`: what it costs to be somewhere.
+//! `six_wheel.Costmap`: the cost of every place.
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;

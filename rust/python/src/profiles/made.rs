@@ -5,7 +5,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::classes::repr_of_call;
 
-/// A function of `six_wheel.kinematics.profiles` and what it was called with.
+/// A function of `six_wheel.kinematics.profiles` and its arguments.
 pub struct ConstructorCall {
     pub maker: &'static str,
     pub arguments: Py<PyTuple>,

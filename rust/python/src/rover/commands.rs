@@ -33,7 +33,7 @@ impl Rover {
 }
 
 methods! { Rover:
-    /// Joint commands by joint name: what a motor driver takes.
+    /// Joint commands by joint name, as motor drivers take them.
     ///
     /// Parameters
     /// ----------

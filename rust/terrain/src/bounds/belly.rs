@@ -72,12 +72,12 @@ impl Belly {
         self.clearance(ground, placed.origin, &placed.rotation)
     }
 
-    /// Least vertical distance of the ground below the rectangle [m], negative where it goes into it. The origin of the
-    /// body is by its distances from node (0, 0) of the map. None where the
-    /// rectangle leaves the map, is over ground nobody knows, or faces upwards.
+    /// Least vertical distance from the rectangle down to the ground [m], negative where the ground goes through it. `origin` is
+    /// the body's origin relative to node (0, 0) of the map. None where the rectangle leaves the map, is over unknown ground, or
+    /// faces upwards.
     ///
-    /// In a cell the ground less a plane is a saddle: it is highest on the rim of what it is looked at on. So the
-    /// nodes below the rectangle decide, and its edges, along which it is a parabola in every cell.
+    /// In a cell the ground less a plane is a saddle, whose maximum over any region is on the region's edge. So the nodes below
+    /// the rectangle decide, and its edges, along which the distance is a parabola in every cell.
     pub fn clearance(&self, ground: &Terrain, origin: Vector3<f64>, rotation: &Matrix3<f64>) -> Option<f64> {
         self.lowest(ground, origin, rotation).map(|(least, _)| least)
     }

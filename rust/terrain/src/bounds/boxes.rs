@@ -58,8 +58,7 @@ impl Patch {
         Self::new([(x0 + x1) / 2.0, (y0 + y1) / 2.0], half)
     }
 
-    /// Cut lengthwise into so many parts, and crosswise into halves or not: what is looked up are their hulls along
-    /// the grid.
+    /// Cut into `lengthwise` by `N / lengthwise` parts. Each is looked up by the smallest rectangle along the grid around it.
     pub fn parts<const N: usize>(self, lengthwise: usize) -> [Self; N] {
         let counts = [lengthwise, N / lengthwise];
         let half = [0, 1].map(|axis| self.half[axis] / counts[axis] as f64);

@@ -67,9 +67,9 @@ impl Allowed {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Reason {
-    /// It may.
+    /// The pose is admissible.
     Ok = 0,
-    /// The first of what it would go furthest beyond.
+    /// Roll exceeds its limit and has the smallest margin; see [`Verdict::margin`].
     Roll = 1,
     /// As for roll.
     Pitch = 2,

@@ -48,9 +48,9 @@ impl Margins<'_> {
     }
 }
 
-/// The bounds of every pose `[x, y, yaw]`, finite. Writes for each of the quantities a block of intervals, a row
-/// per pose, and the worth of every row; intervals that are not known are NaN. Poses whose wheels may leave the boxes
-/// of a plan are tried with the next. Fails only where it is interrupted.
+/// The bounds of every pose `[x, y, yaw]`, finite. Writes for each of the quantities a block of intervals, a row per pose, and
+/// for every row what is known of it; intervals that are not known are NaN. Poses whose wheels may leave the boxes of a plan are
+/// tried with the next plan. Fails only where it is interrupted.
 pub fn bounds(
     plans: &[BoundsConstants],
     ground: Ground<'_>,
@@ -121,7 +121,7 @@ fn chord(margin: f64) -> f64 {
 }
 
 impl BoundsRange<'_> {
-    /// The poses of as many rows as there are lanes, or fewer.
+    /// Bounds of the poses of these rows, one in every lane; there may be fewer rows than lanes.
     #[inline(always)]
     fn some<S: Vector>(&mut self, simd: S, plan: &BoundsConstants, rows: &[usize]) {
         let apart = rows.len() < S::F64_LANES || rows[rows.len() - 1] - rows[0] >= S::F64_LANES;
@@ -272,7 +272,7 @@ impl<S: Vector> Place<S> {
         }
     }
 
-    /// The ground in a patch, and of what is in `span`; whether lanes have the patch on the map.
+    /// Extremes of the ground in a patch and of those in `span`, and the lanes whose patch is on the map.
     fn look(&self, pyramid: &Pyramid, patch: &Patch, span: Lanes<S>) -> (Lanes<S>, Mask<S>) {
         let simd = self.simd;
         let (cx, cy) = (all(simd, patch.centre[0]), all(simd, patch.centre[1]));

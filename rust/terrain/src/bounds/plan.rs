@@ -1,4 +1,4 @@
-//! The intervals of a pose, their worth, and the constants of a rover that they follow from.
+//! The intervals of a pose, the status of each, and the constants of a rover from which they are computed.
 
 use super::belly::Belly;
 use super::boxes::{self, Patch, Within};
@@ -10,7 +10,7 @@ use six_wheel_numerics::error::{Error, number};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Knowledge {
-    /// The rover, settled, is inside.
+    /// The settled rover is inside the intervals.
     Bounded = 0,
     /// A wheel or the belly may be outside the map.
     OffMap = 1,
@@ -31,7 +31,7 @@ pub const QUANTITIES: [&str; 9] =
 /// Number of intervals of a pose.
 pub(super) const COUNT: usize = QUANTITIES.len();
 
-/// The tilt's number among them.
+/// Index of the tilt among them.
 pub(super) const TILT: usize = 3;
 
 /// Largest displacement, seen from above, of a part of the body from its place on a level rover within its box.

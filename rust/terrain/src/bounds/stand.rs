@@ -153,7 +153,7 @@ impl BoundsConstants {
         (tan, proved)
     }
 
-    /// Intervals of all quantities, and what has to hold for them to be bounds.
+    /// Intervals of all quantities, and the conditions under which they are bounds.
     pub(super) fn stand<S: Simd>(
         &self,
         simd: S,
@@ -235,7 +235,8 @@ impl BoundsConstants {
         let simd = rocker[0].simd();
         let slack = all(simd, 2.0 * self.slack);
         let left = both!(end in rocker => sin_cos(simd, end));
-        // What a bar turns the right rocker more or less than back only matters for the bogie it carries.
+        // With a differential bar the right rocker does not turn back by exactly the angle of the left one: `slack`, which
+        // matters for the bogie it carries only.
         let right = [(-left[1].0, left[1].1), (-left[0].0, left[0].1)];
         let loose = [-slack, slack];
         let on_left = sum(sum(rocker, bogies[0]), loose);
@@ -279,8 +280,9 @@ impl BoundsConstants {
 
     /// True if every wheel and the belly, seen from above, are in the boxes of ground that were searched.
     ///
-    /// Stretched from level to what it is, the ground leads the rover from where all wheels are in their boxes to
-    /// where it stands. It cannot leave them on the way while the bounds, which hold inside, say that it is inside.
+    /// As all heights grow from 0 to those of the map, the rover moves continuously from a level stand, at which all wheels are in
+    /// their boxes, to its stand on the map. The bounds hold while the wheels are in the boxes and then say that they stay there,
+    /// so none can leave.
     fn boxed<S: Simd>(&self, turned: &[[Turned<S>; 2]; 2], pitch: Lanes<S>, roll: Lanes<S>) -> Mask<S> {
         let simd = pitch.simd();
         let still = [all(simd, 0.0); 2];

@@ -24,7 +24,7 @@ impl ActiveSet {
         self.hanging >> wheel & 1 == 0
     }
 
-    /// The numbers of a state of so many that may change, in their order.
+    /// Indices of the numbers of a state, of `count`, that are not held, in their order.
     pub fn free_columns(&self, count: usize) -> impl Iterator<Item = usize> {
         let joints = self.joints;
         (0..count).filter(move |&k| k < 3 || joints[k - 3].is_none())

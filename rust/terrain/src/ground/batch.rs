@@ -1,10 +1,10 @@
 //! Settling of poses by rounds of Newton's method: a pose in every lane, those that have settled replaced by others, or one
 //! pose alone with its wheels in the lanes. Both are one body, and give the same bits.
 //!
-//! Rounds look at whole rims where the gaps are large, and otherwise only at what is near the last contacts. A pose counts as
-//! settled when every gap is closed and a look at whole rims has found nothing else so near that the way from there could have
-//! closed it. Whatever is more than that (unknown ground, the end of the map, a joint past its stop, a wall as high as a wheel,
-//! no end of rounds) is left to [`Settler::settle_near`].
+//! A round searches whole rims where the gaps are large, and otherwise only the neighbourhood of the last contacts. A pose counts
+//! as settled when every gap is closed and a search of whole rims has found no other contact within the distance moved since. All
+//! other cases (unknown ground, the end of the map, a joint past its stop, a wall as high as a wheel, too many rounds) are left
+//! to [`Settler::settle_near`].
 
 pub(crate) mod pivots;
 pub(crate) mod poses;
@@ -26,7 +26,7 @@ use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Poses from which it is worth to settle them in lanes.
+/// Number of poses from which settling them in lanes is faster than one by one.
 const WORTH_LANES: usize = 8;
 
 /// Largest change of an angle in a round of [`initial_state`], and largest angle there [rad].
@@ -143,8 +143,8 @@ impl SettleRange<'_, '_> {
     }
 }
 
-/// Leads states to where every wheel's centre is one radius above the ground below it. False in the lanes where that is not known
-/// or does not say: then only the height is right, by the mean of what is known.
+/// Moves states to where every wheel's centre is one radius above the ground below it. False in the lanes where that ground is
+/// unknown or the system is singular: there only the height is set, by the mean of the known ground.
 #[inline(always)]
 pub(crate) fn initial_state<S: Vector>(simd: S, site: &Site<'_>, here: &mut StateLanes<S>) -> Mask<S> {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));

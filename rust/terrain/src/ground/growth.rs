@@ -1,11 +1,11 @@
-//! Settling where Newton's method finds nothing: on the way from level ground to the ground that there is.
+//! Settling where Newton's method does not converge: continuation from level ground to the ground of the map.
 //!
-//! With all its heights at a share of what they are above a datum, the ground grows from flat, where a rover stands, to what it
-//! is. The states that close all gaps meanwhile make up a curve of state and share, which may turn back and go on; it is
-//! followed by its length. Where it comes to the full share, at angles at which something stands, there is the answer. Where it
-//! leads beyond them and no way back, growing ground tips the rover, or a bogie, over.
+//! All heights above a datum are multiplied by a factor `s`. At `s = 0` the ground is flat and the rover stands on it; at `s = 1`
+//! it is the ground of the map. The states that close all gaps, as `s` changes, are a curve in (state, s), which may turn back
+//! and go on; it is followed by its arc length. Where it reaches `s = 1`, at angles at which a rover can stand, the state there
+//! is the answer. Where it leaves these angles and does not come back, the growing ground tips the rover or a bogie over.
 //!
-//! A rim over ground of share `s` has `s` times the gap of one that is `1 / s` times as high.
+//! The gap of a rim over ground scaled by `s` is `s` times the gap of a rim at `1 / s` times the height over the map itself.
 //!
 //! (E. Allgower, K. Georg, Introduction to Numerical Continuation Methods, SIAM 2003, ch. 2 and 6.)
 
@@ -21,19 +21,19 @@ use super::settler::{Settler, Status};
 use crate::suspension::{MAX_STATE, State};
 use crate::terrain::{Interpolation, Sample};
 
-/// Numbers of a state, and the share.
+/// Numbers of a state, and the factor of the heights.
 const SIZE: usize = MAX_STATE + 1;
 
 type Point = SVector<f64, SIZE>;
 
-/// Share of the heights at which the way begins: little enough that Newton's method finds where the rover stands.
+/// Factor of the heights at which the curve begins: so small that Newton's method converges.
 const FIRST: f64 = 0.1;
 
-/// A way that comes back to this share has turned around for good, and one that goes beyond that share does not come back.
+/// A curve that returns to the factor `BACK`, or exceeds `FORTH`, is given up.
 const BACK: f64 = 0.02;
 const FORTH: f64 = 2.0;
 
-/// Steps along the curve: the longest, the first and the shortest one, and how many.
+/// Steps along the curve: the longest, the first, the shortest one, and their largest number.
 const LONGEST: f64 = 0.1;
 const FIRST_STEP: f64 = 0.02;
 const SHORTEST: f64 = 2e-5;
@@ -158,7 +158,7 @@ impl Homotopy<'_> {
         let mut lost = Status::NotConverged;
         let share_alone = Point::ith(MAX_STATE, 1.0);
         let (mut point, look) = self.begin(&share_alone).ok_or(lost)?;
-        // The share grows at first.
+        // The factor grows at first.
         let turns = look.slopes.determinant().signum();
         let mut direction = Self::along(&look, turns).ok_or(lost)?;
         let mut step = FIRST_STEP;
@@ -175,7 +175,7 @@ impl Homotopy<'_> {
                 return Ok(attempt);
             }
             if (1..MAX_STATE).any(|k| next[k].abs() > LARGEST_ANGLE) {
-                // It may come back: what it leads to counts.
+                // Not the end: the curve may come back to angles at which a rover stands.
                 lost = Status::TipsOver;
             }
             let over = (1..3).any(|k| next[k].abs() > UPRIGHT) || (3..MAX_STATE).any(|k| next[k].abs() > PI);

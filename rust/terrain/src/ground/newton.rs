@@ -86,7 +86,7 @@ pub(crate) struct Evaluation {
     pub rims: [RimContact; MAX_WHEELS],
 }
 
-/// One pose with its steering, on ground whose heights are a share of what they are above a datum.
+/// One pose with its steering, on ground whose heights above a datum are multiplied by a factor.
 #[derive(Clone, Copy)]
 pub(crate) struct OnePose<'a> {
     chain: &'a Chain,
@@ -96,7 +96,7 @@ pub(crate) struct OnePose<'a> {
     pose: PlanPose,
     on_grid: PoseOnGrid,
     steering: &'a [f64],
-    /// The share, and the datum [m].
+    /// The factor, and the datum [m].
     over: [f64; 2],
 }
 
@@ -108,7 +108,7 @@ impl<'a> OnePose<'a> {
         Self { chain, ground, level, pose, on_grid, steering, over: [1.0, 0.0] }
     }
 
-    /// The same on ground whose heights are a share of what they are above a datum [m].
+    /// The same on ground whose heights above a datum [m] are multiplied by a factor.
     pub fn over(self, [share, datum]: [f64; 2]) -> Self {
         Self { over: [share, datum], ..self }
     }

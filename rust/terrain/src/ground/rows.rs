@@ -7,13 +7,13 @@ use crate::suspension::{MAX_WHEELS, PlanPose};
 use six_wheel_numerics::error::{Error, finite};
 use six_wheel_numerics::threads::workers::Workers;
 
-/// Poses from which it is worth to start a thread: some ten microseconds each.
+/// Number of poses from which starting a thread is faster: each takes some ten microseconds.
 const WORTH_A_THREAD: usize = 64;
 
-/// Poses of a share at most: some ten milliseconds.
+/// Largest number of poses that a thread takes at a time: some ten milliseconds.
 const MOST: usize = 2048;
 
-/// Nodes of a map for every pose up to which it is worth to know its highest places beforehand.
+/// Nodes of a map per pose up to which building its pyramid of extremes is faster than settling without it.
 const WORTH_A_PYRAMID: usize = 64;
 
 /// True for steering angles of a pose that does not stand, as the motion on the ground gives them: all are NaN.
@@ -58,7 +58,7 @@ pub fn settle(
     })
 }
 
-/// Settles poses of finite numbers with these steering angles. What a pose comes to does not depend on the others.
+/// Settles poses of finite numbers with these steering angles. The result of a pose does not depend on the others.
 pub(crate) fn settle_part<'a>(
     settler: &Settler<'_>,
     poses: &[[f64; 3]],

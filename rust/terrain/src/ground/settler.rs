@@ -20,7 +20,7 @@ pub enum Status {
     UnknownCells,
     /// No state was found that closes the gaps.
     NotConverged,
-    /// While the ground grows from flat to what it is the rover, or a bogie, tips over.
+    /// The rover or a bogie tips over while the heights grow from 0 to those of the map.
     TipsOver,
 }
 

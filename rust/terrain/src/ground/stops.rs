@@ -99,7 +99,7 @@ impl Settler<'_> {
     /// with the least tilt.
     pub(crate) fn stand(&self, pose: &OnePose<'_>, near: &State, first: Stops) -> Option<StopCandidate> {
         let mut found: Option<StopCandidate> = None;
-        // Wheels in the air that no stop lets hang only where loads have to decide and do not like what was found.
+        // Wheels in the air without a joint at its stop only where the loads refuse all states without them.
         for whose in [LiftedWheels::Lowered, LiftedWheels::Any] {
             let is_open = |found: &Option<StopCandidate>| found.as_ref().is_none_or(|found| found.open);
             if !is_open(&found) {
@@ -296,7 +296,7 @@ impl Settler<'_> {
     }
 }
 
-/// Stops and what is left of them without some; without all of them only if there are none.
+/// All subsets of these stops; the empty one only if there are none.
 fn parts(stops: Stops) -> Vec<Stops> {
     (0..1_u32 << MAX_FREE)
         .map(|kept| std::array::from_fn(|k| if kept >> k & 1 == 1 { stops[k] } else { 0 }))

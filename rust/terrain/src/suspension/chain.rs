@@ -1,8 +1,8 @@
 //! A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 //!
-//! A part turns by a free angle (a rocker, a bogie, an axle: what the ground decides) or by a steering angle
-//! (what is commanded). Every vehicle here is such a list ([`Chain::rocker_bogie`], [`Chain::triple_bogie`],
-//! [`Chain::pivoting_axles`], [`Chain::rigid`]), and nothing that works on chains asks which.
+//! A part turns by a free angle, which the ground decides (a rocker, a bogie, an axle), or by a steering angle, which is
+//! commanded. Every vehicle here is such a list ([`Chain::rocker_bogie`], [`Chain::triple_bogie`], [`Chain::pivoting_axles`],
+//! [`Chain::rigid`]); code that works on chains serves all of them.
 //!
 //! The body stands at `(x, y, z)` with rotation `Rz(yaw) Ry(pitch) Rx(roll)`: pitch > 0 nose down, roll > 0 right
 //! side down. Free angles count about the axis of their part.

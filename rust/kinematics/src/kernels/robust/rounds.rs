@@ -256,7 +256,7 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
         self.active = self.active & !there;
     }
 
-    /// Lanes in which so many rounds would surely settle the weights.
+    /// Lanes in which the remaining rounds are certain to settle the weights.
     fn comes_near(&self, simd: S, wheels: &[RobustWheel], left: usize) -> Mask<S> {
         let splat = |number| Lanes::splat(simd, number);
         let zero = splat(0.0);

@@ -5,7 +5,7 @@ use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// The system whose solution is Newton's step: a row of slopes for every wheel, and on its right what is missing.
+/// The linear system of Newton's step: for every wheel a row `d gap / d state`, and the gap on the right-hand side [m].
 pub(crate) type Rows<S> = [([Lanes<S>; MAX_STATE], Lanes<S>); MAX_WHEELS];
 
 /// Pivots below this are 0: the system is singular.
@@ -61,8 +61,8 @@ impl PivotOrder {
     }
 }
 
-/// Solves by elimination with row exchanges, lane by lane: the solution, 0 for what is held, and the smallest pivot. Where the
-/// system is singular the numbers are not finite, or huge. The order has to be square.
+/// Solves by elimination with row exchanges, lane by lane: the solution, 0 for numbers that are held, and the smallest pivot.
+/// Where the system is singular the numbers are not finite, or huge. The order has to be square.
 #[inline(always)]
 pub(crate) fn solve<S: Vector>(simd: S, order: &PivotOrder, rows: &mut Rows<S>) -> ([Lanes<S>; MAX_STATE], Lanes<S>) {
     let mut left = order.touching;

@@ -24,15 +24,15 @@ pub(super) const ROUNDS: u8 = 24;
 /// State of the solution for a pose.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum SolveState {
-    /// It is not near: its next look is about the lowest of some points.
+    /// Not near the ground: the next search begins at the lowest of some points.
     Far,
-    /// Its next look goes along whole rims, as far as they may touch.
+    /// The next search goes along whole rims, as far as they may touch.
     Whole,
-    /// It is there, and what the upper halves do is not known.
+    /// The gaps are closed; the upper halves of the rims are still to be searched.
     Both,
-    /// It is nearly there, and nothing else is near.
+    /// Nearly settled, and no other contact is near.
     Sure,
-    /// Its next look is a short one.
+    /// The next search is near the last contacts.
     Short,
 }
 
@@ -102,7 +102,7 @@ pub(super) struct SettleRange<'a, 'b> {
     pub left: &'a mut Vec<Left>,
 }
 
-/// A number of so many rows.
+/// The numbers of these rows of a column, one in every lane.
 #[inline(always)]
 pub(super) fn gather<S: Vector, const N: usize>(simd: S, column: &[f64; N], rows: &[u16]) -> Lanes<S> {
     let mut values = [0.0; RIMS];
@@ -112,7 +112,7 @@ pub(super) fn gather<S: Vector, const N: usize>(simd: S, column: &[f64; N], rows
     Lanes::from_slice(simd, &values)
 }
 
-/// Writes a number of so many rows.
+/// Writes the number of every lane to these rows of a column.
 #[inline(always)]
 pub(super) fn scatter<S: Vector, const N: usize>(column: &mut [f64; N], rows: &[u16], lanes: Lanes<S>) {
     let values = spread(lanes);

@@ -78,7 +78,7 @@ impl SettleRange<'_, '_> {
         }
     }
 
-    /// The step with its control: half of the last share where gaps have grown, twice as much elsewhere.
+    /// The step, damped: half of the last factor where gaps have grown, twice as much elsewhere.
     fn step<S: Vector, const N: usize>(
         &self,
         simd: S,

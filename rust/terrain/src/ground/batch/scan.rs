@@ -170,7 +170,7 @@ impl<S: Vector> RimScan<S> {
         }
     }
 
-    /// Adds a wheel: its row `d gap / d state`, with what is missing on its right, if it is one that touches.
+    /// Adds a wheel that touches: its row `d gap / d state`, and its gap on the right-hand side.
     #[allow(clippy::too_many_arguments)] // three callers, which name them
     pub fn add(
         &mut self,

@@ -72,7 +72,7 @@ pub(crate) enum RimSegment {
     Whole,
 }
 
-/// The contacts of so many circles, of which there are as many at a time as lanes.
+/// The contacts of circles, one in every lane.
 #[inline(always)]
 pub(crate) fn find_contacts<S: Vector>(
     simd: S,

@@ -1,7 +1,7 @@
 //! Parts of the rims to search in a round of Newton's method, and the least gap along them: a rim in every lane.
 //!
-//! The lanes are rims, of as many poses or of one: nothing here asks which. What a whole search leaves out is higher above the
-//! ground than the last contact.
+//! The lanes are rims, of several poses or of one. The parts that a whole search leaves out are higher above the ground than the
+//! last contact.
 
 use super::circles::{FAR, Point, RIMS, RimLanes, cells, spread};
 use super::interval::{AngleInterval, GapMinimum};
@@ -19,7 +19,7 @@ pub(crate) const MARGIN: f64 = 1e-4;
 /// Between points of [`SAMPLES`] [rad].
 const BETWEEN: f64 = 0.22;
 
-/// Sines and cosines of so many times [`BETWEEN`], up to 5 to either side.
+/// Sines and cosines of the multiples -5 to 5 of [`BETWEEN`].
 const SAMPLES: [[f64; 2]; 11] = {
     let (step, mut samples) = ([0.218_229_623_080_869_32, 0.975_897_449_330_605_5], [[0.0, 1.0]; 11]);
     let mut k = 6;
@@ -185,8 +185,7 @@ fn whole_interval<S: Vector>(
     (interval, starts & ends)
 }
 
-/// The highest ground beside what of the rims lies behind and before their lowest points; infinity where it is not
-/// known.
+/// The highest ground under the parts of the rims behind and before their lowest points [m]; infinity where it is unknown.
 #[inline(always)]
 fn highest_beside<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, lowest: &Point<S>) -> [Lanes<S>; 2] {
     let zero = Lanes::splat(simd, 0.0);

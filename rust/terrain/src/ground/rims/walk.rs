@@ -23,8 +23,8 @@ const POINT: f64 = 1e-14;
 /// Arcs shorter than this are not halved [rad]: the gap inside differs from that at their ends by 1e-17 m or so.
 const SHORTEST_ARC: f64 = 1e-8;
 
-/// Steps of the first and of the second walk at most. Under a rim that crosses more than some hundred lines of the grid, heights
-/// no longer describe what the wheel stands on: it is unknown ground.
+/// Largest numbers of steps of the first and of the second walk. A rim that crosses more than some hundred lines of the grid is
+/// too large for its cells to describe the ground under it: that ground counts as unknown.
 const STEPS: [usize; 2] = [108, 4096];
 
 /// The least gap of every rim along an interval.
