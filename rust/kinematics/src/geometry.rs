@@ -7,7 +7,7 @@ use nalgebra::{Vector2, Vector3};
 pub use crate::se2::accumulate::{Sum, Walk};
 pub use crate::se2::angles::wrap_angle;
 use crate::se2::maps::Map;
-use six_wheel_numerics::error::{Error, number};
+use six_wheel_numerics::error::{Error, SHORTEST, number};
 use six_wheel_numerics::sizes::longest;
 
 /// Velocity of the body frame, in body axes [m/s, m/s, rad/s].
@@ -175,13 +175,14 @@ impl<'a> Steps<'a> {
 
     /// Fails unless there are `count` finite, positive durations, to divide by.
     pub fn check_positive(&self, count: usize) -> Result<(), Error> {
-        self.check_each(count, |dt| dt > 0.0, "be finite and positive")
+        self.check_each(count, |dt| dt >= SHORTEST, "be finite and positive")
     }
 
     fn check_each(&self, count: usize, good: fn(f64) -> bool, rule: &str) -> Result<(), Error> {
         let wrong = |dt: f64| !(dt.is_finite() && good(dt));
+        let rule = |dt: f64| if dt > 0.0 && dt < SHORTEST { format!("be at least {SHORTEST:e}") } else { rule.into() };
         match self {
-            Self::Constant(dt) if wrong(*dt) => Err(Error::value("dt", rule, number(*dt))),
+            Self::Constant(dt) if wrong(*dt) => Err(Error::value("dt", rule(*dt), number(*dt))),
             Self::Constant(_) => Ok(()),
             Self::Each(dts) if dts.len() != count => Err(Error::value(
                 "dt",
@@ -190,7 +191,7 @@ impl<'a> Steps<'a> {
             )),
             Self::Each(dts) if longest(dts).is_some() => Ok(()),
             Self::Each(dts) => match dts.iter().position(|dt| wrong(*dt)) {
-                Some(row) => Err(Error::value("dt", rule, number(dts[row])).at_row(row)),
+                Some(row) => Err(Error::value("dt", rule(dts[row]), number(dts[row])).at_row(row)),
                 None => Ok(()),
             },
         }

@@ -188,11 +188,13 @@ impl<'a> Durations<'a> {
         for first in (0..length).step_by(block) {
             let end = length.min(first + block);
             let dts = table.get(first, end, &mut buffer);
-            let Some(here) = sizes::longest(dts) else {
-                let checked = Steps::Each(dts).check(dts.len());
-                return checked.map(|()| longest).map_err(|error| error.below(first));
-            };
-            longest = longest.max(here);
+            longest = longest.max(match sizes::longest(dts) {
+                Some(here) => here,
+                None => {
+                    Steps::Each(dts).check(dts.len()).map_err(|error| error.below(first))?;
+                    dts.iter().copied().fold(0.0, f64::max)
+                }
+            });
         }
         Ok(longest)
     }

@@ -113,6 +113,21 @@ pub const HUGE: f64 = 1e60;
 /// Limits and radii up to this are refused: quotients by them may not be finite.
 pub const TINY: f64 = 1e-60;
 
+/// Numbers of this size and above are refused where their squares enter a result, which would not be finite.
+pub const LARGEST: f64 = 1e150;
+
+/// Durations below this are refused where a result is divided by them.
+pub const SHORTEST: f64 = 1e-150;
+
+/// Fails unless every value is finite and smaller than [`LARGEST`].
+pub fn bounded(argument: &'static str, values: &[f64]) -> Result<(), Error> {
+    finite(argument, values)?;
+    match values.iter().all(|value| value.abs() < LARGEST) {
+        true => Ok(()),
+        false => Err(Error::value(argument, format!("be smaller than {LARGEST:e}"), numbers(values))),
+    }
+}
+
 /// Fails unless every value is finite.
 pub fn finite(argument: &'static str, values: &[f64]) -> Result<(), Error> {
     if values.iter().all(|value| value.is_finite()) {

@@ -1,5 +1,6 @@
 //! Sizes of all numbers of a batch, which are checked before anything else.
 
+use crate::error::SHORTEST;
 use crate::simd::lanes::Lanes;
 use crate::simd::level::{Kernel, Level};
 use crate::simd::vector::Vector;
@@ -39,17 +40,17 @@ impl Kernel for SumOfSizes<'_> {
     }
 }
 
-/// True if every number is finite.
+/// True if every number is finite and smaller than `limit`.
 #[inline]
-pub fn are_finite(values: &[f64]) -> bool {
-    Level::best().run_any(Extremes(values)).is_some()
+pub fn are_below(values: &[f64], limit: f64) -> bool {
+    Level::best().run_any(Extremes(values)).is_some_and(|[least, most]| least > -limit && most < limit)
 }
 
-/// The longest of some durations, 0 of none; nothing unless all are finite and positive.
+/// The longest of some durations, 0 of none; None unless all are finite and at least [`SHORTEST`].
 #[inline]
 pub fn longest(dts: &[f64]) -> Option<f64> {
     let [least, most] = Level::best().run_any(Extremes(dts))?;
-    (least > 0.0).then_some(most)
+    (least >= SHORTEST).then_some(most)
 }
 
 /// The least and the largest of some numbers, infinite and 0 of none; nothing unless all are finite.
@@ -113,17 +114,21 @@ mod tests {
     fn one_number_that_is_not_finite_is_seen_wherever_it_stands() {
         for count in 0..70 {
             let mut values = vec![1.5; count];
-            assert!(are_finite(&values));
+            assert!(are_below(&values, 1e150));
             assert_eq!(longest(&values), Some(if count == 0 { 0.0 } else { 1.5 }));
             for k in 0..count {
                 for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                     values[k] = wrong;
-                    assert!(!are_finite(&values));
+                    assert!(!are_below(&values, 1e150));
                     assert_eq!(longest(&values), None);
+                }
+                for large in [1e150, -1e150] {
+                    values[k] = large;
+                    assert!(!are_below(&values, 1e150));
                 }
                 for (dt, right) in [(0.0, None), (-1.0, None), (2.0, Some(2.0))] {
                     values[k] = dt;
-                    assert!(are_finite(&values));
+                    assert!(are_below(&values, 1e150));
                     assert_eq!(longest(&values), right);
                 }
                 values[k] = 1.5;

@@ -14,7 +14,7 @@ use six_wheel_kinematics::rover::Rover;
 use six_wheel_kinematics::rover_data::{Bank, Inputs, MAX_WHEELS};
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::table::{Durations, Table};
-use six_wheel_numerics::error::{Error, finite};
+use six_wheel_numerics::error::{Error, bounded};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::angle;
@@ -85,7 +85,7 @@ pub fn rollout_cost<'a>(
     workers: Workers,
 ) -> Result<(), Error> {
     let Workers { level, fresh, .. } = workers.here();
-    finite("previous", previous.unwrap_or_default())?;
+    bounded("previous", previous.unwrap_or_default())?;
     let mut journey = Journey::new(controls.into(), count, steps.into(), starts)?;
     let logs = poses.len() / (count + 1);
     let plan = journey

@@ -128,7 +128,12 @@ BAD = [
         lambda: sw.integrate([(1, 0, 0)] * 3, [0.1, -0.1, 0.1]),
         r"dt\[1\] must be finite and not negative, got -0.1",
     ),
+    (
+        lambda: sw.integrate(np.ones((40_000, 3)), np.r_[0.0, np.ones(39_998), math.nan]),
+        r"dt\[39999\] must be finite and not negative, got nan",
+    ),
     (lambda: sw.differentiate([(0, 0, 0)] * 2, 0.0), "dt must be finite and positive, got 0.0"),
+    (lambda: sw.log((1, 0, 0), 5e-324), "dt must be at least 1e-150, got 5e-324"),
     (lambda: sw.log((1, 0, 0), 0.0), "dt must be finite and positive, got 0.0"),
     (
         lambda: sw.integrate([(1, 0, 0)] * 3, [0.1, 0.1]),

@@ -38,7 +38,7 @@ pub use crate::motion::reason;
 use six_wheel_kinematics::admissible::Keep;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::Rover;
-use six_wheel_numerics::error::{Error, HUGE, finite, number};
+use six_wheel_numerics::error::{Error, HUGE, bounded, finite, number};
 
 /// Largest turn of a joint in one step [rad]: less than a quarter turn, so that a wheel does not go the other way round.
 const LARGEST_TURN: f64 = 1.2;
@@ -196,7 +196,7 @@ impl Controller {
     ///
     /// Fails if the twist is not finite.
     pub fn in_motion(mut self, twist: Twist) -> Result<Self, Error> {
-        finite("twist", &<[f64; 3]>::from(twist))?;
+        bounded("twist", &<[f64; 3]>::from(twist))?;
         let possible = self.rover.project(twist, Keep::Nearest)?;
         if let Some((speed, direction)) = goal::polar(&self.rover.metric, possible) {
             self.settle(direction);

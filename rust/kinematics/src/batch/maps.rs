@@ -2,7 +2,7 @@
 
 use crate::geometry::Steps;
 pub use crate::se2::maps::Map;
-use six_wheel_numerics::error::{Error, finite};
+use six_wheel_numerics::error::{Error, LARGEST, bounded};
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
@@ -42,9 +42,10 @@ pub fn differentiate(
 ) -> Result<(), Error> {
     debug_assert_eq!(poses.len(), twists.len() + 1);
     steps.check_positive(twists.len())?;
-    if !sum_of_sizes(workers.here().level, poses.as_flattened()).is_finite() {
+    let sum = sum_of_sizes(workers.here().level, poses.as_flattened());
+    if sum.is_nan() || sum >= LARGEST {
         for (k, pose) in poses.iter().enumerate() {
-            finite("poses", pose).map_err(|error| error.at_row(k))?;
+            bounded("poses", pose).map_err(|error| error.at_row(k))?;
         }
     }
     let (from, to) = (&poses[..twists.len()], &poses[1..]);

@@ -38,6 +38,5 @@ pub use single::{admissible_one, forward_one, inverse_one, project_one};
 pub use singly::{fill, fit, sensitivity};
 pub use six_wheel_numerics::places::Places;
 pub use six_wheel_numerics::simd::level::Level;
-pub use six_wheel_numerics::sizes::are_finite;
 pub use six_wheel_numerics::threads::workers::Workers;
 pub use twists::{admissible, project};

@@ -38,6 +38,10 @@ impl Encoder {
         if !(self.gear.is_finite() && self.gear != 0.0) {
             return Err(Error::value("gear_ratio", "be finite and not 0", number(self.gear)));
         }
+        if !self.angle_per_count().is_finite() {
+            let rule = "be large enough, with gear_ratio, for a finite angle per tick";
+            return Err(Error::value("ticks_per_turn", rule, number(self.resolution.unwrap_or(TAU))));
+        }
         if !self.offset.is_finite() {
             return Err(Error::value("offset", "be finite", number(self.offset)));
         }

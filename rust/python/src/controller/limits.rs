@@ -163,7 +163,7 @@ methods! { Limits:
     /// ValueError
     ///     If the speed is not finite.
     fn halting_distance[&self](speed: f64) -> PyResult<f64> {
-        six_wheel_numerics::error::finite("speed", &[speed]).or_raise(&[])?;
+        six_wheel_numerics::error::bounded("speed", &[speed]).or_raise(&[])?;
         Ok(self.0.halting_distance(speed))
     }
 
@@ -184,7 +184,7 @@ methods! { Limits:
     /// ValueError
     ///     If the speed is not finite.
     fn stopping_distance[&self](speed: f64) -> PyResult<f64> {
-        six_wheel_numerics::error::finite("speed", &[speed]).or_raise(&[])?;
+        six_wheel_numerics::error::bounded("speed", &[speed]).or_raise(&[])?;
         Ok(self.0.stopping_distance(speed))
     }
 }

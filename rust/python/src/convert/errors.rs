@@ -7,9 +7,9 @@ use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyOverflowError, PyTy
 use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyTuple};
-use six_wheel_numerics::error::{Error, ErrorKind, finite};
+use six_wheel_numerics::error::{Error, ErrorKind, LARGEST, bounded};
 use six_wheel_numerics::names::one_of;
-use six_wheel_numerics::sizes::are_finite;
+use six_wheel_numerics::sizes::are_below;
 
 import_exception!(six_wheel.kinematics.errors, ArgumentTypeError);
 import_exception!(six_wheel.kinematics.errors, InfeasibleMotionError);
@@ -95,7 +95,7 @@ fn index(row: usize, leading: &[usize]) -> String {
     format!("[{}]", places.join(", "))
 }
 
-/// Fails unless the numbers of every row are finite; a row that has no answer may also be NaN throughout.
+/// Fails unless the numbers of every row are finite and smaller than [`LARGEST`]; a row that has no answer may also be NaN throughout.
 pub(super) fn check_finite(
     argument: &'static str,
     values: &[f64],
@@ -103,14 +103,14 @@ pub(super) fn check_finite(
     leading: &[usize],
     has_no_answer: impl Fn(usize) -> bool,
 ) -> PyResult<()> {
-    if are_finite(values) {
+    if are_below(values, LARGEST) {
         return Ok(());
     }
     for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
         if values.iter().all(|value| value.is_nan()) && has_no_answer(row) {
             continue;
         }
-        finite(argument, values).map_err(|error| raise(error.at_row(row), leading))?;
+        bounded(argument, values).map_err(|error| raise(error.at_row(row), leading))?;
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use six_wheel_ground_motion::{
     Command, Commands, Drives, Driving, Lift, Movings, ReadingRows, SettledPoses, Turns, View, forward_rows,
     inverse_rows, traction_rows,
 };
+use six_wheel_numerics::error::LARGEST;
 use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
 use super::results::{Columns, CommandRow, GroundCommand, GroundMotion, MotionRow};
@@ -139,8 +140,8 @@ fn forward<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, steering, speeds]: 
     let [room, other] = &mut rooms;
     // SAFETY: nothing is written before everything has been read.
     let (steering, speeds) = unsafe { (room.read(steering?, chain.steering().len())?, other.read(speeds?, wheels)?) };
-    let infinite = speeds.iter().any(|speed| speed.is_infinite());
-    if infinite || !steering.iter().all(|angle| angle.is_finite()) {
+    let large = speeds.iter().any(|speed| speed.abs() >= LARGEST);
+    if large || !steering.iter().all(|angle| angle.is_finite()) {
         return None;
     }
     let mut one = MotionRow {

@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 use six_wheel_ground_motion::{Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows};
+use six_wheel_numerics::error::LARGEST;
 
 use super::results::{Columns, GroundCommand, GroundMotion};
 use super::settled_pose_input::Stands;
@@ -167,8 +168,9 @@ methods! { Suspension:
             [("wheel_speeds", Some(&speeds)), ("joint_rates", measured.as_ref()), ("angular_velocity", turning.as_ref())];
         for (name, rows) in gaps {
             let mut numbers = rows.into_iter().flat_map(|rows| rows.flat());
-            if numbers.any(|rate| rate.is_infinite()) {
-                return Err(refuse(name, "be finite, or NaN where not measured", "inf"));
+            if let Some(rate) = numbers.find(|rate| rate.abs() >= LARGEST) {
+                let rule = if rate.is_infinite() { "be finite".into() } else { format!("be smaller than {LARGEST:e}") };
+                return Err(refuse(name, &format!("{rule}, or NaN where not measured"), &format!("{rate:?}")));
             }
         }
         let weights = weights.map(|weights| self.read_weights(weights)).transpose()?;

@@ -1,6 +1,7 @@
 //! `Suspension.stability` and `RockerBogie.feasible`.
 
 use pyo3::prelude::*;
+use six_wheel_numerics::error::bounded;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::bounds::{
     self, Allowed, Belly, Judge, Verdict, joint_margins, loads, margins_by_dimension, margins_by_pose, tilt,
@@ -48,9 +49,9 @@ result_class! {
         /// Least margin to any of the limits, shape (...): shares of angles and drops, clearances in wheel
         /// radii. NaN where nothing is known.
         margin: Py<PyAny>,
-        /// Tilt, shape (...) [rad]; the largest possible where `exact` is false.
+        /// Tilt, shape (...) [rad]; the largest possible where `exact` is false, NaN where nothing is known.
         tilt: Py<PyAny>,
-        /// Clearance, shape (...) [m]; the least possible where `exact` is false.
+        /// Clearance, shape (...) [m]; the least possible where `exact` is false, NaN where nothing is known.
         clearance: Py<PyAny>,
         /// True if the rover was settled at the pose, false if bounds decided, shape (...).
         exact: Py<PyAny>,
@@ -208,9 +209,9 @@ methods! { RockerBogie:
     }
 }
 
-fn check_positive(argument: &str, value: f64) -> PyResult<()> {
+fn check_positive(argument: &'static str, value: f64) -> PyResult<()> {
     match value.is_finite() && value > 0.0 {
-        true => Ok(()),
+        true => bounded(argument, &[value]).or_raise(&[]),
         false => Err(refuse(argument, "be finite and positive", &format!("{value:?}"))),
     }
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use six_wheel_numerics::error::Error;
+use six_wheel_numerics::error::{Error, bounded};
 use six_wheel_terrain::bounds::{self as core, Belly, BoundsConstants, Ground, Knowledge, Margins, Within};
 
 use super::rocker_bogie::RockerBogie;
@@ -78,7 +78,7 @@ type Plate = (f64, f64, f64, f64);
 /// Fails unless the error of a map is a size.
 pub fn check_map_error(map_error: f64) -> PyResult<()> {
     match map_error.is_finite() && map_error >= 0.0 {
-        true => Ok(()),
+        true => bounded("map_error", &[map_error]).or_raise(&[]),
         false => Err(refuse("map_error", "be finite and not negative", &format!("{map_error:?}"))),
     }
 }

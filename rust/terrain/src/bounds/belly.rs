@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use crate::suspension::Dimensions;
 use crate::suspension::Placed;
 use crate::terrain::Terrain;
-use six_wheel_numerics::error::{Error, numbers};
+use six_wheel_numerics::error::{Error, bounded, numbers};
 
 /// The place of a rectangle that is nearest to the ground.
 #[derive(Clone, Copy, Debug)]
@@ -42,11 +42,11 @@ impl Belly {
     #[inline]
     pub fn new(x: [f64; 2], half_width: f64, z: f64) -> Result<Self, Error> {
         let all = [x[0], x[1], half_width, z];
-        let is = all.iter().all(|value| value.is_finite()) && x[0] < x[1] && half_width > 0.0;
-        if is {
+        bounded("belly", &all)?;
+        if x[0] < x[1] && half_width > 0.0 {
             return Ok(Self { x, half_width, z });
         }
-        let rule = "be rear and front edge in order, a positive half width and a height, all finite";
+        let rule = "be rear and front edge in order, a positive half width and a height";
         Err(Error::value("belly", rule, numbers(&all)))
     }
 

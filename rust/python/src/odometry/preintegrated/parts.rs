@@ -3,6 +3,7 @@
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use six_wheel_numerics::error::bounded;
 use six_wheel_odometry::preintegrated::space::Motion3;
 use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, PLANE, PreintegratedMotion};
 
@@ -67,9 +68,7 @@ impl Preintegrated {
     pub(super) fn pose_of(&self, argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Motion3> {
         if !self.in_space {
             let pose = numbers(argument, value)?;
-            if pose.iter().any(|part| !part.is_finite()) {
-                return Err(refuse(argument, "be finite", &format!("{pose:?}")));
-            }
+            bounded(argument, &pose).or_raise(&[])?;
             return Ok(Motion3::planar(pose));
         }
         let rows = Rows::read(argument, value, 4)?;
