@@ -5,6 +5,7 @@ use nalgebra::{Rotation2, Vector2};
 use super::{Axles, Brake, Brakes, Drives, FourAxle, Motion, State, Step};
 use six_wheel_kinematics::geometry::{Pose, Twist};
 use six_wheel_numerics::error::{Error, ErrorKind, finite, number};
+use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
 
 /// A step is halved until halving changes nothing by more than this [rad, m]; well above the rounding of the
 /// velocities, and a thousandth of what the laws of this room are tested to.
@@ -104,8 +105,14 @@ impl FourAxle {
     /// Drives a sequence of steps, sampled at least every `dt` [s]; the state afterwards comes with it.
     ///
     /// Only brakes, durations and speeds of the steps count. A brake that may not change fails with the
-    /// step's row.
-    pub fn simulate(&self, start: State, sequence: &[Step], dt: f64) -> Result<(Track, State), Error> {
+    /// step's row. `is_interrupted` is asked between samples.
+    pub fn simulate(
+        &self,
+        start: State,
+        sequence: &[Step],
+        dt: f64,
+        is_interrupted: IsInterrupted,
+    ) -> Result<(Track, State), Error> {
         let samples = self.check_sequence(start, sequence, dt)?;
         let mut track = Track::with_room(samples)?;
         let mut state = start;
@@ -123,6 +130,9 @@ impl FourAxle {
                 let count = (step.duration / dt).ceil().max(1.0);
                 let begin = time;
                 for k in 1..=count as usize {
+                    if k % BETWEEN_CHECKS == 0 && is_interrupted() {
+                        return Err(Error::interrupted());
+                    }
                     state = self.advance(state, &step.speeds, step.duration / count).map_err(here)?;
                     time = begin + step.duration * (k as f64 / count);
                     let motion = self.velocities(&state.angles, state.brakes, &step.speeds, lasting).map_err(here)?;

@@ -11,6 +11,7 @@ use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::error::{Error, ErrorKind};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::{Vector, ZEROTH};
+use six_wheel_numerics::threads::workers::IsInterrupted;
 
 /// Windows up to 32 cells wide.
 const LEVELS: u32 = 6;
@@ -50,6 +51,7 @@ impl Pyramid {
         spacing: [f64; 2],
         origin: [f64; 2],
         turn: Direction,
+        is_interrupted: IsInterrupted,
     ) -> Result<Self, Error> {
         let cells = [columns - 1, rows - 1];
         let corners = |k: usize| {
@@ -71,12 +73,20 @@ impl Pyramid {
             let rule = "leave memory for the extremes of its windows";
             Error::value("ground", rule, heights).of_kind(ErrorKind::Memory)
         })?;
-        windows.extend((0..count).map(corners));
+        for row in 0..cells[1] {
+            if row > 0 && is_interrupted() {
+                return Err(Error::interrupted());
+            }
+            windows.extend((row * cells[0]..(row + 1) * cells[0]).map(corners));
+        }
         for level in 1..LEVELS {
             let step = 1 << (level - 1);
             let below = windows.len() - count;
             // Beside the last rows and columns a window holds what there is.
             for row in 0..cells[1] {
+                if is_interrupted() {
+                    return Err(Error::interrupted());
+                }
                 let next = (row + step).min(cells[1] - 1);
                 let [row, next] = [row, next].map(|row| below + row * cells[0]);
                 for column in 0..cells[0] {
@@ -265,6 +275,7 @@ mod tests {
     use crate::terrain::Heights;
     use six_wheel_numerics::simd::level::Kernel;
     use six_wheel_numerics::simd::level::Level;
+    use six_wheel_numerics::threads::workers::never;
 
     /// Extremes over one box, in every lane.
     struct Look<'a>(&'a Pyramid, [[f64; 2]; 2]);
@@ -295,7 +306,7 @@ mod tests {
         let mut heights: Vec<f64> = (0..SHAPE[0] * SHAPE[1]).map(|_| draw(1000) as f64 / 7.0 - 60.0).collect();
         heights[40 * SHAPE[1] + 77] = f64::NAN;
         let grid = Heights::Double(heights.clone().into());
-        let pyramid = Pyramid::new(&grid, SHAPE, [1.0, 1.0], [0.0, 0.0], Direction::from(0.0))?;
+        let pyramid = Pyramid::new(&grid, SHAPE, [1.0, 1.0], [0.0, 0.0], Direction::from(0.0), never)?;
         for _ in 0..3000 {
             let longest = [1, 3, 8, 40, 140][draw(5)];
             let ends = [SHAPE[1] - 1, SHAPE[0] - 1].map(|cells| {

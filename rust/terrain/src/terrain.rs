@@ -19,6 +19,7 @@ pub use crate::heights::Heights;
 use crate::pyramid::Pyramid;
 use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::error::{Error, finite, number, numbers};
+use six_wheel_numerics::threads::workers::IsInterrupted;
 
 /// Spacings below this are no metres: an arc second of a map in degrees is 2.8e-4 [m].
 const SMALLEST_SPACING: f64 = 1e-3;
@@ -151,12 +152,13 @@ impl Terrain {
     }
 
     /// Lowest and highest heights in windows; made at the first call, from all heights. Fails if there is no memory
-    /// for it.
-    pub fn pyramid(&self) -> Result<&Pyramid, Error> {
+    /// for it, and where it is interrupted.
+    pub fn pyramid(&self, is_interrupted: IsInterrupted) -> Result<&Pyramid, Error> {
         if let Some(made) = self.pyramid.get() {
             return Ok(made);
         }
-        let made = Arc::new(Pyramid::new(&self.heights, self.shape(), self.spacing(), self.origin(), self.turn())?);
+        let (shape, spacing, origin) = (self.shape(), self.spacing(), self.origin());
+        let made = Arc::new(Pyramid::new(&self.heights, shape, spacing, origin, self.turn(), is_interrupted)?);
         Ok(self.pyramid.get_or_init(|| made))
     }
 

@@ -57,6 +57,20 @@ CALLS = {
         "partial(sw.Odometry3(arm, ground=ground).run, np.tile(angles, (COUNT, 1)), 0.01 * rows * speeds,"
         " 0.01 * rows[:, 0])",
     ),
+    "four axles": (
+        10**6,
+        "partial(sw.FourAxle((0.3, 0.3), 0.4, 0.1).simulate,"
+        " [sw.FourAxleStep('drive', 1e3, 'locked', 'locked', (1.0,) * 4)], 1e3 / COUNT)",
+    ),
+    "a transition at many times": (
+        10**6,
+        "partial(sw.profiles.BodyTransition.between(rover, (0.0, 0.0, 0.0), (0.04, 0.0, 0.02), 2.0).at,"
+        " 2.0 * rows[:, 0] / COUNT)",
+    ),
+    "bounds on a large map": (
+        4000,
+        "partial(arm.bounds, sw.Terrain(np.zeros((COUNT, COUNT)), 0.1), [(100.0, 100.0, 0.0)])",
+    ),
 }
 
 

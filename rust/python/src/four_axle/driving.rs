@@ -7,7 +7,7 @@ use six_wheel_numerics::error::Error;
 
 use super::FourAxle;
 use super::values::{array, pace, raised, read_state, read_step, value, vector, write_plan, write_state, write_step};
-use crate::convert::items;
+use crate::convert::{compute, is_interrupted, items};
 
 /// Steps of a sequence that are looked at.
 const MOST_STEPS: usize = 1 << 20;
@@ -160,7 +160,7 @@ methods! { FourAxle:
         let start = state.map_or(Ok(State::default()), read_state)?;
         let given = items("sequence", sequence, MOST_STEPS)?;
         let steps = given.iter().map(read_step).collect::<PyResult<Vec<_>>>()?;
-        let (track, end) = py.detach(|| self.core.simulate(start, &steps, dt)).map_err(raised)?;
+        let (track, end) = compute(py, usize::MAX, || self.core.simulate(start, &steps, dt, is_interrupted)).map_err(raised)?;
         let ends: Vec<i64> = track.ends.into_iter().map(|row| row as i64).collect();
         let keywords = dict!(
             py,

@@ -8,9 +8,10 @@ use six_wheel_control::profiles::Wheels;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::Rover as CoreRover;
 use six_wheel_numerics::error::Error;
+use six_wheel_numerics::threads::workers::BETWEEN_CHECKS;
 
 use super::made::class;
-use crate::convert::{OrRaise, Rows, Scalars, compute, memory, refuse, refuse_shape, scalar_or_array};
+use crate::convert::{OrRaise, Rows, Scalars, compute, is_interrupted, memory, refuse, refuse_shape, scalar_or_array};
 use crate::rover::Rover;
 
 /// One row of numbers.
@@ -93,6 +94,9 @@ pub fn states<'py>(
     let flat = times.flat();
     compute(py, rows, || {
         for (k, &time) in flat.iter().enumerate() {
+            if k % BETWEEN_CHECKS == BETWEEN_CHECKS - 1 && is_interrupted() {
+                return Err(Error::interrupted());
+            }
             let (joint, wheel) = (k * joints..(k + 1) * joints, k * wheels..(k + 1) * wheels);
             let mut wheels = Wheels {
                 steering: &mut steering[joint.clone()],

@@ -199,7 +199,7 @@ methods! { RockerBogie:
         let [clearance, rocker, drop] = [clearance, rocker, drop].map(pairs);
         let bogies = bogies.as_chunks_mut::<4>().0;
         compute_rows(py, count.max(ground.heights().len() / 1000), &[], || {
-            let map = Ground { pyramid: ground.pyramid()?, error: map_error };
+            let map = Ground { pyramid: ground.pyramid(workers.is_interrupted)?, error: map_error };
             let margins = Margins { yaw, position };
             let [left, right] = sides.each_mut().map(Vec::as_mut_slice);
             let blocks = [z, roll, pitch, tilt, clearance, rocker, &mut *left, &mut *right, drop];

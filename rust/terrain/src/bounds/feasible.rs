@@ -224,7 +224,7 @@ impl<'a> Judge<'a> {
 
     /// Checks for every pose, all finite, if the rover may stand there. Fails if there is no memory for the pyramid.
     pub fn judge(&self, poses: &[[f64; 3]], verdicts: &mut [Verdict], workers: Workers) -> Result<(), Error> {
-        let ground = Ground { pyramid: self.settler.ground.pyramid()?, error: self.error };
+        let ground = Ground { pyramid: self.settler.ground.pyramid(workers.is_interrupted)?, error: self.error };
         let share = poses.len().div_ceil(workers.threads.max(1)).clamp(64, 2048);
         let parts = poses.chunks(share).zip(verdicts.chunks_mut(share));
         workers.for_each(parts, |(poses, verdicts)| self.some(ground, poses, verdicts, workers.level))

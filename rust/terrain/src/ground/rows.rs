@@ -4,7 +4,7 @@ use super::batch;
 use super::settler::{Settler, Status};
 use super::stand::Stand;
 use crate::suspension::{MAX_WHEELS, PlanPose};
-use six_wheel_numerics::error::{Error, finite};
+use six_wheel_numerics::error::{Error, ErrorKind, finite};
 use six_wheel_numerics::threads::workers::Workers;
 
 /// Number of poses from which starting a thread is faster: each takes some ten microseconds.
@@ -47,7 +47,10 @@ pub fn settle(
     let [rows, columns] = settler.ground.shape();
     if poses.len() * WORTH_A_PYRAMID > rows * columns {
         // It only saves time: where there is no memory for it, rims are walked without.
-        let _ = settler.ground.pyramid();
+        match settler.ground.pyramid(workers.is_interrupted) {
+            Err(error) if error.kind == ErrorKind::Interrupted => return Err(error),
+            _ => (),
+        }
     }
     let share = poses.len().div_ceil(workers.threads.max(1)).clamp(WORTH_A_THREAD, MOST);
     let parts = poses.chunks(share).zip(stands.chunks_mut(share));

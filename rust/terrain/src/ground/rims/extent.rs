@@ -245,6 +245,7 @@ mod tests {
     use crate::terrain::Heights;
     use six_wheel_numerics::error::Error;
     use six_wheel_numerics::simd::level::{Kernel, Level};
+    use six_wheel_numerics::threads::workers::never;
 
     /// A circle over a grid, its axes times its radius, and the angle of its last contact.
     #[derive(Clone, Copy)]
@@ -309,7 +310,7 @@ mod tests {
             };
             let last = gap(case.last);
             if last > 0.0 {
-                ground.pyramid()?;
+                ground.pyramid(never)?;
             }
             for level in Level::available() {
                 let ([start, end], covers) = level.run_any(WholeInterval(&ground, case));
