@@ -107,8 +107,16 @@ def rest(peer: Peer, process: Process, fault: Fault) -> Rest:
     """Drive at `SPEED`, have the fault, see the rover at rest and the fault in the diagnostics; it lasts."""
     peer.alter = _same
     driving(peer, (SPEED, 0.0, 0.0))
-    peer.diagnostics.clear()
-    peer.commands.clear()
+
+    def good() -> bool:
+        """True after two reports without the fault, which this process has for itself where it is held up."""
+        peer.diagnostics.clear()
+        peer.until(lambda: len(peer.diagnostics) > 1)
+        return not peer.diagnosed(fault.rule)
+
+    peer.until(good)
+    for listed in (peer.diagnostics, peer.commands, peer.log):
+        listed.clear()
     begin, before = time.time(), queued(process.process.pid)  # the last good message is older
     peer.alter = fault.alter
     if fault.is_planner:
@@ -122,7 +130,7 @@ def rest(peer: Peer, process: Process, fault: Fault) -> Rest:
 
 def longest_gap(peer: Peer, folder: Path, count: int = 60_000) -> tuple[float, float]:
     """Between two joint commands by their stamps [s], while another process sends `count` commands at 10 kHz;
-    and the rate at which it did [Hz]."""
+    and the rate at which it did [Hz]. `Peer.commands` are then those of that time."""
     driving(peer, (SPEED, 0.0, 0.0))
     peer.wanted = None  # the other one's are the same
     peer.commands.clear()
