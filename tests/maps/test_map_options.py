@@ -76,8 +76,14 @@ def test_the_command_line_asks_and_is_answered(run: Run, tmp_path: Path) -> None
 
 def test_marks_that_are_heights_stay_heights(tmp_path: Path) -> None:
     path = tmp_path / "map.asc"
+    # A pit of one depth far below all else is a mark whatever its number; the floor of a canyon is none.
     written(esri(-500.0), "map.asc")(tmp_path)
-    assert np.nanmin(sw.Terrain.read(path).heights) == -500
+    with pytest.raises(TerrainFileError, match=r"12 heights are -500, .*: nodata=-500"):
+        sw.Terrain.read(path)
+    assert np.nanmin(sw.Terrain.read(path, nodata=math.nan).heights) == -500
+    canyon = np.linspace(-300.0, 0.0, 720).reshape(24, 30)
+    canyon[5:8, 20:24] = -500.0
+    assert sw.Terrain(canyon, 10.0).heights.min() == -500
     heights = grid(-9999.0)
     with pytest.raises(
         ValueError, match=r"12 heights are -9999, the first at row 5, column 20: nodata=-9999"

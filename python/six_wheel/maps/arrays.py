@@ -179,7 +179,8 @@ def _attributes(heights: Any) -> tuple[float, float, list[float]]:
     attributes = getattr(heights, "attrs", None) or {}
     stated = attributes.get("units") or bracketed_unit(attributes.get("long_name"))
     size = length(str(stated or "m"), "units of heights")
-    if str(attributes.get("positive", "up")).lower() == "down":
+    sense = attributes.get("positive", "down" if attributes.get("standard_name") == "depth" else "up")
+    if str(sense).lower() == "down":  # CF: a depth counts downwards
         size = -size
     marks = [attributes[name] for name in ("_FillValue", "missing_value", "nodata") if name in attributes]
     scale, offset = (float(attributes.get(*pair)) for pair in (("scale_factor", 1.0), ("add_offset", 0.0)))

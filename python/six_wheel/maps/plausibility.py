@@ -14,7 +14,7 @@ LARGEST = 1e15  # from this on a number is no height, as in the core [m]
 SAME = 1e-5  # of the value: text files round their marks
 APART = 100.0  # of a mark from all other heights [m]
 LOWEST = -9999.0  # below all ground of the Earth, the Moon and Mars that is no bed of a sea [m]
-RANGES = 3.0  # the same of zeros, in ranges of the other heights
+RANGES = 3.0  # the same of a number that is no common mark, in ranges of the other heights
 STEEP = math.tan(math.radians(80.0))  # a median slope as no ground has it
 ENOUGH = 64  # slopes of which the median says something
 SAMPLES = 64  # rows and columns that are sampled, up to twice as many
@@ -53,26 +53,29 @@ def is_mark(number: float) -> bool:
 def find_fill(heights: NDArray[np.floating], known: tuple[float, ...] = ()) -> Words | None:
     """The first mark of unknown heights among numbers as they are stored, and the option that settles it.
 
-    It is the least or the largest number, no other within 100 m of it: a common mark, or zeros, farther from
-    all other heights than these are from each other. Where all numbers are one there is nothing to compare it
-    with: it is a mark if no ground can be as low or as high. `known` are the marks that were given.
+    It is the least or the largest number, no other within 100 m of it: a common mark, or any number that
+    several nodes share, farther from all other heights than these are from each other. Where all numbers are
+    one there is nothing to compare it with: it is a mark if no ground can be as low or as high. `known` are
+    the marks that were given.
     """
     for extreme in _range(heights):
-        if not math.isfinite(extreme) or not (extreme == 0.0 or is_mark(extreme)):
+        if not math.isfinite(extreme):
             continue
-        marked = is_fill(heights, extreme)
-        count = int(marked.sum())
+        common = is_mark(extreme)
+        marked = is_fill(heights, extreme) if common else heights == extreme
+        count = int(np.count_nonzero(marked))
+        if not common and not 2 <= count < marked.size / 2:
+            continue
         least, most = _range(heights[~marked])
         if math.isnan(least):  # no others
             if extreme <= LOWEST or extreme >= LARGEST:
                 return doubts.all_marked(count, extreme)
             continue
-        elif extreme == 0.0:
-            if not 2 <= count < marked.size / 2 or not least < most:  # ground of two heights is made by hand
-                continue
-            if min(abs(least), abs(most)) < max(APART, RANGES * (most - least)):
-                continue
-        elif min(abs(least - extreme), abs(most - extreme)) < APART:
+        apart = min(abs(least - extreme), abs(most - extreme))
+        if apart < APART:
+            continue
+        # Ground of two heights is made by hand.
+        if not common and (least == most or apart < RANGES * (most - least)):
             continue
         row, column = (int(index) for index in np.argwhere(marked)[0])
         found = count, float(heights[row, column]), (row, column)

@@ -1,5 +1,6 @@
 """Maps as text: ESRI ASCII grids, tables of x, y and z, and one list of extents and heights."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,8 @@ __all__ = ["read"]
 
 CORNERS = ("xllcorner", "xllcenter", "yllcorner", "yllcenter")
 KEYS = ("ncols", "nrows", *CORNERS, "cellsize", "dx", "dy", "nodata_value", "nodata")
+WORD = re.compile(r"[a-z_]{2,}")
+NUMBERS = ("nan", "inf", "na", "null", "nodata")  # words among cells
 UNKNOWN_CELLS = ("*", "na", "n/a", "null", "nodata", "-")  # beside what C libraries print, as 1.#QNAN
 
 
@@ -91,6 +94,8 @@ def _esri(path: Path, lines: list[str], options: Options) -> tuple[Grid, Options
         key, *value = line.split()[:2] or [""]
         key = key.lower().rstrip(":")
         if key not in KEYS:
+            if value and WORD.fullmatch(key) and key not in NUMBERS:
+                continue  # a key of others, as byteorder
             break
         try:
             header[key] = float(value[0].replace(",", "."))
@@ -134,14 +139,18 @@ def _cells(body: str, count: int) -> list[str]:
 
 def _list(path: Path, text: str, options: Options) -> tuple[Grid, Options]:
     """The grid of one list, or of a matrix of heights, and those options that it has not used."""
+    if ";" in text:
+        text = text.replace(",", ".").replace(";", ",")
     separator = "," if "," in text else None
-    parts = [part.strip() for part in text.replace("\n", separator or "\n").split(separator)]
-    numbers = _numbers(path, [part for part in parts if part])
+    lines = [[part.strip() for part in line.split(separator)] for line in text.splitlines()]
+    numbers = _numbers(path, [part for line in lines for part in line if part])
     counts = numbers[[2, 5]] if numbers.size > 6 else np.zeros(2)
     if not (counts % 1 == 0).all() or numbers.size - 6 != counts.prod():
-        widths = {len(line.split(separator)) for line in text.splitlines()}
-        if len(widths) == 1 and (width := widths.pop()) > 1 and "\n" in text:
-            return _unplaced(path, numbers.reshape(-1, width), options)
+        widths = {len(line) for line in lines}
+        if len(lines) > 1 and len(widths) == 1 and widths.pop() > 1:
+            matrix = np.array([_numbers(path, [part or "nan" for part in line]) for line in lines])
+            is_counted = (matrix[0] == np.arange(matrix.shape[1])).all()  # columns, as pandas writes them
+            return _unplaced(path, matrix[1:] if is_counted else matrix, options)
     if numbers.size < 6:
         raise TerrainFileError(f"{path} must begin with x min, x max, x count, y min, y max, y count")
     x0, x1, columns, y0, y1, rows = numbers[:6]

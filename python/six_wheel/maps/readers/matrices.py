@@ -100,9 +100,10 @@ def _heights(source: Source, arrays: dict[str, NDArray[Any]], options: Options) 
 def _axes(arrays: dict[str, NDArray[Any]], shape: tuple[int, ...]) -> list[Axis] | None:
     """Coordinates of rows and columns that stand beside heights, or None."""
     axes = []
-    for size, words, direction in ((shape[0], NORTH, "y"), (shape[1], EAST, "x")):
-        found = [name for name, array in arrays.items() if name.lower() in words and array.shape == (size,)]
+    for words, direction in ((NORTH, "y"), (EAST, "x")):
+        found = [name for name, array in arrays.items() if name.lower() in words and array.ndim == 1]
         if len(found) != 1:
             return None
         axes.append(Axis(found[0], arrays[found[0]].astype(np.float64), "m", direction))
-    return axes
+    sizes = tuple(axis.places.size for axis in axes)
+    return axes if sizes == shape else axes[::-1] if sizes == shape[::-1] else None

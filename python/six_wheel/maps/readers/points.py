@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.maps.files import Grid, TerrainFileError, length
+from six_wheel.maps.files import Grid, TerrainFileError, bracketed_unit, length
 
 __all__ = [
     "EAST", "NORTH", "OTHERS", "SCATTERED", "Table",
@@ -33,7 +33,7 @@ UP = (
 )
 OTHERS = (
     "slope", "aspect", "hillshade", "shade", "roughness", "tri", "tpi", "error", "uncertainty", "variance",
-    "intensity", "confidence", "mask", "quality", "count", "red", "green", "blue", "traversability",
+    "intensity", "depth", "confidence", "mask", "quality", "count", "red", "green", "blue", "traversability",
 )  # fmt: skip
 COMMENTS = ("#", ";", "//", "%")
 SCATTERED = (
@@ -43,6 +43,8 @@ SCATTERED = (
 ON_LATTICE = 1e-3  # of a step
 MOST_COLUMNS = 9  # of a table of points
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?")
+FORTRAN = re.compile(r"(\d\.?)[Dd]([-+]?\d+)$")
+SEPARATORS = ("sep=;", "sep=,", "sep=\t")  # first line of tables that Excel writes
 FILLERS = ("coord", "coordinate", "coordinates", "pos", "position")  # beside the word that counts
 UNITS = ("m", "cm", "mm", "km", "ft", "feet")  # as last word of a name
 NAME = re.compile(r'["\']?\s*([^\[\("\']*?)\s*(?:[\[\(]\s*([^\]\)]*)\s*[\]\)])?\s*["\']?')
@@ -59,8 +61,8 @@ def read_table(lines: Sequence[str]) -> Table | None:
     """Rows of at least three numbers below a line of names or a comment of names; None for other text."""
     comments = [line for line in lines if line.lstrip().startswith(COMMENTS)]
     lines = [line for line in lines if not line.lstrip().startswith(COMMENTS)]
-    if len(lines) > 1 and lines[0].strip() == str(len(lines) - 1):
-        lines = lines[1:]  # their number
+    if len(lines) > 1 and lines[0].strip() in (str(len(lines) - 1), *SEPARATORS):
+        lines = lines[1:]  # their number, or what separates them
     if len(lines) < 4:
         return None
     separator, commas = _separator(lines[-1])
@@ -68,11 +70,18 @@ def read_table(lines: Sequence[str]) -> Table | None:
     names = None
     if not any(_is_number(part, commas) for part in rows[0]):
         names, rows = rows[0], rows[1:]
+        if all(bracketed_unit(f"[{part}]") or not part for part in rows[0]):  # a line of units
+            names = [f"{name} [{unit}]" for name, unit in zip(names, rows[0], strict=False)]
+            rows = rows[1:]
     elif comments:
         words = comments[-1].lstrip(" #;/%").split(separator)
         names = words if find_columns(words) is not None and len(words) == len(rows[0]) else None
     if len(rows[-1]) < 3 or any(len(row) != len(rows[-1]) for row in rows):
         return None
+    found = None if names is None else find_columns(names)
+    if names is not None and found is not None:  # others may hold texts
+        rows = [[row[column] for column in found[0]] for row in rows]
+        names = [names[column] for column in found[0]]
     try:
         values = [[_number(part, commas) for part in row] for row in rows]
     except ValueError:
@@ -110,7 +119,11 @@ def _separator(line: str) -> tuple[str | None, bool]:
 
 
 def _number(text: str, commas: bool) -> float:
-    return float(text.replace(",", ".") if commas else text) if text else np.nan
+    """A number, also with the exponents of Fortran; NaN of no text."""
+    if not text:
+        return np.nan
+    text = text.replace(",", ".") if commas else text
+    return float(FORTRAN.sub(r"\1E\2", text) if "D" in text or "d" in text else text)
 
 
 def _is_number(text: str, commas: bool) -> bool:

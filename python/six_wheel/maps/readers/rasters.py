@@ -15,14 +15,19 @@ from six_wheel.maps.plausibility import find_fill, find_unit, is_fill, is_in_deg
 from six_wheel.maps.readers.netcdf import check_length
 from six_wheel.maps.readers.placement import Placement, TerrainFileWarning, apply, place
 from six_wheel.maps.readers.points import OTHERS, is_height
-from six_wheel.maps.readers.reference import UNKNOWN, read_reference
+from six_wheel.maps.readers.reference import UNKNOWN, image_unit, read_reference
 from six_wheel.maps.readers.sources import Source
 
 __all__ = ["GridImage", "Raster", "TerrainFileWarning", "rasterio"]
 
 SAMPLE = (256, 256)  # rows and columns of a part that stands for the image
 GLANCE = (8, 256)  # the same where only a window is read: few strips, which are as wide as the image
+UNIT_TAGS = (
+    "z_units", "z_unit", "zunits", "vertical_units", "vertical_unit", "elevation_units", "height_units",
+)  # fmt: skip
+OF_HEIGHTS = (*UNIT_TAGS, "positive")  # tags of a whole image that say something about its heights
 NO_UNIT = ("", "none", "unknown", "undefined", "unspecified", "unitless", "n/a")
+LABEL = 1 << 16  # bytes at the begin of a file in which a label is looked for
 COARSEST = 0.3  # cells in degrees of maps [deg]
 
 
@@ -139,7 +144,10 @@ class Raster:
         index, options, crs = self.band - 1, self.options, self.dataset.crs
         self.reference = read_reference(_well_known_text(crs)) if crs is not None else UNKNOWN
         dtype = self.dataset.dtypes[index]
-        tags = {key.lower(): value for key, value in self.dataset.tags(self.band).items()}
+        whole = {
+            key.lower(): value for key, value in self.dataset.tags().items() if key.lower() in OF_HEIGHTS
+        }
+        tags = whole | {key.lower(): value for key, value in self.dataset.tags(self.band).items()}
         if dtype.startswith("complex"):
             raise TerrainFileError(f"{self.path} must hold real numbers, got {dtype}")
         # A mark in the metadata, where the format has no place for it.
@@ -151,7 +159,8 @@ class Raster:
         self.scale, self.offset = self.dataset.scales[index], self.dataset.offsets[index]
         name = self.dataset.descriptions[index] or ""
         brackets = bracketed_unit(name), bracketed_unit(tags.get("long_name"))
-        said = (self.dataset.units[index], tags.get("units"), tags.get("unit"), *brackets)
+        stated = [tags.get(key) for key in ("units", "unit", *UNIT_TAGS)]
+        said = (self.dataset.units[index], *stated, *brackets, self._unit_of_label())
         unit = next((word.strip() for word in said if word and word.strip().lower() not in NO_UNIT), "")
         picture = dtype == "uint8" and (self.scale, self.offset) == (1.0, 0.0)
         if options.unit is None and not unit and picture:
@@ -175,10 +184,19 @@ class Raster:
             if unit and abs(abs(vertical) - self.unit) > 1e-3 * self.unit:
                 raise self._doubt(doubts.two_units(unit, abs(vertical)))
             self.unit = abs(vertical)
-        if tags.get("positive", "").lower() == "down" or (vertical or 0.0) < 0.0:
+        # CF: a depth counts downwards.
+        down = tags.get("positive", "down" if tags.get("standard_name") == "depth" else "").lower() == "down"
+        if down or (vertical or 0.0) < 0.0:
             self.unit = -self.unit
         self.unit_known = bool(options.unit is not None or unit or vertical is not None)
         self.whole = np.issubdtype(np.dtype(dtype), np.integer) and self.scale == 1.0
+
+    def _unit_of_label(self) -> str:
+        """The keyword UNIT of the image in a label of PDS 3, which GDAL leaves out."""
+        if self.dataset.driver != "PDS":
+            return ""
+        with self.path.open("rb") as file:
+            return image_unit(file.read(LABEL).decode("latin-1"))
 
     def check_sample(self, sample: tuple[int, int] = SAMPLE) -> None:
         """Checks parts that stand for the whole image, before anything is computed from one of them."""

@@ -11,6 +11,7 @@ from six_wheel.maps.files import TerrainFileError, length
 __all__ = [
     "UNKNOWN",
     "Reference",
+    "image_unit",
     "in_degrees",
     "projection_command",
     "read_projection",
@@ -93,6 +94,13 @@ def read_reference(text: str) -> Reference:
         1.0 / inverse if inverse else 0.0,
         geographic,
     )
+
+
+def image_unit(label: str) -> str:
+    """The unit of an image by its label of PDS 3; nothing without one (PDS Standards Reference, IMAGE)."""
+    image = re.search(r"OBJECT\s*=\s*IMAGE\s(.*?)END_OBJECT", label, re.DOTALL)
+    found = image and re.search(r'^\s*UNIT\s*=\s*"?([^"\r\n]*)', image[1], re.MULTILINE)
+    return found[1].strip() if found else ""
 
 
 def read_projection(text: str) -> Reference | None:
