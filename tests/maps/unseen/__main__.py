@@ -6,13 +6,13 @@ import tempfile
 import warnings
 from pathlib import Path
 
-from tests.maps.unseen import arrays, damaged, grids, images, labelled, lists
+from tests.maps.unseen import arrays, damaged, grids, images, labelled, lists, oddities
 from tests.maps.unseen.case import CLASSES, Case, classify
 
 
 def every(seed: int) -> list[Case]:
     """All forms; those that are drawn by this seed."""
-    written = [each.every() for each in (grids, lists, damaged, arrays, labelled)]
+    written = [each.every() for each in (grids, lists, damaged, arrays, labelled, oddities)]
     return [*images.containers(), *images.drawn(150, seed), *itertools.chain(*written)]
 
 
