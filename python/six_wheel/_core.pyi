@@ -994,7 +994,7 @@ class Terrain:
         yaw: float = 0.0,
         *,
         north_up: bool | None = None,
-        nodata: float | None = None,
+        nodata: float | Sequence[float] | None = None,
         unit: str | float | None = None,
     ) -> Self: ...
     @staticmethod
@@ -1005,7 +1005,7 @@ class Terrain:
         topic: str | None = None,
         layer: str | None = None,
         band: int | str | None = None,
-        nodata: float | None = None,
+        nodata: float | Sequence[float] | None = None,
         unit: str | float | None = None,
         north_up: bool | None = None,
         spacing: float | tuple[float, float] | None = None,

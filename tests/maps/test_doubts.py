@@ -226,6 +226,17 @@ def test_names_are_quoted(text: str) -> None:
     assert yaml.safe_load(proposed.key) == {"layer": text}
 
 
+def test_the_view_says_whose_option_it_is(tmp_path: Path) -> None:
+    from six_wheel.view.subject import find_ground
+
+    tif(filled(-9999))(tmp_path)
+    path = tmp_path / "map.tif"
+    with pytest.raises(TerrainFileError) as caught:
+        find_ground(path, 2.0)
+    assert str(caught.value).endswith(f" if not, as ground=sw.Terrain.read({str(path)!r}, ...)")
+    assert caught.value.told("option").endswith("--nodata nan if not")
+
+
 def test_every_command_that_reads_a_map_has_every_option() -> None:
     commands = [each for each in ORDER if MapReading in typing.get_type_hints(each).values()]
     assert {each.__name__ for each in commands} == {"show", "view", "simulate", "traverse"}

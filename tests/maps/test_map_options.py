@@ -74,6 +74,20 @@ def test_the_command_line_asks_and_is_answered(run: Run, tmp_path: Path) -> None
     assert code == 0, words
 
 
+def test_no_shadow_falls_from_unknown_cells() -> None:
+    """Cells beside a hole were drawn dark and bright, as if it were filled by the mean of the map."""
+    from six_wheel.plotting.ground.map import map_figure
+
+    left = map_figure(sw.Terrain(grid(), CELL)).subfigs[0].axes[0]
+    relief, shade = (np.ma.filled(image.get_array(), np.nan) for image in left.images)
+    hole = np.argwhere(np.isnan(relief))
+    for row, column in hole:
+        assert np.isnan(shade[row - 1 : row + 2, column]).all()
+        assert np.isnan(shade[row, column - 1 : column + 2]).all()
+    assert len(hole)
+    assert not np.isnan(shade[0, 0])
+
+
 def test_marks_that_are_heights_stay_heights(tmp_path: Path) -> None:
     path = tmp_path / "map.asc"
     # A pit of one depth far below all else is a mark whatever its number; the floor of a canyon is none.

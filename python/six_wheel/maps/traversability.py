@@ -4,7 +4,7 @@ import hashlib
 import math
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -86,7 +86,7 @@ def traverse(
     workers: int | None = None,
     progress: Callable[[int, int], object] | None = None,
     band: int | str | None = None,
-    nodata: float | None = None,
+    nodata: float | Sequence[float] | None = None,
     unit: str | float | None = None,
     north_up: bool | None = None,
     spacing: float | tuple[float, float] | None = None,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Limits, RockerBogie, Rover, Suspension, Terrain
-from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.errors import ArgumentTypeError, DoubtError, Proposal
 from six_wheel.robot_description.named_rover import find_rover
 from six_wheel.simulation.on_terrain import middle
 
@@ -174,7 +174,13 @@ def find_ground(ground: Any, size: float) -> Terrain | None:
         scale = size / 2.3
         yard = Terrain.yard(extent / scale, 0.1, 0.09, 3, roughness=0.25)
         return Terrain(np.asarray(yard.heights, dtype=np.float64) * scale, 0.1 * scale)
-    return Terrain.read(ground)
+    try:
+        return Terrain.read(ground)
+    except DoubtError as error:
+        # The command line has the options itself; in Python they are those of `Terrain.read`.
+        given = f", as ground=sw.Terrain.read({str(ground)!r}, ...)"
+        where = () if all(isinstance(part, str) for part in error.parts) else (Proposal("", "", given),)
+        raise type(error)(*error.parts, *where) from None
 
 
 def named_rover(

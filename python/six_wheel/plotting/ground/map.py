@@ -43,7 +43,8 @@ def map_figure(ground: Terrain, *, title: str = "", facts: Sequence[tuple[str, s
     slopes = np.degrees(np.arctan(np.hypot(along, across)))
     unknown = np.isnan(heights)
     known = np.nan_to_num(heights, nan=0.0 if unknown.all() else float(np.nanmean(heights)))
-    shade = np.where(unknown, np.nan, SUN.hillshade(known, dx=dx, dy=dy))
+    # Beside unknown cells there is no slope, and so no light or shadow.
+    shade = np.where(np.isnan(slopes), np.nan, SUN.hillshade(known, dx=dx, dy=dy))
     figure = Figure(figsize=_size(dx * columns, dy * rows, len(facts)), layout="constrained")
     parts = figure.subfigures(2, 1, height_ratios=_shares(figure, len(facts)), squeeze=False)
     above, below = parts[:, 0]
@@ -55,7 +56,10 @@ def map_figure(ground: Terrain, *, title: str = "", facts: Sequence[tuple[str, s
     above.colorbar(image, ax=left, label="height [m]")
     image = right.imshow(slopes, cmap="magma_r", vmin=0.0, vmax=STEEPEST, **drawn)
     above.colorbar(image, ax=right, label="slope [°]", extend="max")
-    for axes, name in ((left, "relief, light from the north-west"), (right, "slope")):
+    for axes, name in (
+        (left, "relief" if ground.yaw else "relief, light from the north-west"),
+        (right, "slope"),
+    ):
         axes.set(xlabel="x [m]", facecolor=UNKNOWN)
         axes.set_title(name, fontsize="medium")
         axes.ticklabel_format(useOffset=False, scilimits=(-9, 9))  # places as the map has them
