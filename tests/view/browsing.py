@@ -58,14 +58,39 @@ class Page:
 
     def type(self, row: str, value: str) -> None:
         """Write a number into the field of a slider, whose name stands in its row."""
-        field = (
-            self.page.get_by_text(row, exact=True)
-            .locator("xpath=ancestor::*[.//input][1]")
-            .locator("input")
-            .last
-        )
+        field = self._input(row)
         field.fill(value)
         field.press("Enter")
+
+    def value(self, row: str) -> str:
+        """The number in the field of a slider."""
+        return str(self._input(row).input_value())
+
+    def tick(self, row: str) -> None:
+        """Click on the box of a row."""
+        self._input(row).click(force=True)
+
+    def choose(self, row: str, option: str) -> None:
+        """Choose an option of the list of a row."""
+        self._input(row).click()
+        self.page.get_by_role("option", name=option, exact=True).click()
+
+    def press(self, name: str) -> None:
+        """Click on a button."""
+        self.page.get_by_role("button", name=name, exact=True).click()
+
+    def unfold(self, folder: str) -> None:
+        """Open a folder that is closed."""
+        self.page.get_by_text(folder, exact=True).first.click()
+        self.page.wait_for_timeout(400)
+
+    def _input(self, row: str) -> Any:
+        return (
+            self.page.get_by_text(row, exact=True)
+            .locator("xpath=ancestor::*[.//input][1]")
+            .locator("input:not([type=hidden])")
+            .last
+        )
 
     def close(self) -> None:
         """Close the page."""

@@ -8,9 +8,9 @@ import pytest
 from numpy.typing import NDArray
 
 import six_wheel as sw
+from six_wheel.view.commands import start_state
 from six_wheel.view.motion import find_motion, path_ahead, words
 from six_wheel.view.possible import FAST, FORBIDDEN, FREE, verdicts
-from six_wheel.view.report import start_state
 from six_wheel.view.scene.ground import cut, triangles
 from six_wheel.view.subject import find_subject
 
@@ -101,7 +101,7 @@ def test_axes_meet_in_the_centre_of_rotation(opened: Open) -> None:
 
 def test_the_path_ahead_is_that_of_integrate() -> None:
     subject = find_subject("curiosity", "flat")
-    motion = find_motion(subject, start_state(subject, (0.1, 0.0, 0.05)))
+    motion = find_motion(subject, start_state(subject, twist=(0.1, 0.0, 0.05)))
     poses, places = path_ahead(subject, motion, motion.twist)
     steps = len(poses) - 1
     radius = motion.twist[0] / motion.twist[2]

@@ -1,60 +1,165 @@
-"""The command line and the Python lines that give the picture on the screen."""
+"""First positions of the sliders by options, and the command line and Python lines that give them again."""
+
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import math
+from collections.abc import Iterable, Mapping
 from shlex import quote
+from typing import Any
+
+import numpy as np
 
 from six_wheel.view.motion import State
-from six_wheel.view.subject import Subject
+from six_wheel.view.subject import Subject, triple
 
-__all__ = ["command_line", "python_lines"]
+__all__ = ["command_line", "python_lines", "scrub_of", "start_state"]
+
+DEGREES = ("steering_limit", "tilt", "joints")  # of the command line; radians in Python
+TILT = math.radians(30.0)
 
 
-def _number(value: float) -> str:
-    return f"{value:.6g}"
+def start_state(
+    subject: Subject,
+    *,
+    twist: Any = None,
+    steering_limit: float | None = None,
+    wheel_speed: float | None = None,
+    speed: float | None = None,
+    tilt: float | None = None,
+    joints: Any = None,
+    scrub: Mapping[str, float] | None = None,
+) -> State:
+    """The first positions of the sliders: a left turn, or what is given; arguments as of `six_wheel.view`."""
+    first = triple("twist", twist)
+    if first is None:
+        rim = subject.wheel_speed * subject.radius / 2.0
+        size = max(max(abs(wheel.x), abs(wheel.y)) for wheel in subject.rover.wheels)
+        turn = subject.rover.project((rim, 0.0, rim / max(2.5 * size, 1.2 * subject.rover.min_radius)))
+        first = (float(turn[0]), float(turn[1]), float(turn[2]))
+    angles = triple("joints", joints)
+    if angles is not None and (subject.suspension is None or subject.ground is not None or subject.record):
+        raise ValueError(f"joints must be left out unless a suspension is shown without ground, got {joints}")
+    return State(
+        first,
+        subject.steering_limit if steering_limit is None else _steering_limit(subject, steering_limit),
+        subject.wheel_speed if wheel_speed is None else _positive("wheel_speed", wheel_speed),
+        subject.limits.speed if speed is None else _positive("speed", speed),
+        TILT if tilt is None else _positive("tilt", tilt),
+        subject.start,
+        (0.0, 0.0, 0.0) if angles is None else angles,
+        scrub=None if scrub is None else _scrub(subject, scrub),
+    )
 
 
-def _changes(subject: Subject, state: State, time: float | None) -> dict[str, tuple[float, ...]]:
-    """Options that differ from what the view begins with."""
-    found: dict[str, tuple[float, ...]] = {}
-    if any(state.twist):
+def command_line(subject: Subject, state: State, time: float | None = None) -> str | None:
+    """The command; None for a subject that was made in a program."""
+    given = subject.given is not None and subject.rover_given != ""
+    if not given or (subject.ground is not None and not subject.ground_given and subject.record is None):
+        return None
+    parts = ["six-wheel view", quote(str(subject.given))]
+    if subject.rover_given is not None:
+        parts.append(f"--rover {quote(str(subject.rover_given))}")
+    if subject.ground_given not in (None, "yard"):
+        parts.append(f"--ground {quote(str(subject.ground_given))}")
+    for name, value in _changes(subject, state, time).items():
+        option = f"--{name.replace('_', '-')}"
+        if isinstance(value, dict):
+            parts += [f"{option} {quote(f'{wheel}={_number(each)}')}" for wheel, each in value.items()]
+            continue
+        shown = [math.degrees(each) for each in value] if name in DEGREES else value
+        parts.append(f"{option} {' '.join(map(_number, shown))}")
+    return " ".join(parts)
+
+
+def python_lines(subject: Subject, state: State, time: float | None = None) -> str:
+    """The lines of a program; objects are called x, rover and ground."""
+    options = ["x" if subject.given is None else repr(subject.given)]
+    if subject.rover_given is not None:
+        options.append(f"rover={repr(subject.rover_given) if subject.rover_given else 'rover'}")
+    given = subject.ground_given
+    if given == "flat" or (subject.ground is not None and given != "yard" and subject.record is None):
+        options.append(f"ground={'ground' if given is None else repr(given)}")
+    for name, value in _changes(subject, state, time).items():
+        if name == "time":
+            continue
+        if isinstance(value, dict):
+            inside = ", ".join(f"{wheel!r}: {_number(each)}" for wheel, each in value.items())
+            options.append(f"{name}={{{inside}}}")
+            continue
+        joined = ", ".join(map(_number, value))
+        options.append(f"{name}={joined}" if len(value) == 1 else f"{name}=({joined})")
+    lines = ["import six_wheel as sw", f"view = sw.view({', '.join(options)})"]
+    if time:
+        lines.append(f"view.time = {_number(time)}")
+    return "\n".join(lines)
+
+
+def _changes(
+    subject: Subject, state: State, time: float | None
+) -> dict[str, tuple[float, ...] | dict[str, float]]:
+    """Options that differ from what a view begins with."""
+    found: dict[str, tuple[float, ...] | dict[str, float]] = {}
+    begin = start_state(subject)
+    if time is None:
         found["twist"] = state.twist
-    if state.pose != subject.start and time is None:
-        found["at"] = state.pose
-    limit = subject.steering_limit
-    if limit is not None and state.steering_limit is not None and abs(state.steering_limit - limit) > 1e-9:
-        found["steering_limit"] = (state.steering_limit,)
+        if state.pose != subject.start:
+            found["at"] = state.pose
+    for name in ("steering_limit", "wheel_speed", "speed", "tilt"):
+        value, first = getattr(state, name), getattr(begin, name)
+        if value is not None and not math.isclose(value, first, rel_tol=1e-9):
+            found[name] = (value,)
+    if state.joints != begin.joints and subject.ground is None and time is None:
+        found["joints"] = state.joints
+    if state.scrub is not None:
+        pairs = zip(subject.rover.wheels, state.scrub, strict=True)
+        if changed := {wheel.name: each for wheel, each in pairs if each != wheel.scrub}:
+            found["scrub"] = changed
     if time:
         found["time"] = (time,)
     return found
 
 
-def command_line(subject: Subject, state: State, time: float | None = None) -> str | None:
-    """The command; None for a subject that was made in a program."""
-    if subject.given is None or (subject.ground is not None and subject.ground_given is None):
-        return None
-    parts = ["six-wheel view", quote(subject.given)]
-    if subject.ground_given not in (None, "yard"):
-        parts.append(f"--ground {quote(str(subject.ground_given))}")
-    for name, values in _changes(subject, state, time).items():
-        shown = [math.degrees(value) for value in values] if name == "steering_limit" else values
-        parts.append(f"--{name.replace('_', '-')} {' '.join(map(_number, shown))}")
-    return " ".join(parts)
+def scrub_of(texts: Iterable[str]) -> dict[str, float] | None:
+    """Scrub of wheels by name [m] from texts WHEEL=M."""
+    found = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        try:
+            found[name] = float(value)
+        except ValueError:
+            raise ValueError(f'scrub must be WHEEL=M, such as "front_left=0.05", got "{text}"') from None
+    return found or None
 
 
-def python_lines(subject: Subject, state: State, time: float | None = None) -> str:
-    """The lines of a program; an object is called x."""
-    what = "x" if subject.given is None else repr(subject.given)
-    options = []
-    if subject.ground is not None and subject.ground_given != "yard":
-        options.append(f"ground={'ground' if subject.ground_given is None else repr(subject.ground_given)}")
-    elif subject.ground is None and subject.ground_given == "flat":
-        options.append("ground='flat'")
-    for name, values in _changes(subject, state, time).items():
-        if name == "time":
-            continue
-        joined = ", ".join(map(_number, values))
-        options.append(f"{name}={joined}" if len(values) == 1 else f"{name}=({joined})")
-    lines = ["import six_wheel as sw", f"view = sw.view({', '.join([what, *options])})"]
-    if time:
-        lines.append(f"view.time = {_number(time)}")
-    return "\n".join(lines)
+def _number(value: float) -> str:
+    return f"{value:.6g}" if abs(value) < 1000.0 else f"{value:.3f}"  # coordinates of maps are long
+
+
+def _positive(name: str, value: float) -> float:
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"{name} must be finite and positive, got {value:g}")
+    return float(value)
+
+
+def _steering_limit(subject: Subject, steering_limit: float) -> float:
+    most = subject.steering_limit
+    if most is None:
+        raise ValueError(
+            f"steering_limit must be left out for a rover that does not steer, got {steering_limit:g}"
+        )
+    if not 0.0 < steering_limit <= most * (1.0 + 1e-9):
+        raise ValueError(f"steering_limit must be positive and at most {most:g} rad, got {steering_limit:g}")
+    return min(float(steering_limit), most)
+
+
+def _scrub(subject: Subject, given: Mapping[str, float]) -> tuple[float, ...]:
+    """Scrub of every wheel [m]: the given ones, the others as they are."""
+    if subject.ground is not None or subject.record is not None:
+        raise ValueError(f"scrub must be left out on ground and for a record, got {dict(given)}")
+    names = subject.rover.wheel_names
+    for name, value in given.items():
+        if name not in names:
+            raise ValueError(f'scrub must be by names of wheels ({", ".join(names)}), got "{name}"')
+        if not np.isfinite(value):
+            raise ValueError(f"scrub must be finite, got {value} for {name}")
+    return tuple(float(given.get(wheel.name, wheel.scrub)) for wheel in subject.rover.wheels)

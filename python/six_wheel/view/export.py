@@ -1,4 +1,4 @@
-"""A view as a page that needs no server."""
+"""Pages of the browser: the one that the server sends, and a view as a page that needs no server."""
 
 from __future__ import annotations  # viser is loaded when there is a view
 
@@ -11,9 +11,46 @@ from six_wheel.logs.writing import replacing
 if TYPE_CHECKING:
     import viser
 
-__all__ = ["FRAMES", "RATE", "write_page"]
+__all__ = ["FRAMES", "RATE", "client_page", "prepared", "write_page"]
 
 FRAMES, RATE = 300, 12.0  # of a record in a page: at most so many, so many a second of watching
+
+# Until a scene says which lights it has, viser's client shows two lamps with shadows and decodes a picture of
+# a sky, which takes seconds where pictures are drawn by software; a recorded page goes back to them at the
+# begin of every pass. It begins with neither here. Shaders are linked without waiting for each one.
+REPLACED = {
+    "enableDefaultLights:!0,enableDefaultLightsShadows:!0,environmentMap:null": (
+        "enableDefaultLights:!1,enableDefaultLightsShadows:!1,environmentMap:{}"
+    ),
+    "checkShaderErrors:!0": "checkShaderErrors:!1",
+}
+LONG = 1_000_000  # characters; the client is the only text of such a length that is decoded
+
+
+def prepared(page: str) -> str:
+    """A page of viser's client, which unpacks its program itself, with `REPLACED` done as it is unpacked.
+
+    The attribute ``data-prepared`` of the document counts the replacements that were made.
+    """
+    replacements = "".join(
+        f'if(text.includes("{old}")){{text=text.replace("{old}","{new}");count++}}'
+        for old, new in REPLACED.items()
+    )
+    script = (
+        "<script>{const own=TextDecoder.prototype.decode;TextDecoder.prototype.decode=function(...given){"
+        f"let text=own.apply(this,given),count=0;if(text.length<{LONG})return text;"
+        f"TextDecoder.prototype.decode=own;{replacements}"
+        "document.documentElement.dataset.prepared=count;return text}}</script>"
+    )
+    return page.replace("<head>", f"<head>{script}", 1)
+
+
+def client_page() -> bytes:
+    """The page that a server sends. It is packed already: as it comes no time goes into packing it again."""
+    import viser
+
+    source = Path(viser.__file__).parent / "client" / "build" / "index.html"
+    return prepared(source.read_text(encoding="utf-8")).encode()
 
 
 def write_page(server: viser.ViserServer, target: Path, dark: bool, frames: Iterable[float]) -> None:
@@ -25,6 +62,6 @@ def write_page(server: viser.ViserServer, target: Path, dark: bool, frames: Iter
         serializer.insert_sleep(first)
     for pause in steps:
         serializer.insert_sleep(pause)
-    page = serializer.as_html(dark_mode=dark)
+    page = prepared(serializer.as_html(dark_mode=dark))
     with replacing(target) as temporary:
         temporary.write_text(page, encoding="utf-8")

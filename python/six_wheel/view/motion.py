@@ -47,6 +47,8 @@ class State:
         Angles of the steered wheels that are given, as in a record [rad]; None those of the motion.
     wheel_speeds : tuple of float or None
         Wheel speeds that are given [rad/s].
+    scrub : tuple of float or None
+        Of every wheel, from its steering axis to its contact on the left [m]; None as the rover has it.
     rolled : tuple of float
         Angles by which the wheels have turned [rad].
     """
@@ -61,6 +63,15 @@ class State:
     steering: tuple[float, ...] | None = None
     wheel_speeds: tuple[float, ...] | None = None
     rolled: tuple[float, ...] = ()
+    scrub: tuple[float, ...] | None = None
+
+    def rover(self, subject: Subject) -> Rover:
+        """The rover of the subject with the steering ranges and the scrub of the sliders."""
+        rover = restricted(subject.rover, self.steering_limit)
+        for wheel, scrub in zip(rover.wheels, self.scrub or (), strict=False):
+            if scrub != wheel.scrub:
+                rover = rover.replace(wheel.name, scrub=scrub)
+        return rover
 
     def limits(self, subject: Subject) -> Limits:
         """The limits of the subject with those of the sliders."""
@@ -155,7 +166,7 @@ def find_motion(subject: Subject, state: State, previous: Motion | None = None) 
     On ground the rover steers as on level ground and its wheels turn as far as they roll there, as in
     `simulate`. Where it does not settle it stays as it was.
     """
-    rover = restricted(subject.rover, state.steering_limit)
+    rover = state.rover(subject)
     remarks: list[str] = []
     if state.steering is None:
         found = within(rover, state.limits(subject), state.twist)
@@ -195,6 +206,10 @@ def find_motion(subject: Subject, state: State, previous: Motion | None = None) 
     unturned = suspension.frames(joints)
     names = [f"A{number}" for number in range(1, len(rover.wheels) + 1)]
     wheels, straight = (np.stack([each[name] for name in names]) for each in (frames, unturned))
+    if state.scrub is not None:  # the wheels are so much farther to their left
+        moved = np.subtract(state.scrub, [wheel.scrub for wheel in subject.rover.wheels])[:, None]
+        for each in (wheels, straight):
+            each[:, :3, 3] += moved * each[:, :3, 1]
     return Motion(
         state, twist, reasons, steering, speeds, slide, icr, transform, joints, dict(frames),
         wheels, straight, stand, stability, tuple(remarks),

@@ -5,6 +5,7 @@ from __future__ import annotations  # so that help shows the names of types, not
 import os
 import sys
 import webbrowser
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from six_wheel.view.server import free_port, require
@@ -25,6 +26,11 @@ def view(
     twist: ArrayLike | None = None,
     at: ArrayLike | None = None,
     steering_limit: float | None = None,
+    wheel_speed: float | None = None,
+    speed: float | None = None,
+    tilt: float | None = None,
+    joints: ArrayLike | None = None,
+    scrub: Mapping[str, float] | None = None,
     port: int = 0,
     open: bool = True,
     theme: str = "dark",
@@ -47,6 +53,12 @@ def view(
         First pose x, y, yaw [m, m, rad]; the middle of the map without it.
     steering_limit : float, optional
         Largest steering angle [rad].
+    wheel_speed, speed, tilt : float, optional
+        Other limits at first [rad/s, m/s, rad].
+    joints : array_like, shape (3,), optional
+        Rocker and bogies of a suspension without ground [rad].
+    scrub : mapping of str to float, optional
+        Scrub of wheels by name [m], without ground.
     port : int, default 0
         On this machine only; 0 takes a free one.
     open : bool, default True
@@ -67,11 +79,16 @@ def view(
     """
     require()
     free_port(port)
+    from six_wheel.view.commands import start_state
     from six_wheel.view.subject import find_subject
     from six_wheel.view.viewing import View
 
     subject = find_subject(x, ground, rover=rover, at=at)
-    made = View(subject, twist=twist, steering_limit=steering_limit, port=port, theme=theme)
+    state = start_state(
+        subject, twist=twist, steering_limit=steering_limit, wheel_speed=wheel_speed, speed=speed, tilt=tilt,
+        joints=joints, scrub=scrub,
+    )  # fmt: skip
+    made = View(subject, state, port=port, theme=theme)
     if open:
         browse(made.url)
     return made

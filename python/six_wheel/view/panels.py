@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from six_wheel.view.commands import command_line, python_lines
-from six_wheel.view.motion import Motion, State, restricted
+from six_wheel.view.motion import Motion, State
 from six_wheel.view.possible import PLANES, possible_image
 from six_wheel.view.report import LEGEND, failure, lines_to_say, numbers, status
 from six_wheel.view.scene.ground import COLORINGS
@@ -25,7 +25,7 @@ __all__ = ["Panels"]
 STEPS = 200  # of a slider over its range
 PAD = (("↖", "↑", "↗"), ("⟲", "■", "⟳"), ("↙", "↓", "↘"))
 TURNS = ("Straight", "Crab", "Spin", "Point turn", "Stop")
-SHOWN = ("body", "arrows", "centre", "ahead", "fans", "path", "follow")
+SHOWN = ("body", "arrows", "centre", "ahead", "fans", "path", "follow")  # the path is that of a record
 
 
 class Panels:
@@ -78,12 +78,15 @@ class Panels:
         if self._steering is not None:
             values["steering_limit"] = math.radians(self._value(self._steering))
         values["wheel_speed"] = self._value(self._wheel_speed)
-        values["speed"] = self._value(self._speed) / self._unit
-        if self._speed.value >= self._speed.max:
-            values["speed"] = math.inf
-        values["tilt"] = math.radians(self._value(self._tilt))
+        if self._speed is not None:
+            top = self._speed.value >= self._speed.max
+            values["speed"] = math.inf if top else self._value(self._speed) / self._unit
+        if self._tilt is not None:
+            values["tilt"] = math.radians(self._value(self._tilt))
         if self._joint_sliders:
             values["joints"] = tuple(math.radians(self._value(each)) for each in self._joint_sliders)
+        if self._scrub:
+            values["scrub"] = tuple(self._value(each) / 100.0 for each in self._scrub)
         if self._place:
             x, y, yaw = map(self._value, self._place)
             values["pose"] = (x, y, math.radians(yaw))
@@ -117,12 +120,13 @@ class Panels:
             state.twist,
             tuple(motion.twist),
             state.steering_limit,
+            state.scrub,
             state.limits(subject),
             self._plane.value,
         )
         if key != self._mapped:
             self._mapped = key
-            rover = restricted(subject.rover, state.steering_limit)
+            rover = state.rover(subject)
             commanded = np.array(state.twist)
             self._map.image = possible_image(
                 rover, state.limits(subject), commanded, motion.twist, self._spans, self._plane.value
@@ -252,8 +256,23 @@ class Panels:
                 "wheel [rad/s]", 0.05 * subject.wheel_speed, 2.0 * subject.wheel_speed, state.wheel_speed
             )
             top = subject.top_speed * self._unit
-            self._speed = self._slider("speed", 0.05 * top, top, top)
-            self._tilt = self._slider("tilt [°]", 5.0, 60.0, math.degrees(state.tilt), 0)
+            name = "m/s" if self._fast else "cm/s"
+            self._speed = self._tilt = None
+            if subject.record is None:
+                value = min(state.speed * self._unit, top)
+                self._speed = self._slider(f"speed [{name}]", 0.05 * top, top, value)
+            if subject.ground is not None:
+                self._tilt = self._slider("tilt [°]", 5.0, 60.0, math.degrees(state.tilt), 0)
+        self._scrub: list[Any] = []
+        if subject.ground is None and subject.record is None:
+            wheels = subject.rover.wheels
+            given = [wheel.scrub for wheel in wheels] if state.scrub is None else state.scrub
+            reach = 100.0 * max(subject.radius, 1.5 * max(map(abs, given)))
+            with gui.add_folder("Scrub [cm]", expand_by_default=False):
+                self._scrub = [
+                    self._slider(wheel.name.replace("_", " "), -reach, reach, 100.0 * scrub)
+                    for wheel, scrub in zip(wheels, given, strict=True)
+                ]
 
     def _add_rover(self, state: State) -> None:
         gui, subject = self._gui, self._subject
@@ -292,7 +311,8 @@ class Panels:
     def _add_show(self) -> None:
         gui = self._gui
         with gui.add_folder("Show", expand_by_default=False):
-            self._show = {name: gui.add_checkbox(name, True) for name in SHOWN}
+            names = [name for name in SHOWN if name != "path" or self._subject.record is not None]
+            self._show = {name: gui.add_checkbox(name, True) for name in names}
         for box in self._show.values():
             self._watch(box)
         cameras = gui.add_button_group("Camera", tuple(CAMERAS))

@@ -6,7 +6,7 @@ from html import escape
 
 import numpy as np
 
-from six_wheel.view.motion import Motion, State, words
+from six_wheel.view.motion import Motion, words
 from six_wheel.view.subject import Subject
 
 __all__ = ["LEGEND", "numbers", "status"]
@@ -83,14 +83,3 @@ def lines_to_say(command: str | None, python: str) -> str:
 def failure(error: Exception) -> str:
     """An error, for the place of the status."""
     return f'<div style="{STYLE}"><b>{escape(type(error).__name__)}</b>: {escape(str(error))}</div>'
-
-
-def start_state(subject: Subject, twist: tuple[float, float, float] | None) -> State:
-    """The first positions of the sliders: a left turn, or a given motion."""
-    first = twist
-    if first is None:
-        speed = subject.wheel_speed * subject.radius / 2.0
-        size = max(max(abs(wheel.x), abs(wheel.y)) for wheel in subject.rover.wheels)
-        turn = subject.rover.project((speed, 0.0, speed / max(2.5 * size, 1.2 * subject.rover.min_radius)))
-        first = (float(turn[0]), float(turn[1]), float(turn[2]))
-    return State(first, subject.steering_limit, subject.wheel_speed, np.inf, np.radians(30.0), subject.start)

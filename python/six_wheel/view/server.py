@@ -12,6 +12,8 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from six_wheel.view.export import client_page
+
 if TYPE_CHECKING:
     import viser
 
@@ -92,6 +94,8 @@ def open_server(port: int) -> viser.ViserServer:
     import viser
     import websockets.asyncio.server as sockets
 
+    page = client_page()
+
     class LocalServer(viser.ViserServer):
         def request_share_url(self, verbose: bool = True) -> str | None:
             return None
@@ -105,7 +109,7 @@ def open_server(port: int) -> viser.ViserServer:
 
         def serve(handler: Any, host: Any, bound: Any, **options: Any) -> Any:
             guarded.append(True)
-            options["process_request"] = _guard(options.get("process_request"))
+            options["process_request"] = _guard(options.get("process_request"), page)
             return opened(handler, host, bound, **options)
 
         sockets.serve = serve
@@ -123,13 +127,20 @@ def open_server(port: int) -> viser.ViserServer:
     return server
 
 
-def _guard(process: Callable[[Any, Any], Any] | None) -> Callable[[Any, Any], Any]:
-    """The handler of requests behind a check of their headers."""
+def _guard(process: Callable[[Any, Any], Any] | None, page: bytes) -> Callable[[Any, Any], Any]:
+    """The handler of requests behind a check of their headers, with a page of its own."""
 
     def check(connection: Any, request: Any) -> Any:
         headers = request.headers
         if not is_local(headers.get_all("Host"), headers.get_all("Origin")):
             return connection.respond(http.HTTPStatus.FORBIDDEN, "only pages of this server may ask\n")
+        if urlsplit(request.path).path == "/" and "Upgrade" not in headers:
+            response = connection.respond(http.HTTPStatus.OK, "")
+            response.body = page
+            del response.headers["Content-Length"], response.headers["Content-Type"]
+            response.headers["Content-Length"] = str(len(page))
+            response.headers["Content-Type"] = "text/html; charset=utf-8"
+            return response
         return None if process is None else process(connection, request)
 
     return check

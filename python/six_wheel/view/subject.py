@@ -48,6 +48,8 @@ class Subject:
         What a command line or a script calls it; None for an object made in a program.
     ground_given : str or None
         The same of the ground.
+    rover_given : str or None
+        The same of the rover a record was given; "" for an object.
     start : tuple of float
         First pose [m, m, rad].
     """
@@ -61,6 +63,7 @@ class Subject:
     robot: Robot | None = None
     given: str | None = None
     ground_given: str | None = None
+    rover_given: str | None = None
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
@@ -139,7 +142,11 @@ def find_subject(
             known_suspension(record.rover) if owner is None else owner.suspension
         )
         given = os.fspath(what) if isinstance(what, str | os.PathLike) else None
-        found = Subject(record.rover, suspension, record.name, limits, record.ground, record, given=given)
+        named = None if rover is None else os.fspath(rover) if isinstance(rover, str | os.PathLike) else ""
+        found = Subject(
+            record.rover, suspension, record.name, limits, record.ground, record,
+            given=given, rover_given=named,
+        )  # fmt: skip
     else:
         found = named_rover(what, **reading)
     if ground is None and found.ground is None and found.suspension is not None and found.record is None:

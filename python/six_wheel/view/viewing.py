@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from six_wheel._core import integrate
+from six_wheel.view.commands import start_state
 from six_wheel.view.export import FRAMES, RATE, write_page
 from six_wheel.view.motion import Motion, State, find_motion
 from six_wheel.view.panels import Panels
 from six_wheel.view.player import Player
-from six_wheel.view.report import start_state
 from six_wheel.view.scene.bodies import Bodies
 from six_wheel.view.scene.ground import Block
 from six_wheel.view.scene.markers import Markers
@@ -50,18 +50,14 @@ class View:
     def __init__(
         self,
         subject: Subject,
+        state: State,
         *,
-        twist: Any = None,
-        steering_limit: float | None = None,
         port: int = 0,
         theme: str = "dark",
     ) -> None:
         if theme not in ("dark", "light"):
             raise ValueError(f'theme must be dark or light, got "{theme}"')
         self._lock, self._closed = threading.RLock(), threading.Event()
-        state = start_state(subject, triple("twist", twist))
-        if steering_limit is not None:
-            state = replace(state, steering_limit=_limit(subject, steering_limit))
         motion = find_motion(subject, state)
         self._server = open_server(port)
         self._dark = theme == "dark"
@@ -151,7 +147,7 @@ class View:
         from six_wheel.view.subject import find_subject
 
         subject = find_subject(x, ground, rover=rover)
-        state = start_state(subject, None)
+        state = start_state(subject)
         motion = find_motion(subject, state)
         self._stop_threads()
         self._server.scene.reset()
@@ -346,14 +342,3 @@ class View:
         worker, self._worker = self._worker, Worker(lambda: None, lambda error: None)
         worker.close()
         self._worker.close()
-
-
-def _limit(subject: Subject, steering_limit: float) -> float:
-    most = subject.steering_limit
-    if most is None:
-        raise ValueError(
-            f"steering_limit must be left out for a rover that does not steer, got {steering_limit:g}"
-        )
-    if not 0.0 < steering_limit <= most * (1.0 + 1e-9):
-        raise ValueError(f"steering_limit must be positive and at most {most:g} rad, got {steering_limit:g}")
-    return min(float(steering_limit), most)

@@ -37,6 +37,24 @@ class Scene(NamedTuple):
     steering_limit: Annotated[
         float | None, typer.Option(metavar="DEG", help="Largest steering angle at first [degrees].")
     ] = None
+    wheel_speed: Annotated[
+        float | None, typer.Option(metavar="RAD/S", help="Limit of the wheels at first [rad/s].")
+    ] = None
+    speed: Annotated[float | None, typer.Option(metavar="M/S", help="Limit of the speed at first [m/s].")] = (
+        None
+    )
+    tilt: Annotated[float | None, typer.Option(metavar="DEG", help="Largest tilt at first [degrees].")] = None
+    joints: Annotated[
+        Three | None,
+        typer.Option(
+            metavar="ROCKER BOGIE BOGIE",
+            help="Angles of a suspension without ground, left bogie first [degrees].",
+        ),
+    ] = None
+    scrub: Annotated[
+        list[str] | None,
+        typer.Option(metavar="WHEEL=M", help="Scrub of a wheel at first, without ground [m]; once each."),
+    ] = None
     time: Annotated[
         float | None, typer.Option(metavar="S", help="Time in a record at first, since its first row [s].")
     ] = None
@@ -87,10 +105,23 @@ def view(
         kind=reading.kind,
         wheel_radius=reading.wheel_radius,
     )
+    from six_wheel.view.commands import scrub_of, start_state
     from six_wheel.view.viewing import View
 
-    limit = None if scene.steering_limit is None else math.radians(scene.steering_limit)
-    shown = View(subject, twist=scene.twist, steering_limit=limit, port=page.port, theme=page.theme)
+    def radians(degrees: float | None) -> float | None:
+        return None if degrees is None else math.radians(degrees)
+
+    state = start_state(
+        subject,
+        twist=scene.twist,
+        steering_limit=radians(scene.steering_limit),
+        wheel_speed=scene.wheel_speed,
+        speed=scene.speed,
+        tilt=radians(scene.tilt),
+        joints=None if scene.joints is None else tuple(map(math.radians, scene.joints)),
+        scrub=scrub_of(scene.scrub or ()),
+    )
+    shown = View(subject, state, port=page.port, theme=page.theme)
     with shown:
         if scene.time is not None:
             shown.time = scene.time

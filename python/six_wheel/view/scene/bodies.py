@@ -196,7 +196,7 @@ class Bodies:
         mesh = self._arc(number, motion.state.steering_limit)
         return shapes.add_mesh(
             self._scene, f"{self._prefix}/fan_{number}", mesh,
-            color=PALE, side="double", opacity=0.85, cast_shadow=False, receive_shadow=False,
+            color=PALE, opacity=0.85, cast_shadow=False, receive_shadow=False,
         )  # fmt: skip
 
     def _arc(self, number: int, limit: float | None) -> shapes.Mesh:

@@ -46,7 +46,7 @@ class Markers:
         post = shapes.cylinder((0.0, 0.0, -0.2 * tall), (0.0, 0.0, tall), 0.055 * radius)
         ring = shapes.cylinder((0.0, 0.0, tall), (0.0, 0.0, tall + 0.06 * radius), 0.35 * radius, 24)
         mesh = shapes.merge([post, ring])
-        shapes.add_mesh(scene, "/world/motion/icr/post", mesh, color=AMBER)
+        shapes.add_mesh(scene, "/world/motion/icr/post", mesh, color=AMBER, flat_shading=True, side="double")
         self._label = scene.add_label(
             "/world/motion/icr/label", "R", position=(0.0, 0.0, tall + 0.5 * radius), anchor="bottom-center"
         )
@@ -119,5 +119,5 @@ class Markers:
         mesh = shapes.ribbon(places[number], 0.45 * self._subject.radius)
         return shapes.add_mesh(
             scene, f"/world/motion/track_{number}", mesh,
-            color=TEAL, opacity=0.8, side="double", cast_shadow=False, visible=False,
+            color=TEAL, opacity=0.8, cast_shadow=False, visible=False,
         )  # fmt: skip

@@ -125,14 +125,14 @@ def wheel_hub(radius: float, width: float) -> Mesh:
 
 
 def arc(radius: float, low: float, high: float, width: float, segments: int = 24) -> Mesh:
-    """A flat strip around the z axis between two angles from +x, seen from both sides."""
+    """A flat strip around the z axis between two angles from +x, seen from above."""
     t = np.linspace(low, high, segments + 1)
     ring = np.stack([np.cos(t), np.sin(t), np.zeros_like(t)], axis=-1)
-    return strip((radius - width / 2) * ring, (radius + width / 2) * ring)
+    return strip((radius + width / 2) * ring, (radius - width / 2) * ring)
 
 
 def ribbon(points: Floats, width: float) -> Mesh:
-    """A strip of a width along points (n, 3), level across its direction."""
+    """A strip of a width along points (n, 3), level across its direction, seen from above."""
     along = np.gradient(points[:, :2], axis=0)
     length = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
     across = np.zeros_like(points)
@@ -141,7 +141,7 @@ def ribbon(points: Floats, width: float) -> Mesh:
 
 
 def strip(right: Floats, left: Floats) -> Mesh:
-    """Triangles between two lines of as many points (n, 3)."""
+    """Triangles between two lines of as many points (n, 3), seen from where right is right."""
     k = np.arange(len(right) - 1)
     n = len(right)
     faces = np.concatenate([np.stack([k, k + 1, n + k], 1), np.stack([k + 1, n + k + 1, n + k], 1)])
