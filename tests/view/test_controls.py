@@ -1,4 +1,4 @@
-"""Every control of a page, moved in a browser, and what it changes: in the scene, in its numbers, in the camera.
+"""Every control of a page, moved in a browser, changes what it says: scene, numbers or camera.
 
 The controls are those that the view itself has in its server. One without a case here is a failure.
 """
@@ -12,6 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 import six_wheel as sw
+from six_wheel.view.scene.shapes import about_z
 from tests.view.browsing import Page
 from tests.view.test_browser import page, until
 
@@ -20,12 +21,14 @@ __all__ = ["page"]
 Open = Callable[..., Any]
 CLOSED = ("Limits", "Scrub [cm]", "Rover", "Show")
 SPEEDS, AHEAD, ROVER = "/world/motion/speeds", "/world/motion/track_", "/world/rover"
+ICR = "/world/motion/icr"
+SMALL = (760, 480)  # [px], which software draws fast
 CORNERS = [(0.3, 0.25), (0.3, -0.25), (-0.3, 0.25), (-0.3, -0.25)]
 
 
 @dataclass(frozen=True)
 class Case:
-    """A control: what a person does, what must then be true, what must have changed in the scene or the panel."""
+    """What a person does, what is true after it, the beginning of the names of nodes that it changes."""
 
     do: Callable[[Page, Any], None]
     true: Callable[[Any], bool]
@@ -83,10 +86,10 @@ def hide(label: str, name: str) -> list[Case]:
 
 
 def camera(view: Any) -> NDArray[np.float64]:
-    """Place of the camera of the only browser from the point it looks at, in sizes of the rover."""
+    """Place of the camera from the point it looks at, in the axes and in sizes of the rover."""
     (client,) = view._server.get_clients().values()
     away = np.asarray(client.camera.position) - np.asarray(client.camera.look_at)
-    return np.asarray(away / view._subject.size)
+    return np.asarray(about_z(-view.pose[2]) @ away / view._subject.size)
 
 
 def above(view: Any) -> bool:
@@ -109,7 +112,7 @@ CAMERAS = [("Above", above), ("Side", side), ("Chase", chase), ("Free", free)]
 
 
 def key(shown: Page, name: str) -> None:
-    shown.page.locator("canvas").first.click(position={"x": 20, "y": 20})
+    shown.page.mouse.click(20, 20)
     shown.page.keyboard.press(name)
 
 
@@ -135,17 +138,26 @@ def drag(shown: Page, view: Any) -> None:
     assert until(lambda: above(view))
     shown.page.wait_for_timeout(1500)
     (client,) = view._server.get_clients().values()
-    handle = np.asarray(view._handle.position) + np.asarray(view._world.position)
-    grip = project(client.camera, handle + [0.45 * view._subject.size, 0.0, 0.0])
-    target = project(client.camera, handle + [0.75 * view._subject.size, 0.0, 0.0])
+    before = view.pose
+    for _ in range(5):  # the picture may be older than the handle
+        handle = np.asarray(view._handle.position) + np.asarray(view._world.position)
+        pull(shown, client.camera, handle, view._subject.size)
+        if view.pose != before:
+            return
+
+
+def pull(shown: Page, camera: Any, handle: NDArray[np.float64], size: float) -> None:
+    """Pull the arrow of a handle along x with the mouse."""
+    grip, target = (project(camera, handle + np.array([share * size, 0.0, 0.0])) for share in (0.45, 0.75))
     mouse = shown.page.mouse
     mouse.move(*grip)
-    shown.page.wait_for_timeout(300)
+    shown.page.wait_for_timeout(500)
     mouse.down()
     for share in np.linspace(0.0, 1.0, 8):
         mouse.move(*(grip + share * (target - grip)))
         shown.page.wait_for_timeout(60)
     mouse.up()
+    shown.page.wait_for_timeout(500)
 
 
 def project(camera: Any, point: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -158,11 +170,24 @@ def project(camera: Any, point: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.array([width / 2.0 + scale * x / depth, height / 2.0 + scale * y / depth])
 
 
-def turned(shown: Page, view: Any, label: str, value: str, button: str) -> None:
-    """Set a limit and ask for a motion beyond it; a record has one already."""
-    shown.type(label, value)
+def turned(shown: Page, view: Any, label: str, value: str | None, button: str) -> None:
+    """Begin a motion, of which a record has its own, and set a slider or tick a box that matters to it."""
     if view._player is None:
         shown.press(button)
+        assert until(lambda: bool(np.any(view.twist)))
+    if value is None:
+        shown.tick(label)
+    else:
+        shown.type(label, value)
+
+
+def widest(label: str, slider: Callable[[Any], Any]) -> Case:
+    """The limit is taken away again."""
+    return Case(
+        lambda shown, v: shown.type(label, str(slider(v).max)),
+        lambda v: close(slider(v).value, slider(v).max),
+        "",
+    )
 
 
 def cases(view: Any) -> dict[str, list[Case]]:
@@ -173,7 +198,7 @@ def cases(view: Any) -> dict[str, list[Case]]:
         "yaw [°/s]": [slide("yaw [°/s]", -4, lambda v: v.twist[2], np.radians(-4.0), AHEAD)],
         "Turns": [
             press("Spin", (0, 0, 1)), press("Straight", (1, 0, 0)), press("Crab", (1, 1, 0)),
-            Case(lambda shown, _: shown.press("Point turn"), point_turns, "/world/motion/icr"),
+            Case(lambda shown, _: shown.press("Point turn"), point_turns, ICR),
             press("Stop", (0, 0, 0)),
         ],
         "Pad": [press("↖", (1, 0, 1)), press("↗", (1, 0, -1)), press("↑", (1, 0, 0))],
@@ -195,15 +220,19 @@ def cases(view: Any) -> dict[str, list[Case]]:
         "steering [°]": [
             Case(lambda shown, v: turned(shown, v, "steering [°]", "25", "↖"),
                  lambda v: close(v._state.steering_limit, np.radians(25.0))
-                 and np.abs(v.motion.steering).max() <= np.radians(25.0) + 1e-9, f"{ROVER}/fan_0"),
+                 and (v._player is not None or np.abs(v.motion.steering).max() <= np.radians(25.0) + 1e-9),
+                 f"{ROVER}/fan_0"),
+            widest("steering [°]", lambda v: v._panels._steering),
         ],
         "wheel [rad/s]": [
             Case(lambda shown, v: turned(shown, v, "wheel [rad/s]", "0.2", "↑"),
                  lambda v: v._player is not None or close(np.abs(v.motion.wheel_speeds).max(), 0.2), SPEEDS),
+            widest("wheel [rad/s]", lambda v: v._panels._wheel_speed),
         ],
         "speed [cm/s]": [
             Case(lambda shown, v: turned(shown, v, "speed [cm/s]", "1", "↑"),
                  lambda v: close(v.motion.twist[0], 0.01), "map"),
+            widest("speed [cm/s]", lambda v: v._panels._speed),
         ],
         "tilt [°]": [
             slide("tilt [°]", 5, lambda v: v._state.tilt, np.radians(5.0), "say"),
@@ -212,7 +241,7 @@ def cases(view: Any) -> dict[str, list[Case]]:
     wheels = view._subject.rover.wheels
     scrubs = {
         wheel.name.replace("_", " "): [
-            Case(lambda shown, _, wheel=wheel: (shown.press("⟲"), shown.type(wheel.name.replace("_", " "), "4")),
+            Case(lambda shown, v, wheel=wheel: turned(shown, v, wheel.name.replace("_", " "), "4", "⟲"),
                  lambda v, k=k: close(v._state.scrub[k], 0.04), f"{ROVER}/wheel_{k}")
         ]
         for k, wheel in enumerate(wheels)
@@ -236,7 +265,14 @@ def cases(view: Any) -> dict[str, list[Case]]:
         "body": hide("body", f"{ROVER}/body"),
         "fans": hide("fans", f"{ROVER}/fan_0"),
         "arrows": hide("arrows", SPEEDS),
-        "centre": hide("centre", "/world/motion/icr"),
+        "centre": [
+            Case(
+                lambda shown, v: turned(shown, v, "centre", None, "↖"),
+                lambda v: not node(v, ICR).visible,
+                ICR,
+            ),
+            tick("centre", lambda v: bool(node(v, ICR).visible), ICR),
+        ],
         "ahead": hide("ahead", f"{AHEAD}0"),
         "path": hide("path", "/world/record/path"),
         "follow": [tick("follow", lambda v: not v._panels.shows("follow"), "")],
@@ -253,7 +289,7 @@ def cases(view: Any) -> dict[str, list[Case]]:
             Case(lambda shown, _: shown.choose("Speed", "4x"), lambda v: v._player._factor.value == "4x", "")
         ],
         "Play": [
-            tick("Play", lambda v: v._player.playing and v.time > 13.0, f"{ROVER}/wheel_0"),
+            tick("Play", lambda v: v._player.playing and v.time > 5.5, f"{ROVER}/wheel_0"),
             tick("Play", lambda v: not v._player.playing, ""),
         ],
         "Play or pause": [
@@ -265,7 +301,7 @@ def cases(view: Any) -> dict[str, list[Case]]:
 
 
 def controls(view: Any) -> list[str]:
-    """The labels of everything that a person can move, in the order of the panel; rows of the pad by names."""
+    """The labels of everything that a person can move, and of commands with a key."""
     gui = view._server.gui
     labels = []
     for handle in gui._gui_input_handle_from_uuid.values():
@@ -294,7 +330,9 @@ def test_every_control_of_the_page_changes_what_it_says(opened: Open, page: Any,
     view = opened(x, ground, **options)
     known, there = cases(view), controls(view)
     assert [label for label in there if label not in known] == []
-    shown = page(view.url)
+    if view.time is not None:
+        view.time = 5.0
+    shown = page(view.url, SMALL)
     shown.page.wait_for_selector("text=driven")
     for folder in CLOSED:
         if shown.page.get_by_text(folder, exact=True).count():
