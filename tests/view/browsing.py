@@ -1,6 +1,7 @@
 """A page of a view in a headless browser."""
 
 import os
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -43,7 +44,7 @@ class Page:
         self.page.on("request", lambda request: self._asked(request.url, url))
         self.page.on("websocket", self._listen)
         self.page.goto(url)
-        self.page.wait_for_selector("canvas")
+        self.page.wait_for_selector("canvas", state="attached")
 
     def ready(self, text: str) -> None:
         """Wait until the panel has a text, and the picture is drawn."""
@@ -75,7 +76,8 @@ class Page:
     def choose(self, row: str, option: str) -> None:
         """Choose an option of the list of a row."""
         self._input(row).evaluate(CLICK)
-        self.page.get_by_role("option", name=option, exact=True).evaluate(CLICK)
+        wanted = re.compile(f"^{re.escape(option)}$")
+        self.page.locator("[role=option]").filter(has_text=wanted).last.evaluate(CLICK)
 
     def press(self, name: str) -> None:
         """Click on a button."""

@@ -20,6 +20,7 @@ from tests.view.browsing import DESK, PATIENCE, TELEPHONE, Page
 
 Open = Callable[..., Any]
 TWIST = (0.15, 0.0, 0.05)
+PREPARED = "document.documentElement.dataset.prepared"
 SAND, TEAL = (0, 60), (160, 200)  # [degrees] of hue
 
 
@@ -69,6 +70,7 @@ def test_a_rover_on_rocks_is_seen_and_nothing_comes_from_elsewhere(
     shown = page(opened("perseverance", twist=TWIST).url, size)
     shown.ready("possible as commanded")
     picture = pixels(shown.shot())
+    assert shown.page.evaluate(PREPARED) == "2"  # a newer viser may be written differently: see `prepared`
     free = picture[: size[1] * 2 // 5, : size[0] * 7 // 10]  # beside and above the panel
     assert share(picture, SAND) > 0.1
     assert free.std() > 0.05  # the rover, not the sky alone
@@ -149,6 +151,7 @@ def test_a_page_on_disk_shows_the_scene(opened: Open, page: Any, tmp_path: Path)
     shown.page.wait_for_timeout(4000)
     picture = pixels(shown.shot())
     assert share(picture, SAND) > 0.1
+    assert shown.page.evaluate(PREPARED) == "2"
     assert shown.elsewhere == []
     assert shown.complaints == []
     assert target.stat().st_size < 8_000_000

@@ -11,6 +11,7 @@ import six_wheel as sw
 from six_wheel.view.commands import start_state
 from six_wheel.view.motion import find_motion, path_ahead, words
 from six_wheel.view.possible import FAST, FORBIDDEN, FREE, verdicts
+from six_wheel.view.scene import shapes
 from six_wheel.view.scene.ground import cut, triangles
 from six_wheel.view.subject import find_subject
 
@@ -142,6 +143,30 @@ def test_the_map_is_that_of_admissible_and_inverse(preset: str) -> None:
         _, speeds = rover.inverse(twist)
         fast = np.abs(speeds).max() > 2.0 or np.hypot(*twist[:2]) > 0.4
         assert verdict == (FAST if fast else FREE)
+
+
+@pytest.mark.parametrize("x", [sw.Rover.swerve([(0.3, 0.25), (0.3, -0.25), (-0.3, 0.25)], 0.1), "curiosity"])
+def test_scrub_is_that_of_the_rover(opened: Open, x: Any) -> None:
+    rover = find_subject(x, "flat").rover
+    name, wheel = rover.wheel_names[1], rover.wheels[1]
+    view = opened(x, "flat", twist=(0.02, 0.0, 0.1), scrub={name: 0.05})
+    steering, speeds = rover.replace(name, scrub=0.05).inverse(view.motion.twist)
+    np.testing.assert_allclose(view.motion.steering, steering, atol=1e-12)
+    np.testing.assert_allclose(view.motion.wheel_speeds, speeds, atol=1e-12)
+    without = rover.inverse(view.motion.twist)[1]
+    assert speeds[1] - without[1] == pytest.approx(-0.05 * view.motion.twist[2] / wheel.radius, rel=1e-9)
+    hub = pose_of(view, "/world/rover", "/world/rover/wheel_1")
+    np.testing.assert_allclose(hub[:2, 3], (wheel.x, wheel.y) + 0.05 * hub[:2, 1], atol=PLACES)
+    assert f"{speeds[1]:+.4f}" in view._panels._numbers.content
+
+
+def test_flat_strips_are_seen_from_above() -> None:
+    """Single-sided strips are half the work: a circle of a steering range showed its back to the camera."""
+    turn = np.linspace(0.0, 4.0, 30)
+    path = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)
+    for mesh in (shapes.arc(1.0, -1.0, 2.0, 0.1), shapes.ribbon(path, 0.1), shapes.ribbon(path[::-1], 0.1)):
+        a, b, c = np.moveaxis(mesh.vertices[mesh.faces], 1, 0)
+        assert (np.cross(b - a, c - a)[:, 2] > 0.0).all()
 
 
 def test_nothing_is_sent_twice_for_nothing(opened: Open) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from six_wheel.simulation.on_terrain import middle
 from six_wheel.view.motion import State
 from six_wheel.view.subject import Subject, triple
 
@@ -102,7 +103,8 @@ def _changes(
     begin = start_state(subject)
     if time is None:
         found["twist"] = state.twist
-        if state.pose != subject.start:
+        ground = subject.ground
+        if state.pose != ((0.0, 0.0, 0.0) if ground is None else (*middle(ground), 0.0)):
             found["at"] = state.pose
     for name in ("steering_limit", "wheel_speed", "speed", "tilt"):
         value, first = getattr(state, name), getattr(begin, name)
