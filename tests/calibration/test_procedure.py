@@ -265,7 +265,7 @@ def test_rows_that_cannot_be_used_are_left_out():
     assert_allclose(holed.values, whole.values, rtol=1e-3)
 
 
-@pytest.mark.filterwarnings("ignore:.*no wheel turns:six_wheel.kinematics.errors.SuspiciousReadingsWarning")
+@pytest.mark.filterwarnings("ignore:.*the truth moves:six_wheel.kinematics.errors.SuspiciousReadingsWarning")
 def test_what_cannot_be_calibrated_is_refused():
     log = drive(PAIR, 1, 10.0)
     blind = WheelLog(log.stamps, None, log.wheel_angles)

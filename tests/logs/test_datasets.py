@@ -22,7 +22,13 @@ def stamp(seconds: float) -> str:
     return f"2015_11_26_12_{whole // 60:02d}_{whole % 60:02d}_{round(1e3 * (seconds % 1.0)):03d}"
 
 
-def part(folder: Path, drive: Course = SIX, columns: int = 34, degrees: bool = True) -> Path:
+def part(
+    folder: Path,
+    drive: Course = SIX,
+    columns: int = 34,
+    degrees: bool = True,
+    rates_in_degrees: bool = False,
+) -> Path:
     """A part of a traverse in the layout of the Katwijk data set."""
     place = folder / "Traverse1" / "Part2"
     place.mkdir(parents=True)
@@ -32,8 +38,15 @@ def part(folder: Path, drive: Course = SIX, columns: int = 34, degrees: bool = T
         numbers += [0.0] * (columns - 1 - len(numbers))
         rows.append(" ".join([stamp(when), *(f"{number:.6f}" for number in numbers)]))
     (place / "odometry.txt").write_text("\n".join(rows) + "\n")
-    (place / "imu.txt").write_text(f"{stamp(0.0)} 0 0 9.81 0 0 0 0 0\n")
-    poses = sw.dead_reckon(drive.rover, drive.steering, drive.angles, drive.stamps).poses[::20]
+    track = sw.dead_reckon(drive.rover, drive.steering, drive.angles, drive.stamps)
+    turn = 180.0 / np.pi if rates_in_degrees else 1.0
+    # A sensor on its side: its y axis is up.
+    imu = [
+        f"{stamp(when)} 0 9.81 0 0 {turn * rate:.6f} 0 0 0"
+        for when, rate in zip(drive.stamps, track.twists[:, 2], strict=True)
+    ]
+    (place / "imu.txt").write_text("\n".join(imu) + "\n")
+    poses = track.poses[::20]
     places = []
     for when, (x, y, _) in zip(drive.stamps[::20], poses, strict=True):
         # East and north of the first fix; a minute of arc of latitude is about 1,855 m here.
@@ -54,6 +67,7 @@ def test_a_part_of_katwijk_is_read_with_its_positions(tmp_path: Path, degrees: b
     np.testing.assert_allclose(log.steering, SIX.steering, atol=1e-6)
     np.testing.assert_allclose(log.stamps, SIX.stamps, atol=1e-9)
     track = sw.dead_reckon(SIX.rover, log)
+    np.testing.assert_allclose(log.yaw_rate[1:-1], track.twists[1:-1, 2], atol=5e-3)
     true = log.truth.poses[:, :2]
     np.testing.assert_allclose(true, track.poses[::20, :2], atol=5e-3)  # of the ellipsoid's radii above
     said = " ".join(reader.warnings)
@@ -65,7 +79,25 @@ def test_the_documented_columns_alone_are_taken_without_a_word(tmp_path: Path) -
     path = part(tmp_path, columns=14, degrees=False)
     result = reckon(SIX.rover, path)
     np.testing.assert_allclose(result.pose, SIX.pose, atol=1e-3)
-    assert [line for line in result.warnings if "columns" in line] == []
+    assert [line for line in result.warnings if "columns, of which" in line] == []
+
+
+def test_rates_that_no_rover_has_are_not_read(tmp_path: Path) -> None:
+    log, reader = read_log(part(tmp_path, rates_in_degrees=True), SIX.rover)
+    assert log.yaw_rate is None
+    assert "which are not m/s² and rad/s of a rover: it is not read" in " ".join(reader.warnings)
+
+
+def test_rows_of_a_data_set_are_looked_at_as_those_of_any_log(tmp_path: Path) -> None:
+    path = part(tmp_path)
+    rows = [line.split() for line in path.read_text().splitlines()]
+    for row in rows[200:]:
+        row[1] = str(float(row[1]) % 1.0 - 50.0)
+    path.write_text("\n".join(map(" ".join, rows)) + "\n")
+    with pytest.raises(ValueError, match=str(path)):
+        read_log(path, SIX.rover)
+    log, _ = read_log(path, SIX.rover, plausibility=False)
+    assert len(log) == len(SIX.stamps)
 
 
 def test_a_folder_of_parts_holds_their_odometry_alone(tmp_path: Path) -> None:

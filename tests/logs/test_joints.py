@@ -149,7 +149,6 @@ def test_columns_may_be_renamed(tmp_path: Path) -> None:
 STEPS = st.lists(st.integers(-30_000, 30_000), min_size=2, max_size=30)
 
 
-@pytest.mark.filterwarnings("ignore:.*no wheel turns:six_wheel.kinematics.errors.SuspiciousReadingsWarning")
 @given(
     steps=STEPS, bits=st.sampled_from([16, 32]), offset=st.integers(0, 1 << 32), chunk_rows=st.integers(1, 40)
 )
@@ -171,7 +170,6 @@ def test_counters_that_wrap_and_counts_per_row_are_the_same_angle(
             "columns": {column: "left [ticks]"},
             "wheel_encoders": encoder,
             "increments": column == "c",
-            "stamp_unit": "s",
         }
         rows = rows_of(path, chunk_rows=chunk_rows, **options)
         turned = rows.wheel_angles[:, 0] - rows.wheel_angles[0, 0]

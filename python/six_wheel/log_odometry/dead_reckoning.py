@@ -174,8 +174,10 @@ def dead_reckon(
         common |= spatial | beginning | options
         return _in_space(rover, steering, wheel_angles, stamps, noise=noise, yaw_rate=yaw_rate, **common)
     _refuse(spatial, "for a rover without a suspension")
+    known = None
     if wheel_angles is None and hasattr(steering, "wheel_angles"):
         log = steering
+        known = None if log.truth is None else log.truth.poses
         steering, wheel_angles, stamps = log.steering, log.wheel_angles, log.stamps
         yaw = log.yaw if yaw is None else yaw
         options = {**log.options, **options}
@@ -202,7 +204,7 @@ def dead_reckon(
         stamps = np.asarray(stamps) / round(1.0 / scale_of(stamp_unit))
     if wheel_angles is not None and stamps is not None and plausibility and _rows(stamps) >= FEW:
         checks = array_checks(rover, options, clock_stated=stamp_unit is not None)
-        check_arrays(checks, steering, wheel_angles, stamps)
+        check_arrays(checks, steering, wheel_angles, stamps, known)
     if wheel_angles is not None and stamps is not None and progress is None:
         track = odometry.run(steering, wheel_angles, stamps, **rates, **common)
     else:

@@ -7,12 +7,15 @@ or changed, are all that is left to do. A log that fails is reported, and the re
 
 import hashlib
 import json
+import math
 import os
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from six_wheel._core import Rover, __version__
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning
@@ -126,18 +129,26 @@ def reckon_all(
     ]
     keys = [_key(job) for job in jobs]
     done = 0
+    judged: list[FleetLog] = []
 
-    def counted(one: FleetLog) -> FleetLog:
+    def counted(one: FleetLog) -> list[FleetLog]:
+        """The log, or none if another one had its readings in another format."""
         nonlocal done
         done += 1
         if progress is not None:
             progress(done, len(jobs))
-        return one
+        same = next((other for other in judged if _alike(one.summary, other.summary)), None)
+        if same is not None:
+            _say_copy(one.path, same.path)
+            one.track.unlink(missing_ok=True)
+            return []
+        judged.append(one)
+        return [one]
 
     left = []
     for number, key in enumerate(keys):
         if key in journal and tracks[number].is_file():
-            yield counted(FleetLog(logs[number], tracks[number], journal.read(key), resumed=True))
+            yield from counted(FleetLog(logs[number], tracks[number], journal.read(key), resumed=True))
         else:
             left.append(number)
     for outcome in spread(reckon_one, [jobs[number] for number in left], cluster=cluster, workers=workers):
@@ -149,7 +160,7 @@ def reckon_all(
             remove_leftovers(tracks[number])  # of workers that died
             journal.write(keys[number], outcome.value)
         value = outcome.value if failure is None else None
-        yield counted(FleetLog(logs[number], tracks[number], value, failure))
+        yield from counted(FleetLog(logs[number], tracks[number], value, failure))
 
 
 def reckon_one(job: LogTask) -> dict[str, Any]:
@@ -188,13 +199,26 @@ def _without_copies(paths: Sequence[Path]) -> list[Path]:
         alike = contents.setdefault(sizes, []) if sizes else []
         same = same or next((other for other in alike if _digest(other) == _digest(path)), None)
         if same is not None:
-            line = f"{path} has the readings of {same}: they count once"
-            warnings.warn(line, SuspiciousReadingsWarning, stacklevel=3)
+            _say_copy(path, same)
             continue
         places[path.resolve()] = path
         alike.append(path)
         kept.append(path)
     return kept
+
+
+def _say_copy(path: Path, same: Path) -> None:
+    line = f"{path} has the readings of {same}: they count once"
+    warnings.warn(line, SuspiciousReadingsWarning, stacklevel=4)
+
+
+def _alike(one: Mapping[str, Any] | None, other: Mapping[str, Any] | None) -> bool:
+    """True if two drives are one but for the rounding of a format, by rows, length and end."""
+    if one is None or other is None or not one["distance"] or one["rows"] != other["rows"]:
+        return False
+    near = math.isclose(one["distance"], other["distance"], rel_tol=1e-4)
+    near = near and math.isclose(one["duration"], other["duration"], rel_tol=1e-6, abs_tol=2e-3)
+    return near and np.allclose(one["pose"], other["pose"], rtol=0.0, atol=2e-3)
 
 
 def _files(path: Path) -> list[tuple[str, Path]]:

@@ -29,7 +29,7 @@ from six_wheel.logs.joint_sources import JointSource, refuse_counts
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.joints import JointLog, JointRows
 from six_wheel.logs.log_options import LogOptions, corrections, encoders_of, encoders_or_keys
-from six_wheel.logs.plausibility.arrays import array_checks, check_arrays
+from six_wheel.logs.plausibility.arrays import check_log
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Findings
@@ -158,7 +158,7 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
     if kind not in log_formats():
         raise ValueError(f'format must be one of {", ".join(log_formats())}, got "{kind}"')
     if kind in READERS:
-        return WholeLog(path, rover, kind)
+        return WholeLog(path, rover, kind, plausibility=options.plausibility)
     if is_bag(path) != (kind == "bag"):
         tables = " or ".join(READ)
         form = "a folder or .mcap or .db3 file" if kind == "bag" else f"a file ending in {tables}"
@@ -270,9 +270,8 @@ def _told(log: WheelLog, rover: Rover, options: LogOptions, number: int) -> Whee
     if given or stamps is not log.stamps:
         log = replace(log, stamps=stamps, options={**log.options, **given})
     if options.plausibility and log.plausibility:
-        checks = array_checks(rover, log.options, clock_stated=options.stamp_unit is not None)
         try:
-            check_arrays(checks, log.steering, log.wheel_angles, log.stamps)
+            check_log(log, rover, clock_stated=options.stamp_unit is not None)
         except ImplausibleReadingError as error:
             raise ValueError(f"logs[{number}]: {error}") from None
     return log
@@ -329,6 +328,8 @@ class WholeLog:
         With the wheels of that log, in its order.
     kind : str
         Which of them.
+    plausibility : bool
+        Whether readings that no rover has are refused.
 
     Raises
     ------
@@ -337,18 +338,17 @@ class WholeLog:
     """
 
     readings: Reading = "ticks"
-    origin = 0
+    origin = position = 0
     truth_findings: Findings | None = None
 
-    def __init__(self, path: Path, rover: Rover, kind: str) -> None:
-        self.path, self.rover = path, rover
-        self.findings, self.warnings = Findings(path), list[str]()
-        self.position = 0
+    def __init__(self, path: Path, rover: Rover, kind: str, *, plausibility: bool = True) -> None:
+        self.path, self.rover, self.findings = path, rover, Findings(path)
         try:
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always", SuspiciousReadingsWarning)
-                self._log = READERS[kind].read(path, rover)
-            self.warnings += [str(each.message) for each in caught]
+                self._log = log = READERS[kind].read(path, rover)
+                check_log(log, rover, clock_stated=True, units_stated=True) if plausibility else None
+            self.warnings = [str(each.message) for each in caught]
         except TableError:
             raise
         except OSError as error:

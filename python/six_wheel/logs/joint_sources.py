@@ -16,9 +16,10 @@ from six_wheel.logs.headers.columns import Column, TableError, Unit
 from six_wheel.logs.headers.joint_columns import JointColumns, Reading, joint_columns, unsaid_units
 from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.joint_totals import Encoders
-from six_wheel.logs.plausibility.checks import ReadingChecks, Readings
+from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.proposals import Column as Label
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, encoders
+from six_wheel.logs.plausibility.readings import Readings
 from six_wheel.logs.skip_bad_rows import Source, TolerantTable
 
 __all__ = ["JointSource", "refuse_counts"]

@@ -351,14 +351,15 @@ class JointLog:
             if wheel in self._wheels:
                 angles[:, k] = self._wheels[wheel].advance(batch.values[f"wheel {wheel}"], stamps)
         steered = np.stack(steering, axis=1) if steering else None
+        truth = poses_of(batch.values) if "x" in batch.values else None
         if self._checks is not None:
+            self._checks.turns.see(truth)
             raw, joints = angles, steered
             if not self._as_read:
                 wheels = self._columns_of(batch, "wheel", self.rover.wheel_names)
                 raw = angles if wheels is None else wheels
                 joints = self._columns_of(batch, "steering", self.rover.steered_wheel_names)
             self._refuse(partial(self._checks.take, stamps, raw, angles, joints, batch.rows, steered))
-        truth = poses_of(batch.values) if "x" in batch.values else None
         rates = None
         if self._source.has_rates:
             try:

@@ -155,7 +155,6 @@ def test_a_file_is_asked_for_by_its_path():
         sw.load(5)
 
 
-@pytest.mark.filterwarnings("ignore:.*no wheel turns:six_wheel.kinematics.errors.SuspiciousReadingsWarning")
 def test_a_calibration_asks_too():
     pytest.importorskip("scipy")
     with pytest.raises(TypeError, match="^rover must be a Rover, got None: give one that sw.Rover makes"):

@@ -3,7 +3,8 @@
 A part of a traverse is a folder with ``odometry.txt``: rows of numbers between spaces, a stamp such as
 ``2015_11_26_12_59_59_950`` in local time, the angles of six wheels (front, middle, rear, left before
 right) and of four steering joints (front, rear) [rad], rocker and bogies, and columns that are not described.
-Beside it ``gps-utm31.txt`` has stamps and positions, in spite of its name as latitude and longitude [deg].
+Beside it ``gps-utm31.txt`` has stamps and positions, in spite of its name as latitude and longitude [deg],
+and ``imu.txt`` stamps, acceleration along three axes [m/s²], rates about them [rad/s], and inclinations.
 
 Source: layout as in katwijk_tools (``dataset.py``); R. Hewitt et al., The Katwijk beach planetary rover
 dataset, Int. J. of Robotics Research, 2018.
@@ -18,14 +19,17 @@ import numpy as np
 from six_wheel._core import Rover
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning
 from six_wheel.kinematics.poses import Floats
+from six_wheel.logs.gyroscope.rates import Turning, edges_of
 from six_wheel.logs.headers.clock_times import ClockTimes, is_clock_time
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 
 __all__ = ["belongs", "claims", "read"]
 
-ODOMETRY, PLACES = "odometry.txt", "gps-utm31.txt"
+ODOMETRY, PLACES, IMU = "odometry.txt", "gps-utm31.txt", "imu.txt"
 WHEELS, JOINTS, LINKS = 6, 4, 3  # columns behind the stamp
+GRAVITY = (8.0, 12.0)  # [m/s²] that an accelerometer shows in the mean
+FASTEST = 2.0  # [rad/s] that this rover turns at; more are degrees
 EQUATOR, FLATTENING = 6_378_137.0, 1.0 / 298.257223563  # [m], of WGS 84
 
 
@@ -66,7 +70,29 @@ def read(path: Path, rover: Rover) -> WheelLog:
     truth = _truth(places, origin) if places.is_file() else None
     seconds = (stamps - origin) * 1e-9
     name = "_".join(file.parent.parts[-2:])
-    return WheelLog(seconds, numbers[:, WHEELS : WHEELS + JOINTS], numbers[:, :WHEELS], truth, name)
+    sensor = file.with_name(IMU)
+    rates = _yaw_rates(sensor, seconds, origin) if sensor.is_file() else None
+    joints = numbers[:, WHEELS : WHEELS + JOINTS]
+    return WheelLog(seconds, joints, numbers[:, :WHEELS], truth, name, yaw_rate=rates)
+
+
+def _yaw_rates(file: Path, seconds: Floats, origin: int) -> Floats | None:
+    """Rates about the vertical at the rows of the odometry [rad/s]; None in other units."""
+    stamps, numbers = _rows(file, 6)
+    forces, rates = numbers[:, :3], numbers[:, 3:6]
+    up = forces.mean(axis=0)
+    gravity, fastest = float(np.linalg.norm(up)), float(np.abs(rates).max(initial=0.0))
+    if len(stamps) < 2:
+        return None
+    if not GRAVITY[0] <= gravity <= GRAVITY[1] or fastest > FASTEST:
+        shown = f"{gravity:.3g} of acceleration and rates up to {fastest:.3g}"
+        what = f"holds {shown}, which are not m/s² and rad/s of a rover: it is not read"
+        warnings.warn(f"{file} {what}", SuspiciousReadingsWarning, stacklevel=3)
+        return None
+    what = "holds acceleration and rates: taken in rad/s, about the mean acceleration, which is up"
+    warnings.warn(f"{file} {what}", SuspiciousReadingsWarning, stacklevel=3)
+    turning = Turning(iter([((stamps - origin) * 1e-9, rates @ up / gravity)]))
+    return turning.rates(edges_of(seconds, None, None))
 
 
 def _rows(file: Path, least: int) -> tuple[np.ndarray, Floats]:

@@ -82,13 +82,11 @@ def _of_columns(rover: Rover, headers: Sequence[str], by_name: JointColumns, sen
     """The meaning of a table whose headers say what is in them."""
     steering, _ = joints_by_wheel(rover)
     known = by_name.columns
-    if "nanoseconds" in known:
-        both = f'"{known["time"].header}" and "{known["nanoseconds"].header}"'
-        raise ValueError(
-            f"a table must have its stamps in one column, got {both}: add them up, or read_log the file"
-        )
     found, scales = {"stamp": headers[known["time"].index]}, {}
-    if known["time"].stated:
+    if "nanoseconds" in known:
+        found["nanoseconds"] = headers[known["nanoseconds"].index]
+        scales[found["stamp"]] = 1e-9
+    elif known["time"].stated:
         scales[found["stamp"]] = known["time"].unit.scale
     backwards = set()
     for part, wheels in (("steering", rover.steered_wheel_names), ("wheel", rover.wheel_names)):

@@ -170,6 +170,8 @@ def table(
         clock, origin = ClockTimes(), None
         for read in batches():
             read[meaning.found["stamp"]] = _stamps(read[meaning.found["stamp"]], clock)
+            if rest := meaning.found.get("nanoseconds"):
+                read[meaning.found["stamp"]] = _added(read[meaning.found["stamp"]], read[rest])
             origin = _origin(read[meaning.found["stamp"]], meaning) if origin is None else origin
             _turn(rover, read, meaning)
             yield _piece(rover, meaning, read, origin)
@@ -284,6 +286,14 @@ def _stamps(stamps: NDArray[Any], clock: ClockTimes) -> NDArray[Any]:
     dates = times.astype("datetime64[ns]")
     dates[~good] = np.datetime64("NaT")
     return dates
+
+
+def _added(seconds: NDArray[Any], nanoseconds: NDArray[Any]) -> NDArray[Any]:
+    """Whole nanoseconds of stamps in two columns; rows without a number stay NaN."""
+    if np.isfinite(seconds).all() and np.isfinite(nanoseconds).all():
+        return seconds.astype(np.int64) * 1_000_000_000 + nanoseconds.astype(np.int64)
+    added: NDArray[Any] = seconds * 1e9 + nanoseconds
+    return added
 
 
 def _column(source: Any, header: str) -> NDArray[Any]:

@@ -330,7 +330,8 @@ def proposed(headers: Sequence[str], rover: Rover) -> str:
         bracketed = bare[header]
         meanings[header] = f"{wheel} [{bracketed[2]}]" if bracketed else wheel + _by_name(words(header))
     if not meanings:
-        return ""
+        meanings = {f"HEADER{k}": f"{wheel} [UNIT]" for k, wheel in enumerate(rover.wheel_names, start=1)}
+        return f"; give {columns(meanings)}, with headers of this log and their unit, or [ticks]"
     guessed = any("[" not in meaning for meaning in meanings.values())
     return f"; give {columns(meanings)}{', or with their unit, as [deg]' if guessed else ''}"
 

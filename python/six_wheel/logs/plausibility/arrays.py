@@ -5,13 +5,17 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning
-from six_wheel.logs.plausibility.checks import ReadingChecks, Readings
+from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.proposals import Column
+from six_wheel.logs.plausibility.readings import Readings
 
-__all__ = ["FEW", "array_checks", "check_arrays"]
+__all__ = ["FEW", "array_checks", "check_arrays", "check_log"]
+
+Floats = NDArray[np.float64]
 
 FEW = 20  # rows that tell nothing
 
@@ -49,6 +53,7 @@ def array_checks(
         steering_stated=joints is not None or units_stated,
         wraps=any(one.wraps_at is not None for one in each),
         steering_wraps=any(one.wraps_at is not None for one in steered),
+        wraps_at=np.array([one.wraps_at or np.inf for one in each]),
         turn=each[0].ticks_per_turn if each else None,
         increments_stated=bool({"readings", "increments"} & options.keys()),
         scale=np.array([one.angle_per_tick for one in each]),
@@ -59,8 +64,11 @@ def array_checks(
     return ReadingChecks(described, _warn)
 
 
-def check_arrays(checks: ReadingChecks, steering: Any, wheels: Any, stamps: Any) -> None:
-    """Check a whole log in arrays; those of another shape are left to `Odometry`."""
+def check_arrays(
+    checks: ReadingChecks, steering: Any, wheels: Any, stamps: Any, truth: Floats | None = None
+) -> None:
+    """Check a whole log in arrays, beside the poses of its truth; those of another shape are left to
+    `Odometry`."""
     times, raw = np.asarray(stamps), np.asarray(wheels)
     angles = None if steering is None else np.asarray(steering)
     count = len(checks.readings.rover.wheels)
@@ -70,8 +78,16 @@ def check_arrays(checks: ReadingChecks, steering: Any, wheels: Any, stamps: Any)
         return
     steered = len(checks.readings.rover.steered_wheel_names)
     fits = angles is not None and angles.shape == (len(times), steered) and steered
+    checks.turns.see(truth)
     checks.take(times, raw, None, angles if fits else None)
     checks.finish()
+
+
+def check_log(log: Any, rover: Rover, *, clock_stated: bool, units_stated: bool = False) -> None:
+    """Check a `WheelLog`, beside its truth."""
+    checks = array_checks(rover, log.options, clock_stated=clock_stated, units_stated=units_stated)
+    poses = None if log.truth is None else log.truth.poses
+    check_arrays(checks, log.steering, log.wheel_angles, log.stamps, poses)
 
 
 def _kind(options: Mapping[str, Any]) -> str:

@@ -4,13 +4,13 @@ Sums telescope: a jump in one row shows in the difference over a stretch of rows
 few of its rows, and only a stretch that is odd is read row by row.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel._core import Rover
 from six_wheel.logs.plausibility.jumps import (
     WHOLE_TURNS,
     Jumps,
@@ -35,6 +35,7 @@ from six_wheel.logs.plausibility.proposals import (
     rows,
     stamp_unit,
 )
+from six_wheel.logs.plausibility.readings import Readings
 from six_wheel.logs.plausibility.stamps import FEW_ROWS, check_clock, check_order, check_origin
 from six_wheel.logs.plausibility.still import WheelTurns
 from six_wheel.logs.plausibility.whole_numbers import (
@@ -42,68 +43,16 @@ from six_wheel.logs.plausibility.whole_numbers import (
     check_counts,
     check_increments,
     check_increments_as_totals,
+    returned_counts,
 )
 
-__all__ = ["ReadingChecks", "Readings"]
+__all__ = ["ReadingChecks"]
 
 Floats = NDArray[np.float64]
 
 SAMPLE = 4096  # rows in a row that are read closely for what only neighbours tell
 LONG_GAP = 1.0  # [s] in which rates tell nothing
 FASTEST_STEP = 30.0  # [m/s] of a rim from one row to the next
-
-
-@dataclass(frozen=True)
-class Readings:
-    """Description of the readings of a log, and which of it somebody said.
-
-    Attributes
-    ----------
-    rover : Rover
-    kind : str
-        ``"angles"``, ``"ticks"``, ``"speeds"`` or ``"increments"``.
-    wheels, steering : sequence of Column
-        In the rover's order, with an empty header for a wheel without one.
-    time : str
-        Header of the stamps.
-    named : bool
-        Whether columns have headers that can be mapped.
-    clock_stated, wheels_stated, steering_stated : bool
-        Whether the log or its owner says in which unit they are.
-    wraps, steering_wraps : bool
-        Whether encoders say where counters start over.
-    counts_unknown : bool
-        Whether readings are counts and nobody says of how many a turn has.
-    turn : float or None
-        Counts of a turn.
-    increments_stated : bool
-        Whether it is said that rows are totals, or that they are not.
-    scale : array, shape (wheels,), or None
-        Radians of one of the readings.
-    max_speed, max_gap : float or None
-        Bounds of the owner [m/s], [s].
-    first_row : int
-        Number of the first row.
-    """
-
-    rover: Rover
-    kind: str = "angles"
-    wheels: Sequence[Column] = ()
-    steering: Sequence[Column] = ()
-    time: str = "stamps"
-    named: bool = False
-    clock_stated: bool = False
-    wheels_stated: bool = False
-    steering_stated: bool = False
-    wraps: bool = False
-    steering_wraps: bool = False
-    counts_unknown: bool = False
-    turn: float | None = None
-    increments_stated: bool = False
-    scale: Floats | None = None
-    max_speed: float | None = None
-    max_gap: float | None = None
-    first_row: int = 1
 
 
 @dataclass
@@ -121,10 +70,11 @@ class ReadingChecks:
     warn: Callable[[str], None]
     _rows: int = 0
     _last: tuple[float, Floats, Floats, Floats | None] | None = None
-    _turns: WheelTurns = field(default_factory=WheelTurns)
+    turns: WheelTurns = field(default_factory=WheelTurns)
     _begin: float = 0.0
     _turned: Floats = field(default_factory=lambda: np.zeros(0))
     _clock_known: bool = False
+    _numbered: tuple[int, int] = (0, -1)
     _looked: bool = False
 
     def take(
@@ -163,6 +113,7 @@ class ReadingChecks:
         known = self.readings
         if not self._rows:
             self._begin = float(stamps[0])
+            self.turns.least = 10.0 * math.pi / known.turn if known.turn else self.turns.least
             if not known.clock_stated:
                 check_origin(float(stamps[0]), known.time, self._row(0, numbers))
         if numbers is None:
@@ -176,18 +127,26 @@ class ReadingChecks:
             self._check_motion(stamps, raw, angles, turned, chosen, numbers)
             if known.kind == "speeds":
                 self._check_gaps(stamps, raw, numbers)
+        if numbers is not None:
+            self._numbered = int(self._numbered[0] or numbers[0]), int(numbers[-1])
         self._rows += len(stamps)
         last = None if steering is None else steering[-1]
         self._last = (float(stamps[-1]), raw[-1].copy(), self._turned, last)
 
     def finish(self) -> None:
-        """Warn of wheels that do not move while others do."""
+        """Warn of wheels that do not move while others or the truth do."""
         known = self.readings
-        if known.kind == "increments" or self._last is None:
+        if known.kind == "increments":
+            missing = self._numbered[1] - self._numbered[0] + 1 - self._rows
+            if missing > 0 and self._rows:
+                self.warn(f"the path misses what wheels turned in {missing} rows that are left out")
             return
-        duration = self._last[0] - self._begin
-        totals, named = known.kind == "angles", known.named
-        for line in self._turns.doubts(known.rover, known.wheels, self._rows, duration, named, totals):
+        if self._last is None:
+            return
+        if known.turn and self.turns.returned and not known.increments_stated:
+            column = next(each for each in known.wheels if each.header)
+            raise ImplausibleReadingError(returned_counts(column))
+        for line in self.turns.doubts(known, self._rows, self._last[0] - self._begin):
             self.warn(line)
 
     def _row(self, place: int, numbers: NDArray[np.int64] | None) -> int:
@@ -317,7 +276,8 @@ class ReadingChecks:
     ) -> None:
         known = self.readings
         scale = np.ones(1) if known.scale is None else known.scale
-        if angles is None and (known.scale is None or known.wraps or known.kind == "increments"):
+        unknown = known.scale is None or (known.wraps and known.wraps_at is None)
+        if angles is None and (unknown or known.kind == "increments"):
             return
         times = stamps[chosen]
         if angles is not None:
@@ -328,30 +288,41 @@ class ReadingChecks:
             turned = np.cumsum(np.nan_to_num(rates * periods), axis=0)
             turned[:, np.isnan(rates).all(axis=0)] = np.nan
             turned += 0.0 if self._last is None else self._last[2]
+        elif known.wraps and known.wraps_at is not None:
+            before = raw[:1] if self._last is None else self._last[1][None]
+            steps = np.diff(raw.astype(np.float64), axis=0, prepend=before)
+            around = np.where(np.isfinite(known.wraps_at), known.wraps_at, 1.0)
+            steps -= np.where(np.isfinite(known.wraps_at), around * np.round(steps / around), 0.0)
+            turned = np.cumsum(np.nan_to_num(steps), axis=0)[chosen] * scale
+            turned += 0.0 if self._last is None else self._last[2]
         else:
-            turned = raw[chosen] * scale
-        turned = np.where(np.isfinite(turned), turned, np.nan)
+            turned = np.take(raw, chosen, axis=0) * scale
+        turned = np.asfortranarray(turned)  # what follows goes along columns
+        if not np.isfinite(turned).all():
+            turned = np.where(np.isfinite(turned), turned, np.nan)
         self._turned = turned[-1].copy()
         if self._last is not None and len(self._last[2]):
             times = np.concatenate(([self._last[0]], times))
             turned = np.vstack((self._last[2], turned))
-        self._turns.add(turned)
+        self.turns.add(turned)
         periods = np.diff(times)
         later = periods > 0.0
         if not later.any():
             return
-        rates = np.diff(turned, axis=0)[later] / periods[later][:, None]
+        steps = np.diff(turned, axis=0)
+        rates = np.asfortranarray((steps if later.all() else steps[later]) / periods[later][:, None])
         ends = chosen[-len(periods) :][later]
         radii = np.array([wheel.radius for wheel in known.rover.wheels])
-        rims = np.nan_to_num(np.abs(rates) * radii).max(axis=1)
         if not known.clock_stated and not self._clock_known:
+            rims = np.nan_to_num(np.fmax.reduce(np.abs(rates) * radii, axis=1))
             check_clock(stamps[:SAMPLE], rims, known.kind == "speeds", known.time, self._row(0, numbers))
             self._clock_known = bool(rims.any())
         middles = None
         if steering is not None:
             middles = np.where(np.isfinite(steering[ends]), steering[ends], np.nan)
             if not known.steering_stated:
-                check_steering(known.rover, middles, known.steering, self._row(0, numbers), known.named)
+                row = self._row(0, numbers)
+                check_steering(known.rover, middles, rates, known.steering, row, known.named)
         if known.max_speed is not None:
             return
         found = check_motion(known.rover, rates, middles, periods[later])

@@ -27,6 +27,9 @@ HARDEST_START = 20.0  # [m/s²] of the median rim from one stretch to the next
 HARDEST_TURN = 50.0  # [m/s²] towards the centre of the turn
 FASTEST_TURN = 12.6  # [rad/s] of the body, for two stretches in a row
 ENOUGH = 4  # stretches
+SHARP = 0.3  # sine between where joints are and where the motion would have them, if they are in another unit
+FLAT = 0.1  # the same, if they are in this one
+SOME = 200  # rows that tell
 PLAY = 0.1  # [rad] beyond its range at which a joint may be measured
 
 
@@ -47,20 +50,21 @@ def check_motion(
     if len(rates) < ENOUGH:
         return None
     radii = np.array([wheel.radius for wheel in rover.wheels])
-    rims = np.abs(rates) * radii
-    fastest = np.nan_to_num(rims).max(axis=1)
-    spinning = np.nan_to_num(np.abs(rates)).max(axis=1) > FASTEST_WHEEL
+    turning = np.abs(rates)
+    rims = turning * radii
+    fastest = float(np.fmax.reduce(rims, axis=None))
+    if fastest < 1.0 and float(np.fmax.reduce(turning, axis=None)) <= FASTEST_WHEEL:
+        return None
+    spinning = np.fmax.reduce(turning, axis=1) > FASTEST_WHEEL
     spinning[1:] &= spinning[:-1]
     spinning[0] = False
-    for found in (fastest > FASTEST_RIM, spinning):
+    for found in (np.fmax.reduce(rims, axis=1) > FASTEST_RIM, spinning):
         if found.any():
             row = int(np.argmax(found))
             wheel = int(np.nanargmax(rims[row]))
-            turning = abs(float(rates[row, wheel]))
-            return row, wheel, f"turns at {turning:.4g} rad/s, {rims[row, wheel]:.4g} m/s at the rim,"
-    if float(fastest.max()) < 1.0:
-        return None
-    return _of_body(rover, rates, steering, periods, rims)
+            turned = abs(float(rates[row, wheel]))
+            return row, wheel, f"turns at {turned:.4g} rad/s, {rims[row, wheel]:.4g} m/s at the rim,"
+    return None if fastest < 1.0 else _of_body(rover, rates, steering, periods, rims)
 
 
 def _of_body(
@@ -112,8 +116,11 @@ def degrees(wheels: Sequence[Column], rates: bool, named: bool) -> Proposal:
     return columns({column.header: f"{column.wheel} [{unit}]" for column in wheels if column.header})
 
 
-def check_steering(rover: Rover, steering: Floats, joints: Sequence[Column], row: int, named: bool) -> None:
-    """Refuses steering angles (n, steered wheels) beyond what a joint can, as degrees are.
+def check_steering(
+    rover: Rover, steering: Floats, rates: Floats, joints: Sequence[Column], row: int, named: bool
+) -> None:
+    """Refuses steering angles (n, steered wheels) beyond what a joint can, and those at which wheels with
+    these rates (n, wheels) [rad/s] would slip, but not in degrees.
 
     Raises
     ------
@@ -131,14 +138,41 @@ def check_steering(rover: Rover, steering: Floats, joints: Sequence[Column], row
         what = (
             f'"{column.header}" is at {reach[number]:.4g} rad in row {at}, beyond the joint of {column.wheel}'
         )
-        if named:
-            proposal = columns(
-                {each.header: f"{each.wheel}_steering [deg]" for each in joints if each.header}
-            )
-        else:
-            proposal = encoders(turn=360, steering=True)
         rest = at_its_word().option
-        raise ImplausibleReadingError(f"{what}: degrees? Give {proposal}; {rest} takes it as it is")
+        raise ImplausibleReadingError(
+            f"{what}: degrees? Give {_in_degrees(joints, named)}; {rest} takes it as it is"
+        )
+    off, turned = (_off(rover, rates, angles) for angles in (steering, np.radians(steering)))
+    if off > SHARP and turned < FLAT:
+        names = ", ".join(f'"{column.header}"' for column in joints)
+        rest = at_its_word().option
+        raise ImplausibleReadingError(
+            f"{names} from row {row} on: wheels would slip sideways at these angles in radians, and roll in "
+            f"degrees: give {_in_degrees(joints, named)}; {rest} takes them as they are"
+        )
+
+
+def _in_degrees(joints: Sequence[Column], named: bool) -> Proposal:
+    """The proposal to read joints in degrees; `named` where they have headers."""
+    if not named:
+        return encoders(turn=360, steering=True)
+    return columns({each.header: f"{each.wheel}_steering [deg]" for each in joints if each.header})
+
+
+def _off(rover: Rover, rates: Floats, steering: Floats) -> float:
+    """Median sine between joints and where the motion by all wheels would have them; 0 where none tells."""
+    rims = np.nan_to_num(np.abs(rates)).max(axis=1)
+    there = (rims > 0.0) & np.isfinite(rates).all(axis=1) & np.isfinite(steering).all(axis=1)
+    rows = np.flatnonzero(there)
+    if len(rows) < ENOUGH:
+        return 0.0
+    rows = rows[np.unique(np.linspace(0, len(rows) - 1, SOME).astype(np.int64))]
+    try:
+        twists = rover.forward(steering[rows], rates[rows])
+        angles, _ = map(np.asarray, rover.inverse(twists))
+    except ValueError:
+        return 0.0
+    return float(np.median(np.abs(np.sin(angles - steering[rows])).max(axis=1)))
 
 
 def _range(wheel: Wheel) -> float:

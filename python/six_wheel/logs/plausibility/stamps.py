@@ -23,8 +23,8 @@ PERIODS = (0.9e-3, 1.1)  # [s] between rows of a recording of 1 to 1,000 Hz
 SHORTEST = 0.9  # [s] between rows, from which on it is asked whether these are seconds
 CREEPING = 4e-3  # [m/s] rim speed of a drive that is read too slow
 DRIVING = (1e-3, 60.0)  # [m/s] rim speeds of a rover that drives
-FAR_APART = 5.0  # [s] between rows of rates, which tell nothing about what was between them
-SMOOTH = 2e-3  # of the fastest rate, by which rates that are 1 s apart change at most
+FAR_APART = 5.0  # [s] between rows, from which on a drive is hardly in them
+SMOOTH = 2e-3  # of the fastest speed, by which speeds that are 1 s apart change at most
 MANY = 1000  # rows for which that counts
 FEW_ROWS = 20  # whose order tells nothing
 DISORDER = 0.1  # share of steps back, from which on rows are in another order
@@ -82,11 +82,11 @@ def check_clock(stamps: Floats, speeds: Floats, rates: bool, header: str, row: i
     pace = float(np.quantile(moving, 0.95))
     # The shortest unit that the period allows: 1,000 us are 1 ms, and 1 kHz is rarer than 1 Hz.
     symbol, _ = units[0]
+    apart = period >= FAR_APART
+    calm = len(moving) >= MANY and float(np.median(np.abs(np.diff(speeds)))) < SMOOTH * pace
+    if not (apart or calm):
+        return
     if rates:
-        apart = period >= FAR_APART
-        calm = len(moving) >= MANY and float(np.median(np.abs(np.diff(speeds)))) < SMOOTH * pace
-        if not (apart or calm):
-            return
         why = f"rows {period:g} s apart with wheels at up to {pace:.3g} m/s"
     else:
         if pace >= CREEPING or not any(DRIVING[0] <= pace * by <= DRIVING[1] for _, by in units):

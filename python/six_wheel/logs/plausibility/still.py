@@ -1,14 +1,13 @@
-"""Wheels that stand still while others turn, and logs in which nothing turns."""
+"""Wheels that stand still while others turn or the truth moves, and rates that are read as angles."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel._core import Rover
-from six_wheel.logs.plausibility.proposals import Column, columns
+from six_wheel.logs.plausibility.proposals import columns
+from six_wheel.logs.plausibility.readings import Readings
 
 __all__ = ["WheelTurns"]
 
@@ -20,6 +19,9 @@ END = 16.0 * math.pi  # [rad] that another one turns after a wheel has moved for
 LITTLE = (1e-3, 2.0 * math.pi)  # [rad] that no wheel of a drive is within
 TO_AND_FRO = 2.5  # times what it spans, that a rate goes up and down
 LONG = 400, 20.0  # rows and [s] of a log for which that counts
+LEVELS = 8  # different readings at least, of a wheel that turns and does not tremble by single counts
+TRAVELLED = 0.3  # [m] of a truth
+STEADY = 10.0  # times the usual step of a truth, that it moves
 
 
 @dataclass
@@ -32,15 +34,44 @@ class WheelTurns:
         Least and largest totals [rad].
     stopped : array, shape (wheels, wheels)
         Totals of all wheels when each one moved last [rad].
+    least : float
+        How far a wheel has to be from 0 to be away [rad].
     way : array, shape (wheels,)
         Sums of all turns, to and fro [rad].
+    levels : array
+        Some different totals of the first wheel that moves [rad].
+    returned : float
+        How far the farthest wheel was before all rested at 0 again and went on, 0 if they never did [rad].
     """
 
+    least: float = LITTLE[1]
     low: Floats = field(default_factory=lambda: np.zeros(0))
     high: Floats = field(default_factory=lambda: np.zeros(0))
     stopped: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     way: Floats = field(default_factory=lambda: np.zeros(0))
+    levels: Floats = field(default_factory=lambda: np.zeros(0))
+    returned: float = 0.0
     _last: Floats = field(default_factory=lambda: np.zeros(0))
+    _away: float = 0.0
+    _rested: float = 0.0
+    _truth: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    _usual: float = 0.0
+
+    def see(self, truth: Floats | None) -> None:
+        """Take in poses of a truth (n, 3) [m, m, rad], NaN without one."""
+        there = np.zeros((0, 2)) if truth is None else truth[np.isfinite(truth[:, :2]).all(axis=1), :2]
+        if len(there) > 1:
+            self._usual = max(self._usual, float(np.median(np.hypot(*np.diff(there, axis=0).T))))
+        if len(there):
+            self._truth = np.vstack((self._truth[:1], there[:1], there[-1:]))
+
+    @property
+    def travelled(self) -> float:
+        """From the first position of the truth to the last [m]; 0 where that is no more than its noise."""
+        if len(self._truth) < 2:
+            return 0.0
+        way = float(np.hypot(*(self._truth[-1] - self._truth[0])))
+        return way if way > max(TRAVELLED, STEADY * self._usual) else 0.0
 
     def add(self, turned: Floats) -> None:
         """Take in totals (n, wheels) [rad], NaN without a reading."""
@@ -51,29 +82,57 @@ class WheelTurns:
             self.way = np.zeros(turned.shape[1])
         self.low, self.high = np.fmin(self.low, low), np.fmax(self.high, high)
         steps = np.abs(np.diff(turned, axis=0))
-        self.way += np.nan_to_num(steps).sum(axis=0)
+        self.way += np.nansum(steps, axis=0)
         moves = steps > 0.0
         for wheel in np.flatnonzero(moves.any(axis=0)).tolist():
             self.stopped[wheel] = turned[len(moves) - int(np.argmax(moves[::-1, wheel]))]
         self._last = turned[-1]
+        if len(self.levels) < LEVELS:
+            some = turned[: 100 * LEVELS, int(np.argmax(np.nan_to_num(self.high - self.low)))]
+            self.levels = np.union1d(self.levels, some[np.isfinite(some)])[:LEVELS]
+        self._watch(turned)
 
-    def doubts(
-        self, rover: Rover, wheels: Sequence[Column], rows: int, duration: float, named: bool, totals: bool
-    ) -> list[str]:
-        """Lines about wheels that do not turn, or hardly; `totals` where angles are read."""
+    def _watch(self, turned: Floats) -> None:
+        """Note how far wheels were before all of them rested at 0 and then went on."""
+        still = (turned == 0.0).all(axis=1)
+        if not self._rested and not (still[1:] & still[:-1]).any():
+            self._away = max(self._away, float(np.fmax.reduce(np.abs(turned), axis=None)))
+            return
+        farthest = np.nan_to_num(np.abs(turned)).max(axis=1)
+        before = np.maximum(np.maximum.accumulate(farthest), self._away)
+        rests = (farthest[1:] == 0.0) & (farthest[:-1] == 0.0) & (before[1:] > self.least)
+        if rests.any():
+            first = int(np.argmax(rests))
+            self._rested = self._rested or float(before[first])
+            farthest = farthest[first:]
+        if self._rested and farthest.max() > self.least:
+            self.returned = self._rested
+        self._away = float(before[-1])
+
+    def doubts(self, known: Readings, rows: int, duration: float) -> list[str]:
+        """Lines about wheels that do not turn, or hardly, and angles that may be something else."""
+        wheels, totals = known.wheels, known.kind == "angles"
         moved = self.high - self.low
         heard = np.isfinite(moved)
         if rows < ROWS or not heard.any():
             return []
         fastest = int(np.argmax(np.where(heard, moved, -1.0)))
         if moved[fastest] == 0.0:
-            return [f"no wheel turns in all {rows} rows"]
-        little = LITTLE[0] < moved[fastest] < min(LITTLE[1], self.way[fastest] / TO_AND_FRO)
+            way = self.travelled
+            what = f"no wheel turns in all {rows} rows, and the truth moves {way:.3g} m"
+            return [f"{what}: are the encoders connected?"] if way else []
+        if totals and self.returned and not known.wheels_stated:
+            units = {column.header: f"{column.wheel} [rad/s]" for column in wheels if column.header}
+            remedy = f" {columns(units)}, or other units" if known.named else ' readings="speeds" in Python'
+            what = f"all wheels rest at 0 again after {self.returned:.4g} rad"
+            return [f"{what}: rates, and no angles? Give{remedy}"]
+        trembles = len(self.levels) < LEVELS
+        little = not trembles and LITTLE[0] < moved[fastest] < min(LITTLE[1], self.way[fastest] / TO_AND_FRO)
         if totals and little and rows >= LONG[0] and duration >= LONG[1]:
             most = f"no wheel turns by more than {moved[fastest]:.3g} rad in {duration:.3g} s"
             return [f"{most}: are these angles, and not rates or what was turned in each row?"]
         said = []
-        for place, wheel in enumerate(rover.wheels):
+        for place, wheel in enumerate(known.rover.wheels):
             if not heard[place] or wheel.roller_angle:
                 continue
             header, other = wheels[place].header, wheels[fastest].header
@@ -81,7 +140,7 @@ class WheelTurns:
             if moved[place] == 0.0 and moved[fastest] > TURN:
                 what = f'"{header}" stands still in all {rows} rows while "{other}" turns'
                 remedy = "is its encoder connected?"
-                if named and heard.sum() > 2:
+                if known.named and heard.sum() > 2:
                     remedy += f" Without it: {columns({header: ''})}"
                 said.append(f"{what} {moved[fastest]:.4g} rad: {remedy}")
             elif moved[place] > 0.0 and since.max() > END:

@@ -12,7 +12,7 @@ from six_wheel.logs.plausibility.proposals import (
     encoders,
 )
 
-__all__ = ["all_whole", "check_counts", "check_increments", "check_increments_as_totals"]
+__all__ = ["all_whole", "check_counts", "check_increments", "check_increments_as_totals", "returned_counts"]
 
 Floats = NDArray[np.float64]
 
@@ -21,6 +21,7 @@ ROWS = 20  # from which on whole numbers alone are enough
 VALUES = 8  # different ones among them
 ALIKE = 0.95  # share of steps of one size, from which on they are no recording
 FLIPS = 0.3  # share of steps against the step before, from which on they are no motion
+ONWARD = 0.2  # of the way at its longest step, that a total goes; rates rise and fall in few of the rows
 LEVELS = 5  # ticks that what was turned in a row takes at least
 
 
@@ -103,9 +104,17 @@ def check_increments(readings: Floats, column: Column, row: int) -> None:
     if len(there) < 2 * ROWS:
         return
     longest = float(np.abs(np.diff(there)).max())
-    if longest > 0.0 and float(np.median(np.abs(there))) > ROWS * longest:
+    onward = float(there.max() - there.min()) > ONWARD * longest * np.count_nonzero(there)
+    if longest > 0.0 and onward and float(np.median(np.abs(there))) > ROWS * longest:
         way = f"from {there.min():.6g} to {there.max():.6g}"
         what = f'"{column.header}" goes {way} by {longest:.6g} a row at most'
         raise ImplausibleReadingError(
             f"{what} from row {row} on: a total, and not what was turned since the row before"
         )
+
+
+def returned_counts(column: Column) -> str:
+    """The line about counts of all wheels that rested at 0 after a motion and went on, as totals do not."""
+    what = f'"{column.header}" and all other counts rest at 0 again after a motion and then go on'
+    proposal = encoders(increments=True)
+    return f"{what}, as counts of each row would: give {proposal}; they are totals with increments: false"
