@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 
 SMALLEST, LARGEST = 0.05, 3.0  # diameters of rocks [m]
 FRACTAL_SIZE = 40.0  # the roughness is that of a yard of this size [m]
+MOST_HEIGHTS = 10**9
 FADE = 0.615_572_206_672_458_2  # 2^-0.7: amplitude of an octave against the one before, Hurst 0.7
 
 
@@ -44,9 +45,11 @@ def yard(
         raise ValueError(f"roughness must be finite and not negative, got {roughness}")
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise ValueError(f"seed must be a whole number from 0, got {seed}")
-    counts = [math.floor(length / spacing + 1e-9) + 1 for length in extent]
-    if counts[0] * counts[1] > 10**9:
-        raise ValueError(f"spacing must make at most 10^9 heights, got {counts[0]} x {counts[1]}")
+    cells = [length / spacing for length in extent]
+    if not (cells[0] + 1) * (cells[1] + 1) <= MOST_HEIGHTS:
+        rule = f"must make at most {MOST_HEIGHTS:,} heights"
+        raise ValueError(f"spacing {rule}, got {cells[0]:g} x {cells[1]:g} of {spacing}")
+    counts = [math.floor(cell + 1e-9) + 1 for cell in cells]
     random = np.random.Generator(np.random.PCG64(int(seed)))
     heights = _fractal(random, counts, spacing, roughness)
     heights += _rocks(random, counts, spacing, cover)

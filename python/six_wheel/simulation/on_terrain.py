@@ -15,7 +15,7 @@ from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.poses import quaternions
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
-from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator, spinning
+from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator, spinning, step_of
 from six_wheel.simulation.sensor_model import Sensors
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def simulate_on_ground(
     planar = suspension.planar()
     course = read_course(path, planar, speed)
     first = course.begin(start)
-    moved = drive(planar, course, sensors.noise, slips, 1.0 / (FINER * rate), first, random)
+    moved = drive(planar, course, sensors.noise, slips, step_of(course, rate), first, random)
     stand = suspension.settle(ground, moved.poses, moved.steering)
     _check(stand, moved)
     wanted = course.at(moved.stamps)[:, [0, 2]]

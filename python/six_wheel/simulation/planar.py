@@ -18,6 +18,7 @@ Floats = NDArray[np.float64]
 
 # Rows of the true motion per sample: what is lost between them is far below what any sensor sees.
 FINER = 8
+MOST_SAMPLES = 10**8  # of a simulated log
 
 
 @checked_class
@@ -103,6 +104,21 @@ def generator(seed: int) -> np.random.Generator:
         return np.random.default_rng(seed)
     except (TypeError, ValueError):
         raise ArgumentTypeError(f"seed must be a whole number, 0 or more, got {seed!r}") from None
+
+
+def step_of(course: Course, rate: float) -> float:
+    """Longest time between two rows of the motion [s] at `rate` samples per second.
+
+    Raises
+    ------
+    ValueError
+        If the samples would be too many.
+    """
+    duration = float(course.stamps[-1] - course.stamps[0])
+    if not duration * rate <= MOST_SAMPLES:
+        rule = f"must make at most {MOST_SAMPLES:,} samples of {duration:g} s"
+        raise ValueError(f"rate {rule}, got {rate:g}")
+    return 1.0 / (FINER * rate)
 
 
 def drive(

@@ -17,7 +17,7 @@ from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.on_terrain import GroundSimulation, simulate_on_ground
-from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator
+from six_wheel.simulation.planar import Motion, Simulation, Slip, drive, generator, step_of
 from six_wheel.simulation.sensor_model import Encoders, Sensors, sample_times
 from six_wheel.simulation.sticking import Stick, drive_stuck
 
@@ -179,7 +179,7 @@ def simulate(
     if ground is not None:
         raise ValueError("rover must be a RockerBogie to drive over ground, got a Rover")
     random, course = generator(seed), read_course(path, rover, speed)
-    step, first, controlled = 1.0 / (FINER * rate), course.begin(start), None
+    step, first, controlled = step_of(course, rate), course.begin(start), None
     if stick is None:
         motion = drive(rover, course, sensors.noise, slips, step, first, random)
     else:
