@@ -1,82 +1,50 @@
 """Files that commands write: never one that is read, never one twice, all or none; ends by signals."""
 
-import inspect
+import contextlib
+import itertools
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
-import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, get_args
 
 import pytest
 
 import six_wheel
-from six_wheel.cli import app
 from six_wheel.cli.shared import WRITTEN
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.writing import _beside, replacing, together
+from tests.cli.command_lines import READ, Argument, arguments, callbacks, line, read, written
 from tests.cli_runs import Run
 
-READ = {"commands", "ground", "log", "logs", "map", "record", "truth"}  # parameters that name files to read
+WRITERS = [name for name in callbacks() if written(name) and name != "demo"]
+OUTPUTS = [(name, one) for name in WRITERS for one in written(name)]
+SIGNALS = [getattr(signal, name) for name in ("SIGTERM", "SIGINT", "SIGHUP") if hasattr(signal, name)]
+# Every command by one of the signals in turn; by each of them with `SOAK` in the environment.
+TURNS = len(SIGNALS) if "SOAK" in os.environ else 1
+ENDS = [(name, SIGNALS[(k + turn) % len(SIGNALS)]) for k, name in enumerate(WRITERS) for turn in range(TURNS)]
+IDS = [f"{name}-{one.name}" for name, one in OUTPUTS]
 
 
-def parameters(command: Any) -> dict[str, Any]:
-    """Parameters of a command that are paths, or texts that may be, by name."""
-    signature = inspect.signature(command.callback)
-    return {name: p for name, p in signature.parameters.items() if "Path" in str(p.annotation)}
-
-
-COMMANDS = {
-    command.name or command.callback.__name__: command
-    for command in app.app.registered_commands
-    if (command.name or command.callback.__name__) not in ("demo", "bench")
-}
-
-
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("name", callbacks())
 def test_every_path_is_known_as_read_or_written(name: str) -> None:
-    assert parameters(COMMANDS[name]).keys() <= READ | set(WRITTEN)
+    assert {one.name for one in arguments(name)} <= READ.keys() | set(WRITTEN)
 
 
-def option(parameter: inspect.Parameter) -> list[str]:
-    """Name of an option on the command line; none of an argument."""
-    info = next(each for each in get_args(parameter.annotation) if hasattr(each, "param_decls"))
-    if type(info).__name__ == "ArgumentInfo":
-        return []
-    default = f"--{parameter.name}".replace("_", "-")
-    return [next((each for each in info.param_decls or () if each.startswith("--")), default)]
-
-
-def pairs() -> list[tuple[str, str]]:
-    return [(name, each) for name in COMMANDS for each in parameters(COMMANDS[name]) if each in WRITTEN]
-
-
-@pytest.mark.parametrize(("name", "output"), pairs())
+@pytest.mark.parametrize(("name", "output"), OUTPUTS, ids=IDS)
 @pytest.mark.parametrize("spelling", ["same", "other", "symbolic", "hard", "chain"])
-def test_no_command_writes_what_it_reads(run: Run, name: str, output: str, spelling: str) -> None:
+@pytest.mark.usefixtures("files")
+def test_no_command_writes_what_it_reads(run: Run, name: str, output: Argument, spelling: str) -> None:
     """`simulate commands.csv -o commands.csv` once replaced its input."""
-    run("--version")  # in the folder of the run
-    arguments, files = [name], []
-    for parameter in inspect.signature(COMMANDS[name].callback).parameters.values():
-        info = next((each for each in get_args(parameter.annotation) if hasattr(each, "metavar")), None)
-        if type(info).__name__ == "ArgumentInfo" and parameter.name != output:
-            path = Path("rover.yaml" if parameter.name == "rover" else f"{parameter.name}.csv")
-            if parameter.name != "rover":
-                path.write_text("time,vx,vy,omega\n0,0.1,0,0\n1,0.1,0,0\n")
-            arguments.append(str(path))
-            files.append(path)
-        elif parameter.default is inspect.Parameter.empty and parameter.name != output:
-            given = f"{parameter.name}.tif" if parameter.name in WRITTEN else "perseverance"
-            arguments += [f"--{parameter.name}", given]
-    if not files:
-        pytest.skip("reads no file")
-    for source in files:
+    for one in read(name):
+        source = Path(READ[one.name][0])
         before = source.read_bytes()
         target = Path(f"link{source.suffix}")
         target.unlink(missing_ok=True)
-        Path("between.csv").unlink(missing_ok=True)
+        Path("between").unlink(missing_ok=True)
         match spelling:
             case "same":
                 target = source
@@ -87,36 +55,102 @@ def test_no_command_writes_what_it_reads(run: Run, name: str, output: str, spell
             case "hard":
                 os.link(source, target)
             case "chain":
-                Path("between.csv").symlink_to(source)
-                target.symlink_to("between.csv")
-        written = inspect.signature(COMMANDS[name].callback).parameters[output]
-        code, _, err = run(*arguments, *option(written), str(target))
+                Path("between").symlink_to(source)
+                target.symlink_to("between")
+        code, _, err = run(*line(name, **{one.name: source, output.name: target}))
         assert code == 2
         assert err.count("\n") == 1
         assert "must be another file than" in err
         assert source.read_bytes() == before
 
 
-def test_two_outputs_are_two_files(run: Run) -> None:
-    code, _, err = run("drive", "rover.yaml", "commands.csv", "-o", "run.csv", "--plot", "./run.csv")
-    assert (code, Path("run.csv").exists()) == (2, False)
+PAIRS = [(name, *pair) for name in WRITERS for pair in itertools.combinations(written(name), 2)]
+
+
+@pytest.mark.parametrize(("name", "one", "other"), PAIRS, ids=[f"{n}-{a.name}-{b.name}" for n, a, b in PAIRS])
+@pytest.mark.usefixtures("files")
+def test_two_outputs_are_two_files(run: Run, name: str, one: Argument, other: Argument) -> None:
+    before = sorted(Path().iterdir())
+    target = f"made{one.endings[0]}"
+    code, _, err = run(*line(name, **{one.name: target, other.name: f"./{target}"}))
+    assert (code, sorted(Path().iterdir())) == (2, before)
     assert "must be two files" in err
 
 
-def test_all_outputs_are_replaced_or_none(run: Run) -> None:
-    run("--version")
-    Path("run.csv").write_text("before")
-    Path("run.png").mkdir()
-    code, _, err = run("drive", "rover.yaml", "commands.csv", "-o", "run.csv", "--plot", "run.png")
-    assert code == 2
-    assert "run.png" in err
-    assert Path("run.csv").read_text() == "before"
-    assert sorted(path.name for path in Path().iterdir()) == [
-        "commands.csv",
-        "rover.yaml",
-        "run.csv",
-        "run.png",
-    ]
+def no_folder(path: Path) -> Path:
+    return path.parent / "nowhere" / path.name
+
+
+def is_folder(path: Path) -> Path:
+    path.mkdir()
+    (path / "mine").write_text("before")
+    return path
+
+
+def read_only(path: Path) -> Path:
+    """On a disk that nobody may write to, not even a superuser."""
+    return mounted("size=64k,ro") / path.name
+
+
+def full_disk(path: Path) -> Path:
+    """A file that is there already, on a disk without a byte left."""
+    folder = mounted("size=64k")
+    (folder / path.name).write_text("before")
+    with contextlib.suppress(OSError), (folder / "filling").open("wb", buffering=0) as filling:
+        while True:
+            filling.write(bytes(4096))
+    return folder / path.name
+
+
+def mounted(options: str) -> Path:
+    """A small disk as the folder `disk`."""
+    folder = Path("disk")
+    folder.mkdir(exist_ok=True)
+    command = ["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(folder)]
+    done = subprocess.run(command, capture_output=True, check=False) if shutil.which("mount") else None
+    if done is None or done.returncode:
+        pytest.skip("needs the right to mount a small disk")
+    return folder
+
+
+def unmount() -> None:
+    if os.path.ismount("disk"):
+        subprocess.run(["umount", "-l", "disk"], check=True)
+
+
+@pytest.fixture
+def disk() -> Iterator[None]:
+    """What is mounted in the folder of a run is gone after it."""
+    yield
+    unmount()
+
+
+def kept() -> dict[str, bytes]:
+    """All files beneath this folder and what is in them."""
+    return {str(path): path.read_bytes() for path in Path().rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize(("name", "output"), OUTPUTS, ids=IDS)
+@pytest.mark.parametrize("bad", [no_folder, is_folder, read_only, full_disk])
+@pytest.mark.usefixtures("files", "disk")
+def test_all_outputs_are_replaced_or_none(
+    run: Run, name: str, output: Argument, bad: Callable[[Path], Path]
+) -> None:
+    """What cannot be written is named as it was given, and all others stay what they were."""
+    pictures = {".svg", ".pdf"}  # are written as .png is
+    for ending in [each for each in output.endings if each not in pictures]:
+        others = {one.name: Path(f"other_{one.name}{one.endings[0]}") for one in written(name)}
+        for other in others.values():
+            other.write_text("before")
+        unmount()
+        given = bad(Path(f"made{ending}"))
+        before = kept()
+        code, _, err = run(*line(name, **others | {output.name: given}))
+        told = [text for text in err.splitlines() if "warning" not in text]
+        assert (code, len(told)) == (2, 1), err
+        assert told[0].startswith("six-wheel: ")
+        assert str(given.with_suffix("")) in told[0]  # or a picture beside a report
+        assert kept() == before
 
 
 def test_files_together(tmp_path: Path) -> None:
@@ -140,13 +174,13 @@ def test_files_together(tmp_path: Path) -> None:
     assert (one.read_text(), other.read_text()) == ("one", "other")
 
 
-def test_long_names_and_full_disks(tmp_path: Path) -> None:
+def test_long_names_and_the_full_disk_of_another_file(tmp_path: Path) -> None:
     path = tmp_path / f"{'n' * 251}.csv"
     with replacing(path) as temporary:
         temporary.write_text("all")
     assert path.read_text() == "all"
     with (
-        pytest.raises(TableError, match=re.escape(f"{path}: could not be written: No space left")),
+        pytest.raises(OSError, match=re.escape("[Errno 28] No space left on device")),
         replacing(path),
     ):
         raise OSError(28, "No space left on device")
@@ -166,26 +200,51 @@ def test_what_a_killed_writer_left_is_removed_by_the_next(tmp_path: Path) -> Non
     assert sorted(tmp_path.iterdir()) == sorted([path, at_work])
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
-def test_an_end_by_a_signal_leaves_nothing(run: Run, number: int) -> None:
-    run("--version")
-    rows = "\n".join(f"{0.01 * k:.2f},0.1,0,0" for k in range(1_000_000))
-    Path("long.csv").write_text(f"time,vx,vy,omega\n{rows}\n")
-    before = sorted(Path().iterdir())
+# All that a command writes is written and nothing replaced yet when it says so and waits for its end.
+WAITING = """
+import os, sys, time
+
+def wait(*_, **__):
+    print("written", flush=True)
+    time.sleep(60)
+
+os.replace = wait
+from six_wheel.__main__ import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def ended(arguments: list[str], number: int) -> int:
+    """The return code of a command that gets a signal when all is written, and nothing replaced yet."""
     environment = os.environ | {"PYTHONPATH": str(Path(six_wheel.__file__).parents[1])}
-    command = [sys.executable, "-m", "six_wheel", "drive", "rover.yaml", "long.csv", "-o", "run.csv"]
-    process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    command = [sys.executable, "-c", WAITING, *arguments]
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert process.stdout is not None
     try:
-        end = time.monotonic() + 60
-        while sorted(Path().iterdir()) == before and time.monotonic() < end:
-            time.sleep(0.01)
+        while (text := process.stdout.readline()) and b"written" not in text:
+            pass
+        assert text, process.communicate()
         process.send_signal(number)
         _, err = process.communicate(timeout=60)
     finally:
         process.kill()
-    assert process.returncode in ((130, -number) if number == signal.SIGINT else (-number,))
-    assert b"Traceback" not in err
-    assert sorted(Path().iterdir()) == before
+    assert b"Traceback" not in err, err
+    return process.returncode
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals to send")
+@pytest.mark.parametrize(("name", "number"), ENDS)
+@pytest.mark.usefixtures("files")
+def test_an_end_by_a_signal_leaves_nothing(name: str, number: int) -> None:
+    outputs = {one.name: f"other_{one.name}{one.endings[0]}" for one in written(name)}
+    for path in outputs.values():
+        if name != "example":
+            Path(path).write_text("before")
+    before = kept()
+    code = ended(line(name, **outputs), number)
+    assert code in ((130, -number) if number == signal.SIGINT else (-number,))
+    # Finished tiles of a map stay, for the same call to go on.
+    assert {path: text for path, text in kept().items() if ".tiles/" not in path} == before
 
 
 @pytest.mark.parametrize("arguments", [("check", ""), ("drive", "rover.yaml", "commands.csv", "--output=")])

@@ -147,7 +147,7 @@ def test_bad_arguments_write_nothing(chart: Path, monkeypatch: pytest.MonkeyPatc
         run(chart, headings=0)
     with pytest.raises(ValueError, match="roll must be positive"):
         run(chart, limits=sw.FeasibilityLimits(roll=-1.0))
-    with pytest.raises(ValueError, match="output must not be the map itself"):
+    with pytest.raises(ValueError, match="must be another file than"):
         run(chart, "map.tif")
     with pytest.raises(FileNotFoundError, match="must be a file, there is none"):
         run(chart.with_name("nothing.tif"))
@@ -171,7 +171,9 @@ def test_the_command(run: Any, refused: Any, tmp_path: Path, chart: Path) -> Non
         wrong
         == "limit must be one of roll, pitch, tilt, rocker, bogie, clearance, wheel_drop, got 'height=3'"
     )
-    assert "there is no folder" in refused("traverse", "perseverance", str(chart), *options, "-o", "x/a.tif")
+    assert "the folder of the output must exist" in refused(
+        "traverse", "perseverance", str(chart), *options, "-o", "x/a.tif"
+    )
     for limit in ("roll=15", "tilt=", "bogie=adeg", "rocker=3grad"):
         wrong = refused("traverse", "perseverance", str(chart), *options, "-o", "a.tif", "--limit", limit)
         name = limit.partition("=")[0]

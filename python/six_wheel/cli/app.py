@@ -43,7 +43,6 @@ app = typer.Typer(
 )
 
 
-@app.command(help=COMMANDS["demo"])
 def demo(
     output: Annotated[
         Path, typer.Option("-o", "--output", help="Folder for the pictures and tables.")
@@ -54,7 +53,21 @@ def demo(
     run(output, console=new_console())
 
 
-ORDER = (check, drive, simulate, inspect, odometry, calibrate, traverse, show, view, convert, example, replay)
+ORDER = (
+    demo,
+    check,
+    drive,
+    simulate,
+    inspect,
+    odometry,
+    calibrate,
+    traverse,
+    show,
+    view,
+    convert,
+    example,
+    replay,
+)
 for command in ORDER:
     app.command(help=COMMANDS[command.__name__])(with_options(command))
 # Arguments after --ros-args are for ROS to read.

@@ -20,6 +20,7 @@ from six_wheel.logs.tables import table_format
 
 __all__ = ["TableWriter", "check_outputs", "remove_leftovers", "replacing", "together"]
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
+_PROBE = 1 << 16  # bytes that still go onto a disk with room
 
 
 @dataclass
@@ -87,10 +88,21 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
         else:
             files.targets[temporary] = (path, target)
     except BaseException as error:
+        is_full = _is_full(temporary)  # it may be the disk of another file that is written at the same time
         temporary.unlink(missing_ok=True)
-        if isinstance(error, OSError) and error.errno in _FULL:
+        if isinstance(error, OSError) and error.errno in _FULL and is_full:
             raise TableError(f"{path}: could not be written: {os.strerror(error.errno)}") from None
         raise
+
+
+def _is_full(temporary: Path) -> bool:
+    """True where no more can be written to a file."""
+    try:
+        with temporary.open("ab") as file:
+            file.write(bytes(_PROBE))
+    except OSError:
+        return True
+    return False
 
 
 def check_target(path: Path, sources: Sequence[Path]) -> Path:

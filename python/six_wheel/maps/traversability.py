@@ -1,5 +1,6 @@
 """A whole map in tiles: spread, resumed, written in its own frame."""
 
+import contextlib
 import hashlib
 import math
 import os
@@ -17,6 +18,7 @@ from six_wheel._core import RockerBogie, __version__
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.statuses import FeasibilityLimits
+from six_wheel.logs.writing import check_target, replacing
 from six_wheel.maps.files import Options
 from six_wheel.maps.readers.rasters import GridImage, Raster, rasterio
 from six_wheel.maps.reading import open_raster
@@ -130,6 +132,8 @@ def traverse(
     ------
     TerrainFileError
         If the map cannot be read, or is in degrees.
+    ValueError
+        If the output is the map, not a file, or in no folder.
     ClusterError
         If the cluster does not answer.
     OSError
@@ -140,8 +144,7 @@ def traverse(
     if isinstance(headings, bool) or not isinstance(headings, int) or headings < 1:
         raise ValueError(f"headings must be at least 1, got {headings}")
     path, output = Path(path), Path(output)
-    if output.exists() and output.resolve() == path.resolve():
-        raise ValueError(f"output must not be the map itself, got {output}")
+    check_target(output, [path])
     options = Options(None, topic, layer, band, nodata, unit, north_up, spacing, origin)
     task = _Task(rover, headings, limits or FeasibilityLimits.curiosity(), map_error, belly, options)
     with open_raster(path, options) as raster:
@@ -243,9 +246,8 @@ def _write(
     """The layers, from the journal to a file beside the output, then to its place."""
     library = rasterio()
     rows, columns = raster.shape
-    beside = output.with_name(f".{output.name}.{os.getpid()}.tif")
     needed = rows * columns * 4 * len(BANDS)
-    free = shutil.disk_usage(beside.parent).free
+    free = shutil.disk_usage(output.parent).free
     if needed > free:
         raise OSError(f"{output} needs {needed} bytes, the disk has {free}")
     step = max(1, math.ceil(max(rows, columns) / PICTURE))
@@ -266,7 +268,7 @@ def _write(
         "compress": "deflate",
         "bigtiff": "if_safer",
     }
-    try:
+    with _named(output), replacing(output) as beside:
         with library.open(beside, "w", **profile) as target:
             for band, (name, meaning) in enumerate(BANDS.items(), 1):
                 target.set_band_description(band, name)
@@ -286,9 +288,14 @@ def _write(
                 safe += float(layers["safe"].sum(dtype=np.float64))
         with library.open(beside) as written:  # a full disk is noticed here
             written.read(1, window=((rows - 1, rows), (0, columns)))
-        beside.replace(output)
-    except library.errors.RasterioError as error:
-        raise OSError(f"{output} could not be written: {' '.join(str(error).split())}") from None
-    finally:
-        beside.unlink(missing_ok=True)
     return Layers(*thin), safe
+
+
+@contextlib.contextmanager
+def _named(output: Path) -> Iterator[None]:
+    """Context in which an error of GDAL names the file as the user did."""
+    try:
+        yield
+    except rasterio().errors.RasterioError as error:
+        why = " ".join(str(error).split())
+        raise OSError(f"{output}: could not be written: {why}") from None

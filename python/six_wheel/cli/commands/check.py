@@ -263,9 +263,8 @@ def _words(bound: "Bound") -> str:
 
 def draw_limits(chosen: NamedRover, plot: Path) -> None:
     """Write the picture of the limits."""
-    from six_wheel.logs.writing import replacing
     from six_wheel.plotting.limits import limits_figure
     from six_wheel.plotting.saving import picture_path, save
 
-    with replacing(picture_path(plot), [chosen.path] if chosen.path else []) as picture:
-        save(limits_figure(chosen.rover, chosen.limits, title=chosen.name), picture)
+    target = picture_path(plot)
+    save(limits_figure(chosen.rover, chosen.limits, title=chosen.name), target)

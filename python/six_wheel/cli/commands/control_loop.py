@@ -118,9 +118,9 @@ def replay(
         result = run_again(record, changes, target, progress=progress)
         if picture is not None:
             from six_wheel.plotting.replay import replay_figure
-            from six_wheel.plotting.saving import save
+            from six_wheel.plotting.saving import render
 
-            save(replay_figure(result, title=record.name), picture)
+            render(replay_figure(result, title=record.name), picture)
     warn(result.warnings)
     difference = compare(result)
     console = new_console()

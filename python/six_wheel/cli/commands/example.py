@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from six_wheel.logs.writing import replacing
 from six_wheel.robot_description.named_rover import closest
 
 
@@ -25,9 +26,8 @@ def example(
     if name not in known:
         raise ValueError(f'NAME must be an example, got "{name}"; {closest(name, known)}')
     target = output or Path(name)
-    try:
-        with target.open("xb") as file:  # an existing file may be the user's own
-            file.write((folder / name).read_bytes())
-    except FileExistsError:
-        raise ValueError(f"{target}: the file is there already; --output says where else") from None
+    if target.exists():  # it may be the user's own
+        raise ValueError(f"{target}: the file is there already; --output says where else")
+    with replacing(target) as temporary:
+        temporary.write_bytes((folder / name).read_bytes())
     print(target.resolve())

@@ -88,7 +88,7 @@ def _draw_map(path: Path, reading: MapReading, output: Path | None) -> Path:
         warnings.simplefilter("ignore")
         facts = map_facts(ground, describe(path, reading.options()))
     new_console().print(grid(facts))
-    return _save(map_figure(ground, title=path.name, facts=facts), target, [path] if path.is_file() else [])
+    return _save(map_figure(ground, title=path.name, facts=facts), target)
 
 
 def _draw_side(rover: str, reading: Reading, output: Path | None) -> Path:
@@ -98,7 +98,7 @@ def _draw_side(rover: str, reading: Reading, output: Path | None) -> Path:
 
     suspension, name = choose_suspension(rover, reading)
     target = picture_path(output or Path(f"{name}_from_the_side.png"))
-    return _save(side_figure(suspension, title=name), target, [])
+    return _save(side_figure(suspension, title=name), target)
 
 
 def _draw_above(rover: str, reading: Reading, output: Path | None, twist: Motion | None) -> Path:
@@ -112,15 +112,13 @@ def _draw_above(rover: str, reading: Reading, output: Path | None, twist: Motion
     if twist is not None:
         warn(_past(chosen, twist))
     figure = show_figure(chosen.rover, twist or left_turn(chosen), title=chosen.name)
-    return _save(figure, target, [chosen.path] if chosen.path else [])
+    return _save(figure, target)
 
 
-def _save(figure: "Figure", target: Path, sources: list[Path]) -> Path:
-    from six_wheel.logs.writing import replacing
+def _save(figure: "Figure", target: Path) -> Path:
     from six_wheel.plotting.saving import save
 
-    with replacing(target, sources) as temporary:
-        save(figure, temporary)
+    save(figure, target)
     return target.resolve()
 
 

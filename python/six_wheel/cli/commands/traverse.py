@@ -57,8 +57,6 @@ def traverse(
     map_reading: MapReading,
 ) -> None:
     suspension, name = choose_suspension(rover)
-    if not output.parent.is_dir():
-        raise ValueError(f"{output}: there is no folder {output.parent}")
     if plot is not None:
         from six_wheel.plotting.saving import picture_path
 

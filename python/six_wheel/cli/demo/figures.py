@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from six_wheel.cli.demo.motion import REST_SPEED, SMOOTHING, SUSTAINED, DemoMotion, DemoResult
 from six_wheel.kinematics.rover_edit import joints_by_wheel
+from six_wheel.logs.writing import replacing
 from six_wheel.plotting.drawing import INK, SOFT, new_figure, tidy
 from six_wheel.plotting.path import draw_path
 
@@ -67,7 +68,8 @@ def write_commands(result: DemoResult, path: Path) -> None:
     columns = [result.times[:, None], *map(np.concatenate, commands), result.odometry]
     header = ",".join(["time", "vx", "vy", "omega", *joints, "x", "y", "yaw"])
     rows = np.concatenate(columns, axis=1) + 0.0  # -0 is 0
-    np.savetxt(path, rows, fmt="%.9g", delimiter=",", header=header, comments="")
+    with replacing(path) as temporary:
+        np.savetxt(temporary, rows, fmt="%.9g", delimiter=",", header=header, comments="")
 
 
 def introduce(motion: DemoMotion) -> str:

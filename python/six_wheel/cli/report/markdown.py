@@ -36,14 +36,14 @@ class Pages:
         words : callable, optional
             From the names of the pictures to the text of the report.
         """
-        from six_wheel.plotting.saving import save
+        from six_wheel.plotting.saving import render
 
         if self._plot is not None:
-            save(figures[0][1], self._targets[self._plot])
+            render(figures[0][1], self._targets[self._plot])
         if self._report is not None and words is not None:
             pictures = [beside(self._report, ending) for ending, _ in figures]
             for path, (_, figure) in zip(pictures, figures, strict=True):
-                save(figure, self._targets[path])
+                render(figure, self._targets[path])
             text = words([path.name for path in pictures])
             self._targets[self._report].write_text(text, encoding="utf-8")
 
@@ -75,7 +75,7 @@ def reporting(
     if report is not None:
         if report.suffix.lower() not in ENDINGS:
             raise TableError(f'{report}: the ending must be {" or ".join(ENDINGS)}, got "{report.suffix}"')
-        wanted += [beside(report, ending) for ending in endings] + [report]
+        wanted += [report, *(beside(report, ending) for ending in endings)]
     taken = [source for source in sources if source is not None]
     with contextlib.ExitStack() as stack:
         targets = {path: stack.enter_context(replacing(path, taken)) for path in dict.fromkeys(wanted)}
