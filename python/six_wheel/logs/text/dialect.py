@@ -6,6 +6,7 @@ import io
 import re
 import shutil
 import tempfile
+import zlib
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -86,7 +87,7 @@ def open_text(path: Path) -> BinaryIO:
             target = io.TextIOWrapper(copy, encoding="utf-8", newline="", write_through=True)
             shutil.copyfileobj(text, target)
             target.detach()
-        except (OSError, EOFError, UnicodeError) as error:
+        except (OSError, EOFError, UnicodeError, zlib.error) as error:
             copy.close()
             raise TableError(f"the text cannot be read: {' '.join(str(error).split())}") from None
         copy.seek(0)
