@@ -29,7 +29,7 @@ from six_wheel.cli.commands.traverse import traverse
 from six_wheel.cli.commands.view import view
 from six_wheel.cli.names import COMMANDS, INSTALL, PROGRAM, PURPOSE
 from six_wheel.cli.shared import new_console, progress_bar, with_options
-from six_wheel.kinematics.errors import DoubtError
+from six_wheel.kinematics.errors import DoubtError, printable
 
 EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "yaml")
 HELP_OPTIONS = ["-h", "--help"]
@@ -152,7 +152,7 @@ def run(arguments: Sequence[str]) -> int:
         message = _explain(error)
         if message is None:
             raise
-        print(f"{PROGRAM}: {' '.join(message.split())}", file=sys.stderr)
+        print(f"{PROGRAM}: {printable(' '.join(message.split()))}", file=sys.stderr)
         return 2
     return code if isinstance(code, int) else 0
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_type_hints
 import typer
 
 from six_wheel.cli.names import PROGRAM
+from six_wheel.kinematics.errors import printable
 from six_wheel.robot_description.named_rover import NamedRover, find_rover
 
 if TYPE_CHECKING:
@@ -115,7 +116,7 @@ def _files(value: object) -> list[Path]:
 def warn(warnings: Sequence[object]) -> None:
     """Print warnings, a line each, on the standard error."""
     for warning in warnings:
-        print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
+        print(f"{PROGRAM}: warning: {printable(str(warning))}", file=sys.stderr)
 
 
 class Reading(NamedTuple):

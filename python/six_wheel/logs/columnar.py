@@ -36,6 +36,7 @@ class ColumnarFile:
         import pyarrow.ipc
         import pyarrow.parquet
 
+        self._path, self._kind = path, "Parquet" if format == "parquet" else "Arrow"
         self._handle = open(path, "rb")  # noqa: SIM115
         self._file: Any
         try:
@@ -52,12 +53,30 @@ class ColumnarFile:
                 )
         except (pa.ArrowException, OSError) as error:
             self._handle.close()
-            kind = "Parquet" if format == "parquet" else "Arrow"
-            raise TableError(f"not a readable {kind} file: {' '.join(str(error).split())}") from None
+            raise TableError(self._unreadable(error)) from None
         self._format = format
 
     def batches(self, chunk_rows: int, headers: Sequence[str]) -> "Iterator[pa.RecordBatch]":
-        """The rows in order, of some columns."""
+        """The rows in order, of some columns.
+
+        Raises
+        ------
+        TableError
+            If a part of the file is damaged.
+        """
+        import pyarrow as pa
+
+        try:
+            yield from self._batches(chunk_rows, headers)
+        except MemoryError:
+            raise
+        except (pa.ArrowException, OSError) as error:
+            raise TableError(f"{self._path}: {self._unreadable(error)}") from None
+
+    def _unreadable(self, error: Exception) -> str:
+        return f"not a readable {self._kind} file: {' '.join(str(error).split())}"
+
+    def _batches(self, chunk_rows: int, headers: Sequence[str]) -> "Iterator[pa.RecordBatch]":
         if self._format == "parquet":
             yield from self._file.iter_batches(batch_size=chunk_rows, columns=[*headers], use_threads=False)
             return

@@ -95,8 +95,18 @@ class Record:
         return {message.topic for message in self.messages()}
 
     def parsed(self, message: Message) -> Any:
-        """The content of a message by the names of its fields."""
-        return self._libraries.store.deserialize_cdr(message.data, message.kind)
+        """The content of a message by the names of its fields.
+
+        Raises
+        ------
+        RecordError
+            If its bytes are damaged.
+        """
+        try:
+            return self._libraries.store.deserialize_cdr(message.data, message.kind)
+        except Exception as error:  # of NumPy, of text and of rosbags, by the place of the damage
+            told = " ".join(str(error).split())
+            raise RecordError(f"{self.path}: a message of {message.topic} is damaged: {told}") from None
 
     def _records(self) -> Iterator[Any]:
         with self.path.open("rb") as file:
