@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from six_wheel.logs.writing import replacing
 from six_wheel.robot_description.named_rover import closest
 
 
@@ -28,6 +27,8 @@ def example(
     target = output or Path(name)
     if target.exists():  # it may be the user's own
         raise ValueError(f"{target}: the file is there already; --output says where else")
+    from six_wheel.logs.writing import replacing
+
     with replacing(target) as temporary:
         temporary.write_bytes((folder / name).read_bytes())
     print(target.resolve())

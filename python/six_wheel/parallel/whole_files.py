@@ -1,0 +1,181 @@
+"""Files that are written whole or not at all."""
+
+import contextlib
+import errno
+import hashlib
+import os
+import platform
+import secrets
+from collections.abc import Iterator, Mapping, Sequence
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from glob import escape
+from pathlib import Path
+
+from six_wheel.kinematics.errors import FileError
+
+__all__ = ["check_outputs", "check_target", "remove_leftovers", "replacing", "together"]
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
+_PROBE = 1 << 16  # bytes that still go onto a disk with room
+
+
+@dataclass
+class _Files:
+    """Files that one command reads, and those it writes: temporary file to (path as given, target)."""
+
+    sources: tuple[Path, ...]
+    targets: dict[Path, tuple[Path, Path]] = field(default_factory=dict)
+
+
+_files: ContextVar[_Files | None] = ContextVar("files of the command", default=None)
+
+
+@contextlib.contextmanager
+def together(sources: Sequence[Path] = ()) -> Iterator[None]:
+    """All files that `replacing` writes within the block are replaced when it succeeds, or none is.
+
+    A block within another one replaces its own files when it ends.
+
+    Parameters
+    ----------
+    sources : sequence of Path, optional
+        Files that are read within the block. None of them is replaced.
+    """
+    outer = _files.get()
+    files = _Files((*sources, *(outer.sources if outer else ())))
+    token = _files.set(files)
+    try:
+        yield
+        for temporary, (_, target) in files.targets.items():
+            os.replace(temporary, target)
+    finally:
+        _files.reset(token)
+        for temporary in files.targets:
+            temporary.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
+    """A temporary file beside `path`, which it replaces if the block succeeds; if not, it is removed.
+
+    Within `together` it replaces `path` when that block ends.
+
+    Raises
+    ------
+    FileError
+        If `path` is one of `sources`, another output, not a file, or in no folder, or cannot be written.
+    """
+    files = _files.get()
+    target = check_target(path, [*sources, *(files.sources if files else ())])
+    others = files.targets.values() if files else ()
+    if given := next((given for given, other in others if same_file(other, target)), None):
+        raise FileError(f"{path}: the output must be another file than the output {given}")
+    remove_leftovers(target)
+    # Created here and not by tempfile, so that the permissions follow the umask.
+    temporary = target.with_name(f"{_beside(target)}{os.getpid()}-{secrets.token_hex(4)}{target.suffix}")
+    try:
+        temporary.open("xb").close()
+    except OSError as error:
+        raise FileError(f"{path}: the output must be writeable, got: {error.strerror}") from None
+    try:
+        yield temporary
+        if files is None:
+            os.replace(temporary, target)
+        else:
+            files.targets[temporary] = (path, target)
+    except BaseException as error:
+        is_full = _is_full(temporary)  # it may be the disk of another file that is written at the same time
+        temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno in _FULL and is_full:
+            raise FileError(f"{path}: could not be written: {os.strerror(error.errno)}") from None
+        raise
+
+
+def _is_full(temporary: Path) -> bool:
+    """True where no more can be written to a file."""
+    try:
+        with temporary.open("ab") as file:
+            file.write(bytes(_PROBE))
+    except OSError:
+        return True
+    return False
+
+
+def check_target(path: Path, sources: Sequence[Path]) -> Path:
+    """The file that a path to be written leads to.
+
+    Raises
+    ------
+    FileError
+        If it is one of `sources`, not a file, or in no folder.
+    """
+    target = path.resolve()
+    check_source(path, target, sources)
+    if target.exists() and not target.is_file():
+        raise FileError(f"{path}: the output must be a file")
+    if not target.parent.is_dir():
+        raise FileError(f"{path}: the folder of the output must exist")
+    return target
+
+
+def check_source(path: Path, target: Path, sources: Sequence[Path]) -> None:
+    """Refuse a path to be written that leads to a file which is read."""
+    for source in sources:
+        if same_file(source, target):
+            raise FileError(f"{path}: the output must be another file than {source}")
+
+
+def check_outputs(outputs: Mapping[str, Path], sources: Sequence[Path]) -> None:
+    """Check all that a command writes before it reads anything.
+
+    Parameters
+    ----------
+    outputs : mapping of str to Path
+        By the option that names the file. A folder that is there is for several files.
+    sources : sequence of Path
+        Files that are read.
+
+    Raises
+    ------
+    FileError
+        If an output is one of `sources` or another output.
+    """
+    files = {name: path for name, path in outputs.items() if not path.is_dir()}
+    for name, path in files.items():
+        check_source(path, path.resolve(), sources)
+        for other, one in files.items():
+            if other != name and same_file(one, path):
+                options = f"--{name} and --{other}".replace("_", "-")
+                raise FileError(f"{path}: {options} must be two files")
+
+
+def same_file(one: Path, other: Path) -> bool:
+    """True where two paths lead to one file, through links and other spellings."""
+    return one.resolve() == other.resolve() or (one.exists() and other.exists() and one.samefile(other))
+
+
+def remove_leftovers(path: Path) -> None:
+    """Delete temporary files beside `path` that writers left which were killed."""
+    for rest in path.parent.glob(f"{_beside(path)}*-{'[0-9a-f]' * 8}{escape(path.suffix)}"):
+        writer = rest.name.removeprefix(_beside(path)).partition("-")[0]
+        if writer.isdecimal() and not _runs(int(writer)):
+            rest.unlink(missing_ok=True)
+
+
+def _beside(path: Path) -> str:
+    """Beginning of the names of this machine's temporary files for `path`, however long its own name is."""
+    named = os.fsencode(f"{platform.node()}/{path.name}")
+    return f".{hashlib.blake2s(named, digest_size=6).hexdigest()}-"
+
+
+def _runs(process: int) -> bool:
+    """True where a process may still run; on Windows always, where asking would end it."""
+    if os.name == "nt":
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # of another user
+        return True
+    return process != os.getpid()
