@@ -15,7 +15,7 @@ import pytest
 
 import six_wheel
 from six_wheel.cli.shared import WRITTEN
-from six_wheel.kinematics.errors import FileError
+from six_wheel.kinematics.errors import TableError
 from six_wheel.parallel.whole_files import _beside, replacing, together
 from tests.cli.command_lines import READ, Argument, arguments, callbacks, line, read, written
 from tests.cli_runs import Run
@@ -169,7 +169,7 @@ def test_files_together(tmp_path: Path) -> None:
             with replacing(path) as temporary:
                 temporary.write_text(path.name)
             assert not path.exists()
-        with pytest.raises(FileError, match="another file than the output"), replacing(one):
+        with pytest.raises(TableError, match="another file than the output"), replacing(one):
             pass
     assert (one.read_text(), other.read_text()) == ("one", "other")
 

@@ -80,6 +80,10 @@ class FileError(ValueError):
         return printable(super().__str__())
 
 
+class TableError(FileError):
+    """A table that cannot be used. Its text is one line that names the file and what is wrong with it."""
+
+
 class SuspiciousUnitsWarning(UserWarning):
     """A number that cannot be a rover's in metres or radians; its text says what may have been meant."""
 

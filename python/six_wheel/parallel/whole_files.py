@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from glob import escape
 from pathlib import Path
 
-from six_wheel.kinematics.errors import FileError
+from six_wheel.kinematics.errors import TableError
 
 __all__ = ["check_outputs", "check_target", "remove_leftovers", "replacing", "together"]
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
@@ -62,21 +62,21 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
 
     Raises
     ------
-    FileError
+    TableError
         If `path` is one of `sources`, another output, not a file, or in no folder, or cannot be written.
     """
     files = _files.get()
     target = check_target(path, [*sources, *(files.sources if files else ())])
     others = files.targets.values() if files else ()
     if given := next((given for given, other in others if same_file(other, target)), None):
-        raise FileError(f"{path}: the output must be another file than the output {given}")
+        raise TableError(f"{path}: the output must be another file than the output {given}")
     remove_leftovers(target)
     # Created here and not by tempfile, so that the permissions follow the umask.
     temporary = target.with_name(f"{_beside(target)}{os.getpid()}-{secrets.token_hex(4)}{target.suffix}")
     try:
         temporary.open("xb").close()
     except OSError as error:
-        raise FileError(f"{path}: the output must be writeable, got: {error.strerror}") from None
+        raise TableError(f"{path}: the output must be writeable, got: {error.strerror}") from None
     try:
         yield temporary
         if files is None:
@@ -87,7 +87,7 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
         is_full = _is_full(temporary)  # it may be the disk of another file that is written at the same time
         temporary.unlink(missing_ok=True)
         if isinstance(error, OSError) and error.errno in _FULL and is_full:
-            raise FileError(f"{path}: could not be written: {os.strerror(error.errno)}") from None
+            raise TableError(f"{path}: could not be written: {os.strerror(error.errno)}") from None
         raise
 
 
@@ -106,15 +106,15 @@ def check_target(path: Path, sources: Sequence[Path]) -> Path:
 
     Raises
     ------
-    FileError
+    TableError
         If it is one of `sources`, not a file, or in no folder.
     """
     target = path.resolve()
     check_source(path, target, sources)
     if target.exists() and not target.is_file():
-        raise FileError(f"{path}: the output must be a file")
+        raise TableError(f"{path}: the output must be a file")
     if not target.parent.is_dir():
-        raise FileError(f"{path}: the folder of the output must exist")
+        raise TableError(f"{path}: the folder of the output must exist")
     return target
 
 
@@ -122,7 +122,7 @@ def check_source(path: Path, target: Path, sources: Sequence[Path]) -> None:
     """Refuse a path to be written that leads to a file which is read."""
     for source in sources:
         if same_file(source, target):
-            raise FileError(f"{path}: the output must be another file than {source}")
+            raise TableError(f"{path}: the output must be another file than {source}")
 
 
 def check_outputs(outputs: Mapping[str, Path], sources: Sequence[Path]) -> None:
@@ -137,7 +137,7 @@ def check_outputs(outputs: Mapping[str, Path], sources: Sequence[Path]) -> None:
 
     Raises
     ------
-    FileError
+    TableError
         If an output is one of `sources` or another output.
     """
     files = {name: path for name, path in outputs.items() if not path.is_dir()}
@@ -146,7 +146,7 @@ def check_outputs(outputs: Mapping[str, Path], sources: Sequence[Path]) -> None:
         for other, one in files.items():
             if other != name and same_file(one, path):
                 options = f"--{name} and --{other}".replace("_", "-")
-                raise FileError(f"{path}: {options} must be two files")
+                raise TableError(f"{path}: {options} must be two files")
 
 
 def same_file(one: Path, other: Path) -> bool:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from six_wheel.kinematics.errors import FileError
+from six_wheel.kinematics.errors import TableError
 
 __all__ = [
     "BRACKETS",
@@ -23,10 +23,6 @@ __all__ = [
     "unit",
     "words",
 ]
-
-
-class TableError(FileError):
-    """A table that cannot be used. Its text is one line that names the file and what is wrong with it."""
 
 
 @dataclass(frozen=True)
