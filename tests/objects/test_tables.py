@@ -126,10 +126,42 @@ def test_a_table_without_its_library_says_how_to_install_it():
     assert done.stdout == 'this table needs pandas: pip install "pandas"\n'
 
 
-def test_a_track_in_space_is_compared_as_seen_from_above():
+def test_a_track_in_space_is_compared_as_seen_from_above_where_the_truth_has_no_height():
     drive, track = samples()["GroundSimulation"], samples()["Track3"]
-    found = evaluate(track, drive.truth)
-    same = evaluate(track.poses[:, [0, 1, 5]], drive.truth.at(track.stamps))
+    truth = sw.GroundTruth(drive.truth.stamps, drive.truth.poses)
+    found = evaluate(track, truth)
+    same = evaluate(track.poses[:, [0, 1, 5]], truth.at(track.stamps))
     assert found.first.rmse == same.first.rmse
     assert found.distance == pytest.approx(1.2, abs=0.05)  # 12 s at 0.1 m/s
     assert math.isfinite(found.aligned.rmse)
+
+
+def test_a_track_in_space_is_compared_in_space():
+    drive, track = samples()["GroundSimulation"], samples()["Track3"]
+    assert drive.truth.has_space
+    found = evaluate(track, drive)
+    assert found.aligned.align == "se3"
+    assert found.first.rmse < 0.005  # an exact log on a known map
+    assert "rotation_error_se3" in found.to_arrays()
+    raised = track.poses + np.array((0.0, 0.0, 0.1, 0.0, 0.0, 0.0))
+    lifted = sw.GroundTruth(track.stamps, raised)
+    assert evaluate(track, lifted).first.maximum < 1e-12  # wherever the paths lie
+    raised[60:, 2] += 0.3
+    assert evaluate(track, sw.GroundTruth(track.stamps, raised)).first.final == pytest.approx(0.3, abs=1e-12)
+    assert evaluate(track, track).first.maximum < 1e-12
+    assert evaluate(track, raised).first.final == pytest.approx(0.3, abs=1e-12)
+
+
+def test_a_truth_in_space_keeps_its_heights(tmp_path):
+    truth = samples()["GroundSimulation"].truth
+    np.testing.assert_array_equal(truth.at_in_space(truth.stamps)[:, 2:5], truth.space)
+    np.testing.assert_array_equal(truth.at_in_space(truth.stamps)[:, [0, 1, 5]], truth.poses)
+    assert np.isnan(truth.at_in_space([truth.stamps[-1] + 1.0])).all()
+    assert {"z", "roll", "pitch"} < set(truth.to_arrays())
+    same = sw.GroundTruth(truth.stamps, truth.at_in_space(truth.stamps))
+    np.testing.assert_array_equal(same.space, truth.space)
+    half = truth.stamps[:-1] + 0.5 * np.diff(truth.stamps)
+    between = truth.at_in_space(half)
+    np.testing.assert_allclose(between[:, 2:5], (truth.space[1:] + truth.space[:-1]) / 2, atol=1e-12)
+    with pytest.raises(ValueError, match=r"space must have shape \(2, 3\), got \(3, 3\)"):
+        sw.GroundTruth([0.0, 1.0], np.zeros((2, 3)), space=np.zeros((3, 3)))

@@ -57,8 +57,8 @@ def interpolate(stamps: Floats, poses: Floats, wanted: Floats) -> tuple[Floats, 
     return poses[row] + (wanted - stamps[row])[:, None] / length * step, step / length
 
 
-def as_poses(name: str, poses: ArrayLike, count: int | None = None) -> Floats:
-    """`poses` as an array of shape (n, 3), finite, with n >= 1 or `count` rows.
+def as_poses(name: str, poses: ArrayLike, count: int | None = None, columns: int = 3) -> Floats:
+    """`poses` as an array of shape (n, 3), or of as many `columns`, finite, with n >= 1 or `count` rows.
 
     Raises
     ------
@@ -66,10 +66,10 @@ def as_poses(name: str, poses: ArrayLike, count: int | None = None) -> Floats:
         If it is not.
     """
     rows = np.ascontiguousarray(poses, dtype=np.float64)
-    if rows.ndim != 2 or rows.shape[1] != 3 or len(rows) == 0:
-        raise ValueError(f"{name} must have shape (n, 3), n >= 1, got {rows.shape}")
+    if rows.ndim != 2 or rows.shape[1] != columns or len(rows) == 0:
+        raise ValueError(f"{name} must have shape (n, {columns}), n >= 1, got {rows.shape}")
     if count is not None and len(rows) != count:
-        raise ValueError(f"{name} must have shape ({count}, 3), got {rows.shape}")
+        raise ValueError(f"{name} must have shape ({count}, {columns}), got {rows.shape}")
     good = np.isfinite(rows).all(axis=1)
     if not good.all():
         row = int(np.argmin(good))

@@ -31,6 +31,7 @@ from six_wheel.logs.plausibility.whole_numbers import check_increments
 
 if TYPE_CHECKING:
     from six_wheel.kinematics.odometry.tracks import Track
+    from six_wheel.kinematics.odometry.tracks3 import Track3
 
 __all__ = ["GroundTruth", "WheelLog", "as_truth"]
 
@@ -46,11 +47,14 @@ class GroundTruth(Tabular):
     ----------
     stamps : array_like, shape (n,)
         When, in the clock of the log up to a constant offset [s]; each later than the one before, n >= 2.
-    poses : array_like, shape (n, 3) or (n, 2)
+    poses : array_like, shape (n, 3), (n, 2) or (n, 6)
         x, y, yaw of what was tracked, in a fixed frame [m, m, rad]. Positions alone, as of a single GPS or a
-        total station, have two columns, or NaN for yaw; headings alone NaN for x and y.
+        total station, have two columns, or NaN for yaw; headings alone NaN for x and y. Six columns are x, y,
+        z, roll, pitch, yaw, as those of a `Track3`; `poses` keeps x, y and yaw of them.
     max_gap : float, default 1.5
         Longest time between two rows across which is interpolated [s].
+    space : array_like, shape (n, 3), optional
+        z, roll, pitch [m, rad, rad], where they are not in `poses`.
 
     Raises
     ------
@@ -61,6 +65,7 @@ class GroundTruth(Tabular):
     stamps: Floats | Any
     poses: Floats | Any
     max_gap: float = 1.5
+    space: Floats | Any = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         stamps = _numbers("stamps", self.stamps)
@@ -69,6 +74,11 @@ class GroundTruth(Tabular):
         if not (isinstance(self.max_gap, Real) and self.max_gap > 0.0):
             raise ValueError(f"max_gap must be positive, got {self.max_gap!r}")
         poses = _numbers("poses", self.poses)
+        space = self.space
+        if poses.ndim == 2 and poses.shape[1] == 6:
+            poses, space = poses[:, [0, 1, 5]], poses[:, 2:5]
+        if space is not None:
+            space = as_poses("space", _numbers("space", space), len(stamps))
         if poses.ndim == 2 and poses.shape[1] == 2:
             poses = np.column_stack((poses, np.full(len(poses), math.nan)))
         checked = poses.copy()
@@ -82,7 +92,12 @@ class GroundTruth(Tabular):
         if not later.all():
             row = int(np.argmin(later)) + 1
             raise ValueError(f"stamps must grow, got {stamps[row]} after {stamps[row - 1]} in row {row}")
-        _freeze(self, stamps=stamps, poses=poses)
+        _freeze(self, stamps=stamps, poses=poses, space=space)
+
+    @property
+    def has_space(self) -> bool:
+        """True if z, roll and pitch are known beside x, y and yaw."""
+        return self.space is not None and self.has_positions and self.has_yaw
 
     @property
     def has_positions(self) -> bool:
@@ -112,11 +127,27 @@ class GroundTruth(Tabular):
         poses[~self.covers(wanted)] = math.nan
         return poses
 
+    def at_in_space(self, stamps: ArrayLike) -> Floats:
+        """Poses x, y, z, roll, pitch, yaw at other times, (m, 6); NaN as in `at`, and without `has_space`."""
+        x, y, yaw = self.at(stamps).T
+        nowhere = np.full((len(self), 3), math.nan)
+        space, _ = interpolate(
+            self.stamps,
+            nowhere if self.space is None else self.space[:, [0, 2, 1]],
+            np.asarray(stamps, dtype=float),
+        )
+        space[np.isnan(x)] = math.nan
+        return np.column_stack((x, y, space[:, 0], space[:, 2], space[:, 1], yaw))
+
     def __len__(self) -> int:
         return len(self.stamps)
 
     def _columns(self) -> Columns:
-        return pose_columns(self.stamps, self.poses)
+        columns = pose_columns(self.stamps, self.poses)
+        if self.space is not None:
+            units = {"z": "m", "roll": "rad", "pitch": "rad"}
+            columns |= {name: (unit, self.space[:, k]) for k, (name, unit) in enumerate(units.items())}
+        return columns
 
     def __repr__(self) -> str:
         return f"GroundTruth({len(self)} poses, {self.stamps[-1] - self.stamps[0]:.1f} s)"
@@ -302,7 +333,7 @@ class WheelLog(Tabular):
         return f"{type(self).__name__}({self.name!r}, {len(self)} rows, {self.duration:.1f} s, {known})"
 
 
-Reference: TypeAlias = "GroundTruth | WheelLog | Track"
+Reference: TypeAlias = "GroundTruth | WheelLog | Track | Track3"
 
 
 def as_truth(given: object) -> GroundTruth:

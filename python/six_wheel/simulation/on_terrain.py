@@ -108,7 +108,7 @@ def simulate_on_ground(
     return GroundSimulation(
         **read,
         **named,
-        truth=GroundTruth(read["stamps"], motion.poses[::FINER]),
+        truth=GroundTruth(read["stamps"], motion.poses[::FINER], space=_space(there)),
         motion=motion,
         stand=there,
         wheel_speeds=speeds[::FINER],
@@ -119,6 +119,12 @@ def simulate_on_ground(
         orientations=quaternions(np.stack((there.roll, there.pitch, there.poses[:, 2]), axis=-1)),
         angular_velocity=twists[:, 3:] + spread * random.standard_normal((len(twists), 3)),
     )
+
+
+def _space(stand: SettledPose) -> Floats | None:
+    """z, roll and pitch of a rover that stands in every row."""
+    rows = np.stack((stand.z, stand.roll, stand.pitch), axis=-1)
+    return rows if np.isfinite(rows).all() else None
 
 
 def _filled(speeds: Floats) -> Floats:

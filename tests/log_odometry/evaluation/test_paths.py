@@ -177,6 +177,78 @@ def test_absolute_errors_are_those_of_evo(seed):
     assert other.num_poses == len(estimate)
 
 
+def paths_in_space(seed: int, count: int = 200) -> tuple[np.ndarray, np.ndarray]:
+    """A path over bumps, steep ones among them, and a noisy copy of it in a world of its own."""
+    random = np.random.default_rng(seed)
+    _, truth = paths(seed, count)
+    along = np.linspace(0.0, 9.0, len(truth))
+    space = np.column_stack((0.3 * np.sin(along), 0.6 * np.sin(2 * along), 1.2 * np.cos(along)))
+    truth = np.column_stack((truth[:, :2], space, truth[:, 2]))
+    estimate = truth + random.normal(0.0, 0.01, truth.shape)
+    return estimate, truth
+
+
+def evo_space(poses: np.ndarray):
+    """The same path by evo, turned by its own package of rotations."""
+    trajectory = pytest.importorskip("evo.core.trajectory", reason="the package evo is not installed")
+    from scipy.spatial.transform import Rotation
+
+    matrices = np.tile(np.eye(4), (len(poses), 1, 1))
+    matrices[:, :3, :3] = Rotation.from_euler("ZYX", poses[:, :2:-1]).as_matrix()
+    matrices[:, :3, 3] = poses[:, :3]
+    return trajectory.PosePath3D(poses_se3=list(matrices))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_errors_in_space_are_those_of_evo(seed):
+    estimate, truth = paths_in_space(seed)
+    reference = evo_space(truth)
+    from evo.core import metrics
+
+    assert evaluation.path_distance(truth)[-1] == pytest.approx(reference.path_length, rel=1e-12)
+    for how, place in (("first", "align_origin"), ("se3", "align"), ("none", None)):
+        aligned = evo_space(estimate)
+        if place is not None:
+            getattr(aligned, place)(reference)
+        ours = evaluation.absolute_error(estimate, truth, how)
+        for relation, error in (("translation_part", ours.position), ("rotation_angle_rad", ours.heading)):
+            theirs = metrics.APE(metrics.PoseRelation[relation])
+            theirs.process_data((reference, aligned))
+            assert_allclose(error, theirs.error, atol=1e-7)
+        moved_back = evo_space(evaluation.align(estimate, truth, how))
+        assert_allclose(moved_back.positions_xyz, aligned.positions_xyz, atol=1e-9)
+    pairs = evaluation.segments(truth, 0.5, stride=None)
+    ours = evaluation.relative_error(estimate, truth, 0.5, rows=pairs)
+    for relation, error in (("translation_part", ours.position), ("rotation_angle_rad", ours.heading)):
+        theirs = metrics.RPE(
+            metrics.PoseRelation[relation], 0.5, metrics.Unit.meters, pairs_from_reference=True
+        )
+        theirs.process_data((reference, evo_space(estimate)))
+        assert_allclose(error, theirs.error, atol=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_path_in_the_plane_has_the_same_errors_as_one_in_space(seed):
+    flat = paths(seed)
+    tall = [np.column_stack((path[:, :2], np.zeros((len(path), 3)), path[:, 2])) for path in flat]
+    plane, space = evaluation.evaluate(*flat), evaluation.evaluate(*tall)
+    assert_allclose(space.first.position, plane.first.position, atol=1e-12)
+    assert_allclose(space.first.heading, np.abs(plane.first.heading), atol=1e-12)
+    assert_allclose(space.aligned.position, plane.aligned.position, atol=1e-9)
+    assert space.relative.rmse == pytest.approx(plane.relative.rmse, rel=1e-9)
+    assert space.distance == plane.distance
+
+
+def test_alignments_of_the_other_space_are_refused():
+    estimate, truth = paths_in_space(0, 20)
+    with pytest.raises(ValueError, match="align must be 'first', 'se3' or 'none', got 'se2'"):
+        evaluation.align(estimate, truth, "se2")
+    with pytest.raises(ValueError, match="align must be 'first', 'se2' or 'none', got 'se3'"):
+        evaluation.align(*paths(0, 20), "se3")
+    with pytest.raises(ValueError, match=r"estimate must have shape \(n, 6\), n >= 1, got \(21, 3\)"):
+        evaluation.evaluate(estimate[:, :3], truth)
+
+
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("all_pairs", [False, True])
 def test_relative_errors_are_those_of_evo(seed, all_pairs):

@@ -1,10 +1,11 @@
 """Errors of an estimated path against the true one: absolute, relative, and their growth with distance.
 
-Both paths hold one pose per row, x, y, yaw [m, m, rad], taken at the same times. `GroundTruth.at` of
-`six_wheel.logs.recordings` brings a reference with its own clock to the stamps of a log.
+Both paths hold one pose per row, taken at the same times: x, y, yaw [m, m, rad] or, in space, x, y, z, roll,
+pitch, yaw. `GroundTruth.at` of `six_wheel.logs.recordings` gives a reference with its own clock at the stamps
+of a log.
 
-The measures are those of Sturm et al., A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012, in
-the plane and without scale; relative errors go by distance as in Geiger, Lenz & Urtasun, Are we ready for
+The measures are those of Sturm et al., A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012,
+without scale; relative errors go by distance as in Geiger, Lenz & Urtasun, Are we ready for
 autonomous driving?, CVPR 2012. The package evo computes the same numbers.
 """
 
@@ -17,13 +18,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from six_wheel._core import wrap_angle
 from six_wheel.kinematics.keywords import checked, checked_class
 from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.objects.tables import Columns, Tabular
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.odometry.tracks3 import Track3
-from six_wheel.kinematics.poses import Floats, as_poses, inverse, joined
+from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.relative import (
     STRIDE,
     ErrorGrowth,
@@ -33,11 +33,19 @@ from six_wheel.log_odometry.evaluation.relative import (
     relative_error,
     rms,
 )
+from six_wheel.log_odometry.evaluation.spaces import (
+    as_path,
+    best_fit,
+    differences,
+    inverse_of,
+    moved_by,
+    poses_of,
+)
 from six_wheel.logs.recordings import Reference, as_truth
 
 __all__ = ["AbsoluteError", "Alignment", "Evaluation", "absolute_error", "align", "at_same_times", "evaluate"]
 
-Alignment = Literal["first", "se2", "none"]
+Alignment = Literal["first", "se2", "se3", "none"]
 
 
 @checked()
@@ -46,15 +54,15 @@ def align(estimate: ArrayLike, truth: ArrayLike, align: Alignment = "se2") -> Fl
 
     Parameters
     ----------
-    estimate, truth : array_like, shape (n, 3)
-        Poses at the same times [m, m, rad].
-    align : {'first', 'se2', 'none'}
+    estimate, truth : array_like, shape (n, 3) or (n, 6)
+        Poses at the same times, as in `evaluate`.
+    align : {'first', 'se2', 'se3', 'none'}
         So that the first poses agree; so that the positions agree best in the sense of least squares,
-        without scale; or not at all.
+        without scale, which is called 'se2' in the plane and 'se3' in space; or not at all.
 
     Returns
     -------
-    ndarray, shape (n, 3)
+    ndarray, of the shape of `estimate`
 
     Raises
     ------
@@ -62,24 +70,27 @@ def align(estimate: ArrayLike, truth: ArrayLike, align: Alignment = "se2") -> Fl
         If the shapes differ, a pose is not finite, or `align` is none of these.
 
     Source: Umeyama, Least-Squares Estimation of Transformation Parameters Between Two Point Patterns,
-    IEEE PAMI 13(4), 1991; in the plane the rotation is one `atan2`.
+    IEEE PAMI 13(4), 1991.
     """
-    wanted = as_poses("truth", truth)
-    moved = as_poses("estimate", estimate, len(wanted))
+    wanted = as_path("truth", truth)
+    return poses_of(_onto(as_path("estimate", estimate, wanted), wanted, align))
+
+
+def _onto(moved: Floats, wanted: Floats, align: Alignment) -> Floats:
+    """A path, moved as one rigid body onto another."""
+    best = _best(wanted)
+    if align not in ("first", best, "none"):
+        raise ValueError(f"align must be 'first', '{best}' or 'none', got {align!r}")
     if align == "none":
         return moved.copy()
     if align == "first":
-        return joined(joined(wanted[0], inverse(moved[0])), moved)
-    if align != "se2":
-        raise ValueError(f"align must be 'first', 'se2' or 'none', got {align!r}")
-    centre, onto = moved[:, :2].mean(axis=0), wanted[:, :2].mean(axis=0)
-    products = (moved[:, :2] - centre).T @ (wanted[:, :2] - onto)
-    yaw = math.atan2(products[0, 1] - products[1, 0], products[0, 0] + products[1, 1])
-    back = np.array((-centre[0], -centre[1], 0.0))
-    return joined(joined(np.array((onto[0], onto[1], yaw)), back), moved)
+        return moved_by(moved_by(wanted[0], inverse_of(moved[0])), moved)
+    return moved_by(best_fit(moved, wanted), moved)
 
 
-_aligned = align  # where an argument has its name
+def _best(path: Floats) -> Alignment:
+    """The best rigid alignment of paths of this kind."""
+    return "se2" if path.ndim == 2 else "se3"
 
 
 @checked_class
@@ -87,7 +98,7 @@ _aligned = align  # where an argument has its name
 class AbsoluteError:
     """Distance of every pose from its true one, after an alignment.
 
-    `position` [m] and `heading` [rad, signed] have shape (n,).
+    `position` [m] and `heading` [rad, signed; in space the angle of the rotation] have shape (n,).
     """
 
     align: Alignment
@@ -138,9 +149,9 @@ def absolute_error(estimate: ArrayLike, truth: ArrayLike, align: Alignment = "fi
     Parameters, errors
         As in `align`.
     """
-    wanted = as_poses("truth", truth)
-    error = _aligned(estimate, wanted, align) - wanted
-    return AbsoluteError(align, np.hypot(error[:, 0], error[:, 1]), np.asarray(wrap_angle(error[:, 2])))
+    wanted = as_path("truth", truth)
+    moved = _onto(as_path("estimate", estimate, wanted), wanted, align)
+    return AbsoluteError(align, *differences(moved, wanted))
 
 
 @checked_class
@@ -157,7 +168,7 @@ class Evaluation(Tabular):
     relative : RelativeError
     growth : ErrorGrowth
     along : ndarray, shape (n,)
-        Way along the true path up to each pose [m].
+        Distance along the true path up to each pose [m].
     """
 
     distance: float
@@ -168,11 +179,12 @@ class Evaluation(Tabular):
     along: Floats = field(repr=False)
 
     def _columns(self) -> Columns:
-        """Way along the true path, and the errors of every pose after each of the alignments."""
+        """Distance along the true path, and the errors of every pose after each of the alignments."""
         columns: Columns = {"distance": ("m", self.along)}
+        angle = "yaw" if self.aligned.align == "se2" else "rotation"
         for error in (self.first, self.aligned):
             columns[f"position_error_{error.align}"] = ("m", error.position)
-            columns[f"yaw_error_{error.align}"] = ("rad", error.heading)
+            columns[f"{angle}_error_{error.align}"] = ("rad", error.heading)
         return columns
 
     _repr_mimebundle_ = mimebundle
@@ -191,7 +203,7 @@ class Evaluation(Tabular):
         return {
             "distance_m": self.distance,
             "ate_first_m": self.first.rmse,
-            "ate_se2_m": self.aligned.rmse,
+            f"ate_{self.aligned.align}_m": self.aligned.rmse,
             "final_m": self.first.final,
             "final_deg": math.degrees(self.first.final_heading),
             "relative_length_m": self.relative.length,
@@ -216,13 +228,16 @@ def at_same_times(
             raise ValueError(
                 f"estimate must be a Track where truth is a GroundTruth, got {type(estimate).__name__}"
             )
-        real = truth.at(estimate.stamps)
+        space = truth.has_space and isinstance(estimate, Track3)
+        real = truth.at_in_space(estimate.stamps) if space else truth.at(estimate.stamps)
         known = np.isfinite(real).all(axis=1)
         if np.count_nonzero(known) < 2:
             theirs = f"{truth.stamps[0]:g} to {truth.stamps[-1]:g} s"
             ours = f"{estimate.stamps[0]:g} to {estimate.stamps[-1]:g} s" if len(estimate) else "no rows"
             raise ValueError(f"truth must overlap the track in time, got {theirs} and {ours}")
-        return _planar(estimate)[known], real[known]
+        return (estimate.poses if space else _planar(estimate))[known], real[known]
+    if isinstance(estimate, Track3) and np.shape(truth)[1:] == (6,):
+        return estimate.poses, truth
     return _planar(estimate) if isinstance(estimate, Track | Track3) else estimate, truth
 
 
@@ -243,10 +258,11 @@ def evaluate(
 
     Parameters
     ----------
-    estimate, truth : array_like, shape (n, 3), or Track or Track3 and GroundTruth
-        Poses at the same times [m, m, rad]; of a `Track3` x, y and yaw count, as a truth has no height. A
-        `GroundTruth` is interpolated at the stamps of a track, whose rows outside it are left out. The
-        `WheelLog` that has it, or another `Track`, serves as well.
+    estimate, truth : array_like, shape (n, 3) or (n, 6), or Track or Track3 and GroundTruth
+        Poses at the same times: x, y, yaw [m, m, rad], or in space x, y, z, roll, pitch, yaw. A `GroundTruth`
+        is interpolated at the stamps of a track, whose rows outside it are left out; the `WheelLog` that has
+        it, or another `Track` or `Track3`, serves as well. A `Track3` is compared in space where the truth
+        is known there, else as seen from above.
     length, stride
         Of the relative error; see `segments`.
 
@@ -260,13 +276,13 @@ def evaluate(
         If the shapes differ, a pose is not finite, or track and truth do not overlap in time.
     """
     estimate, truth = at_same_times(estimate, truth)
-    wanted = as_poses("truth", truth)
-    along = path_distance(wanted)
+    wanted = as_path("truth", truth)
+    along = path_distance(truth)
     return Evaluation(
         float(along[-1]),
-        absolute_error(estimate, wanted, "first"),
-        absolute_error(estimate, wanted, "se2"),
-        relative_error(estimate, wanted, length, stride=stride),
-        error_growth(estimate, wanted, stride=stride),
+        absolute_error(estimate, truth, "first"),
+        absolute_error(estimate, truth, _best(wanted)),
+        relative_error(estimate, truth, length, stride=stride),
+        error_growth(estimate, truth, stride=stride),
         along,
     )

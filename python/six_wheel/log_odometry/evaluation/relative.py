@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.poses import Floats, as_poses, between
+from six_wheel.kinematics.poses import Floats
+from six_wheel.log_odometry.evaluation.spaces import as_path, differences, lengths, positions, seen_from
 
 __all__ = [
     "STRIDE",
@@ -36,8 +37,11 @@ def rms(values: Floats) -> float:
 @checked()
 def path_distance(poses: ArrayLike) -> Floats:
     """Distance driven up to each pose, as the sum of the chords [m], shape (n,)."""
-    steps = np.diff(as_poses("poses", poses)[:, :2], axis=0)
-    return np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
+    return _distance(as_path("poses", poses))
+
+
+def _distance(path: Floats) -> Floats:
+    return np.concatenate(([0.0], np.cumsum(lengths(np.diff(positions(path), axis=0)))))
 
 
 @checked()
@@ -46,8 +50,8 @@ def segments(poses: ArrayLike, length: float, *, stride: int | None = STRIDE) ->
 
     Parameters
     ----------
-    poses : array_like, shape (n, 3)
-        The true path [m, m, rad].
+    poses : array_like, shape (n, 3) or (n, 6)
+        The true path, as in `evaluate`.
     length : float
         Of a stretch [m]; it ends with the first pose at which that distance is reached.
     stride : int or None, default 5
@@ -84,8 +88,9 @@ def segments(poses: ArrayLike, length: float, *, stride: int | None = STRIDE) ->
 class RelativeError:
     """Error of the motion over stretches of the true path that are `length` [m] long.
 
-    `rows` (m, 2) are their ends, `position` [m] and `heading` [rad, signed] (m,) how far the estimated motion
-    over a stretch ends from the true one. Without a stretch that long the figures are NaN.
+    `rows` (m, 2) are their ends, `position` [m] and `heading` [rad, signed; in space the angle of the
+    rotation], both (m,), the error at the end of the estimated motion over a stretch. Without a stretch that
+    long the figures are NaN.
     """
 
     length: float
@@ -128,8 +133,8 @@ def relative_error(
 
     Parameters
     ----------
-    estimate, truth : array_like, shape (n, 3)
-        Poses at the same times [m, m, rad]; how the paths lie to each other does not matter.
+    estimate, truth : array_like, shape (n, 3) or (n, 6)
+        Poses at the same times, as in `evaluate`; how the paths lie to each other does not matter.
     length, stride
         As in `segments`.
     rows : array_like of int, shape (m, 2), optional
@@ -140,16 +145,16 @@ def relative_error(
     ValueError
         If the shapes differ, a pose is not finite or a row is not there.
     """
-    wanted = as_poses("truth", truth)
-    moved = as_poses("estimate", estimate, len(wanted))
-    pairs = segments(wanted, length, stride=stride) if rows is None else np.asarray(rows, dtype=np.int64)
+    wanted = as_path("truth", truth)
+    moved = as_path("estimate", estimate, wanted)
+    pairs = segments(truth, length, stride=stride) if rows is None else np.asarray(rows, dtype=np.int64)
     if pairs.ndim != 2 or pairs.shape[1] != 2:
         raise ValueError(f"rows must have shape (m, 2), got {pairs.shape}")
     if pairs.size and not (pairs.min() >= 0 and pairs.max() < len(wanted)):
         raise ValueError(f"rows must be in 0 to {len(wanted) - 1}, got {pairs.min()} to {pairs.max()}")
     first, last = pairs.T
-    error = between(between(wanted[first], wanted[last]), between(moved[first], moved[last]))
-    return RelativeError(length, pairs, np.hypot(error[:, 0], error[:, 1]), error[:, 2])
+    real, estimated = (seen_from(path[first], path[last]) for path in (wanted, moved))
+    return RelativeError(length, pairs, *differences(estimated, real))
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,11 +193,10 @@ def error_growth(
         Lengths of the stretches [m]; twelve from a fiftieth of the path to half of it without them. Lengths
         for which the path is too short are left out.
     """
-    wanted = as_poses("truth", truth)
     if lengths is None:
-        whole = float(path_distance(wanted)[-1])
+        whole = float(_distance(as_path("truth", truth))[-1])
         lengths = np.geomspace(whole / 50, whole / 2, 12).tolist() if whole > 0.0 else []
-    errors = [relative_error(estimate, wanted, length, stride=stride) for length in lengths]
+    errors = [relative_error(estimate, truth, length, stride=stride) for length in lengths]
     errors = [error for error in errors if len(error.rows)]
     return ErrorGrowth(
         np.array([error.length for error in errors]),
