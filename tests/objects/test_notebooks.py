@@ -13,6 +13,7 @@ from tests.objects.samples import ROVER, samples
 SHOWN = (
     "ControllerRun",
     "Costmap",
+    "Evaluation",
     "FourAxle",
     "FourAxleSimulation",
     "GroundSimulation",
@@ -29,7 +30,7 @@ SHOWN = (
     "TwistFit",
     "WheelLog",
 )
-LARGEST = 250_000  # [B] of a bundle: a relief in 256 colours
+LARGEST = 100_000  # [B] of a bundle
 
 
 @pytest.mark.parametrize("name", SHOWN)
@@ -41,9 +42,21 @@ def test_a_result_has_a_picture_beside_its_text(name):
     assert bundle["text/plain"] == repr(one)
     assert bundle["text/html"].startswith("<pre>")
     assert 'src="data:image/png;base64,iVBOR' in bundle["text/html"]
-    assert len(bundle["text/html"]) < LARGEST
+    assert sum(map(len, bundle.values())) < LARGEST
     assert one._repr_mimebundle_(include=None, exclude={"text/html"})["text/plain"] == repr(one)
     assert pickle.dumps(one) == before
+
+
+def test_every_class_that_shows_itself_is_among_them():
+    known = {name for name, one in samples().items() if hasattr(one, "_repr_mimebundle_")}
+    assert known == {*SHOWN}
+
+
+def test_relief_that_compresses_badly_is_shown_in_fewer_colours():
+    pytest.importorskip("matplotlib")
+    heights = np.random.default_rng(0).normal(0.0, 0.05, (300, 300))
+    bundle = sw.Terrain(heights, 1.0)._repr_mimebundle_()
+    assert 20_000 < sum(map(len, bundle.values())) < LARGEST
 
 
 def test_what_cannot_be_drawn_is_text():

@@ -96,6 +96,80 @@ def test_ellipses_lie_under_the_path():
     assert all(one.zorder < line.zorder and one.get_facecolor()[3] <= 0.15 for one in ellipses)
 
 
+def test_motions_on_ground_stand_on_it():
+    stand = samples()["SettledPose"]
+    command, motion = samples()["GroundCommand"], samples()["GroundMotion"]
+    picture = sw.plot(command, stand=stand)
+    shows(picture, "GroundCommand on its ground")
+    words = [text.get_text() for text in picture.axes[0].texts]
+    assert [word.splitlines()[0] for word in words] == [
+        n.replace("_", " ") for n in stand.suspension.wheel_names
+    ]
+    assert all(word.endswith("rad/s") for word in words)
+    shows(sw.plot(motion, stand=stand), "GroundMotion on its ground")
+    zoe = sw.Suspension.preset("zoe")
+    other = zoe.settle(stand.ground, (0.0, 0.0, 0.3))
+    shows(sw.plot(zoe.inverse(other, (0.1, 0.05)), stand=other), "GroundCommand of Zoe")
+    with pytest.raises(ValueError, match="stand must be that of 6 wheels, got 4 wheels"):
+        sw.plot(command, stand=other)
+    with pytest.raises(ValueError, match="stand must be one pose at which the rover stands, got"):
+        sw.plot(command, stand=stand.suspension.settle(stand.ground, [(0.0, 0.0, 0.0)]))
+
+
+@pytest.mark.parametrize("centre", [(0.3, 0.0, 0.1), (-0.03, 0.0, 0.1), (0.2, 0.15, 0.1), (0.2, -0.15, 0.1)])
+def test_the_line_of_tipping_over_is_the_nearest_one(centre):
+    """A weight near one side of the support tips over that side, whose line is the red one."""
+    stand = samples()["SettledPose"]
+    arm = stand.suspension
+    level = arm.settle(sw.Terrain(np.zeros((2, 2)), 20.0, (-10.0, -10.0)), (0.5, 0.0, 2.0))
+    picture = sw.plot(arm.stability(level, mass=10.0, centre_of_mass=centre), stand=level)
+    shows(picture, "Stability with its polygon")
+    (line,) = [line for line in picture.axes[0].lines if len(line.get_xdata()) == 2]
+    (cross,) = [line for line in picture.axes[0].lines if line.get_marker() == "P"]
+    x, y, _, _ = level.transform @ (*centre, 1.0)  # the body leans by 1e-4 rad
+    ahead = np.cos(2.0) * (x - 0.5) + np.sin(2.0) * y, np.cos(2.0) * y - np.sin(2.0) * (x - 0.5)
+    np.testing.assert_allclose((cross.get_ydata()[0], -cross.get_xdata()[0]), ahead, atol=1e-9)
+    corners = picture.axes[0].patches[0].get_xy()
+    middle = corners.mean(axis=0)
+    (ends,) = [np.transpose(line.get_data())]
+    towards = np.subtract((-centre[1], centre[0]), middle) @ np.subtract(ends.mean(axis=0), middle)
+    assert towards > 0.0
+
+
+def test_the_angle_of_the_red_line_is_that_of_the_stability():
+    from six_wheel.plotting.pictures import support
+
+    corners = np.array(((1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)))
+    least = float(np.arctan2(0.5, 2.0))  # half a metre from the line x = 1, two metres above it
+    assert support._tipping_edge(corners, np.zeros(4), np.array((0.5, 0.0)), least) == 0
+    assert support._tipping_edge(corners, np.zeros(4), np.array((0.0, -0.7)), 0.1) == 3
+    square = np.concatenate((corners, [(0.0, 0.0), (1.0, 0.0)]))
+    assert sorted(support._hull(square)) == [0, 1, 2, 3]
+
+
+def test_a_planner_is_drawn_over_its_costmap():
+    planner, plan, costmap = (samples()[name] for name in ("Mppi", "MppiPlan", "Costmap"))
+    for one, options in (
+        (planner, {"plan": plan}),
+        (planner, {"plan": plan, "costmap": costmap}),
+        (plan, {"costmap": costmap}),
+        (samples()["RolloutCost"], {"costmap": costmap}),
+    ):
+        picture = sw.plot(one, **options)
+        shows(picture, f"{type(one).__name__} over costs")
+        assert len(picture.axes[0].images) == 2 * ("costmap" in options)  # costs, and what is lethal
+    with pytest.raises(TypeError, match="costmap must come with plan, the result of the step"):
+        sw.plot(planner, costmap=costmap)
+
+
+def test_times_and_distances_are_those_of_the_result():
+    run, found = samples()["ControllerRun"], samples()["Evaluation"]
+    (line, *_) = sw.plot(run).axes[0].lines
+    np.testing.assert_allclose(line.get_xdata(), run.stamps - run.stamps[0])
+    (line, *_) = sw.plot(found).axes[0].lines
+    np.testing.assert_array_equal(line.get_xdata(), found.along)
+
+
 def test_batches_have_pictures():
     stand = samples()["SettledPose"]
     arm, ground = stand.suspension, stand.ground

@@ -35,7 +35,8 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
         states of odometry, settled poses, terrains, costmaps, plans, profiles, simulations, evaluations,
         calibrations, traversed maps; or a list of these: paths in one picture, others one below the other.
         A track takes ``truth=`` (a `GroundTruth`, a `WheelLog` that has one, another track), a rover
-        ``twist=`` or ``limits=``, limits ``rover=``.
+        ``twist=`` or ``limits=``, limits ``rover=``, motions on ground and a `Stability` ``stand=``, plans
+        and rollouts ``costmap=``, a planner ``plan=`` and ``costmap=``.
     title : str, optional
         Written above the picture.
     **options
@@ -199,7 +200,7 @@ PICTURES: dict[str, tuple[str | None, str]] = {
     "Odometry3State": (".pictures.above", "pose_figure"),
     "Preintegrated": (".pictures.above", "pose_figure"),
     "TwistJacobian": (".pictures.bars", "jacobian_bars"),
-    "Stability": (".pictures.bars", "stability_bars"),
+    "Stability": (".pictures.support", "stability_figure"),
     "PoseBounds": (".pictures.bars", "bounds_bars"),
     "Feasibility": (".pictures.bars", "feasible_bars"),
     "BodySlip": (".pictures.bars", "slip_bars"),
@@ -216,8 +217,8 @@ PICTURES: dict[str, tuple[str | None, str]] = {
     "Twist": (".pictures.paths", "twist_path_figure"),
     "SettledPose": (".pictures.sides", "stand_figure"),
     "Suspension": (".pictures.sides", "suspension_figure"),
-    "GroundCommand": (".pictures.sides", "motion_figure"),
-    "GroundMotion": (".pictures.sides", "motion_figure"),
+    "GroundCommand": (".pictures.sides", "ground_motion_figure"),
+    "GroundMotion": (".pictures.sides", "ground_motion_figure"),
     "FourAxleMotion": (".pictures.sides", "motion_figure"),
     "Traction": (".pictures.sides", "motion_figure"),
     "SteeringCommand": (".pictures.sides", "motion_figure"),

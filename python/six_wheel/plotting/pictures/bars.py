@@ -24,7 +24,7 @@ from six_wheel.plotting.drawing import (
     write_title,
 )
 
-__all__ = ["bounds_bars", "feasible_bars", "jacobian_bars", "named_bars", "slip_bars", "stability_bars"]
+__all__ = ["bounds_bars", "feasible_bars", "jacobian_bars", "named_bars", "slip_bars"]
 
 TWIST, COMPONENTS = ("vx", "vy", "omega"), ("vx", "vy", "vz", "wx", "wy", "wz")
 # Units of the quantities by which a twist is differentiated.
@@ -92,45 +92,6 @@ def named_bars(
     tidy(axes, unit, "")
     axes.tick_params(axis="y", labelsize=LABEL, labelcolor=INK)
     write_title(axes, title, below)
-    return figure
-
-
-def stability_bars(found: Any, *, title: str | None) -> Figure:
-    """A `Stability`: loads of the wheels and margins; of several poses the least of each."""
-    loads = np.asarray(found.loads, dtype=float)
-    loads = loads.reshape(-1, loads.shape[-1]).min(axis=0)
-    values = {f"load of wheel {k + 1} [N]": float(load) for k, load in enumerate(loads)}
-    for name, unit in (("tip_over_angle", "rad"), ("clearance", "m"), ("tilt", "rad")):
-        values[f"{name.replace('_', ' ')} [{unit}]"] = float(np.min(getattr(found, name)))
-    joints = (
-        np.asarray(found.joint_margins, dtype=float)
-        .reshape(-1, np.shape(found.joint_margins)[-1])
-        .min(axis=0)
-    )
-    values |= {f"joint {k + 1} to its stop [rad]": float(margin) for k, margin in enumerate(joints)}
-    figure = new_figure(PAGE_WIDTH, 1.6 + 0.36 * len(loads))
-    weights, margins = figure.subplots(1, 2)
-    for axes, part, words in (
-        (weights, {name: value for name, value in values.items() if "load" in name}, "vertical load [N]"),
-        (margins, {name: value for name, value in values.items() if "load" not in name}, "margin [rad, m]"),
-    ):
-        names = [name.removeprefix("load of ").removesuffix(" [N]") for name in part]
-        heights = [value if np.isfinite(value) else 0.0 for value in part.values()]
-        colours = [FORBIDDEN if value < 0.0 else AXLE for value in part.values()]
-        axes.barh(range(len(part)), heights, color=colours, height=0.55)
-        for place, value in enumerate(part.values()):
-            axes.annotate(
-                f" {number(value, '.3g')}",
-                (max(heights[place], 0.0), place),
-                va="center",
-                fontsize=TICK,
-                color=INK,
-            )
-        axes.set_yticks(range(len(part)), names)
-        axes.invert_yaxis()
-        axes.margins(x=0.2)
-        tidy(axes, words, "")
-    write_title(weights, title, "least over the poses; negative ones in red" if loads.size else "")
     return figure
 
 

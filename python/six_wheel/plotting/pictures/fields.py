@@ -38,6 +38,7 @@ __all__ = [
 NODES = 400  # of a drawn map along its longer side
 ROLLOUTS = 300  # that are drawn
 LEAST = 0.2  # [m] of the plane that a picture shows
+BESIDE = 1.0  # [m] of a costmap around paths
 SUN = LightSource(azdeg=315, altdeg=40)
 
 
@@ -105,17 +106,26 @@ def _draw_costs(axes: Axes, costmap: Costmap) -> None:
     tidy(axes, "x [m]", "y [m]")
 
 
-def plan_path_figure(plan: Any, *, title: str | None) -> Figure:
-    """An `MppiPlan`: the poses it leads to, and their motion."""
+def plan_path_figure(plan: Any, *, title: str | None, costmap: Costmap | None = None) -> Figure:
+    """An `MppiPlan`: the poses it leads to, over a costmap where one is given, and their motion."""
     figure = new_figure(7.2, 5.0)
     axes = figure.add_subplot()
     _draw_poses(axes, np.asarray(plan.poses))
-    equal_scales(figure, axes, LEAST)
+    _over_costs(figure, axes, costmap)
     tidy(axes, "x [m]", "y [m]")
     vx, vy, omega = plan.twist
     words = f"now vx {vx:.3g} m/s, vy {vy:.3g} m/s, omega {omega:.3g} rad/s; cost {plan.cost:.3g}"
     write_title(axes, title, f"{words}\n{plan.reason}" if plan.reason else words)
     return figure
+
+
+def _over_costs(figure: Figure, axes: Axes, costmap: Costmap | None) -> None:
+    """Both axes at one scale around what is drawn, with a margin of `BESIDE`, and the costs beneath it."""
+    if costmap is not None:
+        (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+        _draw_costs(axes, costmap)
+        axes.set(xlim=(left - BESIDE, right + BESIDE), ylim=(low - BESIDE, high + BESIDE))
+    equal_scales(figure, axes, LEAST)
 
 
 def _draw_poses(axes: Axes, poses: Any, colour: str = MOTION) -> None:
@@ -139,37 +149,49 @@ def _draw_rollouts(axes: Axes, figure: Figure, paths: Any, costs: Any, words: st
     color_bar(figure, lines, axes, words)
 
 
-def planner_figure(planner: Any, *, title: str | None) -> Figure:
-    """An `Mppi`: the rollouts of its last cycle by their cost, from where it was then, and its plan."""
+def planner_figure(
+    planner: Any, *, title: str | None, plan: Any = None, costmap: Costmap | None = None
+) -> Figure:
+    """An `Mppi`: the rollouts of its last cycle by their cost, and its plan.
+
+    They begin at the rover; with the `plan` of that cycle where it was then, over its `costmap`.
+    """
     from six_wheel._core import rollout
 
+    if costmap is not None and plan is None:
+        raise TypeError("costmap must come with plan, the result of the step: it says where the rover was")
+    start = (0.0, 0.0, 0.0) if plan is None else plan.poses[0]
     figure = new_figure(7.2, 5.4)
     axes = figure.add_subplot()
     if len(planner.costs):
         _draw_rollouts(
             axes,
             figure,
-            np.asarray(rollout(planner.wishes, planner.dt)),
+            np.asarray(rollout(planner.wishes, planner.dt, start)),
             planner.costs,
             "cost of a rollout [1]",
         )
-    _draw_poses(axes, np.asarray(rollout(planner.state["controls"][None], planner.dt))[0])
-    equal_scales(figure, axes, LEAST)
-    tidy(axes, "ahead of the rover [m]", "to its left [m]")
-    write_title(
-        axes, title, f"wishes of {planner.samples} rollouts of {planner.horizon} steps; green: the plan"
-    )
+    if plan is None:
+        _draw_poses(axes, np.asarray(rollout(planner.state["controls"][None], planner.dt))[0])
+        words = ("ahead of the rover [m]", "to its left [m]")
+    else:
+        _draw_poses(axes, np.asarray(plan.poses))
+        words = ("x [m]", "y [m]")
+    _over_costs(figure, axes, costmap)
+    tidy(axes, *words)
+    below = f"{planner.samples} rollouts of {planner.horizon} steps as they were sampled; green: the plan"
+    write_title(axes, title, f"{below}\n{plan.reason}" if plan is not None and plan.reason else below)
     return figure
 
 
-def rollouts_figure(found: Any, *, title: str | None) -> Figure:
-    """A `RolloutCost`: its paths, by the largest speed of a wheel."""
+def rollouts_figure(found: Any, *, title: str | None, costmap: Costmap | None = None) -> Figure:
+    """A `RolloutCost`: its paths, by the largest speed of a wheel, over a costmap where one is given."""
     poses = np.asarray(found.poses).reshape(-1, *np.shape(found.poses)[-2:])
     speeds = np.asarray(found.max_wheel_speed).ravel()
     figure = new_figure(7.2, 5.0)
     axes = figure.add_subplot()
     _draw_rollouts(axes, figure, poses, speeds, "largest wheel speed [rad/s]")
-    equal_scales(figure, axes, LEAST)
+    _over_costs(figure, axes, costmap)
     tidy(axes, "x [m]", "y [m]")
     write_title(axes, title, f"{len(poses)} rollouts")
     axes.plot(*poses[0, 0, :2], "o", color=CENTRE, markeredgecolor=SOFT, zorder=6)

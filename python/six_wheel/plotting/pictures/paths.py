@@ -107,18 +107,18 @@ def drive_figure(drive: Any, *, title: str | None) -> Figure:
 
 
 def evaluation_figure(found: Any, *, title: str | None) -> Figure:
-    """An `Evaluation`: the error by row, its histogram, and its growth with distance."""
+    """An `Evaluation`: the error over the true distance, its histogram, its growth over stretches."""
     figure = new_figure(PAGE_WIDTH, 5.6)
     grid = figure.add_gridspec(2, 2)
     errors, counts, growth = (figure.add_subplot(place) for place in (grid[0, :], grid[1, 0], grid[1, 1]))
     first, aligned = found.first.position, found.aligned.position
-    rows = np.arange(1, len(first) + 1)
-    errors.plot(rows, first, color=MOTION, label="first pose given")
-    errors.plot(rows, aligned, color=AXLE, linestyle="--", label="aligned as a whole")
+    errors.plot(found.along, first, color=MOTION, label="first pose given")
+    errors.plot(found.along, aligned, color=AXLE, linestyle="--", label="aligned as a whole")
     errors.legend(frameon=False, fontsize=TICK, labelcolor=INK)
     counts.hist(first, bins=30, color=MOTION, alpha=0.8)
+    counts.locator_params(axis="x", nbins=5)
     growth.plot(found.growth.length, found.growth.position, "o-", color=MOTION, markersize=4)
-    tidy(errors, "pose", "error [m]")
+    tidy(errors, "distance driven [m]", "error [m]")
     tidy(counts, "error [m]", "poses")
     tidy(growth, "length of a stretch [m]", "error over it, rms [m]")
     write_title(errors, title, repr(found).removeprefix("Evaluation(").removesuffix(")"))
@@ -134,5 +134,5 @@ def twist_path_figure(twist: Any, *, title: str | None) -> Figure:
     axes.plot(0, 0, "o", color="white", markeredgecolor=INK, markersize=7)
     equal_scales(figure, axes, LEAST)
     tidy(axes, "forward [m]", "to the left [m]")
-    write_title(axes, title, "the way in one second")
+    write_title(axes, title, "the path of one second")
     return figure

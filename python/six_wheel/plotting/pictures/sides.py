@@ -2,7 +2,7 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,7 @@ from six_wheel.plotting.drawing import (
 from six_wheel.plotting.ground.side import draw_side_view
 from six_wheel.plotting.pictures.strips import strips
 
-__all__ = ["motion_figure", "stand_figure", "suspension_figure"]
+__all__ = ["ground_motion_figure", "motion_figure", "stand_figure", "suspension_figure"]
 
 
 def stand_figure(stand: Any, *, title: str | None) -> Figure:
@@ -151,20 +151,83 @@ QUANTITIES = {
 PARTS = {3: ("vx", "vy", "omega"), 6: ("vx", "vy", "vz", "wx", "wy", "wz")}
 
 
-def motion_figure(found: Any, *, title: str | None) -> Figure:
-    """A `GroundCommand`, `GroundMotion`, `Traction`, `SteeringCommand` or `WheelSlip`: bars by quantity."""
+def ground_motion_figure(found: Any, *, title: str | None, stand: Any = None) -> Figure:
+    """A `GroundCommand` or `GroundMotion`: bars by quantity; with its `stand` from the side on its ground.
+
+    At the wheels stand their speeds or, of a motion, how fast their contacts slide.
+    """
+    if stand is None:
+        return motion_figure(found, title=title, below="stand= draws it on its ground")
+    if np.ndim(stand.z) or not stand.stands:
+        raise ValueError(f"stand must be one pose at which the rover stands, got {stand!r}")
+    known = _quantities(found)
+    if (speeds := known.pop("wheel_speeds", None)) is not None:
+        words = [f"{number(speed, '.3g')} rad/s" for speed in speeds]
+    else:
+        sliding = np.linalg.norm(np.asarray(found.residuals, dtype=float), axis=-1)
+        words = [f"slides {number(1000.0 * speed, '.2g')} mm/s" for speed in sliding]
+    if len(words) != len(stand.suspension.wheel_names):
+        raise ValueError(
+            f"stand must be that of {len(words)} wheels, got {len(stand.suspension.wheel_names)} wheels"
+        )
+    figure = new_figure(PAGE_WIDTH, 3.6)
+    grid = figure.add_gridspec(2, len(known))
+    side = figure.add_subplot(grid[0, :])
+    _draw(side, stand)
+    x, y, yaw = stand.poses
+    heading = np.array((np.cos(yaw), np.sin(yaw)))
+    centres = np.asarray(stand.wheel_centres)
+    radius = float(np.linalg.norm(np.asarray(stand.contacts)[0] - centres[0]))
+    top = side.get_ylim()[1] + 0.2 * radius
+    row_height = 1.2 * radius
+    for k, (name, told) in enumerate(zip(stand.suspension.wheel_names, words, strict=True)):
+        ahead = float((centres[k, :2] - (x, y)) @ heading)
+        side.annotate(
+            f"{name.replace('_', ' ')}\n{told}", (ahead, centres[k, 2]), (ahead, top + row_height * (k % 2)),
+            fontsize=8, color=INK, ha="center", va="bottom", zorder=20,
+            arrowprops={"arrowstyle": "-", "color": SOFT, "linewidth": 0.6, "alpha": 1.0 - 0.6 * (k % 2)},
+        )  # fmt: skip
+    side.set_ylim(top=top + 2.2 * row_height)
+    equal_scales(figure, side)
+    tall = figure.get_figheight()
+    figure.set_size_inches(PAGE_WIDTH, tall + 1.7)
+    grid.set_height_ratios([tall, 1.7])
+    tidy(side, "along the heading [m]", "height [m]")
+    _bars([figure.add_subplot(grid[1, k]) for k in range(len(known))], known)
+    write_title(side, title, f"{type(found).__name__}, from the left; lines to the right wheels are pale")
+    return figure
+
+
+def motion_figure(found: Any, *, title: str | None, below: str = "") -> Figure:
+    """A `Traction`, `SteeringCommand`, `WheelSlip` or another motion: bars by quantity."""
+    known = _quantities(found)
+    figure = new_figure(PAGE_WIDTH, 0.7 + 1.7 * -(-len(known) // 2))
+    panels = figure.subplots(-(-len(known) // 2), min(len(known), 2), squeeze=False).ravel()
+    _bars(panels, known)
+    for axes in panels[len(known) :]:
+        axes.set_visible(False)
+    rows = next((len(getattr(found, name)) for name in known if np.ndim(getattr(found, name)) > 1), 1)
+    words = type(found).__name__ if rows == 1 else f"{type(found).__name__}: means of {rows} rows"
+    write_title(panels[0], title, f"{words}\n{below}")
+    return figure
+
+
+def _quantities(found: Any) -> dict[str, Floats]:
+    """The quantities of a result by name; of several rows their means."""
     known = {
         name: np.asarray(getattr(found, name), dtype=float)
         for name in QUANTITIES
         if getattr(found, name, None) is not None
     }
-    known = {
+    return {
         name: values.reshape(-1, values.shape[-1]).mean(axis=0)
         for name, values in known.items()
         if values.ndim and values.size
     }
-    figure = new_figure(PAGE_WIDTH, 0.7 + 1.7 * -(-len(known) // 2))
-    panels = figure.subplots(-(-len(known) // 2), min(len(known), 2), squeeze=False).ravel()
+
+
+def _bars(panels: Iterable[Axes], known: Mapping[str, Floats]) -> None:
+    """A panel for each quantity, a bar for each of its parts."""
     for axes, (name, values) in zip(panels, known.items(), strict=False):
         places = np.arange(len(values))
         axes.bar(places, values, color=AXLE, width=0.5)
@@ -175,9 +238,3 @@ def motion_figure(found: Any, *, title: str | None) -> Figure:
         below = "" if name == "twist" else "joint" if name == "joint_rates" else "wheel"
         below = f"steered {below}" if name == "steering" else below
         tidy(axes, below, f"{name.replace('_', ' ')} [{QUANTITIES[name]}]")
-    for axes in panels[len(known) :]:
-        axes.set_visible(False)
-    rows = next((len(getattr(found, name)) for name in known if np.ndim(getattr(found, name)) > 1), 1)
-    below = type(found).__name__ if rows == 1 else f"{type(found).__name__}: means of {rows} rows"
-    write_title(panels[0], title, below)
-    return figure

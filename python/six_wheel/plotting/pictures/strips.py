@@ -21,6 +21,7 @@ from six_wheel.plotting.drawing import (
     TICK,
     Floats,
     new_figure,
+    number,
     tidy,
     write_title,
 )
@@ -46,10 +47,10 @@ def strips(
 
 
 def _strip(axes: Axes, times: ArrayLike, lines: Mapping[str, Floats]) -> None:
-    for number, (name, values) in enumerate(lines.items()):
-        style = ("-", "--", ":")[number // len(SERIES) % 3]
+    for place, (name, values) in enumerate(lines.items()):
+        style = ("-", "--", ":")[place // len(SERIES) % 3]
         axes.plot(
-            times, values, color=SERIES[number % len(SERIES)], linestyle=style, linewidth=1.3, label=name
+            times, values, color=SERIES[place % len(SERIES)], linestyle=style, linewidth=1.3, label=name
         )
     low, high = axes.get_ylim()
     if high - low < ROUNDING:  # nothing but rounding, which is no curve
@@ -67,7 +68,7 @@ def _named(names: Sequence[str], values: Floats) -> dict[str, Floats]:
 
 def run_strips(run: Any, *, title: str | None) -> Figure:
     """A `ControllerRun`: its motion, its joints, and the reasons of its steps."""
-    rover, times = run.rover, np.arange(len(run))
+    rover, times = run.rover, run.stamps - run.stamps[:1]
     panels = {
         "vx, vy [m/s]": _named(("vx", "vy"), run.twist[:, :2]),
         "omega [rad/s]": {"omega": run.twist[:, 2]},
@@ -75,14 +76,15 @@ def run_strips(run: Any, *, title: str | None) -> Figure:
     if rover.steered_wheel_names:
         panels["steering [rad]"] = _named(rover.steered_wheel_names, run.steering)
     panels["wheels [rad/s]"] = _named(rover.wheel_names, run.wheel_speeds)
-    figure = strips(times, panels, title=title, below=f"{len(run)} steps of a controller")
+    start = f" from stamp {number(run.stamps[0])} s" if len(run) else ""
+    figure = strips(times, panels, title=title, below=f"{len(run)} steps of a controller{start}")
     axes = figure.axes[0]
     found = [reason for reason in Reason if np.any(run.reasons & reason.value)]
-    for number, reason in enumerate(found):
+    for place, reason in enumerate(found):
         held = (run.reasons & reason.value) != 0
-        low = 1.02 + 0.06 * number
+        low = 1.02 + 0.06 * place
         axes.fill_between(
-            times, low, low + 0.05, where=held, color=SERIES[number % len(SERIES)], linewidth=0,
+            times, low, low + 0.05, where=held, color=SERIES[place % len(SERIES)], linewidth=0,
             transform=axes.get_xaxis_transform(), clip_on=False, label=str(reason.name),
         )  # fmt: skip
     if found:
