@@ -2,18 +2,50 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Encoder
+from six_wheel.kinematics.errors import ArgumentTypeError
 
-__all__ = ["Encoders", "Integral", "Total", "angles_of", "encoder_of", "summed", "where_there"]
+__all__ = [
+    "Encoders",
+    "Integral",
+    "Total",
+    "angles_of",
+    "encoder_of",
+    "encoder_of_each",
+    "summed",
+    "where_there",
+]
 
 Floats = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]
 Encoders: TypeAlias = "Encoder | Mapping[str, Encoder] | None"
+
+
+def encoder_of_each(argument: str, given: Any, names: Sequence[str]) -> list[Encoder]:
+    """One encoder for every joint, from what `Odometry` takes: one, one each, or some by name.
+
+    Raises
+    ------
+    ValueError
+        If their number or a name does not fit.
+    """
+    if isinstance(given, Mapping):
+        if strangers := [name for name in given if name not in names]:
+            raise ValueError(f"{argument} must name some of {', '.join(names)}, got {strangers[0]!r}")
+        return [given.get(name, Encoder()) for name in names]
+    if given is None or isinstance(given, Encoder):
+        return [given or Encoder()] * len(names)
+    if not isinstance(given, Sequence) or not all(isinstance(one, Encoder) for one in given):
+        rule = f"{argument} must be an Encoder, several of them or a dict of them by name"
+        raise ArgumentTypeError(f"{rule}, got {given!r}")
+    if len(given) != len(names):
+        raise ValueError(f"{argument} must be one or {len(names)}, got {len(given)}")
+    return list(given)
 
 
 def encoder_of(name: str, encoders: Encoders, wheel: str, needed: bool) -> Encoder | None:

@@ -4,7 +4,7 @@ from __future__ import annotations  # so that help shows the names of types, not
 
 import math
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from numbers import Real
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from six_wheel._core import Encoder, Rover
+from six_wheel._core import Rover
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.tables import (
@@ -25,7 +25,7 @@ from six_wheel.kinematics.objects.tables import (
     rows_of,
 )  # fmt: skip
 from six_wheel.kinematics.poses import Floats, as_poses, interpolate
-from six_wheel.logs.joint_totals import angles_of, summed, where_there
+from six_wheel.logs.joint_totals import angles_of, encoder_of_each, summed, where_there
 from six_wheel.logs.plausibility.proposals import Column
 from six_wheel.logs.plausibility.whole_numbers import check_increments
 
@@ -302,8 +302,10 @@ class WheelLog(Tabular):
         """
         if not (known := self.options):
             return self
-        wheels = encoders_of("wheel_encoders", known.get("wheel_encoders"), rover.wheel_names)
-        joints = encoders_of("steering_encoders", known.get("steering_encoders"), rover.steered_wheel_names)
+        wheels = encoder_of_each("wheel_encoders", known.get("wheel_encoders"), rover.wheel_names)
+        joints = encoder_of_each(
+            "steering_encoders", known.get("steering_encoders"), rover.steered_wheel_names
+        )
         readings = known.get("readings", "angles")
         if readings not in ("angles", "speeds", "ticks"):
             raise ValueError(f"readings must be 'angles', 'speeds' or 'ticks', got {readings!r}")
@@ -357,28 +359,6 @@ def as_truth(given: object) -> GroundTruth:
     except AttributeError:
         kind = type(given).__name__
         raise TypeError(f"truth must be a GroundTruth, a WheelLog with one, or a Track, got {kind}") from None
-
-
-def encoders_of(argument: str, given: Any, names: Sequence[str]) -> list[Encoder]:
-    """One encoder for every joint, from what `Odometry` takes: one, one each, or some by name.
-
-    Raises
-    ------
-    ValueError
-        If their number or a name does not fit.
-    """
-    if isinstance(given, Mapping):
-        if strangers := [name for name in given if name not in names]:
-            raise ValueError(f"{argument} must name some of {', '.join(names)}, got {strangers[0]!r}")
-        return [given.get(name, Encoder()) for name in names]
-    if given is None or isinstance(given, Encoder):
-        return [given or Encoder()] * len(names)
-    if not isinstance(given, Sequence) or not all(isinstance(one, Encoder) for one in given):
-        rule = f"{argument} must be an Encoder, several of them or a dict of them by name"
-        raise ArgumentTypeError(f"{rule}, got {given!r}")
-    if len(given) != len(names):
-        raise ValueError(f"{argument} must be one or {len(names)}, got {len(given)}")
-    return list(given)
 
 
 def _check_order(stamps: Floats) -> None:
