@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Gyroscope, Noise, Rover
-from six_wheel.logs.recordings import encoders_of
+from six_wheel.logs.joint_totals import encoder_of_each
 from six_wheel.simulation.planar import Motion
 
 Floats = NDArray[np.float64]
@@ -42,11 +42,11 @@ class Sensors:
         angles = motion.steering + noise.steering * per_reading * random.standard_normal(
             motion.steering.shape
         )
-        wheels = counts(turned, encoders_of("wheel_encoders", self.wheel_encoders, rover.wheel_names))
+        wheels = counts(turned, encoder_of_each("wheel_encoders", self.wheel_encoders, rover.wheel_names))
         passive = [not wheel.driven for wheel in rover.wheels]
         wheels[:, passive] = np.nan
         steering = counts(
-            angles, encoders_of("steering_encoders", self.steering_encoders, rover.steered_wheel_names)
+            angles, encoder_of_each("steering_encoders", self.steering_encoders, rover.steered_wheel_names)
         )
         encoders = {"wheel_encoders": self.wheel_encoders, "steering_encoders": self.steering_encoders}
         return {
