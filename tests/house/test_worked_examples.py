@@ -1,4 +1,4 @@
-"""The worked examples typed again: in an empty folder, and with a built wheel in an empty environment."""
+"""The worked examples typed again, in an empty folder."""
 
 import doctest
 import os
@@ -15,7 +15,6 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "tutorials" / "worked_examples.md"
 LOOSE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
-BUILT = os.environ.get("WHEEL")  # the path of a built wheel
 
 
 @dataclass
@@ -88,30 +87,3 @@ def test_the_examples_in_an_empty_folder(tmp_path, monkeypatch):
         result = runner.run(test, out=report.append, clear_globs=False)
         names = test.globs
         assert result.failed == 0, "".join(report)
-
-
-@pytest.mark.skipif(BUILT is None, reason="WHEEL=PATH says which built wheel is to be installed")
-def test_a_wheel_in_an_empty_environment(tmp_path):
-    subprocess.run([sys.executable, "-m", "venv", str(tmp_path / "fresh")], check=True, timeout=300)
-    python = str(tmp_path / "fresh" / "bin" / "python")
-    install = [
-        python,
-        "-m",
-        "pip",
-        "install",
-        "-q",
-        f"six-wheel[cli] @ {Path(str(BUILT)).resolve().as_uri()}",
-    ]
-    subprocess.run(install, check=True, timeout=900)
-    session = "\n".join(one.text for one in SESSION[3:] if one.text.startswith(">>>"))
-    (tmp_path / "session.txt").write_text(session, encoding="utf-8")
-    for one in SESSION[3:]:
-        if not one.text.startswith(">>>"):
-            shell(one, tmp_path, python)
-    code = (
-        f"import doctest, sys; sys.exit(doctest.testfile('session.txt', False, optionflags={LOOSE}).failed)"
-    )
-    done = subprocess.run(
-        [python, "-I", "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=300
-    )
-    assert done.returncode == 0, done.stdout
