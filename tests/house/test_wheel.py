@@ -1,4 +1,4 @@
-"""What a newcomer types, in a fresh environment with the built wheel: the tutorial of ten minutes, the examples."""
+"""What a newcomer types, in a fresh environment with the built wheel: tutorial and worked examples."""
 
 import itertools
 import os

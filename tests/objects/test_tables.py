@@ -92,6 +92,25 @@ def test_a_track_comes_back_from_its_frame():
     assert (bare.covariances, bare.residuals, len(bare)) == (None, None, 2)
 
 
+@pytest.mark.parametrize("name", ["Track", "Track3"])
+def test_rows_of_a_track_are_a_track(name):
+    track = samples()[name]
+    part = track[10:20]
+    assert type(part) is type(track)
+    assert len(part) == 10
+    np.testing.assert_array_equal(part.stamps, track.stamps[10:20])
+    np.testing.assert_array_equal(part.covariances, track.covariances[10:20])
+    np.testing.assert_array_equal(track[-1].poses, track.poses[-1:])
+    np.testing.assert_array_equal(track[track.health == 0].poses, track.poses[track.health == 0])
+    assert track[2:2].to_arrays()["x"].shape == (0,)
+    with pytest.raises(IndexError, match=f"row must be from -{len(track)} to {len(track) - 1}, got 999"):
+        track[999]
+    with pytest.raises(TypeError):
+        iter(track)
+    with pytest.raises(TypeError):
+        np.asarray(track)  # no array of arrays by mistake
+
+
 def test_a_log_comes_back_from_its_frame():
     log = samples()["WheelLog"]
     again = sw.WheelLog.from_pandas(log.to_pandas(rover=ROVER), ROVER)

@@ -4,7 +4,8 @@ from __future__ import annotations  # NumPy is not loaded for its names
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, TypeAlias
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.keywords import unknown_keyword
@@ -12,7 +13,7 @@ from six_wheel.kinematics.objects.notebooks import mimebundle
 
 if TYPE_CHECKING:
     import numpy as np
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from six_wheel._core import Rover
 
@@ -22,6 +23,9 @@ Columns: TypeAlias = "dict[str, tuple[str, NDArray[Any]]]"
 """Unit and values, shape (n,), by name."""
 TWIST = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+
+
+Table = TypeVar("Table", bound="Tabular")
 
 
 class Tabular:
@@ -218,3 +222,23 @@ def _needed(module: str, package: str) -> Any:
     except ModuleNotFoundError as error:
         message = f'this table needs {module}: pip install "{package}"'
         raise ModuleNotFoundError(message, name=error.name) from None
+
+
+def rows_taken(table: Table, rows: int | slice | ArrayLike) -> Table:
+    """Some rows as such a table: those of a slice, one row, or as NumPy selects them.
+
+    Negative numbers count from the end.
+    """
+    import numpy as np
+
+    known: Any = table
+    chosen: Any = rows
+    if isinstance(rows, int | np.integer):
+        count = len(known)
+        if not -count <= rows < count:
+            raise IndexError(f"row must be from {-count} to {count - 1}, got {rows}")
+        chosen = [int(rows)]
+    columns = {each.name: getattr(table, each.name) for each in fields(known)}
+    taken = {name: value[chosen] for name, value in columns.items() if isinstance(value, np.ndarray)}
+    made: Table = replace(known, **taken)
+    return made

@@ -19,6 +19,7 @@ from six_wheel.kinematics.objects.tables import (
     headers_of,
     pose_columns,
     rows_of,
+    rows_taken,
     times_of,
     twist_columns,
 )
@@ -178,6 +179,9 @@ class Track(Tabular):
             names = self.rover.wheel_names
             columns |= {f"residual_{name}": ("m/s", self.residuals[:, k]) for k, name in enumerate(names)}
         return columns | {"health": ("", self.health)}
+
+    __getitem__ = rows_taken
+    __iter__ = None  # a table of columns, no sequence
 
     @classmethod
     def from_pandas(cls, frame: Any, rover: Rover) -> Self:

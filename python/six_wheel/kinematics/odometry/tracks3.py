@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from six_wheel._core import Suspension
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.short_text import described, few
-from six_wheel.kinematics.objects.tables import Columns, Tabular, pose_columns
+from six_wheel.kinematics.objects.tables import Columns, Tabular, pose_columns, rows_taken
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, findings, rows_with
 
 if TYPE_CHECKING:
@@ -57,6 +57,9 @@ class Track3(Tabular):
 
     def __len__(self) -> int:
         return len(self.stamps)
+
+    __getitem__ = rows_taken
+    __iter__ = None  # a table of columns, no sequence
 
     @property
     def positions(self) -> Floats:
