@@ -148,14 +148,14 @@ def test_zero_is_no_limit_only_beside_parameters_of_the_node(tmp_path):
 def test_the_rover_comes_by_a_topic_or_a_parameter(start, peer, rover_file):
     """As robot_state_publisher has it; told to end while it waits, the node ends."""
     waiting = start("node", "--ros-args", "-r", "robot_description:=another")
+    peer.until(lambda: "waiting for /another" in waiting.said)
+    assert waiting.end() == 0
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     publisher = peer.node.create_publisher(String, "robot_description", latched)
     publisher.publish(String(data=rover_urdf(peer.rover, name="rover")))
     process = start("node", "--ros-args", "-p", "limits.speed:=0.2")
     driving(peer, (0.2, 0.0, 0.0))
     assert peer.odometry[-1].child_frame_id == "base_link"
-    assert waiting.end() == 0
-    assert "waiting for /another" in waiting.said
     assert process.end() == 0
     start("node", "--ros-args", "-p", f"rover:={rover_file}", "-r", "odom:=odom_of_the_other")
     peer.until(lambda: ("rover_controller", "/") in peer.node.get_node_names_and_namespaces())
