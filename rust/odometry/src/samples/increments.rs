@@ -66,10 +66,10 @@ pub fn add_increments(
     wrapped
 }
 
-/// True if the counter of these two readings may have started at zero in between: the second one is nearer to zero.
+/// True if the counter of these two readings may have started at zero in between: the second one is less than half as large.
 #[inline]
 pub fn may_start_over(before: f64, after: f64) -> bool {
-    (before - 2.0 * after) * before > 0.0
+    2.0 * after.abs() < before.abs()
 }
 
 /// Finds the wheels whose counters have started again at zero, as after a reset of a microcontroller, and replaces their
