@@ -51,7 +51,7 @@ __all__ = ["ReadingChecks"]
 Floats = NDArray[np.float64]
 
 SAMPLE = 4096  # rows in a row that are read closely for what only neighbours tell
-STRETCHES = 20_000  # into which rows that come at once are cut at most
+COARSE = 32_768, 32  # rows that come at once, from which on stretches have so many at least
 LONG_GAP = 1.0  # [s] in which rates tell nothing
 FASTEST_STEP = 30.0  # [m/s] of a rim from one row to the next
 
@@ -155,13 +155,14 @@ class ReadingChecks:
         return self.readings.first_row + self._rows + place if numbers is None else int(numbers[place])
 
     def _stretches(self, stamps: Floats) -> NDArray[np.int64]:
-        """Rows about `STRETCH` apart, farther where they are many, the first and the last among them."""
+        """Rows about `STRETCH` apart, farther where they are many, with the first and the last among them."""
         few = stamps[: SAMPLE // 4]
         steps = np.diff(few)
         steps = steps[steps > 0.0]
         period = float(np.median(steps)) if len(steps) else STRETCH
         width = max(1, min(round(STRETCH / period) if period < STRETCH else 1, max(1, len(stamps) // 8)))
-        chosen = np.arange(0, len(stamps), max(width, len(stamps) // STRETCHES))
+        width = max(width, COARSE[1]) if len(stamps) >= COARSE[0] else width
+        chosen = np.arange(0, len(stamps), width)
         return chosen if chosen[-1] == len(stamps) - 1 else np.append(chosen, len(stamps) - 1)
 
     def _look(self, raw: Floats, steering: Floats | None, numbers: NDArray[np.int64] | None) -> None:
