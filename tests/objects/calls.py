@@ -34,6 +34,7 @@ GIVEN: dict[str, dict[str, Any]] = {
     "FourAxle.simulate": {"sequence": [samples()["FourAxleStep"]]},
     "FourAxle.forward": {"wheel_speeds": (ORDINARY,) * 4},
     "GroundTruth.at": {"stamps": np.full(3, BEGIN)},
+    "GroundTruth.at_in_space": {"stamps": np.full(3, BEGIN)},
     "Pose.between": {"other": (ORDINARY,) * 3},
     "Pose.to_body": {"twist": (ORDINARY,) * 3},
     "RockerBogie": {
