@@ -226,7 +226,8 @@ def cases(view: Any) -> dict[str, list[Case]]:
         ],
         "wheel [rad/s]": [
             Case(lambda shown, v: turned(shown, v, "wheel [rad/s]", "0.2", "↑"),
-                 lambda v: v._player is not None or close(np.abs(v.motion.wheel_speeds).max(), 0.2), SPEEDS),
+                 lambda v: v._player is not None or close(v.motion.twist[0], 0.2 * v._subject.radius),
+                 SPEEDS),
             widest("wheel [rad/s]", lambda v: v._panels._wheel_speed),
         ],
         "speed [cm/s]": [
@@ -246,7 +247,7 @@ def cases(view: Any) -> dict[str, list[Case]]:
         ]
         for k, wheel in enumerate(wheels)
     }  # fmt: skip
-    x, y = view._subject.start[0] + 0.3, view._subject.start[1] - 0.2
+    x, y = (round(view._subject.start[k] + (0.3, -0.2)[k], 1) for k in (0, 1))
     place = {
         "x [m]": [slide("x [m]", x, lambda v: v.pose[0], x, ROVER)],
         "y [m]": [slide("y [m]", y, lambda v: v.pose[1], y, ROVER)],
