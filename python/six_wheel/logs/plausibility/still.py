@@ -20,6 +20,7 @@ LITTLE = (1e-3, 2.0 * math.pi)  # [rad] that no wheel of a drive is within
 TO_AND_FRO = 2.5  # times what it spans, that a rate goes up and down
 LONG = 400, 20.0  # rows and [s] of a log for which that counts
 LEVELS = 8  # different readings at least, of a wheel that turns and does not tremble by single counts
+AWAY = 1.0  # [rad] from 0, from which on angles are not 0 again of all wheels, as rates are
 TRAVELLED = 0.3  # [m] of a truth
 STEADY = 10.0  # times the usual step of a truth, that it moves
 
@@ -44,7 +45,7 @@ class WheelTurns:
         How far the farthest wheel was before all rested at 0 again and went on, 0 if they never did [rad].
     """
 
-    least: float = LITTLE[1]
+    least: float = AWAY
     low: Floats = field(default_factory=lambda: np.zeros(0))
     high: Floats = field(default_factory=lambda: np.zeros(0))
     stopped: Floats = field(default_factory=lambda: np.zeros((0, 0)))
