@@ -103,8 +103,8 @@ def limited(
     )
 
 
-# More than the rovers can have: refused without being gone through.
-ENDLESS = {"wheels", "encoders"}
+# More than the rovers can have, or than a simulation makes: refused without being gone through.
+ENDLESS = {"wheels", "encoders", "simulate"}
 # What would fit into the larger limit, and take its time.
 SMALLER = {
     *("fit, names", "Odometry.run", "inverse, float32", "frames", "Controller.run, steps", "settle, stands"),
