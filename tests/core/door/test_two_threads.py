@@ -9,8 +9,10 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.objects.calls import calls
-from tests.objects.samples import samples
+# One of the samples is a calibration, which needs SciPy.
+pytest.importorskip("scipy")
+calls = pytest.importorskip("tests.objects.calls").calls
+samples = pytest.importorskip("tests.objects.samples").samples
 
 ROUNDS = 10
 # Whatever a call refuses because of its place in time, or of its arguments.
