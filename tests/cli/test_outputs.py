@@ -120,7 +120,7 @@ def unmount() -> None:
 
 @pytest.fixture
 def disk() -> Iterator[None]:
-    """What is mounted in the folder of a run is gone after it."""
+    """Disks mounted in the folder of a run are gone after it."""
     yield
     unmount()
 
@@ -136,7 +136,7 @@ def kept() -> dict[str, bytes]:
 def test_all_outputs_are_replaced_or_none(
     run: Run, name: str, output: Argument, bad: Callable[[Path], Path]
 ) -> None:
-    """What cannot be written is named as it was given, and all others stay what they were."""
+    """An output that cannot be written is named as it was given, and all others stay as they were."""
     pictures = {".svg", ".pdf"}  # are written as .png is
     for ending in [each for each in output.endings if each not in pictures]:
         others = {one.name: Path(f"other_{one.name}{one.endings[0]}") for one in written(name)}

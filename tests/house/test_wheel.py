@@ -1,4 +1,4 @@
-"""What a newcomer types, in a fresh environment with the built wheel: tutorial and worked examples."""
+"""Tutorial and worked examples, typed into a fresh environment with the built wheel."""
 
 import itertools
 import os

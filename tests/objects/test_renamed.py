@@ -17,7 +17,7 @@ from tests.objects.samples import ARM, ROVER, samples
 
 
 def names() -> dict[str, Any]:
-    """What the expressions of the table may use: an object of every class by its name in small letters."""
+    """Names for the expressions of the table: an object of every class by its name in small letters."""
     modules = (
         "logs",
         "calibration",

@@ -86,7 +86,7 @@ def read(address: int) -> Any:
 
 
 class RequestType(type):
-    """What rclpy looks for in the class of a message class."""
+    """Attributes that rclpy needs of the class of a message class."""
 
     _TYPE_SUPPORT = type(Twist)._TYPE_SUPPORT
     _CREATE_ROS_MESSAGE = type(Twist)._CREATE_ROS_MESSAGE
@@ -105,7 +105,7 @@ class Request(metaclass=RequestType):
 
 
 class ServiceType(type):
-    """What rclpy looks for in the class of a service class."""
+    """Attributes that rclpy needs of the class of a service class."""
 
     _TYPE_SUPPORT = capsule(ctypes.addressof(KEPT[0]))
 

@@ -1,4 +1,4 @@
-"""What teams can rely on, in times: start, rest after a fault, commands under load.
+"""Times that teams can rely on: start, rest after a fault, commands under load.
 
 Each bound is that of a machine with no other work, and `BUSY` on top of it: what a machine whose processors
 are all taken may add. Time for which the node was ready and another process had the processor does not count.

@@ -50,7 +50,7 @@ def pairs(row: Any) -> Iterator[tuple[int, int]]:
 
 
 def answers(found: Any, function: Callable[..., Any], arguments: list[Any], keywords: dict[str, Any]) -> bool:
-    """Whether these arguments give this result."""
+    """True if these arguments give this result."""
     try:
         return are_the_same(found, numbers(function(*arguments, **keywords)))
     except (ValueError, TypeError):

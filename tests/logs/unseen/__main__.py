@@ -77,7 +77,7 @@ def attempt(form: Form, source: Any, options: dict[str, Any]) -> tuple[str, str]
 
 
 def paste(form: Form, said: str, options: dict[str, Any]) -> dict[str, Any] | None:
-    """What the message proposes, or the option it names as its owner fills it in; None if it adds nothing."""
+    """Options a message proposes, or the one it names, filled in by its owner; None if nothing is new."""
     found: dict[str, Any] = {}
     for proposal in PASTED.findall(said)[:1]:
         words = proposal.replace("COUNTS", str(form.owner.get("COUNTS", 0)))

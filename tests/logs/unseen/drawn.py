@@ -170,7 +170,7 @@ def stamps(form: Form) -> None:
 
 def rows(form: Form) -> None:
     """Other columns beside, rows twice, cells without a reading, a first column of numbers."""
-    kind = form.choose("plain", "plain", "others", "twice", "holes", "index")
+    kind = form.choose("usual", "usual", "others", "twice", "holes", "index")
     count = len(form.stamps)
     if kind == "others":
         noise = form.random.normal(size=(2, count))

@@ -40,7 +40,7 @@ def as_path(name: str, poses: ArrayLike, like: Floats | None = None) -> Floats:
 
 
 def positions(path: Floats) -> Floats:
-    """Where the body is, shape (n, 2) or (n, 3) [m]."""
+    """Positions of the body, shape (n, 2) or (n, 3) [m]."""
     return path[:, :2] if path.ndim == 2 else path[:, :3, 3]
 
 

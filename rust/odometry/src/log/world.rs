@@ -56,7 +56,7 @@ fn displacement_error<S: Vector>(jacobian: &StepJacobian<S>, errors: &mut [Lagge
     }
 }
 
-/// What the steps of a register add to the settled part of the pose's covariance.
+/// Adds the steps of a register to the settled part of the pose's covariance.
 #[inline(always)]
 pub(crate) fn add_covariance<S: Vector>(
     simd: S,

@@ -1,7 +1,7 @@
 //! Overlap of arrays. Every array that a call reads or writes is registered by its addresses until the call is done, so
 //! that no kernel writes where itself or another one reads.
 //!
-//! What is read keeps its numbers: NumPy does not resize an array with weak references, and before code of the caller's
+//! Arrays that were read keep their numbers: NumPy does not resize an array with weak references, and before code of the caller's
 //! runs, which may write to it, the numbers are copied ([`keep`]).
 //!
 //! Asked and changed with the interpreter's lock held only, like the memory of NumPy itself.

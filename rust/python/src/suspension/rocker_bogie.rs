@@ -175,7 +175,7 @@ getters! { RockerBogie, self, py:
     };
 }
 
-/// Where the bogies are, and what may be left out.
+/// Place of the bogies, and the dimensions that may be left out.
 struct Given<'a, 'py> {
     bogie: Bogie,
     steered: &'a str,

@@ -62,7 +62,7 @@ impl PivotOrder {
 }
 
 /// Solves by elimination with row exchanges, lane by lane: the solution, 0 for numbers that are held, and the smallest pivot.
-/// Where the system is singular the numbers are not finite, or huge. The order has to be square.
+/// The numbers are not finite, or huge, in lanes whose system is singular. The order has to be square.
 #[inline(always)]
 pub(crate) fn solve<S: Vector>(simd: S, order: &PivotOrder, rows: &mut Rows<S>) -> ([Lanes<S>; MAX_STATE], Lanes<S>) {
     let mut left = order.touching;
