@@ -10,7 +10,7 @@ pytest.importorskip("scipy")
 
 import six_wheel as sw
 from six_wheel.calibration import calibrate
-from six_wheel.calibration.log_checks.copies import cut, without_copies
+from six_wheel.log_odometry.copies import cut, without_copies
 from six_wheel.logs import GroundTruth, WheelLog
 from tests.calibration.drives import drive
 from tests.rovers import SMALL_PAIR as PAIR

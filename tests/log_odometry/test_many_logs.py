@@ -219,6 +219,43 @@ def test_a_log_that_is_given_again_counts_once(logs: Path, tmp_path: Path, again
     assert sorted(one.path for one in done) == [first, second]
 
 
+@pytest.mark.parametrize(
+    ("rows", "ending"),
+    [((60, 160), ".csv"), ((0, 120), ".parquet"), ((60, 140), ".csv")],
+    ids=["middle", "parquet", "80 rows"],
+)
+def test_a_part_of_a_log_counts_once(logs: Path, tmp_path: Path, rows: tuple[int, int], ending: str) -> None:
+    """The rows of a part counted a second time in the distance and in the median error."""
+    whole, other = logs / "monday" / "run0.csv", logs / "monday" / "run2.csv"
+    part = tmp_path / f"part{ending}"
+    lines = whole.read_text().splitlines()
+    cut = "\n".join([lines[0], *lines[1 + rows[0] : 1 + rows[1]]]) + "\n"
+    if ending == ".csv":
+        part.write_text(cut)
+    else:
+        from pyarrow import BufferReader, csv, parquet
+
+        parquet.write_table(csv.read_csv(BufferReader(cut.encode())), part)
+    with pytest.warns(SuspiciousReadingsWarning) as caught:
+        done = list(reckon_all(PAIR, [part, whole, other], tmp_path / "tracks", settings=NOISE, workers=1))
+    assert [str(each.message) for each in caught] == [f"{part} has the readings of {whole}: they count once"]
+    assert sorted(one.path for one in done) == [whole, other]
+
+
+def test_logs_that_overlap_are_named_and_the_overlap_counts_once(logs: Path, tmp_path: Path) -> None:
+    lines = (logs / "monday" / "run0.csv").read_text().splitlines()
+    first, second = tmp_path / "first.csv", tmp_path / "second.csv"
+    first.write_text("\n".join(lines[:110]) + "\n")
+    second.write_text("\n".join([lines[0], *lines[60:]]) + "\n")
+    for again in range(2):  # the second time from the journal
+        done = list(reckon_all(PAIR, [first, second], tmp_path / "tracks", settings=NOISE, workers=1))
+        assert len(failures(done)) == 1
+        (failed,) = [one for one in done if one.failure is not None]
+        (other,) = [one for one in done if one.failure is None]
+        assert f"the readings of {other.path}, which would count twice" in str(failed.failure)
+        assert other.resumed == bool(again)
+
+
 def test_a_command_says_that_a_log_counts_once(run: Run, logs: Path) -> None:
     Path("cart.yaml").write_text("kind: differential\ntrack_width: 0.4\nwheel_radius: 0.1\n")
     paths = [logs / "monday" / "run0.csv", logs / "monday" / "run2.csv", logs / "monday" / "run0.csv"]

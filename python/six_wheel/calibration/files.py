@@ -12,13 +12,13 @@ import numpy as np
 from six_wheel._core import Rover, __version__
 from six_wheel.calibration.drives import heard, moving
 from six_wheel.calibration.estimates import Estimate
-from six_wheel.calibration.log_checks.copies import without_copies
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.run_calibration import calibrate
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.dimensions import FRAME
 from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
 from six_wheel.kinematics.poses import Floats, joined
+from six_wheel.log_odometry.copies import without_copies
 from six_wheel.log_odometry.dead_reckoning import dead_reckon
 from six_wheel.log_odometry.evaluation.paths import align
 from six_wheel.logs.detect_reader import AnyLog, logs_in, read_log

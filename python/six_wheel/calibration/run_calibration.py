@@ -28,7 +28,6 @@ from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
 from six_wheel.calibration.gyroscope import noise as gyroscope
 from six_wheel.calibration.gyroscope.scale import mistaken, scale
 from six_wheel.calibration.log_checks import slip, units
-from six_wheel.calibration.log_checks.copies import without_copies
 from six_wheel.calibration.log_checks.records import with_truth
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
@@ -40,6 +39,7 @@ from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.dimensions import Catalogue
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
+from six_wheel.log_odometry.copies import without_copies
 from six_wheel.log_odometry.evaluation.slip import Stretch
 from six_wheel.logs.detect_reader import as_logs
 from six_wheel.logs.log_options import LogOptions

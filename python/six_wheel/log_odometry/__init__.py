@@ -1,5 +1,6 @@
 """Logs to tracks: `dead_reckoning` of arrays and tables, `run_log` of a file in chunks of constant memory,
-with what is to be said about it, `many_logs` over processes or a cluster.
+with what is to be said about it, `many_logs` over processes or a cluster, of which `copies` finds those that
+share readings.
 
 `sensor_frames` turns the track of the body into that of a sensor; `evaluation` compares tracks with the
 truth.

@@ -7,24 +7,27 @@ or changed, are all that is left to do. A log that fails is reported, and the re
 
 import hashlib
 import json
-import math
 import os
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from six_wheel._core import Rover, __version__
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning
 from six_wheel.kinematics.keywords import checked
+from six_wheel.log_odometry.copies import COMMON, rest_without
 from six_wheel.log_odometry.results import ReckonSettings
 from six_wheel.log_odometry.run_log import reckon
-from six_wheel.logs.detect_reader import logs_in
+from six_wheel.logs.detect_reader import logs_in, read_log
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.log_options import LogOptions
+from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.tables import table_format
 from six_wheel.logs.writing import remove_leftovers, together
 from six_wheel.parallel import Failure, Journal, spread
@@ -92,7 +95,8 @@ def reckon_all(
     rover : Rover
         Of all logs.
     paths : sequence of Path
-        Logs, or folders of them. One that is given again, by its name, a link or a copy, counts once.
+        Logs, or folders of them. One that is given again, by its name, a link, a copy or a part, counts once;
+        one that shares some of its readings with another one fails.
     output : Path
         Folder for the tracks, made if it is not there; they lie in it as the logs lie in theirs.
     ending : {'.csv', '.parquet'}
@@ -121,7 +125,7 @@ def reckon_all(
         raise TableError(f"{output}: the output of several logs must be a folder")
     tracks = _tracks(logs, output, ending)
     output.mkdir(parents=True, exist_ok=True)
-    journal = Journal(output / JOURNAL, {"kept": "summaries of tracks"})
+    journal = Journal(output / JOURNAL, {"kept": "summaries of tracks and sketches of logs"})
     options, way = log_options or LogOptions(), settings or ReckonSettings()
     jobs = [
         LogTask(rover, path.resolve(), track.resolve(), truth and truth.resolve(), options, way, length)
@@ -129,42 +133,77 @@ def reckon_all(
     ]
     keys = [_key(job) for job in jobs]
     done = 0
-    judged: list[FleetLog] = []
+    once = _Counted(rover, options)
 
-    def counted(one: FleetLog) -> list[FleetLog]:
-        """The log, or none if another one had its readings in another format."""
+    def judged(one: FleetLog, sketch: NDArray[np.uint64] | None) -> list[FleetLog]:
+        """The log, or none if another one has its readings; a failure if another one has some of them."""
         nonlocal done
         done += 1
         if progress is not None:
             progress(done, len(jobs))
-        same = next((other for other in judged if _alike(one.summary, other.summary)), None)
-        if same is not None:
-            _say_copy(one.path, same.path)
-            one.track.unlink(missing_ok=True)
+        shared = None if sketch is None else once.shared(one.path, sketch)
+        if shared is None:
+            return [one]
+        one.track.unlink(missing_ok=True)
+        other, rows = shared
+        if not rows:
+            _say_copy(one.path, other)
             return []
-        judged.append(one)
-        return [one]
+        what = f"it has {rows}the readings of {other}, which would count twice; give one of them, or cut it"
+        return [replace(one, summary=None, failure=Failure("TableError", what))]
 
     left = []
     for number, key in enumerate(keys):
         if key in journal and tracks[number].is_file():
-            yield from counted(FleetLog(logs[number], tracks[number], journal.read(key), resumed=True))
+            value = journal.read(key)
+            known = FleetLog(logs[number], tracks[number], value["summary"], resumed=True)
+            yield from judged(known, value["sketch"])
         else:
             left.append(number)
+    # Long logs first, so that a part finds the whole.
+    left.sort(key=lambda number: -sum(file.stat().st_size for _, file in _files(logs[number])))
     for outcome in spread(reckon_one, [jobs[number] for number in left], cluster=cluster, workers=workers):
         number = left[outcome.index]
         failure = outcome.failure
         if failure is None and not tracks[number].is_file():
             failure = Failure("TableError", "the worker wrote its track where this machine does not see it")
-        if failure is None:
-            remove_leftovers(tracks[number])  # of workers that died
-            journal.write(keys[number], outcome.value)
-        value = outcome.value if failure is None else None
-        yield from counted(FleetLog(logs[number], tracks[number], value, failure))
+        if failure is not None:
+            yield from judged(FleetLog(logs[number], tracks[number], None, failure), None)
+            continue
+        remove_leftovers(tracks[number])  # of workers that died
+        journal.write(keys[number], outcome.value)
+        yield from judged(
+            FleetLog(logs[number], tracks[number], outcome.value["summary"]), outcome.value["sketch"]
+        )
+
+
+class _Counted:
+    """Logs that count, with the hashes of their readings."""
+
+    def __init__(self, rover: Rover, options: LogOptions) -> None:
+        self._rover, self._options = rover, options
+        self._holders: dict[int, list[Path]] = {}
+
+    def shared(self, path: Path, sketch: NDArray[np.uint64]) -> tuple[Path, str] | None:
+        """A log that has readings of this one, and which in words, empty for all; None if this one counts."""
+        hashes = sketch.tolist()
+        common = Counter(other for each in hashes for other in self._holders.get(each, ()))
+        likely = [other for other, number in common.most_common() if number >= COMMON]
+        mine = self._read(path) if likely else None
+        for other in likely:
+            rest = None if mine is None else rest_without(mine, self._read(other))
+            if rest is not None:
+                return other, rest[1]
+        for each in hashes:
+            self._holders.setdefault(each, []).append(path)
+        return None
+
+    def _read(self, path: Path) -> WheelLog:
+        return read_log(path, self._rover, self._options)[0].in_radians(self._rover)
 
 
 def reckon_one(job: LogTask) -> dict[str, Any]:
-    """One log, where the worker is; its track is in place before this returns."""
+    """Summary and sketch of a log, where the worker is; its track is in place before this returns."""
     job.track.parent.mkdir(parents=True, exist_ok=True)
     with together():
         result = reckon(
@@ -177,7 +216,7 @@ def reckon_one(job: LogTask) -> dict[str, Any]:
             length=job.length,
         )
     judged = result.placed if result.evaluation is None else result.evaluation.first
-    return {
+    summary = {
         "rows": result.rows,
         "duration": result.duration,
         "distance": result.distance,
@@ -186,6 +225,7 @@ def reckon_one(job: LogTask) -> dict[str, Any]:
         "ate": None if judged is None else judged.rmse,
         "warnings": list(result.warnings),
     }
+    return {"summary": summary, "sketch": result._sketch.hashes}
 
 
 def _without_copies(paths: Sequence[Path]) -> list[Path]:
@@ -210,15 +250,6 @@ def _without_copies(paths: Sequence[Path]) -> list[Path]:
 def _say_copy(path: Path, same: Path) -> None:
     line = f"{path} has the readings of {same}: they count once"
     warnings.warn(line, SuspiciousReadingsWarning, stacklevel=4)
-
-
-def _alike(one: Mapping[str, Any] | None, other: Mapping[str, Any] | None) -> bool:
-    """True if two drives are one but for the rounding of a format, by rows, length and end."""
-    if one is None or other is None or not one["distance"] or one["rows"] != other["rows"]:
-        return False
-    near = math.isclose(one["distance"], other["distance"], rel_tol=1e-4)
-    near = near and math.isclose(one["duration"], other["duration"], rel_tol=1e-6, abs_tol=2e-3)
-    return near and np.allclose(one["pose"], other["pose"], rtol=0.0, atol=2e-3)
 
 
 def _files(path: Path) -> list[tuple[str, Path]]:

@@ -11,6 +11,7 @@ from six_wheel.kinematics.odometry.gyroscope_errors import with_readings_apart
 from six_wheel.kinematics.odometry.thinning import Trace
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, SlipReport
 from six_wheel.kinematics.poses import Floats
+from six_wheel.log_odometry.copies import Sketch
 from six_wheel.log_odometry.evaluation.paths import AbsoluteError, Evaluation
 from six_wheel.log_odometry.evaluation.slip import Stretch
 from six_wheel.logs.joints import JointRows
@@ -116,6 +117,7 @@ class Reckoned:
     elapsed: float = 0.0
     noise: Noise | None = None
     _trace: Trace = field(default_factory=Trace)
+    _sketch: Sketch = field(default_factory=Sketch)
 
     @property
     def deviations(self) -> Floats:

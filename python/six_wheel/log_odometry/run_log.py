@@ -102,6 +102,7 @@ class _Run:
             result.noise = self._odometry.noise
         steering = None if chunk.steering is None else chunk.steering * self._gains
         track = self._reckon(self._odometry, chunk, steering, chunk.wheel_angles * self._scale)
+        result._sketch.add(chunk.wheel_angles)
         result.gyroscope_bias = self._odometry.gyroscope_bias
         covariances, residuals = track.covariances, track.residuals
         if covariances is None or residuals is None:

@@ -1,11 +1,12 @@
 """A log counts once: readings that are in several logs, by their content and not by their files.
 
 Two logs share readings where one is a copy of the other, the same in another format, a part of it, or where
-parts of one recording overlap. Stamps of a copy may count from another instant.
+parts of one recording overlap. Stamps of a copy may count from another instant. `Sketch` finds pairs of many
+logs that may share readings without having them in memory; `rest_without` compares a pair.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import WheelLog
 
-__all__ = ["cut", "without_copies"]
+__all__ = ["COMMON", "Sketch", "cut", "rest_without", "without_copies"]
 
 ANGLE = 1e-3  # [rad] by which angles differ at most that were rounded by a format
 INSTANT = 1e-3  # [s] of stamps, likewise
@@ -25,6 +26,15 @@ FEW = 64  # rows that are compared before all
 ANCHORS = (0.2, 0.5, 0.8)  # shares of the motion where rows of one log are looked for in another
 WINDOW = 32  # rows of an anchor
 BEST = 4  # places of an anchor that are tried
+
+STEPS = 16  # steps from row to row that make one hash of a sketch
+WHEELS = 2  # whose steps these are
+QUANTUM = (
+    2.07e-3  # [rad] to which they are rounded; no multiple of usual counts, which would lie on its edges
+)
+KEPT = 256  # hashes of a sketch
+COMMON = 2  # hashes that two sketches share, from which on the logs are compared
+_FACTOR, _MIXER = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBF58476D1CE4E5B9)
 
 
 def without_copies(logs: Sequence[WheelLog]) -> tuple[list[WheelLog], list[int], list[str]]:
@@ -49,6 +59,49 @@ def without_copies(logs: Sequence[WheelLog]) -> tuple[list[WheelLog], list[int],
         if log is not None:
             kept[number] = log
     return [kept[number] for number in sorted(kept)], sorted(kept), said
+
+
+def rest_without(log: WheelLog, other: WheelLog) -> tuple[WheelLog | None, str] | None:
+    """The log without rows whose readings another one has, None if little is left, and these rows in words;
+    None for logs that share no readings."""
+    shared = _shared(log, other)
+    return None if shared is None else _rest(log, shared)
+
+
+@dataclass
+class Sketch:
+    """The smallest hashes of steps of the wheels, by which logs that share readings are found (Broder 1997).
+
+    Attributes
+    ----------
+    hashes : array of uint64, shape (n,)
+        Of `STEPS` steps in a row each, ascending, at most `KEPT`.
+    """
+
+    hashes: NDArray[np.uint64] = field(default_factory=lambda: np.zeros(0, dtype=np.uint64))
+
+    def add(self, angles: Floats) -> None:
+        """Take in consecutive rows of totals (n, wheels) [rad]."""
+        heard = np.flatnonzero(np.isfinite(angles[:1]).any(axis=0))[:WHEELS]
+        turned = angles[:, heard]
+        steps = np.diff(turned[np.isfinite(turned).all(axis=1)], axis=0)
+        count = len(steps) - STEPS + 1
+        if count < 1 or not len(heard):
+            return
+        # A wheel that stands still makes 0, whatever the factors.
+        whole = np.rint(steps / QUANTUM).astype(np.int64).view(np.uint64)
+        powers = np.cumprod(np.full(WHEELS * STEPS, _FACTOR))
+        codes = np.zeros(count, dtype=np.uint64)
+        for place in range(STEPS):
+            for wheel, column in enumerate(whole.T):
+                codes += column[place : place + count] * powers[WHEELS * place + wheel]
+        codes = codes[codes != 0]
+        codes = (codes ^ (codes >> np.uint64(29))) * _MIXER
+        codes ^= codes >> np.uint64(32)
+        if len(codes) > 4 * KEPT:  # hashes repeat where a drive is steady
+            codes = np.unique(codes)
+            codes = codes[:KEPT]
+        self.hashes = np.unique(np.concatenate((self.hashes, codes)))[:KEPT]
 
 
 def cut(log: WheelLog, rows: slice) -> WheelLog:
