@@ -15,6 +15,7 @@ pytest.importorskip("pyarrow")
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from six_wheel.kinematics.poses import quaternions
 from six_wheel.logs import JointLog, read_truth
 from six_wheel.logs.detect_reader import read_log
 from six_wheel.logs.headers.columns import TableError
@@ -71,19 +72,21 @@ def test_reversed_joints_are_turned_round(tmp_path: Path, readings: Any) -> None
 def test_a_truth_out_of_transforms(tmp_path: Path, slash: str) -> None:
     types = STORE.types
 
-    def transform(stamp: int, parent: str, child: str, x: float, yaw: float) -> Any:
-        turned = types["geometry_msgs/msg/Quaternion"](0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
+    def transform(stamp: int, parent: str, child: str, x: float, yaw: float, pitch: float = 0.0) -> Any:
+        turned = types["geometry_msgs/msg/Quaternion"](*quaternions(np.array([[0.0, pitch, yaw]]))[0])
         moved = types["geometry_msgs/msg/Transform"](types["geometry_msgs/msg/Vector3"](x, 0.0, 0.0), turned)
         top = types["std_msgs/msg/Header"](header(stamp).stamp, f"{slash}{parent}")
         return types["geometry_msgs/msg/TransformStamped"](top, f"{slash}{child}", moved)
 
     kind = types["tf2_msgs/msg/TFMessage"]
-    first = kind([transform(START, "map", "odom", 1.0, math.pi / 2)])
+    first = kind([transform(START, "map", "odom", 1.0, math.pi / 2, 0.3)])
     moving = [kind([transform(START + 10**8 * k, "odom", "base_link", 0.1 * k, 0.0)]) for k in range(5)]
     messages = [("/tf", START + 10**8 * k, message) for k, message in enumerate([first, *moving])]
     bag = write(tmp_path / "bag", messages)
     _, poses, _ = read_truth(bag, topic="/tf")
-    np.testing.assert_allclose(poses[-1], [1.0, 0.4, math.pi / 2], atol=1e-15)
+    # 0.4 m along the x axis of odom that leads downwards, in the direction of the map's y.
+    wanted = [1.0, 0.4 * math.cos(0.3), -0.4 * math.sin(0.3), 0.0, 0.3, math.pi / 2]
+    np.testing.assert_allclose(poses[-1], wanted, atol=1e-15)
     with pytest.raises(TableError, match=r"no topic has messages .* the bag has /tf \(TFMessage\)"):
         read_truth(bag)
     with pytest.raises(TableError, match="at least one row"):

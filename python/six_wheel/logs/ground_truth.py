@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.headers.columns import TIME, Column, TableError, find_columns
-from six_wheel.logs.headers.joint_columns import position_columns, truth_columns
+from six_wheel.logs.headers.joint_columns import columns_in_space, position_columns, truth_columns
 from six_wheel.logs.headers.time_columns import seconds_since
 from six_wheel.logs.skip_bad_rows import Findings, Sieve, Source, TolerantTable
 
-__all__ = ["TRUTH", "has_yaw", "poses_of", "read_truth"]
+__all__ = ["TRUTH", "has_yaw", "poses_of", "read_truth", "rows_of", "transforms"]
 
 TRUTH = ("x", "y", "yaw", "qx", "qy", "qz", "qw")
+TILTED = ("z", "roll", "pitch")
+# Columns of a file without a header line, as the TUM benchmark has them and evo writes them.
+TUM = ("time [s]", "x", "y", "z", "qx", "qy", "qz", "qw")
 Floats = NDArray[np.float64]
 
 
@@ -35,7 +38,8 @@ def read_truth(
     Parameters
     ----------
     path : Path
-        A table with time, x, y and yaw or a quaternion, or without a heading; a bag.
+        A table with time, x, y and yaw or a quaternion, or without a heading; one without a header line in
+        the columns of the TUM benchmark, ``time x y z qx qy qz qw``; a bag.
     origin : int
         The second from which stamps are counted: that of the log.
     columns : mapping, optional
@@ -49,8 +53,9 @@ def read_truth(
     -------
     stamps : array, shape (n,)
         Seconds, increasing.
-    poses : array, shape (n, 3)
-        x, y, yaw [m, m, rad]; NaN for yaw where the file has positions alone.
+    poses : array, shape (n, 3) or (n, 6)
+        x, y, yaw [m, m, rad]; NaN for yaw where the file has positions alone. In space x, y, z, roll, pitch,
+        yaw, where every row has z and a quaternion, or z, roll, pitch and yaw.
     findings : Findings
         What was left out.
 
@@ -67,13 +72,13 @@ def read_truth(
 
         source = TruthBag(path, topic)
     else:
-        source = TolerantTable(path, _find_truth, columns)
+        source = _TruthTable(path, _find_truth, columns)
         stated = source.stated
     parts: list[tuple[Floats, Floats]] = []
     with contextlib.closing(source):
-        for batch in Sieve(source.findings, (), stated).pass_on(source.batches(200_000)):
+        for batch in Sieve(source.findings, TILTED, stated).pass_on(source.batches(200_000)):
             poses = poses_of(batch.values)
-            wanted = poses if has_yaw(batch.values) else poses[:, :2]
+            wanted = poses[:, [0, 1, -1] if has_yaw(batch.values) else [0, 1]]
             good = np.isfinite(wanted).all(axis=1)
             for k in np.flatnonzero(~good):  # numbers that are none together
                 flaw = "the quaternion of a pose must not be zero"
@@ -84,11 +89,25 @@ def read_truth(
     if not parts:
         raise TableError(f"{path}: the truth must have at least one row that can be used, got none")
     stamps, poses = (np.concatenate(part) for part in zip(*parts, strict=True))
+    if not np.isfinite(poses[:, 2:-1]).all():  # heights that are not known everywhere
+        poses = poses[:, [0, 1, -1]]
     return stamps, poses, source.findings
+
+
+class _TruthTable(TolerantTable):
+    """A table of poses; eight columns without a header line are `TUM`."""
+
+    def _find(self, headers: Sequence[str]) -> dict[str, Column]:
+        nameless = self.format == "csv" and not self._dialect.has_header
+        if nameless and not self._renamed and len(headers) == len(TUM):
+            self._renamed = TUM
+        return super()._find(headers)
 
 
 def _find_truth(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
     columns = find_columns(headers, (TIME,)) | (truth_columns(headers) or position_columns(headers))
+    if "yaw" in columns or "qw" in columns:
+        columns |= columns_in_space(headers)
     if "x" not in columns:
         listed = ", ".join(f'"{header}"' for header in headers)
         rule = "have columns x, y and yaw (or qx, qy, qz, qw), or x and y alone"
@@ -102,16 +121,46 @@ def has_yaw(values: Mapping[str, Any]) -> bool:
 
 
 def poses_of(values: Mapping[str, Floats]) -> Floats:
-    """Poses (n, 3) from x, y and yaw, or from a quaternion of any length but zero, which gives NaN.
+    """Poses (n, 3) from x, y and yaw, or from a quaternion of any length but zero, which gives NaN; with z
+    and the tilt of a file poses in space, (n, 6).
 
     Positions alone have NaN for yaw.
     """
+    if "qw" in values:
+        # Angles do not depend on the length of a quaternion; that of length zero has none.
+        x, y, z, w = (values[f"q{axis}"] for axis in "xyzw")
+        square = x * x + y * y + z * z + w * w
+        roll = np.arctan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z)
+        with np.errstate(invalid="ignore"):
+            pitch = np.arcsin(np.clip(2 * (w * y - z * x) / square, -1.0, 1.0))
+        yaw = np.where(square > 0, np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z), np.nan)
     if "yaw" in values:
         yaw = values["yaw"]
-    elif not has_yaw(values):
+    elif "qw" not in values:
         yaw = np.full(len(values["x"]), np.nan)
-    else:
-        x, y, z, w = (values[f"q{axis}"] for axis in "xyzw")
-        yaw = np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
-        yaw = np.where(x * x + y * y + z * z + w * w > 0, yaw, np.nan)
+    if "roll" in values:
+        roll, pitch = values["roll"], values["pitch"]
+    if "z" in values:
+        return np.stack([*(values[axis] for axis in "xyz"), roll, pitch, yaw], axis=1)
     return np.stack([values["x"], values["y"], yaw], axis=1)
+
+
+def transforms(poses: Floats) -> Floats:
+    """Transforms ``world_from_body`` (n, 4, 4) of rows x, y, z, roll, pitch, yaw: ``Rz(yaw) Ry(pitch)
+    Rx(roll)``."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(poses[:, 3:]).T, np.cos(poses[:, 3:]).T
+    path = np.zeros((len(poses), 4, 4))
+    path[:, 0, :3] = np.stack((cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr), axis=-1)
+    path[:, 1, :3] = np.stack((sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr), axis=-1)
+    path[:, 2, :3] = np.stack((-sp, cp * sr, cp * cr), axis=-1)
+    path[:, :3, 3], path[:, 3, 3] = poses[:, :3], 1.0
+    return path
+
+
+def rows_of(path: Floats) -> Floats:
+    """Rows x, y, z, roll, pitch, yaw of transforms (n, 4, 4)."""
+    turned = path[:, :3, :3]
+    roll = np.arctan2(turned[:, 2, 1], turned[:, 2, 2])
+    pitch = np.arctan2(-turned[:, 2, 0], np.hypot(turned[:, 2, 1], turned[:, 2, 2]))
+    yaw = np.arctan2(turned[:, 1, 0], turned[:, 0, 0])
+    return np.column_stack((path[:, :3, 3], roll, pitch, yaw))

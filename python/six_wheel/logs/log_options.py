@@ -9,6 +9,7 @@ import numpy as np
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs.bags.bag_files import Topics
+from six_wheel.logs.ground_truth import rows_of, transforms
 from six_wheel.logs.headers.joint_columns import Reading
 from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.joint_totals import Encoders
@@ -61,8 +62,15 @@ class LogOptions:
         offset = self.truth.get("time_offset", 0.0)
         if not (sensor.any() or offset):
             return truth
+        stamps = truth.stamps - offset
+        if truth.has_space:
+            x, y, yaw = sensor
+            body_from_sensor = transforms(np.array([[x, y, 0.0, 0.0, 0.0, yaw]]))
+            of_sensor = transforms(truth.at_in_space(truth.stamps))
+            moved = rows_of(of_sensor @ np.linalg.inv(body_from_sensor))
+            return replace(truth, stamps=stamps, poses=moved, space=None)
         poses = joined(truth.poses, inverse(sensor)) if truth.has_yaw else truth.poses
-        return replace(truth, stamps=truth.stamps - offset, poses=poses)
+        return replace(truth, stamps=stamps, poses=poses)
 
 
 def encoders_or_keys(given: AnyEncoders) -> tuple[Encoders, Mapping[str, Any]]:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from numbers import Real
+from os import PathLike
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 import numpy as np
@@ -121,23 +122,26 @@ class GroundTruth(Tabular):
         return known
 
     def at(self, stamps: ArrayLike) -> Floats:
-        """Poses at other times, between the recorded ones; NaN outside the recording and in gaps, (m, 3)."""
-        wanted = np.asarray(stamps, dtype=np.float64)
-        poses, _ = interpolate(self.stamps, self.poses, wanted)
-        poses[~self.covers(wanted)] = math.nan
-        return poses
+        """Poses at other times, between the recorded ones; NaN outside the recording and in gaps.
+
+        Shape (m, 3) for stamps of shape (m,), (3,) for a number.
+        """
+        wanted = _numbers("stamps", stamps)
+        poses, _ = interpolate(self.stamps, self.poses, wanted.ravel())
+        poses[~self.covers(wanted.ravel())] = math.nan
+        return poses.reshape(*wanted.shape, 3)
 
     def at_in_space(self, stamps: ArrayLike) -> Floats:
-        """Poses x, y, z, roll, pitch, yaw at other times, (m, 6); NaN as in `at`, and without `has_space`."""
-        x, y, yaw = self.at(stamps).T
+        """Poses x, y, z, roll, pitch, yaw at other times, (m, 6) or (6,); NaN as in `at`, and without
+        `has_space`."""
+        poses = self.at(stamps)
+        x, y, yaw = poses.reshape(-1, 3).T
         nowhere = np.full((len(self), 3), math.nan)
-        space, _ = interpolate(
-            self.stamps,
-            nowhere if self.space is None else self.space[:, [0, 2, 1]],
-            np.asarray(stamps, dtype=float),
-        )
+        known = nowhere if self.space is None else self.space[:, [0, 2, 1]]
+        space, _ = interpolate(self.stamps, known, _numbers("stamps", stamps).ravel())
         space[np.isnan(x)] = math.nan
-        return np.column_stack((x, y, space[:, 0], space[:, 2], space[:, 1], yaw))
+        rows = np.column_stack((x, y, space[:, 0], space[:, 2], space[:, 1], yaw))
+        return rows.reshape(*poses.shape[:-1], 6)
 
     def __len__(self) -> int:
         return len(self.stamps)
@@ -335,19 +339,25 @@ class WheelLog(Tabular):
         return f"{type(self).__name__}({self.name!r}, {len(self)} rows, {self.duration:.1f} s, {known})"
 
 
-Reference: TypeAlias = "GroundTruth | WheelLog | Track | Track3"
+Reference: TypeAlias = "GroundTruth | WheelLog | Track | Track3 | str | PathLike[str]"
 
 
 def as_truth(given: object) -> GroundTruth:
-    """The reference in an object: a `GroundTruth`, the truth of a `WheelLog`, or the poses of a track.
+    """The reference in an object: a `GroundTruth`, the truth of a `WheelLog`, the poses of a track, or those
+    of the file of a path, with the stamps of the file.
 
     Raises
     ------
     ValueError
-        If it is a log without a truth.
+        If it is a log without a truth, or a file without poses.
     TypeError
         If it tells no poses with their stamps.
     """
+    if isinstance(given, str | PathLike):
+        from six_wheel.logs.ground_truth import read_truth
+
+        stamps, poses, _ = read_truth(given)
+        return GroundTruth(stamps, poses)
     if isinstance(given, WheelLog):
         if given.truth is None:
             raise ValueError(f"truth must be known, got a log without one: {given!r}")
@@ -358,7 +368,8 @@ def as_truth(given: object) -> GroundTruth:
         return GroundTruth(given.stamps, given.poses)  # type: ignore[attr-defined]
     except AttributeError:
         kind = type(given).__name__
-        raise TypeError(f"truth must be a GroundTruth, a WheelLog with one, or a Track, got {kind}") from None
+        rule = "a GroundTruth, a WheelLog with one, a Track, or the path of a file of poses"
+        raise TypeError(f"truth must be {rule}, got {kind}") from None
 
 
 def _check_order(stamps: Floats) -> None:

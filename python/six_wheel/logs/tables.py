@@ -39,7 +39,7 @@ FORMATS: Mapping[str, Format] = {".csv": "csv", ".parquet": "parquet"}
 # Further endings that are read, and not written.
 READ: Mapping[str, Format] = {
     **FORMATS,
-    **dict.fromkeys((".txt", ".tsv", ".dat", ".log", ".gz"), "csv"),
+    **dict.fromkeys((".txt", ".tsv", ".tum", ".dat", ".log", ".gz"), "csv"),
     **dict.fromkeys((".feather", ".arrow", ".ipc"), "arrow"),
     ".pq": "parquet",
 }

@@ -146,6 +146,7 @@ def _way(commands: Path, start: tuple[float, float, float] | None, speed: float)
             _, poses, _ = read_truth(commands)
         except (TableError, ValueError):
             raise no_commands from None
+        poses = poses[:, [0, 1, -1]]
         return Way(poses, start or tuple(poses[0].tolist()), speed)
     times = np.concatenate([chunk.time for chunk in chunks])
     twists = np.concatenate([chunk.twists for chunk in chunks])

@@ -13,6 +13,7 @@ from __future__ import annotations  # so that help shows the names of types, not
 
 import math
 from dataclasses import dataclass, field
+from os import PathLike
 from typing import Literal
 
 import numpy as np
@@ -222,7 +223,7 @@ def at_same_times(
     ValueError
         If they do not overlap in time for two rows of the track, or a truth comes without a track.
     """
-    if hasattr(truth, "stamps"):
+    if hasattr(truth, "stamps") or isinstance(truth, str | PathLike):
         truth = as_truth(truth)
         if not isinstance(estimate, Track | Track3):
             raise ValueError(
@@ -261,8 +262,8 @@ def evaluate(
     estimate, truth : array_like, shape (n, 3) or (n, 6), or Track or Track3 and GroundTruth
         Poses at the same times: x, y, yaw [m, m, rad], or in space x, y, z, roll, pitch, yaw. A `GroundTruth`
         is interpolated at the stamps of a track, whose rows outside it are left out; the `WheelLog` that has
-        it, or another `Track` or `Track3`, serves as well. A `Track3` is compared in space where the truth
-        is known there, else as seen from above.
+        it, another `Track` or `Track3`, or the path of a file of poses serves as well. A `Track3` is compared
+        in space where the truth is known there, else as seen from above.
     length, stride
         Of the relative error; see `segments`.
 

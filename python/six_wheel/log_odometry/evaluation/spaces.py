@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from six_wheel._core import wrap_angle
 from six_wheel.kinematics.poses import Floats, as_poses, between, inverse, joined
+from six_wheel.logs.ground_truth import rows_of, transforms
 
 __all__ = [
     "as_path",
@@ -36,7 +37,7 @@ def as_path(name: str, poses: ArrayLike, like: Floats | None = None) -> Floats:
         (SPACE if rows.shape[1:] == (SPACE,) else 3) if like is None else (3 if like.ndim == 2 else SPACE)
     )
     rows = as_poses(name, poses, None if like is None else len(like), columns)
-    return rows if columns == 3 else _transforms(rows)
+    return rows if columns == 3 else transforms(rows)
 
 
 def positions(path: Floats) -> Floats:
@@ -102,25 +103,8 @@ def best_fit(moved: Floats, wanted: Floats) -> Floats:
 
 def poses_of(path: Floats) -> Floats:
     """The rows of a path: x, y, yaw, or x, y, z, roll, pitch, yaw."""
-    if path.ndim == 2:
-        return path
-    turned = path[:, :3, :3]
-    roll = np.arctan2(turned[:, 2, 1], turned[:, 2, 2])
-    pitch = np.arctan2(-turned[:, 2, 0], np.hypot(turned[:, 2, 1], turned[:, 2, 2]))
-    yaw = np.arctan2(turned[:, 1, 0], turned[:, 0, 0])
-    return np.column_stack((path[:, :3, 3], roll, pitch, yaw))
+    return path if path.ndim == 2 else rows_of(path)
 
 
 def _in_space(poses: Floats) -> bool:
     return poses.shape[-2:] == (4, 4)
-
-
-def _transforms(poses: Floats) -> Floats:
-    """Transforms of rows x, y, z, roll, pitch, yaw."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(poses[:, 3:]).T, np.cos(poses[:, 3:]).T
-    path = np.zeros((len(poses), 4, 4))
-    path[:, 0, :3] = np.stack((cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr), axis=-1)
-    path[:, 1, :3] = np.stack((sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr), axis=-1)
-    path[:, 2, :3] = np.stack((-sp, cp * sr, cp * cr), axis=-1)
-    path[:, :3, 3], path[:, 3, 3] = poses[:, :3], 1.0
-    return path

@@ -1,6 +1,5 @@
 """The poses of a bag."""
 
-import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -33,7 +32,7 @@ class TruthBag(Bag):
 
     def batches(self, chunk_rows: int) -> Iterator[Batch]:
         """A row for every message."""
-        names = ("x", "y", "qx", "qy", "qz", "qw")
+        names = ("x", "y", "z", "qx", "qy", "qz", "qw")
         numbers: list[int] = []
         stamps: list[int] = []
         rows: list[tuple[float, ...]] = []
@@ -68,33 +67,34 @@ class TruthBag(Bag):
             self._tree[frame] = (parent, each.transform)
             if frame not in self._frames:
                 continue
-            poses = list[tuple[float, float, float]]()
+            poses = list[tuple[float, ...]]()
             while frame in self._tree and len(poses) < MAX_FRAMES:
                 frame, transform = self._tree[frame]
-                poses.append(_planar(transform.translation, transform.rotation))
+                poses.append(_row(transform.translation, transform.rotation))
             stamp = each.header.stamp
             found.append((stamp.sec * 1_000_000_000 + stamp.nanosec, _composed(poses)))
         return found
 
 
-def _planar(p: Any, q: Any) -> tuple[float, float, float]:
-    """x, y and yaw of a transform."""
-    return p.x, p.y, math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
+def _row(p: Any, q: Any) -> tuple[float, ...]:
+    """Position and quaternion of a transform, a row of the batch."""
+    return p.x, p.y, p.z, q.x, q.y, q.z, q.w
 
 
-def _composed(poses: Sequence[tuple[float, float, float]]) -> tuple[float, ...]:
-    """A pose through frames that lie level, the innermost first, as x, y and a quaternion."""
-    x = y = yaw = 0.0
-    for ahead, aside, turned in poses:
-        cos, sin = math.cos(turned), math.sin(turned)
-        x, y, yaw = ahead + cos * x - sin * y, aside + sin * x + cos * y, turned + yaw
-    return x, y, 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)
+def _composed(poses: Sequence[tuple[float, ...]]) -> tuple[float, ...]:
+    """A pose through several frames, the innermost first."""
+    point, turned = np.zeros(3), np.array((0.0, 0.0, 0.0, 1.0))
+    for x, y, z, *rotation in poses:
+        axis, w = np.array(rotation[:3]), rotation[3]
+        # v + 2 q x (q x v + w v), with q the vector of the quaternion and w its scalar
+        point = point + 2.0 * np.cross(axis, np.cross(axis, point) + w * point) + (x, y, z)
+        vector = w * turned[:3] + turned[3] * axis + np.cross(axis, turned[:3])
+        turned = np.append(vector, w * turned[3] - axis @ turned[:3])
+    return (*point.tolist(), *turned.tolist())
 
 
 def _pose(message: Any) -> tuple[float, ...]:
     if hasattr(message, "transform"):
-        p, q = message.transform.translation, message.transform.rotation
-    else:
-        pose = getattr(message.pose, "pose", message.pose)  # inside a covariance
-        p, q = pose.position, pose.orientation
-    return p.x, p.y, q.x, q.y, q.z, q.w
+        return _row(message.transform.translation, message.transform.rotation)
+    pose = getattr(message.pose, "pose", message.pose)  # inside a covariance
+    return _row(pose.position, pose.orientation)

@@ -79,7 +79,14 @@ _BEFORE = ("", "joint_states_", "joint_state_")
 _LENGTHS = (unit("m", 1.0, "m metres meters"), unit("cm", 1e-2, "cm"), unit("mm", 1e-3, "mm"))
 _NONE = (unit("1", 1.0, ""),)
 _TRUTH = ("", "truth_", "true_", "gt_", "ground_truth_", "reference_", "mocap_")
-_POSITIONS = ("{0}", "position_{0}", "pose_position_{0}", "pose_pose_position_{0}", "translation_{0}")
+_POSITIONS = (
+    "{0}",
+    "position_{0}",
+    "pose_position_{0}",
+    "pose_pose_position_{0}",
+    "translation_{0}",
+    "t{0}",
+)
 _HEADINGS = ("yaw", "theta", "heading")
 _QUATERNIONS = (
     "q{0}",
@@ -98,6 +105,8 @@ def _truth(name: str, forms: Sequence[str], units: tuple[Unit, ...], axis: str =
 POSITION = (_truth("x", _POSITIONS, _LENGTHS, "x"), _truth("y", _POSITIONS, _LENGTHS, "y"))
 YAW = _truth("yaw", _HEADINGS, _ANGLES)
 QUATERNION = tuple(_truth(f"q{axis}", _QUATERNIONS, _NONE, axis) for axis in "xyzw")
+HEIGHT = _truth("z", _POSITIONS, _LENGTHS, "z")
+TILT = tuple(_truth(name, (name,), _ANGLES) for name in ("roll", "pitch"))
 
 
 # Names of wheels and their joints: their own names, and those that joints have where none are given.
@@ -246,6 +255,17 @@ def truth_columns(headers: Sequence[str]) -> dict[str, Column]:
     names = {"yaw"} if "yaw" in found else {quantity.name for quantity in QUATERNION}
     names |= {"x", "y"}
     return {name: found[name] for name in found if name in names} if names <= found.keys() else {}
+
+
+def columns_in_space(headers: Sequence[str]) -> dict[str, Column]:
+    """What a pose in space has beside `truth_columns`: ``z`` with ``qx`` to ``qw`` or ``roll`` and ``pitch``;
+    none if one is missing."""
+    found = find_columns(headers, (HEIGHT, *TILT, *QUATERNION))
+    for angles in (QUATERNION, TILT):
+        names = {"z", *(quantity.name for quantity in angles)}
+        if names <= found.keys():
+            return {name: found[name] for name in names}
+    return {}
 
 
 def position_columns(headers: Sequence[str]) -> dict[str, Column]:
