@@ -61,7 +61,7 @@ def show(
 def _is_map(path: Path) -> bool:
     """True for files that are no descriptions of a rover: by their suffix, a YAML file by its first key."""
     if not path.exists():
-        return False
+        return path.suffix.lower() not in (*ROVERS, ".yaml", ".yml")
     if path.suffix.lower() in (".yaml", ".yml"):
         with path.open(encoding="utf-8", errors="replace") as file:
             return any(line.startswith(("map:", "image:")) for line in file)

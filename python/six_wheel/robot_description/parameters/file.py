@@ -31,7 +31,7 @@ from typing import Any, NoReturn
 
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
 from six_wheel.kinematics.errors import as_path
-from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.keywords import checked, did_you_mean
 from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 from six_wheel.robot_description.parameters import ros_yaml
@@ -246,7 +246,8 @@ def _refuse(section: Section, error: ValueError, log: FileFindings) -> NoReturn:
 
 
 def _text(path: Path, log: FileFindings) -> str:
-    remedy = "give the path of a parameter file"
+    hint = "" if path.suffix else did_you_mean(path.name, Rover.presets())
+    remedy = f"give the path of a parameter file, .yaml or .json, or the name of a preset{hint}"
     try:
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)
