@@ -19,7 +19,7 @@ pytest.importorskip("scipy", reason="SciPy is not installed")
 from six_wheel.calibration import calibrate, parameter_names
 from six_wheel.calibration import drives as _drives
 from six_wheel.calibration import model as _drive_model
-from six_wheel.kinematics.odometry import dimensions as _parameters
+from six_wheel.robot_description import dimensions as _parameters
 from tests.rovers import SIX_WHEELS, SMALL_PAIR
 
 SOAK = int(os.environ.get("SOAK", "0"))

@@ -11,8 +11,8 @@ import six_wheel as sw
 from six_wheel.calibration import calibrate
 from six_wheel.calibration import drives as _drives
 from six_wheel.calibration import model as _model
-from six_wheel.kinematics.odometry import dimensions as _parameters
 from six_wheel.logs import GroundTruth, WheelLog
+from six_wheel.robot_description import dimensions as _parameters
 from tests.calibration.drives import drive
 from tests.rovers import SMALL_PAIR as PAIR
 

@@ -10,8 +10,8 @@ pytest.importorskip("pydantic", reason='needs pip install "six-wheel[cli]"')
 import six_wheel as sw
 from six_wheel.control_loop import Loop, Settings
 from six_wheel.control_loop.diagnostics import statuses
-from six_wheel.kinematics.odometry.gyroscope_errors import with_readings_apart
 from six_wheel.logs.gyroscope.rates import Turning, edges_of, upward
+from six_wheel.robot_description.gyroscope_errors import with_readings_apart
 
 START = 1_700_000_000_000_000_000  # [ns]
 MS = 1_000_000

@@ -1,6 +1,6 @@
 """A rover's true dimensions from its logs: what fits them, how well it is known, what they cannot tell.
 
-What `six_wheel.kinematics.odometry.dimensions` names is calibrated from `drives`; `model` says where these
+What `six_wheel.robot_description.dimensions` names is calibrated from `drives`; `model` says where these
 end, `fitting` solves, `observability` and `cross_validation` judge, `run_calibration` joins them to a
 `result`; `files` does it for logs on disk.
 """
@@ -8,6 +8,7 @@ end, `fitting` solves, `observability` and `cross_validation` judge, `run_calibr
 from typing import TYPE_CHECKING
 
 from six_wheel.kinematics.lazy import attach
+from six_wheel.robot_description.dimensions import deviations
 
 if TYPE_CHECKING:
     from six_wheel.calibration.cross_validation import Candidate, CrossValidation
@@ -32,6 +33,7 @@ __all__ = [
     "Windows",
     "calibrate",
     "calibrate_files",
+    "deviations",
     "interval",
     "parameter_names",
 ]

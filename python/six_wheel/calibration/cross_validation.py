@@ -13,10 +13,10 @@ from six_wheel.calibration.estimates import RunErrors
 from six_wheel.calibration.fitting import quantile, refit, solve
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.problem import Loss, Problem
-from six_wheel.kinematics.odometry.dimensions import Catalogue
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.parallel import Journal, collect, one_thread
+from six_wheel.robot_description.dimensions import Catalogue
 
 # A set of parameters must predict better than the nominal dimensions by this share to be worth its numbers,
 WORTH = 0.05

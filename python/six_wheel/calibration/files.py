@@ -15,8 +15,6 @@ from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.run_calibration import calibrate
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.odometry.dimensions import FRAME
-from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
 from six_wheel.kinematics.poses import Floats, joined
 from six_wheel.log_odometry.copies import without_copies
 from six_wheel.log_odometry.dead_reckoning import dead_reckon
@@ -28,6 +26,8 @@ from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.writing import replacing
 from six_wheel.parallel import Journal
 from six_wheel.robot_description.diagnostics import ParameterFileError
+from six_wheel.robot_description.dimensions import FRAME
+from six_wheel.robot_description.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.parameters.edit_in_place import text_for
 from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
 

@@ -20,11 +20,11 @@ from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
 from six_wheel.calibration.estimates import Estimate, likelihood_end, three_digits
 from six_wheel.calibration.log_checks.records import with_truth
 from six_wheel.calibration.wheel_noise import normalised, told_apart
-from six_wheel.kinematics.odometry.dimensions import NUMBERS
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.log_odometry import dead_reckon
 from six_wheel.logs import WheelLog
 from six_wheel.logs.detect_reader import as_logs
+from six_wheel.robot_description.dimensions import NUMBERS
 
 # Standard deviation of the truth itself [m, m, rad]: motion capture.
 TRUTH = np.array([1e-3, 1e-3, 1e-3])

@@ -36,7 +36,6 @@ from six_wheel.calibration.problem import LOSSES, Loss, Problem, Solution
 from six_wheel.calibration.result import Calibration
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.odometry.dimensions import Catalogue
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.copies import without_copies
@@ -45,6 +44,7 @@ from six_wheel.logs.detect_reader import as_logs
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.recordings import Reference, WheelLog
 from six_wheel.parallel import Journal, one_thread
+from six_wheel.robot_description.dimensions import Catalogue
 
 __all__ = ["Progress", "calibrate", "parameter_names"]
 

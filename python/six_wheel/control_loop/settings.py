@@ -9,9 +9,9 @@ from typing import Any
 
 from six_wheel._core import Controller, Encoder, Noise, Odometry, Rover
 from six_wheel.control_loop.options import OPTIONS, Options
-from six_wheel.kinematics.odometry.gyroscope_errors import changed, with_readings_apart
 from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.logs.log_options import corrections, encoders_of
+from six_wheel.robot_description.gyroscope_errors import changed, with_readings_apart
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import section_of
 from six_wheel.robot_description.parameters.file import Parameters, parse_parameters

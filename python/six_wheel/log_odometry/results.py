@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from six_wheel._core import Gyroscope, Noise, Rover
-from six_wheel.kinematics.odometry.gyroscope_errors import with_readings_apart
 from six_wheel.kinematics.odometry.thinning import Trace
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, SlipReport
 from six_wheel.kinematics.poses import Floats
@@ -15,6 +14,7 @@ from six_wheel.log_odometry.copies import Sketch
 from six_wheel.log_odometry.evaluation.paths import AbsoluteError, Evaluation
 from six_wheel.log_odometry.evaluation.slip import Stretch
 from six_wheel.logs.joints import JointRows
+from six_wheel.robot_description.gyroscope_errors import with_readings_apart
 
 FIRST_ROWS = 5  # of every kind of finding, that are named
 

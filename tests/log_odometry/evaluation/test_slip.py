@@ -206,7 +206,8 @@ def test_a_log_and_another_track_stand_for_a_truth():
     with pytest.raises(ValueError, match="truth must be known, got a log without one: WheelLog\\('unknown'"):
         evaluate(track, unknown)
     with pytest.raises(
-        TypeError, match="truth must be a GroundTruth, a WheelLog with one, a Track, or the path of a file of poses, got ndarray"
+        TypeError,
+        match="a Track, or the path of a file of poses, got ndarray",
     ):
         slip_against(track, log.stamps)
     with pytest.raises(ValueError, match="estimate must be a Track where truth is a GroundTruth"):

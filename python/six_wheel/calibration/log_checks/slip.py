@@ -10,11 +10,11 @@ from six_wheel.calibration.estimates import timed_path
 from six_wheel.calibration.fitting import solve
 from six_wheel.calibration.model import Model
 from six_wheel.calibration.problem import Problem
-from six_wheel.kinematics.odometry.dimensions import size
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.copies import cut
 from six_wheel.log_odometry.evaluation.slip import Stretch, lost_stretches, merged
 from six_wheel.logs.recordings import WheelLog
+from six_wheel.robot_description.dimensions import size
 
 # Sizes of the rover that a slide is at least to be cut out: smaller ones a robust loss bears,
 LARGE = 1.5

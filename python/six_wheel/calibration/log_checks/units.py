@@ -11,8 +11,8 @@ from six_wheel._core import Rover
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.model import Model
 from six_wheel.calibration.problem import Problem, Solution
-from six_wheel.kinematics.odometry.dimensions import size
 from six_wheel.kinematics.poses import Floats
+from six_wheel.robot_description.dimensions import size
 
 # Ratio of misfits by which another reading must beat the given one, both with nominal dimensions.
 FAR_BETTER = 3.0

@@ -164,8 +164,8 @@ def _on_a_plane(
     import numpy as np
 
     from six_wheel._core import Encoder, Noise
-    from six_wheel.kinematics.odometry.gyroscope_errors import with_readings_apart
     from six_wheel.log_odometry.evaluation.relative import path_distance
+    from six_wheel.robot_description.gyroscope_errors import with_readings_apart
     from six_wheel.simulation.run_simulation import simulate as simulated
     from six_wheel.simulation.writing import write_log
 

@@ -1,4 +1,4 @@
-"""Odometry: tracks of whole logs, slip by the wheels, dimensions of a rover.
+"""Odometry: tracks of whole logs, slip by the wheels.
 
 `Odometry` itself is in the core; `log_odometry.dead_reckon` reads whole logs.
 """
@@ -9,7 +9,6 @@ from six_wheel._core import Encoder, Noise, Odometry, Odometry3, Odometry3State,
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.kinematics.odometry.dimensions import deviations
     from six_wheel.kinematics.odometry.thinning import Trace
     from six_wheel.kinematics.odometry.tracks import (
         OdometryHealth,
@@ -34,14 +33,11 @@ __all__ = [
     "Track",
     "Track3",
     "WheelContradiction",
-    "deviations",
 ]
 
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "dimensions": ("deviations",),
-        "gyroscope_errors": (),
         "tracks3": ("Track3",),
         "thinning": ("Trace",),
         "tracks": ("OdometryHealth", "SlipReport", "SlipWindow", "Track", "WheelContradiction"),

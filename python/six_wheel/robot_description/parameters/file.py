@@ -32,8 +32,8 @@ from typing import Any, NoReturn
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
 from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.keywords import checked, did_you_mean
-from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
+from six_wheel.robot_description.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import check_keys, form_of, section_of
 from six_wheel.robot_description.parameters.foreign.limits import own_timeout
@@ -124,7 +124,7 @@ class Parameters:
         known = self.calibration
         if not known.get("covariance"):
             return None
-        from six_wheel.kinematics.odometry.dimensions import deviations
+        from six_wheel.robot_description.dimensions import deviations
 
         return deviations(self.rover, known["parameters"], known["covariance"])
 
@@ -375,7 +375,7 @@ def _check_covariance(section: Section, values: Values, rover: Rover, log: FileF
         )
         section.report(log.error, at, message, "give one row and one column for each of the parameters")
     elif rows:
-        from six_wheel.kinematics.odometry.dimensions import deviations
+        from six_wheel.robot_description.dimensions import deviations
 
         try:
             deviations(rover, names, rows)

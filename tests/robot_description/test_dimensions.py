@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.kinematics.odometry import deviations
+from six_wheel.calibration import deviations
 from six_wheel.kinematics.rover_edit import with_wheels
 from tests.kinematics.odometry.test_preintegrated import DIMENSIONS, ROVERS, drive
 
