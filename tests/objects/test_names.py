@@ -163,6 +163,10 @@ def test_a_preset_is_loaded_by_its_name(tmp_path, monkeypatch):
     (tmp_path / "rocky7").write_text("")  # a file of that name counts
     with pytest.raises(ValueError, match="rocky7"):
         sw.load("rocky7")
+    with pytest.raises(ValueError, match=r"or the name of a preset; did you mean perseverance\?"):
+        sw.load("perseverence")
+    with pytest.raises(ValueError, match=r"\.yaml or \.json, or the name of a preset\)$"):
+        sw.load("rover.yaml")
 
 
 def test_readings_and_increments():
