@@ -132,12 +132,10 @@ class GroundTruth(Tabular):
         return poses.reshape(*wanted.shape, 3)
 
     def at_in_space(self, stamps: ArrayLike) -> Floats:
-        """Poses x, y, z, roll, pitch, yaw at other times, (m, 6) or (6,); NaN as in `at`, and without
-        `has_space`."""
+        """Poses x, y, z, roll, pitch, yaw at other times, (m, 6) or (6,); NaN as in `at`, or if not known."""
         poses = self.at(stamps)
         x, y, yaw = poses.reshape(-1, 3).T
-        nowhere = np.full((len(self), 3), math.nan)
-        known = nowhere if self.space is None else self.space[:, [0, 2, 1]]
+        known = np.full((len(self), 3), math.nan) if self.space is None else self.space[:, [0, 2, 1]]
         space, _ = interpolate(self.stamps, known, _numbers("stamps", stamps).ravel())
         space[np.isnan(x)] = math.nan
         rows = np.column_stack((x, y, space[:, 0], space[:, 2], space[:, 1], yaw))
@@ -368,8 +366,8 @@ def as_truth(given: object) -> GroundTruth:
         return GroundTruth(given.stamps, given.poses)  # type: ignore[attr-defined]
     except AttributeError:
         kind = type(given).__name__
-        rule = "a GroundTruth, a WheelLog with one, a Track, or the path of a file of poses"
-        raise TypeError(f"truth must be {rule}, got {kind}") from None
+        known = "a GroundTruth, a WheelLog with one, a Track, or the path of a file of poses"
+        raise TypeError(f"truth must be {known}, got {kind}") from None
 
 
 def _check_order(stamps: Floats) -> None:
