@@ -1,16 +1,13 @@
 """A form in which a log may come, and the judgement on how it is read."""
 
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 import six_wheel as sw
-from six_wheel.log_odometry import ReckonSettings, reckon
 from six_wheel.logs import LogOptions
+from tests.logs.judging import of_memory, of_path, read_and_compare
 
 FAR = 0.08  # [m] and [rad] by which a path may be off at its end: ticks, and rows that were left out
 
@@ -58,33 +55,14 @@ def judge(form: Form, folder: Path) -> tuple[str, str]:
 
 
 def _attempt(form: Form, source: Any) -> tuple[str, str]:
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        try:
-            pose, lines = _path(form, source)
-        except ValueError as error:
-            said = str(error)
-            one_line = "\n" not in said
-            return (
-                "helpful" if one_line and form.says and all(w in said for w in form.says) else "unhelpful"
-            ), said
-        except Exception as error:
-            return "traceback", repr(error)
-    said = "; ".join([*lines, *(str(each.message) for each in caught)])
-    off = np.asarray(pose) - form.pose
-    off[2] = np.angle(np.exp(1j * off[2]))
-    if np.hypot(*off[:2]) < FAR and abs(off[2]) < FAR:
-        return "right", said
-    doubted = form.says and all(word in said for word in form.says)
-    return ("helpful" if doubted else "silent"), f"{said} {off}"
+    verdict, said = read_and_compare(lambda: _path(form, source), form.pose, FAR)
+    named = bool(form.says) and all(word in said for word in form.says)
+    if verdict == "refused":
+        return ("helpful" if named and "\n" not in said else "unhelpful"), said
+    return ("helpful" if named else "silent") if verdict == "off" else verdict, said
 
 
 def _path(form: Form, source: Any) -> tuple[Any, list[str]]:
-    if not isinstance(source, Path):
-        track = sw.dead_reckon(form.rover, *source, **form.options)
-        return track.poses[-1], []
-    options = LogOptions(**form.options)
-    bounds = {name: getattr(options, name) for name in ("max_speed", "max_gap")}
-    settings = ReckonSettings(options={name: value for name, value in bounds.items() if value is not None})
-    result = reckon(form.rover, source, log_options=options, settings=settings)
-    return result.pose, list(result.warnings)
+    if isinstance(source, Path):
+        return of_path(form.rover, source, LogOptions(**form.options))
+    return of_memory(form.rover, source, dict(form.options))

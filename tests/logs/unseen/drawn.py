@@ -38,6 +38,7 @@ class Form:
     columns: dict[str, Any] = field(default_factory=dict)
     owner: dict[str, Any] = field(default_factory=dict)
     knowable: bool = True
+    says: tuple[str, ...] = ()
 
     def choose(self, *names: str) -> str:
         """One of these, noted down."""
