@@ -69,6 +69,7 @@ from six_wheel.kinematics.errors import (
     InfeasibleMotionError,
     SuspiciousUnitsWarning,
     UnderdeterminedError,
+    as_path,
 )
 from six_wheel.kinematics.geometry import Pose, Twist
 from six_wheel.kinematics.keywords import checked, unknown_keyword
@@ -245,6 +246,7 @@ def load(
     return file.load(path, node=node, kind=kind)
 
 
+@checked()
 def read_log(
     path: str | PathLike[str] | Any,
     rover: Rover,
@@ -284,9 +286,7 @@ def read_log(
         known_options = ("path", "rover", "truth", *inspect.signature(LogOptions).parameters)
         for name in options.keys() - set(known_options):
             raise TypeError(unknown_keyword("read_log", name, known_options))
-        from pathlib import Path
-
-        known = None if truth is None else Path(truth)
+        known = None if truth is None else as_path("truth", truth)
         return detect_reader.read_log(path, rover, truth=known, **options)[0]
     if truth is not None:
         raise ValueError("truth must be left out for a table in memory: give it x, y and yaw")

@@ -13,7 +13,7 @@ import six_wheel as sw
 from six_wheel import _core, profiles
 from six_wheel.kinematics.keywords import unknown_keyword
 from tests.objects.samples import public_classes, samples
-from tests.rovers import SIX_SIZES
+from tests.rovers import PAIR, SIX_SIZES
 
 ROVER = sw.Rover.preset("perseverance")
 FUNCTIONS = (
@@ -233,3 +233,50 @@ def test_other_errors_of_methods_stay_what_they_are() -> None:
         ROVER.inverse(twist=(np.nan, 0, 0))
     with pytest.raises(TypeError, match="missing 1 required positional argument"):
         ROVER.inverse(previous=None)
+
+
+LOG = samples()["WheelLog"]
+TRACK = samples()["Track"]
+# A call that is fine, by keywords.
+FINE: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
+    "dead_reckon": (sw.dead_reckon, {"rover": ROVER, "steering": LOG}),
+    "evaluate": (sw.evaluate, {"estimate": TRACK, "truth": LOG}),
+    "simulate": (sw.simulate, {"rover": ROVER, "path": [(0.0, 0.1, 0.0, 0.0), (1.0, 0.1, 0.0, 0.0)]}),
+    "read_log": (sw.read_log, {"path": LOG.to_arrays(), "rover": ROVER}),
+    "se2.between": (sw.se2.between, {"first": (0, 0, 0), "second": (0, 0, 0)}),
+    "se2.interpolate": (sw.se2.interpolate, {"first": (0, 0, 0), "second": (0, 0, 0), "share": 0.5}),
+    "Track.from_pandas": (sw.Track.from_pandas, {"frame": TRACK.to_arrays(), "rover": ROVER}),
+    "Track.slip_report": (TRACK.slip_report, {}),
+    "umbmark": (
+        sw.umbmark,
+        {"rover": PAIR, "clockwise": [(0.1, 0.0)], "counter_clockwise": [(0.1, 0.0)], "side": 4.0},
+    ),
+}
+TYPED = [
+    (name, parameter.name)
+    for name, (call, _) in FINE.items()
+    for parameter in inspect.signature(call).parameters.values()
+    if re.search(r"Rover|float|int\b|ArrayLike|Callable|Path", str(parameter.annotation))
+    and (name, parameter.name) not in (("dead_reckon", "stamps"), ("Track.slip_report", "gap"))  # not needed
+]
+
+
+@pytest.mark.parametrize(("name", "argument"), TYPED)
+def test_an_argument_of_another_type_is_named(name: str, argument: str) -> None:
+    """`read_log(path, "perseverance")` said "'str' object has no attribute 'steered_wheel_names'"."""
+    call, arguments = FINE[name]
+    for wrong in (object(), ["a", None]):
+        with pytest.raises((TypeError, ValueError)) as caught:
+            call(**(arguments | {argument: wrong}))
+        assert re.search(rf"\b{argument}\b", str(caught.value)), str(caught.value)
+        assert "\n" not in str(caught.value)
+
+
+def test_a_rover_is_loaded_first() -> None:
+    with pytest.raises(TypeError, match=r"^rover must be a Rover, got 'zoe': give sw.load\('zoe'\)$"):
+        sw.read_log(LOG.to_arrays(), "zoe")  # type: ignore[arg-type]
+
+
+def test_an_error_of_arguments_that_fit_stays_what_it_is() -> None:
+    with pytest.raises(ValueError, match="^side must be"):
+        sw.umbmark(PAIR, [(0.1, 0.0)], [(0.1, 0.0)], -1.0)

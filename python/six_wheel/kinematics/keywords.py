@@ -7,6 +7,8 @@ from collections.abc import Callable, Collection, Iterable
 from functools import wraps
 from typing import Any, TypeVar
 
+from six_wheel.kinematics.errors import ArgumentTypeError
+
 __all__ = ["checked", "checked_class", "did_you_mean", "explained", "same_thing", "unknown_keyword"]
 
 _F = TypeVar("_F", bound=Callable[..., Any])
@@ -95,7 +97,8 @@ def explained(text: str, method: Callable[..., Any]) -> str | None:
 
 
 def checked(*others: Callable[..., Any], call: str = "") -> Callable[[_F], _F]:
-    """Decorator of a public function: a keyword that it does not have is refused with the nearest one.
+    """Decorator of a public function: a keyword that it does not have is refused with the nearest one, and an
+    argument of another type than its annotation states is named where the call fails.
 
     Parameters
     ----------
@@ -107,23 +110,34 @@ def checked(*others: Callable[..., Any], call: str = "") -> Callable[[_F], _F]:
 
     def decorate(function: _F) -> _F:
         name = call or function.__name__
-        together: list[Callable[..., Any]] = [function, *others]
-        signatures = [inspect.signature(each) for each in together]
+        together: tuple[Callable[..., Any], ...] = (function, *others)
+        signatures = {each: inspect.signature(each) for each in together}
         named = {
             parameter.name
-            for signature in signatures
+            for signature in signatures.values()
             for parameter in signature.parameters.values()
             if parameter.kind in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY)
         }
-        shown = [each for signature in signatures for each in signature.parameters if each in named]
+        shown = [each for signature in signatures.values() for each in signature.parameters if each in named]
         shown = [each for each in shown if each not in ("self", "cls", "_cls")]
+
+        # What takes any keyword says itself which it does not have.
+        parameters = signatures[function].parameters.values()
+        takes_any = not others and any(each.kind is each.VAR_KEYWORD for each in parameters)
 
         @wraps(function)
         def call_checked(*arguments: Any, **keywords: Any) -> Any:
-            if not keywords.keys() <= named:
+            if not (takes_any or keywords.keys() <= named):
                 wrong = next(each for each in keywords if each not in named)
                 raise TypeError(unknown_keyword(name, wrong, dict.fromkeys(shown)))
-            return function(*arguments, **keywords)
+            try:
+                return function(*arguments, **keywords)
+            except (AttributeError, TypeError, ValueError) as error:
+                from six_wheel.kinematics.mistyped import mistyped
+
+                if (message := mistyped(signatures, arguments, keywords, error)) is None:
+                    raise
+                raise ArgumentTypeError(message) from error
 
         return call_checked  # type: ignore[return-value]
 
@@ -137,8 +151,6 @@ def checked_class(kind: _C) -> _C:
         makes = name in ("__init__", "__new__")
         if not inspect.isfunction(inner) or not (makes or not name.startswith("_")):
             continue
-        if any(each.kind is each.VAR_KEYWORD for each in inspect.signature(inner).parameters.values()):
-            continue  # it says itself what it does not have
         call = kind.__name__ if makes else f"{kind.__name__}.{name}"
         wrapped = checked(call=call)(inner)
         made = wrapped if inner is member else type(member)(wrapped)

@@ -2,6 +2,7 @@
 
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ Floats = NDArray[np.float64]
 
 @checked()
 def read_truth(
-    path: Path | str,
+    path: str | PathLike[str],
     *,
     origin: int = 0,
     columns: Mapping[str, str] | None = None,
@@ -37,7 +38,7 @@ def read_truth(
 
     Parameters
     ----------
-    path : Path
+    path : str or PathLike
         A table with time, x, y and yaw or a quaternion, or without a heading; one without a header line in
         the columns of the TUM benchmark, ``time x y z qx qy qz qw``; a bag.
     origin : int

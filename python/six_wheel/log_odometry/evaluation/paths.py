@@ -223,7 +223,9 @@ def at_same_times(
     ValueError
         If they do not overlap in time for two rows of the track, or a truth comes without a track.
     """
-    if hasattr(truth, "stamps") or isinstance(truth, str | PathLike):
+    if isinstance(truth, str | PathLike):
+        truth = as_truth(truth)
+    if hasattr(truth, "stamps"):
         truth = as_truth(truth)
         if not isinstance(estimate, Track | Track3):
             raise ValueError(

@@ -7,11 +7,13 @@ of rows x, y, z, roll, pitch, yaw with ``Rz(yaw) Ry(pitch) Rx(roll)``.
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import math
+import reprlib
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import wrap_angle
+from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.poses import Floats, as_poses, between, inverse, joined
 from six_wheel.logs.ground_truth import rows_of, transforms
 
@@ -32,7 +34,11 @@ SPACE = 6  # columns of poses in space
 
 def as_path(name: str, poses: ArrayLike, like: Floats | None = None) -> Floats:
     """Poses as a path, which has the rows and the kind of `like` where that is given; else a `ValueError`."""
-    rows = np.asarray(poses, dtype=np.float64)
+    try:
+        rows = np.asarray(poses, dtype=np.float64)
+    except (TypeError, ValueError):
+        got = reprlib.repr(poses)
+        raise ArgumentTypeError(f"{name} must be poses, rows of three or six numbers, got {got}") from None
     columns = (
         (SPACE if rows.shape[1:] == (SPACE,) else 3) if like is None else (3 if like.ndim == 2 else SPACE)
     )
