@@ -248,11 +248,7 @@ def load(
 
 @checked()
 def read_log(
-    path: str | PathLike[str] | Any,
-    rover: Rover,
-    *,
-    truth: str | PathLike[str] | None = None,
-    **options: Any,
+    path: str | PathLike[str] | Any, rover: Rover, *, truth: str | PathLike[str] | None = None, **options: Any
 ) -> "WheelLog":
     """Read the wheel readings of a drive from a file as it is, or from a table in memory.
 

@@ -171,6 +171,23 @@ def test_a_module_suggests_names() -> None:
         sw.Rovr  # noqa: B018
 
 
+@pytest.mark.parametrize(
+    ("module", "wrong", "meant"),
+    [
+        ("se2", "wrap_angel", "wrap_angle"),
+        ("config", "simd_level", "simd_levels"),
+        ("profiles", "scurve", "s_curve"),
+    ],
+)
+def test_a_module_of_the_first_page_suggests_names(module: str, wrong: str, meant: str) -> None:
+    there = getattr(sw, module)
+    with pytest.raises(AttributeError, match=rf"has no attribute '{wrong}'; did you mean {meant}\?$"):
+        getattr(there, wrong)
+    with pytest.raises(TypeError, match="is a module, not a function; call one of its functions: "):
+        there()
+    assert {name for name in dir(there) if not name.startswith("_")} == set(there.__all__)
+
+
 def methods() -> Iterator[tuple[str, Callable[..., Any]]]:
     """Every public method with keywords of an object of every public class, but those that make any."""
     for name, one in samples().items():

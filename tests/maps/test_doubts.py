@@ -15,9 +15,9 @@ import pytest
 import six_wheel as sw
 from six_wheel.cli.app import ORDER
 from six_wheel.cli.map_options import MapReading
-from six_wheel.kinematics.errors import DoubtError, Proposal
 from six_wheel.maps import TerrainFileError, doubts
 from six_wheel.maps.files import Options
+from six_wheel.robot_description.doubts import DoubtError, Proposal
 from tests.cli_runs import Run
 from tests.maps.forms.ground import grid
 from tests.maps.forms.images import filled, tif

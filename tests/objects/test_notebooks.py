@@ -43,6 +43,7 @@ def test_a_result_has_a_picture_beside_its_text(name):
     assert bundle["text/html"].startswith("<pre>")
     assert 'src="data:image/png;base64,iVBOR' in bundle["text/html"]
     assert sum(map(len, bundle.values())) < LARGEST
+    assert one._repr_html_() == bundle["text/html"]  # for viewers that know no bundles
     assert one._repr_mimebundle_(include=None, exclude={"text/html"})["text/plain"] == repr(one)
     assert pickle.dumps(one) == before
 
@@ -62,6 +63,7 @@ def test_relief_that_compresses_badly_is_shown_in_fewer_colours():
 def test_what_cannot_be_drawn_is_text():
     unknown = sw.Terrain(np.full((3, 3), np.nan), 1.0)
     assert unknown._repr_mimebundle_() == {"text/plain": repr(unknown)}
+    assert unknown._repr_html_() is None
 
 
 def test_without_matplotlib_there_is_the_text():

@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("scipy", reason="walks every public name, and calibration needs SciPy")
 
 import six_wheel as sw
+from six_wheel import profiles
 from tests.objects.samples import public_classes, samples
 
 # Values whose representation is the call that makes them, whatever its length.
@@ -52,3 +53,16 @@ def test_members_of_enumerations_have_their_meaning():
 def test_no_reason_is_none():
     assert str(sw.Reason(0)) == "none"
     assert sw.Reason.SPEED.__doc__ == sw.Reason.SPEED.help
+
+
+@pytest.mark.parametrize("name", ["RolloutCost", "State", "TransitionState"])
+def test_results_of_arrays_compare_and_stay_short(name):
+    """`==` of two of them raised "the truth value of an array is ambiguous"."""
+    one = samples()[name]
+    same = pickle.loads(pickle.dumps(one))
+    assert same == one
+    assert (same != one) is False
+    assert one != one._replace(**{one._fields[0]: one[0] + 1.0})
+    assert one != 3
+    many = profiles.trapezoid([0, 0], [1.0, 2.0], 2.0).at([0.1, 0.2])
+    assert repr(many) == "State(value=<2 x 2>, velocity=<2 x 2>, acceleration=<2 x 2>, jerk=<2 x 2>)"

@@ -12,12 +12,12 @@ from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
 from six_wheel.calibration.gyroscope.noise import MeasuredGyroscope
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import Observability
-from six_wheel.kinematics.objects.notebooks import mimebundle
+from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.kinematics.poses import Floats
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class Calibration(Shown):
     """A calibrated rover and how far it can be believed.
 
     Attributes
@@ -81,8 +81,6 @@ class Calibration:
     measured_noise: MeasuredNoise | Any = None
     slips: tuple[str, ...] = ()
     gyroscope: MeasuredGyroscope | None = None
-
-    _repr_mimebundle_ = mimebundle
 
     @property
     def noise(self) -> Noise:

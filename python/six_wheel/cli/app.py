@@ -29,7 +29,8 @@ from six_wheel.cli.commands.traverse import traverse
 from six_wheel.cli.commands.view import view
 from six_wheel.cli.names import COMMANDS, INSTALL, PROGRAM, PURPOSE
 from six_wheel.cli.shared import new_console, progress_bar, with_options
-from six_wheel.kinematics.errors import DoubtError, printable
+from six_wheel.kinematics.errors import printable
+from six_wheel.robot_description.doubts import DoubtError
 
 EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "yaml")
 HELP_OPTIONS = ["-h", "--help"]

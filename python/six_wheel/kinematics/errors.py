@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import os
@@ -35,42 +35,6 @@ def as_path(argument: str, value: str | os.PathLike[str]) -> Path:
 def printable(text: str) -> str:
     """The text with control characters as escapes: what a file says must not move a terminal's cursor."""
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
-
-
-class Proposal(NamedTuple):
-    """An option that settles a doubt, as a parameter file, the command line and Python write it."""
-
-    key: str
-    option: str
-    argument: str
-
-    def __str__(self) -> str:
-        option = f"{self.option}, or " if self.option else ""
-        return f"{option}{self.key} in the parameter file, or {self.argument} in Python"
-
-    def beside(self, other: Proposal) -> Proposal:
-        """Two options together."""
-        option = f"{self.option} {other.option}".strip()
-        return Proposal(f"{self.key}, {other.key}", option, f"{self.argument}, {other.argument}")
-
-
-class DoubtError(ValueError):
-    """Input that leaves something open. Its text has what settles it, as Python writes it.
-
-    Parameters
-    ----------
-    *parts : str or Proposal
-        The text, in order.
-    """
-
-    def __init__(self, *parts: str | Proposal) -> None:
-        super().__init__("".join(part if isinstance(part, str) else part.argument for part in parts))
-        self.parts = parts
-
-    def told(self, form: str) -> str:
-        """The text with proposals in another form: ``key``, ``option`` or ``argument``."""
-        words = (part if isinstance(part, str) else getattr(part, form) for part in self.parts)
-        return printable("".join(words))
 
 
 class FileError(ValueError):

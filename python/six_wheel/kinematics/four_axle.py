@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, SupportsFloat, TypeAlias
 from six_wheel._core import FourAxle
 from six_wheel.kinematics import rover_edit
 from six_wheel.kinematics.keywords import checked_class
-from six_wheel.kinematics.objects.notebooks import mimebundle
+from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.kinematics.objects.short_text import short_repr
 
 if TYPE_CHECKING:
@@ -197,7 +197,7 @@ class FourAxleMotion:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class FourAxleSimulation:
+class FourAxleSimulation(Shown):
     """A simulated drive: n samples, the first of which is the start."""
 
     rover: Rover
@@ -220,8 +220,6 @@ class FourAxleSimulation:
     """Row in which each step ends, shape (steps,)."""
     final: FourAxleState
     """State after the last step."""
-
-    _repr_mimebundle_ = mimebundle
 
     def __repr__(self) -> str:
         found = {"steps": len(self.steps), "samples": len(self.stamps), "pose": tuple(self.final.pose)}

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from six_wheel._core import BodyTransition, IcrTransition, ModuleTransition, Profile
 from six_wheel.kinematics.keywords import checked_class
+from six_wheel.kinematics.lazy import attach
 from six_wheel.kinematics.objects import tables
-from six_wheel.kinematics.objects.short_text import short_repr
+from six_wheel.kinematics.objects.short_text import of_arrays
 
 if TYPE_CHECKING:
     import numpy as np
@@ -37,6 +38,9 @@ __all__ = [
     "trapezoid",
 ]
 
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = attach(__name__, {})
+
 linear = Profile.linear
 trapezoid = Profile.trapezoid
 s_curve = Profile.s_curve
@@ -47,6 +51,7 @@ icr_transition = IcrTransition.between
 
 
 @checked_class
+@of_arrays
 class State(NamedTuple):
     """State of a profile at one time, or at many: floats or arrays of shape (..., [axes])."""
 
@@ -68,6 +73,7 @@ class State(NamedTuple):
 
 
 @checked_class
+@of_arrays
 class Peaks(NamedTuple):
     """Largest magnitudes of a profile: floats, or arrays of shape (axes,)."""
 
@@ -80,6 +86,7 @@ class Peaks(NamedTuple):
 
 
 @checked_class
+@of_arrays
 class TransitionState(NamedTuple):
     """Motion of body and wheels at one time of a transition, or at many, along leading axes."""
 
@@ -95,9 +102,6 @@ class TransitionState(NamedTuple):
     """Shape (..., steered wheels) [rad/s^2]."""
     scrub: Floats
     """Largest sliding speed of a wheel under the twist that fits all wheels best [m/s]."""
-
-    def __repr__(self) -> str:
-        return short_repr("TransitionState", self._asdict())
 
     def _columns(self, times: Any = None) -> tables.Columns:
         """A column for every number of the fields; ``time`` where it is given."""

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from six_wheel._core import compose, differentiate, exp, integrate, log, wrap_angle
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,6 +33,9 @@ __all__ = [
     "log",
     "wrap_angle",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = attach(__name__, {})
 
 
 @checked()

@@ -19,14 +19,11 @@ class SettleStatus(TextName):
     """Status of a settled pose; prints, and compares with text, by its name; `help` has more."""
 
     settled = "settled", "every wheel touches that can"
-    at_stop = (
-        "at_stop",
-        "a joint is at its stop, and a wheel hangs in the air for it: go elsewhere, or widen its stops",
-    )
+    at_stop = "at_stop", "a joint is at its stop, and a wheel hangs: go elsewhere, or widen its stops"
     off_map = "off_map", "the rim of a wheel leaves the map: give a larger one"
     unknown_cells = (
         "unknown_cells",
-        "the rim of a wheel lies over ground that is not known: fill the map, or go elsewhere",
+        "a rim lies over ground that is not known: fill the map, or go elsewhere",
     )
     not_converged = "not_converged", "no way to stand was found: `SettledPose.reason` says more"
 
@@ -37,14 +34,8 @@ class BoundsStatus(TextName):
     bounded = "bounded", "the rover, settled, is inside the intervals"
     off_map = "off_map", "a wheel or the belly may be outside the map: give a larger one"
     unknown_cells = "unknown_cells", "a height under them is not known: fill the map"
-    unsolved = (
-        "unsolved",
-        "some heights of the wheels have no solution, or are not proved to be extreme: `settle` decides",
-    )
-    beyond = (
-        "beyond",
-        "the rover may be inclined so far that a wheel leaves the box that was looked at: give `within`",
-    )
+    unsolved = "unsolved", "heights of wheels without a solution, or not proved extreme: `settle` decides"
+    beyond = "beyond", "tilt may carry a wheel out of the box that was looked at: give `within`"
     at_stop = "at_stop", "a joint may be at its stop, with a wheel in the air: `settle` decides"
 
 

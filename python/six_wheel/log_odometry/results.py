@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from six_wheel._core import Gyroscope, Noise, Rover
-from six_wheel.kinematics.odometry.thinning import Trace
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, SlipReport
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.copies import Sketch
 from six_wheel.log_odometry.evaluation.paths import AbsoluteError, Evaluation
 from six_wheel.log_odometry.evaluation.slip import Stretch
+from six_wheel.logs.frames.thinning import Trace
 from six_wheel.logs.joints import JointRows
 from six_wheel.robot_description.gyroscope_errors import with_readings_apart
 

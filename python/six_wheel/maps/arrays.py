@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.errors import DoubtError, Proposal, SuspiciousUnitsWarning
+from six_wheel.kinematics.errors import SuspiciousUnitsWarning
 from six_wheel.maps import doubts
 from six_wheel.maps.doubts import answer
 from six_wheel.maps.files import Grid, Options, bracketed_unit, length
@@ -15,6 +15,7 @@ from six_wheel.maps.plausibility import find_fill, find_unit, is_fill
 from six_wheel.maps.readers.axes import Axis, by_coordinates, check_shape
 from six_wheel.maps.readers.points import EAST, NORTH, SCATTERED, find_columns, lattice
 from six_wheel.maps.readers.reference import read_reference
+from six_wheel.robot_description.doubts import DoubtError, Proposal
 
 __all__ = ["check_plausibility", "read"]
 

@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from six_wheel.kinematics.errors import Proposal
+from six_wheel.robot_description.doubts import Proposal
 
 __all__ = [
     "Words",

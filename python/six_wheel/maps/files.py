@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.errors import DoubtError, FileError
+from six_wheel.kinematics.errors import FileError
 from six_wheel.maps.doubts import answer
+from six_wheel.robot_description.doubts import DoubtError
 
 __all__ = ["Grid", "Options", "TerrainFileError", "Window", "cut", "length"]
 

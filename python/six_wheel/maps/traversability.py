@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, __version__
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.objects.notebooks import mimebundle
+from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.kinematics.statuses import FeasibilityLimits
 from six_wheel.maps.files import Options
 from six_wheel.maps.readers.rasters import GridImage, Raster, rasterio
@@ -48,7 +48,7 @@ class Layers(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Traversed:
+class Traversed(Shown):
     """Result of `traverse` for a map."""
 
     output: Path
@@ -63,8 +63,6 @@ class Traversed:
     """The layers, thinned out to a picture's size."""
     extent: tuple[float, float, float, float]
     """x_min, x_max, y_min, y_max of the image [m]."""
-
-    _repr_mimebundle_ = mimebundle
 
 
 class Window(NamedTuple):

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Limits, RockerBogie, Rover, Suspension, Terrain
-from six_wheel.kinematics.errors import ArgumentTypeError, DoubtError, Proposal
+from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.robot_description.doubts import DoubtError, Proposal
 from six_wheel.robot_description.named_rover import find_rover
 from six_wheel.simulation.on_terrain import middle
 

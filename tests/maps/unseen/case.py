@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import six_wheel as sw
-from six_wheel.kinematics.errors import Proposal
+from six_wheel.robot_description.doubts import Proposal
 
 ROWS, COLUMNS = 21, 34
 STEP = 0.4  # [m]

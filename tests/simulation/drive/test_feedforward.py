@@ -16,9 +16,9 @@ pa = pytest.importorskip("pyarrow")
 csv = pytest.importorskip("pyarrow.csv")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from six_wheel.kinematics.odometry.thinning import TRACE_ROWS, Trace  # noqa: E402
 from six_wheel.logs import replacing  # noqa: E402
 from six_wheel.logs import tables as logs  # noqa: E402
+from six_wheel.logs.frames.thinning import TRACE_ROWS, Trace  # noqa: E402
 from six_wheel.simulation.drive import Drive, drive  # noqa: E402
 from tests.rovers import SIX_SIZES  # noqa: E402
 from tests.rovers import SIX_WHEELS as ROVER  # noqa: E402

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Rover
 from six_wheel.control_loop import Settings, Step
-from six_wheel.kinematics.objects.notebooks import mimebundle
+from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.logs.mcap import Record, rover_record
 from six_wheel.logs.mcap.frames import planar_pose
 from six_wheel.logs.mcap.reader import Message
@@ -54,7 +54,7 @@ class Run:
 
 
 @dataclass
-class Replayed:
+class Replayed(Shown):
     """A record and what came of running it again.
 
     Attributes
@@ -75,8 +75,6 @@ class Replayed:
     again: Run
     wanted: Floats
     warnings: list[str] = field(default_factory=list)
-
-    _repr_mimebundle_ = mimebundle
 
     @property
     def rover(self) -> Rover:

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from six_wheel.kinematics.keywords import checked_class
-from six_wheel.kinematics.objects.short_text import short_repr
+from six_wheel.kinematics.objects.short_text import of_arrays
 
 if TYPE_CHECKING:
     import numpy as np
@@ -13,6 +13,7 @@ Floats: TypeAlias = "NDArray[np.float64]"
 
 
 @checked_class
+@of_arrays
 class RolloutCost(NamedTuple):
     """Poses of k rollouts of t steps, and the worst each asks of the wheels: see `Rover.rollout_cost`."""
 
@@ -26,6 +27,3 @@ class RolloutCost(NamedTuple):
     """Largest steering rate, shape (..., k) [rad/s]."""
     max_side_slip: Floats
     """Largest speed at which a wheel slides sideways, shape (..., k) [m/s]."""
-
-    def __repr__(self) -> str:
-        return short_repr("RolloutCost", self._asdict())

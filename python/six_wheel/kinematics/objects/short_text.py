@@ -3,9 +3,11 @@
 from __future__ import annotations  # NumPy is not loaded for its names
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeVar
 
-__all__ = ["LONGEST", "described", "few", "short", "short_repr"]
+__all__ = ["LONGEST", "described", "few", "of_arrays", "short", "short_repr"]
+
+_C = TypeVar("_C", bound=type[Any])
 
 LONGEST = 120  # characters of a representation
 FEW = 6  # numbers of an array that are shown
@@ -23,6 +25,30 @@ def short_repr(name: str, values: Mapping[str, Any]) -> str:
         parts.append(part[:room])
         room -= len(part) + 2
     return f"{name}({', '.join(parts)})"
+
+
+def of_arrays(kind: _C) -> _C:
+    """Decorator of a named tuple of arrays: its text is one line, and it equals one with the same numbers."""
+
+    def equals(self: Any, other: object) -> bool:
+        if not isinstance(other, kind):
+            return False
+        import numpy as np
+
+        return all(np.array_equal(mine, its, equal_nan=True) for mine, its in zip(self, other, strict=True))
+
+    def text(self: Any) -> str:
+        if any(getattr(value, "shape", ()) for value in self):
+            return short_repr(kind.__name__, self._asdict())
+        return str(numbers(self))  # with all digits
+
+    def differs(self: Any, other: object) -> bool:
+        return not equals(self, other)
+
+    made: Any = kind
+    numbers = made.__repr__
+    made.__repr__, made.__eq__, made.__ne__ = text, equals, differs
+    return kind
 
 
 def short(value: Any) -> str:

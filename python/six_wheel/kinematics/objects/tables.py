@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.keywords import unknown_keyword
-from six_wheel.kinematics.objects.notebooks import mimebundle
+from six_wheel.kinematics.objects.notebooks import Shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,15 +28,13 @@ UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 Table = TypeVar("Table", bound="Tabular")
 
 
-class Tabular:
+class Tabular(Shown):
     """A result with one row per sample, which is a table as well.
 
     Methods take the keywords of its columns: ``rover=`` of a `WheelLog`, for columns by the names of joints.
     """
 
     __slots__ = ()
-
-    _repr_mimebundle_ = mimebundle
 
     if TYPE_CHECKING:
 
@@ -139,9 +137,7 @@ def _columns_of(table: Tabular, method: str, names: Mapping[str, Any]) -> Column
 
 
 def pose_columns(
-    stamps: NDArray[Any],
-    poses: NDArray[Any],
-    names: Mapping[str, str] = {"x": "m", "y": "m", "yaw": "rad"},
+    stamps: NDArray[Any], poses: NDArray[Any], names: Mapping[str, str] = {"x": "m", "y": "m", "yaw": "rad"}
 ) -> Columns:
     """Time and poses."""
     times: Columns = {"time": ("s", stamps)}

@@ -9,7 +9,6 @@ from six_wheel._core import Encoder, Noise, Odometry, Odometry3, Odometry3State,
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.kinematics.odometry.thinning import Trace
     from six_wheel.kinematics.odometry.tracks import (
         OdometryHealth,
         SlipReport,
@@ -29,7 +28,6 @@ __all__ = [
     "OdometryState",
     "SlipReport",
     "SlipWindow",
-    "Trace",
     "Track",
     "Track3",
     "WheelContradiction",
@@ -39,7 +37,6 @@ __getattr__, __dir__ = attach(
     __name__,
     {
         "tracks3": ("Track3",),
-        "thinning": ("Trace",),
         "tracks": ("OdometryHealth", "SlipReport", "SlipWindow", "Track", "WheelContradiction"),
     },
 )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 from six_wheel._core import Encoder, Noise, Odometry, OdometryState, Rover
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.flags import TextFlag
-from six_wheel.kinematics.objects.notebooks import mimebundle
+from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.kinematics.objects.short_text import described, few, short_repr
 from six_wheel.kinematics.objects.tables import (
     Columns,
@@ -273,7 +273,7 @@ class SlipWindow:
 
 @checked_class
 @dataclass(frozen=True, slots=True, repr=False)
-class SlipReport:
+class SlipReport(Shown):
     """Per wheel and over time, how the wheels contradict the motion that fits all of them best.
 
     A residual is a speed: how fast the contact slides if the fitted twist is the rover's. When one wheel
@@ -285,8 +285,6 @@ class SlipReport:
     rows: int
     observable: bool = True
     """True where the wheels can contradict each other: two wheels of a differential drive cannot."""
-
-    _repr_mimebundle_ = mimebundle
 
     def __repr__(self) -> str:
         found = {"wheels": len(self.wheels), "rows": self.rows, "windows": len(self.windows)}

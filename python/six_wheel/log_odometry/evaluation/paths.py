@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel.kinematics.keywords import checked, checked_class
-from six_wheel.kinematics.objects.notebooks import mimebundle
 from six_wheel.kinematics.objects.tables import Columns, Tabular
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.odometry.tracks3 import Track3
@@ -187,8 +186,6 @@ class Evaluation(Tabular):
             columns[f"position_error_{error.align}"] = ("m", error.position)
             columns[f"{angle}_error_{error.align}"] = ("rad", error.heading)
         return columns
-
-    _repr_mimebundle_ = mimebundle
 
     def __repr__(self) -> str:
         turned = math.degrees(self.first.final_heading)

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from six_wheel.kinematics.errors import FileError, Proposal
+from six_wheel.kinematics.errors import FileError
+from six_wheel.robot_description.doubts import Proposal
 
 __all__ = [
     "Column",

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Rover, integrate
 from six_wheel.kinematics.errors import InfeasibleMotionError
-from six_wheel.kinematics.objects.notebooks import mimebundle
-from six_wheel.kinematics.odometry.thinning import Trace
+from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.kinematics.rover_edit import joints_as_given
+from six_wheel.logs.frames.thinning import Trace
 from six_wheel.logs.headers.columns import Unit
 from six_wheel.logs.tables import Chunk, RowError
 
@@ -70,7 +70,7 @@ class Summary:
         return {name: count / self.rows for name, count in self.reasons.items()}
 
 
-class Engine:
+class Engine(Shown):
     """A rover on its way: what one block of rows hands to the next, and the summary so far.
 
     Parameters
@@ -94,7 +94,6 @@ class Engine:
     """Most rows that come out at a time; 0 if those that came in."""
     halt: float | None = None
     """Time since the first row at which a controller halts the rover [s]."""
-    _repr_mimebundle_ = mimebundle
 
     def __init__(self, rover: Rover, time_unit: Unit, keep: str | None = None) -> None:
         if keep is not None and keep not in KEEP:
