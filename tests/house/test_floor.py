@@ -61,7 +61,9 @@ def test_every_module_of_the_floor_imports_with_numpy_alone(room: str) -> None:
 
 
 def test_dead_reckoning_needs_numpy_alone() -> None:
-    done = imported(["six_wheel.log_odometry.dead_reckoning"], (*FLOOR, "logs", "log_odometry"))
+    done = imported(
+        ["six_wheel.log_odometry.dead_reckoning"], (*FLOOR, "robot_description", "logs", "log_odometry")
+    )
     assert (done.stderr, done.stdout) == ("", "1\n")
 
 
