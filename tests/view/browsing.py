@@ -11,6 +11,7 @@ NAMES = ("chromium", "chromium-browser", "google-chrome")
 PATIENCE = 60_000  # [ms] of a machine that draws by software while it does other things
 # A click of playwright's own waits for two pictures, seconds where software draws and has other work.
 CLICK = "element => element.click()"
+PAUSE = 120  # [ms]; viser's page sends one change in 50 ms at most, of several controls the last one
 DESK, TELEPHONE = (1280, 800), (390, 800)  # [px]
 
 
@@ -62,6 +63,7 @@ class Page:
     def type(self, row: str, value: str) -> None:
         """Write a number into the field of a slider, whose name stands in its row."""
         field = self._input(row)
+        self.page.wait_for_timeout(PAUSE)
         field.fill(value)
         field.press("Enter")
 
@@ -71,6 +73,7 @@ class Page:
 
     def tick(self, row: str) -> None:
         """Click on the box of a row."""
+        self.page.wait_for_timeout(PAUSE)
         self._input(row).evaluate(CLICK)
 
     def choose(self, row: str, option: str) -> None:
@@ -81,6 +84,7 @@ class Page:
 
     def press(self, name: str) -> None:
         """Click on a button."""
+        self.page.wait_for_timeout(PAUSE)
         self.page.get_by_role("button", name=name, exact=True).evaluate(CLICK)
 
     def unfold(self, folder: str) -> None:

@@ -198,3 +198,23 @@ def test_the_rover_stays_where_it_stood_at_the_edge_of_the_map(opened: Open) -> 
     motion = find_motion(view._subject, view._state, view.motion)
     assert motion.state.pose == (13.0, 0.0, 0.0)
     assert any("off_map" in remark for remark in motion.remarks)
+
+
+def test_handles_are_where_the_rover_stands_unless_somebody_holds_them(opened: Open) -> None:
+    """They stayed where they were first shown, and the next drag took the rover back there."""
+    view = opened("curiosity", GROUNDS["yard"])
+    view._panels._drag.value = True
+
+    def stands() -> Any:
+        return view.motion.transform[:3, 3] - view._subject.origin
+
+    for pose in ((0.4, 0.3, 0.2), (-0.5, 0.1, 1.0)):
+        view.pose = pose
+        np.testing.assert_allclose(view._handle.position, stands(), atol=PLACES)
+    held = np.array(view._handle.position)
+    view._dragged = True
+    view.pose = (0.2, 0.2, 0.0)
+    np.testing.assert_array_equal(view._handle.position, held)
+    view._let_go(None)  # the browser went away
+    assert view._worker.wait(10.0)
+    np.testing.assert_allclose(view._handle.position, stands(), atol=PLACES)

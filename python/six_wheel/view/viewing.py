@@ -68,6 +68,7 @@ class View:
             stop_server(self._server)
             raise
         self._server.on_client_connect(self._greet)
+        self._server.on_client_disconnect(self._let_go)
         atexit.register(self.close)
 
     def _make(self, subject: Subject, state: State, motion: Motion) -> None:
@@ -83,6 +84,7 @@ class View:
         self._panels = Panels(server, subject, state, self._ask, self._look)
         self._player = None if subject.record is None else Player(server, subject, self._ask)
         self._handle: Any = None
+        self._dragged = False
         self._drawn = self._ticked = 0.0
         position, target = self._camera("Free")
         server.initial_camera.position, server.initial_camera.look_at = position, target
@@ -271,7 +273,7 @@ class View:
             self._player.show_path(panels.shows("path"))
 
     def _show_handle(self, motion: Motion) -> None:
-        """Handles to drag the rover by."""
+        """Handles to drag the rover by; they are where it stands while nobody holds them."""
         wanted = self._panels.moved_by_hand
         if self._handle is None:
             if not wanted:
@@ -283,14 +285,23 @@ class View:
                 disable_rotations=True,
             )
 
-            def drag(event: Any) -> None:
+            # The server calls coroutines in the order of the events, so that the end of a drag comes last.
+            async def drag(event: Any) -> None:
+                self._dragged = event.phase != "end"
                 x, y, _ = (float(value) for value in self._handle.position + self._subject.origin)
                 self._panels.set_pose((x, y, self._state.pose[2]))
                 self._ask()
 
             self._handle.on_update(drag)
-            self._handle.position = motion.transform[:3, 3] - self._subject.origin
         self._handle.visible = wanted
+        place = motion.transform[:3, 3] - self._subject.origin
+        if wanted and not self._dragged and not np.array_equal(self._handle.position, place):
+            self._handle.position = place
+
+    def _let_go(self, client: viser.ClientHandle) -> None:
+        """A browser that goes away in the middle of a drag does not send its end."""
+        self._dragged = False
+        self._ask()
 
     def _tick(self) -> None:
         """Let time go on: that of a record, or of a rover that drives."""
