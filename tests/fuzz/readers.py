@@ -91,10 +91,13 @@ def command_tables() -> Iterator[bytes]:
 
 
 def joint_tables() -> Iterator[bytes]:
-    names = [*ROVER.traction_joints, *(f"{joint} (deg)" for joint in ROVER.steering_joints)]
-    rows = "".join(f"{k / 10}," + ",".join(str(k * 0.1) for _ in names) + "\n" for k in range(4))
-    yield f"stamp,{','.join(names)}\n{rows}".encode()
-    yield f"time_ms,{','.join(f'{name}_speed' for name in names)}\n{rows}".encode()
+    wheels, steering = list(ROVER.traction_joints), list(ROVER.steering_joints)
+    numbers = ",".join("0.1" for _ in (*wheels, *steering))
+    rows = "".join(f"{k}00,{numbers}\n" for k in range(4))
+    angles = [f"{name} [rad]" for name in wheels] + [f"{name} (deg)" for name in steering]
+    speeds = [f"{name}_speed (rad/s)" for name in wheels] + [f"{name} [rad]" for name in steering]
+    yield f"time_ms,{','.join(angles)}\n{rows}".encode()
+    yield f"stamp,{','.join(speeds)}\n{rows}".encode()
 
 
 def bags() -> Iterator[bytes]:
@@ -103,7 +106,7 @@ def bags() -> Iterator[bytes]:
 
     store = get_typestore(Stores.ROS2_HUMBLE)
     types = store.types
-    names = list(ROVER.traction_joints)
+    names = [*ROVER.traction_joints, *ROVER.steering_joints]
     with tempfile.TemporaryDirectory() as folder:
         with Writer(Path(folder) / "run", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
             connection = writer.add_connection("/joint_states", "sensor_msgs/msg/JointState", typestore=store)

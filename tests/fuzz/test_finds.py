@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.fuzz.readers import READERS, read
+from six_wheel.logs import LogOptions, open_log
+from tests.fuzz.readers import READERS, ROVER, read
 
 FINDS = sorted((Path(__file__).parent / "finds").glob("*"))
 DAMAGED = 30  # of every file
@@ -27,6 +28,19 @@ def test_files_to_begin_with_and_damaged_ones(target: str, tmp_path: Path) -> No
                     (b"", b"\0", b"\xff\xfe", b"-", b"1e999", b"\n", damaged[:50])
                 )
             read(target, bytes(damaged), tmp_path)
+
+
+@pytest.mark.parametrize("target", ["bag", "log"])
+def test_logs_to_begin_with_are_read_to_their_ends(target: str, tmp_path: Path) -> None:
+    """Those of old lacked units and steering angles: fuzzing never came past the names of their joints."""
+    if target == "bag":
+        pytest.importorskip("rosbags")
+    _, ending, contents = READERS[target]
+    for content in contents():
+        path = tmp_path / f"file{ending}"
+        path.write_bytes(content)
+        with open_log(path, ROVER, LogOptions()) as opened:
+            assert sum(len(rows.rows) for rows in opened.chunks(16)) >= 3
 
 
 @pytest.mark.parametrize("find", FINDS, ids=lambda path: path.name)
