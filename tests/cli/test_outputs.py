@@ -16,7 +16,7 @@ import pytest
 import six_wheel
 from six_wheel.cli.shared import WRITTEN
 from six_wheel.kinematics.errors import TableError
-from six_wheel.parallel.whole_files import _beside, replacing, together
+from six_wheel.kinematics.objects.whole_files import _beside, replacing, together
 from tests.cli.command_lines import READ, Argument, arguments, callbacks, line, read, written
 from tests.cli_runs import Run
 

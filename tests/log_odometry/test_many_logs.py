@@ -16,8 +16,8 @@ pytest.importorskip("pyarrow")
 
 import six_wheel as sw
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning
+from six_wheel.kinematics.objects.whole_files import _beside
 from six_wheel.log_odometry import FleetLog, ReckonSettings, reckon, reckon_all
-from six_wheel.parallel.whole_files import _beside
 from six_wheel.simulation import write_log
 from tests.cli_runs import Run
 from tests.rovers import PAIR

@@ -216,6 +216,11 @@ def test_rocks_cover_what_they_should(cover: float) -> None:
     assert 0.75 * expected < np.mean(shares) < 1.1 * expected
 
 
+def test_a_grid_coarser_than_the_noise_has_none() -> None:
+    """It was a division by zero."""
+    assert not sw.Terrain.yard(300.0, 50.0, 0.0).heights.any()
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -224,6 +229,7 @@ def test_rocks_cover_what_they_should(cover: float) -> None:
         ({"cover": 0.7}, "cover must be from 0 to 0.5, got 0.7"),
         ({"seed": -1}, "seed must be a whole number from 0, got -1"),
         ({"roughness": math.nan}, "roughness must be finite and not negative"),
+        ({"size": 1e6, "spacing": 1e3}, r"size must make at most 100,000,000 rocks, got 5.21e\+12"),
         ({"size": 1e6, "spacing": 0.01}, r"spacing must make at most 1,000,000,000 heights"),
     ],
 )

@@ -7,6 +7,7 @@ dimensions whose errors are counted by themselves, it holds the rest.
 """
 
 import math
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -20,8 +21,10 @@ from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
 from six_wheel.calibration.estimates import Estimate, likelihood_end, three_digits
 from six_wheel.calibration.log_checks.records import with_truth
 from six_wheel.calibration.wheel_noise import normalised, told_apart
+from six_wheel.kinematics.errors import SuspiciousReadingsWarning
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.log_odometry import dead_reckon
+from six_wheel.log_odometry.copies import without_copies
 from six_wheel.logs import WheelLog
 from six_wheel.logs.detect_reader import as_logs
 from six_wheel.robot_description.dimensions import NUMBERS
@@ -171,6 +174,9 @@ def noise_of(rover: Rover, logs: Any, truth: Any = None) -> Noise:
     drives = [log.in_radians(rover) for log in with_truth(as_logs(logs, rover), truth)]
     if not all(log.truth is not None and log.truth.has_positions and log.truth.has_yaw for log in drives):
         raise ValueError("logs must have their truth, with positions and yaw: give truth")
+    drives, _, copies = without_copies(drives)
+    for line in copies:
+        warnings.warn(line, SuspiciousReadingsWarning, stacklevel=3)
     pieces, exact = 1 if len(drives) >= ENOUGH else PIECES, np.zeros((0, len(rover.wheels), NUMBERS))
     sessions: dict[str, list[End]] = {}
     for number, log in enumerate(drives):

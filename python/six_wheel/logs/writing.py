@@ -1,19 +1,20 @@
 """Tables written chunk by chunk, into files that are written whole or not at all."""
 
+import contextlib
 import csv
 import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
 
+from six_wheel.kinematics.objects.whole_files import check_outputs, remove_leftovers, replacing, together
 from six_wheel.logs.tables import table_format
-from six_wheel.parallel.whole_files import check_outputs, remove_leftovers, replacing, together
 
 __all__ = ["TableWriter", "check_outputs", "remove_leftovers", "replacing", "together"]
 
 
 class TableWriter:
-    """Writes a table chunk by chunk, as CSV or Parquet by the ending of `path`.
+    """Writes a table chunk by chunk, as CSV or Parquet by the ending of `path`, whole or not at all.
 
     Parameters
     ----------
@@ -30,8 +31,12 @@ class TableWriter:
     ) -> None:
         self._metadata = metadata or {}
         self._units, self._format = dict(units), table_format(path)
-        self._handle = path.open("wb")
         self._writer: Any = None
+        with contextlib.ExitStack() as stack:
+            temporary = stack.enter_context(replacing(path))
+            self._handle = stack.enter_context(temporary.open("wb"))
+            stack.callback(self._end)
+            self._open_files = stack.pop_all()
 
     def write(self, columns: Sequence[Any]) -> None:
         """Append rows: one array (n,) per column, of the same types every time."""
@@ -66,9 +71,9 @@ class TableWriter:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: object, error: object, traceback: object) -> None:
-        try:
-            if self._writer is not None:
-                self._writer.close()
-        finally:
-            self._handle.close()
+    def _end(self) -> None:
+        if self._writer is not None:
+            self._writer.close()
+
+    def __exit__(self, *error: Any) -> None:
+        self._open_files.__exit__(*error)

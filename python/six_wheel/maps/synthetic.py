@@ -5,6 +5,7 @@ Everything is made of additions, products and square roots of 64-bit numbers dra
 """
 
 import math
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
@@ -20,7 +21,8 @@ Floats = NDArray[np.float64]
 
 SMALLEST, LARGEST = 0.05, 3.0  # diameters of rocks [m]
 FRACTAL_SIZE = 40.0  # the roughness is that of a yard of this size [m]
-MOST_HEIGHTS = 10**9
+MOST_HEIGHTS, MOST_ROCKS = 10**9, 10**8
+BLOCK = 1 << 18  # heights, or rocks, between two looks at signals
 FADE = 0.615_572_206_672_458_2  # 2^-0.7: amplitude of an octave against the one before, Hurst 0.7
 
 
@@ -50,10 +52,17 @@ def yard(
         rule = f"must make at most {MOST_HEIGHTS:,} heights"
         raise ValueError(f"spacing {rule}, got {cells[0]:g} x {cells[1]:g} of {spacing}")
     counts = [math.floor(cell + 1e-9) + 1 for cell in cells]
+    sizes = _sizes((counts[0] - 1) * (counts[1] - 1) * spacing * spacing, cover)
+    if not (rocks := sum(number for _, _, number in sizes)) <= MOST_ROCKS:
+        raise ValueError(
+            f"size must make at most {MOST_ROCKS:,} rocks, got {rocks:.3g} by a cover of {cover}"
+        )
     random = np.random.Generator(np.random.PCG64(int(seed)))
     heights = _fractal(random, counts, spacing, roughness)
-    heights += _rocks(random, counts, spacing, cover)
-    return Terrain(np.round(heights, 4), spacing)
+    above = _rocks(random, counts, spacing, sizes)
+    for block in _blocks(heights.shape):
+        np.round(heights[block] + above[block], 4, out=heights[block])
+    return Terrain(heights, spacing)
 
 
 def _fractal(random: np.random.Generator, counts: list[int], spacing: float, roughness: float) -> Floats:
@@ -67,6 +76,8 @@ def _fractal(random: np.random.Generator, counts: list[int], spacing: float, rou
         octaves.append((length, amplitude))
         total += amplitude * amplitude / 6
         length, amplitude = length / 2, amplitude * FADE
+    if not octaves:  # the noise is finer than the grid
+        return heights
     for length, amplitude in octaves:
         shape = [math.floor((count - 1) * spacing / length) + 2 for count in (rows, columns)]
         offset = random.random(2)
@@ -75,12 +86,21 @@ def _fractal(random: np.random.Generator, counts: list[int], spacing: float, rou
             _steps(count, spacing / length, shift)
             for count, shift in zip((rows, columns), offset, strict=True)
         )
-        lower, upper = values[i], values[i + 1]
-        along = lower + a[:, None] * (upper - lower)
-        left, right = along[:, j], along[:, j + 1]
-        heights += amplitude * (left + b * (right - left))
-    heights *= roughness / math.sqrt(total)
+        for block in _blocks(heights.shape):
+            lower, upper = values[i[block]], values[i[block] + 1]
+            along = lower + a[block, None] * (upper - lower)
+            left, right = along[:, j], along[:, j + 1]
+            heights[block] += amplitude * (left + b * (right - left))
+    for block in _blocks(heights.shape):
+        heights[block] *= roughness / math.sqrt(total)
     return heights
+
+
+def _blocks(shape: tuple[int, int]) -> Iterator[slice]:
+    """Rows of a grid, a few at a time."""
+    rows, columns = shape
+    step = max(1, BLOCK // max(columns, 1))
+    return (slice(first, min(first + step, rows)) for first in range(0, rows, step))
 
 
 def _steps(count: int, step: float, shift: float) -> tuple[NDArray[np.intp], Floats]:
@@ -91,30 +111,39 @@ def _steps(count: int, step: float, shift: float) -> tuple[NDArray[np.intp], Flo
     return cell, t * t * t * (t * (6 * t - 15) + 10)
 
 
-def _rocks(random: np.random.Generator, counts: list[int], spacing: float, cover: float) -> Floats:
-    """Half ellipsoids as high as half their diameter D; those larger than D cover ``cover exp(-q D)``.
+def _sizes(area: float, cover: float) -> list[tuple[float, float, float]]:
+    """Least and largest diameters of rocks [m], and how many there are of them on an area [m^2].
 
-    (M. Golombek, D. Rapp, Size-frequency distributions of rocks on Mars and Earth analog sites, Journal of
-    Geophysical Research 102, 1997: q = 1.79 + 0.152 / cover.)
+    Those larger than D cover ``cover exp(-q D)`` (M. Golombek, D. Rapp, Size-frequency distributions of rocks
+    on Mars and Earth analog sites, Journal of Geophysical Research 102, 1997: q = 1.79 + 0.152 / cover.)
     """
-    columns, rows = counts
-    heights = np.zeros((rows, columns))
     if cover == 0:
-        return heights
+        return []
     q = 1.79 + 0.152 / cover
-    area = (columns - 1) * (rows - 1) * spacing * spacing
     edges = [SMALLEST * (LARGEST / SMALLEST) ** (k / 60) for k in range(61)]
+    sizes = []
     for small, large in pairwise(edges):
         share = cover * (math.exp(-q * small) - math.exp(-q * large))
         middle = (small + large) / 2
-        number = math.floor(share * area / (math.pi * middle * middle / 4) + random.random())
-        for row in random.random((number, 3)).tolist():
-            _place(
-                heights,
-                spacing,
-                small + (large - small) * row[0],
-                (row[1] * (columns - 1), row[2] * (rows - 1)),
-            )
+        sizes.append((small, large, share * area / (math.pi * middle * middle / 4)))
+    return sizes
+
+
+def _rocks(
+    random: np.random.Generator,
+    counts: list[int],
+    spacing: float,
+    sizes: list[tuple[float, float, float]],
+) -> Floats:
+    """Half ellipsoids as high as half their diameter."""
+    columns, rows = counts
+    heights = np.zeros((rows, columns))
+    for small, large, wanted in sizes:
+        number = math.floor(wanted + random.random())
+        for first in range(0, number, BLOCK):
+            for share, column, row in random.random((min(BLOCK, number - first), 3)).tolist():
+                place = (column * (columns - 1), row * (rows - 1))
+                _place(heights, spacing, small + (large - small) * share, place)
     return heights
 
 
@@ -127,7 +156,8 @@ def _place(heights: Floats, spacing: float, diameter: float, place: tuple[float,
     i = np.arange(max(math.ceil(row - reach), 0), min(math.floor(row + reach), rows - 1) + 1)
     if not (i.size and j.size):
         return
-    square: Any = ((i - row) * (i - row))[:, None] + (j - column) * (j - column)
-    rock = radius * np.sqrt(np.maximum(0.0, 1 - square / (reach * reach)))
     patch = heights[i[0] : i[-1] + 1, j[0] : j[-1] + 1]
-    np.maximum(patch, rock, out=patch)
+    for block in _blocks(patch.shape):
+        square: Any = ((i[block] - row) * (i[block] - row))[:, None] + (j - column) * (j - column)
+        rock = radius * np.sqrt(np.maximum(0.0, 1 - square / (reach * reach)))
+        np.maximum(patch[block], rock, out=patch[block])

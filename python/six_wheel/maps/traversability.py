@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from six_wheel._core import RockerBogie, __version__
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.objects.notebooks import Shown
+from six_wheel.kinematics.objects.whole_files import check_target, replacing
 from six_wheel.kinematics.statuses import FeasibilityLimits
 from six_wheel.maps.files import Options
 from six_wheel.maps.readers.rasters import GridImage, Raster, rasterio
 from six_wheel.maps.reading import open_raster
 from six_wheel.maps.tiles import REASONS, Tile, judge, reach
 from six_wheel.parallel import Failure, Journal, spread
-from six_wheel.parallel.whole_files import check_target, replacing
 
 __all__ = ["Layers", "Traversed", "traverse"]
 

@@ -1,8 +1,7 @@
 """One function over many items: on this machine's cores or, unchanged, on a Dask cluster.
 
 `spreading` runs the items in processes or on Dask (extra ``[cluster]``), `journal` keeps what is finished;
-`whole_files` replaces files whole or not at all; `blas_threads` holds linear algebra of small matrices to
-one thread.
+`blas_threads` holds linear algebra of small matrices to one thread.
 """
 
 from six_wheel.parallel.blas_threads import one_thread

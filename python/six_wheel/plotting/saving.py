@@ -5,6 +5,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from six_wheel.kinematics.errors import as_path
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.writing import replacing
 
@@ -28,15 +29,15 @@ def save(figure: Figure, path: str | Path) -> None:
     ValueError
         If matplotlib knows no such ending, or the file cannot be written.
     """
-    with replacing(Path(path)) as temporary:
-        render(figure, temporary)
+    render(figure, as_path("path", path))
 
 
-def render(figure: Figure, temporary: Path) -> None:
-    """Write a figure to a file that `replacing` has made.
+def render(figure: Figure, path: Path) -> None:
+    """Write a figure, whole or not at all.
 
     It is drawn in memory: some formats answer a full disk by other errors, and leave the file open.
     """
-    drawn = io.BytesIO()
-    figure.savefig(drawn, format=temporary.suffix.lower().removeprefix("."), dpi=160)
-    temporary.write_bytes(drawn.getbuffer())
+    with replacing(path) as temporary:
+        drawn = io.BytesIO()
+        figure.savefig(drawn, format=path.suffix.lower().removeprefix("."), dpi=160)
+        temporary.write_bytes(drawn.getbuffer())

@@ -5,6 +5,7 @@ from typing import Any
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.objects.whole_files import replacing
 
 __all__ = ["save_rover"]
 
@@ -21,7 +22,8 @@ def save_rover(rover: Rover, path: str | PathLike[str], **others: Any) -> None:
         text = _parameters(rover, others)
     else:
         raise ValueError(f"path must end in .yaml, .yml or .urdf, got {str(path)!r}")
-    target.write_text(text, encoding="utf-8")
+    with replacing(target) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def _parameters(rover: Rover, others: dict[str, Any]) -> str:

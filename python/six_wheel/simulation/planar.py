@@ -18,6 +18,7 @@ Floats = NDArray[np.float64]
 
 # Rows of the true motion per sample: what is lost between them is far below what any sensor sees.
 FINER = 8
+BLOCK = 4096  # rows between two looks at signals
 MOST_SAMPLES = 10**8  # of a simulated log
 
 
@@ -186,13 +187,14 @@ def _along(rover: Rover, twists: Floats, near: Floats | None = None) -> tuple[Fl
         return np.empty((len(twists), 0)), rover.inverse(twists)[1]
     angles = np.empty((len(twists), len(rover.steered_wheel_names)))
     speeds = np.empty((len(twists), len(rover.wheels)))
-    first = next((tuple(twist) for twist in twists.tolist() if any(twist)), (0.0, 0.0, 0.0))
-    previous = rover.inverse(first)[0]
-    for row, twist in enumerate(twists.tolist()):
-        angles[row], speeds[row] = rover.inverse(
-            tuple(twist), previous=previous if near is None else near[row]
-        )
-        previous = angles[row]
+    moves = twists.any(axis=1)
+    previous = rover.inverse(twists[moves.argmax()])[0]
+    for begin in range(0, len(twists), BLOCK):
+        for row, twist in enumerate(twists[begin : begin + BLOCK].tolist(), begin):
+            angles[row], speeds[row] = rover.inverse(
+                tuple(twist), previous=previous if near is None else near[row]
+            )
+            previous = angles[row]
     return angles, speeds
 
 

@@ -34,37 +34,33 @@ def convert(
 
 def _write_rover(chosen: NamedRover, target: Path) -> Path:
     """Write a rover as a parameter file, with all else that its file says, or as a URDF; where it is."""
-    from six_wheel.logs.writing import replacing
+    if target.suffix.lower() == ".urdf":
+        chosen.rover.save(target)
+    elif chosen.parameters is None:
+        chosen.rover.save(target, limits=chosen.limits)
+    else:
+        from six_wheel.control_loop.settings import own_text
+        from six_wheel.logs.writing import replacing
 
-    with replacing(target, [chosen.path] if chosen.path else []) as temporary:
-        if target.suffix.lower() == ".urdf":
-            chosen.rover.save(temporary)
-        elif chosen.parameters is not None:
-            from six_wheel.control_loop.settings import own_text
-
+        with replacing(target) as temporary:
             temporary.write_text(own_text(chosen.parameters), encoding="utf-8")
-        else:
-            chosen.rover.save(temporary, limits=chosen.limits)
     return target.resolve()
 
 
 def _write_layout(rover: str, reading: Reading, target: Path) -> Path:
     """Write a layout for the rover of a parameter file, a preset or a record; where it is."""
     from six_wheel.logs.mcap import layouts
-    from six_wheel.logs.writing import replacing
 
     record = Path(rover) if Path(rover).suffix.lower() == ".mcap" else None
     if record is None:
         chosen = choose(rover, reading)
-        shown, source = chosen.rover, chosen.path
+        shown = chosen.rover
     else:
         from six_wheel.control_loop.replay.rerun import settings_of
         from six_wheel.logs.mcap import Record
 
         if not record.is_file():
             raise ValueError(f"{record}: no such file")
-        shown, source = settings_of(Record(record)).rover, record
-    layouts.check(target, record)
-    with replacing(target, [source] if source else []) as temporary:
-        layouts.write(temporary, shown, record)
+        shown = settings_of(Record(record)).rover
+    layouts.write(target, shown, record)
     return target.resolve()

@@ -45,7 +45,8 @@ class Pages:
             for path, (_, figure) in zip(pictures, figures, strict=True):
                 render(figure, self._targets[path])
             text = words([path.name for path in pictures])
-            self._targets[self._report].write_text(text, encoding="utf-8")
+            with replacing(self._targets[self._report]) as temporary:
+                temporary.write_text(text, encoding="utf-8")
 
 
 def beside(report: Path, ending: str) -> Path:

@@ -4,6 +4,7 @@ What comes in is taken from the record: commands, joint states, ticks, changes. 
 that were measured: what a rover would have measured under other commands nobody knows.
 """
 
+import contextlib
 import json
 import os
 from collections.abc import Callable, Mapping
@@ -18,6 +19,7 @@ from six_wheel.control_loop.replay.command_replay import DRIVE, replay_drive
 from six_wheel.control_loop.replay.run_summary import OUT, Collected, Replayed, planar
 from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.whole_files import replacing
 from six_wheel.logs.mcap import Record, RecordError, rover_record
 from six_wheel.logs.mcap.frames import JointStates, angular_velocity
 from six_wheel.logs.mcap.reader import Message
@@ -71,10 +73,12 @@ def replay(
     rover = before.rover
     if after.rover.joint_names != rover.joint_names:
         raise ValueError("changes must leave the joints of the rover as they are: the record is of those")
-    if made_by == DRIVE:
-        result = replay_drive(record, before, after, output, progress)
-    else:
-        result = _replay_loop(record, before, after, changes or {}, output, progress)
+    with contextlib.ExitStack() as stack:
+        target = None if output is None else stack.enter_context(replacing(output, [path]))
+        if made_by == DRIVE:
+            result = replay_drive(record, before, after, target, progress)
+        else:
+            result = _replay_loop(record, before, after, changes or {}, target, progress)
     if record.cut_off:
         result.warnings.append(f"{path}: the record was cut off; it is replayed up to there")
     return result

@@ -22,6 +22,7 @@ __all__ = ["Columns", "Tabular", "covariance_columns", "pose_columns", "rows_of"
 Columns: TypeAlias = "dict[str, tuple[str, NDArray[Any]]]"
 """Unit and values, shape (n,), by name."""
 TWIST = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
+BLOCK = 4096  # rows that are written between two looks at signals
 UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
@@ -75,17 +76,19 @@ class Tabular(Shown):
         )
 
     def to_csv(self, path: str | os.PathLike[str], **names: Any) -> None:
-        """Write the columns to a CSV file with all their digits.
+        """Write the columns to a CSV file with all their digits, whole or not at all.
 
         Raises
         ------
-        OSError
+        ValueError
             If the file cannot be written.
         """
         _write_csv(path, {name: values for name, (_, values) in _columns_of(self, "to_csv", names).items()})
 
     def save(self, path: str | os.PathLike[str], **names: Any) -> None:
         """Write the columns to a file with their units: CSV in its header, Parquet in its metadata.
+
+        It is written whole or not at all.
 
         Parameters
         ----------
@@ -97,11 +100,12 @@ class Tabular(Shown):
         Raises
         ------
         ValueError
-            If the ending is none of these.
+            If the ending is none of these, or the file cannot be written.
         ModuleNotFoundError
             If pyarrow is needed and not installed; the message has the install line.
         """
-        ending = as_path("path", path).suffix.lower()
+        target = as_path("path", path)
+        ending = target.suffix.lower()
         if ending == ".csv":
             columns = _columns_of(self, "save", names)
             stated = {
@@ -110,7 +114,10 @@ class Tabular(Shown):
             _write_csv(path, stated)
         elif ending == ".parquet":
             table = self.to_arrow(**names)
-            _needed("pyarrow.parquet", "six-wheel[cli]").write_table(table, os.fspath(path))
+            from six_wheel.kinematics.objects.whole_files import replacing
+
+            with replacing(target) as temporary:
+                _needed("pyarrow.parquet", "six-wheel[cli]").write_table(table, temporary)
         else:
             raise ValueError(f"path must end in .csv or .parquet, got {str(path)!r}")
 
@@ -118,10 +125,18 @@ class Tabular(Shown):
 def _write_csv(path: str | os.PathLike[str], columns: Mapping[str, NDArray[Any]]) -> None:
     import csv
 
-    with as_path("path", path).open("w", newline="") as file:
+    from six_wheel.kinematics.objects.whole_files import replacing
+
+    with (
+        replacing(as_path("path", path)) as temporary,
+        temporary.open("w", newline="", encoding="utf-8") as file,
+    ):
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
-        writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+        count = max((len(values) for values in columns.values()), default=0)
+        for first in range(0, count, BLOCK):
+            block = (values[first : first + BLOCK].tolist() for values in columns.values())
+            writer.writerows(zip(*block, strict=True))
 
 
 def _columns_of(table: Tabular, method: str, names: Mapping[str, Any]) -> Columns:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.objects.whole_files import replacing
 from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.mcap import rover_record as topics
 from six_wheel.logs.mcap.reader import Record
@@ -67,23 +68,28 @@ def write(path: Path, rover: Rover, record: Path | None = None) -> None:
     """
     check(path, record)
     seen = ALL if record is None else _seen(Record(record))
-    if path.suffix == ".json":
-        path.write_text(json.dumps(foxglove(rover, seen), indent=2) + "\n")
-    elif path.suffix == ".rbl":
-        rerun(rover, seen).save(APPLICATION, path)
-    elif record is not None:
-        blueprint = rerun(rover, seen)
-        import rerun as rr
+    with replacing(path, [] if record is None else [record]) as temporary:
+        if path.suffix == ".json":
+            temporary.write_text(json.dumps(foxglove(rover, seen), indent=2) + "\n")
+        elif path.suffix == ".rbl" or record is None:
+            rerun(rover, seen).save(APPLICATION, temporary)
+        else:
+            _write_record(temporary, rerun(rover, seen), record)
 
-        stream = rr.RecordingStream(APPLICATION)
-        stream.save(path, default_blueprint=blueprint)
-        stream.log_file_from_path(record)
-        places, frame = _path(Record(record))
-        if places:
-            line = rr.LineStrips3D([places], radii=rr.Radius.ui_points(1.5))
-            stream.log(PATH, line, rr.CoordinateFrame(frame), static=True)
-        stream.flush()
-        stream.disconnect()
+
+def _write_record(temporary: Path, blueprint: Any, record: Path) -> None:
+    """A record with its blueprint in one file."""
+    import rerun as rr
+
+    stream = rr.RecordingStream(APPLICATION)
+    stream.save(temporary, default_blueprint=blueprint)
+    stream.log_file_from_path(record)
+    places, frame = _path(Record(record))
+    if places:
+        line = rr.LineStrips3D([places], radii=rr.Radius.ui_points(1.5))
+        stream.log(PATH, line, rr.CoordinateFrame(frame), static=True)
+    stream.flush()
+    stream.disconnect()
 
 
 def _path(record: Record) -> tuple[list[tuple[float, float, float]], str]:

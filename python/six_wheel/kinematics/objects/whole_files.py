@@ -27,6 +27,7 @@ class _Files:
     targets: dict[Path, tuple[Path, Path]] = field(default_factory=dict)
 
 
+_at_work: set[Path] = set()  # temporary files of this process that are being written
 _files: ContextVar[_Files | None] = ContextVar("files of the command", default=None)
 
 
@@ -58,13 +59,17 @@ def together(sources: Sequence[Path] = ()) -> Iterator[None]:
 def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
     """A temporary file beside `path`, which it replaces if the block succeeds; if not, it is removed.
 
-    Within `together` it replaces `path` when that block ends.
+    Within `together` it replaces `path` when that block ends. A temporary file itself is written as it is, so
+    that whatever writes a file begins here, within another writer too.
 
     Raises
     ------
     TableError
         If `path` is one of `sources`, another output, not a file, or in no folder, or cannot be written.
     """
+    if path in _at_work:
+        yield path
+        return
     files = _files.get()
     target = check_target(path, [*sources, *(files.sources if files else ())])
     others = files.targets.values() if files else ()
@@ -77,6 +82,7 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
         temporary.open("xb").close()
     except OSError as error:
         raise TableError(f"{path}: the output must be writeable, got: {error.strerror}") from None
+    _at_work.add(temporary)
     try:
         yield temporary
         if files is None:
@@ -89,6 +95,8 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
         if isinstance(error, OSError) and error.errno in _FULL and is_full:
             raise TableError(f"{path}: could not be written: {os.strerror(error.errno)}") from None
         raise
+    finally:
+        _at_work.discard(temporary)
 
 
 def _is_full(temporary: Path) -> bool:
