@@ -167,6 +167,9 @@ def test_a_preset_is_loaded_by_its_name(tmp_path, monkeypatch):
         sw.load("perseverence")
     with pytest.raises(ValueError, match=r"\.yaml or \.json, or the name of a preset\)$"):
         sw.load("rover.yaml")
+    (tmp_path / "rover_1.yaml").write_text("")
+    with pytest.raises(ValueError, match=r"the name of a preset; did you mean rover_1\.yaml\?\)$"):
+        sw.load("rover1.yaml")
 
 
 def test_readings_and_increments():

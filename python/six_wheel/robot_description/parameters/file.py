@@ -23,6 +23,7 @@ or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is i
 ``docs/reference/parameter_keys.md``.
 """
 
+import contextlib
 import os
 import re
 from dataclasses import dataclass, field
@@ -246,7 +247,10 @@ def _refuse(section: Section, error: ValueError, log: FileFindings) -> NoReturn:
 
 
 def _text(path: Path, log: FileFindings) -> str:
-    hint = "" if path.suffix else did_you_mean(path.name, Rover.presets())
+    near = [] if path.suffix else [*Rover.presets()]
+    with contextlib.suppress(OSError):
+        near += [] if path.exists() else [each.name for each in path.parent.iterdir()]
+    hint = did_you_mean(path.name, near)
     remedy = f"give the path of a parameter file, .yaml or .json, or the name of a preset{hint}"
     try:
         with path.open("rb") as file:

@@ -16,13 +16,13 @@ __all__ = ["page"]
 
 HEAD = """# Keys of ros2_controllers, PathPlanner, YAGSL and others
 
-Which keys of whose parameter files `six-wheel` reads. This page is made by `python docs/keys.py` from the
-tables by which files are read, and a test keeps the two equal.
+Keys of the parameter files of other packages that `six-wheel` reads. This page is made by
+`python docs/keys.py` from the tables by which files are read, and a test keeps the two equal.
 
 - *Read*: changes the rover, its limits or its joints.
 - *Refused*: with such a value the file is refused, as it is without a required key, with two names for one
   quantity that differ, or with joints that do not fit the wheels.
-- *Ignored*: known, and no matter of kinematics; nothing is said.
+- *Ignored*: known, and without meaning for kinematics; there is no message.
 - *Any other key* is ignored with a warning that names it, or refused with a guess where it is like one that
   is missing. Limits that are not read (`min_velocity` unlike `-max_velocity`, those of `linear.y`) are
   warned about one by one.
