@@ -158,6 +158,8 @@ class Player:
         ]
         if not drawn:
             return
+        # Without a range viser's page shows the first second.
+        longest = max(record.duration, 0.001)
         with self._server.gui.add_folder("Plots", expand_by_default=True):
             for title, values, names in drawn:
                 times, thin, _, _ = thin_columns(record.times, values)
@@ -168,7 +170,7 @@ class Player:
                 series = ({"label": "t [s]"}, *inks, {"label": "now", "stroke": "#e85a5a", "width": 1.5})
                 plot = self._server.gui.add_uplot(
                     _with_cursor(times, thin, 0.0), series, title=title, aspect=2.0,
-                    scales={"x": {"time": False}}, legend={"show": False},
+                    scales={"x": {"time": False, "range": (0.0, longest)}}, legend={"show": False},
                     axes=({"stroke": "#9a9a9a"}, {"stroke": "#9a9a9a", "size": 44}),
                 )  # fmt: skip
                 self._cursors.append((plot, (times, thin)))
