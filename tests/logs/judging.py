@@ -16,12 +16,14 @@ import numpy as np
 import six_wheel as sw
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.log_odometry import ReckonSettings, reckon
+from six_wheel.log_odometry.run_log import REMARKS
 from six_wheel.logs import LogOptions
 
 __all__ = ["CLASSES", "Case", "judge", "read_and_compare"]
 
 CLASSES = ("right", "pasted", "helpful", "unhelpful", "silent", "traceback")
 PASTED = re.compile(r"parameter file, or (.+?) in Python")
+DOUBT = PASTED.pattern + r"|\?|the path misses|is a guess|after a gap"  # as a command prints it
 NAMED = ("columns", "topics", "stamp_unit", "increments", "readings", "max_speed")
 TRIES = 6
 
@@ -29,8 +31,8 @@ TRIES = 6
 class Case(Protocol):
     """A log whose truth is known.
 
-    `owner` is what whoever made the log knows and may be asked for, by the name of an option; `knowable` is
-    false where nothing in the log tells what it is; `says` are words of a refusal that is the right answer.
+    `owner` is what whoever made the log knows and may be asked for, by the name of an option, None for one
+    that has no answer; `knowable` is false where nothing in the log tells what it is; `says` are words of a refusal that is the right answer.
     """
 
     rover: sw.Rover
@@ -73,7 +75,8 @@ def of_path(rover: sw.Rover, path: Path, options: LogOptions) -> tuple[Any, list
     bounds = {name: getattr(options, name) for name in ("max_speed", "max_gap")}
     settings = ReckonSettings(options={name: value for name, value in bounds.items() if value is not None})
     result = reckon(rover, path, log_options=options, settings=settings)
-    return result.pose, list(result.warnings)
+    rows = [f"{REMARKS.get(flag)}: {count}" for flag, count in result.flags.items()]
+    return result.pose, [*result.warnings, *rows]
 
 
 def of_memory(rover: sw.Rover, source: Any, options: dict[str, Any]) -> tuple[Any, list[str]]:
@@ -116,8 +119,9 @@ def _paste(case: Case, said: str, options: dict[str, Any]) -> dict[str, Any] | N
     elif isinstance(found.get("columns"), dict) and isinstance(known, dict):
         columns = {**options.get("columns", {}), **found["columns"], **known}
         found["columns"] = {
-            head: meaning for head, meaning in columns.items() if not re.fullmatch(r"HEADER\d+", head)
+            head: meaning for head, meaning in columns.items() if not re.fullmatch(r"HEADER\d*", head)
         }
+    found |= {name: None for name in found if case.owner.get(name, found[name]) is None}
     merged = {**options, **found}
     return None if not found or repr(merged) == repr(options) else merged
 
@@ -131,12 +135,12 @@ def judge(case: Case, source: Any, far: float) -> tuple[str, str]:
         told = f"{told} THEN {said}" if told else said
         if verdict == "right":
             return ("pasted" if step else "right"), told
-        doubted = verdict == "off" and re.search(PASTED.pattern + r"|\?|the path misses", said)
+        doubted = verdict == "off" and re.search(DOUBT, said)
         if verdict == "traceback" or (verdict == "off" and not doubted):
             return "silent" if verdict == "off" else verdict, f"{told} ({options})"
         more = _paste(case, said, options)
-        if more is None:
-            break
+        if more is None or any(value is None for value in more.values()):
+            break  # the owner knows that it is something else
         options = more
     named = bool(case.says) and all(word in told for word in case.says)
     helpful = named or not case.knowable or verdict == "off"

@@ -16,7 +16,7 @@ from six_wheel.log_odometry.sensor_frames import mount, seen_by, start_of_body
 from six_wheel.logs.frames import tabular_input
 from six_wheel.logs.frames.table_headers import names
 from six_wheel.logs.headers.renamed import Columns
-from six_wheel.logs.headers.time_columns import scale_of
+from six_wheel.logs.headers.time_columns import in_seconds, scale_of
 from six_wheel.logs.plausibility.arrays import FEW, array_checks, check_arrays
 
 __all__ = ["dead_reckon", "dead_reckon_chunks", "table_columns"]
@@ -141,7 +141,7 @@ def dead_reckon(
     columns : dict of str to str, or sequence of str, optional
         Which column of a table holds a joint, a wheel or the ``"stamp"``, where it is called otherwise; or
         headers with what to read them as, ``{"encL": "left [ticks]"}``; or the names of all columns in order.
-    stamp_unit : {'s', 'ms', 'us', 'ns'}, optional
+    stamp_unit : {'s', 'ms', 'us', 'ns', 'min', 'h', 'd'}, optional
         Unit of the stamps.
     plausibility : bool, default True
         Whether readings that no rover has are refused: counts as radians, counters that start over, stamps in
@@ -201,7 +201,7 @@ def dead_reckon(
     odometry.reset(start, start_covariance)
     stamps = None if stamps is None else tabular_input.seconds_of(stamps)
     if stamps is not None and stamp_unit is not None:
-        stamps = np.asarray(stamps) / round(1.0 / scale_of(stamp_unit))
+        stamps = in_seconds(np.asarray(stamps), scale_of(stamp_unit))
     if wheel_angles is not None and stamps is not None and plausibility and _rows(stamps) >= FEW:
         checks = array_checks(rover, options, clock_stated=stamp_unit is not None)
         check_arrays(checks, steering, wheel_angles, stamps, known)

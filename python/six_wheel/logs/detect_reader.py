@@ -24,7 +24,7 @@ from six_wheel.logs.frames.tabular_input import is_table, table, whole
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.headers.joint_columns import Reading
-from six_wheel.logs.headers.time_columns import scale_of
+from six_wheel.logs.headers.time_columns import in_seconds, scale_of
 from six_wheel.logs.joint_sources import JointSource, refuse_counts
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.joints import JointLog, JointRows
@@ -266,7 +266,7 @@ def _told(log: WheelLog, rover: Rover, options: LogOptions, number: int) -> Whee
     """A log in memory with what is said of it; readings that no rover has are refused."""
     given, stamps = _odometry_options(rover, options), log.stamps
     if options.stamp_unit is not None:
-        stamps = stamps / round(1.0 / scale_of(options.stamp_unit))
+        stamps = in_seconds(stamps, scale_of(options.stamp_unit))
     if given or stamps is not log.stamps:
         log = replace(log, stamps=stamps, options={**log.options, **given})
     if options.plausibility and log.plausibility:

@@ -19,6 +19,7 @@ from six_wheel.logs.frames.table_headers import STAMPS, Meaning, Sensors, meanin
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
 from six_wheel.logs.headers.columns import TIME, means
 from six_wheel.logs.headers.renamed import Columns
+from six_wheel.logs.headers.time_columns import in_seconds
 from six_wheel.logs.plausibility.arrays import FEW, array_checks
 from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.proposals import encoders
@@ -365,7 +366,7 @@ def _piece(rover: Rover, meaning: Meaning, read: Mapping[str, NDArray[Any]], ori
         seconds = since.astype(np.float64) * 1e-9
         seconds[np.isnat(stamps)] = np.nan
     elif scale != 1.0:
-        seconds = (stamps - origin).astype(np.float64) / round(1.0 / scale)
+        seconds = in_seconds((stamps - origin).astype(np.float64), scale)
     else:
         seconds = np.asarray(stamps, dtype=np.float64)
     nothing = np.full(len(stamps), np.nan)

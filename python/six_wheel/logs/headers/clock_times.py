@@ -22,13 +22,17 @@ SECOND = 1_000_000_000
 DAY = 86_400 * SECOND
 UNITS = {"s": SECOND, "sec": SECOND, "ms": 1_000_000, "us": 1000, "µs": 1000, "ns": 1}
 
-_FRACTION = r"(?:[.,](?P<fraction>\d{1,9})\d*)?"
+_FRACTION = r"(?:(?:[.,]|:(?=\d{3}\b))(?P<fraction>\d{1,9})\d*)?"
 _HALF = r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
-_CLOCK = re.compile(r"(?:(?P<hour>\d{1,3}):)?(?P<minute>\d{1,2}):(?P<second>\d{2})" + _FRACTION + _HALF)
+_CLOCK = re.compile(
+    r"(?:(?P<days>\d+) days?,? )?(?:(?P<hour>\d{1,3}):)?(?P<minute>\d{1,2}):(?P<second>\d{2})"
+    + _FRACTION
+    + _HALF
+)
 _ZONE = r"\s*(?:Z|UTC|GMT|(?P<sign>[+-])(?P<zh>\d{2}):?(?P<zm>\d{2})?)?"
 _DATES = (
     r"(?P<year>\d{4})(?P<s>[-/.])(?P<month>\d{1,2})(?P=s)(?P<day>\d{1,2})",
-    r"(?P<day>\d{1,2})\.(?P<month>\d{1,2})\.(?P<year>\d{4})",
+    r"(?P<day>\d{1,2})\.(?P<month>\d{1,2})\.(?P<year>\d{4}|\d{2})",
     # With strokes only a number above 12 tells the day from the month.
     r"(?P<month>\d{1,2})/(?P<day>1[3-9]|2\d|3[01])/(?P<year>\d{4})",
     r"(?P<day>1[3-9]|2\d|3[01])/(?P<month>\d{1,2})/(?P<year>\d{4})",
@@ -89,10 +93,12 @@ def _read(text: str) -> tuple[int, bool] | None:
     if found := _CLOCK.fullmatch(text):
         if found["hour"] is None and found["fraction"] is None:
             return None  # hours and minutes, or minutes and seconds
-        minutes = 60 * _hour(found["hour"] or "0", found["half"]) + int(found["minute"])
+        days = int(found["days"] or 0)
+        minutes = 60 * (24 * days + _hour(found["hour"] or "0", found["half"])) + int(found["minute"])
         seconds = 60 * minutes + int(found["second"])
         within = int(found["second"]) < 61 and (found["hour"] is None or int(found["minute"]) < 60)
-        return (seconds * SECOND + _nanoseconds(found["fraction"]), seconds < 86_400) if within else None
+        of_day = found["days"] is None and seconds < 86_400
+        return (seconds * SECOND + _nanoseconds(found["fraction"]), of_day) if within else None
     for form in _STAMPS:
         if found := form.fullmatch(text):
             return _of_date(found)
@@ -103,6 +109,7 @@ def _read(text: str) -> tuple[int, bool] | None:
 
 def _of_date(found: re.Match[str]) -> tuple[int, bool] | None:
     parts = [int(found[name]) for name in ("year", "month", "day", "hour", "minute", "second")]
+    parts[0] += 2000 if len(found["year"]) == 2 else 0
     parts[3] = _hour(found["hour"], found.groupdict().get("half"))
     try:
         seconds = round(datetime(*parts, tzinfo=UTC).timestamp())  # type: ignore[arg-type, misc]

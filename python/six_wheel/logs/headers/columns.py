@@ -65,6 +65,12 @@ TIME_UNITS = (
     unit("us", 1e-6, "us usec usecs micros microsecond microseconds"),
     unit("ns", 1e-9, "ns nsec nanos nanosec nanosecs nanosecond nanoseconds"),
 )
+# Of a header they are units behind a name, and no names of times by themselves.
+LONG_TIME_UNITS = (
+    unit("min", 60.0, "min mins minute minutes"),
+    unit("h", 3600.0, "h hour hours"),
+    unit("d", 86_400.0, "d day days"),
+)
 _SPEED = (
     unit("m/s", 1.0, "m_s mps ms m_per_s m_s_1 meters_per_second metres_per_second"),
     unit("cm/s", 1e-2, "cm_s cmps cm_per_s"),
@@ -82,7 +88,7 @@ _ANGULAR = "wz w_z omega_z yaw_rate yawrate angular_z ang_z angular_velocity_z a
 _TIMES = "time", "t", "stamp", "timestamp", "time_stamp"
 _CLOCKS = "datetime", "date_time", "utc", "utc_time", "clock", "elapsed", "elapsed_time", "unix_time", "epoch"
 
-TIME = Quantity("time", (*_TIMES, *_CLOCKS), TIME_UNITS)
+TIME = Quantity("time", (*_TIMES, *_CLOCKS), (*TIME_UNITS, *LONG_TIME_UNITS))
 QUANTITIES = (
     TIME,
     Quantity("vx", ("vx", "v", *_LINEAR.format("x").split(), "linear_velocity", "speed"), _SPEED),
@@ -117,7 +123,7 @@ def _interpret(header: str, quantity: Quantity) -> tuple[Unit, bool] | None:
         if form in quantity.spellings:
             return quantity.units[0], False
         for unit in quantity.units:
-            if quantity.name == "time" and form in unit.spellings:  # "sec" says by itself what it measures
+            if unit in TIME_UNITS and form in unit.spellings:  # "sec" says by itself what it measures
                 return unit, True
             if any(form == f"{stem}_{ending}" for ending in unit.spellings for stem in quantity.spellings):
                 return unit, True

@@ -15,6 +15,7 @@ from typing import Literal, TypeAlias, get_args
 from six_wheel._core import Rover
 from six_wheel.logs.headers.columns import (
     BRACKETS,
+    TIME,
     Column,
     Quantity,
     TableError,
@@ -38,16 +39,26 @@ _ANGLES = (
     unit("deg", _DEGREE, "deg degs degree degrees"),
     unit("rev", _TURN, "rev revs revolution revolutions turn turns rot rots rotation rotations"),
     unit("mrad", 1e-3, "mrad"),
-    unit("gon", _TURN / 400, "gon grad grads"),
+    unit("gon", _TURN / 400, "gon"),  # "grad" is a degree in other languages
 )
 # Ways and speeds of the rim, which its radius makes angles and rates.
 _AT_RIM = (
-    (unit("m", 1.0, "m metre metres meter meters"), unit("cm", 1e-2, "cm"), unit("mm", 1e-3, "mm")),
+    (
+        unit("m", 1.0, "m metre metres meter meters"),
+        unit("cm", 1e-2, "cm"),
+        unit("mm", 1e-3, "mm"),
+        unit("km", 1e3, "km"),
+        unit("in", 0.0254, "in inch inches"),
+        unit("ft", 0.3048, "ft foot feet"),
+    ),
     (
         unit("m/s", 1.0, "m_s mps ms m_per_s m_s_1 m_sec meters_per_second metres_per_second"),
         unit("cm/s", 1e-2, "cm_s cmps cm_per_s"),
         unit("mm/s", 1e-3, "mm_s mmps mm_per_s"),
         unit("km/h", 1 / 3.6, "km_h kmh kph kmph"),
+        unit("m/min", 1 / 60, "m_min m_per_min"),
+        unit("mph", 0.44704, "mph mi_h"),
+        unit("ft/s", 0.3048, "ft_s fps ft_per_s"),
     ),
 )
 _UNITS: Mapping[Reading, tuple[Unit, ...]] = {
@@ -56,10 +67,11 @@ _UNITS: Mapping[Reading, tuple[Unit, ...]] = {
         unit("rad/s", 1.0, "rad_s radps rad_per_s rad_s_1 rad_sec rad_per_sec radians_per_second"),
         unit("deg/s", _DEGREE, "deg_s degps dps deg_per_s deg_s_1 deg_sec deg_per_sec degrees_per_second"),
         unit("rev/s", _TURN, "rev_s revps rps rev_per_s rev_sec rot_s turns_s revolutions_per_second"),
-        unit("rpm", _TURN / 60, "rpm rev_min r_min u_min 1_min revolutions_per_minute"),
+        unit("mrad/s", 1e-3, "mrad_s mrad_per_s"),
+        unit("rpm", _TURN / 60, "rpm rev_min r_min u_min tr_min 1_min min_1 revolutions_per_minute"),
         *_AT_RIM[1],
     ),
-    "ticks": (unit("ticks", 1.0, "ticks tick counts count pulses pulse cnt cts"),),
+    "ticks": (unit("ticks", 1.0, "ticks tick counts count pulses pulse cnt cts steps qc quad_counts"),),
 }
 # Words for ways, which are nothing without their unit.
 _LENGTHWISE = ("distance", "dist", "travel", "way")
@@ -198,7 +210,8 @@ def joint_columns(
                 rule = f'{name} must be in one column, got "{kinds[meaning[0]].header}" and "{header}"'
                 raise TableError(f"{rule}; rename or drop all but one")
             unit_of = _at_the_rim(meaning[1], rover, named[0]) if part == "wheel" else meaning[1]
-            stated = given is not None or rest not in _WORDS[meaning[0]] or meaning[0] == readings
+            of_unit = rest != "" and rest not in _WORDS[meaning[0]]
+            stated = given is not None or of_unit or (part == "wheel" and meaning[0] == readings)
             kinds[meaning[0]] = Column(index, header, unit_of, stated)
             break
     for name, (doubt, _) in doubts.items():
@@ -224,6 +237,11 @@ def joint_columns(
     found |= {name: kinds[chosen] for name, kinds in wheel_columns.items()}
     silent = tuple(wheel for wheel in rover.traction_joints.values() if f"wheel {wheel}" not in found)
     return JointColumns(found, chosen, silent, frozenset(turned))
+
+
+def unit_words() -> frozenset[str]:
+    """All spellings of units."""
+    return frozenset(s for units in (*_UNITS.values(), TIME.units) for each in units for s in each.spellings)
 
 
 def unsaid_units(joints: JointColumns, rover: Rover) -> str:

@@ -36,6 +36,8 @@ def renamed(headers: Sequence[str], columns: Columns, nameless: bool = False) ->
         if len(names) > len(headers):
             raise TableError(f"columns must name {len(headers)} columns, got {len(names)}")
         return names + [""] * (len(headers) - len(names))
+    # Headers are without the signs of a comment before them.
+    columns = {_bare(one, headers): _bare(other, headers) for one, other in columns.items()}
     # A name may stand on either side; the side that is a header decides.
     meaning = {
         **{header: name for name, header in columns.items() if header in headers and name not in headers},
@@ -46,6 +48,12 @@ def renamed(headers: Sequence[str], columns: Columns, nameless: bool = False) ->
             listed = ", ".join(f'"{header}"' for header in headers)
             raise TableError(f'columns must name headers of the table, got "{one}" among {listed}')
     return [meaning.get(header, "" if nameless else header) for header in headers]
+
+
+def _bare(name: str, headers: Sequence[str]) -> str:
+    """A name without the signs of a comment, if that is a header."""
+    bare = name.lstrip("#% ").strip()
+    return bare if name not in headers and bare in headers else name
 
 
 def without_header(cells: Sequence[str]) -> str:

@@ -23,7 +23,7 @@ from six_wheel.logs.headers.columns import (
 )
 from six_wheel.logs.plausibility.proposals import columns
 
-__all__ = ["scale_of", "seconds_since", "time_columns", "whole_second"]
+__all__ = ["in_seconds", "scale_of", "seconds_since", "time_columns", "whole_second"]
 
 # Beyond this a double of seconds resolves less than 0.1 ns, and stamps are counted from a later second.
 LONGEST_RUN = 1e6  # [s]
@@ -76,13 +76,12 @@ def time_columns(
     column = find_columns(headers, (TIME,))["time"]
     stated = (field_units or {}).get(column.index)
     if stated is not None and not column.stated:
-        unit = next((unit for unit in TIME_UNITS if words(stated) in unit.spellings), None)
+        unit = next((unit for unit in TIME.units if words(stated) in unit.spellings), None)
         if unit is None:
-            known = ", ".join(each.symbol for each in TIME_UNITS)
-            raise TableError(f'the unit of column "{column.header}" must be one of {known}, got "{stated}"')
+            raise TableError(_unknown_unit(column.header, stated))
         column = replace(column, unit=unit, stated=True)
     if stamp_unit is not None:
-        unit = next(unit for unit in TIME_UNITS if unit.symbol == stamp_unit)
+        unit = next(unit for unit in TIME.units if unit.symbol == stamp_unit)
         column = replace(column, unit=unit, stated=True)
     return {"time": replace(column, header=given[column.index])}
 
@@ -95,7 +94,7 @@ def scale_of(stamp_unit: str) -> float:
     ValueError
         If it is not known.
     """
-    scales = {unit.symbol: unit.scale for unit in TIME_UNITS}
+    scales = {unit.symbol: unit.scale for unit in TIME.units}
     if stamp_unit not in scales:
         raise ValueError(f'stamp_unit must be one of {", ".join(scales)}, got "{stamp_unit}"')
     return scales[stamp_unit]
@@ -120,13 +119,32 @@ def _plain(headers: Sequence[str]) -> list[str]:
 
 def _refuse_missing(headers: Sequence[str]) -> None:
     """Refuses a table without a time, with what would name one."""
-    bare = [found[1] for header in headers if (found := BRACKETS.match(header))]
-    if all(is_number(header) for header in headers) or any(means(each, TIME) for each in bare):
+    for header in headers:
+        bracketed = BRACKETS.match(header)
+        if bracketed and means(bracketed[1], TIME):
+            raise TableError(_unknown_unit(header, bracketed[2]))
+    if all(is_number(header) for header in headers):
         return
-    likely = next((each for each in headers if re.search("time|stamp|clock|sec|date", words(each))), None)
+    likely, meaning = next(filter(None, map(_like_a_time, headers)), ("HEADER", "time [s]"))
     listed = ", ".join(f'"{each}"' for each in headers)
-    hint = f"; if that is it, give {columns({likely: 'time [s]'})}" if likely else ""
+    what = "with the header of the times" if likely == "HEADER" else "if that is it"
+    hint = f"; give {columns({likely: meaning})}, {what}, or with another unit"
     raise TableError(f"no column for time among {listed}; known: {', '.join(TIME.spellings)}{hint}")
+
+
+def _unknown_unit(header: str, unit: str) -> str:
+    known = ", ".join(each.symbol for each in TIME.units)
+    rule = f'the unit of column "{header}" must be one of {known}, got "{unit}"'
+    return f"{rule}: give {columns({header: 'time [s]'})}, with its unit"
+
+
+def _like_a_time(header: str) -> tuple[str, str] | None:
+    """A header that looks like that of times, and what it may mean."""
+    bracketed = BRACKETS.match(header)
+    parts = words(bracketed[2] if bracketed else header).split("_")
+    unit = next((each.symbol for each in TIME_UNITS if set(parts) & {*each.spellings}), None)
+    named = re.search("time|stamp|clock|sec|date|tow|zeit|temps|tiempo|tempo", words(header))
+    return (header, f"time [{unit or 's'}]") if unit or named else None
 
 
 def _in_two(headers: Sequence[str]) -> dict[str, Column] | None:
@@ -155,5 +173,13 @@ def whole_second(time: Any, unit: Unit) -> int:
 
 def seconds_since(origin: int, time: NDArray[Any], unit: Unit) -> NDArray[np.float64]:
     """`time` in seconds since `origin`: differences first, or 1.7e18 ns would lose 256 ns as a double."""
+    if unit.scale > 1.0:
+        return np.asarray(time * unit.scale - origin, dtype=float)
     per_second = round(1 / unit.scale)
     return np.asarray((time - origin * per_second) / per_second, dtype=float)
+
+
+def in_seconds(times: NDArray[Any], scale: float) -> NDArray[np.float64]:
+    """Times in a unit of so many seconds, by division where a second has a whole number of them."""
+    seconds: NDArray[np.float64] = times * scale if scale > 1.0 else times / round(1.0 / scale)
+    return seconds

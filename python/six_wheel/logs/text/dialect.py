@@ -14,6 +14,7 @@ from typing import BinaryIO
 
 from six_wheel.logs.headers.clock_times import is_clock_time
 from six_wheel.logs.headers.columns import BRACKETS, TIME, TableError, is_number, means, words
+from six_wheel.logs.headers.joint_columns import unit_words
 
 __all__ = ["LONGEST_LINE", "Dialect", "cells_of", "open_text", "read_dialect"]
 
@@ -24,12 +25,8 @@ SPACES = " "
 SEPARATORS = (",", ";", "\t", "|")
 COMMENT = re.compile(r"^\s*(?:#+|%+|//)\s*")
 _DECIMAL = re.compile(r"\s*[+-]?\d*,\d+(?:[eE][+-]?\d+)?\s*")
-UNIT_WORDS = frozenset(
-    re.findall(
-        r"\w+",
-        "s sec ms us ns rad deg rev turns m cm mm m_s mm_s cm_s rad_s deg_s rev_s rpm ticks counts pulses "
-        "v a c w degrees radians seconds celsius percent bool int float hz n nm kg g g_s none unit units",
-    )
+UNIT_WORDS = unit_words() | set(
+    "v a c w celsius percent bool int float hz n nm kg g g_s none unit units".split()
 )
 
 
@@ -158,11 +155,26 @@ def _header_line(texts: Sequence[str], known: Collection[str]) -> tuple[int, str
         for delimiter in _separators(bare):
             headers = _headers(bare, delimiter)
             named = any(means(header, TIME) for header in headers) or not frozenset(known).isdisjoint(headers)
-            if len(headers) > 1 and named and not _is_row(headers):
+            if len(headers) > 1 and named and not any(map(_is_reading, headers)):
                 return place, delimiter
+    if (above := _above_rows(texts)) is not None:
+        return above
     place = next((k for k, text in enumerate(texts) if not _is_preamble(texts, k)), 0)
     bare = COMMENT.sub("", texts[place])
     return place, (_separators(bare) or [","])[0]
+
+
+def _above_rows(texts: Sequence[str]) -> tuple[int, str] | None:
+    """The first line of names with rows of as many numbers below it, and what separates its cells."""
+    for place, text in enumerate(texts[: -ROWS // 2]):
+        bare = COMMENT.sub("", text)
+        for delimiter in _separators(bare):
+            headers = _headers(bare, delimiter)
+            below = [_cells(each, delimiter) for each in texts[place + 1 : place + 1 + ROWS // 2]]
+            fits = all(len(row) == len(headers) and _is_row(row) for row in below)
+            if len(headers) > 1 and fits and not any(map(_is_reading, headers)):
+                return place, delimiter
+    return None
 
 
 def _is_preamble(texts: Sequence[str], place: int) -> bool:
@@ -188,17 +200,32 @@ def _headers(text: str, delimiter: str) -> list[str]:
     """The names in a line of headers."""
     if delimiter == SPACES:  # "left [rad]" is one name
         text = re.sub(r"\s+(?=[\[(])", "", text)
+    return [cell.strip().strip('"').lstrip("#% ").strip() for cell in _cells(text, delimiter)]
+
+
+def _cells(text: str, delimiter: str) -> list[str]:
+    """The cells of a line, none where it has none."""
     try:
-        cells = cells_of(text, delimiter)
+        return cells_of(text, delimiter)
     except TableError:
         return []
-    return [cell.strip().strip('"').lstrip("#% ").strip() for cell in cells]
+
+
+def _is_reading(cell: str) -> bool:
+    """True for a cell that is a number or a time."""
+    return bool(cell.strip()) and (is_number(cell.strip().replace(",", ".")) or is_clock_time(cell))
 
 
 def _is_row(cells: Sequence[str]) -> bool:
     """True for cells that are numbers and times."""
-    held = [cell.strip() for cell in cells if cell.strip()]
-    return bool(held) and all(is_number(cell.replace(",", ".")) or is_clock_time(cell) for cell in held)
+    held = [cell for cell in cells if cell.strip()]
+    return bool(held) and all(map(_is_reading, held))
+
+
+def _is_headless(cells: Sequence[str]) -> bool:
+    """True for the cells of a row, some of which may be words behind the first."""
+    readings = sum(map(_is_reading, cells))
+    return bool(cells) and _is_reading(cells[0]) and 2 * readings >= sum(bool(c.strip()) for c in cells)
 
 
 def _dialect(lines: Sequence[tuple[int, int, str]], place: int, delimiter: str) -> Dialect:
@@ -207,7 +234,7 @@ def _dialect(lines: Sequence[tuple[int, int, str]], place: int, delimiter: str) 
     headers = _headers(COMMENT.sub("", text), delimiter)
     below = [each for each in lines[place + 1 : place + 1 + ROWS] if not COMMENT.match(each[2])]
     found = Dialect(delimiter, headers=headers, skip_lines=number, header_bytes=end)
-    if _is_row(headers):
+    if _is_headless(headers):
         found.has_header = False
         found.skip_lines, found.header_bytes = lines[place - 1][:2] if place else (0, 0)
         below = list(lines[place : place + ROWS])
@@ -216,8 +243,8 @@ def _dialect(lines: Sequence[tuple[int, int, str]], place: int, delimiter: str) 
         found.units = {k: _unit(cell) for k, cell in enumerate(rows[0]) if _unit(cell)}
         found.skip_lines, found.header_bytes = below[0][:2]
         rows = rows[1:]
-    if rows and all(len(row) == len(headers) + 1 and not row[-1].strip() for row in rows):
-        headers.append("")  # a separator behind the last cell
+    if rows and all(len(row) > len(headers) and not "".join(row[len(headers) :]).strip() for row in rows):
+        headers += [""] * (len(rows[0]) - len(headers))  # separators behind the last cell
     found.first = rows
     if cells := [cell for row in rows for cell in row if "," in cell]:
         decimal = all(_DECIMAL.fullmatch(c) or is_clock_time(c) for c in cells)
