@@ -32,7 +32,8 @@ class Case(Protocol):
     """A log whose truth is known.
 
     `owner` is what whoever made the log knows and may be asked for, by the name of an option, None for one
-    that has no answer; `knowable` is false where nothing in the log tells what it is; `says` are words of a refusal that is the right answer.
+    that has no answer; `knowable` is false where nothing in the log tells what it is; `says` are words of a
+    refusal that is the right answer.
     """
 
     rover: sw.Rover

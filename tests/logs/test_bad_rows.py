@@ -15,7 +15,7 @@ parquet = pytest.importorskip("pyarrow.parquet")
 
 from six_wheel.logs import JointLog  # noqa: E402
 from six_wheel.logs.headers.columns import TableError  # noqa: E402
-from six_wheel.logs.skip_bad_rows import MOST_FINDINGS  # noqa: E402
+from six_wheel.logs.plausibility.findings import MOST_FINDINGS  # noqa: E402
 from tests.logs.carts import HEADER, write  # noqa: E402
 from tests.rovers import CART  # noqa: E402
 

@@ -204,7 +204,7 @@ def dead_reckon(
         stamps = in_seconds(np.asarray(stamps), scale_of(stamp_unit))
     if wheel_angles is not None and stamps is not None and plausibility and _rows(stamps) >= FEW:
         checks = array_checks(rover, options, clock_stated=stamp_unit is not None)
-        check_arrays(checks, steering, wheel_angles, stamps, known)
+        check_arrays(checks, steering, wheel_angles, stamps, known, yaw_rate)
     if wheel_angles is not None and stamps is not None and progress is None:
         track = odometry.run(steering, wheel_angles, stamps, **rates, **common)
     else:

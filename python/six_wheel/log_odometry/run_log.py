@@ -36,6 +36,7 @@ __all__ = ["ROUNDING", "reckon"]
 
 UPPER = tuple(zip(*np.triu_indices(3), strict=True))  # of a covariance, which is symmetric
 RECORD = ".mcap"
+LATEST_NANOSECONDS = 9_000_000_000  # [s] since 1970
 COVARIANCES = ("x_x", "x_y", "x_yaw", "y_y", "y_yaw", "yaw_yaw")
 
 
@@ -82,7 +83,7 @@ class _Run:
 
     def units(self) -> dict[str, str]:
         """Name and unit of the columns of the results; times since 1970 are whole nanoseconds."""
-        stamp = {"time_ns": "ns"} if self.log.origin else {"time": "s"}
+        stamp = {"time_ns": "ns"} if self._since_1970 else {"time": "s"}
         pose = {"x": "m", "y": "m", "yaw": "rad"}
         twist = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
         squares = {
@@ -185,8 +186,13 @@ class _Run:
             there = np.isfinite(wanted).all(axis=1)
             self._known.append((times[there], estimate[there], wanted[there]))
 
+    @property
+    def _since_1970(self) -> bool:
+        """True for times since 1970, which fit whole nanoseconds; others count from the first second."""
+        return bool(self.log.origin) and abs(self.log.origin) < LATEST_NANOSECONDS
+
     def _times(self, stamps: Floats) -> NDArray[Any]:
-        if not self.log.origin:
+        if not self._since_1970:
             return stamps
         return self.log.origin * 1_000_000_000 + np.rint(1e9 * stamps).astype(np.int64)
 

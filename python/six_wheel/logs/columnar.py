@@ -1,4 +1,5 @@
-"""Files of Arrow's: Parquet, and Feather or Arrow IPC, in batches of columns."""
+"""Files that Arrow reads: Parquet, Feather or Arrow IPC, and JSON with one object in a line, in batches of
+columns."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -18,7 +19,7 @@ class ColumnarFile:
     Parameters
     ----------
     path : Path
-    format : {"parquet", "arrow"}
+    format : {"parquet", "arrow", "json"}
 
     Attributes
     ----------
@@ -34,9 +35,10 @@ class ColumnarFile:
     def __init__(self, path: Path, format: str) -> None:
         import pyarrow as pa
         import pyarrow.ipc
+        import pyarrow.json
         import pyarrow.parquet
 
-        self._path, self._kind = path, "Parquet" if format == "parquet" else "Arrow"
+        self._path, self._kind = path, {"parquet": "Parquet", "json": "JSON"}.get(format, "Arrow")
         self._handle = open(path, "rb")  # noqa: SIM115
         self._file: Any
         try:
@@ -45,6 +47,9 @@ class ColumnarFile:
                 self._file = pa.parquet.ParquetFile(self._handle, pre_buffer=False, buffer_size=1 << 20)
                 self.schema: pa.Schema = self._file.schema_arrow
                 self.rows: int = self._file.metadata.num_rows
+            elif format == "json":
+                self._file = _flat(pa.json.read_json(self._handle))
+                self.schema, self.rows = self._file.schema, self._file.num_rows
             else:
                 self._file = pa.ipc.open_file(pa.memory_map(str(path)))
                 self.schema = self._file.schema
@@ -80,6 +85,9 @@ class ColumnarFile:
         if self._format == "parquet":
             yield from self._file.iter_batches(batch_size=chunk_rows, columns=[*headers], use_threads=False)
             return
+        if self._format == "json":
+            yield from self._file.select([*dict.fromkeys(headers)]).to_batches(max_chunksize=chunk_rows)
+            return
         for number in range(self._file.num_record_batches):
             whole = self._file.get_batch(number).select([*dict.fromkeys(headers)])
             for start in range(0, whole.num_rows, chunk_rows):
@@ -88,6 +96,15 @@ class ColumnarFile:
     def close(self) -> None:
         """Close the file."""
         self._handle.close()
+
+
+def _flat(table: "pa.Table") -> "pa.Table":
+    """A table with a column for every field of objects within objects, as ``stamp.sec``."""
+    import pyarrow as pa
+
+    while any(pa.types.is_struct(field.type) for field in table.schema):
+        table = table.flatten()
+    return table
 
 
 def units_of(schema: "pa.Schema") -> dict[int, str]:

@@ -30,10 +30,11 @@ from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.joints import JointLog, JointRows
 from six_wheel.logs.log_options import LogOptions, corrections, encoders_of, encoders_or_keys
 from six_wheel.logs.plausibility.arrays import check_log
+from six_wheel.logs.plausibility.findings import Findings
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
-from six_wheel.logs.skip_bad_rows import Findings
 from six_wheel.logs.tables import FORMATS, READ
+from six_wheel.logs.text.foreign import other_form
 
 __all__ = [
     "READERS",
@@ -113,7 +114,8 @@ def log_format(path: Path) -> str:
         return "bag"
     if path.suffix.lower() in READ:
         return "table"
-    raise TableError(f'{path}: a log must be a bag\'s folder or end in {ENDINGS}, got "{path.suffix}"')
+    rule = f'a log must be a bag\'s folder or end in {ENDINGS}, got "{path.suffix}"'
+    raise TableError(f"{path}: {rule}; {other_form(path.suffix.lower())}")
 
 
 def logs_in(paths: Sequence[Path]) -> list[Path]:
@@ -192,7 +194,7 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
                 continue
             counted = "ticks_per_turn" in keys
             if counts[part] and not counted:
-                refuse_counts(source, part, keys)
+                refuse_counts(source, part, keys, options.max_speed)
             # Speeds are those of the joints: of wheels there is nothing to count, nor are angles turned.
             meant = counts[part] or source.bagged if counted else source.readings != "speeds"
             if meant and not (part == "wheel" and source.readings == "speeds"):

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.headers.columns import TIME, Column, TableError, find_columns
-from six_wheel.logs.headers.joint_columns import columns_in_space, position_columns, truth_columns
 from six_wheel.logs.headers.time_columns import seconds_since
-from six_wheel.logs.skip_bad_rows import Findings, Sieve, Source, TolerantTable
+from six_wheel.logs.headers.truth_columns import columns_in_space, position_columns, truth_columns
+from six_wheel.logs.plausibility.findings import Findings
+from six_wheel.logs.skip_bad_rows import Sieve, Source, TolerantTable
 
 __all__ = ["TRUTH", "has_yaw", "poses_of", "read_truth", "rows_of", "transforms"]
 

@@ -13,7 +13,13 @@ from six_wheel.logs.ground_truth import TRUTH
 from six_wheel.logs.gyroscope.rates import RATES, upward
 from six_wheel.logs.gyroscope.sources import rate_table
 from six_wheel.logs.headers.columns import Column, TableError, Unit
-from six_wheel.logs.headers.joint_columns import JointColumns, Reading, joint_columns, unsaid_units
+from six_wheel.logs.headers.joint_columns import (
+    JointColumns,
+    Reading,
+    direction_columns,
+    joint_columns,
+    unsaid_units,
+)
 from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.plausibility.checks import ReadingChecks
@@ -48,6 +54,8 @@ class JointSource:
         Names whose column has the sign of a reversed joint.
     columns : mapping
         Column by name, of a table.
+    directions : mapping
+        Wheel to the header of its direction, of a table.
     stated : bool
         True if the log states the unit of its times.
     has_rates : bool
@@ -74,6 +82,7 @@ class JointSource:
         self.counted: set[str] = set()
         self.columns: Mapping[str, Column] = {}
         self.turned: frozenset[str] = frozenset()
+        self.directions: Mapping[str, str] = {}
         self.rows: Source
         self.rates: Source | None = None
         self.names: Sequence[str]
@@ -124,6 +133,7 @@ class JointSource:
             counts_unknown=self.readings == "ticks" and not each[0],
             turn=each[0].ticks_per_turn if each and each[0] is not None else None,
             increments_stated=increments is not None,
+            directions=self.directions,
             **bounds,
         )
 
@@ -146,6 +156,7 @@ class JointSource:
         self.rows, self.readings, self.names = table, joints.readings, list(joints.columns)
         self.columns, self.stated = joints.columns, table.stated
         self.turned = joints.reversed
+        self.directions = direction_columns(table.headers, self.rover)
         if unsaid := unsaid_units(joints, self.rover):
             self.warnings.append(f"{self.path}: {unsaid}")
         columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_wheel_names}
@@ -206,12 +217,16 @@ class JointSource:
         return rates
 
 
-def refuse_counts(source: JointSource, part: str, keys: Mapping[str, Any]) -> NoReturn:
+def refuse_counts(
+    source: JointSource, part: str, keys: Mapping[str, Any], max_speed: float | None = None
+) -> NoReturn:
     """Counts of which nobody says how many a turn has; where they wrap is said with it."""
     of_steering = part == "steering"
     what = "the steering is" if of_steering else "the wheels are"
     known = replace(
-        source.describe(None, None, keys.get("increments")), clock_stated=True, wraps="wraps_at" in keys
+        source.describe(None, None, keys.get("increments"), max_speed=max_speed),
+        clock_stated=True,
+        wraps="wraps_at" in keys,
     )
     known = replace(known, wheels=()) if of_steering else known
     checks = ReadingChecks(known, lambda line: None)

@@ -26,9 +26,10 @@ from six_wheel.logs.headers.time_columns import seconds_since, whole_second
 from six_wheel.logs.joint_sources import JointSource
 from six_wheel.logs.joint_totals import Encoders, Integral, Total, encoder_of
 from six_wheel.logs.plausibility.checks import ReadingChecks
+from six_wheel.logs.plausibility.findings import Finding, Findings
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
-from six_wheel.logs.skip_bad_rows import Batch, Finding, Findings, Sieve
+from six_wheel.logs.skip_bad_rows import Batch, Sieve
 
 __all__ = ["Finding", "JointLog", "JointRows", "Reading"]
 
@@ -246,7 +247,8 @@ class JointLog:
             raise ValueError(f"chunk_rows must be positive, got {chunk_rows}")
         first = True
         spare, strict = (*TRUTH, *RATES), self._checks is not None
-        sieve = Sieve(self.findings, spare, self._source.stated, strict)
+        warn = self._warn if self.readings == "speeds" else None
+        sieve = Sieve(self.findings, spare, self._source.stated, strict, warn)
         turning: Turning | None = None
         held: JointRows | None = None  # a row's rate is not known before the row behind it
         before: float | None = None

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
@@ -12,57 +12,16 @@ from numpy.typing import NDArray
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
 from six_wheel.logs.headers.columns import Column, TableError, Unit, is_number
 from six_wheel.logs.headers.renamed import Columns, renamed, without_header
-from six_wheel.logs.plausibility.proposals import stamp_unit
-from six_wheel.logs.plausibility.stamps import out_of_order, unit_since_1970
+from six_wheel.logs.plausibility.findings import Findings
+from six_wheel.logs.plausibility.stamps import out_of_order, rows_behind, since_1970
 from six_wheel.logs.tables import LATEST_SECOND, READ, RowError, Table
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-MOST_FINDINGS = 1000  # that are kept; more are counted
 BLOCK = 1 << 20  # [byte] that are read line by line if one of the lines is bad
 
 Find: TypeAlias = Callable[[Sequence[str], Mapping[int, str]], dict[str, Column]]
-
-
-@dataclass(frozen=True)
-class Finding:
-    """A row that was left out and why, or consecutive rows with the same flaw; ``str()`` is one line.
-
-    Rows are counted from 1; in a bag they are messages. `line` is that of `row`, in a CSV file.
-    """
-
-    path: Path
-    row: int
-    message: str
-    line: int | None = None
-    last_row: int | None = None
-
-    def __str__(self) -> str:
-        line = "" if self.line is None else f" (line {self.line})"
-        last = "" if self.last_row is None else f" to {self.last_row}"
-        return f"{self.path}: row{'s' if last else ''} {self.row}{line}{last}: {self.message}"
-
-
-@dataclass
-class Findings:
-    """Rows that were left out: the first `MOST_FINDINGS` findings in full, and the number of `rows`."""
-
-    path: Path
-    listed: list[Finding] = field(default_factory=list)
-    rows: int = 0
-    _flaw: str = ""
-    _last: int = 0
-
-    def add(self, row: int, flaw: str, got: str = "", line: int | None = None) -> None:
-        """Report a row: `flaw` is the rule it breaks, the same for all that break it, `got` what it has."""
-        self.rows += 1
-        if flaw == self._flaw and row == self._last + 1 and self.listed:
-            if len(self.listed) < MOST_FINDINGS or self.listed[-1].last_row == self._last:
-                self.listed[-1] = replace(self.listed[-1], last_row=row)
-        elif len(self.listed) < MOST_FINDINGS:
-            self.listed.append(Finding(self.path, row, f"{flaw}{got}", line))
-        self._flaw, self._last = flaw, row
 
 
 @dataclass(frozen=True)
@@ -328,12 +287,20 @@ class Sieve:
         Whether the unit of the times is stated, and not only the default.
     strict : bool
         Whether rows in another order than that of time are refused as a whole.
+    warn : callable, optional
+        Called with a line where rows are left out whose rates the path misses.
     """
 
     def __init__(
-        self, findings: Findings, spare: Collection[str], stated: bool, strict: bool = False
+        self,
+        findings: Findings,
+        spare: Collection[str],
+        stated: bool,
+        strict: bool = False,
+        warn: Callable[[str], None] | None = None,
     ) -> None:
         self._findings, self._spare, self._stated, self._strict = findings, spare, stated, strict
+        self._warn = warn
         self._held: Batch | None = None
         self._last: Any = None
 
@@ -366,7 +333,7 @@ class Sieve:
         time = np.concatenate([batch.time, following])
         if self._last is None and not self._stated and abs(time[0]) > LATEST_SECOND:
             rule = "time must be in seconds unless its header states a unit, such as time_ns"
-            got = f"{rule}, got {time[0]}: give {stamp_unit(unit_since_1970(float(time[0])))}"
+            got = f"{rule}, got {time[0]}: {since_1970(float(time[0]))}"
             raise TableError(f"{self._findings.path}: row {batch.rows[0]}: {got}")
         late = self._last is not None and time[0] <= self._last
         if late or (np.diff(time) <= 0).any():
@@ -390,6 +357,8 @@ class Sieve:
     def _check_order(self, batch: Batch, time: NDArray[Any], kept: Sequence[int]) -> None:
         """Refuses rows in another order than that of time, and a clock that started anew."""
         late = np.setdiff1d(np.arange(len(batch)), kept)
+        if self._warn is not None and (line := rows_behind(time, late, batch.rows)):
+            self._warn(line)
         if self._strict and (line := out_of_order(time, "time", late, batch.rows)):
             raise TableError(f"{self._findings.path}: {line}")
 

@@ -34,14 +34,17 @@ from six_wheel.logs.text.dialect import LONGEST_LINE, SPACES, cells_of, open_tex
 if TYPE_CHECKING:
     import pyarrow as pa
 
-Format = Literal["csv", "parquet", "arrow"]
+Format = Literal["csv", "parquet", "arrow", "json"]
 FORMATS: Mapping[str, Format] = {".csv": "csv", ".parquet": "parquet"}
 # Further endings that are read, and not written.
 READ: Mapping[str, Format] = {
     **FORMATS,
-    **dict.fromkeys((".txt", ".tsv", ".tum", ".dat", ".log", ".gz"), "csv"),
+    **dict.fromkeys(
+        (".txt", ".tsv", ".tum", ".dat", ".log", ".gz", ".bz2", ".xz", ".asc", ".lvm", ".prn"), "csv"
+    ),
     **dict.fromkeys((".feather", ".arrow", ".ipc"), "arrow"),
     ".pq": "parquet",
+    **dict.fromkeys((".jsonl", ".ndjson"), "json"),
 }
 
 # A bare "time" is in seconds. Larger than this (the year 5138) it is a count of something shorter.
@@ -144,6 +147,11 @@ class Table:
         for each in (self._handle, self._file):
             if each is not None:
                 each.close()
+
+    @property
+    def headers(self) -> Sequence[str]:
+        """Headers as the file has them."""
+        return self._headers
 
     @property
     def position(self) -> int:

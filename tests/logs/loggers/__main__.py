@@ -32,6 +32,7 @@ GROUPS = (
     published.containers,
     memory.frames,
     memory.arrays,
+    memory.units,
 )
 
 

@@ -52,10 +52,8 @@ def stamps() -> Iterator[Logged]:
     minutes = t / 60.0
     yield Logged("minutes", table({"time [min]": minutes, **RAD}), says=("unit",))
     yield Logged("bare minutes", table({"time": minutes, **RATES}), knowable=False)
-    yield Logged(
-        "hundredths of a second", table({"time": np.rint(100 * t).astype(int), **RATES}), knowable=False
-    )
-    yield Logged("numbers of rows for times", table({"time": np.arange(len(t)), **RATES}), knowable=False)
+    hundredths = {"time": np.rint(100 * t).astype(int), **RATES}
+    yield Logged("hundredths of a second", table(hundredths), owner={"stamp_unit": None}, knowable=False)
     coarse = (START + t).astype(np.float32)
     yield Logged(
         "seconds since 1970 of 32 bit",

@@ -64,6 +64,12 @@ def driven(
     return Drive(rover, stamps, angles, steering, track.poses[-1])
 
 
+def dead_reckoned(drive: Drive, angles: Floats, stamps: Floats) -> Drive:
+    """The drive that other totals [rad] and stamps [s] of a rover without steering tell."""
+    pose = sw.dead_reckon(drive.rover, None, angles, stamps, plausibility=False).poses[-1]
+    return Drive(drive.rover, stamps, angles, None, pose)
+
+
 PAIR = driven(sw.Rover.differential(0.42, 0.09))
 ONWARD = driven(PAIR.rover, backwards=False)
 QUICK = driven(PAIR.rover, period=0.01)

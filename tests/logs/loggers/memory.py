@@ -1,5 +1,6 @@
 """Frames and arrays as notebooks hold them."""
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -7,7 +8,19 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 
-from tests.logs.loggers.logged import COUNTS, PAIR, SIX, START, Logged, as_unit, wheels
+import six_wheel as sw
+from tests.logs.loggers.logged import (
+    COUNTS,
+    PAIR,
+    SIX,
+    START,
+    Drive,
+    Logged,
+    as_unit,
+    dead_reckoned,
+    table,
+    wheels,
+)
 
 TAU = 2.0 * np.pi
 
@@ -113,20 +126,13 @@ def arrays() -> Iterator[Logged]:
     masked = np.ma.masked_array(angles.copy(), mask=np.zeros(angles.shape, dtype=bool))
     masked[300:303, 0] = np.ma.masked
     masked.data[300:303, 0] = 1e20
-    yield held("masked array", (None, masked, t))
+    yield held("masked array", (None, masked, t), says=("without a mask",))
     yield held("masked columns", {"time": t, "left": masked[:, 0], "right": masked[:, 1]})
     yield held("wheels as rows", (None, angles.T, t), says=("shape",))
     yield held("stamps as a column", (None, angles, t[:, None]), says=("stamps",))
     yield held(
         "dates of NumPy",
         (None, angles, np.datetime64("2026-11-26T00:00:00") + np.rint(1e9 * t).astype("timedelta64[ns]")),
-    )
-    yield held("angles in turns", (None, angles / TAU, t), knowable=False)
-    yield held(
-        "names, angles in turns",
-        {"time": t, "left": angles[:, 0] / TAU, "right": angles[:, 1] / TAU},
-        owner=as_unit(("left", "right"), "rev"),
-        knowable=False,
     )
     yield held("rates for angles", (None, PAIR.rates, t), owner={"readings": "speeds"}, knowable=False)
     yield held(
@@ -147,14 +153,7 @@ def arrays() -> Iterator[Logged]:
         owner=as_unit(("left", "right"), "rpm"),
         knowable=False,
     )
-    yield held(
-        "metres in names",
-        {"time": t, "left": 0.09 * angles[:, 0], "right": 0.09 * angles[:, 1]},
-        owner=as_unit(("left", "right"), "m"),
-        knowable=False,
-    )
     yield held("steering in degrees of six", (np.degrees(SIX.steering), SIX.angles, SIX.stamps), drive=SIX)
-    yield held("turns of six", (SIX.steering, SIX.angles / TAU, SIX.stamps), drive=SIX, knowable=False)
     yield held(
         "unsigned counts of 16 bit",
         (None, (PAIR.counts + 65_000).astype(np.uint16), t),
@@ -173,3 +172,38 @@ def arrays() -> Iterator[Logged]:
         {**plain, "left": [None if k == 40 else float(v) for k, v in enumerate(angles[:, 0])]},
     )
     yield held("columns of another length", {**plain, "left": angles[:-1, 0]}, says=("rows",))
+
+
+def units() -> Iterator[Logged]:
+    """Turns, degrees and metres without a name of their unit, told by steps of the encoder, a gyroscope or a
+    truth."""
+    t, turns = PAIR.stamps, PAIR.counts / COUNTS
+    rev = as_unit(("left", "right"), "rev")
+    yield held("counts as turns", (None, turns, t))
+    yield held("counts as degrees", (None, 360.0 * turns, t))
+    yield held("counts as turns of six digits", (None, turns.round(6), t))
+    yield held("names, counts as turns", {"time": t, **wheels(PAIR, turns, "{0}")}, owner=rev)
+    yield held("counts as radians", (None, math.tau * turns, t))
+    yield held("counts as radians of six digits", (None, (math.tau * turns).round(6), t))
+    track = sw.dead_reckon(PAIR.rover, None, PAIR.angles, t, plausibility=False)
+    yaw_rate, truth = track.twists[:, 2], sw.GroundTruth(t, track.poses)
+    for name, scale in (("turns", 1.0 / math.tau), ("metres", PAIR.rover.wheels[0].radius)):
+        yield held(f"{name} beside a gyroscope", sw.WheelLog(t, None, scale * PAIR.angles, yaw_rate=yaw_rate))
+        log = sw.WheelLog(t, None, scale * PAIR.angles, truth)
+        yield held(f"{name} beside a truth", log, knowable=False)
+    six = sw.dead_reckon(SIX.rover, SIX.steering, SIX.angles, SIX.stamps, plausibility=False).twists[:, 2]
+    log = sw.WheelLog(SIX.stamps, SIX.steering, SIX.angles / math.tau, yaw_rate=six)
+    yield held("turns of six beside a gyroscope", log, drive=SIX)
+
+
+def impossible() -> Iterator[tuple[Logged, Drive]]:
+    """Forms that are to the last digit the log of another drive in radians or seconds, and that drive."""
+    t = PAIR.stamps
+    for name, scale in (("turns", 1.0 / math.tau), ("metres", PAIR.rover.wheels[0].radius)):
+        slower = dead_reckoned(PAIR, scale * PAIR.angles, t)
+        yield held(f"{name} as arrays", (None, slower.angles, t)), slower
+        yield held(f"{name} as bare names", {"time": t, **wheels(PAIR, slower.angles, "{0}")}), slower
+    rows = np.arange(len(t), dtype=float)
+    longer = dead_reckoned(PAIR, PAIR.angles * rows[1] / t[1], rows)
+    columns = {"time": rows, **wheels(PAIR, PAIR.rates, "{0} [rad/s]")}
+    yield Logged("numbers of rows as times of rates", table(columns)), longer

@@ -1,9 +1,11 @@
 """Logs of motor controllers: electrical revolutions, tachometers, turns, counts by a gear, rates, ways."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
+import six_wheel as sw
 from tests.logs.loggers.logged import COUNTS, PAIR, QUICK, SIX, SKID, Logged, as_ticks, as_unit, table, wheels
 
 TAU = 2.0 * np.pi
@@ -140,6 +142,8 @@ def rates() -> Iterator[Logged]:
             says=("must state its unit",),
         )
     whole = np.rint(rates * 30 / np.pi).astype(int)
+    rounded = sw.WheelLog(PAIR.stamps, None, whole * np.pi / 30, options={"readings": "speeds"})
+    slow = replace(PAIR, pose=sw.dead_reckon(PAIR.rover, rounded).poses[-1])
     yield Logged(
         "whole rpm",
         table(
@@ -154,7 +158,7 @@ def rates() -> Iterator[Logged]:
     yield Logged(
         "whole rpm of slow wheels",
         table({"time [s]": PAIR.stamps, **wheels(PAIR, whole, "{0}_rpm")}),
-        knowable=False,
+        slow,
     )
     yield Logged(
         "rates called by wheel alone",

@@ -188,9 +188,9 @@ def containers() -> Iterator[Logged]:
         json.dumps({"time": t, "left": a, "right": b})
         for t, (a, b) in zip(PAIR.stamps, PAIR.angles, strict=True)
     ]
-    yield Logged("JSON lines", text("log.jsonl", rows), says=("DataFrame",))
+    yield Logged("JSON lines", text("log.jsonl", rows), owner=as_unit(("left", "right"), "rad"))
     yield Logged("JSON", text("log.json", ["[", ",\n".join(rows), "]"]), says=("DataFrame",))
-    yield Logged("JSON lines called log", text("log.log", rows), says=("DataFrame",))
+    yield Logged("JSON lines called log", text("log.log", rows), says=(".jsonl",))
     yield Logged(
         "NumPy archive",
         lambda folder: (np.savez(folder / "log.npz", time=PAIR.stamps), folder / "log.npz")[1],

@@ -13,9 +13,10 @@ from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.detect_reader import log_format, open_log
 from six_wheel.logs.headers.columns import Column, TableError, Unit
-from six_wheel.logs.headers.joint_columns import joint_columns, truth_columns
+from six_wheel.logs.headers.joint_columns import joint_columns
 from six_wheel.logs.headers.rate_columns import rate_columns
 from six_wheel.logs.headers.time_columns import time_columns
+from six_wheel.logs.headers.truth_columns import truth_columns
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.plausibility.jumps import find_jumps, may_jump
 from six_wheel.logs.plausibility.proposals import number

@@ -16,7 +16,8 @@ from six_wheel._core import Rover
 from six_wheel.logs.bags.messages import JOINT_STATE, LINE, LOOK_AHEAD, Bag
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.headers.joint_columns import Reading, did_you_mean
-from six_wheel.logs.skip_bad_rows import Batch, Findings
+from six_wheel.logs.plausibility.findings import Findings
+from six_wheel.logs.skip_bad_rows import Batch
 from six_wheel.robot_description.joint_names import said_by
 
 LONGEST_GAP = 500_000_000  # [ns] between two messages of a joint, across which it is not interpolated

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from six_wheel.logs.bags.bag_files import files_of, one_line, rosbags_names, whole_part
 from six_wheel.logs.headers.columns import TIME_UNITS, TableError
-from six_wheel.logs.skip_bad_rows import Findings
+from six_wheel.logs.plausibility.findings import Findings
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader

@@ -86,6 +86,7 @@ def _of_columns(rover: Rover, headers: Sequence[str], by_name: JointColumns, sen
     if "nanoseconds" in known:
         found["nanoseconds"] = headers[known["nanoseconds"].index]
         scales[found["stamp"]] = 1e-9
+        scales[found["nanoseconds"]] = 1e9 * known["nanoseconds"].unit.scale
     elif known["time"].stated:
         scales[found["stamp"]] = known["time"].unit.scale
     backwards = set()

@@ -18,6 +18,7 @@ from six_wheel.kinematics.rover_edit import joints_by_wheel
 from six_wheel.logs.frames.table_headers import STAMPS, Meaning, Sensors, meaning_of, names
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
 from six_wheel.logs.headers.columns import TIME, means
+from six_wheel.logs.headers.joint_columns import direction_columns
 from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.headers.time_columns import in_seconds
 from six_wheel.logs.plausibility.arrays import FEW, array_checks
@@ -149,7 +150,8 @@ def table(
         )
     if meaning.readings is not None:
         options = {**options, "readings": "angles" if meaning.readings == "ticks" else meaning.readings}
-    checks = _checks(rover, options, meaning) if plausibility else None
+    directions = direction_columns(headers, rover)
+    checks = _checks(rover, options, meaning, directions) if plausibility else None
     wanted = sorted({header for header in meaning.found.values() if header})
 
     def batches() -> Iterator[dict[str, NDArray[Any]]]:
@@ -159,7 +161,11 @@ def table(
             for header, values in whole.items():
                 if header != stated and values.dtype.kind not in "fiu":
                     raise ValueError(f'column "{header}" must be numbers, got {values[:1].tolist()}')
-            count = len(whole[meaning.found["stamp"]])
+            count = len(whole[stated])
+            for header, values in whole.items():
+                if len(values) != count:
+                    rule = f'have {count} rows, as column "{stated}"'
+                    raise ValueError(f'column "{header}" must {rule}, got {len(values)}')
             for first in range(0, count, chunk_rows):
                 yield {header: column[first : first + chunk_rows] for header, column in whole.items()}
             return
@@ -172,7 +178,8 @@ def table(
         for read in batches():
             read[meaning.found["stamp"]] = _stamps(read[meaning.found["stamp"]], clock)
             if rest := meaning.found.get("nanoseconds"):
-                read[meaning.found["stamp"]] = _added(read[meaning.found["stamp"]], read[rest])
+                nanoseconds = read[rest] * round(meaning.scales[rest])
+                read[meaning.found["stamp"]] = _added(read[meaning.found["stamp"]], nanoseconds)
             origin = _origin(read[meaning.found["stamp"]], meaning) if origin is None else origin
             _turn(rover, read, meaning)
             yield _piece(rover, meaning, read, origin)
@@ -191,13 +198,17 @@ def _checked(pieces: Iterator[Piece], checks: ReadingChecks | None) -> Iterator[
         checks.finish()
 
 
-def _checks(rover: Rover, options: Mapping[str, Any], meaning: Meaning) -> ReadingChecks:
+def _checks(
+    rover: Rover, options: Mapping[str, Any], meaning: Meaning, directions: Mapping[str, str]
+) -> ReadingChecks:
     steering, _ = joints_by_wheel(rover)
     named = {"stamp": meaning.found["stamp"]}
     named |= {wheel: meaning.found[wheel] for wheel in rover.wheel_names}
     for wheel in rover.steered_wheel_names:
         named[f"{wheel} steering"] = meaning.found[steering.get(wheel, f"{wheel}_steering_joint")]
-    return array_checks(rover, options, named, meaning.clock_stated, meaning.units_stated)
+    return array_checks(
+        rover, options, named, meaning.clock_stated, meaning.units_stated, directions=directions
+    )
 
 
 def _parquet(path: Path) -> Any:
@@ -259,7 +270,9 @@ def _headers(source: Any) -> Iterable[Any]:
             headers: Iterable[Any] = found() if callable(found) else found
             return headers
     got = type(source).__name__
-    raise ValueError(f"steering must come with wheel_angles and stamps, or be a table or a path, got {got}")
+    rule = "steering must come with wheel_angles and stamps, or be a table or a path"
+    such = 'columns with names, such as a DataFrame or {"time": ..., "left": ...}'
+    raise ValueError(f"{rule}, got {got}; a table has {such}")
 
 
 def _turn(rover: Rover, read: dict[str, NDArray[Any]], meaning: Meaning) -> None:
@@ -319,6 +332,8 @@ def _column(source: Any, header: str) -> NDArray[Any]:
 
 def _numbers(column: Any) -> NDArray[Any]:
     """A column as numbers, dates or texts, missing values NaN or NaT."""
+    if isinstance(column, np.ma.MaskedArray):
+        return np.ma.filled(column.astype(np.float64), np.nan)
     if hasattr(column, "to_numpy"):
         if type(column).__module__.startswith("pyarrow"):
             chunked = hasattr(column, "chunks")

@@ -20,6 +20,7 @@ KNOWN = (
 
 SECOND = 1_000_000_000
 DAY = 86_400 * SECOND
+MONTHS = "janfebmaraprmayjunjulaugsepoctnovdec"
 UNITS = {"s": SECOND, "sec": SECOND, "ms": 1_000_000, "us": 1000, "µs": 1000, "ns": 1}
 
 _FRACTION = r"(?:(?:[.,]|:(?=\d{3}\b))(?P<fraction>\d{1,9})\d*)?"
@@ -33,6 +34,7 @@ _ZONE = r"\s*(?:Z|UTC|GMT|(?P<sign>[+-])(?P<zh>\d{2}):?(?P<zm>\d{2})?)?"
 _DATES = (
     r"(?P<year>\d{4})(?P<s>[-/.])(?P<month>\d{1,2})(?P=s)(?P<day>\d{1,2})",
     r"(?P<day>\d{1,2})\.(?P<month>\d{1,2})\.(?P<year>\d{4}|\d{2})",
+    r"(?P<day>\d{1,2})[- ](?P<month>[A-Za-z]{3})[- ](?P<year>\d{4})",
     # With strokes only a number above 12 tells the day from the month.
     r"(?P<month>\d{1,2})/(?P<day>1[3-9]|2\d|3[01])/(?P<year>\d{4})",
     r"(?P<day>1[3-9]|2\d|3[01])/(?P<month>\d{1,2})/(?P<year>\d{4})",
@@ -108,7 +110,8 @@ def _read(text: str) -> tuple[int, bool] | None:
 
 
 def _of_date(found: re.Match[str]) -> tuple[int, bool] | None:
-    parts = [int(found[name]) for name in ("year", "month", "day", "hour", "minute", "second")]
+    written = {**found.groupdict(), "month": _month(found["month"])}
+    parts = [int(written[name]) for name in ("year", "month", "day", "hour", "minute", "second")]
     parts[0] += 2000 if len(found["year"]) == 2 else 0
     parts[3] = _hour(found["hour"], found.groupdict().get("half"))
     try:
@@ -119,6 +122,11 @@ def _of_date(found: re.Match[str]) -> tuple[int, bool] | None:
         offset = 3600 * int(found["zh"]) + 60 * int(found["zm"] or 0)
         seconds -= offset if found["sign"] == "+" else -offset
     return seconds * SECOND + _nanoseconds(found["fraction"]), False
+
+
+def _month(text: str) -> str:
+    """Number of a month that is written in letters; 0 for none."""
+    return text if text.isdigit() else str(1 + MONTHS.find(text.lower()) // 3)
 
 
 def _hour(text: str, half: str | None) -> int:

@@ -17,16 +17,15 @@ from six_wheel.logs.headers.columns import (
     BRACKETS,
     TIME,
     Column,
-    Quantity,
     TableError,
     Unit,
-    find_columns,
     unit,
     words,
 )
 from six_wheel.logs.headers.rate_columns import rate_columns
 from six_wheel.logs.headers.renamed import all_names
 from six_wheel.logs.headers.time_columns import time_columns
+from six_wheel.logs.headers.truth_columns import ANGLES, truth_columns
 from six_wheel.logs.plausibility.proposals import columns
 
 Reading: TypeAlias = Literal["angles", "speeds", "ticks"]
@@ -34,13 +33,6 @@ READINGS: tuple[Reading, ...] = get_args(Reading)
 _BEST_FIRST: tuple[Reading, ...] = ("angles", "ticks", "speeds")
 
 _TURN, _DEGREE = 2 * math.pi, math.pi / 180
-_ANGLES = (
-    unit("rad", 1.0, "rad rads radian radians"),
-    unit("deg", _DEGREE, "deg degs degree degrees"),
-    unit("rev", _TURN, "rev revs revolution revolutions turn turns rot rots rotation rotations"),
-    unit("mrad", 1e-3, "mrad"),
-    unit("gon", _TURN / 400, "gon"),  # "grad" is a degree in other languages
-)
 # Ways and speeds of the rim, which its radius makes angles and rates.
 _AT_RIM = (
     (
@@ -62,7 +54,7 @@ _AT_RIM = (
     ),
 )
 _UNITS: Mapping[Reading, tuple[Unit, ...]] = {
-    "angles": (*_ANGLES, *_AT_RIM[0]),
+    "angles": (*ANGLES, *_AT_RIM[0]),
     "speeds": (
         unit("rad/s", 1.0, "rad_s radps rad_per_s rad_s_1 rad_sec rad_per_sec radians_per_second"),
         unit("deg/s", _DEGREE, "deg_s degps dps deg_per_s deg_s_1 deg_sec deg_per_sec degrees_per_second"),
@@ -82,44 +74,12 @@ _WORDS: Mapping[Reading, tuple[str, ...]] = {
 }
 # Words that messages do not recommend.
 _SHORT = frozenset(("enc", "cnt", "cts", "pulse", "theta", "phi", "omega", *_LENGTHWISE))
+_DIRECTIONS = frozenset(("dir", "direction", "sign", "forward", "fwd", "reverse", "rev_flag", "backwards"))
 # Words by which joint states go, whose units are those of ROS.
 _OF_ROS = frozenset(("position", "velocity"))
 _BEHIND = frozenset(word for words_of in _WORDS.values() for word in words_of)
 # Prefixes that recorders put before the name of a joint.
 _BEFORE = ("", "joint_states_", "joint_state_")
-
-_LENGTHS = (unit("m", 1.0, "m metres meters"), unit("cm", 1e-2, "cm"), unit("mm", 1e-3, "mm"))
-_NONE = (unit("1", 1.0, ""),)
-_TRUTH = ("", "truth_", "true_", "gt_", "ground_truth_", "reference_", "mocap_")
-_POSITIONS = (
-    "{0}",
-    "position_{0}",
-    "pose_position_{0}",
-    "pose_pose_position_{0}",
-    "translation_{0}",
-    "t{0}",
-)
-_HEADINGS = ("yaw", "theta", "heading")
-_QUATERNIONS = (
-    "q{0}",
-    "orientation_{0}",
-    "pose_orientation_{0}",
-    "pose_pose_orientation_{0}",
-    "rotation_{0}",
-)
-
-
-def _truth(name: str, forms: Sequence[str], units: tuple[Unit, ...], axis: str = "") -> Quantity:
-    spellings = tuple(before + form.format(axis) for form in forms for before in _TRUTH)
-    return Quantity(name, spellings, units, required=False)
-
-
-POSITION = (_truth("x", _POSITIONS, _LENGTHS, "x"), _truth("y", _POSITIONS, _LENGTHS, "y"))
-YAW = _truth("yaw", _HEADINGS, _ANGLES)
-QUATERNION = tuple(_truth(f"q{axis}", _QUATERNIONS, _NONE, axis) for axis in "xyzw")
-HEIGHT = _truth("z", _POSITIONS, _LENGTHS, "z")
-TILT = tuple(_truth(name, (name,), _ANGLES) for name in ("roll", "pitch"))
-
 
 # Names of wheels and their joints: their own names, and those that joints have where none are given.
 _STEERING_FORMS = ("{0}_steering", "{0}_steer", "steering_{0}", "{0}_steering_joint", "{0}_steer_joint")
@@ -239,6 +199,13 @@ def joint_columns(
     return JointColumns(found, chosen, silent, frozenset(turned))
 
 
+def direction_columns(headers: Sequence[str], rover: Rover) -> dict[str, str]:
+    """Headers that name a direction of a wheel apart from its readings, by wheel."""
+    stems = _stems(rover.wheel_names, rover.traction_joints, _WHEEL_FORMS)
+    named = {header: _named(words(header), stems) for header in headers}
+    return {found[0]: header for header, found in named.items() if found and found[1] in _DIRECTIONS}
+
+
 def unit_words() -> frozenset[str]:
     """All spellings of units."""
     return frozenset(s for units in (*_UNITS.values(), TIME.units) for each in units for s in each.spellings)
@@ -265,31 +232,6 @@ def _at_the_rim(unit: Unit, rover: Rover, wheel: str) -> Unit:
         return unit
     radius = next(each.radius for each in rover.wheels if each.name == wheel)
     return replace(unit, scale=unit.scale / radius)
-
-
-def truth_columns(headers: Sequence[str]) -> dict[str, Column]:
-    """The columns of a pose: all of ``x``, ``y`` and ``yaw``, or ``qx`` to ``qw``; none if one is missing."""
-    found = find_columns(headers, (*POSITION, YAW, *QUATERNION))
-    names = {"yaw"} if "yaw" in found else {quantity.name for quantity in QUATERNION}
-    names |= {"x", "y"}
-    return {name: found[name] for name in found if name in names} if names <= found.keys() else {}
-
-
-def columns_in_space(headers: Sequence[str]) -> dict[str, Column]:
-    """What a pose in space has beside `truth_columns`: ``z`` with ``qx`` to ``qw`` or ``roll`` and ``pitch``;
-    none if one is missing."""
-    found = find_columns(headers, (HEIGHT, *TILT, *QUATERNION))
-    for angles in (QUATERNION, TILT):
-        names = {"z", *(quantity.name for quantity in angles)}
-        if names <= found.keys():
-            return {name: found[name] for name in names}
-    return {}
-
-
-def position_columns(headers: Sequence[str]) -> dict[str, Column]:
-    """The columns ``x`` and ``y``; none if one is missing."""
-    found = find_columns(headers, POSITION)
-    return found if {"x", "y"} <= found.keys() else {}
 
 
 def _stems(wheels: Sequence[str], joints: Mapping[str, str], forms: Sequence[str]) -> dict[str, str]:

@@ -32,6 +32,7 @@ _SECONDS = re.compile(r"^(.*?)_?(?:sec|secs|seconds)$")
 _FRACTIONS = (
     (re.compile(r"^(.*?)_?(?:nanosec|nanosecs|nsec|nsecs|nanoseconds)$"), TIME_UNITS[3]),
     (re.compile(r"^(.*?)_?(?:microsec|microsecs|usec|usecs|microseconds)$"), TIME_UNITS[2]),
+    (re.compile(r"^(.*?)_?(?:millisec|millisecs|msec|msecs|milliseconds)$"), TIME_UNITS[1]),
 )
 # Names of clocks that are read where no column is called by a plain name.
 _OF_RECORDERS = re.compile(

@@ -1,5 +1,6 @@
 """Checks of readings in memory: arrays, and the columns of frames."""
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -9,8 +10,9 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning
+from six_wheel.logs.plausibility.agreement import check_turning
 from six_wheel.logs.plausibility.checks import ReadingChecks
-from six_wheel.logs.plausibility.proposals import Column
+from six_wheel.logs.plausibility.proposals import Column, encoders
 from six_wheel.logs.plausibility.readings import Readings
 
 __all__ = ["FEW", "array_checks", "check_arrays", "check_log"]
@@ -26,6 +28,7 @@ def array_checks(
     headers: Mapping[str, str] | None = None,
     clock_stated: bool = False,
     units_stated: bool = False,
+    directions: Mapping[str, str] | None = None,
 ) -> ReadingChecks:
     """Checks of readings that go to `Odometry` with these options.
 
@@ -60,15 +63,23 @@ def array_checks(
         max_speed=options.get("max_speed"),
         max_gap=options.get("max_gap"),
         first_row=0,
+        directions=directions or {},
     )
     return ReadingChecks(described, _warn)
 
 
 def check_arrays(
-    checks: ReadingChecks, steering: Any, wheels: Any, stamps: Any, truth: Floats | None = None
+    checks: ReadingChecks,
+    steering: Any,
+    wheels: Any,
+    stamps: Any,
+    truth: Floats | None = None,
+    yaw_rate: Any = None,
 ) -> None:
-    """Check a whole log in arrays, beside the poses of its truth; those of another shape are left to
-    `Odometry`."""
+    """Check a whole log in arrays, beside the poses of its truth and a gyroscope; those of another shape are
+    left to `Odometry`."""
+    if any(isinstance(each, np.ma.MaskedArray) for each in (steering, wheels, stamps)):
+        return  # `Odometry` refuses them
     times, raw = np.asarray(stamps), np.asarray(wheels)
     angles = None if steering is None else np.asarray(steering)
     count = len(checks.readings.rover.wheels)
@@ -81,13 +92,27 @@ def check_arrays(
     checks.turns.see(truth)
     checks.take(times, raw, None, angles if fits else None)
     checks.finish()
+    known = checks.readings
+    turning = None if yaw_rate is None or isinstance(yaw_rate, str) else np.asarray(yaw_rate)
+    plain = known.kind == "angles" and not known.wraps and not known.wheels_stated
+    if plain and turning is not None and turning.shape == times.shape and turning.dtype.kind in "fiu":
+        radius = float(np.median([wheel.radius for wheel in known.rover.wheels]))
+        turns = {"rev": 1.0, "deg": 360.0, "m": 2.0 * math.pi * radius}
+        check_turning(
+            known.rover,
+            raw.astype(np.float64),
+            angles if fits else None,
+            times.astype(np.float64),
+            turning.astype(np.float64),
+            {unit: encoders(turn=turn) for unit, turn in turns.items()},
+        )
 
 
 def check_log(log: Any, rover: Rover, *, clock_stated: bool, units_stated: bool = False) -> None:
     """Check a `WheelLog`, beside its truth."""
     checks = array_checks(rover, log.options, clock_stated=clock_stated, units_stated=units_stated)
     poses = None if log.truth is None else log.truth.poses
-    check_arrays(checks, log.steering, log.wheel_angles, log.stamps, poses)
+    check_arrays(checks, log.steering, log.wheel_angles, log.stamps, poses, log.yaw_rate)
 
 
 def _kind(options: Mapping[str, Any]) -> str:

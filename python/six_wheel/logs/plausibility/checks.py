@@ -11,10 +11,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.logs.plausibility.agreement import WheelAgreement, held_readings
+from six_wheel.logs.plausibility.granularity import check_steps_of_turns
 from six_wheel.logs.plausibility.jumps import (
     WHOLE_TURNS,
     Jumps,
     find_jumps,
+    goes_to_and_fro,
     longest_step,
     lost_readings,
     may_jump,
@@ -36,7 +39,14 @@ from six_wheel.logs.plausibility.proposals import (
     stamp_unit,
 )
 from six_wheel.logs.plausibility.readings import Readings
-from six_wheel.logs.plausibility.stamps import FEW_ROWS, check_clock, check_order, check_origin
+from six_wheel.logs.plausibility.stamps import (
+    FEW_ROWS,
+    LostIncrements,
+    check_clock,
+    check_order,
+    check_origin,
+    gap_line,
+)
 from six_wheel.logs.plausibility.still import WheelTurns
 from six_wheel.logs.plausibility.whole_numbers import (
     all_whole,
@@ -52,7 +62,6 @@ Floats = NDArray[np.float64]
 
 SAMPLE = 4096  # rows in a row that are read closely for what only neighbours tell
 COARSE = 32_768, 32  # rows that come at once, from which on stretches have so many at least
-LONG_GAP = 1.0  # [s] in which rates tell nothing
 FASTEST_STEP = 30.0  # [m/s] of a rim from one row to the next
 
 
@@ -72,6 +81,9 @@ class ReadingChecks:
     _rows: int = 0
     _last: tuple[float, Floats, Floats, Floats | None] | None = None
     turns: WheelTurns = field(default_factory=WheelTurns)
+    agreement: WheelAgreement = field(default_factory=WheelAgreement)
+    _lost: LostIncrements = field(default_factory=LostIncrements)
+    _last_read: Floats = field(default_factory=lambda: np.zeros(0))
     _begin: float = 0.0
     _turned: Floats = field(default_factory=lambda: np.zeros(0))
     _clock_known: bool = False
@@ -126,8 +138,8 @@ class ReadingChecks:
             self._check_steps(stamps, raw if angles is None else angles, angles is None, numbers)
             turned = steering if joints is None else joints
             self._check_motion(stamps, raw, angles, turned, chosen, numbers)
-            if known.kind == "speeds":
-                self._check_gaps(stamps, raw, numbers)
+            if not known.wraps or angles is not None:
+                self._check_gaps(stamps, raw if angles is None else angles, numbers)
         if numbers is not None:
             self._numbered = int(self._numbered[0] or numbers[0]), int(numbers[-1])
         self._rows += len(stamps)
@@ -137,17 +149,26 @@ class ReadingChecks:
     def finish(self) -> None:
         """Warn of wheels that do not move while others or the truth do."""
         known = self.readings
+        for line in self.turns.without_sign(known) if known.directions and len(self.turns.way) else ():
+            self.warn(line)
         if known.kind == "increments":
             missing = self._numbered[1] - self._numbered[0] + 1 - self._rows
             if missing > 0 and self._rows:
                 self.warn(f"the path misses what wheels turned in {missing} rows that are left out")
+            if self._lost.rows:
+                what = f"about {self._lost.rows:.0f} rows that are not there"
+                self.warn(f"the path misses what wheels turned in {what}, from row {self._lost.first} on")
             return
         if self._last is None:
             return
         if known.turn and self.turns.returned and not known.increments_stated:
             column = next(each for each in known.wheels if each.header)
             raise ImplausibleReadingError(returned_counts(column))
-        for line in self.turns.doubts(known, self._rows, self._last[0] - self._begin):
+        duration = self._last[0] - self._begin
+        for line in (
+            *self.turns.doubts(known, self._rows, duration),
+            *self.agreement.doubts(known, duration),
+        ):
             self.warn(line)
 
     def _row(self, place: int, numbers: NDArray[np.int64] | None) -> int:
@@ -172,6 +193,10 @@ class ReadingChecks:
             return
         self._looked = len(raw) >= SAMPLE // 4
         piece, row = raw[:SAMPLE], self._row(0, numbers)
+        if known.kind in ("angles", "ticks") and not known.wraps and (line := held_readings(piece, known)):
+            self.warn(line)
+        if known.kind == "angles" and not known.wheels_stated:
+            check_steps_of_turns(piece, known.wheels, row, known.named)
         if known.kind in ("angles", "speeds") and not known.wheels_stated:
             mapped = known.named and known.first_row > 0
             check_counts(piece if known.kind == "angles" else piece[:0], known.wheels, row, mapped=mapped)
@@ -250,6 +275,12 @@ class ReadingChecks:
                 what = f'"{column.header}" jumps in {rows(at)} ({steps})'
                 rest = "a step beyond it counts as none"
                 raise ImplausibleReadingError(f"{what}: give {max_speed(10.0)}; {rest}")
+            if goes_to_and_fro(turned[:, place] * radii[place], longest):
+                what = f'"{column.header}" goes to and fro from row to row, farther than a wheel can'
+                guess = "readings of two rovers or of two logs in one table?"
+                raise ImplausibleReadingError(
+                    f"{what}: {guess} Make a file of each, or {at_its_word().option}"
+                )
 
     def _jumping(self, column: Column, found: Jumps, at: Sequence[int], steering: bool) -> str:
         """The line about a column that jumps."""
@@ -327,6 +358,7 @@ class ReadingChecks:
                 check_steering(known.rover, middles, rates, known.steering, row, known.named)
         if known.max_speed is not None:
             return
+        self.agreement.add(rates, middles)
         found = check_motion(known.rover, rates, middles, periods[later])
         if found is not None:
             stretch, wheel, figure = found
@@ -348,25 +380,21 @@ class ReadingChecks:
         counts = f"--ticks-per-turn COUNTS{more}"
         return f"{what}: {guess} Give {proposal}; for others {counts}; {rest}"
 
-    def _check_gaps(self, stamps: Floats, rates: Floats, numbers: NDArray[np.int64] | None) -> None:
-        """Warns of long times without rates while wheels turn."""
+    def _check_gaps(self, stamps: Floats, readings: Floats, numbers: NDArray[np.int64] | None) -> None:
+        """Warns of long times without readings while wheels turn."""
+        known, shift = self.readings, 0
         if self._last is not None:
-            stamps = np.concatenate(([self._last[0]], stamps))
-            rates = np.vstack((self._last[1], rates))
-        shift = 0 if self._last is None else 1
-        steps = np.diff(stamps)
-        if not len(steps):
+            stamps, shift = np.concatenate(([self._last[0]], stamps)), 1
+            readings = np.vstack((self._last_read, readings))
+        self._last_read = readings[-1].copy()
+        if known.kind == "increments":
+            self._lost.add(stamps[shift:], readings[shift:])
             return
-        usual = float(np.median(steps))
-        usual = usual if usual <= 1.5 * LONG_GAP else 0.0
-        long = np.flatnonzero(steps > max(LONG_GAP, 10.0 * usual, self.readings.max_gap or 0.0))
-        fastest = float(np.nanmax(np.abs(rates), initial=0.0))
-        for place in long.tolist():
-            turning = float(np.nanmax(np.abs(rates[place : place + 2]), initial=0.0))
-            if turning > 0.05 * fastest:
-                row = self._row(place + 1 - shift, numbers)
-                what = (
-                    f"{steps[place]:.3g} s without rates before row {row}, with wheels at {turning:.3g} rad/s"
-                )
-                self.warn(f"{what}: the path across is a guess; max_gap={steps[place] + 0.1:.1f} accepts it")
-                return
+        found = gap_line(stamps, readings, known.kind, known.max_gap)
+        if found is not None:
+            line, place = found
+            row = self._row(place - shift, numbers)
+            accepted = f"max_gap={stamps[place] - stamps[place - 1] + 0.1:.1f} accepts it"
+            self.warn(
+                f"{line} before row {row}, with wheels that turn: the path across is a guess; {accepted}"
+            )

@@ -11,7 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["WHOLE_TURNS", "Jumps", "find_jumps", "longest_step", "lost_readings", "may_jump"]
+__all__ = [
+    "WHOLE_TURNS",
+    "Jumps",
+    "find_jumps",
+    "goes_to_and_fro",
+    "longest_step",
+    "lost_readings",
+    "may_jump",
+]
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +36,7 @@ PLAIN = 25.0  # times what steps change from row to row, that a counter's range 
 RARE = 1000.0  # the same where the readings are not within 0 and that range, and where no range is usual
 PIECE = 8192  # rows that fit a cache
 MOST = 0.02  # share of steps that are jumps; more are motion in another unit
+BACK = 0.9  # share of long steps against the one before, of readings that belong to two columns
 ROWS = 20  # that a column has at least, of which anything is said
 
 
@@ -78,6 +87,16 @@ def lost_readings(column: Floats, longest: Floats) -> Jumps | None:
     if APART * usual > float(sizes[found].min()):
         return None
     return Jumps(found + 1, None, float(column[found[0]]), float(column[found[0] + 1]))
+
+
+def goes_to_and_fro(column: Floats, longest: Floats) -> bool:
+    """True if many steps of a column (n,) are above `longest` (n - 1,), and the next takes them back."""
+    steps = np.diff(column)
+    found = np.flatnonzero(np.nan_to_num(np.abs(steps)) > longest)
+    if len(found) <= MOST * len(steps):
+        return False
+    back = np.sign(steps[found[1:]]) != np.sign(steps[found[:-1]])
+    return float(np.mean(back)) > BACK
 
 
 def find_jumps(

@@ -1,7 +1,7 @@
 """Description of the readings of a log, as the checks of their plausibility have to know them."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,8 @@ class Readings:
         Bounds of the owner [m/s], [s].
     first_row : int
         Number of the first row.
+    directions : mapping
+        Wheel to the header of a column that says which way it turns, and is not read.
     """
 
     rover: Rover
@@ -68,3 +70,4 @@ class Readings:
     max_speed: float | None = None
     max_gap: float | None = None
     first_row: int = 1
+    directions: Mapping[str, str] = field(default_factory=dict)

@@ -12,15 +12,31 @@ from six_wheel.logs.plausibility.proposals import (
     stamp_unit,
 )
 
-__all__ = ["check_clock", "check_order", "check_origin", "out_of_order", "unit_since_1970"]
+__all__ = [
+    "LostIncrements",
+    "check_clock",
+    "check_order",
+    "check_origin",
+    "gap_line",
+    "out_of_order",
+    "rows_behind",
+    "since_1970",
+]
 
 Floats = NDArray[np.float64]
 
 # A second later than this (the year 5138) is a count of something shorter.
 LATEST_SECOND = 1e11
+LATEST_YEAR = 4.1e9  # [s] since 1970, in 2099
 UNITS = (("ms", 1e3), ("us", 1e6), ("ns", 1e9))
+LONG_UNITS = (("d", 86_400.0), ("h", 3600.0), ("min", 60.0))
 PERIODS = (0.9e-3, 1.1)  # [s] between rows of a recording of 1 to 1,000 Hz
+LONG_GAP = 1.0  # [s] in which rates tell nothing
+LONG_GAP_OF_TOTALS = 3.0  # [s] in which a turn may have gone any way
+EVEN = 0.8  # share of steps that are alike, of a clock that ticks evenly
+MISSED = 1.6  # times the usual step, from which on rows are missing
 SHORTEST = 0.9  # [s] between rows, from which on it is asked whether these are seconds
+FASTEST_RIM = 10.0  # [m/s] of a rover with more than 1,000 rows a second
 CREEPING = 4e-3  # [m/s] rim speed of a drive that is read too slow
 DRIVING = (1e-3, 60.0)  # [m/s] rim speeds of a rover that drives
 FAR_APART = 5.0  # [s] between rows, from which on a drive is hardly in them
@@ -37,6 +53,17 @@ def unit_since_1970(first: float) -> str:
     return "ms" if abs(first) < 1e14 else "us" if abs(first) < 1e17 else "ns"
 
 
+def since_1970(first: float) -> str:
+    """The question for a stamp that is no second of these days."""
+    unit = unit_since_1970(first)
+    if abs(first) / dict(UNITS)[unit] < LATEST_YEAR:
+        return f"{unit} since 1970? Give {stamp_unit(unit)}"
+    such = "as 2026-11-23 12:59:59.95"
+    return (
+        f"a date and a time in one number? Write them {such}, or say the unit with {stamp_unit('us').option}"
+    )
+
+
 def check_origin(first: float, header: str, row: int) -> None:
     """Refuses seconds that no clock shows.
 
@@ -47,9 +74,9 @@ def check_origin(first: float, header: str, row: int) -> None:
     """
     if not abs(first) > LATEST_SECOND:
         return
-    unit = unit_since_1970(first)
-    rule = f'time must be in seconds unless it is said that it is not, got {first:.17g} in column "{header}"'
-    raise ImplausibleReadingError(f"row {row}: {rule}: {unit} since 1970? Give {stamp_unit(unit)}")
+    got = f'got {first:.17g} in column "{header}"'
+    rule = f"row {row}: time must be in seconds unless it is said that it is not, {got}"
+    raise ImplausibleReadingError(f"{rule}: {since_1970(first)}")
 
 
 def check_clock(stamps: Floats, speeds: Floats, rates: bool, header: str, row: int) -> None:
@@ -73,6 +100,8 @@ def check_clock(stamps: Floats, speeds: Floats, rates: bool, header: str, row: i
     if len(steps) < 4:
         return
     period = float(np.median(steps))
+    if period < PERIODS[0]:
+        _check_long_units(period, speeds, rates, header, row)
     if period < SHORTEST:
         return
     units = [(symbol, by) for symbol, by in UNITS if PERIODS[0] <= period / by <= PERIODS[1]]
@@ -99,6 +128,23 @@ def check_clock(stamps: Floats, speeds: Floats, rates: bool, header: str, row: i
     )
 
 
+def _check_long_units(period: float, speeds: Floats, rates: bool, header: str, row: int) -> None:
+    """Refuses rows that come faster than recorders write them, and would not as times in minutes or more."""
+    units = [each for each in LONG_UNITS if PERIODS[0] <= period * each[1] <= PERIODS[1]]
+    moving = np.abs(speeds[np.abs(speeds) > 0.0])
+    if not units or not len(moving):
+        return
+    pace = float(np.quantile(moving, 0.95))
+    symbol, by = units[0]
+    if rates or (pace > FASTEST_RIM and pace / by <= DRIVING[1]):
+        what = (
+            f'column "{header}" gives rows {period:.2g} s apart from row {row} on, as times in {symbol} would'
+        )
+        raise ImplausibleReadingError(
+            f"{what}: give {stamp_unit(symbol)}; they are seconds with {stamp_unit('s').option}"
+        )
+
+
 def check_order(stamps: Floats, warn: Callable[[str], None], header: str) -> None:
     """Refuses rows that are not in the order of time, and warns of time that stands still in most of them.
 
@@ -116,6 +162,78 @@ def check_order(stamps: Floats, warn: Callable[[str], None], header: str) -> Non
     if still > STANDING * len(steps):
         many = f'column "{header}" stands still in {still} of {len(steps) + 1} rows, which are left out'
         warn(f"{many}: are the times whole seconds, or 32 bit numbers of a large size?")
+
+
+def gap_line(stamps: Floats, readings: Floats, kind: str, max_gap: float | None) -> tuple[str, int] | None:
+    """The line about the first long time without rows while wheels turn, and its row; None if there is none.
+
+    Parameters
+    ----------
+    stamps, readings : array, shape (n,) and (n, wheels)
+        Rates [rad/s], or totals in any unit.
+    kind : str
+        ``"speeds"`` or another.
+    max_gap : float or None
+        Time that is all right [s].
+    """
+    steps = np.diff(stamps)
+    if not len(steps):
+        return None
+    usual = float(np.median(steps))
+    usual = usual if usual <= 1.5 * LONG_GAP else 0.0
+    least = LONG_GAP if kind == "speeds" else LONG_GAP_OF_TOTALS
+    if kind != "speeds" and usual == 0.0:
+        return None
+    long = np.flatnonzero(steps > max(least, 10.0 * usual, max_gap or 0.0))
+    if not len(long):
+        return None
+    rates = readings if kind == "speeds" else np.diff(readings, axis=0) / np.maximum(steps, 1e-9)[:, None]
+    rates = np.abs(rates)
+    fastest = float(np.nanquantile(rates.max(axis=1), 0.95)) if np.isfinite(rates).any() else 0.0
+    for place in long.tolist():
+        beside = rates[place : place + 2] if kind == "speeds" else rates[place : place + 1]
+        turning = float(np.nanmax(beside, initial=0.0))
+        if turning > 0.05 * fastest:
+            return f"{steps[place]:.3g} s without readings", place + 1
+    return None
+
+
+class LostIncrements:
+    """Number of rows that are missing between others, by the stamps of a clock that ticks evenly."""
+
+    def __init__(self) -> None:
+        self.rows, self.first, self._all = 0.0, 0, 0
+
+    def add(self, stamps: Floats, readings: Floats) -> None:
+        """Take in consecutive rows: stamps (n,) and what was turned in each (n, wheels)."""
+        steps = np.diff(stamps)
+        later = steps[steps > 0.0]
+        usual = float(np.median(later)) if len(later) > FEW_ROWS else 0.0
+        even = usual > 0.0 and float(np.mean(np.abs(later - usual) < 0.2 * usual)) > EVEN
+        for k in np.flatnonzero(steps > MISSED * usual).tolist() if even else ():
+            turned = np.abs(readings[max(0, k - 1) : k + 3]).max(axis=1, initial=0.0)
+            if len(turned) < 3 or k == 0:
+                continue
+            beside, ratio = float(max(turned[1], turned[-1])), float(steps[k]) / usual
+            # A row that has what was turned since the row before is as much longer as its time.
+            if beside > 0.0 and turned[2] < beside * (1.0 + ratio) / 2.0:
+                self.rows += round(ratio) - 1
+                self.first = self.first or self._all + k + 1
+        self._all += len(stamps)
+
+
+def rows_behind(stamps: NDArray[Any], late: NDArray[np.int64], rows: NDArray[np.int64]) -> str:
+    """The line about consecutive rows that a clock puts behind the time it had shown; empty for none.
+
+    Parameters are those of `out_of_order`.
+    """
+    reached = np.maximum.accumulate(stamps)
+    behind = late[stamps[late] < reached[late]]
+    together = behind[:-1][np.diff(behind) == 1]
+    if not len(together):
+        return ""
+    what = f"{len(behind)} rows from row {rows[together[0]]} on are behind the time that was reached"
+    return f"{what} and are left out: a clock that was set? The path misses what wheels turned meanwhile"
 
 
 def out_of_order(

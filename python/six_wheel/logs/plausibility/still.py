@@ -22,6 +22,7 @@ LONG = 400, 20.0  # rows and [s] of a log for which that counts
 LEVELS = 8  # different readings at least, of a wheel that turns and does not tremble by single counts
 AWAY = 1.0  # [rad] from 0, from which on angles are not 0 again of all wheels, as rates are
 TRAVELLED = 0.3  # [m] of a truth
+SLIDES = 1.5  # times what its wheels roll, that a rover hardly comes along
 STEADY = 10.0  # times the usual step of a truth, that it moves
 
 
@@ -110,6 +111,16 @@ class WheelTurns:
             self.returned = self._rested
         self._away = float(before[-1])
 
+    def without_sign(self, known: Readings) -> list[str]:
+        """Lines about wheels that never turn back, beside columns with their directions."""
+        said = []
+        for place, column in enumerate(known.wheels):
+            header, moved = known.directions.get(column.wheel), float((self.high - self.low)[place])
+            if header is not None and moved > 0.0 and self.way[place] <= moved * (1.0 + 1e-9):
+                what = f'"{header}" is not read, and "{column.header}" never goes back'
+                said.append(f"{what}: has it a sign? Readings must fall where a wheel turns backwards")
+        return said
+
     def doubts(self, known: Readings, rows: int, duration: float) -> list[str]:
         """Lines about wheels that do not turn, or hardly, and angles that may be something else."""
         wheels, totals = known.wheels, known.kind == "angles"
@@ -133,6 +144,12 @@ class WheelTurns:
             most = f"no wheel turns by more than {moved[fastest]:.3g} rad in {duration:.3g} s"
             return [f"{most}: are these angles, and not rates or what was turned in each row?"]
         said = []
+        rolled = float(np.nanmax(self.way * np.array([wheel.radius for wheel in known.rover.wheels])))
+        if self.travelled > SLIDES * rolled:
+            what = f"the truth moves {self.travelled:.3g} m from its first place to its last"
+            said.append(
+                f"{what} while no wheel rolls more than {rolled:.3g} m: are the readings in this unit?"
+            )
         for place, wheel in enumerate(known.rover.wheels):
             if not heard[place] or wheel.roller_angle:
                 continue

@@ -1,8 +1,8 @@
 """Dialect of a text table: its encoding, what separates cells, decimal commas, and where its header is."""
 
 import csv
-import gzip
 import io
+import lzma
 import re
 import shutil
 import tempfile
@@ -15,6 +15,7 @@ from typing import BinaryIO
 from six_wheel.logs.headers.clock_times import is_clock_time
 from six_wheel.logs.headers.columns import BRACKETS, TIME, TableError, is_number, means, words
 from six_wheel.logs.headers.joint_columns import unit_words
+from six_wheel.logs.text.foreign import FOREIGN, PACKED
 
 __all__ = ["LONGEST_LINE", "Dialect", "cells_of", "open_text", "read_dialect"]
 
@@ -25,9 +26,8 @@ SPACES = " "
 SEPARATORS = (",", ";", "\t", "|")
 COMMENT = re.compile(r"^\s*(?:#+|%+|//)\s*")
 _DECIMAL = re.compile(r"\s*[+-]?\d*,\d+(?:[eE][+-]?\d+)?\s*")
-UNIT_WORDS = unit_words() | set(
-    "v a c w celsius percent bool int float hz n nm kg g g_s none unit units".split()
-)
+UNIT_WORDS = unit_words() | {"v", "a", "c", "w", "hz", "n", "nm", "kg", "g", "g_s", "percent", "celsius"}
+UNIT_WORDS |= {"bool", "int", "float", "none", "unit", "units"}
 
 
 @dataclass
@@ -68,14 +68,18 @@ def open_text(path: Path) -> BinaryIO:
     handle.seek(0)
     encoding = _encoding(head)
     returns = b"\r" in head and b"\n" not in head  # lines of an old Macintosh
-    if head[:2] != b"\x1f\x8b" and encoding is None and not returns:
+    unpack = next((each for begin, each in PACKED.items() if head.startswith(begin)), None)
+    if unpack is None and (foreign := next((k for k in FOREIGN if head.lstrip().startswith(k)), None)):
+        handle.close()
+        raise TableError(f"the file must be a table of text, and it is {FOREIGN[foreign]}")
+    if unpack is None and encoding is None and not returns:
         return handle
     with handle:
         source: BinaryIO = handle
         copy = tempfile.TemporaryFile()  # noqa: SIM115
         try:
-            if head[:2] == b"\x1f\x8b":
-                source = gzip.open(handle)  # type: ignore[assignment]  # noqa: SIM115
+            if unpack is not None:
+                source = unpack(handle)
                 encoding = _encoding(source.read(4096)) or "utf-8-sig"
                 source.seek(0)
             text = io.TextIOWrapper(
@@ -84,7 +88,7 @@ def open_text(path: Path) -> BinaryIO:
             target = io.TextIOWrapper(copy, encoding="utf-8", newline="", write_through=True)
             shutil.copyfileobj(text, target)
             target.detach()
-        except (OSError, EOFError, UnicodeError, zlib.error) as error:
+        except (OSError, EOFError, UnicodeError, zlib.error, lzma.LZMAError) as error:
             copy.close()
             raise TableError(f"the text cannot be read: {' '.join(str(error).split())}") from None
         copy.seek(0)
@@ -149,16 +153,21 @@ def read_dialect(handle: BinaryIO, known: Collection[str] = ()) -> Dialect:
 
 
 def _header_line(texts: Sequence[str], known: Collection[str]) -> tuple[int, str]:
-    """The line of the header, and what separates its cells: the first one that names a time, or the first."""
+    """The line of the header, and what separates its cells: the first one that names a time above a row of
+    readings, one above several rows, one that names a time, or the first."""
+    named = []
     for place, text in enumerate(texts[:HEAD]):
         bare = COMMENT.sub("", text)
         for delimiter in _separators(bare):
             headers = _headers(bare, delimiter)
-            named = any(means(header, TIME) for header in headers) or not frozenset(known).isdisjoint(headers)
-            if len(headers) > 1 and named and not any(map(_is_reading, headers)):
-                return place, delimiter
-    if (above := _above_rows(texts)) is not None:
-        return above
+            time = any(means(header, TIME) for header in headers) or not frozenset(known).isdisjoint(headers)
+            if len(headers) > 1 and time and not any(map(_is_reading, headers)):
+                named.append((place, delimiter))
+    for place, delimiter in named:
+        if any(_is_row(_cells(text, delimiter)) for text in texts[place + 1 : place + 4]):
+            return place, delimiter
+    if found := _above_rows(texts) or next(iter(named), None):
+        return found
     place = next((k for k, text in enumerate(texts) if not _is_preamble(texts, k)), 0)
     bare = COMMENT.sub("", texts[place])
     return place, (_separators(bare) or [","])[0]
