@@ -13,7 +13,7 @@ from six_wheel.log_odometry.copies import Sketch
 from six_wheel.log_odometry.evaluation.paths import AbsoluteError, Evaluation
 from six_wheel.log_odometry.evaluation.slip import Stretch
 from six_wheel.logs.frames.thinning import Trace
-from six_wheel.logs.joints import JointRows
+from six_wheel.logs.joint_totals import JointRows
 from six_wheel.robot_description.gyroscope_errors import with_readings_apart
 
 FIRST_ROWS = 5  # of every kind of finding, that are named

@@ -25,7 +25,7 @@ from six_wheel.logs.detect_reader import AnyLog, open_log
 from six_wheel.logs.frames.tabular_input import concatenate
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.headers.columns import TableError
-from six_wheel.logs.joints import JointRows
+from six_wheel.logs.joint_totals import JointRows
 from six_wheel.logs.log_options import LogOptions, corrections
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.logs.tables import FORMATS, RowError, table_format

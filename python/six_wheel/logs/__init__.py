@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from six_wheel.logs.detect_reader import open_log, read_log
     from six_wheel.logs.ground_truth import read_truth
     from six_wheel.logs.headers.columns import TableError
-    from six_wheel.logs.joints import JointLog, JointRows
+    from six_wheel.logs.joint_totals import JointRows
+    from six_wheel.logs.joints import JointLog
     from six_wheel.logs.log_options import LogOptions
     from six_wheel.logs.recordings import GroundTruth, WheelLog
     from six_wheel.logs.tables import Chunk, CommandTable, RowError
@@ -42,7 +43,8 @@ __getattr__, __dir__ = attach(
     __name__,
     {
         "bags": (),
-        "joints": ("JointLog", "JointRows"),
+        "joint_totals": ("JointRows",),
+        "joints": ("JointLog",),
         "detect_reader": ("open_log", "read_log"),
         "log_options": ("LogOptions",),
         "optiodom": (),

@@ -3,7 +3,6 @@
 A format of one's own is a function that makes a `WheelLog` and its entry in `READERS`, as for OptiOdom runs.
 """
 
-import difflib
 import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -26,15 +25,15 @@ from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.headers.joint_columns import Reading
 from six_wheel.logs.headers.time_columns import in_seconds, scale_of
 from six_wheel.logs.joint_sources import JointSource, refuse_counts
-from six_wheel.logs.joint_totals import Encoders
-from six_wheel.logs.joints import JointLog, JointRows
+from six_wheel.logs.joint_totals import Encoders, JointRows
+from six_wheel.logs.joints import JointLog
 from six_wheel.logs.log_options import LogOptions, corrections, encoders_of, encoders_or_keys
 from six_wheel.logs.plausibility.arrays import check_log
 from six_wheel.logs.plausibility.findings import Findings
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.tables import FORMATS, READ
-from six_wheel.logs.text.foreign import other_form
+from six_wheel.logs.text.foreign import instead_of, other_form
 
 __all__ = [
     "READERS",
@@ -106,7 +105,7 @@ def log_format(path: Path) -> str:
         If nothing here reads such a file.
     """
     if not path.exists():
-        raise TableError(f"{path}: no such file{_instead_of(path)}")
+        raise TableError(f"{path}: no such file{instead_of(path)}")
     for name, reader in READERS.items():
         if reader.claims(path):
             return name
@@ -207,14 +206,6 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     bounds = {"max_speed": options.max_speed, "max_gap": options.max_gap}
     wheels, steering = found["wheel"] or None, found["steering"] or None
     return JointLog.of_source(source, wheels, steering, increments, options.plausibility, bounds)
-
-
-def _instead_of(path: Path) -> str:
-    """A hint at a file whose name is like that of one that is missing."""
-    folder = path.parent
-    names = [each.name for each in folder.iterdir()] if folder.is_dir() else []
-    close = difflib.get_close_matches(path.name, names, 1)
-    return f'; did you mean "{path.with_name(close[0])}"?' if close else ""
 
 
 def as_logs(source: Any, rover: Rover, options: LogOptions | None = None) -> list[WheelLog]:

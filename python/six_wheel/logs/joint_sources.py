@@ -148,6 +148,7 @@ class JointSource:
         found: list[JointColumns] = []
 
         def find(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
+            self.directions = direction_columns(headers, self.rover)
             found.append(joint_columns(headers, self.rover, readings, field_units, self._stamp_unit))
             return dict(found[-1].columns)
 
@@ -156,7 +157,6 @@ class JointSource:
         self.rows, self.readings, self.names = table, joints.readings, list(joints.columns)
         self.columns, self.stated = joints.columns, table.stated
         self.turned = joints.reversed
-        self.directions = direction_columns(table.headers, self.rover)
         if unsaid := unsaid_units(joints, self.rover):
             self.warnings.append(f"{self.path}: {unsaid}")
         columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_wheel_names}

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,6 +14,7 @@ from six_wheel.kinematics.errors import ArgumentTypeError
 __all__ = [
     "Encoders",
     "Integral",
+    "JointRows",
     "Total",
     "angles_of",
     "encoder_of",
@@ -24,6 +26,34 @@ __all__ = [
 Floats = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]
 Encoders: TypeAlias = "Encoder | Mapping[str, Encoder] | None"
+
+
+@dataclass(frozen=True)
+class JointRows:
+    """Consecutive rows of a log.
+
+    Attributes
+    ----------
+    rows : array, shape (n,)
+        Numbers of the rows in the file, from 1; those left out are missing.
+    stamps : array, shape (n,)
+        Seconds since the log's `origin`, increasing.
+    steering : array, shape (n, steered wheels), or None
+        Steering angles in the order of `Rover.steered_wheel_names` [rad]; None if no wheel steers.
+    wheel_angles : array, shape (n, wheels)
+        Running totals in the order of `Rover.wheel_names` [rad]; NaN for a wheel without a readings.
+    truth : array, shape (n, 3), or None
+        Poses x, y, yaw [m, m, rad], NaN in rows without one; None if the log has no such columns.
+    yaw_rate : array, shape (n,), or None
+        Of a gyroscope about the rover's z [rad/s], NaN in rows without one; None if the log has none.
+    """
+
+    rows: NDArray[np.int64]
+    stamps: Floats
+    steering: Floats | None
+    wheel_angles: Floats
+    truth: Floats | None
+    yaw_rate: Floats | None = None
 
 
 def encoder_of_each(argument: str, given: Any, names: Sequence[str]) -> list[Encoder]:

@@ -6,7 +6,7 @@ is lost.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Self
@@ -24,44 +24,16 @@ from six_wheel.logs.headers.joint_columns import Reading
 from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.headers.time_columns import seconds_since, whole_second
 from six_wheel.logs.joint_sources import JointSource
-from six_wheel.logs.joint_totals import Encoders, Integral, Total, encoder_of
+from six_wheel.logs.joint_totals import Encoders, Integral, JointRows, Total, encoder_of
 from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.findings import Finding, Findings
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Batch, Sieve
 
-__all__ = ["Finding", "JointLog", "JointRows", "Reading"]
+__all__ = ["Finding", "JointLog", "Reading"]
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class JointRows:
-    """Consecutive rows of a log.
-
-    Attributes
-    ----------
-    rows : array, shape (n,)
-        Numbers of the rows in the file, from 1; those left out are missing.
-    stamps : array, shape (n,)
-        Seconds since the log's `origin`, increasing.
-    steering : array, shape (n, steered wheels), or None
-        Steering angles in the order of `Rover.steered_wheel_names` [rad]; None if no wheel steers.
-    wheel_angles : array, shape (n, wheels)
-        Running totals in the order of `Rover.wheel_names` [rad]; NaN for a wheel without a readings.
-    truth : array, shape (n, 3), or None
-        Poses x, y, yaw [m, m, rad], NaN in rows without one; None if the log has no such columns.
-    yaw_rate : array, shape (n,), or None
-        Of a gyroscope about the rover's z [rad/s], NaN in rows without one; None if the log has none.
-    """
-
-    rows: NDArray[np.int64]
-    stamps: Floats
-    steering: Floats | None
-    wheel_angles: Floats
-    truth: Floats | None
-    yaw_rate: Floats | None = None
 
 
 class JointLog:
@@ -268,6 +240,8 @@ class JointLog:
             yield _with_rates(held, turning, before, None)
         if self._checks is not None:
             self._refuse(self._checks.finish)
+            if doubt := self.findings.doubt(self._checks.rows):
+                self._warn(doubt)
         if first:
             flaw = f"; {self.findings.listed[0]}" if self.findings.listed else ""
             alone = ": does each row hold one wheel? Give it the last reading of the others (forward fill)"

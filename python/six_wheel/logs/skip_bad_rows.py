@@ -15,6 +15,7 @@ from six_wheel.logs.headers.renamed import Columns, renamed, without_header
 from six_wheel.logs.plausibility.findings import Findings
 from six_wheel.logs.plausibility.stamps import out_of_order, rows_behind, since_1970
 from six_wheel.logs.tables import LATEST_SECOND, READ, RowError, Table
+from six_wheel.logs.text.dialect import has_groups, without_groups
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -249,7 +250,7 @@ class TolerantTable(Table):
             raise ValueError(f"{rule}, got {len(cells)}")
         numbers: list[Any] = []
         for name, column in self._columns.items():
-            cell = cells[column.index].strip()
+            cell = without_groups(cells[column.index].strip())
             if self._dialect.decimal == ",":
                 cell = cell.replace(",", ".")
             if self._types[name] == "string":
@@ -264,6 +265,7 @@ class TolerantTable(Table):
                 numbers.append(np.nan)
             else:
                 such = f", or such as {KNOWN}" if name == "time" else ""
+                such += ", without commas or points between thousands" if has_groups(cell) else ""
                 raise ValueError(f'{name} must be a number{such}, got "{cell}" in column "{column.header}"')
         return numbers
 

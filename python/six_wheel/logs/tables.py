@@ -149,11 +149,6 @@ class Table:
                 each.close()
 
     @property
-    def headers(self) -> Sequence[str]:
-        """Headers as the file has them."""
-        return self._headers
-
-    @property
     def position(self) -> int:
         """Progress of reading, in the unit of `size`."""
         if self.format != "csv" or self._handle is None or self._handle.closed:

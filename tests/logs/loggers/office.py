@@ -6,6 +6,7 @@ import numpy as np
 
 from tests.logs.loggers.logged import (
     COUNTS,
+    ONWARD,
     PAIR,
     SKID,
     START,
@@ -50,6 +51,28 @@ def spreadsheets() -> Iterator[Logged]:
         text("log.csv", ["time [s];left_ticks;right_ticks", *german]),
         owner=KNOWN,
         says=("1.0",),
+    )
+    counts = [
+        f"{t:.2f};" + ";".join(f"{c:,}".replace(",", ".") for c in row)
+        for t, row in zip(ONWARD.stamps, ONWARD.counts, strict=True)
+    ]
+    yield Logged(
+        "thousands with points, from 0 on",
+        text("log.csv", ["time [s];left_ticks;right_ticks", *counts]),
+        ONWARD,
+        owner=KNOWN,
+        says=("points between thousands",),
+    )
+    counts = [
+        f"{t:.2f}," + ",".join(f'"{c:,}"' if c > 999 else str(c) for c in row)
+        for t, row in zip(ONWARD.stamps, ONWARD.counts, strict=True)
+    ]
+    yield Logged(
+        "thousands with commas, from 0 on",
+        text("log.csv", ["time [s],left_ticks,right_ticks", *counts]),
+        ONWARD,
+        owner=KNOWN,
+        knowable=False,
     )
     swiss = [
         f"{t:.2f};" + ";".join(f"{c + 1_000_000:,}".replace(",", "'") for c in row)

@@ -26,7 +26,7 @@ from six_wheel.logs.plausibility.motion import (
     STRETCH,
     check_motion,
     check_steering,
-    degrees,
+    impossible,
 )
 from six_wheel.logs.plausibility.proposals import (
     Column,
@@ -36,7 +36,6 @@ from six_wheel.logs.plausibility.proposals import (
     max_speed,
     number,
     rows,
-    stamp_unit,
 )
 from six_wheel.logs.plausibility.readings import Readings
 from six_wheel.logs.plausibility.stamps import (
@@ -53,6 +52,7 @@ from six_wheel.logs.plausibility.whole_numbers import (
     check_counts,
     check_increments,
     check_increments_as_totals,
+    check_thousands,
     returned_counts,
 )
 
@@ -74,11 +74,16 @@ class ReadingChecks:
     readings : Readings
     warn : callable
         Called with a line for what can be read but not be trusted.
+
+    Attributes
+    ----------
+    rows : int
+        That were checked so far.
     """
 
     readings: Readings
     warn: Callable[[str], None]
-    _rows: int = 0
+    rows: int = 0
     _last: tuple[float, Floats, Floats, Floats | None] | None = None
     turns: WheelTurns = field(default_factory=WheelTurns)
     agreement: WheelAgreement = field(default_factory=WheelAgreement)
@@ -124,7 +129,7 @@ class ReadingChecks:
         if not len(stamps):
             return
         known = self.readings
-        if not self._rows:
+        if not self.rows:
             self._begin = float(stamps[0])
             self.turns.least = 10.0 * math.pi / known.turn if known.turn else self.turns.least
             if not known.clock_stated:
@@ -142,7 +147,7 @@ class ReadingChecks:
                 self._check_gaps(stamps, raw if angles is None else angles, numbers)
         if numbers is not None:
             self._numbered = int(self._numbered[0] or numbers[0]), int(numbers[-1])
-        self._rows += len(stamps)
+        self.rows += len(stamps)
         last = None if steering is None else steering[-1]
         self._last = (float(stamps[-1]), raw[-1].copy(), self._turned, last)
 
@@ -152,8 +157,8 @@ class ReadingChecks:
         for line in self.turns.without_sign(known) if known.directions and len(self.turns.way) else ():
             self.warn(line)
         if known.kind == "increments":
-            missing = self._numbered[1] - self._numbered[0] + 1 - self._rows
-            if missing > 0 and self._rows:
+            missing = self._numbered[1] - self._numbered[0] + 1 - self.rows
+            if missing > 0 and self.rows:
                 self.warn(f"the path misses what wheels turned in {missing} rows that are left out")
             if self._lost.rows:
                 what = f"about {self._lost.rows:.0f} rows that are not there"
@@ -166,14 +171,14 @@ class ReadingChecks:
             raise ImplausibleReadingError(returned_counts(column))
         duration = self._last[0] - self._begin
         for line in (
-            *self.turns.doubts(known, self._rows, duration),
+            *self.turns.doubts(known, self.rows, duration),
             *self.agreement.doubts(known, duration),
         ):
             self.warn(line)
 
     def _row(self, place: int, numbers: NDArray[np.int64] | None) -> int:
         """The number of a row of this chunk."""
-        return self.readings.first_row + self._rows + place if numbers is None else int(numbers[place])
+        return self.readings.first_row + self.rows + place if numbers is None else int(numbers[place])
 
     def _stretches(self, stamps: Floats) -> NDArray[np.int64]:
         """Rows about `STRETCH` apart, farther where they are many, with the first and the last among them."""
@@ -195,6 +200,8 @@ class ReadingChecks:
         piece, row = raw[:SAMPLE], self._row(0, numbers)
         if known.kind in ("angles", "ticks") and not known.wraps and (line := held_readings(piece, known)):
             self.warn(line)
+        for column, readings in zip(known.wheels, piece.T, strict=True) if known.kind == "ticks" else ():
+            check_thousands(readings, column, row)
         if known.kind == "angles" and not known.wheels_stated:
             check_steps_of_turns(piece, known.wheels, row, known.named)
         if known.kind in ("angles", "speeds") and not known.wheels_stated:
@@ -363,22 +370,8 @@ class ReadingChecks:
         if found is not None:
             stretch, wheel, figure = found
             raise ImplausibleReadingError(
-                self._impossible(wheel, figure, self._row(int(ends[stretch]), numbers), rates)
+                impossible(known, wheel, f"{figure} in row {self._row(int(ends[stretch]), numbers)}")
             )
-
-    def _impossible(self, wheel: int, figure: str, row: int, rates: Floats) -> str:
-        """The line about a wheel that does what none can."""
-        known, column = self.readings, self.readings.wheels[wheel]
-        what = f'"{column.header}" {figure} in row {row}'
-        rest = f"{at_its_word().option} ({at_its_word().argument}) takes them as they are"
-        if known.kind in ("ticks", "increments"):
-            guess = "are there as many counts in a turn, and are its stamps seconds?"
-            return f"{what}: {guess} Give --ticks-per-turn COUNTS, or {stamp_unit('ms')}; {rest}"
-        proposal = degrees(known.wheels, known.kind == "speeds", known.named)
-        more = "" if known.clock_stated else f", or {stamp_unit('ms').option}"
-        guess = "degrees, or counts, or stamps in another unit?"
-        counts = f"--ticks-per-turn COUNTS{more}"
-        return f"{what}: {guess} Give {proposal}; for others {counts}; {rest}"
 
     def _check_gaps(self, stamps: Floats, readings: Floats, numbers: NDArray[np.int64] | None) -> None:
         """Warns of long times without readings while wheels turn."""

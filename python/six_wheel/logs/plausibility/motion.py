@@ -14,9 +14,11 @@ from six_wheel.logs.plausibility.proposals import (
     at_its_word,
     columns,
     encoders,
+    stamp_unit,
 )
+from six_wheel.logs.plausibility.readings import Readings
 
-__all__ = ["STRETCH", "check_motion", "check_steering", "degrees"]
+__all__ = ["STRETCH", "check_motion", "check_steering", "degrees", "impossible"]
 
 Floats = NDArray[np.float64]
 
@@ -179,3 +181,17 @@ def _range(wheel: Wheel) -> float:
     """The largest angle at which a joint may be measured [rad]."""
     most = max(map(abs, wheel.steering_range or (math.inf,)))
     return max(1.5 * most, most + PLAY)
+
+
+def impossible(known: Readings, wheel: int, figure: str) -> str:
+    """The line about a wheel that does what none can; `figure` says what and in which row."""
+    what = f'"{known.wheels[wheel].header}" {figure}'
+    rest = f"{at_its_word().option} ({at_its_word().argument}) takes them as they are"
+    if known.kind in ("ticks", "increments"):
+        guess = "are there as many counts in a turn, and are its stamps seconds?"
+        return f"{what}: {guess} Give --ticks-per-turn COUNTS, or {stamp_unit('ms')}; {rest}"
+    proposal = degrees(known.wheels, known.kind == "speeds", known.named)
+    more = "" if known.clock_stated else f", or {stamp_unit('ms').option}"
+    guess = "degrees, or counts, or stamps in another unit?"
+    counts = f"--ticks-per-turn COUNTS{more}"
+    return f"{what}: {guess} Give {proposal}; for others {counts}; {rest}"

@@ -12,7 +12,14 @@ from six_wheel.logs.plausibility.proposals import (
     encoders,
 )
 
-__all__ = ["all_whole", "check_counts", "check_increments", "check_increments_as_totals", "returned_counts"]
+__all__ = [
+    "all_whole",
+    "check_counts",
+    "check_increments",
+    "check_increments_as_totals",
+    "check_thousands",
+    "returned_counts",
+]
 
 Floats = NDArray[np.float64]
 
@@ -62,6 +69,31 @@ def check_counts(
             raise ImplausibleReadingError(
                 f"{what}: counts are no radians; give {proposal}, COUNTS those of a turn"
             )
+
+
+def check_thousands(readings: Floats, column: Column, row: int) -> None:
+    """Refuses counts with a point between thousands: 1.000 behind 999.
+
+    Raises
+    ------
+    ImplausibleReadingError
+        If they are.
+    """
+    there = readings[np.isfinite(readings)]
+    parts = there[there % 1.0 != 0.0]
+    if (
+        not len(parts)
+        or np.abs(there).max() >= 1e3
+        or np.any(np.abs(parts * 1e3 - np.round(parts * 1e3)) > 1e-6)
+    ):
+        return
+    sizes = np.abs(there)
+    falls = np.flatnonzero((sizes[:-1] > 800.0) & (sizes[1:] >= 1.0) & (sizes[1:] < 2.0))
+    if len(falls):
+        at = row + int(falls[0]) + 1
+        what = f'"{column.header}" goes from {there[falls[0]]:g} to {there[falls[0] + 1]:.3f} in row {at}'
+        rest = "write the numbers without them"
+        raise ImplausibleReadingError(f"{what}: points between thousands? Counts are whole numbers; {rest}")
 
 
 def check_increments_as_totals(readings: Floats, column: Column, row: int) -> None:

@@ -17,7 +17,7 @@ from six_wheel.logs.headers.columns import BRACKETS, TIME, TableError, is_number
 from six_wheel.logs.headers.joint_columns import unit_words
 from six_wheel.logs.text.foreign import FOREIGN, PACKED
 
-__all__ = ["LONGEST_LINE", "Dialect", "cells_of", "open_text", "read_dialect"]
+__all__ = ["LONGEST_LINE", "Dialect", "cells_of", "has_groups", "open_text", "read_dialect", "without_groups"]
 
 LONGEST_LINE = 1 << 16  # [byte]
 HEAD = 40  # lines among which a header is looked for
@@ -25,6 +25,8 @@ ROWS = 8  # lines below a header that tell how cells are written
 SPACES = " "
 SEPARATORS = (",", ";", "\t", "|")
 COMMENT = re.compile(r"^\s*(?:#+|%+|//)\s*")
+SPACED = r"['\u2019\u00a0\u2009\u202f ]"  # between thousands, which mean nothing else in a number
+_GROUPED = re.compile(rf"[+-]?\d{{1,3}}(?:{SPACED}\d{{3}})+(?:[.,]\d+)?")
 _DECIMAL = re.compile(r"\s*[+-]?\d*,\d+(?:[eE][+-]?\d+)?\s*")
 UNIT_WORDS = unit_words() | {"v", "a", "c", "w", "hz", "n", "nm", "kg", "g", "g_s", "percent", "celsius"}
 UNIT_WORDS |= {"bool", "int", "float", "none", "unit", "units"}
@@ -218,6 +220,16 @@ def _cells(text: str, delimiter: str) -> list[str]:
         return cells_of(text, delimiter)
     except TableError:
         return []
+
+
+def without_groups(cell: str) -> str:
+    """A number without spaces or apostrophes between its thousands; other cells as they are."""
+    return re.sub(SPACED, "", cell) if _GROUPED.fullmatch(cell) else cell
+
+
+def has_groups(cell: str) -> bool:
+    """True for a number with commas or points between its thousands."""
+    return re.fullmatch(r"[+-]?\d{1,3}(?:(?:,\d{3})+(?:\.\d+)?|(?:\.\d{3}){2,})", cell) is not None
 
 
 def _is_reading(cell: str) -> bool:
