@@ -38,6 +38,11 @@ def make(seed: int, folder: Path) -> tuple[Form, Any]:
     return form, CONTAINERS[form.choose(*CONTAINERS)](form, folder)
 
 
+def is_slower_drive(form: Form) -> bool:
+    """True for turns under bare names in memory: to the last digit the log of a slower drive in radians."""
+    return {"rev", "bare"} <= {*form.drawn} and not {"pandas", "arrow", "dict"}.isdisjoint(form.drawn)
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Count the classes of many forms; 1 if one was wrong in silence or ended in a traceback."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -50,10 +55,12 @@ def main(arguments: list[str] | None = None) -> int:
         with tempfile.TemporaryDirectory() as folder:
             form, source = make(seed, Path(folder))
             verdict, said = judge(form, source, FAR)
+        if verdict == "silent" and is_slower_drive(form):
+            verdict = "as a slower drive"
         found[verdict] += 1
         if verdict in CLASSES[3:] or (given.all and verdict != "right"):
             print(f"{verdict:10} {seed} {', '.join(form.drawn)}: {said[:700]}")
-    print(", ".join(f"{name} {found[name]}" for name in CLASSES), f"of {given.forms}")
+    print(", ".join(f"{name} {found[name]}" for name in (*CLASSES, "as a slower drive")), f"of {given.forms}")
     knowable = given.forms - found["helpful"]
     print(f"right or pasted of those that can be known: {(found['right'] + found['pasted']) / knowable:.1%}")
     return int(bool(found["silent"] or found["traceback"]))

@@ -385,9 +385,7 @@ class ReadingChecks:
             return
         found = gap_line(stamps, readings, known.kind, known.max_gap)
         if found is not None:
-            line, place = found
-            row = self._row(place - shift, numbers)
-            accepted = f"max_gap={stamps[place] - stamps[place - 1] + 0.1:.1f} accepts it"
-            self.warn(
-                f"{line} before row {row}, with wheels that turn: the path across is a guess; {accepted}"
-            )
+            gap, turning, place = found
+            what = f"{gap} before row {self._row(place - shift, numbers)}, with {turning}"
+            longest = stamps[place] - stamps[place - 1] + 0.1
+            self.warn(f"{what}: the path across is a guess; max_gap={longest:.1f} accepts it")

@@ -164,8 +164,10 @@ def check_order(stamps: Floats, warn: Callable[[str], None], header: str) -> Non
         warn(f"{many}: are the times whole seconds, or 32 bit numbers of a large size?")
 
 
-def gap_line(stamps: Floats, readings: Floats, kind: str, max_gap: float | None) -> tuple[str, int] | None:
-    """The line about the first long time without rows while wheels turn, and its row; None if there is none.
+def gap_line(
+    stamps: Floats, readings: Floats, kind: str, max_gap: float | None
+) -> tuple[str, str, int] | None:
+    """The first long time without rows while wheels turn, in words, and its row; None if there is none.
 
     Parameters
     ----------
@@ -194,7 +196,9 @@ def gap_line(stamps: Floats, readings: Floats, kind: str, max_gap: float | None)
         beside = rates[place : place + 2] if kind == "speeds" else rates[place : place + 1]
         turning = float(np.nanmax(beside, initial=0.0))
         if turning > 0.05 * fastest:
-            return f"{steps[place]:.3g} s without readings", place + 1
+            if kind == "speeds":
+                return f"{steps[place]:.3g} s without rates", f"wheels at {turning:.3g} rad/s", place + 1
+            return f"{steps[place]:.3g} s without readings", "wheels that turn", place + 1
     return None
 
 
@@ -210,7 +214,10 @@ class LostIncrements:
         later = steps[steps > 0.0]
         usual = float(np.median(later)) if len(later) > FEW_ROWS else 0.0
         even = usual > 0.0 and float(np.mean(np.abs(later - usual) < 0.2 * usual)) > EVEN
-        for k in np.flatnonzero(steps > MISSED * usual).tolist() if even else ():
+        reached = np.maximum.accumulate(stamps)
+        wide = steps > MISSED * usual
+        wide[1:] &= stamps[2:] - reached[:-2] > (1.0 + MISSED) * usual  # no time is told twice before it
+        for k in np.flatnonzero(wide).tolist() if even else ():
             turned = np.abs(readings[max(0, k - 1) : k + 3]).max(axis=1, initial=0.0)
             if len(turned) < 3 or k == 0:
                 continue

@@ -246,7 +246,7 @@ class Common(BaseModel):
     topics: dict[str, str] | list[Name] = optional(
         'a mapping of topic to what it is read as, such as {/enc/left: "left [ticks]"}, or a list of topics'
     )
-    stamp_unit: Literal["s", "ms", "us", "ns"] = optional("the unit of the times of logs")
+    stamp_unit: Literal["s", "ms", "us", "ns", "min", "h", "d"] = optional("the unit of the times of logs")
     plausibility: Flag = optional("whether readings that no rover has are refused")
     odometry: OdometryKeys = optional(_any_of(OdometryKeys))
     gyroscope: GyroscopeKeys = optional(_any_of(GyroscopeKeys))
