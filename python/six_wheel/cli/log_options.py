@@ -66,7 +66,7 @@ class LogReading(NamedTuple):
         ),
     ] = None
     stamp_unit: Annotated[
-        str | None, typer.Option(metavar="s|ms|us|ns", help="Unit of the times, if they do not say.")
+        str | None, typer.Option(metavar="s|ms|us|ns|min|h|d", help="Unit of the times, if they do not say.")
     ] = None
     max_speed: Annotated[
         float | None, typer.Option(help="Fastest rim [m/s]; a longer step counts as none.")

@@ -23,6 +23,7 @@ ROWS = 200  # in which a wheel moves
 FINEST = 100_000.0  # counts of a turn
 OFF = 2e-3  # counts, by which a turn is no whole number of them
 ROUNDED = 0.1  # steps, by which readings are off from whole ones at most
+LEVELS = 6  # steps of different length in a recording
 PARTS = (1, 2, 3, 4)  # of the shortest step in a log, that a step of the encoder is
 WIDER = 8.0  # times as many steps in every round of the fit
 
@@ -68,8 +69,8 @@ def _is_whole(counts: float) -> bool:
 
 
 def _quantum(values: Floats) -> float | None:
-    """The step of which all readings are whole multiples up to an offset; None if there is none, or a decimal
-    number."""
+    """The step of which all readings are whole multiples up to an offset; None if there is none, or one with a
+    single digit, to which numbers are rounded."""
     steps = np.abs(np.diff(values))
     away = np.abs(values - values[:1])
     moves = steps[steps > 1e-9 * away.max(initial=0.0)]
@@ -78,10 +79,10 @@ def _quantum(values: Floats) -> float | None:
     shortest = float(moves.min())
     found = (_fitted(away, float(np.median(moves[moves < 1.1 * shortest])) / parts) for parts in PARTS)
     quantum = next(filter(None, found), None)
-    if quantum is None:
+    if quantum is None or len(np.unique(np.round(moves / quantum))) < LEVELS:
         return None
     mantissa = quantum / 10.0 ** math.floor(math.log10(quantum))
-    decimal = min(abs(mantissa - each) for each in (1.0, 2.0, 5.0, 10.0)) < 1e-5
+    decimal = abs(mantissa - round(mantissa)) < 1e-5
     return None if decimal else quantum
 
 
