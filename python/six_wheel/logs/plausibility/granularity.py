@@ -69,7 +69,7 @@ def _is_whole(counts: float) -> bool:
 
 
 def _quantum(values: Floats) -> float | None:
-    """The step of which all readings are whole multiples up to an offset; None if there is none, or one with a
+    """The step of which all readings are whole multiples up to an offset; None if there is none, or one of a
     single digit, to which numbers are rounded."""
     steps = np.abs(np.diff(values))
     away = np.abs(values - values[:1])
