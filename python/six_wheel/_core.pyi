@@ -1,6 +1,6 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, Self, TypeAlias, final
+from typing import Any, Final, Literal, Self, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -137,32 +137,19 @@ class Wheel:
         driven: bool | None = None,
         castor: bool = False,
     ) -> Wheel: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def x(self) -> float: ...
-    @property
-    def y(self) -> float: ...
-    @property
-    def radius(self) -> float: ...
-    @property
-    def steered(self) -> bool: ...
-    @property
-    def heading(self) -> float: ...
-    @property
-    def steering_range(self) -> tuple[float, float] | None: ...
-    @property
-    def steering_limit(self) -> float | tuple[float, float] | None: ...
-    @property
-    def scrub(self) -> float: ...
-    @property
-    def trail(self) -> float: ...
-    @property
-    def roller_angle(self) -> float | None: ...
-    @property
-    def driven(self) -> bool: ...
-    @property
-    def castor(self) -> bool: ...
+    name: Final[str]
+    x: Final[float]
+    y: Final[float]
+    radius: Final[float]
+    steered: Final[bool]
+    heading: Final[float]
+    steering_range: Final[tuple[float, float] | None]
+    steering_limit: Final[float | tuple[float, float] | None]
+    scrub: Final[float]
+    trail: Final[float]
+    roller_angle: Final[float | None]
+    driven: Final[bool]
+    castor: Final[bool]
     def replace(self, **changes: Any) -> Wheel: ...
     def __replace__(self, **changes: Any) -> Wheel: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -172,18 +159,12 @@ class Wheel:
 @final
 class TwistFit:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def rover(self) -> Rover: ...
-    @property
-    def twist(self) -> _Floats: ...  # (..., 3)
-    @property
-    def residuals(self) -> _Floats: ...  # (..., wheels) [m/s], >= 0
-    @property
-    def rank(self) -> int | NDArray[np.int64]: ...
-    @property
-    def sigma_min(self) -> Any: ...
-    @property
-    def weights(self) -> _Floats: ...  # (..., wheels), 0 to 1
+    rover: Final[Rover]
+    twist: Final[_Floats]  # (..., 3)
+    residuals: Final[_Floats]  # (..., wheels) [m/s], >= 0
+    rank: Final[int | NDArray[np.int64]]
+    sigma_min: Final[Any]
+    weights: Final[_Floats]  # (..., wheels), 0 to 1
     @property
     def worst_wheel(
         self,
@@ -192,32 +173,19 @@ class TwistFit:
 @final
 class TwistJacobian:  # what was not asked for is None
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def twist(self) -> _Floats: ...  # (..., 3)
-    @property
-    def wheel_speeds(self) -> _Floats: ...  # (..., 3, wheels), as all but the next two
-    @property
-    def steering(self) -> _Floats: ...  # (..., 3, steered wheels)
-    @property
-    def steering_rates(self) -> _Floats: ...  # (..., 3, steered wheels)
-    @property
-    def slip(self) -> _Floats: ...
-    @property
-    def side_slip(self) -> _Floats: ...
-    @property
-    def x(self) -> _Floats: ...
-    @property
-    def y(self) -> _Floats: ...
-    @property
-    def heading(self) -> _Floats: ...
-    @property
-    def radius(self) -> _Floats: ...
-    @property
-    def scrub(self) -> _Floats: ...
-    @property
-    def trail(self) -> _Floats: ...
-    @property
-    def roller_angle(self) -> _Floats: ...
+    twist: Final[_Floats]  # (..., 3)
+    wheel_speeds: Final[_Floats]  # (..., 3, wheels), as all but the next two
+    steering: Final[_Floats]  # (..., 3, steered wheels)
+    steering_rates: Final[_Floats]  # (..., 3, steered wheels)
+    slip: Final[_Floats]
+    side_slip: Final[_Floats]
+    x: Final[_Floats]
+    y: Final[_Floats]
+    heading: Final[_Floats]
+    radius: Final[_Floats]
+    scrub: Final[_Floats]
+    trail: Final[_Floats]
+    roller_angle: Final[_Floats]
 
 @final
 class Profile:
@@ -248,12 +216,9 @@ class Profile:
         duration: float | None = None,
         synchronise: Literal["time", "phase", "none"] = "time",
     ) -> Profile: ...
-    @property
-    def duration(self) -> float: ...
-    @property
-    def durations(self) -> Any: ...
-    @property
-    def peaks(self) -> Peaks: ...
+    duration: Final[float]
+    durations: Final[Any]
+    peaks: Final[Peaks]
     def at(self, times: ArrayLike) -> State: ...
     def replace(self, **changes: Any) -> Profile: ...
     def __replace__(self, **changes: Any) -> Profile: ...
@@ -278,10 +243,8 @@ class BodyTransition:
         synchronise: Literal["time", "phase", "none"] | None = None,
         previous: ArrayLike | None = None,
     ) -> BodyTransition: ...
-    @property
-    def duration(self) -> float: ...
-    @property
-    def rover(self) -> Rover: ...
+    duration: Final[float]
+    rover: Final[Rover]
     def at(self, times: ArrayLike) -> TransitionState: ...
     def replace(self, **changes: Any) -> BodyTransition: ...
     def __replace__(self, **changes: Any) -> BodyTransition: ...
@@ -306,10 +269,8 @@ class ModuleTransition:
         wheel_jerk: float | None = None,
         synchronise: Literal["time", "phase", "none"] | None = None,
     ) -> ModuleTransition: ...
-    @property
-    def duration(self) -> float: ...
-    @property
-    def rover(self) -> Rover: ...
+    duration: Final[float]
+    rover: Final[Rover]
     def at(self, times: ArrayLike) -> TransitionState: ...
     def replace(self, **changes: Any) -> ModuleTransition: ...
     def __replace__(self, **changes: Any) -> ModuleTransition: ...
@@ -334,14 +295,10 @@ class IcrTransition:
         angular_acceleration: float | None = None,
         previous: ArrayLike | None = None,
     ) -> IcrTransition: ...
-    @property
-    def duration(self) -> float: ...
-    @property
-    def rover(self) -> Rover: ...
-    @property
-    def stops(self) -> int: ...
-    @property
-    def phases(self) -> tuple[Phase, ...]: ...
+    duration: Final[float]
+    rover: Final[Rover]
+    stops: Final[int]
+    phases: Final[tuple[Phase, ...]]
     def at(self, times: ArrayLike) -> TransitionState: ...
     def replace(self, **changes: Any) -> IcrTransition: ...
     def __replace__(self, **changes: Any) -> IcrTransition: ...
@@ -352,20 +309,13 @@ class IcrTransition:
 @final
 class Mobility:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def degree_of_mobility(self) -> int: ...
-    @property
-    def degree_of_steerability(self) -> int: ...
-    @property
-    def degree_of_manoeuvrability(self) -> int: ...
-    @property
-    def rank(self) -> int: ...
-    @property
-    def margin(self) -> float: ...
-    @property
-    def singular_values(self) -> _Floats: ...  # (3,)
-    @property
-    def motion(self) -> _Floats: ...  # (degree_of_mobility, 3)
+    degree_of_mobility: Final[int]
+    degree_of_steerability: Final[int]
+    degree_of_manoeuvrability: Final[int]
+    rank: Final[int]
+    margin: Final[float]
+    singular_values: Final[_Floats]  # (3,)
+    motion: Final[_Floats]  # (degree_of_mobility, 3)
 
 @final
 class Rover:
@@ -574,26 +524,16 @@ class Rover:
     def readings(self, joints: Mapping[str, ArrayLike]) -> tuple[_Floats, _Floats]: ...
     def desaturate(self, wheel_speeds: ArrayLike, max_wheel_speed: ArrayLike) -> _Floats: ...
     def urdf(self, name: str = "rover") -> str: ...
-    @property
-    def wheels(self) -> Wheels: ...
-    @property
-    def wheel_names(self) -> tuple[str, ...]: ...
-    @property
-    def steered_wheel_names(self) -> tuple[str, ...]: ...
-    @property
-    def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the order of the wheels
-    @property
-    def steering_joints(self) -> dict[str, str]: ...
-    @property
-    def joint_names(self) -> tuple[str, ...]: ...  # in the caller's order
-    @property
-    def reversed_joints(self) -> tuple[str, ...]: ...
-    @property
-    def suspension(self) -> RockerBogie | None: ...
-    @property
-    def min_radius(self) -> float: ...
-    @property
-    def spin_radius(self) -> float: ...
+    wheels: Final[Wheels]
+    wheel_names: Final[tuple[str, ...]]
+    steered_wheel_names: Final[tuple[str, ...]]
+    traction_joints: Final[dict[str, str]]  # joint -> wheel, in the order of the wheels
+    steering_joints: Final[dict[str, str]]
+    joint_names: Final[tuple[str, ...]]  # in the caller's order
+    reversed_joints: Final[tuple[str, ...]]
+    suspension: Final[RockerBogie | None]
+    min_radius: Final[float]
+    spin_radius: Final[float]
     def save(self, path: str | PathLike[str], **others: Any) -> None: ...
     def replace(self, wheel: str | None = None, /, **changes: Any) -> Rover: ...
     def __replace__(self, **changes: Any) -> Rover: ...
@@ -618,20 +558,13 @@ class Noise:
     def typical(*, yaw: float = 0.0, yaw_rate: float = 0.0, period: float | None = None) -> Noise: ...
     @staticmethod
     def from_logs(rover: Rover, logs: Any, truth: Any = None) -> Noise: ...
-    @property
-    def speed(self) -> float: ...  # [m/s]
-    @property
-    def steering(self) -> float: ...  # [rad]
-    @property
-    def slip(self) -> float: ...  # [m per root m]
-    @property
-    def side_slip(self) -> float: ...
-    @property
-    def yaw(self) -> float: ...  # [rad]
-    @property
-    def yaw_rate(self) -> float: ...  # [rad/s]
-    @property
-    def period(self) -> float | None: ...  # [s]
+    speed: Final[float]  # [m/s]
+    steering: Final[float]  # [rad]
+    slip: Final[float]  # [m per root m]
+    side_slip: Final[float]
+    yaw: Final[float]  # [rad]
+    yaw_rate: Final[float]  # [rad/s]
+    period: Final[float | None]  # [s]
     def replace(self, **changes: Any) -> Noise: ...
     def __replace__(self, **changes: Any) -> Noise: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -648,16 +581,11 @@ class Encoder:
         wraps_at: float | None = None,
         offset: float = 0.0,
     ) -> Encoder: ...
-    @property
-    def ticks_per_turn(self) -> float | None: ...
-    @property
-    def gear_ratio(self) -> float: ...
-    @property
-    def wraps_at(self) -> float | None: ...
-    @property
-    def offset(self) -> float: ...  # [rad]
-    @property
-    def angle_per_tick(self) -> float: ...  # [rad]
+    ticks_per_turn: Final[float | None]
+    gear_ratio: Final[float]
+    wraps_at: Final[float | None]
+    offset: Final[float]  # [rad]
+    angle_per_tick: Final[float]  # [rad]
     def replace(self, **changes: Any) -> Encoder: ...
     def __replace__(self, **changes: Any) -> Encoder: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -667,30 +595,18 @@ class Encoder:
 @final
 class OdometryState:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def rover(self) -> Rover: ...
-    @property
-    def stamp(self) -> float | None: ...
-    @property
-    def pose(self) -> _Floats: ...  # (3,)
-    @property
-    def yaw(self) -> float: ...
-    @property
-    def twist(self) -> _Floats: ...  # (3,)
-    @property
-    def velocity(self) -> _Floats: ...  # (3,)
-    @property
-    def covariance(self) -> _Floats: ...  # (3, 3)
-    @property
-    def twist_covariance(self) -> _Floats: ...  # (3, 3)
-    @property
-    def residuals(self) -> _Floats: ...  # (wheels,) [m/s]
-    @property
-    def weights(self) -> _Floats: ...  # (wheels,)
-    @property
-    def worst_wheel(self) -> str | None: ...
-    @property
-    def health(self) -> OdometryHealth: ...
+    rover: Final[Rover]
+    stamp: Final[float | None]
+    pose: Final[_Floats]  # (3,)
+    yaw: Final[float]
+    twist: Final[_Floats]  # (3,)
+    velocity: Final[_Floats]  # (3,)
+    covariance: Final[_Floats]  # (3, 3)
+    twist_covariance: Final[_Floats]  # (3, 3)
+    residuals: Final[_Floats]  # (wheels,) [m/s]
+    weights: Final[_Floats]  # (wheels,)
+    worst_wheel: Final[str | None]
+    health: Final[OdometryHealth]
     def covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
     def twist_covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
 
@@ -723,8 +639,7 @@ class Odometry:
         wheel_noise: ArrayLike | Mapping[str, float] | None = None,
         dimensions: ArrayLike | None = None,
     ) -> Odometry: ...
-    @property
-    def gyroscope_bias(self) -> tuple[float, float] | Any: ...
+    gyroscope_bias: Final[tuple[float, float] | Any]
     def update(
         self,
         steering: ArrayLike | None,
@@ -758,12 +673,9 @@ class Odometry:
     def at(self, stamp: float) -> Pose: ...
     def set_pose(self, pose: ArrayLike, covariance: ArrayLike | None = None) -> None: ...
     def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0), covariance: ArrayLike | None = None) -> None: ...
-    @property
-    def state(self) -> OdometryState: ...
-    @property
-    def rover(self) -> Rover: ...
-    @property
-    def noise(self) -> Noise: ...
+    state: Final[OdometryState]
+    rover: Final[Rover]
+    noise: Final[Noise]
 
 @final
 class Gyroscope:
@@ -776,16 +688,11 @@ class Gyroscope:
         bias_walk: float = 0.0001,
         scale_noise: float = 0.0,
     ) -> Gyroscope: ...
-    @property
-    def noise(self) -> float: ...
-    @property
-    def bias(self) -> float: ...
-    @property
-    def bias_noise(self) -> float: ...
-    @property
-    def bias_walk(self) -> float: ...
-    @property
-    def scale_noise(self) -> float: ...
+    noise: Final[float]
+    bias: Final[float]
+    bias_noise: Final[float]
+    bias_walk: Final[float]
+    scale_noise: Final[float]
     def replace(self, **changes: Any) -> Gyroscope: ...
     def __replace__(self, **changes: Any) -> Gyroscope: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -797,32 +704,19 @@ _Changes: TypeAlias = dict[str, ArrayLike]
 @final
 class Odometry3State:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def stamp(self) -> float | None: ...  # [s]
-    @property
-    def pose(self) -> _Floats: ...  # (6,) x, y, z, roll, pitch, yaw [m, rad]
-    @property
-    def position(self) -> _Floats: ...  # (3,) [m]
-    @property
-    def attitude(self) -> _Floats: ...  # (3,) roll, pitch, yaw [rad]
-    @property
-    def orientation(self) -> _Floats: ...  # (4,) x, y, z, w
-    @property
-    def transform(self) -> _Floats: ...  # (4, 4)
-    @property
-    def twist(self) -> _Floats: ...  # (6,) [m/s, rad/s]
-    @property
-    def covariance(self) -> _Floats: ...  # (6, 6)
-    @property
-    def twist_covariance(self) -> _Floats: ...  # (6, 6)
-    @property
-    def residuals(self) -> _Floats: ...  # (wheels,) [m/s]
-    @property
-    def slips(self) -> _Floats: ...  # (wheels, 2) [m/s]
-    @property
-    def worst_wheel(self) -> str | None: ...
-    @property
-    def health(self) -> OdometryHealth: ...
+    stamp: Final[float | None]  # [s]
+    pose: Final[_Floats]  # (6,) x, y, z, roll, pitch, yaw [m, rad]
+    position: Final[_Floats]  # (3,) [m]
+    attitude: Final[_Floats]  # (3,) roll, pitch, yaw [rad]
+    orientation: Final[_Floats]  # (4,) x, y, z, w
+    transform: Final[_Floats]  # (4, 4)
+    twist: Final[_Floats]  # (6,) [m/s, rad/s]
+    covariance: Final[_Floats]  # (6, 6)
+    twist_covariance: Final[_Floats]  # (6, 6)
+    residuals: Final[_Floats]  # (wheels,) [m/s]
+    slips: Final[_Floats]  # (wheels, 2) [m/s]
+    worst_wheel: Final[str | None]
+    health: Final[OdometryHealth]
 
 @final
 class Odometry3:
@@ -881,14 +775,10 @@ class Odometry3:
     ) -> Odometry3State: ...
     def set_pose(self, pose: ArrayLike, covariance: ArrayLike | None = None) -> None: ...
     def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0), covariance: ArrayLike | None = None) -> None: ...
-    @property
-    def state(self) -> Odometry3State: ...
-    @property
-    def suspension(self) -> Suspension: ...
-    @property
-    def ground(self) -> Terrain | None: ...
-    @property
-    def noise(self) -> Noise: ...
+    state: Final[Odometry3State]
+    suspension: Final[Suspension]
+    ground: Final[Terrain | None]
+    noise: Final[Noise]
 
 @final
 class Preintegrated:
@@ -916,19 +806,13 @@ class Preintegrated:
         yaw_rate: ArrayLike | None = None,
         attitude: ArrayLike | None = None,
     ) -> None: ...
-    @property
-    def delta(self) -> _Floats: ...  # (3,) or (4, 4)
-    @property
-    def covariance(self) -> _Floats: ...  # (3, 3) or (6, 6)
+    delta: Final[_Floats]  # (3,) or (4, 4)
+    covariance: Final[_Floats]  # (3, 3) or (6, 6)
     def covariance_in(self, tangent: Literal["end", "begin", "coordinates"]) -> _Floats: ...
-    @property
-    def tangent(self) -> Literal["end"]: ...
-    @property
-    def by_dimension(self) -> dict[str, _Floats]: ...  # each (3 or 6, wheels)
-    @property
-    def by_slip(self) -> dict[str, _Floats]: ...  # each (3 or 6, wheels)
-    @property
-    def by_gyroscope_bias(self) -> _Floats: ...  # (3,) or (6,)
+    tangent: Final[Literal["end"]]
+    by_dimension: Final[dict[str, _Floats]]  # each (3 or 6, wheels)
+    by_slip: Final[dict[str, _Floats]]  # each (3 or 6, wheels)
+    by_gyroscope_bias: Final[_Floats]  # (3,) or (6,)
     def corrected(self, changes: _Changes) -> _Floats: ...
     def residual(self, pose_i: ArrayLike, pose_j: ArrayLike) -> tuple[_Floats, _Floats, _Floats]: ...
     def factor(
@@ -936,18 +820,12 @@ class Preintegrated:
     ) -> tuple[_Floats, _Floats, _Floats, dict[str, _Floats]]: ...
     def split(self, stamp: float) -> tuple[Preintegrated, Preintegrated]: ...
     def merge(self, other: Preintegrated) -> Preintegrated: ...
-    @property
-    def begin(self) -> float | None: ...
-    @property
-    def end(self) -> float | None: ...
-    @property
-    def duration(self) -> float: ...
-    @property
-    def rover(self) -> Rover: ...
-    @property
-    def noise(self) -> Noise: ...
-    @property
-    def gyroscope(self) -> Gyroscope | None: ...
+    begin: Final[float | None]
+    end: Final[float | None]
+    duration: Final[float]
+    rover: Final[Rover]
+    noise: Final[Noise]
+    gyroscope: Final[Gyroscope | None]
     def __len__(self) -> int: ...
     def __copy__(self) -> Preintegrated: ...
     def __deepcopy__(self, memo: object) -> Preintegrated: ...
@@ -955,34 +833,22 @@ class Preintegrated:
 @final
 class Link:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def frame(self) -> str: ...
-    @property
-    def parent(self) -> str: ...
-    @property
-    def joint(self) -> str | None: ...
-    @property
-    def sign(self) -> float: ...  # of the joint's angle
-    @property
-    def gamma(self) -> float: ...  # [rad]
-    @property
-    def d(self) -> float: ...  # [m]
-    @property
-    def a(self) -> float: ...  # [m]
-    @property
-    def alpha(self) -> float: ...  # [rad]
+    frame: Final[str]
+    parent: Final[str]
+    joint: Final[str | None]
+    sign: Final[float]  # of the joint's angle
+    gamma: Final[float]  # [rad]
+    d: Final[float]  # [m]
+    a: Final[float]  # [m]
+    alpha: Final[float]  # [rad]
 
 @final
 class SteeringCommand:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
-    @property
-    def wheel_speeds(self) -> _Floats: ...  # (..., 6) [rad/s]
-    @property
-    def turning_radius(self) -> Any: ...  # [m]
-    @property
-    def scrub(self) -> _Floats: ...  # (..., unsteered wheels) [m/s]
+    steering: Final[_Floats]  # (..., steered wheels) [rad]
+    wheel_speeds: Final[_Floats]  # (..., 6) [rad/s]
+    turning_radius: Final[Any]  # [m]
+    scrub: Final[_Floats]  # (..., unsteered wheels) [m/s]
 
 @final
 class Terrain:
@@ -1020,16 +886,11 @@ class Terrain:
         *,
         roughness: float = 0.1,
     ) -> Terrain: ...
-    @property
-    def heights(self) -> NDArray[np.float32] | _Floats: ...
-    @property
-    def shape(self) -> tuple[int, int]: ...
-    @property
-    def spacing(self) -> tuple[float, float]: ...
-    @property
-    def origin(self) -> tuple[float, float]: ...
-    @property
-    def yaw(self) -> float: ...
+    heights: Final[NDArray[np.float32] | _Floats]
+    shape: Final[tuple[int, int]]
+    spacing: Final[tuple[float, float]]
+    origin: Final[tuple[float, float]]
+    yaw: Final[float]
     def height_at(
         self,
         xy: ArrayLike,
@@ -1067,16 +928,11 @@ class Terrain:
 @final
 class GroundCommand:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
-    @property
-    def wheel_speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
-    @property
-    def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
-    @property
-    def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
-    @property
-    def scale(self) -> Any: ...
+    steering: Final[_Floats]  # (..., steered wheels) [rad]
+    wheel_speeds: Final[_Floats]  # (..., wheels) [rad/s]
+    twist: Final[_Floats]  # (..., 6) [m/s, rad/s]
+    joint_rates: Final[_Floats]  # (..., joints) [rad/s]
+    scale: Final[Any]
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> _Floats: ...
     def __iter__(self) -> Iterator[_Floats]: ...
@@ -1084,48 +940,33 @@ class GroundCommand:
 @final
 class GroundMotion:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
-    @property
-    def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
-    @property
-    def residuals(self) -> _Floats: ...  # (..., wheels, 3) [m/s]
+    twist: Final[_Floats]  # (..., 6) [m/s, rad/s]
+    joint_rates: Final[_Floats]  # (..., joints) [rad/s]
+    residuals: Final[_Floats]  # (..., wheels, 3) [m/s]
 
 @final
 class Traction:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def wheel_speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
-    @property
-    def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
-    @property
-    def contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
-    @property
-    def lifted(self) -> NDArray[np.bool_]: ...  # (..., wheels)
-    @property
-    def vertical_speed(self) -> Any: ...  # [m/s]
+    wheel_speeds: Final[_Floats]  # (..., wheels) [rad/s]
+    steering: Final[_Floats]  # (..., steered wheels) [rad]
+    contact_angles: Final[_Floats]  # (..., wheels) [rad]
+    lifted: Final[NDArray[np.bool_]]  # (..., wheels)
+    vertical_speed: Final[Any]  # [m/s]
 
 @final
 class WheelSlip:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def ratio(self) -> _Floats: ...  # (..., wheels)
-    @property
-    def angle(self) -> _Floats: ...  # (..., wheels) [rad]
+    ratio: Final[_Floats]  # (..., wheels)
+    angle: Final[_Floats]  # (..., wheels) [rad]
 
 @final
 class BodySlip:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def slip(self) -> _Floats: ...  # (n,)
-    @property
-    def statistic(self) -> float: ...
-    @property
-    def threshold(self) -> float: ...
-    @property
-    def probability(self) -> float: ...
-    @property
-    def slipping(self) -> bool: ...
+    slip: Final[_Floats]  # (n,)
+    statistic: Final[float]
+    threshold: Final[float]
+    probability: Final[float]
+    slipping: Final[bool]
     def compensate(self, wanted: ArrayLike) -> _Floats: ...
 
 def body_slip(
@@ -1175,10 +1016,8 @@ class Suspension:
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def wheel_names(self) -> tuple[str, ...]: ...
-    @property
-    def free_joints(self) -> tuple[str, ...]: ...
+    wheel_names: Final[tuple[str, ...]]
+    free_joints: Final[tuple[str, ...]]
     def inverse(
         self,
         stand: SettledPose,
@@ -1258,120 +1097,71 @@ class Suspension:
 @final
 class PoseBounds:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def z(self) -> _Floats: ...  # (..., 2) [m]
-    @property
-    def roll(self) -> _Floats: ...  # (..., 2) [rad]
-    @property
-    def pitch(self) -> _Floats: ...  # (..., 2) [rad]
-    @property
-    def tilt(self) -> _Floats: ...  # (..., 2) [rad]
-    @property
-    def clearance(self) -> _Floats: ...  # (..., 2) [m]
-    @property
-    def rocker(self) -> _Floats: ...  # (..., 2) [rad]
-    @property
-    def bogies(self) -> _Floats: ...  # (..., 2, 2) [rad]
-    @property
-    def wheel_drop(self) -> _Floats: ...  # (..., 2) [m]
-    @property
-    def status(self) -> BoundsStatus | NDArray[Any]: ...  # (...) BoundsStatus
+    z: Final[_Floats]  # (..., 2) [m]
+    roll: Final[_Floats]  # (..., 2) [rad]
+    pitch: Final[_Floats]  # (..., 2) [rad]
+    tilt: Final[_Floats]  # (..., 2) [rad]
+    clearance: Final[_Floats]  # (..., 2) [m]
+    rocker: Final[_Floats]  # (..., 2) [rad]
+    bogies: Final[_Floats]  # (..., 2, 2) [rad]
+    wheel_drop: Final[_Floats]  # (..., 2) [m]
+    status: Final[BoundsStatus | NDArray[Any]]  # (...) BoundsStatus
 
 @final
 class Feasibility:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def ok(self) -> Any: ...
-    @property
-    def reason(self) -> FeasibilityReason | NDArray[Any]: ...  # (...) FeasibilityReason
-    @property
-    def reason_codes(self) -> int | NDArray[np.uint8]: ...
-    @property
-    def margin(self) -> Any: ...
-    @property
-    def tilt(self) -> Any: ...  # [rad]
-    @property
-    def clearance(self) -> Any: ...  # [m]
-    @property
-    def exact(self) -> Any: ...
+    ok: Final[Any]
+    reason: Final[FeasibilityReason | NDArray[Any]]  # (...) FeasibilityReason
+    reason_codes: Final[int | NDArray[np.uint8]]
+    margin: Final[Any]
+    tilt: Final[Any]  # [rad]
+    clearance: Final[Any]  # [m]
+    exact: Final[Any]
 
 @final
 class Stability:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def loads(self) -> _Floats: ...  # (..., wheels) [N]
-    @property
-    def tip_over_angle(self) -> Any: ...  # [rad]
-    @property
-    def clearance(self) -> Any: ...  # [m]
-    @property
-    def joint_margins(self) -> _Floats: ...  # (..., joints) [rad]
-    @property
-    def tilt(self) -> Any: ...  # [rad]
-    @property
-    def by_pose(self) -> MarginJacobian | None: ...
-    @property
-    def by_dimension(self) -> MarginJacobian | None: ...
+    loads: Final[_Floats]  # (..., wheels) [N]
+    tip_over_angle: Final[Any]  # [rad]
+    clearance: Final[Any]  # [m]
+    joint_margins: Final[_Floats]  # (..., joints) [rad]
+    tilt: Final[Any]  # [rad]
+    by_pose: Final[MarginJacobian | None]
+    by_dimension: Final[MarginJacobian | None]
 
 @final
 class MarginJacobian:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def tip_over_angle(self) -> _Floats: ...  # (..., 3) or (..., 16)
-    @property
-    def clearance(self) -> _Floats: ...  # (..., 3) or (..., 16)
-    @property
-    def joint_margins(self) -> _Floats: ...  # (..., joints, 3) or (..., joints, 16)
-    @property
-    def tilt(self) -> _Floats: ...  # (..., 3) or (..., 16)
+    tip_over_angle: Final[_Floats]  # (..., 3) or (..., 16)
+    clearance: Final[_Floats]  # (..., 3) or (..., 16)
+    joint_margins: Final[_Floats]  # (..., joints, 3) or (..., joints, 16)
+    tilt: Final[_Floats]  # (..., 3) or (..., 16)
 
 @final
 class SettledPose:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def status(self) -> SettleStatus | NDArray[Any]: ...  # (...) SettleStatus
-    @property
-    def reason(self) -> str | NDArray[Any]: ...  # (...) str
-    @property
-    def ground(self) -> Terrain: ...
-    @property
-    def suspension(self) -> Suspension: ...
-    @property
-    def stands(self) -> Any: ...
-    @property
-    def poses(self) -> _Floats: ...  # (..., 3) [m, m, rad]
-    @property
-    def steering(self) -> _Floats: ...  # (..., steered) [rad]
-    @property
-    def z(self) -> Any: ...  # [m]
-    @property
-    def roll(self) -> Any: ...  # [rad]
-    @property
-    def pitch(self) -> Any: ...  # [rad]
-    @property
-    def joints(self) -> _Floats: ...  # (..., joints) [rad]
-    @property
-    def stops(self) -> _Floats: ...  # (..., joints) -1, 0, 1
-    @property
-    def gap(self) -> _Floats: ...  # (..., wheels) [m]
-    @property
-    def contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
-    @property
-    def next_contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
-    @property
-    def contacts(self) -> _Floats: ...  # (..., wheels, 3) [m]
-    @property
-    def next_contacts(self) -> _Floats: ...  # (..., wheels, 3) [m]
-    @property
-    def normals(self) -> _Floats: ...  # (..., wheels, 3)
-    @property
-    def transform(self) -> _Floats: ...  # (..., 4, 4)
-    @property
-    def wheel_centres(self) -> _Floats: ...  # (..., wheels, 3) [m]
-    @property
-    def by_pose(self) -> _Floats | None: ...  # (..., 3 + joints, 3)
-    @property
-    def by_dimension(self) -> _Floats | None: ...  # (..., 6, 16)
+    status: Final[SettleStatus | NDArray[Any]]  # (...) SettleStatus
+    reason: Final[str | NDArray[Any]]  # (...) str
+    ground: Final[Terrain]
+    suspension: Final[Suspension]
+    stands: Final[Any]
+    poses: Final[_Floats]  # (..., 3) [m, m, rad]
+    steering: Final[_Floats]  # (..., steered) [rad]
+    z: Final[Any]  # [m]
+    roll: Final[Any]  # [rad]
+    pitch: Final[Any]  # [rad]
+    joints: Final[_Floats]  # (..., joints) [rad]
+    stops: Final[_Floats]  # (..., joints) -1, 0, 1
+    gap: Final[_Floats]  # (..., wheels) [m]
+    contact_angles: Final[_Floats]  # (..., wheels) [rad]
+    next_contact_angles: Final[_Floats]  # (..., wheels) [rad]
+    contacts: Final[_Floats]  # (..., wheels, 3) [m]
+    next_contacts: Final[_Floats]  # (..., wheels, 3) [m]
+    normals: Final[_Floats]  # (..., wheels, 3)
+    transform: Final[_Floats]  # (..., 4, 4)
+    wheel_centres: Final[_Floats]  # (..., wheels, 3) [m]
+    by_pose: Final[_Floats | None]  # (..., 3 + joints, 3)
+    by_dimension: Final[_Floats | None]  # (..., 6, 16)
     def __len__(self) -> int: ...
 
 @final
@@ -1478,12 +1268,9 @@ class RockerBogie(Suspension):
         previous_wheel_speeds: ArrayLike | None = None,
         threads: int | None = None,
     ) -> SteeringCommand: ...
-    @property
-    def links(self) -> tuple[Link, ...]: ...
-    @property
-    def joint_names(self) -> tuple[str, ...]: ...
-    @property
-    def dimensions(self) -> dict[str, Any]: ...
+    links: Final[tuple[Link, ...]]
+    joint_names: Final[tuple[str, ...]]
+    dimensions: Final[dict[str, Any]]
 
 @final
 class FourAxle:
@@ -1547,18 +1334,12 @@ class FourAxle:
     def simulate(
         self, sequence: Iterable[FourAxleStep], dt: float, *, state: FourAxleState | None = None
     ) -> FourAxleSimulation: ...
-    @property
-    def rover(self) -> Rover: ...
-    @property
-    def pivots(self) -> tuple[float, float]: ...
-    @property
-    def axle_length(self) -> float: ...
-    @property
-    def wheel_radius(self) -> float: ...
-    @property
-    def steering_range(self) -> tuple[float, float]: ...
-    @property
-    def tolerance(self) -> float: ...
+    rover: Final[Rover]
+    pivots: Final[tuple[float, float]]
+    axle_length: Final[float]
+    wheel_radius: Final[float]
+    steering_range: Final[tuple[float, float]]
+    tolerance: Final[float]
     def replace(self, **changes: Any) -> FourAxle: ...
     def __replace__(self, **changes: Any) -> FourAxle: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -1586,36 +1367,21 @@ class Limits:
         steering_acceleration: float | None = None,
         halt_deceleration: float | None = None,
     ) -> Limits: ...
-    @property
-    def speed(self) -> float: ...
-    @property
-    def yaw_rate(self) -> float: ...
-    @property
-    def acceleration(self) -> float: ...
-    @property
-    def deceleration(self) -> float: ...
-    @property
-    def jerk(self) -> float: ...
-    @property
-    def angular_acceleration(self) -> float: ...
-    @property
-    def angular_deceleration(self) -> float: ...
-    @property
-    def angular_jerk(self) -> float: ...
-    @property
-    def lateral_acceleration(self) -> float: ...
-    @property
-    def wheel_speed(self) -> float: ...
-    @property
-    def wheel_acceleration(self) -> float: ...
-    @property
-    def steering_limit(self) -> float: ...
-    @property
-    def steering_rate(self) -> float: ...
-    @property
-    def steering_acceleration(self) -> float: ...
-    @property
-    def halt_deceleration(self) -> float: ...
+    speed: Final[float]
+    yaw_rate: Final[float]
+    acceleration: Final[float]
+    deceleration: Final[float]
+    jerk: Final[float]
+    angular_acceleration: Final[float]
+    angular_deceleration: Final[float]
+    angular_jerk: Final[float]
+    lateral_acceleration: Final[float]
+    wheel_speed: Final[float]
+    wheel_acceleration: Final[float]
+    steering_limit: Final[float]
+    steering_rate: Final[float]
+    steering_acceleration: Final[float]
+    halt_deceleration: Final[float]
     def on(self, rover: Rover) -> Limits: ...
     def replace(self, **changes: float | None) -> Limits: ...
     def __replace__(self, **changes: float | None) -> Limits: ...
@@ -1653,48 +1419,31 @@ class Controller:
     def reset(self, steering: ArrayLike | None = None) -> None: ...
     def halt(self) -> None: ...
     def release(self) -> bool: ...
-    @property
-    def halted(self) -> bool: ...
-    @property
-    def rover(self) -> Rover: ...
+    halted: Final[bool]
+    rover: Final[Rover]
     @property
     def limits(self) -> Limits: ...
     @limits.setter
     def limits(self, limits: Limits) -> None: ...
-    @property
-    def twist(self) -> _Floats: ...
-    @property
-    def steering(self) -> _Floats: ...
-    @property
-    def stamp(self) -> float | None: ...
-    @property
-    def stopped(self) -> bool: ...
-    @property
-    def stopping_distance(self) -> float: ...
+    twist: Final[_Floats]
+    steering: Final[_Floats]
+    stamp: Final[float | None]
+    stopped: Final[bool]
+    stopping_distance: Final[float]
 
 @final
 class ControllerOutput:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def rover(self) -> Rover: ...
-    @property
-    def commands(self) -> dict[str, float]: ...
-    @property
-    def steering(self) -> _Floats: ...
-    @property
-    def steering_rates(self) -> _Floats: ...
-    @property
-    def wheel_speeds(self) -> _Floats: ...
-    @property
-    def joint_errors(self) -> _Floats | Any: ...
-    @property
-    def worst_joint(self) -> str | None: ...
-    @property
-    def speed_share(self) -> float: ...
-    @property
-    def twist(self) -> _Floats: ...
-    @property
-    def reasons(self) -> Reason: ...
+    rover: Final[Rover]
+    commands: Final[dict[str, float]]
+    steering: Final[_Floats]
+    steering_rates: Final[_Floats]
+    wheel_speeds: Final[_Floats]
+    joint_errors: Final[_Floats | Any]
+    worst_joint: Final[str | None]
+    speed_share: Final[float]
+    twist: Final[_Floats]
+    reasons: Final[Reason]
 
 @final
 class ControllerRun:
@@ -1703,22 +1452,14 @@ class ControllerRun:
     def to_pandas(self) -> Any: ...
     def to_arrow(self) -> Any: ...
     def to_csv(self, path: str | PathLike[str]) -> None: ...
-    @property
-    def stamps(self) -> _Floats: ...
-    @property
-    def rover(self) -> Rover: ...
-    @property
-    def commands(self) -> dict[str, _Floats]: ...
-    @property
-    def steering(self) -> _Floats: ...
-    @property
-    def steering_rates(self) -> _Floats: ...
-    @property
-    def wheel_speeds(self) -> _Floats: ...
-    @property
-    def twist(self) -> _Floats: ...
-    @property
-    def reasons(self) -> NDArray[np.uint32]: ...
+    stamps: Final[_Floats]
+    rover: Final[Rover]
+    commands: Final[dict[str, _Floats]]
+    steering: Final[_Floats]
+    steering_rates: Final[_Floats]
+    wheel_speeds: Final[_Floats]
+    twist: Final[_Floats]
+    reasons: Final[NDArray[np.uint32]]
     def __len__(self) -> int: ...
 
 @final
@@ -1745,18 +1486,12 @@ class Costmap:
         unknown: float = 0.5,
         lethal: float | None = None,
     ) -> Costmap: ...
-    @property
-    def values(self) -> NDArray[np.float32]: ...
-    @property
-    def spacing(self) -> tuple[float, float]: ...
-    @property
-    def origin(self) -> tuple[float, float]: ...
-    @property
-    def lethal(self) -> float | None: ...
-    @property
-    def outside(self) -> float | None: ...
-    @property
-    def frame(self) -> str | None: ...
+    values: Final[NDArray[np.float32]]
+    spacing: Final[tuple[float, float]]
+    origin: Final[tuple[float, float]]
+    lethal: Final[float | None]
+    outside: Final[float | None]
+    frame: Final[str | None]
     def replace(self, **changes: Any) -> Costmap: ...
     def __replace__(self, **changes: Any) -> Costmap: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -1801,50 +1536,31 @@ class Mppi:
     ) -> MppiPlan: ...
     def reset(self) -> None: ...
     def restore(self, state: Mapping[str, Any]) -> None: ...
-    @property
-    def state(self) -> dict[str, Any]: ...
-    @property
-    def wishes(self) -> _Floats: ...
-    @property
-    def costs(self) -> _Floats: ...
-    @property
-    def rover(self) -> Rover: ...
+    state: Final[dict[str, Any]]
+    wishes: Final[_Floats]
+    costs: Final[_Floats]
+    rover: Final[Rover]
     @property
     def limits(self) -> Limits: ...
-    @property
-    def horizon(self) -> int: ...
-    @property
-    def dt(self) -> float: ...
-    @property
-    def samples(self) -> int: ...
-    @property
-    def seed(self) -> int: ...
-    @property
-    def sampling_std(self) -> _Floats: ...
-    @property
-    def cost_weights(self) -> dict[str, float]: ...
+    horizon: Final[int]
+    dt: Final[float]
+    samples: Final[int]
+    seed: Final[int]
+    sampling_std: Final[_Floats]
+    cost_weights: Final[dict[str, float]]
 
 @final
 class MppiPlan:
     def __reduce__(self) -> tuple[Any, ...]: ...
-    @property
-    def twist(self) -> _Floats: ...
-    @property
-    def steering(self) -> _Floats: ...
-    @property
-    def wheel_speeds(self) -> _Floats: ...
-    @property
-    def twists(self) -> _Floats: ...
-    @property
-    def poses(self) -> _Floats: ...
-    @property
-    def controls(self) -> _Floats: ...
-    @property
-    def cost(self) -> float: ...
-    @property
-    def effective_samples(self) -> float: ...
-    @property
-    def reason(self) -> str: ...
+    twist: Final[_Floats]
+    steering: Final[_Floats]
+    wheel_speeds: Final[_Floats]
+    twists: Final[_Floats]
+    poses: Final[_Floats]
+    controls: Final[_Floats]
+    cost: Final[float]
+    effective_samples: Final[float]
+    reason: Final[str]
 
 def reason_bits() -> list[tuple[str, int]]: ...
 def integrate(
