@@ -1,7 +1,7 @@
 """Time and size of what a notebook shows of a result: `python benches/notebooks.py`.
 
-A line for each class that shows itself: the median of the processor time of some bundles after a first one, and the
-bytes of text and picture.
+A line for each class that shows itself: the median of the processor time of some bundles after a first one,
+and the bytes of text and picture.
 """
 
 import argparse
