@@ -13,7 +13,7 @@ import os
 import pickle
 import signal
 import threading
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Sized
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -126,6 +126,8 @@ def spread(
     if cluster is not None and workers is not None:
         raise ValueError(f"workers must not be given with a cluster, got {workers}")
     workers = workers or _cores()
+    if isinstance(items, Sized):
+        workers = min(workers, max(len(items), 1))
     resumed: list[int] = []
 
     def remaining() -> Iterator[tuple[int, Any]]:
@@ -202,8 +204,10 @@ class _Pool(ProcessPoolExecutor):
         super().__init__(workers, context, _begin, (ended,))
 
     def end(self) -> None:
-        """Stop all processes at once: items that nobody waits for any more need not be finished."""
+        """Stop all processes at once, also those that are still starting: nobody waits for their items."""
         self._running.close()
+        for process in list((self._processes or {}).values()):
+            process.kill()
         self.shutdown(cancel_futures=True)
 
 

@@ -22,7 +22,7 @@ __all__ = ["Columns", "Tabular", "covariance_columns", "pose_columns", "rows_of"
 Columns: TypeAlias = "dict[str, tuple[str, NDArray[Any]]]"
 """Unit and values, shape (n,), by name."""
 TWIST = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
-BLOCK = 4096  # rows that are written between two looks at signals
+BLOCK, GROUP = 4096, 1 << 16  # rows of text and of Parquet that are written between two looks at signals
 UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
@@ -116,8 +116,13 @@ class Tabular(Shown):
             table = self.to_arrow(**names)
             from six_wheel.kinematics.objects.whole_files import replacing
 
-            with replacing(target) as temporary:
-                _needed("pyarrow.parquet", "six-wheel[cli]").write_table(table, temporary)
+            parquet = _needed("pyarrow.parquet", "six-wheel[cli]")
+            with (
+                replacing(target) as temporary,
+                parquet.ParquetWriter(temporary, table.schema) as writer,
+            ):
+                for batch in table.to_batches(max_chunksize=GROUP):
+                    writer.write_batch(batch)
         else:
             raise ValueError(f"path must end in .csv or .parquet, got {str(path)!r}")
 

@@ -1,0 +1,181 @@
+"""Every public call ends within 0.3 s of Ctrl-C, or by itself, with objects as they were.
+
+Walks all of them: with so many rows that they take long, with numbers that may make them long, and on objects
+of many rows. A new call is walked the day it is written; one that takes a file, or another long thing that
+no docstring tells how to make, needs a line in `long_calls.LONG`, and the walk says so.
+"""
+
+import contextlib
+import re
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("scipy", reason="walks every public name, and calibration needs SciPy")
+
+from tests.core.door.interrupting import BOUND, Interrupter, interrupter
+from tests.core.door.long_calls import LONG, SHORT, many
+from tests.objects.calls import BEGIN, Call, calls, documented, functions
+from tests.objects.samples import samples, terrain
+
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
+
+LEADING = re.compile(r"shape \((\.\.\.|n \+ 1|n|m|k)\b")
+LONG_ENOUGH = 0.5  # [s] of a call that is interrupted
+MOST_ROWS, MOST_BYTES = 1 << 22, 1 << 28
+MOMENTS = (0.1, 0.6)  # shares of the time that the call takes
+NUMBERS = (1e3, 1e6, 1e9, 1e15, 1e-3, 1e-6, 1e-9, 1e-15)
+# Arguments with a leading axis that is no number of rows: of what, and why it stays short.
+FIXED = {
+    "body_slip": "at most six numbers",
+    "BodySlip.compensate": "at most six numbers",
+    "Rover.swerve": "modules, which must differ",
+    "Rover.omni": "wheels, which must differ",
+    "integrate": "walked by its rows of twists with one dt, as LONG",
+    "Preintegrated.add": "as LONG: stamps have to follow each other",
+    "FourAxle.simulate": "as LONG",
+}
+# Numbers of processes, and of samples that no memory may hold.
+NOT_NUMBERS = {"calibrate": ("workers",), "simulate": ("rate",)}
+
+
+def rows_of(call: Call) -> list[str]:
+    """Arguments of a call that may have any number of rows."""
+    kinds = documented(call.function)
+    return [name for name in call.arguments if name == "stand" or LEADING.search(kinds.get(name, ""))]
+
+
+def grown(call: Call, rows: int) -> dict[str, Any]:
+    """The ordinary arguments with so many rows."""
+    kinds, found = documented(call.function), dict(call.arguments)
+    for name in rows_of(call):
+        if name == "stand":
+            one = call.function.__self__  # type: ignore[attr-defined]
+            found[name] = one.settle(terrain(), np.tile((0.2, 0.1, 0.3), (rows, 1)))
+            continue
+        axis = LEADING.search(kinds[name])
+        assert axis is not None
+        count, value = rows + (axis[1] == "n + 1"), np.asarray(call.arguments[name])
+        each = value if axis[1] == "..." or not value.ndim else value[0]
+        found[name] = np.broadcast_to(each, (count, *each.shape)).copy()
+        if "stamps" in name or name == "times":
+            found[name] = BEGIN + 0.01 * np.arange(count)
+    return found
+
+
+def taking_long(call: Callable[[int], Callable[[], object]]) -> tuple[Callable[[], object], float]:
+    """A call with so many rows that it takes `LONG_ENOUGH`, or the most that are tried; and its time [s]."""
+    rows = 1000
+    while True:
+        run = call(rows)
+        begin = time.monotonic()
+        run()
+        taken = time.monotonic() - begin
+        if taken >= LONG_ENOUGH or rows >= MOST_ROWS:
+            return run, taken
+        rows = min(MOST_ROWS, int(rows * min(max(1.5 * LONG_ENOUGH / max(taken, 1e-6), 2.0), 32.0)))
+
+
+def late(interrupt: Interrupter, run: Callable[[], object], taken: float) -> list[float]:
+    """How late the call ends after Ctrl-C at several moments, where that is more than it may."""
+    found = [interrupt.lateness(run, share * taken)[1] for share in MOMENTS]
+    return [round(each, 2) for each in found if each > BOUND]
+
+
+ROWS = {call.name: call for call in calls() if rows_of(call) and call.name not in FIXED}
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_calls_of_many_rows_end(name: str) -> None:
+    call = ROWS[name]
+    one = getattr(call.function, "__self__", None)
+
+    def with_rows(rows: int) -> Callable[[], object]:
+        given = grown(call, rows)
+        return lambda: call(**given)
+
+    before = repr(one)
+    run, taken = taking_long(with_rows)
+    with interrupter() as interrupt:
+        assert late(interrupt, run, taken) == []
+    assert repr(one) == before
+
+
+def numbers_of(call: Call) -> Iterator[tuple[str, Any]]:
+    """Arguments that are one number, each with numbers that may make a call long."""
+    for name, kind in documented(call.function).items():
+        if re.match(r"(float|int)\b", kind) and name not in NOT_NUMBERS.get(call.name, ()):
+            for number in NUMBERS:
+                if kind.startswith("float") or number >= 1.0:
+                    yield name, number if kind.startswith("float") else int(number)
+
+
+@pytest.mark.parametrize("call", [pytest.param(each, id=each.name) for each in calls()])
+def test_calls_end_whatever_number_is_given(call: Call) -> None:
+    with interrupter() as interrupt:
+        for name, number in numbers_of(call):
+            _, after = interrupt.lateness(lambda name=name, number=number: call(**{name: number}), BOUND)
+            assert after <= BOUND, (name, number)
+
+
+TABLES = [name for name, one in samples().items() if hasattr(one, "to_arrays")]
+METHODS = ("to_arrays", "to_arrow", "to_pandas", "to_csv", "save")
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_long_calls_end(name: str, tmp_path: Path) -> None:
+    run, taken = taking_long(lambda rows: LONG[name](rows // 4, tmp_path))
+    with interrupter() as interrupt:
+        assert late(interrupt, run, taken) == []
+    assert not [path for path in tmp_path.iterdir() if path.is_file() and path.name.startswith(".")]
+
+
+@pytest.mark.parametrize("kind", TABLES)
+def test_tables_end(kind: str, tmp_path: Path) -> None:
+    for method in METHODS:
+        if not hasattr(samples()[kind], method):
+            continue
+        for ending in (".csv", ".parquet") if method == "save" else (".csv",):
+            path = [tmp_path / f"made{ending}"] if method in ("to_csv", "save") else []
+
+            def with_rows(rows: int, method: str = method, path: list[Path] = path) -> Callable[[], object]:
+                one = many(kind, min(rows, 1 << 18))
+                return lambda: getattr(one, method)(*path)
+
+            run, taken = taking_long(with_rows)
+            for each in path:
+                each.unlink()
+            with interrupter() as interrupt:
+                assert late(interrupt, run, taken) == [], (method, ending)
+
+
+def test_every_public_call_is_walked_or_short() -> None:
+    """What is in none of the walks answers at once, with no argument that could make it long."""
+    made = {call.name: call for call in calls()}
+    tables = {f"{kind}.{method}" for kind in TABLES for method in METHODS}
+    known = {name.partition(",")[0] for name in LONG} | tables | FIXED.keys() | ROWS.keys()
+    unknown = []
+    for name, _, function in functions():
+        part = name.rpartition(".")[2]
+        same = [each for each in known if each.endswith(f".{part}") and one_function(each, function)]
+        if name in known or same:
+            continue
+        if name in made:  # numbers alone
+            begin = time.monotonic()
+            with contextlib.suppress(ValueError):
+                made[name]()
+            if time.monotonic() - begin < 10.0 * BOUND:
+                continue
+        unknown.append(name)
+    assert set(unknown) - SHORT.keys() == set(), "calls that need a line in LONG, or a word in SHORT why not"
+
+
+def one_function(name: str, function: Callable[..., Any]) -> bool:
+    """True if a method is that of another class, which is walked."""
+    kind, _, part = name.partition(".")
+    other = getattr(type(samples().get(kind)), part, None)
+    return getattr(other, "__func__", other) is getattr(function, "__func__", function)
