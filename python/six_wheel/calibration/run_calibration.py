@@ -59,7 +59,7 @@ OF_TRACKS = (
 def parameter_names(rover: Rover, logs: Sequence[WheelLog] = ()) -> list[str]:
     """Names that `calibrate` takes for this rover: groups such as ``wheel_radii``, and their members.
 
-    Without logs, every wheel with a motor is taken to have an encoder.
+    Without `logs`, every wheel with a motor is taken to have an encoder.
     """
     heard = encoders(rover, logs) if logs else [wheel.driven for wheel in rover.wheels]
     return Catalogue(rover, heard).names
@@ -116,7 +116,7 @@ def calibrate(
         Lengths of the windows [m], a turn in place counting as what its outermost wheel drives; default 5,
         10, 20 and 40 times the distance of the farthest wheel from the origin.
     confidence : float, default 0.95
-        Of the intervals.
+        Of the intervals, the share of them that hold the true value.
     cross_validation : bool
         Whether to leave out one session (run, part of a run) after another and report the errors there.
     max_time_offset : float, default 0.5

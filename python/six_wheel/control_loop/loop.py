@@ -36,6 +36,8 @@ STALE, STUCK = int(Reason.STALE), int(Reason.JOINT_STUCK)
 class Loop:
     """A rover on its way.
 
+    In every method `now` is the time of the call, and `stamp` that of what it takes [ns].
+
     Parameters
     ----------
     settings : Settings
@@ -149,12 +151,12 @@ class Loop:
         return None if state is None else Step(now, None, None, self.twist, 0, counted, state)
 
     def mount(self, up: Sequence[float], now: int) -> None:
-        """Set the mounting of the gyroscope: the rover's z in its axes. The parameter file comes first."""
+        """Mounting of the gyroscope: `up`, the rover's z in its axes. The parameter file comes first."""
         self._move_on(now)
         self._odometer.mount(up)
 
     def tick(self, now: int) -> Step | None:
-        """The timer: a step if there has been none by joint states for a period."""
+        """The timer at `now` [ns]: a step if there has been none by joint states for a period."""
         now = self._move_on(now)
         if self._stepped is not None and now - self._stepped < self._period:
             return None
@@ -171,12 +173,12 @@ class Loop:
         return None if self._controller is None else self._step(now, None)
 
     def set_pose(self, pose: Numbers, covariance: Sequence[Numbers] | None, now: int) -> None:
-        """The rover is known to be here; readings count on."""
+        """The rover is known to be at `pose` [m, m, rad] with `covariance` (3, 3); readings count on."""
         self._move_on(now)
         self._odometer.set_pose(pose, covariance)
 
     def reset(self, now: int, pose: Numbers = (0.0, 0.0, 0.0), covariance: Numbers | None = None) -> None:
-        """Odometry starts over; the motion goes on."""
+        """Odometry starts over at `pose` [m, m, rad] with `covariance` (3, 3); the motion goes on."""
         self._move_on(now)
         self._odometer.reset(pose, covariance)
 
@@ -202,12 +204,12 @@ class Loop:
         self._odometer.change(settings)
 
     def activate(self, now: int, active: bool = True) -> None:
-        """Take commands; or stop within the limits, and take none."""
+        """Take commands if `active`; or stop within the limits, and take none."""
         self._move_on(now)
         self.active = active
 
     def begin(self, now: int, twist: Numbers) -> None:
-        """The rover moves like this; for one without joint states, before its first step."""
+        """The rover moves with `twist` [m/s, m/s, rad/s]; without joint states, before its first step."""
         self._move_on(now)
         if self._controller is None:
             self._start(self.settings.controller(twist=twist))

@@ -153,7 +153,7 @@ class Pose(NamedTuple):
         return type(self)(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw)
 
     def to_body(self, twist: Sequence[float]) -> Twist:
-        """A twist whose linear part is along the axes of the world, in body axes of a rover at this pose."""
+        """`twist` [m/s, m/s, rad/s], its linear part along axes of the world, in body axes at this pose."""
         return Twist._make(_three("to_body", twist)).to_body(self.yaw)
 
     def between(self, other: Sequence[float]) -> Self:
@@ -169,6 +169,11 @@ class Pose(NamedTuple):
             Where the way leads [m, m, rad].
         share : float
             0 is this pose, 1 is `other`.
+
+        Raises
+        ------
+        ValueError
+            If `other` is no pose, or `share` no number.
         """
         return type(self)._make(se2.interpolate(self, _three("interpolate", other), share).tolist())
 

@@ -111,7 +111,7 @@ class GroundTruth(Tabular):
         return not np.isnan(self.poses[0, 2])
 
     def covers(self, stamps: ArrayLike, margin: float = 0.0) -> NDArray[np.bool_]:
-        """True where the truth is known throughout `margin` [s] before and after these times. Shape (m,)."""
+        """True where the truth is known throughout `margin` [s] before and after `stamps` [s]. Shape (m,)."""
         wanted = np.asarray(stamps, dtype=np.float64)
         first = np.searchsorted(self.stamps, wanted - margin, side="right") - 1
         last = np.searchsorted(self.stamps, wanted + margin, side="left")
@@ -122,9 +122,9 @@ class GroundTruth(Tabular):
         return known
 
     def at(self, stamps: ArrayLike) -> Floats:
-        """Poses at other times, between the recorded ones; NaN outside the recording and in gaps.
+        """Poses x, y, yaw at `stamps` [s], between the recorded ones; NaN outside the recording and in gaps.
 
-        Shape (m, 3) for stamps of shape (m,), (3,) for a number.
+        Shape (m, 3) for stamps of shape (m,), (3,) for a number; an error if they are no numbers.
         """
         wanted = _numbers("stamps", stamps)
         poses, _ = interpolate(self.stamps, self.poses, wanted.ravel())
@@ -132,7 +132,7 @@ class GroundTruth(Tabular):
         return poses.reshape(*wanted.shape, 3)
 
     def at_in_space(self, stamps: ArrayLike) -> Floats:
-        """Poses x, y, z, roll, pitch, yaw at other times, (m, 6) or (6,); NaN as in `at`, or if not known."""
+        """Poses x, y, z, roll, pitch, yaw at `stamps` [s], (m, 6) or (6,); NaN as in `at`, or if unknown."""
         poses = self.at(stamps)
         x, y, yaw = poses.reshape(-1, 3).T
         known = np.full((len(self), 3), math.nan) if self.space is None else self.space[:, [0, 2, 1]]
@@ -240,7 +240,10 @@ class WheelLog(Tabular):
         name: str = "",
         session: str = "",
     ) -> Self:
-        """A log from the angle of each wheel since the row before [rad]; the first row counts from 0."""
+        """A log from `increments`: angles of the wheels since the row before [rad]; the first counts from 0.
+
+        `stamps`, `steering`, `truth`, `name`, `session` and the errors are those of the class.
+        """
         steps = np.asarray(increments, dtype=np.float64)
         for number, column in enumerate(steps.T if steps.ndim == 2 else ()):
             check_increments(column, Column(f"increments of wheel {number}", ""), 0)

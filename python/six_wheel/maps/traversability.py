@@ -116,7 +116,7 @@ def traverse(
     map_error : float, default 0.0
         How far the heights may be wrong [m].
     belly : (float, float, float, float), optional
-        As for `RockerBogie.bounds`.
+        As for `RockerBogie.bounds` [m].
     cluster : str or distributed.Client, optional
         A Dask cluster instead of this machine (extra ``[cluster]``).
     workers : int, optional
@@ -125,6 +125,11 @@ def traverse(
         Called with the number of finished tiles and of all.
     band, nodata, unit, north_up, spacing, origin, topic, layer : optional
         As for `Terrain.read`, for what the map leaves open.
+
+    Returns
+    -------
+    Traversed
+        Counts of cells and of safe ones, where the layers are, tiles that were kept from a call before.
 
     Raises
     ------

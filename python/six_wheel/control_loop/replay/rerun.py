@@ -52,6 +52,11 @@ def replay(
     progress : callable, optional
         Called now and then with how far it is and how far it will go.
 
+    Returns
+    -------
+    Replayed
+        The recorded run and the new one, which `compare` takes.
+
     Raises
     ------
     RecordError

@@ -76,7 +76,7 @@ class Tabular(Shown):
         )
 
     def to_csv(self, path: str | os.PathLike[str], **names: Any) -> None:
-        """Write the columns to a CSV file with all their digits, whole or not at all.
+        """Write the columns to the CSV file `path` with all their digits, whole or not at all.
 
         Raises
         ------

@@ -148,7 +148,7 @@ class Track(Tabular):
         return np.flatnonzero(self.health & int(OdometryHealth.LEFT_OUT))
 
     def rows(self, flag: OdometryHealth) -> NDArray[np.int64]:
-        """Rows with any of these flags."""
+        """Numbers of the rows with any flag of `flag`."""
         return rows_with(self.health, flag)
 
     def findings(self) -> list[str]:
@@ -168,6 +168,11 @@ class Track(Tabular):
             Rows of slip that lie no further apart than this are one window [s].
         min_rows : int, default 2
             Rows that make a window: fewer are noise.
+
+        Raises
+        ------
+        ValueError
+            If the track has no residuals.
         """
         return SlipReport.of(self, threshold, gap, min_rows)
 
@@ -300,7 +305,7 @@ class SlipReport(Shown):
 
     @classmethod
     def of(cls, track: Track, threshold: float | None, gap: float, min_rows: int) -> SlipReport:
-        """The report of a track."""
+        """The report of a track, with `threshold`, `gap` and `min_rows` of `Track.slip_report`."""
         import numpy as np
 
         if track.residuals is None:

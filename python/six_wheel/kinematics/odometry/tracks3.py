@@ -95,7 +95,7 @@ class Track3(Tabular):
         return self.rows(OdometryHealth.LEFT_OUT)
 
     def rows(self, flag: OdometryHealth) -> NDArray[np.int64]:
-        """Rows with any of these flags."""
+        """Numbers of the rows with any flag of `flag`."""
         return rows_with(self.health, flag)
 
     def findings(self) -> list[str]:

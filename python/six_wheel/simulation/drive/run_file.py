@@ -66,6 +66,11 @@ def drive(
     progress : callable, optional
         Called after every chunk with how far it is and how far it will go.
 
+    Returns
+    -------
+    Summary
+        Rows, duration [s], length of the path [m], largest speeds and angles, reasons of limits.
+
     Raises
     ------
     TableError
