@@ -25,7 +25,14 @@ WITHOUT_UNITS = {
     ),
     *("RockerBogie.bounds", "RockerBogie.feasible", "Rover.inverse", "Suspension.forward"),
     *("Suspension.inverse", "Suspension.slip", "Suspension.stability", "Suspension.traction"),
-    *("Suspension.triple_bogie", "Terrain", "Terrain.read", "Profile.time_optimal", "time_optimal"),
+    *(
+        "Suspension.triple_bogie",
+        "Terrain",
+        "Terrain.read",
+        "Profile.time_optimal",
+        "time_optimal",
+        "Costmap.read",
+    ),
 }
 # What a number may be stated by: a unit in brackets, a shape, or what it counts.
 STATED = re.compile(

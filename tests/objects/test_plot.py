@@ -88,6 +88,13 @@ def test_other_results_of_a_list_stand_below_each_other_at_one_scale():
     assert figures[0].axes[0].get_ylim() == figures[1].axes[0].get_ylim()
 
 
+def test_a_tuple_is_drawn_as_a_list_and_only_pictures_are_saved(tmp_path):
+    track = samples()["Track"]
+    assert sw.plot((track, track))._repr_png_() == sw.plot([track, track])._repr_png_()
+    with pytest.raises(TypeError, match="figure must be what sw.plot gives, got NoneType"):
+        sw.plot.save(None, tmp_path / "picture.png")
+
+
 def test_ellipses_lie_under_the_path():
     (path, *_) = sw.plot(samples()["Track"]).axes
     ellipses = [patch for patch in path.patches if isinstance(patch, Ellipse)]

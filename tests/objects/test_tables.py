@@ -79,6 +79,9 @@ def test_a_log_is_read_from_a_frame():
     again = sw.read_log(log.to_pandas(rover=ROVER), ROVER, name="a")
     np.testing.assert_array_equal(again.wheel_angles, log.wheel_angles)
     assert again.name == "a"
+    for table in (log.to_arrays(rover=ROVER), log.to_arrow(rover=ROVER)):  # Arrow lost its truth
+        known = sw.read_log(table, ROVER).truth
+        np.testing.assert_array_equal(known.poses, again.truth.poses)
     with pytest.raises(ValueError, match="truth must be left out for a table in memory"):
         sw.read_log({"time": [0.0]}, ROVER, truth="truth.csv")
 

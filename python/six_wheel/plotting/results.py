@@ -52,6 +52,8 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
     TypeError
         If there is no picture of such a thing, or no such option; the message lists those there are.
     """
+    if type(result) is tuple:
+        result = list(result)
     for kind in type(result).__mro__:
         if kind.__name__ in PICTURES:
             module, function = PICTURES[kind.__name__]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.errors import ArgumentTypeError, as_path
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.writing import replacing
 
@@ -27,8 +27,10 @@ def save(figure: Figure, path: str | Path) -> None:
     Raises
     ------
     ValueError
-        If matplotlib knows no such ending, or the file cannot be written.
+        If matplotlib knows no such ending, the file cannot be written, or `figure` is none.
     """
+    if not isinstance(figure, Figure):
+        raise ArgumentTypeError(f"figure must be what sw.plot gives, got {type(figure).__name__}")
     render(figure, as_path("path", path))
 
 

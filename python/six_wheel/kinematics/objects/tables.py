@@ -206,7 +206,8 @@ def covariances_of(frame: Any, count: int) -> NDArray[np.float64] | None:
 
 def headers_of(frame: Any) -> list[str]:
     """Names of the columns of a frame, or of a mapping of columns."""
-    return list(map(str, getattr(frame, "columns", frame)))
+    named = getattr(frame, "column_names", None)  # of Arrow, whose `columns` are their values
+    return list(map(str, getattr(frame, "columns", frame) if named is None else named))
 
 
 def rows_of(frame: Any, names: tuple[str, ...]) -> NDArray[np.float64]:
