@@ -36,11 +36,10 @@ STALE, STUCK = int(Reason.STALE), int(Reason.JOINT_STUCK)
 class Loop:
     """A rover on its way.
 
-    In every method `now` is the time of the call, and `stamp` that of what it takes [ns].
-
     Parameters
     ----------
     settings : Settings
+        In every method `now` is the time of the call, and `stamp` that of what it takes [ns].
 
     Attributes
     ----------

@@ -122,10 +122,8 @@ class GroundTruth(Tabular):
         return known
 
     def at(self, stamps: ArrayLike) -> Floats:
-        """Poses x, y, yaw at `stamps` [s], between the recorded ones; NaN outside the recording and in gaps.
-
-        Shape (m, 3) for stamps of shape (m,), (3,) for a number; an error if they are no numbers.
-        """
+        """Poses x, y, yaw at `stamps` [s], between the recorded ones, shape (m, 3), or (3,) for a number; NaN
+        outside the recording and in gaps; an error if they are no numbers."""
         wanted = _numbers("stamps", stamps)
         poses, _ = interpolate(self.stamps, self.poses, wanted.ravel())
         poses[~self.covers(wanted.ravel())] = math.nan
@@ -240,10 +238,8 @@ class WheelLog(Tabular):
         name: str = "",
         session: str = "",
     ) -> Self:
-        """A log from `increments`: angles of the wheels since the row before [rad]; the first counts from 0.
-
-        `stamps`, `steering`, `truth`, `name`, `session` and the errors are those of the class.
-        """
+        """A log from `increments` of the wheels since the row before [rad], the first from 0; `stamps`,
+        `steering`, `truth`, `name`, `session` and errors as of the class."""
         steps = np.asarray(increments, dtype=np.float64)
         for number, column in enumerate(steps.T if steps.ndim == 2 else ()):
             check_increments(column, Column(f"increments of wheel {number}", ""), 0)
