@@ -161,6 +161,8 @@ def checked_class(kind: _C) -> _C:
 def _is_array(value: object) -> bool:
     import numpy as np
 
+    if hasattr(value, "__array__") and not isinstance(value, np.ndarray):
+        return True  # an array of another library: what it raises is its caller's
     try:
         np.asarray(value, dtype=float)
     except (TypeError, ValueError):

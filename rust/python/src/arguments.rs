@@ -1,7 +1,7 @@
 //! Arguments of one kind, read by name. A value of another kind is refused with the argument's name, the kind that is
 //! expected, and the value.
 //!
-//! A parameter with a type in a list of [`methods`](crate::classes) is read by the function of its name here, into any type
+//! A parameter with a type in a list of [`methods`](crate::classes::parameter_lists) is read by the function of its name here, into any type
 //! with [`FromArgument`]: a new name is added to `named!`. A class of this library implements [`ArgumentKind`] in its own
 //! file. Errors of pyo3 itself name the argument in a traceback only.
 

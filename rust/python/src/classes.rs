@@ -1,123 +1,12 @@
-//! Macros and functions that the Python classes share: methods, attributes, `__repr__`, equality, hashing, pickling and
-//! `replace`. rustfmt leaves what stands in these lists as it is: write it as rustfmt would, lists of parameters filled.
+//! Macros and functions that the Python classes share: attributes, `__repr__`, equality, hashing, pickling and
+//! `replace`. rustfmt leaves what stands in their lists as it is: write it as rustfmt would.
 
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-/// Methods of a class, each with its parameters as Python lists them.
-///
-/// `fn name[receiver](parameters) as "(...)" -> Result { ... }`: in brackets stands what is no parameter in Python; after
-/// `as` the signature that Python shows, where defaults are not shown as they are. A parameter is
-///
-/// - `name` or `name=None`: any object, of which nothing is read;
-/// - `name: Type` or `name: Type = default`: a type with [`FromArgument`](crate::arguments::FromArgument), read under its
-///   name by the function of that name in `arguments`;
-/// - `name: native Type` or `name: native Type = default`: a type that pyo3 reads;
-/// - `*`, `/`, `*name` and `**name`, as in Python;
-/// - `**` at the end: keywords that are not in the list are refused with the nearest name; it needs the signature after
-///   `as`. Not for methods with a fast path: pyo3 gives what takes any keyword another calling convention.
-macro_rules! methods {
-    ($class:ident: $($items:tt)*) => {
-        listed! { [$class] $($items)* }
-    };
-}
-
-/// Functions of the module, as [`methods`] lists those of a class.
-macro_rules! functions {
-    ($($items:tt)*) => {
-        listed! { [] $($items)* }
-    };
-}
-
-/// The items of both lists, one by one.
-macro_rules! listed {
-    ($class:tt $(
-        $(#[$attribute:meta])*
-        $vis:vis fn $name:ident[$($head:tt)*]($($parameters:tt)*) $(as $shown:tt)? -> $result:ty { $($body:tt)* }
-    )*) => {$(
-        with_parameters! {
-            ($class [$(#[$attribute])* $vis] $name [$($head)*] [$($shown)?] [$result] [$($body)*])
-            [] [] $($parameters)*
-        }
-    )*};
-}
-
-/// Reads a list of parameters from the left: the signature of pyo3 and the parameters of Rust grow by one at every step.
-macro_rules! with_parameters {
-    (
-        ([$($class:ident)?] $prefix:tt $name:ident $head:tt [$shown:tt] $result:tt [$($body:tt)*])
-        [$($signature:tt)*] [$($typed:tt)*] * *
-    ) => {
-        with_parameters! {
-            (
-                [$($class)?] $prefix $name $head [$shown] $result
-                [
-                    crate::fastcall::keywords::check(concat!($(stringify!($class), ".",)? stringify!($name)), $shown, unknown)?;
-                    $($body)*
-                ]
-            )
-            [$($signature)* **unknown,] [$($typed)* unknown: Option<&Bound<'py, pyo3::types::PyDict>>,]
-        }
-    };
-    ($made:tt [$($signature:tt)*] [$($typed:tt)*] * $(, $($rest:tt)*)?) => {
-        with_parameters! { $made [$($signature)* *,] [$($typed)*] $($($rest)*)? }
-    };
-    ($made:tt [$($signature:tt)*] [$($typed:tt)*] / $(, $($rest:tt)*)?) => {
-        with_parameters! { $made [$($signature)* /,] [$($typed)*] $($($rest)*)? }
-    };
-    ($made:tt [$($signature:tt)*] [$($typed:tt)*] * * $name:ident $(, $($rest:tt)*)?) => {
-        with_parameters! {
-            $made
-            [$($signature)* **$name,] [$($typed)* $name: Option<&Bound<'py, pyo3::types::PyDict>>,] $($($rest)*)?
-        }
-    };
-    ($made:tt [$($signature:tt)*] [$($typed:tt)*] * $name:ident $(, $($rest:tt)*)?) => {
-        with_parameters! {
-            $made [$($signature)* *$name,] [$($typed)* $name: &Bound<'py, pyo3::types::PyTuple>,] $($($rest)*)?
-        }
-    };
-    ($made:tt [$($signature:tt)*] [$($typed:tt)*] $name:ident = None $(, $($rest:tt)*)?) => {
-        with_parameters! {
-            $made [$($signature)* $name=None,] [$($typed)* $name: Option<&Bound<'py, PyAny>>,] $($($rest)*)?
-        }
-    };
-    ($made:tt [$($signature:tt)*] [$($typed:tt)*] $name:ident: native $type:ty $(= $default:tt)? $(, $($rest:tt)*)?) => {
-        with_parameters! {
-            $made [$($signature)* $name $(= $default)?,] [$($typed)* $name: $type,] $($($rest)*)?
-        }
-    };
-    ($made:tt [$($signature:tt)*] [$($typed:tt)*] $name:ident: $type:ty $(= $default:tt)? $(, $($rest:tt)*)?) => {
-        with_parameters! {
-            $made [$($signature)* $name $(= $default)?,]
-            [$($typed)* #[pyo3(from_py_with = crate::arguments::$name)] $name: $type,] $($($rest)*)?
-        }
-    };
-    ($made:tt [$($signature:tt)*] [$($typed:tt)*] $name:ident $(, $($rest:tt)*)?) => {
-        with_parameters! { $made [$($signature)* $name,] [$($typed)* $name: &Bound<'py, PyAny>,] $($($rest)*)? }
-    };
-    (
-        ([$class:ident] [$($prefix:tt)*] $name:ident [$($($head:tt)+)?] [$($shown:tt)?] [$result:ty] [$($body:tt)*])
-        [$($signature:tt)*] [$($typed:tt)*]
-    ) => {
-        #[pymethods]
-        impl $class {
-            #[pyo3(signature = ($($signature)*) $(, text_signature = $shown)?)]
-            #[allow(clippy::extra_unused_lifetimes)] // a list need not name it
-            $($prefix)*
-            fn $name<'py>($($($head)+,)? $($typed)*) -> $result { $($body)* }
-        }
-    };
-    (
-        ([] [$($attribute:tt)*] $name:ident [$($head:tt)*] [$($shown:tt)?] [$result:ty] [$($body:tt)*])
-        [$($signature:tt)*] [$($typed:tt)*]
-    ) => {
-        #[pyfunction]
-        #[pyo3(signature = ($($signature)*) $(, text_signature = $shown)?)]
-        $($attribute)*
-        fn $name<'py>($($head)*, $($typed)*) -> $result { $($body)* }
-    };
-}
+#[macro_use]
+mod parameter_lists;
 
 /// Read-only attributes of a class: documentation, name, type and expression of each.
 ///

@@ -1,6 +1,7 @@
 //! `six_wheel._core`: the Python face of the crates of six_wheel. Shapes, names and errors; no mathematics.
 
 #![allow(clippy::too_many_arguments)] // they are keywords in Python
+#![recursion_limit = "512"] // of lists of parameters, which are read one token after the other
 
 mod arguments;
 #[macro_use]

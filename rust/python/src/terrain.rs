@@ -40,8 +40,8 @@ use crate::workers::{any_workers, fill_rows};
 ///     Angle from the x axis of the world to the rows, counter-clockwise [rad].
 /// north_up : bool, default False
 ///     True if the first row is the northern one, as in images; `origin` stays the place of the south-western node.
-/// nodata : float, optional
-///     Number that stands for an unknown height; NaN if every number is a height.
+/// nodata : float or sequence of float, optional
+///     Numbers that stand for an unknown height; NaN if every number is a height.
 /// unit : str or float, optional
 ///     Of the heights, as for `read`; default m.
 ///

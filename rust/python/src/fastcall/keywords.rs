@@ -15,6 +15,11 @@ pub fn check(call: &str, shown: &str, unknown: Option<&Bound<'_, PyDict>>) -> Py
     Err(PyTypeError::new_err(message))
 }
 
+/// An argument without a default; fails where it is missing or `None`.
+pub fn required<T>(call: &str, name: &str, given: Option<T>) -> PyResult<T> {
+    given.ok_or_else(|| PyTypeError::new_err(format!("{}() needs the argument {name}", call.trim_end_matches(".new"))))
+}
+
 /// The error of pyo3 for an unknown keyword of a method, if it is the one that is set, with the nearest name and all others.
 pub fn explain(class: &Bound<'_, PyType>, method: &CStr) {
     let py = class.py();

@@ -201,13 +201,14 @@ methods! { Rover:
     ///
     /// Source: J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
     #[staticmethod]
-    fn tracked[py: Python<'py>](track_width: f64, wheel_radius, *, icr_left: Option<f64> = None,
+    fn tracked[py: Python<'py>](track_width, wheel_radius, *, icr_left: Option<f64> = None,
         icr_right: Option<f64> = None, icr_forward: Option<f64> = None, scrub=None, trail=None,
         names: native Option<Vec<String>> = None, **)
     as "(track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
     -> PyResult<Self> {
+        let (width, radius) = (Some(track_width), Some(wheel_radius));
         let (left, right, forward) = (icr_left, icr_right, icr_forward);
-        Self::differential(py, track_width, wheel_radius, 1, None, left, right, forward, scrub, trail, names, None)
+        Self::differential(py, width, radius, 1, None, left, right, forward, scrub, trail, names, None)
     }
 
     /// A published rover by name; `Rover.presets` lists them.

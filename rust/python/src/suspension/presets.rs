@@ -1,7 +1,7 @@
 //! Published suspensions by name: `Suspension.preset` and `RockerBogie.preset`.
 
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::{IntoPyDict, PyDict, PyFloat};
 use six_wheel_terrain::suspension::{PRESETS, RockerBogie as Core};
 
 use super::base::Suspension;
@@ -30,7 +30,9 @@ methods! { Suspension:
     fn preset[py: Python<'py>](name: &str, **)
     as "(name)" -> PyResult<Py<Self>> {
         if name == ZOE {
-            return Py::new(py, Self::pivoting_axles(py, 1.91, 1.64, 0.119, 0.325, None, None, None)?);
+            let [base, track, drop, radius] = &[1.91, 1.64, 0.119, 0.325].map(|size| PyFloat::new(py, size).into_any());
+            let made = Self::pivoting_axles(py, Some(base), Some(track), Some(drop), Some(radius), None, None, None)?;
+            return Py::new(py, made);
         }
         if PRESETS.iter().any(|preset| preset.name == name) {
             let made = RockerBogie::named(py, Core::preset(name))?.into_bound(py);

@@ -8,9 +8,10 @@ methods! { Terrain:
     /// The map of a file.
     ///
     /// GeoTIFF, PDS, NetCDF and whatever else GDAL reads (extra ``[terrain]``), ESRI ASCII grids, tables of x, y and z,
-    /// lists of extents and heights as text, these in .zip and .gz, ``grid_map_msgs/GridMap`` in ROS bags (extra
-    /// ``[bags]``), and YAML with ``map:``, the file's name, and these options. Coordinates stay those of the map's own
-    /// frame. What a file leaves open (units, places, marks of unknown heights) is refused with the option that settles it.
+    /// matrices and lists of extents and heights as text, these in .zip and .gz, ``.npy``, ``.npz``,
+    /// ``grid_map_msgs/GridMap`` in ROS bags (extra ``[bags]``), and YAML with ``map:``, the file's name, and these
+    /// options. Coordinates stay those of the map's own frame. What a file leaves open (units, places, marks of unknown
+    /// heights) is refused with the option that settles it.
     ///
     /// Parameters
     /// ----------
@@ -25,8 +26,8 @@ methods! { Terrain:
     /// band : int or str, optional
     ///     Number, from 1, or name of the band or variable that holds heights; default the only one, or the only one
     ///     that is called so.
-    /// nodata : float, optional
-    ///     Number that stands for an unknown height, beside the file's own; NaN if every number is a height.
+    /// nodata : float or sequence of float, optional
+    ///     Numbers that stand for an unknown height, beside the file's own; NaN if every number is a height.
     /// unit : str or float, optional
     ///     Of the heights: ``m``, ``cm``, ``mm``, ``km``, ``ft``, ``us-ft``, ``in``, or its length [m]; default the
     ///     file's own.

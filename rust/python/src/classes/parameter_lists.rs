@@ -1,0 +1,185 @@
+//! Macros of methods and functions, each with its list of parameters. rustfmt leaves the lists as they are: write them as
+//! it would, filled.
+
+/// Methods of a class, each with its parameters as Python lists them.
+///
+/// `fn name[receiver](parameters) as "(...)" -> Result { ... }`: in brackets stands what is no parameter in Python; after
+/// `as` the signature that Python shows, where defaults are not shown as they are. A parameter is
+///
+/// - `name` or `name=None`: any object, of which nothing is read;
+/// - `name: Type` or `name: Type = default`: a type with [`FromArgument`](crate::arguments::FromArgument), read under its
+///   name by the function of that name in `arguments`;
+/// - `name: native Type` or `name: native Type = default`: a type that pyo3 reads;
+/// - `*`, `/`, `*name` and `**name`, as in Python;
+/// - `**` at the end: keywords that are not in the list are refused with the nearest name, and after them what is missing;
+///   it needs the signature after `as`. Not for methods with a fast path: pyo3 gives what takes any keyword another calling convention.
+macro_rules! methods {
+    ($class:ident: $($items:tt)*) => {
+        listed! { [$class] $($items)* }
+    };
+}
+
+/// Functions of the module, as [`methods`] lists those of a class.
+macro_rules! functions {
+    ($($items:tt)*) => {
+        listed! { [] $($items)* }
+    };
+}
+
+/// The items of both lists, one by one.
+macro_rules! listed {
+    ($class:tt $(
+        $(#[$attribute:meta])*
+        $vis:vis fn $name:ident[$($head:tt)*]($($parameters:tt)*) $(as $shown:tt)? -> $result:ty { $($body:tt)* }
+    )*) => {$(
+        with_end! {
+            ($class [$(#[$attribute])* $vis] $name [$($head)*] [$($shown)?] [$result] [$($body)*])
+            [$($parameters)*] $($parameters)*
+        }
+    )*};
+}
+
+/// Looks for `**` at the end of a list: then keywords are checked before missing arguments, since an argument whose name
+/// is misspelt is missing, too.
+macro_rules! with_end {
+    (([$($class:ident)?] $prefix:tt $name:ident $head:tt [$shown:tt] $result:tt $body:tt) $all:tt * *) => {
+        with_parameters! {
+            [(concat!($(stringify!($class), ".",)? stringify!($name))) $shown]
+            ([$($class)?] $prefix $name $head [$shown] $result $body) [] [] [] $all
+        }
+    };
+    ($made:tt $all:tt) => { with_parameters! { [] $made [] [] [] $all } };
+    ($made:tt $all:tt $first:tt $($rest:tt)*) => { with_end! { $made $all $($rest)* } };
+}
+
+/// Reads a list of parameters from the left: the signature of pyo3, the parameters of Rust and, where keywords are
+/// checked, the lines that read what has no default grow by one at every step.
+macro_rules! with_parameters {
+    ($checked:tt $made:tt $signature:tt $typed:tt $required:tt [$($parameters:tt)+]) => {
+        with_parameters! { $checked $made $signature $typed $required $($parameters)+ }
+    };
+    (
+        [$call:tt $shown:tt] ($class:tt $prefix:tt $name:tt $head:tt $text:tt $result:tt [$($body:tt)*])
+        [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*] * *
+    ) => {
+        with_parameters! {
+            [] ($class $prefix $name $head $text $result
+                [crate::fastcall::keywords::check($call, $shown, unknown)?; $($required)* $($body)*])
+            [$($signature)* **unknown,] [$($typed)* unknown: Option<&Bound<'py, pyo3::types::PyDict>>,] [] []
+        }
+    };
+    ($checked:tt $made:tt [$($signature:tt)*] $typed:tt $required:tt * $(, $($rest:tt)*)?) => {
+        with_parameters! { $checked $made [$($signature)* *,] $typed $required [$($($rest)*)?] }
+    };
+    ($checked:tt $made:tt [$($signature:tt)*] $typed:tt $required:tt / $(, $($rest:tt)*)?) => {
+        with_parameters! { $checked $made [$($signature)* /,] $typed $required [$($($rest)*)?] }
+    };
+    ($checked:tt $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt * * $name:ident $(, $($rest:tt)*)?) => {
+        with_parameters! {
+            $checked $made [$($signature)* **$name,] [$($typed)* $name: Option<&Bound<'py, pyo3::types::PyDict>>,]
+            $required [$($($rest)*)?]
+        }
+    };
+    ($checked:tt $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt * $name:ident $(, $($rest:tt)*)?) => {
+        with_parameters! {
+            $checked $made [$($signature)* *$name,] [$($typed)* $name: &Bound<'py, pyo3::types::PyTuple>,]
+            $required [$($($rest)*)?]
+        }
+    };
+    ($checked:tt $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt $name:ident = None $(, $($rest:tt)*)?) => {
+        with_parameters! {
+            $checked $made [$($signature)* $name=None,] [$($typed)* $name: Option<&Bound<'py, PyAny>>,]
+            $required [$($($rest)*)?]
+        }
+    };
+    (
+        $checked:tt $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt
+        $name:ident: native $type:ty = $default:tt $(, $($rest:tt)*)?
+    ) => {
+        with_parameters! {
+            $checked $made [$($signature)* $name = $default,] [$($typed)* $name: $type,] $required [$($($rest)*)?]
+        }
+    };
+    (
+        [$call:tt $shown:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
+        $name:ident: native $type:ty $(, $($rest:tt)*)?
+    ) => {
+        with_parameters! {
+            [$call $shown] $made [$($signature)* $name=None,] [$($typed)* $name: Option<$type>,]
+            [$($required)* let $name = crate::fastcall::keywords::required($call, stringify!($name), $name)?;]
+            [$($($rest)*)?]
+        }
+    };
+    (
+        [] $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt
+        $name:ident: native $type:ty $(, $($rest:tt)*)?
+    ) => {
+        with_parameters! { [] $made [$($signature)* $name,] [$($typed)* $name: $type,] $required [$($($rest)*)?] }
+    };
+    (
+        $checked:tt $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt
+        $name:ident: $type:ty = $default:tt $(, $($rest:tt)*)?
+    ) => {
+        with_parameters! {
+            $checked $made [$($signature)* $name = $default,]
+            [$($typed)* #[pyo3(from_py_with = crate::arguments::$name)] $name: $type,] $required [$($($rest)*)?]
+        }
+    };
+    (
+        [$call:tt $shown:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
+        $name:ident: $type:ty $(, $($rest:tt)*)?
+    ) => {
+        with_parameters! {
+            [$call $shown] $made [$($signature)* $name=None,] [$($typed)* $name: Option<&Bound<'py, PyAny>>,]
+            [
+                $($required)*
+                let $name: $type =
+                    crate::arguments::$name(crate::fastcall::keywords::required($call, stringify!($name), $name)?)?;
+            ]
+            [$($($rest)*)?]
+        }
+    };
+    (
+        [] $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt
+        $name:ident: $type:ty $(, $($rest:tt)*)?
+    ) => {
+        with_parameters! {
+            [] $made [$($signature)* $name,]
+            [$($typed)* #[pyo3(from_py_with = crate::arguments::$name)] $name: $type,] $required [$($($rest)*)?]
+        }
+    };
+    (
+        [$call:tt $shown:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
+        $name:ident $(, $($rest:tt)*)?
+    ) => {
+        with_parameters! {
+            [$call $shown] $made [$($signature)* $name=None,] [$($typed)* $name: Option<&Bound<'py, PyAny>>,]
+            [$($required)* let $name = crate::fastcall::keywords::required($call, stringify!($name), $name)?;]
+            [$($($rest)*)?]
+        }
+    };
+    ([] $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt $name:ident $(, $($rest:tt)*)?) => {
+        with_parameters! { [] $made [$($signature)* $name,] [$($typed)* $name: &Bound<'py, PyAny>,] $required [$($($rest)*)?] }
+    };
+    (
+        [] ([$class:ident] [$($prefix:tt)*] $name:ident [$($($head:tt)+)?] [$($shown:tt)?] [$result:ty] [$($body:tt)*])
+        [$($signature:tt)*] [$($typed:tt)*] [] []
+    ) => {
+        #[pymethods]
+        impl $class {
+            #[pyo3(signature = ($($signature)*) $(, text_signature = $shown)?)]
+            #[allow(clippy::extra_unused_lifetimes)] // a list need not name it
+            $($prefix)*
+            fn $name<'py>($($($head)+,)? $($typed)*) -> $result { $($body)* }
+        }
+    };
+    (
+        [] ([] [$($attribute:tt)*] $name:ident [$($head:tt)*] [$($shown:tt)?] [$result:ty] [$($body:tt)*])
+        [$($signature:tt)*] [$($typed:tt)*] [] []
+    ) => {
+        #[pyfunction]
+        #[pyo3(signature = ($($signature)*) $(, text_signature = $shown)?)]
+        $($attribute)*
+        fn $name<'py>($($head)*, $($typed)*) -> $result { $($body)* }
+    };
+}
