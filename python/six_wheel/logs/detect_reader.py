@@ -264,7 +264,8 @@ def _told(log: WheelLog, rover: Rover, options: LogOptions, number: int) -> Whee
         log = replace(log, stamps=stamps, options={**log.options, **given})
     if options.plausibility and log.plausibility:
         try:
-            check_log(log, rover, clock_stated=options.stamp_unit is not None)
+            stated = options.stamp_unit is not None
+            check_log(log, rover, clock_stated=stated, judged_later=log.truth is not None)
         except ImplausibleReadingError as error:
             raise ValueError(f"logs[{number}]: {error}") from None
     return log

@@ -41,10 +41,13 @@ class WheelAgreement:
         [rad/s].
     steering : array, shape (n, steered wheels)
         [rad].
+    judged_later : bool
+        Whether a calibration tells by the truth which wheels turn the other way.
     """
 
     rates: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     steering: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    judged_later: bool = False
     _share: int = 1
 
     def add(self, rates: Floats, steering: Floats | None) -> None:
@@ -65,7 +68,7 @@ class WheelAgreement:
         fastest = np.abs(self.rates).max(axis=1, initial=0.0)
         usual = float(np.quantile(fastest, 0.9)) if len(fastest) else 0.0
         moves = fastest > QUICK * usual
-        if usual == 0.0 or np.count_nonzero(moves) < STRETCHES:
+        if self.judged_later or usual == 0.0 or np.count_nonzero(moves) < STRETCHES:
             return []
         rates, steering = self.rates[moves], self.steering[moves]
         share = np.count_nonzero(moves) / len(moves)

@@ -89,7 +89,8 @@ def check_arrays(
         return
     steered = len(checks.readings.rover.steered_wheel_names)
     fits = angles is not None and angles.shape == (len(times), steered) and steered
-    checks.turns.see(truth)
+    compared = truth is not None and len(truth) == len(times) and not checks.agreement.judged_later
+    checks.turns.see(truth, of_rows=compared)
     checks.take(times, raw, None, angles if fits else None)
     checks.finish()
     known = checks.readings
@@ -108,9 +109,12 @@ def check_arrays(
         )
 
 
-def check_log(log: Any, rover: Rover, *, clock_stated: bool, units_stated: bool = False) -> None:
-    """Check a `WheelLog`, beside its truth."""
+def check_log(
+    log: Any, rover: Rover, *, clock_stated: bool, units_stated: bool = False, judged_later: bool = False
+) -> None:
+    """Check a `WheelLog`, beside its truth, unless that is done later by a calibration."""
     checks = array_checks(rover, log.options, clock_stated=clock_stated, units_stated=units_stated)
+    checks.agreement.judged_later = judged_later
     poses = None if log.truth is None else log.truth.poses
     check_arrays(checks, log.steering, log.wheel_angles, log.stamps, poses, log.yaw_rate)
 

@@ -58,9 +58,11 @@ class WheelTurns:
     _rested: float = 0.0
     _truth: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     _usual: float = 0.0
+    _of_rows: bool = True
 
-    def see(self, truth: Floats | None) -> None:
-        """Take in poses of a truth (n, 3) [m, m, rad], NaN without one."""
+    def see(self, truth: Floats | None, of_rows: bool = True) -> None:
+        """Take in poses of a truth (n, 3) [m, m, rad], NaN without one; `of_rows` if each is of a row."""
+        self._of_rows = of_rows
         there = np.zeros((0, 2)) if truth is None else truth[np.isfinite(truth[:, :2]).all(axis=1), :2]
         if len(there) > 1:
             self._usual = max(self._usual, float(np.median(np.hypot(*np.diff(there, axis=0).T))))
@@ -145,7 +147,7 @@ class WheelTurns:
             return [f"{most}: are these angles, and not rates or what was turned in each row?"]
         said = []
         rolled = float(np.nanmax(self.way * np.array([wheel.radius for wheel in known.rover.wheels])))
-        if self.travelled > SLIDES * rolled:
+        if self._of_rows and self.travelled > SLIDES * rolled:
             what = f"the truth moves {self.travelled:.3g} m from its first place to its last"
             said.append(
                 f"{what} while no wheel rolls more than {rolled:.3g} m: are the readings in this unit?"
