@@ -17,8 +17,8 @@ from six_wheel.cli import app
 from six_wheel.cli.shared import WRITTEN
 
 ROVERS = ("rover.yaml", "rover.urdf")
-LOGS = ("log.csv", "log.parquet", "log.mcap")
-MAPS = ("map.asc", "map.tif", "map.yaml")
+LOGS = ("log.csv", "log.parquet", "log.mcap", "log.feather", "bag/bag.db3")
+MAPS = ("map.asc", "map.tif", "map.yaml", "map.nc")
 # Files that an argument of this name may be, the ordinary one first.
 READ: dict[str, tuple[str, ...]] = {
     "commands": ("commands.csv", "commands.parquet"),
@@ -29,7 +29,7 @@ READ: dict[str, tuple[str, ...]] = {
     "record": ("record.mcap",),
     "rover": ROVERS,
     "truth": ("truth.csv",),
-    "what": (*ROVERS, "record.mcap", "log.csv"),
+    "what": (*ROVERS, "rover.xacro", "record.mcap", "log.csv"),
 }
 # Other arguments that have to be given, or that make a command quick.
 OTHERS = {
@@ -114,6 +114,9 @@ def line(command: str, **files: object) -> list[str]:
 
 def write_files(folder: Path) -> None:
     """All files that commands read."""
+    import pyarrow.feather
+    import pyarrow.parquet
+
     from six_wheel.simulation.writing import write_log
     from tests.control_loop.replay.test_replay import record
 
@@ -122,19 +125,44 @@ def write_files(folder: Path) -> None:
     limits = sw.Limits(speed=0.4, yaw_rate=0.5, acceleration=0.5, steering_rate=1.0, wheel_speed=3.0)
     rover.save(folder / "rover.yaml", limits=limits)
     (folder / "rover.urdf").write_text(arm.urdf())
+    names = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    (folder / "rover.xacro").write_text(arm.urdf().replace("<robot", names, 1))
     stamps = 0.1 * np.arange(30)
     turning = 0.1 * np.sin(stamps)
     rows = [f"{t:.1f},0.3,0,{omega:.4f}" for t, omega in zip(stamps, turning, strict=True)]
     (folder / "commands.csv").write_text("\n".join(["time,vx,vy,omega", *rows, ""]))
     drive = (stamps, np.stack([0.3 + 0 * stamps, 0 * stamps, turning], axis=-1))
     log = sw.simulate(rover, drive, seed=1, rate=10.0)
-    for name in LOGS:
+    for name in ("log.csv", "log.parquet", "log.mcap"):
         write_log(log, rover, folder / name)
+    pyarrow.feather.write_feather(pyarrow.parquet.read_table(folder / "log.parquet"), folder / "log.feather")
+    write_bag(log, rover, folder / "bag")
     truth = np.column_stack([log.truth.stamps, log.truth.poses])
     np.savetxt(folder / "truth.csv", truth, delimiter=",", header="time,x,y,yaw", comments="")
     as_parquet(folder / "commands.csv")
     record(folder / "record.mcap", periods=60)
     write_maps(folder)
+
+
+def write_bag(log: sw.WheelLog, rover: sw.Rover, folder: Path) -> None:
+    """The joint states of a log as ROS 2 records them by default."""
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    from six_wheel.simulation.writing import joint_columns
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    types, kind = store.types, "sensor_msgs/msg/JointState"
+    columns = joint_columns(log, rover)
+    rows = np.stack(list(columns.values()), axis=-1)
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        connection = writer.add_connection("/joint_states", kind, typestore=store)
+        for stamp, row in zip(np.round(1e9 * log.stamps).astype(int).tolist(), rows, strict=True):
+            header = types["std_msgs/msg/Header"](
+                types["builtin_interfaces/msg/Time"](*divmod(stamp, 10**9)), ""
+            )
+            message = types[kind](header, list(columns), row, row[:0], row[:0])
+            writer.write(connection, stamp, store.serialize_cdr(message, kind))
 
 
 def as_parquet(path: Path) -> None:
@@ -160,3 +188,15 @@ def write_maps(folder: Path) -> None:
     with rasterio.open(folder / "map.tif", "w", **profile, **place) as target:
         target.write(heights.astype(np.float32), 1)
     (folder / "map.yaml").write_text("map: map.asc\n")
+    write_netcdf(folder / "map.nc", heights)
+
+
+def write_netcdf(path: Path, heights: np.ndarray) -> None:
+    """Heights over their coordinates."""
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, "w") as file:
+        for name, count in zip("yx", heights.shape, strict=True):
+            file.createDimension(name, count)
+            file.createVariable(name, "d", (name,))[:] = 0.5 * np.arange(count)
+        file.createVariable("z", "d", ("y", "x"))[:] = heights

@@ -129,6 +129,9 @@ LONG: dict[str, Long] = {
     "Costmap.from_occupancy_grid": lambda n, _: partial(
         sw.Costmap.from_occupancy_grid, grid(n), inflation=0.5
     ),
+    "Mppi.step": lambda n, _: partial(
+        sw.Mppi(ROVER, LIMITS, horizon=100, samples=n // 100 + 2).step, (0.0, 0.0, 0.0), goal=(2.0, 0.5, 1.0)
+    ),
     "Preintegrated.add": lambda n, _: partial(sw.Preintegrated(ROVER).add, *readings(n)),
     "FourAxle.simulate": lambda n, _: partial(
         sw.FourAxle((0.3, 0.3), 0.4, 0.1).simulate,

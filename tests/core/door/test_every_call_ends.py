@@ -24,7 +24,7 @@ from tests.objects.samples import samples, terrain
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
 
-LEADING = re.compile(r"shape \((\.\.\.|n \+ 1|n|m|k)\b")
+LEADING = re.compile(r"shape \((\.\.\.|n \+ 1|(?:n|m|k)\b)")
 LONG_ENOUGH = 0.5  # [s] of a call that is interrupted
 MOST_ROWS, MOST_BYTES = 1 << 22, 1 << 28
 MOMENTS = (0.1, 0.6)  # shares of the time that the call takes
@@ -151,6 +151,13 @@ def test_tables_end(kind: str, tmp_path: Path) -> None:
                 each.unlink()
             with interrupter() as interrupt:
                 assert late(interrupt, run, taken) == [], (method, ending)
+
+
+def test_every_batch_call_of_the_benchmark_is_walked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(Path(__file__).parents[3] / "benches")
+    import every_call
+
+    assert set(every_call.public_calls()) - ROWS.keys() - FIXED.keys() - LONG.keys() == set()
 
 
 def test_every_public_call_is_walked_or_short() -> None:
