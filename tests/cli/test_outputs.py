@@ -15,7 +15,7 @@ import pytest
 
 import six_wheel
 from six_wheel.cli.shared import WRITTEN
-from six_wheel.kinematics.errors import TableError
+from six_wheel.kinematics.errors import TableError, as_path
 from six_wheel.kinematics.objects.whole_files import _beside, replacing, together
 from tests.cli.command_lines import READ, Argument, arguments, callbacks, line, read, written
 from tests.cli_runs import Run
@@ -185,6 +185,22 @@ def test_long_names_and_the_full_disk_of_another_file(tmp_path: Path) -> None:
     ):
         raise OSError(28, "No space left on device")
     assert path.read_text() == "all"
+
+
+def test_names_that_no_file_can_have(tmp_path: Path) -> None:
+    """A link to itself was a `RuntimeError`, and a name too long an `OSError` with the whole of it twice."""
+    loop = tmp_path / "loop.csv"
+    loop.symlink_to(loop)
+    for path in (loop, tmp_path / f"{'n' * 300}.csv"):
+        with pytest.raises(TableError, match="the output must be writeable, got: "), replacing(path):
+            pass
+
+
+@pytest.mark.parametrize("text", ["", "a\0b"])
+def test_texts_that_are_no_path(text: str) -> None:
+    """An empty one was the current folder."""
+    with pytest.raises(ValueError, match="output must name a file, got"):
+        as_path("output", text)
 
 
 def test_what_a_killed_writer_left_is_removed_by_the_next(tmp_path: Path) -> None:

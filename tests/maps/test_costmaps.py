@@ -85,11 +85,22 @@ def test_files_that_are_no_maps(tmp_path):
         ("a: 1\n", "must have image, resolution, origin"),
         ("a: [", "must be YAML"),
         (turned, "origin must not be turned"),
+        (turned.replace("0.5", "a"), r"m\.yaml: origin must be a finite number, got 'a'"),
+        (turned.replace("[0, 0, 0.5]", "abc"), "origin must be three numbers, got 'abc'"),
+        ("[" * 10_000, "must be YAML"),
     ):
         (tmp_path / "m.yaml").write_text(text)
         with pytest.raises(ValueError, match=rule):
             sw.Costmap.read(tmp_path / "m.yaml")
+    (tmp_path / "m.yaml").write_bytes(b"\xff\xfe")
+    with pytest.raises(ValueError, match=r"m\.yaml: must be YAML"):
+        sw.Costmap.read(tmp_path / "m.yaml")
     (tmp_path / "m.yaml").write_text("image: a.pgm\nresolution: 1\norigin: [0, 0, 0]\n")
+    (tmp_path / "a.pgm").write_bytes(b"P5 1 1 255\n\0")
+    for key in ("resolution", "occupied_thresh", "free_thresh"):
+        (tmp_path / "n.yaml").write_text(f"image: a.pgm\nresolution: 1\norigin: [0, 0, 0]\n{key}: [x]\n")
+        with pytest.raises(ValueError, match=rf"n\.yaml: {key} must be a finite number, got \['x'\]"):
+            sw.Costmap.read(tmp_path / "n.yaml")
     for pixels in (b"P5 3 2 255\n\0\0", b"P5 3 2 0\n\0\0\0\0\0\0", b"P5 x"):
         (tmp_path / "a.pgm").write_bytes(pixels)
         with pytest.raises(ValueError, match="must be a PGM"):

@@ -26,10 +26,15 @@ def as_path(argument: str, value: str | os.PathLike[str]) -> Path:
     from pathlib import Path  # nothing else needs it when the package is imported
 
     try:
-        return Path(value)
+        path = Path(value)
     except TypeError:
         got = " ".join(repr(value).split())
         raise ArgumentTypeError(f"{argument} must be a path, got {got}") from None
+    if not str(value):
+        raise ValueError(f"{argument} must name a file, got an empty text")
+    if "\0" in str(path):
+        raise ValueError(f"{argument} must name a file, got {printable(str(path))}")
+    return path
 
 
 def printable(text: str) -> str:

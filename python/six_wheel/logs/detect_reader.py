@@ -14,7 +14,7 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.errors import SuspiciousReadingsWarning
+from six_wheel.kinematics.errors import SuspiciousReadingsWarning, as_path
 from six_wheel.kinematics.keywords import checked
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
@@ -301,7 +301,7 @@ def read_log(
     TableError
         If log or truth cannot be used.
     """
-    path, options = Path(path), replace(options or LogOptions(), **how)
+    path, options = as_path("path", path), replace(options or LogOptions(), **how)
     session = str(path.parent)
     with open_log(path, rover, options) as log:
         whole = log.read(truth=truth, truth_topic=options.truth_topic, session=session, progress=progress)

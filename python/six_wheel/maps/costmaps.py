@@ -60,24 +60,47 @@ def read_costmap(
         raise ModuleNotFoundError(message, name=error.name) from None
     try:
         keys = yaml.safe_load(file.read_text())
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
         raise FileError(f"{file}: must be YAML, got {str(error).splitlines()[0]}") from None
     missing = [
         key for key in ("image", "resolution", "origin") if not isinstance(keys, dict) or key not in keys
     ]
     if missing:
         raise FileError(f"{file}: must have {', '.join(missing)}, as nav2's map files")
-    x, y, yaw = map(float, keys["origin"])
+    origin = keys["origin"] if isinstance(keys["origin"], list) else [keys["origin"]]
+    if len(origin) != 3:
+        raise FileError(f"{file}: origin must be three numbers, got {keys['origin']!r}")
+    x, y, yaw = (_number(file, "origin", value) for value in origin)
     if yaw != 0.0:
         raise FileError(f"{file}: origin must not be turned, got a yaw of {yaw:.6g} rad")
     shade = _image(file.parent / str(keys["image"]))
     share = shade if keys.get("negate", 0) else 1.0 - shade
-    occupied, free = float(keys.get("occupied_thresh", LETHAL)), float(keys.get("free_thresh", 0.25))
+    occupied = _number(file, "occupied_thresh", keys.get("occupied_thresh", LETHAL))
+    free = _number(file, "free_thresh", keys.get("free_thresh", 0.25))
     if keys.get("mode", "trinary") == "trinary":
         between = np.where(share < free, 0.0, math.nan)
         share = np.where(share > occupied, 1.0, between)
     forbidden = occupied if lethal is None else lethal
-    return _costmap(share[::-1], float(keys["resolution"]), (x, y), inflation, unknown, forbidden, None)
+    return _costmap(
+        share[::-1],
+        _number(file, "resolution", keys["resolution"]),
+        (x, y),
+        inflation,
+        unknown,
+        forbidden,
+        None,
+    )
+
+
+def _number(file: Path, key: str, value: object) -> float:
+    """A value of a map file that has to be a finite number."""
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise FileError(f"{file}: {key} must be a finite number, got {value!r}")
+    return number
 
 
 def inflated(costs: Floats, lethal: float, spacing: float, inflation: float) -> Floats:

@@ -129,8 +129,6 @@ def _asked_in(path: str | PathLike[str]) -> Iterator[None]:
 def _find(path: str | PathLike[str], options: Options) -> tuple[Path, Options, Source]:
     """The file of a map, behind the YAML file that names it. Fails for what is no map."""
     options = options.checked()
-    if isinstance(path, str) and not path:
-        raise ValueError("path must name a file, got an empty text")
     path = as_path("path", path)
     if not path.exists():
         hint = ": download it first" if "://" in str(path) or ":/" in str(path)[:8] else ""

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, __version__
+from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.kinematics.objects.whole_files import check_target, replacing
@@ -146,7 +147,7 @@ def traverse(
     """
     if isinstance(headings, bool) or not isinstance(headings, int) or headings < 1:
         raise ValueError(f"headings must be at least 1, got {headings}")
-    path, output = Path(path), Path(output)
+    path, output = as_path("path", path), as_path("output", output)
     check_target(output, [path])
     options = Options(None, topic, layer, band, nodata, unit, north_up, spacing, origin)
     task = _Task(rover, headings, limits or FeasibilityLimits.curiosity(), map_error, belly, options)

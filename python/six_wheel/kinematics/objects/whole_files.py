@@ -117,9 +117,14 @@ def check_target(path: Path, sources: Sequence[Path]) -> Path:
     TableError
         If it is one of `sources`, not a file, or in no folder.
     """
-    target = path.resolve()
+    try:
+        target = path.resolve()
+        is_there = target.exists()
+    except (OSError, RuntimeError) as error:  # a name that is too long, links in a circle
+        why = getattr(error, "strerror", None) or "its links lead in a circle"
+        raise TableError(f"{path}: the output must be writeable, got: {why}") from None
     check_source(path, target, sources)
-    if target.exists() and not target.is_file():
+    if is_there and not target.is_file():
         raise TableError(f"{path}: the output must be a file")
     if not target.parent.is_dir():
         raise TableError(f"{path}: the folder of the output must exist")

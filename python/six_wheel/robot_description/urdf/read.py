@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from six_wheel._core import Limits, RockerBogie, Rover, Wheel, unit_questions, without_questions
+from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.keywords import checked
 from six_wheel.robot_description.diagnostics import Finding
 from six_wheel.robot_description.urdf.elements import Notes
@@ -85,7 +86,7 @@ def read_urdf(
     ModuleNotFoundError
         If what expands xacro files is not installed.
     """
-    path = Path(path)
+    path = as_path("path", path)
     notes = Notes(path)
     return parse_urdf(_text(path, arguments, notes), path, notes, wheel_radius)
 
