@@ -92,8 +92,8 @@ def lost_readings(column: Floats, longest: Floats) -> Jumps | None:
 def goes_to_and_fro(column: Floats, longest: Floats) -> bool:
     """True if many steps of a column (n,) are above `longest` (n - 1,), and the next takes them back."""
     steps = np.diff(column)
-    found = np.flatnonzero(np.nan_to_num(np.abs(steps)) > longest)
-    if len(found) <= MOST * len(steps):
+    found = np.flatnonzero(np.isfinite(steps) & (np.abs(steps) > longest))
+    if len(found) <= max(ROWS, MOST * len(steps)):
         return False
     back = np.sign(steps[found[1:]]) != np.sign(steps[found[:-1]])
     return float(np.mean(back)) > BACK
