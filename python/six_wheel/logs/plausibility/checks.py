@@ -40,6 +40,7 @@ from six_wheel.logs.plausibility.proposals import (
 from six_wheel.logs.plausibility.readings import Readings
 from six_wheel.logs.plausibility.stamps import (
     FEW_ROWS,
+    LONG_GAP,
     LostIncrements,
     check_clock,
     check_order,
@@ -375,14 +376,17 @@ class ReadingChecks:
 
     def _check_gaps(self, stamps: Floats, readings: Floats, numbers: NDArray[np.int64] | None) -> None:
         """Warns of long times without readings while wheels turn."""
-        known, shift = self.readings, 0
-        if self._last is not None:
-            stamps, shift = np.concatenate(([self._last[0]], stamps)), 1
-            readings = np.vstack((self._last_read, readings))
+        known, shift, before = self.readings, 0, self._last_read
         self._last_read = readings[-1].copy()
         if known.kind == "increments":
-            self._lost.add(stamps[shift:], readings[shift:])
+            self._lost.add(stamps, readings)
             return
+        begin = stamps[0] if self._last is None else self._last[0]
+        if max(float(np.diff(stamps).max(initial=0.0)), float(stamps[0] - begin)) <= LONG_GAP:
+            return
+        if self._last is not None:
+            stamps, shift = np.concatenate(([begin], stamps)), 1
+            readings = np.vstack((before, readings))
         found = gap_line(stamps, readings, known.kind, known.max_gap)
         if found is not None:
             gap, turning, place = found
