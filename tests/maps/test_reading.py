@@ -236,3 +236,13 @@ def test_a_grid_coarser_than_the_noise_has_none() -> None:
 def test_yards_that_make_no_sense_are_refused(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         sw.Terrain.yard(**options)
+
+
+@pytest.mark.parametrize("cut", [b"}", b")", b"'shape'", b"<f8"])
+def test_damaged_headers_of_arrays(tmp_path: Path, cut: bytes) -> None:
+    """A brace that was lost ended in an error of Python's tokenizer."""
+    path = tmp_path / "map.npy"
+    np.save(path, np.zeros((4, 4)))
+    path.write_bytes(path.read_bytes().replace(cut, b"(" * len(cut), 1))
+    with pytest.raises(ValueError, match=r"map\.npy is no array of numbers, or damaged: "):
+        sw.Terrain.read(path, spacing=0.1)
