@@ -105,6 +105,7 @@ LONG: dict[str, Long] = {
     "simulate, on ground": lambda n, _: partial(
         sw.simulate, ARM, DRIVE, ground=terrain(), rate=max(n / 1e3, 1.0)
     ),
+    "Terrain": lambda n, _: partial(sw.Terrain, np.zeros((2, 12 * n)), 0.1),
     "Terrain.read": lambda n, folder: partial(sw.Terrain.read, map_file(n, folder)),
     "Terrain.yard": lambda n, _: partial(sw.Terrain.yard, 0.05 * n**0.5, 0.05, 0.3),
     "traverse": lambda n, folder: partial(

@@ -273,9 +273,16 @@ pub fn filled<T: Clone>(value: T, count: usize) -> PyResult<Vec<T>> {
     Ok(values)
 }
 
-/// Values one after the other, as many as the iterator says it has.
-pub fn gathered<T>(values: impl ExactSizeIterator<Item = T>) -> PyResult<Vec<T>> {
+/// Values one after the other, as many as the iterator says it has. Fails where the handler of a signal has raised an
+/// exception.
+pub fn gathered<T>(mut values: impl ExactSizeIterator<Item = T>) -> PyResult<Vec<T>> {
+    /// Values between two questions.
+    const BLOCK: usize = 1 << 20;
     let mut all = room(values.len())?;
+    while values.len() > BLOCK {
+        all.extend(values.by_ref().take(BLOCK));
+        Python::attach(|py| py.check_signals())?;
+    }
     all.extend(values);
     Ok(all)
 }
