@@ -50,8 +50,8 @@ test: test-rust test-python test-ros ## every test
 test-rust:
 	cargo test --workspace --locked
 
-test-python: $(VENV)/installed
-	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
+test-python: $(VENV)/installed ## all tests of the package, or those that PYTEST= says
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile $(PYTEST)
 
 # Where rclpy cannot be had the reason is in $(ROS)/without, and there is nothing to test.
 test-ros: $(ROS)/installed ## the nodes as processes, with rclpy from the package index in an environment of its own

@@ -26,7 +26,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
 
 LEADING = re.compile(r"shape \((\.\.\.|n \+ 1|(?:n|m|k)\b)")
 LONG_ENOUGH = 0.5  # [s] of a call that is interrupted
-MOST_ROWS, MOST_BYTES = 1 << 22, 1 << 28
+MOST_ROWS, MOST_BYTES = 1 << 20, 1 << 28
 MOMENTS = (0.1, 0.6)  # shares of the time that the call takes
 NUMBERS = (1e3, 1e6, 1e9, 1e15, 1e-3, 1e-6, 1e-9, 1e-15)
 # Arguments with a leading axis that is no number of rows: of what, and why it stays short.
