@@ -382,7 +382,7 @@ class ReadingChecks:
             self._lost.add(stamps, readings)
             return
         begin = stamps[0] if self._last is None else self._last[0]
-        if max(float(np.diff(stamps).max(initial=0.0)), float(stamps[0] - begin)) <= LONG_GAP:
+        if max(longest_step(stamps), float(stamps[0] - begin)) <= LONG_GAP:
             return
         if self._last is not None:
             stamps, shift = np.concatenate(([begin], stamps)), 1
