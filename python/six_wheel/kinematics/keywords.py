@@ -225,7 +225,7 @@ def _mistyped(
 def _stated(
     function: Callable[..., Any], parameter: inspect.Parameter
 ) -> dict[str, tuple[str, Callable[[Any], bool]]] | None:
-    """What an annotation calls for, by its words; None where a word tells nothing."""
+    """Kinds of values that an annotation names, with their tests; None where one of its words is no kind."""
     text = parameter.annotation
     if text is parameter.empty or parameter.kind in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL):
         return None

@@ -240,8 +240,8 @@ class JointLog:
             yield _with_rates(held, turning, before, None)
         if self._checks is not None:
             self._refuse(self._checks.finish)
-            if doubt := self.findings.doubt(self._checks.rows):
-                self._warn(doubt)
+            if line := self.findings.many_left_out(self._checks.rows):
+                self._warn(line)
         if first:
             flaw = f"; {self.findings.listed[0]}" if self.findings.listed else ""
             alone = ": does each row hold one wheel? Give it the last reading of the others (forward fill)"

@@ -57,8 +57,8 @@ def truth_columns(headers: Sequence[str]) -> dict[str, Column]:
 
 
 def columns_in_space(headers: Sequence[str]) -> dict[str, Column]:
-    """What a pose in space has beside `truth_columns`: ``z`` with ``qx`` to ``qw`` or ``roll`` and ``pitch``;
-    none if one is missing."""
+    """Columns of a pose in space beside `truth_columns`: ``z`` with ``qx`` to ``qw`` or ``roll`` and
+    ``pitch``; none if one is missing."""
     found = find_columns(headers, (HEIGHT, *TILT, *QUATERNION))
     for angles in (QUATERNION, TILT):
         names = {"z", *(quantity.name for quantity in angles)}

@@ -52,7 +52,7 @@ class Findings:
             self.listed.append(Finding(self.path, row, f"{flaw}{got}", line))
         self._flaw, self._last = flaw, row
 
-    def doubt(self, kept: int) -> str:
+    def many_left_out(self, kept: int) -> str:
         """The line about a log of which many rows are no rows of numbers; empty if few are.
 
         Parameters

@@ -29,7 +29,7 @@ WIDER = 8.0  # times as many steps in every round of the fit
 
 
 def turn_by_steps(column: Floats, turns: Sequence[float]) -> tuple[float, int] | None:
-    """Which of some turns is a whole number of the steps of a column (n,), while a turn of 2 pi is none; with
+    """The one of some turns that is a whole number of the steps of a column (n,), while 2 pi is none; with
     the number of steps. None if readings have no steps, or those of a decimal number."""
     quantum = _quantum(column[np.isfinite(column)])
     if quantum is None or _is_whole(2.0 * math.pi / quantum):

@@ -65,7 +65,7 @@ def may_jump(samples: Floats, steps: Floats) -> bool:
 
 
 def longest_step(values: Floats) -> float:
-    """The longest step between two rows, of any column (n, columns) or of the one (n,); NaN counts as none."""
+    """The longest step between two rows of any column (n, columns), or of one (n,); NaN counts as none."""
     longest = 0.0
     for first in range(0, len(values) - 1, PIECE):
         rows = values[first : first + PIECE + 1]
