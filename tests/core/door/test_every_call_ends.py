@@ -17,6 +17,7 @@ import pytest
 
 pytest.importorskip("scipy", reason="walks every public name, and calibration needs SciPy")
 
+import six_wheel as sw
 from tests.core.door.interrupting import BOUND, Interrupter, interrupter
 from tests.core.door.long_calls import LONG, SHORT, many
 from tests.objects.calls import BEGIN, Call, calls, documented, functions
@@ -41,6 +42,14 @@ FIXED = {
 }
 # Numbers of processes, and of samples that no memory may hold.
 NOT_NUMBERS = {"calibrate": ("workers",), "simulate": ("rate",)}
+
+
+@pytest.fixture(autouse=True)
+def default_threads() -> Iterator[None]:
+    """As they were: one of the calls sets their number."""
+    before = sw.default_threads()
+    yield
+    sw.set_default_threads(before)
 
 
 def rows_of(call: Call) -> list[str]:

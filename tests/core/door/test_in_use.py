@@ -54,7 +54,7 @@ def _controller() -> tuple[Any, Callable[[], object]]:
 
 @long("Mppi")
 def _planner() -> tuple[Any, Callable[[], object]]:
-    one = sw.Mppi(ROVER, LIMITS, horizon=200, samples=100_000)
+    one = sw.Mppi(ROVER, LIMITS, horizon=200, samples=200_000)
     return one, partial(one.step, (0.0, 0.0, 0.0), goal=(2.0, 0.5, 1.0))
 
 
@@ -115,7 +115,7 @@ def test_all_classes_say_it_in_the_same_words(kind: str) -> None:
 
     before = signal.signal(signal.SIGALRM, handle)
     try:
-        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
         work()
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)

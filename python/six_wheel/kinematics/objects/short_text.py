@@ -28,10 +28,10 @@ def short_repr(name: str, values: Mapping[str, Any]) -> str:
 
 
 def of_arrays(kind: _C) -> _C:
-    """Decorator of a named tuple of arrays: its text is one line, and it equals one with the same numbers."""
+    """Decorator of a named tuple of arrays: its text is one line; it equals a tuple of the same numbers."""
 
     def equals(self: Any, other: object) -> bool:
-        if not isinstance(other, kind):
+        if not isinstance(other, tuple) or len(other) != len(self):
             return False
         import numpy as np
 

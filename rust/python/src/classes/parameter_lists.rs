@@ -105,8 +105,12 @@ macro_rules! with_parameters {
         $name:ident: native $type:ty $(, $($rest:tt)*)?
     ) => {
         with_parameters! {
-            [$call $shown] $made [$($signature)* $name=None,] [$($typed)* $name: Option<$type>,]
-            [$($required)* let $name = crate::fastcall::keywords::required($call, stringify!($name), $name)?;]
+            [$call $shown] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
+            [$($typed)* $name: crate::fastcall::keywords::Given<'py>,]
+            [
+                $($required)*
+                let $name: $type = crate::fastcall::keywords::required($call, stringify!($name), &$name)?.extract()?;
+            ]
             [$($($rest)*)?]
         }
     };
@@ -130,11 +134,12 @@ macro_rules! with_parameters {
         $name:ident: $type:ty $(, $($rest:tt)*)?
     ) => {
         with_parameters! {
-            [$call $shown] $made [$($signature)* $name=None,] [$($typed)* $name: Option<&Bound<'py, PyAny>>,]
+            [$call $shown] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
+            [$($typed)* $name: crate::fastcall::keywords::Given<'py>,]
             [
                 $($required)*
                 let $name: $type =
-                    crate::arguments::$name(crate::fastcall::keywords::required($call, stringify!($name), $name)?)?;
+                    crate::arguments::$name(crate::fastcall::keywords::required($call, stringify!($name), &$name)?)?;
             ]
             [$($($rest)*)?]
         }
@@ -153,8 +158,9 @@ macro_rules! with_parameters {
         $name:ident $(, $($rest:tt)*)?
     ) => {
         with_parameters! {
-            [$call $shown] $made [$($signature)* $name=None,] [$($typed)* $name: Option<&Bound<'py, PyAny>>,]
-            [$($required)* let $name = crate::fastcall::keywords::required($call, stringify!($name), $name)?;]
+            [$call $shown] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
+            [$($typed)* $name: crate::fastcall::keywords::Given<'py>,]
+            [$($required)* let $name = crate::fastcall::keywords::required($call, stringify!($name), &$name)?;]
             [$($($rest)*)?]
         }
     };

@@ -15,9 +15,21 @@ pub fn check(call: &str, shown: &str, unknown: Option<&Bound<'_, PyDict>>) -> Py
     Err(PyTypeError::new_err(message))
 }
 
-/// An argument without a default; fails where it is missing or `None`.
-pub fn required<T>(call: &str, name: &str, given: Option<T>) -> PyResult<T> {
-    given.ok_or_else(|| PyTypeError::new_err(format!("{}() needs the argument {name}", call.trim_end_matches(".new"))))
+/// An argument without a default, which may be missing.
+pub struct Given<'py>(pub Option<Bound<'py, PyAny>>);
+
+impl<'py> FromPyObject<'_, 'py> for Given<'py> {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self(Some(value.to_owned())))
+    }
+}
+
+/// An argument without a default; fails where it is missing.
+pub fn required<'a, 'py>(call: &str, name: &str, given: &'a Given<'py>) -> PyResult<&'a Bound<'py, PyAny>> {
+    let message = || format!("{}() needs the argument {name}", call.trim_end_matches(".new"));
+    given.0.as_ref().ok_or_else(|| PyTypeError::new_err(message()))
 }
 
 /// The error of pyo3 for an unknown keyword of a method, if it is the one that is set, with the nearest name and all others.

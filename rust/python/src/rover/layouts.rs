@@ -13,6 +13,7 @@ use six_wheel_kinematics::steering::SteeringRange;
 
 use super::Rover;
 use crate::convert::{Rows, memory, refuse, short_repr};
+use crate::fastcall::keywords::Given;
 use crate::wheel::{pair_or_one, steering_range};
 use per_wheel::PerWheel;
 
@@ -206,7 +207,7 @@ methods! { Rover:
         names: native Option<Vec<String>> = None, **)
     as "(track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
     -> PyResult<Self> {
-        let (width, radius) = (Some(track_width), Some(wheel_radius));
+        let [width, radius] = [track_width, wheel_radius].map(|size| Given(Some(size.clone())));
         let (left, right, forward) = (icr_left, icr_right, icr_forward);
         Self::differential(py, width, radius, 1, None, left, right, forward, scrub, trail, names, None)
     }

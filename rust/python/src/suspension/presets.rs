@@ -7,6 +7,7 @@ use six_wheel_terrain::suspension::{PRESETS, RockerBogie as Core};
 use super::base::Suspension;
 use super::rocker_bogie::RockerBogie;
 use crate::convert::refuse;
+use crate::fastcall::keywords::Given;
 
 /// The published suspension that is no rocker-bogie, with the source of its dimensions.
 const ZOE: &str = "zoe";
@@ -30,8 +31,9 @@ methods! { Suspension:
     fn preset[py: Python<'py>](name: &str, **)
     as "(name)" -> PyResult<Py<Self>> {
         if name == ZOE {
-            let [base, track, drop, radius] = &[1.91, 1.64, 0.119, 0.325].map(|size| PyFloat::new(py, size).into_any());
-            let made = Self::pivoting_axles(py, Some(base), Some(track), Some(drop), Some(radius), None, None, None)?;
+            let sizes = [1.91, 1.64, 0.119, 0.325].map(|size| Given(Some(PyFloat::new(py, size).into_any())));
+            let [base, track, drop, radius] = sizes;
+            let made = Self::pivoting_axles(py, base, track, drop, radius, None, None, None)?;
             return Py::new(py, made);
         }
         if PRESETS.iter().any(|preset| preset.name == name) {
