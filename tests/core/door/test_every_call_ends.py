@@ -44,6 +44,13 @@ FIXED = {
 NOT_NUMBERS = {"calibrate": ("workers",), "simulate": ("rate",)}
 
 
+@pytest.fixture(autouse=True, scope="module")
+def fresh_samples() -> Iterator[None]:
+    """The walk changes the objects that it calls: tests after it get others."""
+    yield
+    samples.cache_clear()
+
+
 @pytest.fixture(autouse=True)
 def default_threads() -> Iterator[None]:
     """As they were: one of the calls sets their number."""
