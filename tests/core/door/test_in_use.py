@@ -86,6 +86,12 @@ def changes(call: Call) -> bool:
     return seen(mine) != before
 
 
+@pytest.fixture(autouse=True, scope="module")
+def fresh_samples() -> None:
+    """Walks of all calls change the objects: these are others."""
+    samples.cache_clear()
+
+
 @pytest.mark.filterwarnings("ignore")
 def test_every_class_with_a_state_is_known() -> None:
     assert {call.name.partition(".")[0] for call in calls() if changes(call)} == LONG.keys()
