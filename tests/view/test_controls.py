@@ -31,7 +31,7 @@ CORNERS = [(0.3, 0.25), (0.3, -0.25), (-0.3, 0.25), (-0.3, -0.25)]
 
 @dataclass(frozen=True)
 class Case:
-    """What a person does, what is true after it, the beginning of the names of nodes that it changes."""
+    """Action of a person, condition after it, and the beginning of the names of nodes that it changes."""
 
     do: Callable[[Page, Any], None]
     true: Callable[[Any], bool]
@@ -164,7 +164,7 @@ def pull(shown: Page, camera: Any, handle: NDArray[np.float64], size: float) -> 
 
 
 def project(camera: Any, point: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where a point is in the window [px], whose picture may be drawn with fewer pixels."""
+    """Place of a point in the window [px], whose picture may be drawn with fewer pixels."""
     from viser.transforms import SO3
 
     width, height = SMALL
@@ -353,7 +353,7 @@ def test_every_control_of_the_page_changes_what_it_says(opened: Open, page: Any,
 
 
 def does(shown: Page, view: Any, case: Case) -> bool:
-    """Whether a control does what its case says."""
+    """True if a control does what its case says."""
     before = scene(view)
 
     def changed() -> bool:

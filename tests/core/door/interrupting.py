@@ -44,7 +44,7 @@ class Interrupter:
             raise KeyboardInterrupt
 
     def during(self, call: Callable[[], object], moment: float) -> tuple[bool, float]:
-        """Whether a call was interrupted `moment` [s] after it began, and how long it went on after that.
+        """True for a call that was interrupted `moment` [s] after its begin, and the time it went on [s].
 
         One that ends before goes on for less than no time. Its errors are answers.
         """

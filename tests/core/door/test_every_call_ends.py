@@ -97,7 +97,7 @@ def taking_long(call: Callable[[int], Callable[[], object]]) -> tuple[Callable[[
 
 
 def late(interrupt: Interrupter, run: Callable[[], object], taken: float) -> list[float]:
-    """How late the call ends after Ctrl-C at several moments, where that is more than it may."""
+    """Times from Ctrl-C at several moments to the end of the call [s], of those beyond `BOUND`."""
     found = [interrupt.lateness(run, share * taken)[1] for share in MOMENTS]
     return [round(each, 2) for each in found if each > BOUND]
 
@@ -177,7 +177,7 @@ def test_every_batch_call_of_the_benchmark_is_walked(monkeypatch: pytest.MonkeyP
 
 
 def test_every_public_call_is_walked_or_short() -> None:
-    """What is in none of the walks answers at once, with no argument that could make it long."""
+    """Calls in none of the walks answer at once, and have no argument that could make them long."""
     made = {call.name: call for call in calls()}
     tables = {f"{kind}.{method}" for kind in TABLES for method in METHODS}
     known = {name.partition(",")[0] for name in LONG} | tables | FIXED.keys() | ROWS.keys()

@@ -65,7 +65,7 @@ def _motion() -> tuple[Any, Callable[[], object]]:
 
 
 def seen(one: Any) -> dict[str, str]:
-    """What can be read of an object."""
+    """The public attributes of an object, as text."""
     names = [name for name in dir(one) if not name.startswith("_")]
     return {name: repr(value) for name in names if not callable(value := getattr(one, name))}
 

@@ -118,7 +118,7 @@ def lines_of(columns: Mapping[str, Sequence[Any]], separator: str = ",", header:
 
 
 def text(name: str, lines: Sequence[str], encoding: str = "utf-8", end: str = "\n") -> Callable[[Path], Path]:
-    """What writes lines to a file."""
+    """A writer of lines to a file."""
 
     def write(folder: Path) -> Path:
         (folder / name).write_bytes((end.join(lines) + end).encode(encoding))
@@ -130,7 +130,7 @@ def text(name: str, lines: Sequence[str], encoding: str = "utf-8", end: str = "\
 def table(
     columns: Mapping[str, Sequence[Any]], separator: str = ",", name: str = "log.csv", **how: Any
 ) -> Callable[[Path], Path]:
-    """What writes a table to a file."""
+    """A writer of a table to a file."""
     return text(name, lines_of(columns, separator), **how)
 
 
@@ -142,7 +142,7 @@ def wheels(drive: Drive, values: Any, style: str = "{0}") -> dict[str, Any]:
 
 
 def as_ticks(heads: Sequence[str], drive: Drive = PAIR) -> dict[str, Any]:
-    """What an owner knows of counts under these headers."""
+    """Answers of an owner who knows the counts under these headers."""
     names = drive.rover.wheel_names
     return {
         "columns": {h: f"{name} [ticks]" for h, name in zip(heads, names, strict=True)},
@@ -151,7 +151,7 @@ def as_ticks(heads: Sequence[str], drive: Drive = PAIR) -> dict[str, Any]:
 
 
 def as_unit(heads: Sequence[str], unit: str, drive: Drive = PAIR, **more: str) -> dict[str, Any]:
-    """What an owner knows of columns in a unit, and of other headers."""
+    """Answers of an owner who knows the unit of columns, and other headers."""
     names = drive.rover.wheel_names
     return {"columns": {**more, **{h: f"{name} [{unit}]" for h, name in zip(heads, names, strict=True)}}}
 

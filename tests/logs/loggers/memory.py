@@ -31,7 +31,7 @@ def held(name: str, source: Any, **more: Any) -> Logged:
 
 
 def frames() -> Iterator[Logged]:
-    """What reading a file with pandas leaves in a frame."""
+    """Frames as pandas makes them of files."""
     t, angles = PAIR.stamps, PAIR.angles
     plain = {"time": t, "left": angles[:, 0], "right": angles[:, 1]}
     yield held("index column", pd.DataFrame({"Unnamed: 0": np.arange(len(t)), **plain}))

@@ -132,7 +132,7 @@ def test_a_misspelt_key_does_not_hide_the_mistake_in_its_value(findings):
     assert (value.line, value.message) == (9, "wheel_radius must be finite and positive, got -1.0")
 
 
-@pytest.mark.parametrize("path", [".", "missing.yaml", "x" * 5000])
+@pytest.mark.parametrize("path", [".", "missing.yaml", "a\0b", "x" * 5000])
 def test_a_path_that_cannot_be_read_is_a_finding(path):
     with pytest.raises(ParameterFileError) as caught:
         sw.load(path)

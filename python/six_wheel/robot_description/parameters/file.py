@@ -31,7 +31,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
-from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.errors import as_path, printable
 from six_wheel.kinematics.keywords import checked, did_you_mean
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 from six_wheel.robot_description.gyroscope_errors import ARGUMENTS
@@ -173,8 +173,13 @@ def read_parameters(
 
     Parameters, errors: see `load`.
     """
-    path = as_path("path", path)
-    log = FileFindings(str(path))
+    log = FileFindings(printable(str(path)))
+    try:
+        path = as_path("path", path)
+    except ValueError as error:
+        if not isinstance(path, str) or not path:
+            raise
+        log.fail(None, str(error), "give the path of a parameter file, .yaml or .json")
     return _read(path, _text(path, log), node, kind, log)
 
 
@@ -257,8 +262,6 @@ def _text(path: Path, log: FileFindings) -> str:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
         log.fail(None, f"the file cannot be read: {error.strerror or error}", remedy)
-    except ValueError as error:  # a path with a null character
-        log.fail(None, f"the path cannot be used: {error}", remedy)
     if len(content) > MAX_BYTES:
         log.fail(None, f"the file is larger than {MAX_BYTES} bytes", remedy)
     try:
