@@ -70,7 +70,7 @@ def test_without_typer_the_install_line_is_printed(run: Run, monkeypatch: pytest
 @pytest.mark.parametrize("name", ["nothing.tif", "nothing.npy", "nothing.csv"])
 def test_a_map_that_is_missing_is_no_rover(refused: Callable[..., str], name: str) -> None:
     """`show nothing.tif` asked for the path of a parameter file."""
-    assert refused("show", name) == f"{name} must be a file, there is none"
+    assert refused("show", name).startswith(f"{name} must be a file, there is none")
 
 
 def test_other_missing_packages_name_the_install_line(

@@ -1,4 +1,4 @@
-"""Damaged and foreign files: an answer, or one line and exit code 2, whichever command reads them.
+"""Damaged, foreign and missing files: an answer, or one line and exit code 2, whichever command reads them.
 
 Every command with every kind of file that it reads: cut off, with bits and blocks changed, empty, and with
 what is in a file of another kind. `SOAK` in the environment makes as many copies of each.
@@ -76,3 +76,17 @@ def test_an_answer_or_one_line(run: Run, name: str, argument: str, file: str) ->
         for made in {*Path().iterdir()} - {*outputs}:
             if made.is_file():
                 made.unlink()
+
+
+@pytest.mark.parametrize(("name", "argument", "file"), CASES, ids=["-".join(case) for case in CASES])
+@pytest.mark.usefixtures("files")
+def test_a_file_that_is_missing_is_told_with_the_one_that_is_near(
+    run: Run, name: str, argument: str, file: str
+) -> None:
+    """Tables of commands, truths, maps, records and robot descriptions were missing without a remedy."""
+    path = Path(file)
+    given = path.with_name(f"{path.stem.upper()}1{path.suffix}")
+    code, _, err = run(*line(name, **{argument: given}))
+    assert (code, err.count("\n")) == (2, 1)
+    assert str(given) in err
+    assert f'did you mean "{file}"?' in err

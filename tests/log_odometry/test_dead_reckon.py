@@ -367,9 +367,7 @@ def test_a_file_of_another_kind_says_what_reads_it(tmp_path):
     pytest.importorskip("pyarrow")
     path = tmp_path / "log.csv"
     path.write_text("time,left,right\n0,0,0\n")
-    with pytest.raises(
-        ValueError, match="must be a Parquet file; six_wheel.logs.read_log makes a WheelLog of"
-    ):
+    with pytest.raises(ValueError, match="must be a Parquet file; read_log makes a WheelLog of"):
         sw.dead_reckon(VEHICLES["differential"], path)
     with pytest.raises(FileNotFoundError, match="no.csv: no such file"):
         sw.dead_reckon(VEHICLES["differential"], tmp_path / "no.csv")

@@ -1,6 +1,7 @@
 import math
 import subprocess
 import sys
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle, FancyBboxPatch
 
 from six_wheel import plotting as plot
+from six_wheel.kinematics.errors import TableError
 from six_wheel.plotting.drawing import AXLE, FORBIDDEN, new_figure
 from tests.rovers import MECANUM, SIX_SIZES
 from tests.rovers import SIX_WHEELS as ROVER
@@ -256,9 +258,26 @@ def test_save_writes_what_the_name_says(tmp_path, ending, magic):
     assert target.read_bytes().startswith(magic)
 
 
-def test_unknown_ending_is_an_error(tmp_path):
-    with pytest.raises(ValueError, match="nothing"):
-        plot.save(plot.show_figure(ROVER, (0.5, 0.0, 0.5)), tmp_path / "picture.nothing")
+@pytest.mark.parametrize("name", ["picture.nothing", "picture", ".png", "picture."])
+def test_unknown_ending_is_an_error(tmp_path, name):
+    """The sentence of matplotlib named no file."""
+    target = tmp_path / name
+    with pytest.raises(TableError) as error:
+        plot.save(plot.show_figure(ROVER, (0.5, 0.0, 0.5)), target)
+    rule = "the ending must be .png, .svg, .pdf or another of matplotlib's formats"
+    assert str(error.value) == f'{target}: {rule}, got "{target.suffix}"'
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("raised", [RuntimeError, ValueError])
+def test_what_matplotlib_cannot_draw_is_named_by_its_file(tmp_path, monkeypatch, raised):
+    """A format that needs TeX ended with an error of matplotlib."""
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", Mock(side_effect=raised("no TeX\nhere")))
+    target = tmp_path / "picture.pgf"
+    with pytest.raises(TableError) as error:
+        plot.save(plot.show_figure(ROVER, (0.5, 0.0, 0.5)), target)
+    assert str(error.value) == f"{target}: the picture could not be drawn: no TeX here"
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_neither_pyplot_nor_a_window_is_touched():

@@ -16,6 +16,7 @@ import numpy as np
 from six_wheel._core import Rover
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning, as_path
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
 from six_wheel.logs.datasets import katwijk, rose_lab
@@ -33,7 +34,7 @@ from six_wheel.logs.plausibility.findings import Findings
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.tables import FORMATS, READ
-from six_wheel.logs.text.foreign import instead_of, other_form
+from six_wheel.logs.text.foreign import other_form
 
 __all__ = [
     "READERS",
@@ -105,7 +106,7 @@ def log_format(path: Path) -> str:
         If nothing here reads such a file.
     """
     if not path.exists():
-        raise TableError(f"{path}: no such file{instead_of(path)}")
+        raise TableError(no_file(path))
     for name, reader in READERS.items():
         if reader.claims(path):
             return name

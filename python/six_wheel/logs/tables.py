@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.kinematics.errors import FileError
+from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.logs.columnar import ColumnarFile, time_unit_of, units_of
 from six_wheel.logs.headers.clock_times import is_clock_time
 from six_wheel.logs.headers.columns import (
@@ -123,7 +124,7 @@ class Table:
         self._rows_read = 0
         self._field_units: dict[int, str] = {}  # of the columns of a Parquet file that states them apart
         if not path.is_file():
-            raise TableError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
+            raise TableError(f"{path}: not a file" if path.exists() else no_file(path))
         try:
             if self.format == "csv":
                 self._open_csv()

@@ -11,6 +11,7 @@ import numpy as np
 from six_wheel._core import Terrain
 from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.missing_files import near_file
 from six_wheel.maps import doubts
 from six_wheel.maps.files import Grid, Options, TerrainFileError, cut, unit_in_name
 from six_wheel.maps.plausibility import find_fill, find_unit, is_fill
@@ -131,7 +132,7 @@ def _find(path: str | PathLike[str], options: Options) -> tuple[Path, Options, S
     options = options.checked()
     path = as_path("path", path)
     if not path.exists():
-        hint = ": download it first" if "://" in str(path) or ":/" in str(path)[:8] else ""
+        hint = ": download it first" if "://" in str(path) or ":/" in str(path)[:8] else near_file(path)
         raise FileNotFoundError(f"{path} must be a file, there is none{hint}")
     if path.is_file() and path.stat().st_size == 0:
         raise TerrainFileError(f"{path} is empty (0 bytes): fetch it again")

@@ -27,7 +27,7 @@ def save(figure: Figure, path: str | Path) -> None:
     Raises
     ------
     ValueError
-        If matplotlib knows no such ending, the file cannot be written, or `figure` is none.
+        If no picture is written by such an ending, the file cannot be written, or `figure` is none.
     """
     if not isinstance(figure, Figure):
         raise ArgumentTypeError(f"figure must be what sw.plot gives, got {type(figure).__name__}")
@@ -39,7 +39,15 @@ def render(figure: Figure, path: Path) -> None:
 
     It is drawn in memory: some formats answer a full disk by other errors, and leave the file open.
     """
+    ending = path.suffix.lower()
+    if ending.removeprefix(".") not in figure.canvas.get_supported_filetypes():
+        rule = f"the ending must be {', '.join(PICTURES)} or another of matplotlib's formats"
+        raise TableError(f'{path}: {rule}, got "{path.suffix}"')
     with replacing(path) as temporary:
         drawn = io.BytesIO()
-        figure.savefig(drawn, format=path.suffix.lower().removeprefix("."), dpi=160)
+        try:
+            figure.savefig(drawn, format=ending.removeprefix("."), dpi=160)
+        except (RuntimeError, ValueError) as error:  # needs TeX, is too large
+            told = " ".join(str(error).split())
+            raise TableError(f"{path}: the picture could not be drawn: {told}") from None
         temporary.write_bytes(drawn.getbuffer())

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Limits, RockerBogie, Rover, Suspension, Terrain
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.robot_description.doubts import DoubtError, Proposal
 from six_wheel.robot_description.named_rover import find_rover
 from six_wheel.simulation.on_terrain import middle
@@ -211,7 +212,7 @@ def named_rover(
         raise ValueError(
             f"{given}: the ending must be .yaml, .json, .urdf, .xacro, .mcap, .csv or .parquet"
             if path.exists()
-            else f"{given}: no such file"
+            else no_file(given)
         )
     reading: dict[str, Any] = {"node": node, "kind": kind, "wheel_radius": wheel_radius}
     found = find_rover(given, "x must be a file or a preset", **reading)

@@ -16,6 +16,7 @@ from six_wheel.cli.shared import (
     text_table,
     warn,
 )
+from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
@@ -104,7 +105,7 @@ def replay(
     from six_wheel.logs.writing import replacing
 
     if not record.is_file():
-        raise ValueError(f"{record}: no such file")
+        raise ValueError(no_file(record))
     if output is not None and output.suffix.lower() != ".mcap":
         raise ValueError(f'{output}: the ending of a record must be .mcap, got "{output.suffix}"')
     with contextlib.ExitStack() as stack:

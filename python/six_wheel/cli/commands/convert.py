@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from six_wheel.cli.shared import Reading, choose
+from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.robot_description.named_rover import NamedRover
 
 ROVERS = (".yaml", ".yml", ".urdf")
@@ -60,7 +61,7 @@ def _write_layout(rover: str, reading: Reading, target: Path) -> Path:
         from six_wheel.logs.mcap import Record
 
         if not record.is_file():
-            raise ValueError(f"{record}: no such file")
+            raise ValueError(no_file(record))
         shown = settings_of(Record(record)).rover
     layouts.write(target, shown, record)
     return target.resolve()

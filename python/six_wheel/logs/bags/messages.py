@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.logs.bags.bag_files import files_of, one_line, rosbags_names, whole_part
 from six_wheel.logs.headers.columns import TIME_UNITS, TableError
 from six_wheel.logs.plausibility.findings import Findings
@@ -90,7 +91,7 @@ class Bag:
             return opened
 
         if not self.path.exists():
-            raise TableError(f"{self.path}: no such file")
+            raise TableError(no_file(self.path))
         files = files_of(self.path)
         # The index of a folder is written when the recorder stops; the files serve without.
         bags = files if self.path.is_dir() and not (self.path / "metadata.yaml").exists() else [self.path]

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Odometry, Rover
+from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.rover_edit import joints_by_wheel
 from six_wheel.logs.frames.table_headers import STAMPS, Meaning, Sensors, meaning_of, names
@@ -220,10 +221,9 @@ def _parquet(path: Path) -> Any:
     try:
         return parquet.ParquetFile(path)
     except FileNotFoundError:
-        raise FileNotFoundError(f"{path}: no such file") from None
+        raise FileNotFoundError(no_file(path)) from None
     except ArrowInvalid:
-        rule = "be a Parquet file; six_wheel.logs.read_log makes a WheelLog of tables, bags and others"
-        raise ValueError(f"a path must {rule}, got {str(path)!r}") from None
+        raise ValueError(f"{path}: must be a Parquet file; read_log makes a WheelLog of others") from None
 
 
 def _units(schema: Any) -> dict[int, str]:

@@ -1,14 +1,12 @@
-"""Files that are packed, files that are no tables of text, and such that are not there."""
+"""Files that are packed, and files that are no tables of text."""
 
 import bz2
-import difflib
 import gzip
 import lzma
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
-__all__ = ["FOREIGN", "PACKED", "instead_of", "other_form"]
+__all__ = ["FOREIGN", "PACKED", "other_form"]
 
 PACKED: Mapping[bytes, Callable[[Any], Any]] = {
     b"\x1f\x8b": gzip.open,
@@ -39,11 +37,3 @@ def other_form(ending: str) -> str:
     if ending in (".mat", ".npz", ".npy", ".h5", ".hdf5", ".pkl", ".json", ".tdms", ".ulg"):
         return f"{IN_PYTHON}, or a DataFrame"
     return "if it is a table of text, let its name end in .csv or .txt"
-
-
-def instead_of(path: Path) -> str:
-    """A hint at a file whose name is like that of one that is missing."""
-    folder = path.parent
-    names = [each.name for each in folder.iterdir()] if folder.is_dir() else []
-    close = difflib.get_close_matches(path.name, names, 1)
-    return f'; did you mean "{path.with_name(close[0])}"?' if close else ""

@@ -23,7 +23,6 @@ or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is i
 ``docs/reference/parameter_keys.md``.
 """
 
-import contextlib
 import os
 import re
 from dataclasses import dataclass, field
@@ -33,6 +32,7 @@ from typing import Any, NoReturn
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
 from six_wheel.kinematics.errors import as_path, printable
 from six_wheel.kinematics.keywords import checked, did_you_mean
+from six_wheel.kinematics.objects.missing_files import near_file
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 from six_wheel.robot_description.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.parameters import ros_yaml
@@ -253,9 +253,7 @@ def _refuse(section: Section, error: ValueError, log: FileFindings) -> NoReturn:
 
 def _text(path: Path, log: FileFindings) -> str:
     near = [] if path.suffix else [*Rover.presets()]
-    with contextlib.suppress(OSError):
-        near += [] if path.exists() else [each.name for each in path.parent.iterdir()]
-    hint = did_you_mean(path.name, near)
+    hint = did_you_mean(path.name, near) or near_file(path)
     remedy = f"give the path of a parameter file, .yaml or .json, or the name of a preset{hint}"
     try:
         with path.open("rb") as file:

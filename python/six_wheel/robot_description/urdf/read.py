@@ -9,6 +9,7 @@ from pathlib import Path
 from six_wheel._core import Limits, RockerBogie, Rover, Wheel, unit_questions, without_questions
 from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.missing_files import near_file
 from six_wheel.robot_description.diagnostics import Finding
 from six_wheel.robot_description.urdf.elements import Notes
 from six_wheel.robot_description.urdf.macros import expanded, has_macros
@@ -120,7 +121,8 @@ def _text(path: Path, arguments: Mapping[str, str] | None, notes: Notes) -> str:
         text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
         notes.fail(
-            f"the file cannot be read: {error.strerror or error}", "give the path of a robot description"
+            f"the file cannot be read: {error.strerror or error}",
+            f"give the path of a robot description{near_file(path)}",
         )
     except ValueError as error:  # bytes that are no text, a path with a null character
         notes.fail(f"the file is no text: {error}", "save it as UTF-8 text")

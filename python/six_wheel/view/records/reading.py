@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.kinematics.odometry import Track
 from six_wheel.kinematics.odometry.tracks3 import Track3
 from six_wheel.log_odometry import dead_reckon
@@ -136,7 +137,7 @@ def _of_drive(engine: Any) -> Record:
 
 def _of_file(path: Path, owner: Rover | None) -> Record:
     if not path.exists():
-        raise ValueError(f"{path}: no such file")
+        raise ValueError(no_file(path))
     if path.suffix.lower() == ".mcap":
         from six_wheel.logs.mcap import RecordError
         from six_wheel.view.records.bags import read_bag
