@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -19,6 +20,11 @@ class UnderdeterminedError(ValueError):
 
 class ArgumentTypeError(ValueError, TypeError):
     """An argument of the wrong type. Bad input like any other here, and a `TypeError` by Python's custom."""
+
+
+def argument_of(error: BaseException) -> str:
+    """The argument that an error of the core is about: its text begins with it."""
+    return re.split(r"\W", str(error), maxsplit=1)[0]
 
 
 def as_path(argument: str, value: str | os.PathLike[str]) -> Path:

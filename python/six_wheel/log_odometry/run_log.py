@@ -211,9 +211,8 @@ class _Run:
         result, path = self.result, self.log.path
         by_reader: dict[str, Count] = {}
         for finding in self.log.findings.listed:
-            reason = finding.message.partition(", got ")[0]
             rows = range(finding.row, (finding.last_row or finding.row) + 1)
-            by_reader.setdefault(reason, Count()).add(rows)
+            by_reader.setdefault(finding.rule, Count()).add(rows)
         result.left_out = by_reader | result.left_out
         result.warnings += self.log.warnings
         if self.log.has_gyroscope and self._settings.gyroscope is None:

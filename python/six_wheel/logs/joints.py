@@ -243,9 +243,11 @@ class JointLog:
             if line := self.findings.many_left_out(self._checks.rows):
                 self._warn(line)
         if first:
-            flaw = f"; {self.findings.listed[0]}" if self.findings.listed else ""
-            alone = ": does each row hold one wheel? Give it the last reading of the others (forward fill)"
-            flaw += alone if "must be a finite number, got nan" in flaw else ""
+            flaw = "".join(f"; {finding}" for finding in self.findings.listed[:1])
+            if self.findings.listed and self.findings.listed[0].kind == "nan":
+                flaw += (
+                    ": does each row hold one wheel? Give it the last reading of the others (forward fill)"
+                )
             rule = "the log must have at least one row that can be used"
             raise TableError(f"{self.path}: {rule}, got none{flaw}")
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
 from six_wheel.logs.headers.columns import Column, TableError, Unit, is_number
 from six_wheel.logs.headers.renamed import Columns, renamed, without_header
-from six_wheel.logs.plausibility.findings import Findings
+from six_wheel.logs.plausibility.findings import Findings, Kind
 from six_wheel.logs.plausibility.stamps import out_of_order, rows_behind, since_1970
 from six_wheel.logs.tables import LATEST_SECOND, READ, RowError, Table
 from six_wheel.logs.text.dialect import has_groups, without_groups
@@ -57,6 +57,14 @@ class Source(Protocol):
     def batches(self, chunk_rows: int) -> Iterator[Batch]: ...
 
     def close(self) -> None: ...
+
+
+@dataclass
+class CellError(Exception):
+    """A line that is no row of numbers: the `rule` it breaks, and the cell or line that does."""
+
+    rule: str
+    got: str
 
 
 class TolerantTable(Table):
@@ -175,9 +183,8 @@ class TolerantTable(Table):
         values = {name: column.to_numpy(zero_copy_only=False) for name, column in columns.items()}
         result = self._scaled(rows, lines, time.fill_null(0).to_numpy(zero_copy_only=False), values)
         for k in np.flatnonzero(void):
-            self.findings.add(
-                int(rows[k]), "time must be a number, got an empty cell", line=self._line(lines[k])
-            )
+            rule = "time must be a number, got an empty cell"
+            self.findings.add(int(rows[k]), rule, line=self._line(lines[k]), kind="no number")
         return result[~void] if void.any() else result
 
     def _with_nanoseconds(self, seconds: Any, fraction: Any) -> Any:
@@ -228,9 +235,8 @@ class TolerantTable(Table):
             try:
                 cells.append(self._numbers(text.strip("\r")))
                 kept.append(k)
-            except ValueError as error:
-                rule, _, got = str(error).partition(", got ")
-                self.findings.add(row + k, rule, f", got {got}", int(lines[k]))
+            except CellError as error:
+                self.findings.add(row + k, error.rule, f", got {error.got}", int(lines[k]), "no number")
         columns = list(zip(*cells, strict=True)) or [()] * len(self._columns)
         by_name = dict(zip(self._columns, columns, strict=True))
         times, rows = by_name.pop("time"), row + np.array(kept, dtype=np.int64)
@@ -244,10 +250,12 @@ class TolerantTable(Table):
         return self._scaled(rows, lines[kept], time, values)
 
     def _numbers(self, text: str) -> list[Any]:
-        cells = self._cells(text)
+        try:
+            cells = self._cells(text)
+        except TableError:
+            raise CellError("a row must be a line of cells", f"{text!r:.60}") from None
         if len(cells) != len(self._headers):
-            rule = f"a row must have {len(self._headers)} cells as the header has"
-            raise ValueError(f"{rule}, got {len(cells)}")
+            raise CellError(f"a row must have {len(self._headers)} cells as the header has", f"{len(cells)}")
         numbers: list[Any] = []
         for name, column in self._columns.items():
             cell = without_groups(cells[column.index].strip())
@@ -256,8 +264,8 @@ class TolerantTable(Table):
             if self._types[name] == "string":
                 numbers.append(cell)
             elif self._types[name] == "int64":
-                if not re.fullmatch(r"[+-]?\d+", cell) or abs(int(cell)) >= 1 << 63:
-                    raise ValueError(f'{name} must be a whole number of nanoseconds, got "{cell}"')
+                if not re.fullmatch(r"[+-]?0*\d{1,19}", cell) or abs(int(cell)) >= 1 << 63:
+                    raise CellError(f"{name} must be a whole number of nanoseconds", f'"{cell}"')
                 numbers.append(int(cell))
             elif is_number(cell):
                 numbers.append(float(cell))
@@ -266,7 +274,7 @@ class TolerantTable(Table):
             else:
                 such = f", or such as {KNOWN}" if name == "time" else ""
                 such += ", without commas or points between thousands" if has_groups(cell) else ""
-                raise ValueError(f'{name} must be a number{such}, got "{cell}" in column "{column.header}"')
+                raise CellError(f"{name} must be a number{such}", f'"{cell}" in column "{column.header}"')
         return numbers
 
     @staticmethod
@@ -322,12 +330,12 @@ class Sieve:
     def _numbers_only(self, batch: Batch) -> Batch:
         good = np.ones(len(batch), dtype=bool)
         columns = {"time": batch.time} | {n: c for n, c in batch.values.items() if n not in self._spare}
-        flaws: dict[int, tuple[str, str]] = {}
+        flaws: dict[int, tuple[str, float]] = {}
         for name, column in columns.items():
             for k in np.flatnonzero(~np.isfinite(column)).tolist():
-                flaws.setdefault(k, (f"{name} must be a finite number", f", got {column[k]}"))
-        for k in sorted(flaws):
-            self._report(batch, k, *flaws[k])
+                flaws.setdefault(k, (f"{name} must be a finite number", column[k]))
+        for k, (rule, value) in sorted(flaws.items()):
+            self._report(batch, k, rule, f", got {value}", "nan" if np.isnan(value) else "no number")
             good[k] = False
         return batch if good.all() else batch[good]
 
@@ -364,5 +372,5 @@ class Sieve:
         if self._strict and (line := out_of_order(time, "time", late, batch.rows)):
             raise TableError(f"{self._findings.path}: {line}")
 
-    def _report(self, batch: Batch, k: int, rule: str, got: str) -> None:
-        self._findings.add(int(batch.rows[k]), rule, got, int(batch.lines[k]) or None)
+    def _report(self, batch: Batch, k: int, rule: str, got: str, kind: Kind = "other") -> None:
+        self._findings.add(int(batch.rows[k]), rule, got, int(batch.lines[k]) or None, kind)

@@ -1,27 +1,36 @@
 """Rows that were left out of a log, and why."""
 
-from collections import Counter
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Literal, TypeAlias
 
 __all__ = ["Finding", "Findings"]
 
 MOST_FINDINGS = 1000  # that are kept; more are counted
 MANY = 0.1  # share of the rows of a log, that are left out as they are no numbers
 
+Kind: TypeAlias = Literal["no number", "nan", "other"]
+
 
 @dataclass(frozen=True)
 class Finding:
     """A row that was left out and why, or consecutive rows with the same flaw; ``str()`` is one line.
 
-    Rows are counted from 1; in a bag they are messages. `line` is that of `row`, in a CSV file.
+    Rows are counted from 1; in a bag they are messages. The row breaks `rule`, and `got` is the end of the
+    message, with its value. `kind` tells rows that hold no numbers. `line` is that of `row`, in a CSV file.
     """
 
     path: Path
     row: int
-    message: str
+    rule: str
+    got: str = ""
+    kind: Kind = "other"
     line: int | None = None
     last_row: int | None = None
+
+    @property
+    def message(self) -> str:
+        return f"{self.rule}{self.got}"
 
     def __str__(self) -> str:
         line = "" if self.line is None else f" (line {self.line})"
@@ -31,26 +40,29 @@ class Finding:
 
 @dataclass
 class Findings:
-    """Rows that were left out: the first `MOST_FINDINGS` findings in full, and the number of `rows` and of
-    each of their `flaws`."""
+    """Rows that were left out: the first `MOST_FINDINGS` findings in full, and the number of `rows`."""
 
     path: Path
     listed: list[Finding] = field(default_factory=list)
     rows: int = 0
-    flaws: Counter[str] = field(default_factory=Counter)
-    _flaw: str = ""
+    _no_numbers: int = 0
+    _first: Finding | None = None  # of those
+    _rule: str = ""
     _last: int = 0
 
-    def add(self, row: int, flaw: str, got: str = "", line: int | None = None) -> None:
-        """Report a row: `flaw` is the rule it breaks, the same for all that break it, `got` what it has."""
+    def add(self, row: int, rule: str, got: str = "", line: int | None = None, kind: Kind = "other") -> None:
+        """Report a row, as a `Finding` has it."""
+        finding = Finding(self.path, row, rule, got, kind, line)
         self.rows += 1
-        self.flaws[flaw] += 1
-        if flaw == self._flaw and row == self._last + 1 and self.listed:
+        if kind != "other":
+            self._no_numbers += 1
+            self._first = self._first or finding
+        if rule == self._rule and row == self._last + 1 and self.listed:
             if len(self.listed) < MOST_FINDINGS or self.listed[-1].last_row == self._last:
                 self.listed[-1] = replace(self.listed[-1], last_row=row)
         elif len(self.listed) < MOST_FINDINGS:
-            self.listed.append(Finding(self.path, row, f"{flaw}{got}", line))
-        self._flaw, self._last = flaw, row
+            self.listed.append(finding)
+        self._rule, self._last = rule, row
 
     def many_left_out(self, kept: int) -> str:
         """The line about a log of which many rows are no rows of numbers; empty if few are.
@@ -60,13 +72,8 @@ class Findings:
         kept : int
             Rows that were used.
         """
-        many = sum(number for flaw, number in self.flaws.items() if "must be a" in flaw or "cells as" in flaw)
-        if many <= MANY * (kept + self.rows):
+        rows = kept + self.rows
+        if self._first is None or self._no_numbers <= MANY * rows:
             return ""
-        first = next(
-            each for each in self.listed if "must be a" in each.message or "cells as" in each.message
-        )
-        rest = f"row {first.row}: {first.message}"
-        return (
-            f"{many} of {kept + self.rows} rows are left out, first {rest}: is the table read as it is meant?"
-        )
+        first = f"{self._no_numbers} of {rows} rows are left out, first row {self._first.row}"
+        return f"{first}: {self._first.message}: is the table read as it is meant?"

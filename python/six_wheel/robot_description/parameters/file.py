@@ -24,13 +24,12 @@ or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is i
 """
 
 import os
-import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
-from six_wheel.kinematics.errors import as_path, printable
+from six_wheel.kinematics.errors import argument_of, as_path, printable
 from six_wheel.kinematics.keywords import checked, did_you_mean
 from six_wheel.kinematics.objects.missing_files import near_file
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
@@ -311,9 +310,7 @@ def _rover(section: Section, form: Form, values: Values, log: FileFindings) -> R
             suspension=layout.suspension,
         )
     except ValueError as error:
-        key = str(error).partition(" ")[0]
-        line = section.line_of((key,)) if key in section.data else section.line
-        log.fail(line, str(error), "see the keys it names")
+        log.fail(section.line_of((argument_of(error),)), str(error), "see the keys it names")
 
 
 def _layout(section: Section, form: Form, values: Values, log: FileFindings) -> Rover | None:
@@ -324,11 +321,10 @@ def _layout(section: Section, form: Form, values: Values, log: FileFindings) -> 
         return form.layout(form.stand_in | values if log.has_errors else values)
     except ValueError as error:
         if form.needed <= values.keys():
-            named = re.match(r"\w+", str(error))
-            key = named[0] if named and named[0] in section.data else ""
-            if not log.has_error_at(key) if key else not log.has_errors:
-                line = section.line_of((key,)) if key else section.line
-                log.error(line, (key,) if key else (), str(error), "see the keys it names")
+            at = tuple(key for key in (argument_of(error),) if key in section.data)
+            if not (log.has_error_at(*at) if at else log.has_errors):
+                line = section.line_of(at) if at else section.line
+                log.error(line, at, str(error), "see the keys it names")
         return None
 
 
