@@ -15,8 +15,6 @@ from six_wheel.kinematics.poses import Floats, interpolate
 from six_wheel.log_odometry.evaluation.paths import absolute_error
 from six_wheel.logs.recordings import GroundTruth
 
-__all__ = ["Estimate", "RunErrors", "Windows", "likelihood_end", "path", "three_digits", "timed_path"]
-
 HALVINGS = 30  # of the stretch in which the end of an interval lies
 
 

@@ -31,8 +31,6 @@ from six_wheel.robot_description.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.parameters.edit_in_place import text_for
 from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
 
-__all__ = ["Calibrated", "calibrate_files", "interval", "paths_of"]
-
 YAML = (".yaml", ".yml")
 FACTORS = ("encoder_scale", "steering_gain")
 MANY = 8  # logs from which on it is worth starting processes

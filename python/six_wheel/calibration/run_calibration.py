@@ -46,8 +46,6 @@ from six_wheel.logs.recordings import Reference, WheelLog
 from six_wheel.parallel import Journal, one_thread
 from six_wheel.robot_description.dimensions import Catalogue
 
-__all__ = ["Progress", "calibrate", "parameter_names"]
-
 Progress = Callable[[int, int, str], object]
 OF_TRACKS = (
     "the truth is another odometry: dimensions are known as well as its own scale, "

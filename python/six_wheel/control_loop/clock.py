@@ -2,8 +2,6 @@
 
 from six_wheel.control_loop.faults import WARN, Faults
 
-__all__ = ["SECOND", "Clock"]
-
 SECOND = 1_000_000_000  # [ns]
 HICCUP = SECOND // 100  # of a clock that is set back a little: time stands still for so long
 JUMP = SECOND  # of time, forward, between two calls, that is worth a word

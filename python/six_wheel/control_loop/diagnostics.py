@@ -6,8 +6,6 @@ from six_wheel.control_loop.faults import AREAS, ERROR, OK, STALE
 from six_wheel.control_loop.loop import Loop
 from six_wheel.kinematics.controller import Reason
 
-__all__ = ["FaultLines", "Status", "statuses"]
-
 Status = tuple[int, str, str, dict[str, str]]
 LISTED = 3  # faults of an area in one line of the log
 

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-__all__ = ["AREAS", "ERROR", "OK", "STALE", "WARN", "Fault", "Faults"]
-
 # Levels of diagnostic_msgs/DiagnosticStatus.
 OK, WARN, ERROR, STALE = range(4)
 AREAS = ("commands", "joints", "odometry", "time")

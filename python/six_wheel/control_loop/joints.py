@@ -14,8 +14,6 @@ from six_wheel._core import Rover
 from six_wheel.control_loop.faults import ERROR, WARN, Faults
 from six_wheel.kinematics.rover_edit import reading_joints
 
-__all__ = ["JointReader", "Readings"]
-
 Numbers = Sequence[float]
 NAMED = 12  # strangers that are remembered, for a "did you mean"
 

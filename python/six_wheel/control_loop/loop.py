@@ -27,8 +27,6 @@ from six_wheel.control_loop.steps import Send, Step
 from six_wheel.kinematics.controller import Reason
 from six_wheel.kinematics.rover_edit import joints_as_given
 
-__all__ = ["Loop"]
-
 AHEAD = SECOND // 10  # of a stamp, that is not just another clock's rounding
 STALE, STUCK = int(Reason.STALE), int(Reason.JOINT_STUCK)
 

@@ -9,8 +9,6 @@ from six_wheel.control_loop.joints import Numbers, Readings
 from six_wheel.control_loop.settings import Settings
 from six_wheel.kinematics.odometry.tracks import OdometryHealth
 
-__all__ = ["Counted", "Odometer"]
-
 Counted = tuple[int | None, OdometryState | None]
 """The stamp [ns] of the readings that were counted last, and what odometry says then; None if none were."""
 

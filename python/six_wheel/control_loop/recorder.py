@@ -7,8 +7,6 @@ from six_wheel.control_loop.steps import Step
 from six_wheel.logs.mcap import RoverRecord
 from six_wheel.logs.mcap.rover_record import Frames
 
-__all__ = ["Recorder"]
-
 
 class Recorder(RoverRecord):
     """A record of one loop: what comes in is written as it came, in that order, and then the step.

@@ -19,8 +19,6 @@ from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETER
 from six_wheel.robot_description.parameters.schema import GROUPS
 from six_wheel.robot_description.parameters.writing import dump
 
-__all__ = ["NAMES", "Settings", "read_value", "rover_keys", "with_changes"]
-
 LEAST_JUMP = 3.0  # [m/s], 6 cm at 50 Hz: a rover that is pushed, or rolls, may be faster than it drives
 NAMES = frozenset(option.name for option in OPTIONS)
 # Parameters of ros2_controllers that a node has too.

@@ -6,8 +6,6 @@ from six_wheel._core import Controller, OdometryState
 from six_wheel.control_loop.settings import Settings
 from six_wheel.kinematics.odometry.tracks import OdometryHealth
 
-__all__ = ["StartMotion"]
-
 SETTLE = 0.03  # [s] over which it is measured at the start how the rover moves
 CLOSE = 0.1  # [rad] of the joints to those of the measured motion: then it is a motion, and not noise at rest
 

@@ -5,8 +5,6 @@ from typing import NamedTuple, TypeAlias
 
 from six_wheel._core import OdometryState
 
-__all__ = ["Send", "Step"]
-
 Send: TypeAlias = Callable[[int, list[float], list[float]], None]
 """Receiver of commands: a time [ns], steering angles and wheel speeds in the order of the joints."""
 

@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Reason", "reason_counts", "reason_names", "reason_shares"]
-
 
 class Reason(TextFlag):
     """Reasons of one step, any number of them; empty for a step that makes the motion asked for.

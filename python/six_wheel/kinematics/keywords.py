@@ -9,7 +9,7 @@ from functools import wraps
 from numbers import Real
 from typing import Any, TypeVar, get_origin
 
-from six_wheel.kinematics.errors import ArgumentTypeError, FileError, argument_of
+from six_wheel.kinematics.errors import ArgumentTypeError, FileError
 
 __all__ = ["checked", "checked_class", "did_you_mean", "explained", "same_thing", "unknown_keyword"]
 
@@ -205,7 +205,7 @@ def _mistyped(
         What came of it.
     """
     named = {name for signature in signatures.values() for name in signature.parameters}
-    if isinstance(error, FileError) or argument_of(error) in named:
+    if isinstance(error, FileError) or re.match(r"\w*", str(error))[0] in named:  # type: ignore[index]
         return None
     given = dict(keywords)
     for function, signature in signatures.items():

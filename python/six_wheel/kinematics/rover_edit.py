@@ -10,16 +10,6 @@ from typing import Any, TypeVar
 from six_wheel._core import Limits, Rover, Wheel, without_questions
 from six_wheel.kinematics.keywords import did_you_mean, unknown_keyword
 
-__all__ = [
-    "joints_as_given",
-    "joints_by_wheel",
-    "limits_given",
-    "reading_joints",
-    "replace",
-    "replace_in_rover",
-    "with_wheels",
-]
-
 _T = TypeVar("_T")
 
 

@@ -12,8 +12,6 @@ from six_wheel.kinematics import rover_edit
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.flags import TextName
 
-__all__ = ["BoundsStatus", "FeasibilityLimits", "FeasibilityReason", "SettleStatus"]
-
 
 class SettleStatus(TextName):
     """Status of a settled pose; prints, and compares with text, by its name; `help` has more."""

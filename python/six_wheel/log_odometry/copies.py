@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import WheelLog
 
-__all__ = ["COMMON", "Sketch", "cut", "rest_without", "without_copies"]
-
 ANGLE = 1e-3  # [rad] by which angles differ at most that were rounded by a format
 INSTANT = 1e-3  # [s] of stamps, likewise
 PLACE = 5e-3  # [m] of true positions, likewise

@@ -19,8 +19,6 @@ from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.headers.time_columns import in_seconds, scale_of
 from six_wheel.logs.plausibility.arrays import FEW, array_checks, check_arrays
 
-__all__ = ["dead_reckon", "dead_reckon_chunks", "table_columns"]
-
 Errors = Literal["flag", "raise"]
 ORIGIN = (0.0, 0.0, 0.0)
 

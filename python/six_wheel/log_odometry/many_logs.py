@@ -32,8 +32,6 @@ from six_wheel.logs.tables import table_format
 from six_wheel.logs.writing import remove_leftovers, together
 from six_wheel.parallel import Failure, Journal, spread
 
-__all__ = ["FleetLog", "reckon_all"]
-
 JOURNAL = ".done"  # folder beside the tracks
 
 

@@ -12,8 +12,6 @@ from six_wheel.logs.joint_totals import JointRows
 from six_wheel.logs.mcap import RoverRecord
 from six_wheel.logs.mcap.writer import record_stamps
 
-__all__ = ["TrackRecord"]
-
 
 class TrackRecord:
     """Writes tracks into an MCAP file of `logs.mcap`, chunk by chunk.

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["mount", "seen_by", "start_of_body"]
-
 
 def mount(sensor: ArrayLike) -> Floats:
     """The pose of a sensor in the body, shape (3,).

@@ -11,8 +11,6 @@ from six_wheel.log_odometry.evaluation.slip import slip_against
 from six_wheel.log_odometry.results import Reckoned
 from six_wheel.logs.recordings import Reference
 
-__all__ = ["of_track"]
-
 
 def of_track(
     track: Track, truth: Reference | None = None, *, name: str = "track", length: float = 0.5

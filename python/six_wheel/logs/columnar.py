@@ -10,8 +10,6 @@ from six_wheel.logs.headers.columns import TIME_UNITS, TableError, Unit
 if TYPE_CHECKING:
     import pyarrow as pa
 
-__all__ = ["ColumnarFile", "time_unit_of", "units_of"]
-
 
 class ColumnarFile:
     """A Parquet or Arrow file, open for reading.

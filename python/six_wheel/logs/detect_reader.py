@@ -36,20 +36,6 @@ from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.tables import FORMATS, READ
 from six_wheel.logs.text.foreign import other_form
 
-__all__ = [
-    "READERS",
-    "AnyLog",
-    "Reader",
-    "as_logs",
-    "example_run",
-    "log_format",
-    "log_formats",
-    "logs_in",
-    "metadata_of",
-    "open_log",
-    "read_log",
-]
-
 ENDINGS = ", ".join(dict.fromkeys([*FORMATS, *BAGS, *READ]))
 AnyLog: TypeAlias = "JointLog | WholeLog"
 

@@ -17,8 +17,6 @@ from six_wheel.logs.headers.truth_columns import columns_in_space, position_colu
 from six_wheel.logs.plausibility.findings import Findings
 from six_wheel.logs.skip_bad_rows import Sieve, Source, TolerantTable
 
-__all__ = ["TRUTH", "has_yaw", "poses_of", "read_truth", "rows_of", "transforms"]
-
 TRUTH = ("x", "y", "yaw", "qx", "qy", "qz", "qw")
 TILTED = ("z", "roll", "pitch")
 # Columns of a file without a header line, as the TUM benchmark has them and evo writes them.

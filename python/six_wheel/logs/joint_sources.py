@@ -28,8 +28,6 @@ from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, encod
 from six_wheel.logs.plausibility.readings import Readings
 from six_wheel.logs.skip_bad_rows import Source, TolerantTable
 
-__all__ = ["JointSource", "refuse_counts"]
-
 CHUNK = 200_000  # rows
 
 

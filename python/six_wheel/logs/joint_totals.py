@@ -11,18 +11,6 @@ from numpy.typing import NDArray
 from six_wheel._core import Encoder
 from six_wheel.kinematics.errors import ArgumentTypeError
 
-__all__ = [
-    "Encoders",
-    "Integral",
-    "JointRows",
-    "Total",
-    "angles_of",
-    "encoder_of",
-    "encoder_of_each",
-    "summed",
-    "where_there",
-]
-
 Floats = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]
 Encoders: TypeAlias = "Encoder | Mapping[str, Encoder] | None"

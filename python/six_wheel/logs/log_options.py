@@ -15,8 +15,6 @@ from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.recordings import GroundTruth
 
-__all__ = ["CORRECTIONS", "LogOptions", "corrections", "encoders_of", "encoders_or_keys"]
-
 # Of the keys of encoders those that hold for angles too, however they were read.
 CORRECTIONS = frozenset({"scale", "steering_gain"})
 # Encoders, or the keys of a parameter file that describe them.

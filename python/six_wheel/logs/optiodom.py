@@ -26,8 +26,6 @@ from six_wheel.kinematics.rover_edit import with_wheels
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.recordings import WheelLog
 
-__all__ = ["ROBOTS", "Robot", "example", "read", "read_rover", "runs"]
-
 Metadata = Mapping[str, list[float]]
 
 

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from six_wheel.kinematics.odometry.tracks import Track
     from six_wheel.kinematics.odometry.tracks3 import Track3
 
-__all__ = ["GroundTruth", "WheelLog", "as_truth"]
-
 OPTIONS = ("readings", "increments", "wheel_encoders", "steering_encoders")
 
 

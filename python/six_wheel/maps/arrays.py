@@ -17,8 +17,6 @@ from six_wheel.maps.readers.points import EAST, NORTH, SCATTERED, find_columns, 
 from six_wheel.maps.readers.reference import read_reference
 from six_wheel.robot_description.doubts import DoubtError, Proposal
 
-__all__ = ["check_plausibility", "read"]
-
 
 def check_plausibility(heights: Any, spacing: Any, nodata_open: bool, unit_open: bool) -> None:
     """Fails, or warns, where plain heights look like something else."""

@@ -12,8 +12,6 @@ from six_wheel.kinematics.errors import FileError
 from six_wheel.maps.doubts import answer
 from six_wheel.robot_description.doubts import DoubtError
 
-__all__ = ["Grid", "Options", "TerrainFileError", "Window", "cut", "length"]
-
 Window = tuple[float, float, float, float]
 Unit = str | float
 

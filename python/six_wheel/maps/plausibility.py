@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from six_wheel.maps import doubts
 from six_wheel.maps.doubts import Words
 
-__all__ = ["find_fill", "find_unit", "is_fill", "is_in_degrees"]
-
 LARGEST = 1e15  # from this on a number is no height, as in the core [m]
 SAME = 1e-5  # of the value: text files round their marks
 APART = 100.0  # of a mark from all other heights [m]

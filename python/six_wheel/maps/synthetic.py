@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from six_wheel._core import Terrain
 from six_wheel.kinematics.keywords import checked
 
-__all__ = ["yard"]
-
 Floats = NDArray[np.float64]
 
 SMALLEST, LARGEST = 0.05, 3.0  # diameters of rocks [m]

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from six_wheel._core import RockerBogie, Terrain
 from six_wheel.kinematics.statuses import FeasibilityLimits, FeasibilityReason
 
-__all__ = ["REASONS", "Tile", "judge", "reach"]
-
 REASONS = tuple(FeasibilityReason)
 POSES = 1 << 16  # judged at a time: their numbers take 10 MB
 

@@ -26,8 +26,6 @@ from six_wheel.maps.reading import open_raster
 from six_wheel.maps.tiles import REASONS, Tile, judge, reach
 from six_wheel.parallel import Failure, Journal, spread
 
-__all__ = ["Layers", "Traversed", "traverse"]
-
 SIDE = 256  # cells of a tile along its side
 PICTURE = 1000  # largest side of what a picture is made from
 BANDS = {

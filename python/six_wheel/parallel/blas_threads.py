@@ -7,8 +7,6 @@ takes several times as long as on one thread, and its time depends on what runs 
 import contextlib
 from collections.abc import Iterator
 
-__all__ = ["one_thread"]
-
 
 @contextlib.contextmanager
 def one_thread() -> Iterator[None]:

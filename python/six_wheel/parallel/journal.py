@@ -17,8 +17,6 @@ import numpy as np
 
 from six_wheel.kinematics.errors import FileError
 
-__all__ = ["Journal", "JournalError"]
-
 MANIFEST = "journal.json"
 ARRAY = "__array__"  # key of a stand-in for an array
 TUPLE = "__tuple__"  # key of a stand-in for a tuple

@@ -24,8 +24,6 @@ from typing import Any
 from six_wheel._core import __version__
 from six_wheel.parallel.journal import Journal
 
-__all__ = ["ClusterError", "Failure", "Outcome", "Outcomes", "collect", "spread"]
-
 Items = Iterator[tuple[int, Any]]
 
 LIVES = 3  # an item whose process dies so often is not tried again

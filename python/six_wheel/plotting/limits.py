@@ -26,8 +26,6 @@ from six_wheel.plotting.drawing import (
 )
 from six_wheel.simulation.drive.performance import Rim, rim
 
-__all__ = ["limits_figure"]
-
 COLORS = {
     Reason.SPEED: "#4a7fa7",
     Reason.YAW_RATE: "#8d6a9f",

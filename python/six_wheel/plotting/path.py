@@ -24,8 +24,6 @@ from six_wheel.plotting.drawing import (
     write_title,
 )
 
-__all__ = ["draw_path", "path_figure"]
-
 
 def path_figure(rover: Rover, poses: ArrayLike, steering: ArrayLike, *, title: str | None = None) -> Figure:
     """Picture of a driven path with the tracks of the wheels and the rover drawn along it.

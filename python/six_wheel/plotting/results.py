@@ -13,8 +13,6 @@ from six_wheel.kinematics.keywords import unknown_keyword
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.logs.recordings import GroundTruth, Reference
 
-__all__ = ["figure"]
-
 # Ways to a picture for what is none of this package's results.
 HINTS = {
     "ndarray": "; poses are drawn by six_wheel.plotting.path_figure(rover, poses, steering)",

@@ -9,8 +9,6 @@ from six_wheel.kinematics.errors import ArgumentTypeError, as_path
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.writing import replacing
 
-__all__ = ["picture_path", "render", "save"]
-
 PICTURES = (".png", ".svg", ".pdf")
 
 

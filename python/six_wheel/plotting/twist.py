@@ -41,8 +41,6 @@ from six_wheel.plotting.drawing import (
     write_title,
 )
 
-__all__ = ["show_figure"]
-
 NAMES, UNITS = ("vx", "vy", "omega"), ("m/s", "m/s", "rad/s")
 ICR_REACH = 3.5  # rover sizes: a centre of rotation farther away than this is pointed at, not shown
 AXES_WIDTH = 7.2  # [in] of the drawing, about

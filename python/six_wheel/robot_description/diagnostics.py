@@ -6,8 +6,6 @@ from typing import Literal, TypeAlias
 
 from six_wheel.kinematics.errors import FileError, printable
 
-__all__ = ["Finding", "ParameterFileError", "Severity"]
-
 Severity: TypeAlias = Literal["error", "warning"]
 
 

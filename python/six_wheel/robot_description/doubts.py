@@ -6,8 +6,6 @@ from typing import NamedTuple
 
 from six_wheel.kinematics.errors import printable
 
-__all__ = ["DoubtError", "Proposal"]
-
 
 class Proposal(NamedTuple):
     """An option that settles a doubt, as a parameter file, the command line and Python write it."""

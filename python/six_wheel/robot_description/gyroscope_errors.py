@@ -5,8 +5,6 @@ from typing import Any
 
 from six_wheel._core import Gyroscope
 
-__all__ = ["ARGUMENTS", "changed", "with_readings_apart"]
-
 ARGUMENTS = ("noise", "bias", "bias_noise", "bias_walk", "scale_noise")  # of `Gyroscope`
 
 

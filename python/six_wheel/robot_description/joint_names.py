@@ -7,8 +7,6 @@ import re
 from collections.abc import Iterable
 from typing import TypeAlias
 
-__all__ = ["Said", "agree", "said_by", "wheel_said_by"]
-
 Said: TypeAlias = tuple[str | None, str | None]  # axle and side; None for one that is left out
 
 _AXLES = {

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from six_wheel.robot_description.parameters.file import Parameters
     from six_wheel.robot_description.urdf import Robot
 
-__all__ = ["NamedRover", "closest", "find_rover"]
-
 
 class NamedRover(NamedTuple):
     """A rover, what to call it, and the file it comes from unless it is a preset."""

@@ -7,8 +7,6 @@ from six_wheel._core import Rover
 from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.objects.whole_files import replacing
 
-__all__ = ["save_rover"]
-
 
 def save_rover(rover: Rover, path: str | PathLike[str], **others: Any) -> None:
     """See `Rover.save`."""

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from six_wheel._core import Limits
 from six_wheel.kinematics.controller import reason_shares
 
-__all__ = ["Controlled"]
-
 Floats = NDArray[np.float64]
 
 

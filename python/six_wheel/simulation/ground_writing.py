@@ -28,8 +28,6 @@ from six_wheel.simulation.writing import (
     write_columns,
 )
 
-__all__ = ["write_ground"]
-
 Floats = NDArray[np.float64]
 
 ENDINGS = (*FORMATS, BAG)

@@ -21,8 +21,6 @@ from six_wheel.simulation.sensor_model import Sensors
 if TYPE_CHECKING:
     from six_wheel._core import WheelSlip
 
-__all__ = ["GroundSimulation", "middle", "simulate_on_ground"]
-
 Floats = NDArray[np.float64]
 
 

@@ -13,8 +13,6 @@ from six_wheel.simulation.on_terrain import middle
 from six_wheel.view.motion import State
 from six_wheel.view.subject import Subject, triple
 
-__all__ = ["command_line", "python_lines", "scrub_of", "start_state"]
-
 DEGREES = ("steering_limit", "tilt", "joints")  # of the command line; radians in Python
 TILT = math.radians(30.0)
 

@@ -11,8 +11,6 @@ from six_wheel.logs.writing import replacing
 if TYPE_CHECKING:
     import viser
 
-__all__ = ["FRAMES", "RATE", "client_page", "prepared", "write_page"]
-
 FRAMES, RATE = 300, 12.0  # of a record in a page: at most so many, so many a second of watching
 
 # Until a scene says which lights it has, viser's client shows two lamps with shadows and decodes a picture of

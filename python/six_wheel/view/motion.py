@@ -15,8 +15,6 @@ from six_wheel.kinematics.statuses import SettleStatus
 from six_wheel.simulation.drive.performance import within
 from six_wheel.view.subject import Subject
 
-__all__ = ["Motion", "State", "find_motion", "restricted"]
-
 Floats = NDArray[np.float64]
 POINTS = 41  # of a path ahead
 AHEAD = 40.0  # [s] of it at most

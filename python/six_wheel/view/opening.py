@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from six_wheel.view.viewing import View
 
-__all__ = ["browse", "view"]
-
 
 def view(
     x: Any,

@@ -20,8 +20,6 @@ from six_wheel.view.subject import Subject
 if TYPE_CHECKING:
     import viser
 
-__all__ = ["Panels"]
-
 STEPS = 200  # of a slider over its range
 PAD = (("↖", "↑", "↗"), ("⟲", "■", "⟳"), ("↙", "↓", "↘"))
 TURNS = ("Straight", "Crab", "Spin", "Point turn", "Stop")

@@ -20,8 +20,6 @@ from six_wheel.view.subject import Subject
 if TYPE_CHECKING:
     import viser
 
-__all__ = ["Player"]
-
 Floats = NDArray[np.float64]
 DRIVEN, TRUE, ELLIPSE = (236, 228, 206), (122, 214, 96), (255, 201, 74)
 INKS = ("#26a8b2", "#ffc94a", "#d0643c", "#9a8fd0", "#7ad660", "#e85a8c", "#7fb2ff", "#c0c0c0")

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Limits, Rover
 
-__all__ = ["COLORS", "PLANES", "possible_image", "verdicts"]
-
 Floats = NDArray[np.float64]
 WIDTH, HEIGHT = 302, 190  # [px]
 CELL = 2  # [px] of a judged twist

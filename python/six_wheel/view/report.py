@@ -9,8 +9,6 @@ import numpy as np
 from six_wheel.view.motion import Motion, words
 from six_wheel.view.subject import Subject
 
-__all__ = ["LEGEND", "numbers", "status"]
-
 STYLE = "font: 12px/1.5 ui-monospace, monospace; padding: 0 .9em; white-space: pre-wrap; user-select: text"
 LEGEND = (
     f'<div style="{STYLE}">Upwards: the first axis of the plane, to the left: the second. '

@@ -17,8 +17,6 @@ from six_wheel.view.export import client_page
 if TYPE_CHECKING:
     import viser
 
-__all__ = ["HOST", "INSTALL", "free_port", "is_local", "open_server", "require", "stop_server"]
-
 HOST = "127.0.0.1"
 INSTALL = 'pip install "six-wheel[view]"'
 LOOPBACK = ("127.0.0.1", "localhost", "::1")

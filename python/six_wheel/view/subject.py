@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from six_wheel.robot_description.urdf import Robot
     from six_wheel.view.records.record import Record
 
-__all__ = ["Subject", "find_ground", "find_subject", "named_rover", "triple"]
-
 Floats = NDArray[np.float64]
 WHEEL_SPEED = 1.0  # [rad/s] of a wheel where nothing limits it: rovers are slow
 DESCRIPTIONS = (".urdf", ".xacro")

@@ -30,8 +30,6 @@ from six_wheel.view.worker import Worker
 if TYPE_CHECKING:
     import viser
 
-__all__ = ["View"]
-
 PERIOD = 1.0 / 30.0  # [s] of a rover that drives
 SLOW = 0.2  # [s] between changes of what takes long to draw while it drives
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
-__all__ = ["Worker"]
-
 
 class Worker:
     """Calls `update` in a thread of its own after `ask`: once, however often it was asked meanwhile.

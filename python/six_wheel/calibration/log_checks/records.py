@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.logs.recordings import Reference, WheelLog, as_truth
 
-__all__ = ["with_truth"]
-
 
 def with_truth(
     logs: list[WheelLog], truth: Reference | ArrayLike | Sequence[Reference | ArrayLike] | None

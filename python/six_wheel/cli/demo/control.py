@@ -12,8 +12,6 @@ from six_wheel.kinematics.controller import reason_shares
 from six_wheel.plotting.drive import drive_figure
 from six_wheel.simulation.drive.min_max_thinning import Course
 
-__all__ = ["LIMITS", "NOISE", "ControlResult", "draw_control", "drive_controlled", "rows"]
-
 Floats = NDArray[np.float64]
 
 RATE = 50.0  # [Hz]

@@ -4,8 +4,6 @@ from six_wheel._core import RockerBogie, Terrain
 from six_wheel.simulation.on_terrain import GroundSimulation
 from six_wheel.simulation.run_simulation import simulate
 
-__all__ = ["drive_yard"]
-
 SIDE, SPACING = 30.0, 0.05  # [m]
 COVER, SEED = 0.1, 3  # a tenth of the yard is rock
 COMMANDS = ((0.0, 0.2, 0.0, 0.0), (20.0, 0.2, 0.0, 0.06), (50.0, 0.2, 0.0, -0.06), (80.0, 0.2, 0.0, 0.0))

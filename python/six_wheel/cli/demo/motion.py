@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover, differentiate, integrate
 
-__all__ = ["DemoMotion", "DemoResult", "drive_path", "load_path", "recorded_motion"]
-
 Floats = NDArray[np.float64]
 
 ROVERS = {"perseverance": "Perseverance", "open_source_rover": "Open Source Rover"}

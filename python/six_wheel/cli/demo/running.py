@@ -18,8 +18,6 @@ from six_wheel.cli.report.ground import ground_facts
 from six_wheel.plotting.ground.run import ground_figure, speeds_figure
 from six_wheel.plotting.saving import save
 
-__all__ = ["Console", "run", "time_against_reference"]
-
 
 class Console(Protocol):
     """Output of the report: a rich console, or anything else that prints."""

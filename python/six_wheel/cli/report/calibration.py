@@ -11,8 +11,6 @@ from six_wheel.calibration.files import Calibrated, paths_of
 from six_wheel.cli.report.markdown import CALIBRATION_PICTURES, Pages, picture
 from six_wheel.plotting.tracks import residual_figure, track_figure
 
-__all__ = ["before_and_after", "write_calibration"]
-
 
 def before_and_after(done: Calibrated, title: str) -> Figure:
     """Picture of one run as dead-reckoned before and after, with the truth."""

@@ -4,8 +4,6 @@ import numpy as np
 
 from six_wheel.simulation.on_terrain import GroundSimulation
 
-__all__ = ["ground_facts"]
-
 
 def ground_facts(run: GroundSimulation) -> list[tuple[str, str]]:
     """Results of a drive: names and values, a row each."""

@@ -9,8 +9,6 @@ from six_wheel.log_odometry.evaluation.paths import Evaluation
 from six_wheel.log_odometry.results import Reckoned
 from six_wheel.log_odometry.run_log import REMARKS
 
-__all__ = ["facts", "judged", "slipped", "written"]
-
 Rows = list[tuple[str, str]]
 WINDOWS = 5  # stretches of slip that the console shows, the longest ones
 

@@ -23,8 +23,6 @@ from six_wheel.logs.plausibility.proposals import number
 from six_wheel.logs.plausibility.whole_numbers import all_whole
 from six_wheel.logs.skip_bad_rows import TolerantTable
 
-__all__ = ["ColumnOverview", "LogOverview", "overview"]
-
 Found: TypeAlias = tuple[list["ColumnOverview"], dict[str, str]]
 MEANINGS = {"JointState": "joint states", "Imu": "gyroscope", "Odometry": "poses", "PoseStamped": "poses"}
 PLAIN = Unit("", 1.0, ())

@@ -6,8 +6,6 @@ import numpy as np
 
 from six_wheel._core import Terrain
 
-__all__ = ["map_facts"]
-
 
 def map_facts(ground: Terrain, description: list[tuple[str, str]]) -> list[tuple[str, str]]:
     """Rows on a map: its form, cells, extent, heights, slopes, unknown cells, units and coordinate system."""

@@ -19,8 +19,6 @@ from six_wheel.simulation.drive.closed_loop import ControlledDrive, DriveLoop
 from six_wheel.simulation.drive.feedforward import Drive
 from six_wheel.simulation.drive.recording import DriveRecord
 
-__all__ = ["DRIVE", "replay_drive"]
-
 DRIVE = "drive"
 
 

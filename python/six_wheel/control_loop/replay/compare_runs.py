@@ -11,8 +11,6 @@ from six_wheel._core import integrate
 from six_wheel.control_loop.replay.run_summary import Replayed, Run
 from six_wheel.kinematics.keywords import checked
 
-__all__ = ["Difference", "Figures", "compare"]
-
 Floats = NDArray[np.float64]
 SECOND = 1e9
 

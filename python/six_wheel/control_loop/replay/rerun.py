@@ -24,8 +24,6 @@ from six_wheel.logs.mcap import Record, RecordError, rover_record
 from six_wheel.logs.mcap.frames import JointStates, angular_velocity
 from six_wheel.logs.mcap.reader import Message
 
-__all__ = ["replay", "settings_of"]
-
 LOOPS = ("node",)
 READ = ("odometry", "simulate")  # records of what was measured
 IN = (rover_record.WANTED, rover_record.JOINTS, rover_record.IMU, rover_record.TICK, rover_record.CHANGES)

@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Rover
 from six_wheel.control_loop import Settings, Step
+from six_wheel.kinematics.controller import reason_names
 from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.logs.mcap import Record, rover_record
 from six_wheel.logs.mcap.frames import planar_pose
 from six_wheel.logs.mcap.reader import Message
-
-__all__ = ["OUT", "Collected", "Replayed", "Run", "planar"]
 
 Floats = NDArray[np.float64]
 OUT = (rover_record.COMMANDS, rover_record.LIMITED, rover_record.REASONS, rover_record.ODOMETRY)
@@ -119,7 +118,7 @@ class Collected:
             self.times.append(step.now)
             self.joints.append([*step.steering, *step.wheel_speeds])
             self.twists.append(step.twist)
-            self.reasons.append(rover_record.reason_names(step.reasons))
+            self.reasons.append(reason_names(step.reasons))
         if step.state is not None and step.stamp is not None:
             state = step.state
             both = (state.covariance_6x6().ravel(), state.twist_covariance_6x6().ravel())

@@ -20,8 +20,6 @@ from six_wheel.control_loop.recorder import Recorder
 from six_wheel.control_loop.ros2.halting import HaltInterface
 from six_wheel.control_loop.ros2.parameters import Declared
 
-__all__ = ["BaseNode", "nanoseconds"]
-
 REPORTS = 1.0  # [s] between diagnostics
 DEPTH = 10  # that of the usual system defaults
 

@@ -6,8 +6,6 @@ from typing import Any
 
 from six_wheel.control_loop import Settings
 
-__all__ = ["Load", "settings_by_parameters"]
-
 Load = Callable[[str, bool], Settings]
 """Reads a rover: the path of a file or the name of a preset, or the text of a robot description (True)."""
 

@@ -12,8 +12,6 @@ from six_wheel.control_loop.faults import ERROR
 from six_wheel.control_loop.ros2.base import DEPTH, BaseNode
 from six_wheel.control_loop.ros2.parameters import FILTER
 
-__all__ = ["FilterNode"]
-
 
 class FilterNode(BaseNode):
     """The node between a planner and a robot that has a controller of its own."""

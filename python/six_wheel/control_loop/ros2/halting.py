@@ -6,8 +6,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
-__all__ = ["HaltInterface"]
-
 DEPTH = 10  # that of the usual system defaults
 
 

@@ -12,8 +12,6 @@ from six_wheel.logs.bags.messages import OWN_FRAMES
 from six_wheel.logs.gyroscope.links import Links
 from six_wheel.logs.mcap.frames import angular_velocity
 
-__all__ = ["TOPIC", "ImuInput"]
-
 TOPIC = "imu/data"  # by REP 145, and as robot_localization has it
 DEPTH = 100  # readings that may come while the node is at something else: each is a turn
 

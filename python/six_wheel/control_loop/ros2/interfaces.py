@@ -8,8 +8,6 @@ from six_wheel._core import Rover
 from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.mcap import frames
 
-__all__ = ["INTERFACES", "CommandInterface"]
-
 INTERFACES = ("joint_state", "group", "trajectory")
 STATES = "joint_commands"
 STEERING_GROUP = "forward_position_controller/commands"

@@ -3,8 +3,6 @@
 import sys
 from typing import Any
 
-__all__ = ["MISSING", "rclpy"]
-
 MISSING = (
     "the nodes need rclpy: source a ROS 2 installation of this Python (. /opt/ros/jazzy/setup.bash) "
     'or pip install "six-wheel[ros]"'

@@ -21,8 +21,6 @@ from six_wheel.control_loop.ros2.transforms import message_type
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.frames import planar_pose, planar_twist
 
-__all__ = ["RoverNode"]
-
 PLANAR = (0, 1, 5)  # x, y and yaw among the six of a covariance
 
 

@@ -18,8 +18,6 @@ from six_wheel.robot_description.parameters.foreign.limits import is_number
 from six_wheel.robot_description.parameters.ros_node_parameters import closest
 from six_wheel.robot_description.parameters.schema import GROUPS
 
-__all__ = ["FILTER", "NODE", "Declared"]
-
 LARGEST = NO_LIMIT
 NONE = 0.0  # value of a parameter that is not given
 TIMEOUT, REFERENCE = "cmd_vel_timeout", "reference_timeout"

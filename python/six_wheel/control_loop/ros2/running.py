@@ -13,8 +13,6 @@ from six_wheel.control_loop import Settings
 from six_wheel.control_loop.ros2.description import Load, settings_by_parameters
 from six_wheel.control_loop.ros2.loading import rclpy
 
-__all__ = ["run"]
-
 PATIENCE = 4.0  # [s] from the first signal on in which the rover stops within its limits; then it is halted
 LATEST = 4.5  # [s] from the first signal on at which the last command is sent, in motion or not
 SENDING = 0.05  # [s] for the middleware to send it

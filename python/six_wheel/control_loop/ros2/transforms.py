@@ -13,8 +13,6 @@ from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
-__all__ = ["decode", "message_type", "stand_in"]
-
 # By REP 2016: of the description of the message in canonical JSON.
 HASH = "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"
 FASTRTPS, INTROSPECTION = b"rosidl_typesupport_fastrtps_c", b"rosidl_typesupport_introspection_c"

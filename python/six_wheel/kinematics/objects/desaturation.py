@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["desaturate"]
-
 
 def desaturate(rover: Rover, wheel_speeds: ArrayLike, max_wheel_speed: ArrayLike) -> NDArray[np.float64]:
     """See `Rover.desaturate`."""

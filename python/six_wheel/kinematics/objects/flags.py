@@ -3,8 +3,6 @@
 from enum import EnumType, IntFlag, StrEnum
 from typing import Any
 
-__all__ = ["TextFlag", "TextName"]
-
 
 class Listed(EnumType):
     """A kind of enumerations whose own text is their members, a line each: ``print(Reason)``."""

@@ -4,8 +4,6 @@ import difflib
 from os import PathLike
 from pathlib import Path
 
-__all__ = ["near_file", "no_file"]
-
 NAMED = 3  # files of the same ending that are named
 
 

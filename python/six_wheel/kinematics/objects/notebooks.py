@@ -3,8 +3,6 @@
 import sys
 from typing import Any
 
-__all__ = ["Shown", "shown_in_notebooks"]
-
 
 class Shown:
     """Representations for a notebook: ``text/plain`` always, ``text/html`` with the picture of `plot`.

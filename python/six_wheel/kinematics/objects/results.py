@@ -9,8 +9,6 @@ from six_wheel.kinematics.objects.tables import Columns, Tabular, twist_columns
 if TYPE_CHECKING:
     from six_wheel._core import ControllerRun
 
-__all__ = ["RunTable"]
-
 
 class RunTable(Tabular):
     """Stamps of the steps of a controller, joint commands by name, the motion, the bits of the reasons."""

@@ -5,8 +5,6 @@ from __future__ import annotations  # NumPy is not loaded for its names
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
-__all__ = ["LONGEST", "described", "few", "of_arrays", "short", "short_repr"]
-
 _C = TypeVar("_C", bound=type[Any])
 
 LONGEST = 120  # characters of a representation

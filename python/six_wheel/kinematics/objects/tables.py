@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from six_wheel._core import Rover
 
-__all__ = ["Columns", "Tabular", "covariance_columns", "pose_columns", "rows_of", "times_of", "twist_columns"]
-
 Columns: TypeAlias = "dict[str, tuple[str, NDArray[Any]]]"
 """Unit and values, shape (n,), by name."""
 TWIST = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}

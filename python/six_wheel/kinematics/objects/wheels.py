@@ -8,8 +8,6 @@ from six_wheel.kinematics.keywords import did_you_mean
 if TYPE_CHECKING:
     from six_wheel._core import Wheel
 
-__all__ = ["Wheels"]
-
 
 class Wheels(tuple["Wheel", ...]):
     """The wheels of a rover in the order of every array: ``wheels[0]``, ``wheels["front_left"]``."""

@@ -14,7 +14,6 @@ from pathlib import Path
 
 from six_wheel.kinematics.errors import TableError
 
-__all__ = ["check_outputs", "check_target", "remove_leftovers", "replacing", "together"]
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
 _PROBE = 1 << 16  # bytes that still go onto a disk with room
 

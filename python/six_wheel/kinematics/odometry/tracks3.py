@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Track3"]
-
 
 @checked_class
 @dataclass(frozen=True, slots=True, eq=False)

@@ -43,8 +43,6 @@ from six_wheel.log_odometry.evaluation.spaces import (
 )
 from six_wheel.logs.recordings import Reference, as_truth
 
-__all__ = ["AbsoluteError", "Alignment", "Evaluation", "absolute_error", "align", "at_same_times", "evaluate"]
-
 Alignment = Literal["first", "se2", "se3", "none"]
 
 

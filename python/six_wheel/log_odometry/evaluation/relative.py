@@ -13,16 +13,6 @@ from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.spaces import as_path, differences, lengths, positions, seen_from
 
-__all__ = [
-    "STRIDE",
-    "ErrorGrowth",
-    "RelativeError",
-    "error_growth",
-    "path_distance",
-    "relative_error",
-    "segments",
-]
-
 Rows = NDArray[np.int64]
 
 

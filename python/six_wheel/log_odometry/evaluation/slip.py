@@ -14,8 +14,6 @@ from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats, between
 from six_wheel.logs.recordings import Reference, as_truth
 
-__all__ = ["Stretch", "lost_stretches", "merged", "slip_against"]
-
 SPAN = 0.5  # [s] over which motions are compared: longer than an encoder's step, shorter than what slip lasts
 SLIP = 0.25  # of a usual motion over a span: wrong dimensions err by less
 UNUSUAL = 8.0  # times the median error: what errs as much all the time is a dimension, no slip

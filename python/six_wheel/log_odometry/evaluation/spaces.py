@@ -17,18 +17,6 @@ from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.poses import Floats, as_poses, between, inverse, joined
 from six_wheel.logs.ground_truth import rows_of, transforms
 
-__all__ = [
-    "as_path",
-    "best_fit",
-    "differences",
-    "inverse_of",
-    "lengths",
-    "moved_by",
-    "poses_of",
-    "positions",
-    "seen_from",
-]
-
 SPACE = 6  # columns of poses in space
 
 

@@ -18,8 +18,6 @@ from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.rover_edit import with_wheels
 
-__all__ = ["SquareTest", "umbmark"]
-
 
 @dataclass(frozen=True, eq=False)
 class SquareTest:

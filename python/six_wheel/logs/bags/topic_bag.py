@@ -17,8 +17,6 @@ from six_wheel.logs.bags.messages import Bag
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.headers.joint_columns import Reading, joint_columns
 
-__all__ = ["TopicBag"]
-
 _KEY = re.compile(r"(?P<topic>[^.\[]+)(?:\.(?P<field>[\w.]+))?(?:\[(?P<index>\d+)\])?")
 
 

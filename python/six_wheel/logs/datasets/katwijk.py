@@ -24,8 +24,6 @@ from six_wheel.logs.headers.clock_times import ClockTimes, is_clock_time
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 
-__all__ = ["belongs", "claims", "read"]
-
 ODOMETRY, PLACES, IMU = "odometry.txt", "gps-utm31.txt", "imu.txt"
 WHEELS, JOINTS, LINKS = 6, 4, 3  # columns behind the stamp
 GRAVITY = (8.0, 12.0)  # [m/s²] that an accelerometer shows in the mean

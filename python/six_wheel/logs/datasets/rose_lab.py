@@ -13,8 +13,6 @@ from six_wheel._core import Rover
 from six_wheel.logs.joints import JointLog
 from six_wheel.logs.recordings import WheelLog
 
-__all__ = ["belongs", "claims", "read"]
-
 TABLE, RAW = "Processed_Data.csv", "Raw_Data"
 WHEELS = 4
 TRUTH = {"pos_x": "x", "pos_y": "y"} | {f"quat_{axis}": f"q{axis}" for axis in "xyzw"}

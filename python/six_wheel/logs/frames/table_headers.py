@@ -12,8 +12,6 @@ from six_wheel.logs.headers.joint_columns import JointColumns, Reading, joint_co
 from six_wheel.logs.headers.renamed import Columns, renamed
 from six_wheel.logs.headers.time_columns import scale_of
 
-__all__ = ["Meaning", "Sensors", "meaning_of", "names"]
-
 STAMPS = ("stamp", "stamps", "time", "timestamp", "t")
 ENDINGS = {"angles": ("", ".position"), "ticks": ("", ".position"), "speeds": ("", ".velocity")}
 

@@ -3,8 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["TRACE_ROWS", "Trace"]
-
 Floats = NDArray[np.float64]
 TRACE_ROWS = 20_000
 

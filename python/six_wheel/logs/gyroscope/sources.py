@@ -14,8 +14,6 @@ from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.headers.time_columns import time_columns
 from six_wheel.logs.skip_bad_rows import Sieve, Source, TolerantTable
 
-__all__ = ["rate_table", "readings_of"]
-
 CHUNK = 65_536  # readings at a time
 
 

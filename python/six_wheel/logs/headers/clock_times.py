@@ -11,8 +11,6 @@ from datetime import UTC, datetime
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["KNOWN", "ClockTimes", "is_clock_time"]
-
 KNOWN = (
     "12:59:59.95, 59:59.95, 11:59:59.95 PM, 2026-11-23 12:59:59.95, 2026-11-23T12:59:59Z, "
     "23.11.2026 12:59:59 or 2026_11_23_12_59_59_950"

@@ -5,8 +5,6 @@ from collections.abc import Mapping, Sequence
 
 from six_wheel.logs.headers.columns import BRACKETS, Column, Quantity, find_columns, unit
 
-__all__ = ["ABOUT_Z", "AXES", "RATES", "rate_columns"]
-
 AXES = ("x", "y", "z")
 ABOUT_Z = "rate"  # of the rover itself, however the sensor sits
 RATES = (ABOUT_Z, *(f"rate {axis}" for axis in AXES))

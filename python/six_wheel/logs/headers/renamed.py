@@ -5,8 +5,6 @@ from typing import TypeAlias
 
 from six_wheel.logs.headers.columns import TableError
 
-__all__ = ["Columns", "all_names", "renamed", "without_header"]
-
 Columns: TypeAlias = Mapping[str, str] | Sequence[str]
 SHOWN = 40  # letters of a row
 

@@ -23,8 +23,6 @@ from six_wheel.logs.headers.columns import (
 )
 from six_wheel.logs.plausibility.proposals import columns
 
-__all__ = ["in_seconds", "scale_of", "seconds_since", "time_columns", "whole_second"]
-
 # Beyond this a double of seconds resolves less than 0.1 ns, and stamps are counted from a later second.
 LONGEST_RUN = 1e6  # [s]
 

@@ -5,8 +5,6 @@ from collections.abc import Sequence
 
 from six_wheel.logs.headers.columns import Column, Quantity, Unit, find_columns, unit
 
-__all__ = ["ANGLES", "POSITION", "QUATERNION", "YAW", "columns_in_space", "position_columns", "truth_columns"]
-
 _TURN, _DEGREE = 2 * math.pi, math.pi / 180
 ANGLES = (
     unit("rad", 1.0, "rad rads radian radians"),

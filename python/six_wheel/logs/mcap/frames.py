@@ -11,25 +11,6 @@ import struct
 from collections.abc import Sequence
 from typing import Self
 
-__all__ = [
-    "Frame",
-    "JointStates",
-    "angular_velocity",
-    "clock",
-    "imu",
-    "inertial",
-    "joint_state",
-    "odometry",
-    "planar_pose",
-    "planar_twist",
-    "pose_stamped",
-    "text",
-    "trajectory",
-    "transforms",
-    "twist_stamped",
-    "values",
-]
-
 ENCAPSULATION = b"\x00\x01\x00\x00"  # CDR, little-endian
 NANOSECONDS = 1_000_000_000
 

@@ -14,8 +14,6 @@ from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.mcap import rover_record as topics
 from six_wheel.logs.mcap.reader import Record
 
-__all__ = ["ENDINGS", "check", "foxglove", "rerun", "write"]
-
 ENDINGS = {
     ".json": "Foxglove's layout",
     ".rbl": "Rerun's blueprint",

@@ -10,8 +10,6 @@ from typing import Any, NamedTuple
 from six_wheel.kinematics.errors import FileError
 from six_wheel.logs.mcap.writer import FORMAT, SETTINGS, libraries
 
-__all__ = ["Message", "Record", "RecordError"]
-
 MAGIC = b"\x89MCAP0\r\n"
 
 

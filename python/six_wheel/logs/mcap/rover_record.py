@@ -13,22 +13,6 @@ from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.writer import RecordWriter
 
-__all__ = [
-    "CHANGES",
-    "COMMANDS",
-    "GIVEN",
-    "IMU",
-    "JOINTS",
-    "LIMITED",
-    "ODOMETRY",
-    "REASONS",
-    "SLIP",
-    "TICK",
-    "WANTED",
-    "Frames",
-]
-__all__ += ["RoverRecord", "reason_names"]
-
 # In: what decides what a loop does, written as it comes.
 WANTED = "/cmd_vel"
 JOINTS = "/joint_states"

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from six_wheel._core import __version__
 from six_wheel.logs.tables import RowError
 
-__all__ = ["FORMAT", "LATEST", "SETTINGS", "RecordWriter", "libraries", "record_stamps"]
-
 INSTALL = 'pip install "six-wheel[bags]"'
 SETTINGS = "six_wheel"  # the name of the metadata
 FORMAT = "1"

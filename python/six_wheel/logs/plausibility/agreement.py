@@ -11,8 +11,6 @@ from six_wheel._core import Rover
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, Proposal, at_its_word
 from six_wheel.logs.plausibility.readings import Readings
 
-__all__ = ["WheelAgreement", "check_turning", "held_readings"]
-
 Floats = NDArray[np.float64]
 Units: TypeAlias = Mapping[str, Proposal]
 

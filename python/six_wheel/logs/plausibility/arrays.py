@@ -15,8 +15,6 @@ from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.proposals import Column, encoders
 from six_wheel.logs.plausibility.readings import Readings
 
-__all__ = ["FEW", "array_checks", "check_arrays", "check_log"]
-
 Floats = NDArray[np.float64]
 
 FEW = 20  # rows that tell nothing

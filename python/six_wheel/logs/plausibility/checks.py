@@ -57,8 +57,6 @@ from six_wheel.logs.plausibility.whole_numbers import (
     returned_counts,
 )
 
-__all__ = ["ReadingChecks"]
-
 Floats = NDArray[np.float64]
 
 SAMPLE = 4096  # rows in a row that are read closely for what only neighbours tell

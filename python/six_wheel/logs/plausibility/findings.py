@@ -4,8 +4,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, TypeAlias
 
-__all__ = ["Finding", "Findings"]
-
 MOST_FINDINGS = 1000  # that are kept; more are counted
 MANY = 0.1  # share of the rows of a log, that are left out as they are no numbers
 

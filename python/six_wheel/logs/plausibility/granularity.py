@@ -14,8 +14,6 @@ from six_wheel.logs.plausibility.proposals import (
     encoders,
 )
 
-__all__ = ["check_steps_of_turns", "turn_by_steps"]
-
 Floats = NDArray[np.float64]
 
 UNITS = {1.0: "rev", 360.0: "deg"}

@@ -11,16 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "WHOLE_TURNS",
-    "Jumps",
-    "find_jumps",
-    "goes_to_and_fro",
-    "longest_step",
-    "lost_readings",
-    "may_jump",
-]
-
 Floats = NDArray[np.float64]
 
 POWERS = tuple(float(1 << bits) for bits in (8, 10, 11, 12, 13, 14, 15, 16, 17, 18, 20, 21, 22, 24, 31, 32))

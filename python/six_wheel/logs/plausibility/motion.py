@@ -18,8 +18,6 @@ from six_wheel.logs.plausibility.proposals import (
 )
 from six_wheel.logs.plausibility.readings import Readings
 
-__all__ = ["STRETCH", "check_motion", "check_steering", "degrees", "impossible"]
-
 Floats = NDArray[np.float64]
 
 STRETCH = 0.5  # [s] over which rates are taken

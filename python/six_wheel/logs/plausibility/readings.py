@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from six_wheel._core import Rover
 from six_wheel.logs.plausibility.proposals import Column
 
-__all__ = ["Readings"]
-
 Floats = NDArray[np.float64]
 
 

@@ -12,17 +12,6 @@ from six_wheel.logs.plausibility.proposals import (
     stamp_unit,
 )
 
-__all__ = [
-    "LostIncrements",
-    "check_clock",
-    "check_order",
-    "check_origin",
-    "gap_line",
-    "out_of_order",
-    "rows_behind",
-    "since_1970",
-]
-
 Floats = NDArray[np.float64]
 
 # A second later than this (the year 5138) is a count of something shorter.

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from six_wheel.logs.plausibility.proposals import columns
 from six_wheel.logs.plausibility.readings import Readings
 
-__all__ = ["WheelTurns"]
-
 Floats = NDArray[np.float64]
 
 ROWS = 50  # of a log in which a wheel does not move

@@ -12,15 +12,6 @@ from six_wheel.logs.plausibility.proposals import (
     encoders,
 )
 
-__all__ = [
-    "all_whole",
-    "check_counts",
-    "check_increments",
-    "check_increments_as_totals",
-    "check_thousands",
-    "returned_counts",
-]
-
 Floats = NDArray[np.float64]
 
 LONG_STEP = 100.0  # of whole numbers in a row, which no radians are

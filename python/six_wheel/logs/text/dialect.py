@@ -17,8 +17,6 @@ from six_wheel.logs.headers.columns import BRACKETS, TIME, TableError, is_number
 from six_wheel.logs.headers.joint_columns import unit_words
 from six_wheel.logs.text.foreign import FOREIGN, PACKED
 
-__all__ = ["LONGEST_LINE", "Dialect", "cells_of", "has_groups", "open_text", "read_dialect", "without_groups"]
-
 LONGEST_LINE = 1 << 16  # [byte]
 HEAD = 40  # lines among which a header is looked for
 ROWS = 8  # lines below a header that tell how cells are written

@@ -6,8 +6,6 @@ import lzma
 from collections.abc import Callable, Mapping
 from typing import Any
 
-__all__ = ["FOREIGN", "PACKED", "other_form"]
-
 PACKED: Mapping[bytes, Callable[[Any], Any]] = {
     b"\x1f\x8b": gzip.open,
     b"BZh": bz2.open,

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from six_wheel.maps.files import Options, length
 from six_wheel.maps.readers.points import lattice
 
-__all__ = ["Axis", "by_coordinates", "check_shape"]
-
 EVEN = 1e-3  # of a step: coordinates in single precision
 BANDS = 16  # more than this along the first axis are rows
 

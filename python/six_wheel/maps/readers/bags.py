@@ -10,8 +10,6 @@ from six_wheel.maps import doubts
 from six_wheel.maps.files import Grid, Options, TerrainFileError
 from six_wheel.maps.readers.points import OTHERS
 
-__all__ = ["read"]
-
 LEVEL = 1e-3  # largest tilt of a map [rad]
 GRID_MAP = "grid_map_msgs/msg/GridMap"
 # Definitions of the messages, for bags that do not carry them (ANYbotics, grid_map_msgs; field names and

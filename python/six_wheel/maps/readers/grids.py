@@ -13,8 +13,6 @@ from six_wheel.maps.readers.axes import Axis, by_coordinates
 from six_wheel.maps.readers.points import COMMENTS, points_grid, read_crossed, read_table
 from six_wheel.maps.readers.reference import UNKNOWN, Reference, in_degrees
 
-__all__ = ["read"]
-
 CORNERS = ("xllcorner", "xllcenter", "yllcorner", "yllcenter")
 KEYS = ("ncols", "nrows", *CORNERS, "cellsize", "dx", "dy", "nodata_value", "nodata")
 WORD = re.compile(r"[a-z_]{2,}")

@@ -11,8 +11,6 @@ from six_wheel.maps.readers.axes import Axis, by_coordinates, check_shape
 from six_wheel.maps.readers.points import EAST, NORTH, SCATTERED, find_columns, is_height, lattice
 from six_wheel.maps.readers.sources import Source
 
-__all__ = ["NUMPY", "read", "unplaced"]
-
 NUMPY = b"\x93NUMPY"
 
 

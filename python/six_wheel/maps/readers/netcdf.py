@@ -9,8 +9,6 @@ from six_wheel.maps.files import TerrainFileError, length
 from six_wheel.maps.readers.points import EAST, NORTH
 from six_wheel.maps.readers.sources import Source
 
-__all__ = ["axes_of", "check_length", "is_transposed", "unit_of_axes"]
-
 HEADER = 1 << 20  # bytes that hold every header
 SIZES = (0, 1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8)  # bytes of a number, by its type
 PADDING = 3  # bytes that may lack at the end

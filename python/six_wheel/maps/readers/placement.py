@@ -21,8 +21,6 @@ from six_wheel.maps.readers.reference import (
     shell_names,
 )
 
-__all__ = ["Placement", "TerrainFileWarning", "apply", "place"]
-
 STRETCHED = 0.03  # of a distance
 RIGHT_ANGLE = 1e-6  # cosine of the angle between axes: a centimetre over ten kilometres
 

@@ -10,11 +10,6 @@ from numpy.typing import NDArray
 
 from six_wheel.maps.files import Grid, TerrainFileError, bracketed_unit, length
 
-__all__ = [
-    "EAST", "NORTH", "OTHERS", "SCATTERED", "Table",
-    "find_columns", "is_height", "lattice", "points_grid", "read_crossed", "read_table",
-]  # fmt: skip
-
 EAST = ("x", "easting", "east", "e", "column", "columns", "col", "longitude", "lon")
 NORTH = ("y", "northing", "north", "n", "row", "rows", "latitude", "lat")
 UP = (

@@ -8,18 +8,6 @@ from typing import NamedTuple
 
 from six_wheel.maps.files import TerrainFileError, length
 
-__all__ = [
-    "UNKNOWN",
-    "Reference",
-    "image_unit",
-    "in_degrees",
-    "projection_command",
-    "read_projection",
-    "read_reference",
-    "scale_factors",
-    "shell_names",
-]
-
 EARTH = 6.3e6, 6.4e6  # [m]
 GEOGRAPHIC = ("GEOGCS", "GEOGCRS", "GEODCRS", "GEOGRAPHICCRS")
 PLANE = ("PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS")

@@ -3,8 +3,6 @@
 from six_wheel.maps.files import TerrainFileError
 from six_wheel.maps.readers.sources import Source
 
-__all__ = ["refuse_others"]
-
 MESHES = (".stl", ".obj", ".ply", ".dae", ".glb", ".gltf", ".fbx", ".sdf", ".off", ".3mf")
 POINTS = (".las", ".laz", ".pcd", ".e57", ".copc", ".ptx")
 SHAPES = (".shp", ".geojson", ".kml", ".dxf")

@@ -8,8 +8,6 @@ from typing import IO, NamedTuple
 
 from six_wheel.maps.files import TerrainFileError
 
-__all__ = ["Source", "open_source"]
-
 BESIDE = (".prj", ".xml", ".txt", ".pdf", ".tfw", ".pgw", ".md", ".html", ".aux")  # files about a map
 FIRST = 512  # bytes by which a form is known
 

@@ -10,8 +10,6 @@ from matplotlib.ticker import MaxNLocator
 
 from six_wheel._core import Terrain
 
-__all__ = ["map_figure"]
-
 LARGEST = 1000  # drawn rows and columns
 STEEPEST = 45.0  # end of the scale of slopes [deg]
 SUN = LightSource(azdeg=315, altdeg=45)

@@ -13,8 +13,6 @@ from six_wheel.plotting.drawing import CENTRE, FAINT, INK, SOFT, TRACK, WHEEL, t
 from six_wheel.plotting.ground.side import draw_side_view
 from six_wheel.simulation.on_terrain import GroundSimulation
 
-__all__ = ["film_figure", "ground_figure", "speeds_figure"]
-
 Floats = NDArray[np.float64]
 
 MARGIN = 2.0  # [m] of ground around the path

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from six_wheel.plotting.drawing import PAGE_WIDTH, color_bar, new_figure, tidy, write_title
 
-__all__ = ["traverse_figure"]
-
 
 def traverse_figure(
     safe: NDArray[np.float32],

@@ -33,8 +33,6 @@ from six_wheel.plotting.drawing import (
 )  # fmt: skip
 from six_wheel.plotting.twist import show_figure
 
-__all__ = ["fit_figure", "mobility_figure", "output_figure", "pose_figure", "rover_figure", "wheel_figure"]
-
 SIGMAS = 2.4477  # of the ellipse of 95 % in the plane
 ROUNDING = 1e-9  # [m/s], below which a residual is none
 

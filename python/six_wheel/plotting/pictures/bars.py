@@ -24,8 +24,6 @@ from six_wheel.plotting.drawing import (
     write_title,
 )
 
-__all__ = ["bounds_bars", "feasible_bars", "jacobian_bars", "named_bars", "slip_bars"]
-
 TWIST, COMPONENTS = ("vx", "vy", "omega"), ("vx", "vy", "vz", "wx", "wy", "wz")
 # Units of the quantities by which a twist is differentiated.
 QUANTITIES = {

@@ -24,8 +24,6 @@ from six_wheel.plotting.drawing import (
 )
 from six_wheel.plotting.tracks import draw_residuals
 
-__all__ = ["calibration_figure"]
-
 RUNS = 12  # that are drawn
 
 

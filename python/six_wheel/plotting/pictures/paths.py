@@ -24,8 +24,6 @@ from six_wheel.plotting.drawing import (
 from six_wheel.plotting.pictures.fields import LEAST, draw_ground
 from six_wheel.plotting.pictures.strips import log_strips
 
-__all__ = ["drive_figure", "evaluation_figure", "log_figure", "track3_figure", "truth_figure"]
-
 
 def truth_figure(truth: Any, *, title: str | None) -> Figure:
     """A `GroundTruth`: its path; of headings alone their values over time."""

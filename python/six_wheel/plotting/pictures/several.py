@@ -21,8 +21,6 @@ from six_wheel.plotting.drawing import (
 )
 from six_wheel.plotting.pictures.fields import LEAST
 
-__all__ = ["path_of", "paths_figure", "stacked"]
-
 DENSITY = 200  # pixels an inch of a picture inside another
 
 

@@ -31,8 +31,6 @@ from six_wheel.plotting.drawing import (
 from six_wheel.plotting.ground.side import draw_side_view
 from six_wheel.plotting.pictures.strips import strips
 
-__all__ = ["ground_motion_figure", "motion_figure", "stand_figure", "suspension_figure"]
-
 
 def stand_figure(stand: Any, *, title: str | None) -> Figure:
     """A `SettledPose`: from the left on its ground; of several poses their attitudes."""

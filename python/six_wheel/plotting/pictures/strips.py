@@ -26,8 +26,6 @@ from six_wheel.plotting.drawing import (
     write_title,
 )
 
-__all__ = ["log_strips", "profile_strips", "run_strips", "slip_strips", "strips", "transition_strips"]
-
 HEIGHT = 1.5  # [in] of a strip
 INSTANTS = 400  # of a profile that is drawn
 ROUNDING = 1e-9

@@ -26,8 +26,6 @@ from six_wheel.plotting.drawing import (
     write_title,
 )
 
-__all__ = ["stability_figure"]
-
 TOUCHES = 1e-6  # [m] between a wheel and the ground it touches
 HIGHEST = 1e3  # of a centre of mass above the contacts, in sizes of the support polygon
 

@@ -11,8 +11,6 @@ import numpy as np
 from six_wheel.reference.planar.geometry import Floats
 from six_wheel.reference.planar.rover import Rover
 
-__all__ = ["Shape", "Strain", "angle_scrub", "shape", "strain"]
-
 
 @dataclass(frozen=True)
 class Shape:

@@ -14,8 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel.reference.ground.terrain import Terrain
 
-__all__ = ["bounds", "boxes"]
-
 Floats: TypeAlias = NDArray[np.float64]
 
 WITHIN = (math.radians(15), math.radians(7), math.radians(17))  # roll and pitch, rocker, bogie

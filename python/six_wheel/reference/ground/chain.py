@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike
 
 from six_wheel.reference.ground.terrain import Floats
 
-__all__ = ["Chain", "Link", "Posture", "Wheel", "axis_turn", "rocker_bogie"]
-
 
 @dataclass(frozen=True)
 class Link:

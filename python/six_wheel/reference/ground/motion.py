@@ -20,8 +20,6 @@ from six_wheel.reference.ground.chain import Chain, Posture
 from six_wheel.reference.ground.settle import SettledPose, attitude
 from six_wheel.reference.ground.terrain import Floats
 
-__all__ = ["Contacts", "Forward", "Inverse", "Traction", "forward", "inverse", "touch", "traction"]
-
 
 @dataclass(frozen=True)
 class Contacts:

@@ -16,8 +16,6 @@ from six_wheel.reference.ground.motion import touch
 from six_wheel.reference.ground.settle import attitude, settle
 from six_wheel.reference.ground.terrain import Floats, Terrain
 
-__all__ = ["dead_reckon", "plane"]
-
 ROUNDS = 60  # of fixed-point iterations; each leaves a tenth
 MEMORY = 25  # times the doubt is the way over which slopes are averaged
 

@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike
 from six_wheel.reference.ground.chain import Chain, Posture, axis_turn
 from six_wheel.reference.ground.terrain import Floats, Terrain
 
-__all__ = ["Gap", "SettledPose", "attitude", "gap", "gaps", "place", "settle"]
-
 SAMPLES = 1440  # of a rim: a quarter of a degree apart
 NEAR = 0.01  # [m] a sampled minimum this far above the least is looked at too
 TOLERANCE = 1e-12  # [m] what counts as touching: rounding at heights of some metres

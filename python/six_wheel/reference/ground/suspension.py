@@ -14,8 +14,6 @@ from typing import NamedTuple, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["RockerBogie", "Steer", "rot_x", "rot_z", "trans"]
-
 Floats: TypeAlias = NDArray[np.float64]
 Row: TypeAlias = tuple[str, str, float, float, float, float]
 

@@ -6,8 +6,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Floats", "Terrain"]
-
 Floats: TypeAlias = NDArray[np.float64]
 
 

@@ -20,18 +20,6 @@ from six_wheel.robot_description.parameters.schema import NESTED, Form, describe
 from six_wheel.robot_description.parameters.vehicle_types import DIMENSIONS, KINDS, OWN_KEYS, PRESET
 from six_wheel.robot_description.parameters.vehicle_types import TELLING as OWN_TELLING
 
-__all__ = [
-    "KEYS",
-    "NO_LIMIT",
-    "PLAIN",
-    "TELLING",
-    "TYPES",
-    "check_keys",
-    "form_of",
-    "is_ignored",
-    "section_of",
-]
-
 TYPES = {type_: form for form in FOREIGN for type_ in (form.controller, *form.more) if type_}
 KEYS = OWN_KEYS.union(*(form.keys for form in FOREIGN))
 # A node with this package's own keys comes before one that only has those of a controller.

@@ -27,8 +27,6 @@ from six_wheel.robot_description.parameters.ros_yaml import Path, Tree
 from six_wheel.robot_description.parameters.schema import GROUPS, Form, check_values
 from six_wheel.robot_description.parameters.writing import dump
 
-__all__ = ["text_for"]
-
 QUANTITIES = ("x", "y", "heading", "radius", "scrub", "trail", "roller_angle")
 SAME = 1e-12  # [m or rad], and of the value: what rounding leaves of a key that is a product of two
 STEPS = 8  # of Newton's method; keys enter linearly or in products of two, for which three are enough

@@ -15,8 +15,6 @@ from six_wheel.robot_description.joint_names import agree, said_by, wheel_said_b
 from six_wheel.robot_description.parameters.ros_node_parameters import Section, closest
 from six_wheel.robot_description.parameters.ros_yaml import Path, Report, one_line
 
-__all__ = ["JointList", "check_wheels", "wheels_of_joints"]
-
 
 class JointList(NamedTuple):
     """A key of a parameter file whose value names joints, and the wheels that need one there."""

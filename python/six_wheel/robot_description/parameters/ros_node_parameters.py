@@ -23,8 +23,6 @@ from six_wheel.robot_description.parameters.ros_yaml import (
     spell,
 )
 
-__all__ = ["PARAMETERS", "FileFindings", "Section", "closest", "declares", "drives", "flat_keys", "section"]
-
 PARAMETERS = "ros__parameters"
 ANY_NODE = "/**"
 # Groups of parameters that controllers declare, read as ROS 2 does: kinematics: {wheels_radius: 0.1} is the

@@ -14,20 +14,6 @@ import yaml
 from yaml.composer import ComposerError
 from yaml.reader import ReaderError
 
-__all__ = [
-    "Loader",
-    "Path",
-    "Place",
-    "Report",
-    "Tree",
-    "YamlSyntaxError",
-    "nearest",
-    "one_line",
-    "parse",
-    "spell",
-    "write",
-]
-
 Path: TypeAlias = tuple[str | int, ...]
 Report: TypeAlias = Callable[
     [int | None, Path, str, str | None], None

@@ -32,8 +32,6 @@ from six_wheel.robot_description.parameters.key_types import (
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Path, Report, one_line, spell
 
-__all__ = ["GROUPS", "NESTED", "PLAIN", "Form", "check_values", "describe", "shown"]
-
 
 def _nothing(*_: Any) -> None:
     """Stands in for the rules of a form that has none."""

@@ -7,8 +7,6 @@ from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
 
-__all__ = ["question_settings", "question_units"]
-
 
 def question_units(section: Section, rover: Rover, missing: Collection[str], warning: Report) -> None:
     """Warn of what `SuspiciousUnitsWarning` warns of in Python, at the key that says so.

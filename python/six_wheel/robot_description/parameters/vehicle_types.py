@@ -48,8 +48,6 @@ from six_wheel.robot_description.parameters.suspended_types import (
     with_axles_locked,
 )
 
-__all__ = ["DIMENSIONS", "KINDS", "OWN_KEYS", "PRESET", "TELLING"]
-
 DIMENSIONS = ("d1", "d2", "d3", "d4", "wheel_radius")
 # Keys by which a rover's node is told from others: these have wheel_radius and frames too.
 TELLING = frozenset(

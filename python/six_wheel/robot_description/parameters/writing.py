@@ -13,8 +13,6 @@ from six_wheel.robot_description.parameters.file import parse_parameters
 from six_wheel.robot_description.parameters.key_types import NONE_WORDS, Values
 from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS
 
-__all__ = ["dump", "text_of"]
-
 _SIX = Rover.six_wheel(front_to_middle=1.0, middle_to_rear=1.0, track_width=2.0, wheel_radius=1.0)
 
 

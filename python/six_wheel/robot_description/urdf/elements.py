@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 
-__all__ = ["Floats", "Notes", "line_of", "name_of", "number", "parse", "rotation_of", "vector"]
-
 # Parts that no kinematics needs, in the order in which they are given up where the text is no XML.
 SIDE_PARTS = ("gazebo", "transmission", "ros2_control")
 

@@ -8,8 +8,6 @@ from typing import NoReturn
 
 from six_wheel.robot_description.urdf.elements import Notes
 
-__all__ = ["expanded", "has_macros"]
-
 ENDING = ".xacro"
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _NAME = re.compile(r"<name>\s*([^\s<]+)\s*</name>")

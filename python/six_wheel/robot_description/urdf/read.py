@@ -18,8 +18,6 @@ from six_wheel.robot_description.urdf.tree import MAX_BYTES, Tree, read_tree
 from six_wheel.robot_description.urdf.wheel_geometry import FoundWheel
 from six_wheel.robot_description.urdf.wheels import find_wheels, names_of
 
-__all__ = ["Robot", "read_urdf"]
-
 
 @dataclass(frozen=True)
 class Robot:

@@ -9,8 +9,6 @@ import numpy as np
 from six_wheel.robot_description.urdf.elements import Floats, Notes, number, rotation_of, vector
 from six_wheel.robot_description.urdf.tree import Joint, Tree
 
-__all__ = ["Radius", "mass_centre", "plugin_radius", "radius_of"]
-
 ALONG = 0.9  # cosine of the angle up to which a cylinder lies along the axle
 Radius = tuple[float, str]
 """A radius [m], and where it comes from."""

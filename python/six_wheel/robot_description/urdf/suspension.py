@@ -13,8 +13,6 @@ from six_wheel.robot_description.urdf.elements import Floats, Notes
 from six_wheel.robot_description.urdf.tree import Joint, Tree
 from six_wheel.robot_description.urdf.wheel_geometry import LEVEL, FoundWheel
 
-__all__ = ["Suspension", "find_suspension"]
-
 UNEVEN = 5e-3  # [m] by which the sides of a symmetric suspension may differ without a word
 ALONG = 0.97  # cosine of the angle up to which a hinge lies along y: 14 degrees
 SAME_PLACE = 1e-3  # [m] between hinges that are one in the robot

@@ -19,8 +19,6 @@ from six_wheel.robot_description.urdf.elements import (
     vector,
 )
 
-__all__ = ["ENDINGS", "Joint", "Link", "Tree", "read_tree"]
-
 ENDINGS = (".urdf", ".xacro")
 MAX_BYTES = 1 << 25  # a description has kilobytes; its meshes are files of their own
 NO_LIMIT = 1e3  # [rad or rad/s] what no joint reaches is a way to write that it has no limit

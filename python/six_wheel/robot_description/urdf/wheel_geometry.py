@@ -19,8 +19,6 @@ from six_wheel.robot_description.urdf.elements import Floats, Notes, number
 from six_wheel.robot_description.urdf.shapes import Radius
 from six_wheel.robot_description.urdf.tree import Joint, Tree
 
-__all__ = ["LEVEL", "NUMBERS", "ROUNDING", "FoundWheel", "is_wheel", "measured_wheel"]
-
 LEVEL = 0.5  # largest upward part of a horizontal axis, 30 degrees: a wheel may have camber
 UPRIGHT = 0.7  # least upward part of an upright one, 45 degrees
 ROUNDING = 1e-6  # [m or rad] what a file with six decimals does not tell

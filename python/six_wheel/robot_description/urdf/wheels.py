@@ -21,8 +21,6 @@ from six_wheel.robot_description.urdf.shapes import Radius, mass_centre, plugin_
 from six_wheel.robot_description.urdf.tree import Joint, Tree
 from six_wheel.robot_description.urdf.wheel_geometry import ROUNDING, FoundWheel, is_wheel, measured_wheel
 
-__all__ = ["find_wheels", "names_of"]
-
 MAX_WHEELS = 64  # of a rover of the core
 PARALLEL = 5e-3  # [rad] headings of axles that are meant to be parallel, in files that write 1.57
 FLAT = 0.02  # share of the wheels' spread up to which a height says nothing

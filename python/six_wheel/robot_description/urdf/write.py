@@ -10,8 +10,6 @@ from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.urdf.read import parse_urdf
 from six_wheel.robot_description.urdf.wheel_geometry import NUMBERS
 
-__all__ = ["rover_urdf", "suspension_urdf"]
-
 WIDTH = 0.6  # of a wheel, in radii
 ROLLERS = 8
 EFFORT, VELOCITY = "1000.0", "1000.0"  # what a hinge with limits must state; so large it is read as none

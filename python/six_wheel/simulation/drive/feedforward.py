@@ -13,8 +13,6 @@ from six_wheel.logs.headers.columns import Unit
 from six_wheel.logs.tables import Chunk
 from six_wheel.simulation.drive.run_commands import Engine, Floats, by_row
 
-__all__ = ["Drive"]
-
 
 class Drive(Engine):
     """A rover on its way through a table, doing at once what each row says.

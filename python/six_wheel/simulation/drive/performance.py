@@ -15,9 +15,6 @@ from six_wheel.kinematics.controller import Reason
 from six_wheel.kinematics.profiles import time_optimal
 from six_wheel.kinematics.rover_edit import limits_given
 
-__all__ = ["Bound", "Rim", "Stop", "bound", "defaults", "halt_from", "rim", "stop_from", "time_to_full_lock"]
-__all__ += ["within"]
-
 Floats = NDArray[np.float64]
 
 LASTING = ("speed", "yaw_rate", "lateral_acceleration", "wheel_speed", "steering_limit")

@@ -13,8 +13,6 @@ from six_wheel.logs.mcap.writer import LATEST, record_stamps
 from six_wheel.logs.tables import Chunk
 from six_wheel.simulation.drive.run_commands import Engine
 
-__all__ = ["DriveRecord"]
-
 POSE, TWIST = ("x", "y", "yaw"), ("vx", "vy", "omega")
 
 

@@ -24,8 +24,6 @@ from six_wheel.simulation.drive.feedforward import Drive
 from six_wheel.simulation.drive.recording import DriveRecord
 from six_wheel.simulation.drive.run_commands import Engine, Summary
 
-__all__ = ["drive"]
-
 BAG = ".mcap"
 
 

@@ -17,8 +17,6 @@ from six_wheel.logs.mcap import RecordError, rover_record
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.view.records.record import Record
 
-__all__ = ["read_bag"]
-
 Floats = NDArray[np.float64]
 
 

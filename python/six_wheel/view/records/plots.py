@@ -5,8 +5,6 @@ from numpy.typing import NDArray
 
 from six_wheel.simulation.drive.min_max_thinning import Course
 
-__all__ = ["thin_columns"]
-
 Floats = NDArray[np.float64]
 BLOCK = 65_536  # rows that are copied at a time
 

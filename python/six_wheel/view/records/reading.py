@@ -18,8 +18,6 @@ from six_wheel.logs.recordings import WheelLog
 from six_wheel.view.records.record import Record
 from six_wheel.view.records.tables import read_table
 
-__all__ = ["find_record", "is_record"]
-
 Floats = NDArray[np.float64]
 ENDINGS = (".mcap", ".csv", ".parquet", ".db3")
 DRIVES = ("ControlledDrive", "Drive")

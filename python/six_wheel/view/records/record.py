@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from six_wheel._core import Limits, RockerBogie, Rover, Terrain
 from six_wheel.logs.recordings import GroundTruth
 
-__all__ = ["PATH_POINTS", "Record", "thin_path"]
-
 Floats = NDArray[np.float64]
 PATH_POINTS = 5000  # of a drawn path
 

@@ -13,8 +13,6 @@ from six_wheel._core import Rover
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.view.records.record import Record
 
-__all__ = ["PoseTable", "read_table"]
-
 Floats = NDArray[np.float64]
 POSE, TWIST = ("x", "y", "yaw"), ("vx", "vy", "omega")
 COVARIANCE = ("covariance_x_x", "covariance_x_y", "covariance_y_y")

@@ -16,8 +16,6 @@ from six_wheel.view.subject import Subject
 if TYPE_CHECKING:
     import viser
 
-__all__ = ["Bodies", "quaternions"]
-
 Floats = NDArray[np.float64]
 BLACK, METAL, COPPER = (34, 34, 38), (128, 124, 134), (176, 96, 62)
 PANEL, LID, PALE = (150, 140, 158), (70, 66, 78), (228, 222, 205)

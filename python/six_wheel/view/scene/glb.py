@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from six_wheel.view.scene.shapes import Floats, Mesh
 
-__all__ = ["colored_glb"]
-
 FLOAT, BYTE, INTEGER = 5126, 5121, 5125  # glTF's numbers of component types
 VERTICES, INDICES = 34962, 34963  # and of targets
 HEADER = np.dtype("<u4")

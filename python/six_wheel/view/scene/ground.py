@@ -15,8 +15,6 @@ from six_wheel.view.subject import Subject
 if TYPE_CHECKING:
     import viser
 
-__all__ = ["COLORINGS", "Block", "colors", "cut"]
-
 Floats = NDArray[np.float64]
 COLORINGS = ("relief", "slope", "unevenness", "feasible")
 POINTS = 200  # along an edge of the block

@@ -14,8 +14,6 @@ from six_wheel.view.subject import Subject
 if TYPE_CHECKING:
     import viser
 
-__all__ = ["Markers"]
-
 Floats = NDArray[np.float64]
 TEAL, AMBER, RED = (26, 168, 178), (255, 201, 74), (232, 70, 70)
 FARTHEST = 12.0  # sizes of the rover up to which a centre of rotation is drawn

@@ -17,8 +17,6 @@ from six_wheel.view.scene import shapes
 from six_wheel.view.scene.shapes import Mesh
 from six_wheel.view.subject import Subject
 
-__all__ = ["robot_meshes"]
-
 Floats = NDArray[np.float64]
 Color: TypeAlias = tuple[int, int, int]
 Drawn: TypeAlias = dict[str, list[tuple[Mesh, Color]]]

@@ -7,22 +7,6 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "Mesh",
-    "about_z",
-    "add_mesh",
-    "arc",
-    "box",
-    "cylinder",
-    "merge",
-    "move",
-    "nice_step",
-    "ribbon",
-    "strip",
-    "tyre",
-    "wheel_hub",
-]
-
 Floats: TypeAlias = NDArray[np.float64]
 GROUSERS = 18  # of a tyre: so many that one sees it turn
 SPOKES = 6

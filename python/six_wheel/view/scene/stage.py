@@ -12,8 +12,6 @@ from six_wheel.view.scene.shapes import about_z, nice_step
 if TYPE_CHECKING:
     import viser
 
-__all__ = ["CAMERAS", "camera_of", "set_stage"]
-
 Floats = NDArray[np.float64]
 # Places of a camera and of what it looks at, in the axes of the rover and in sizes of it.
 CAMERAS = {

@@ -12,8 +12,6 @@ from six_wheel.robot_description.parameters.key_types import Common, keys_of
 from six_wheel.robot_description.parameters.schema import Form
 from six_wheel.robot_description.parameters.vehicle_types import OWN_KEYS
 
-__all__ = ["page"]
-
 HEAD = """# Keys of ros2_controllers, PathPlanner, YAGSL and others
 
 Keys of the parameter files of other packages that `six-wheel` reads. This page is made by

@@ -10,16 +10,6 @@ from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
 
-__all__ = [
-    "check_half_wheelbase",
-    "check_places_of_modules",
-    "check_wheels_per_side",
-    "curio",
-    "mecanum",
-    "omni",
-    "yagsl",
-]
-
 INCH = 0.0254  # [m]
 _SUM = "kinematics.sum_of_robot_center_projection_on_X_Y_axis"
 _OFFSET = tuple(f"kinematics.base_frame_offset.{part}" for part in ("x", "y", "theta"))

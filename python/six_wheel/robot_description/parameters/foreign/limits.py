@@ -8,18 +8,6 @@ from six_wheel.robot_description.parameters.ros_node_parameters import GROUPS, S
 from six_wheel.robot_description.parameters.ros_yaml import Report
 from six_wheel.robot_description.parameters.schema import shown
 
-__all__ = [
-    "LIMITS",
-    "SLOWING",
-    "STEERING_RANGE",
-    "TIMEOUTS",
-    "check_limits",
-    "is_number",
-    "own_timeout",
-    "with_limits",
-    "with_timeout",
-]
-
 # Limits of controllers that are limits here; any other limit is reported as not read.
 LIMITS = {
     "linear.x.max_velocity": "speed",

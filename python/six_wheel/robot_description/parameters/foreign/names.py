@@ -9,8 +9,6 @@ from six_wheel.robot_description.parameters.joints import JointList
 from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 
-__all__ = ["by_states", "is_set", "listed", "reversed_by_sign", "stated_joints"]
-
 
 def is_set(value: Any) -> bool:
     """True if a value is neither 0, empty, false nor NaN, the defaults in a dump of the parameters."""

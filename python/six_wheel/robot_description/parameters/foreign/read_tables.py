@@ -46,8 +46,6 @@ from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
 from six_wheel.robot_description.parameters.schema import Form
 
-__all__ = ["FOREIGN", "WELL_KNOWN"]
-
 # In the order of the page of keys; of two forms with as many of a file's keys the first counts.
 FILES = """
     ros2_controllers open_source_rover curio leo turtlebot3 rover_robotics husarion ros1 pathplanner yagsl

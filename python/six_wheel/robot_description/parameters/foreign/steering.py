@@ -18,21 +18,6 @@ from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
 from six_wheel.robot_description.parameters.schema import shown
 
-__all__ = [
-    "DRIVES",
-    "STEERS",
-    "ackermann_steering",
-    "bicycle_steering",
-    "check_steering",
-    "check_tricycle",
-    "right_before_left",
-    "steered_wheel",
-    "tricycle",
-    "tricycle_steering",
-    "with_axle_behind",
-    "with_steering_range",
-]
-
 # Names that changed between distributions, the newer one first.
 DRIVES = ("traction_joints_names", "rear_wheels_names")
 STEERS = ("steering_joints_names", "front_wheels_names")

@@ -7,8 +7,6 @@ from typing import Any
 from six_wheel.robot_description.joint_names import said_by
 from six_wheel.robot_description.parameters.ros_yaml import Place, Report, Tree
 
-__all__ = ["gather_modules"]
-
 MAX_BYTES = 1 << 18
 
 
