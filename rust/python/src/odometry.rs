@@ -281,6 +281,11 @@ methods! { Odometry:
     ///     ``[x, y, yaw]`` in the world [m, m, rad], default the origin.
     /// covariance : array_like, shape (3,) or (3, 3), optional
     ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a shape does not fit, or a variance is negative.
     fn reset[&self, py: Python<'py>](pose=None, covariance=None)
     as "($self, pose=(0.0, 0.0, 0.0), covariance=None)" -> PyResult<()> {
         let pose = pose.map_or(Ok([0.0; 3]), |pose| numbers("pose", pose))?;
@@ -304,6 +309,11 @@ impl Odometry {
     ///     ``[x, y, yaw]`` in the world [m, m, rad].
     /// covariance : array_like, shape (3,) or (3, 3), optional
     ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a shape does not fit, or a variance is negative.
     #[pyo3(signature = (pose, covariance=None))]
     fn set_pose(&self, py: Python<'_>, pose: &Bound<'_, PyAny>, covariance: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let (pose, matrix) = (numbers("pose", pose)?, input::covariance(covariance)?);

@@ -219,7 +219,7 @@ methods! { Mppi:
     ///     Name of the frame `state`, `path` and `goal` are in; default that of `state`. A costmap of another one is
     ///     refused.
     /// out : tuple of ndarray, optional
-    ///     Arrays for the plan's `steering` and `wheel_speeds`.
+    ///     Arrays for the plan's `steering`, shape (horizon, steered wheels), and `wheel_speeds`, shape (horizon, wheels).
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`.
     /// level : str, optional

@@ -142,6 +142,11 @@ methods! { Limits:
     ///     `acceleration` 9.81 m/s^2, `deceleration` as `acceleration`, `angular_acceleration`,
     ///     `angular_deceleration` and `angular_jerk` the linear limit over that distance, `steering_rate` 12 rad/s,
     ///     `halt_deceleration` as `deceleration`, where they were left out. The others have no default and are infinite.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `rover` is not a Rover.
     fn on[&self](rover: Bound<'py, Rover>) -> Self {
         Self(self.0.on(&rover.get().core))
     }

@@ -110,7 +110,7 @@ methods! { FourAxle:
     /// icr : array_like, shape (2,)
     ///     The point, as in `concurrent_angles` [m].
     /// speed, pivot_rate, brake_time : float
-    ///     As in `turn_sequence`.
+    ///     Speed [m/s], rate of the faster axle [rad/s] and time with both pairs locked [s], as in `turn_sequence`.
     ///
     /// Returns
     /// -------

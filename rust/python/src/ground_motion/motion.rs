@@ -39,8 +39,8 @@ methods! { Suspension:
     /// max_wheel_speed : float, optional
     ///     All speeds are scaled down together so that no wheel exceeds it [rad/s].
     /// out : tuple of ndarray, optional
-    ///     Arrays for steering, speeds, twist, joint rates and scale, in this order; what is left out, or None, is fresh. Nothing is written by
-    ///     a call that fails.
+    ///     Arrays for steering, wheel speeds, twist, joint rates and scale, in this order, of the shapes of the result;
+    ///     what is left out, or None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     /// level : str, optional
@@ -122,8 +122,8 @@ methods! { Suspension:
     /// weights : array_like, shape (wheels,) or (wheels, 2), optional
     ///     Weight of every wheel, for instance its load, or of its rolling and its side slip apart; default 1.
     /// out : ndarray or tuple of ndarray, optional
-    ///     Arrays for the twist, or twist, joint rates and residuals, in this order; what is left out, or None, is fresh. Nothing is written by
-    ///     a call that fails.
+    ///     Arrays for the twist, or twist, joint rates and residuals, in this order, of the shapes of the result; what
+    ///     is left out, or None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     /// level : str, optional

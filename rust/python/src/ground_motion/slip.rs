@@ -34,8 +34,8 @@ methods! { Suspension:
     /// joint_rates : array_like, shape (..., joints)
     ///     Rates of the free angles [rad/s].
     /// out : tuple of ndarray, optional
-    ///     Arrays for ratio and angle, in this order; what is left out, or None, is fresh. Nothing is written by
-    ///     a call that fails.
+    ///     Arrays for ratio and angle, in this order, each of shape (..., wheels); what is left out, or None, is
+    ///     fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///

@@ -108,8 +108,8 @@ methods! { Suspension:
     ///     A wheel that moves across its link faster than `lift_speed` [m/s], and than a slope of `lift_angle` [rad]
     ///     would push it at the commanded speed, is flagged in `lifted`: a wheelie, or a fall.
     /// out : tuple of ndarray, optional
-    ///     Arrays for wheel speeds, steering and contact angles, in this order; what is left out, or None, is fresh. Nothing is written by
-    ///     a call that fails.
+    ///     Arrays for wheel speeds, steering and contact angles, in this order, of the shapes of the result; what is
+    ///     left out, or None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     /// level : str, optional

@@ -246,7 +246,8 @@ methods! { Preintegrated:
     /// pose_i, pose_j : array_like, shape (3,) or (4, 4)
     ///     As in `residual`.
     /// changes : dict of str to array_like
-    ///     As in `corrected`, from what the motion was integrated with.
+    ///     As in `corrected`, from the dimensions, slip and bias that the motion was integrated with: arrays of shape
+    ///     (wheels,), or one number for all.
     ///
     /// Returns
     /// -------

@@ -301,6 +301,11 @@ methods! { Odometry3:
     ///     As for `set_pose`, default the origin.
     /// covariance : array_like, shape (6,), (6, 6), (3,) or (3, 3), optional
     ///     As for `set_pose`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a shape does not fit, or a variance is negative.
     fn reset[&self, py: Python<'py>](pose=None, covariance=None)
     as "($self, pose=(0.0, 0.0, 0.0), covariance=None)" -> PyResult<()> {
         let pose = pose.map_or(Ok(Default::default()), |pose| self::pose("pose", pose))?;
@@ -320,6 +325,11 @@ impl Odometry3 {
     ///     As for `correct`. Roll and pitch that an IMU measures are those; on ground z, roll and pitch follow from it.
     /// covariance : array_like, shape (6,), (6, 6), (3,) or (3, 3), optional
     ///     Of x, y, z and about the axes of the world, or of x, y and yaw; default 0.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a shape does not fit, or a variance is negative.
     #[pyo3(signature = (pose, covariance=None))]
     fn set_pose(&self, py: Python<'_>, pose: &Bound<'_, PyAny>, covariance: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let (pose, matrix) = (self::pose("pose", pose)?, self::covariance(covariance, 0.0)?);

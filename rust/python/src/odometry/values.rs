@@ -135,7 +135,16 @@ methods! { Noise:
     /// Parameters
     /// ----------
     /// yaw, yaw_rate, period : float, optional
-    ///     As of the class.
+    ///     Deviations of a measured yaw [rad] and yaw rate [rad/s], and the interval of samples [s], as of the class.
+    ///
+    /// Returns
+    /// -------
+    /// Noise
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is negative or not finite, or the period not positive.
     #[staticmethod]
     fn typical[](*, yaw: Option<f64> = None, yaw_rate: Option<f64> = None, period: Option<f64> = None, **)
     as "(*, yaw=0.0, yaw_rate=0.0, period=None)" -> PyResult<Self> {

@@ -88,7 +88,8 @@ methods! { Profile:
     /// start_velocity, start_acceleration, end_velocity, end_acceleration : float or array_like, optional
     ///     State of motion at both ends, default 0. Accelerations count where the jerk is limited.
     /// min_velocity, min_acceleration : float or array_like, optional
-    ///     Limits of the other direction, negative; default those of the one.
+    ///     Limits of the other direction, negative, per [s] and [s^2], a number or shape (axes,); default minus the
+    ///     largest magnitudes.
     /// duration : float, optional
     ///     Stretch the profile to this time [s]; default the least possible.
     /// synchronise : {'time', 'phase', 'none'}

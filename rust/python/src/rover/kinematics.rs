@@ -143,7 +143,7 @@ methods! { Rover:
     ///     Present wheel speeds [rad/s]. A wheel that would have to turn by about 90 degrees either way goes
     ///     with the others of its kind: the way they roll already, otherwise the shorter one for all.
     /// out : (ndarray, ndarray), optional
-    ///     Arrays for the results; they may be `previous` and `previous_wheel_speeds` themselves.
+    ///     Arrays for steering, shape (..., steered wheels), and wheel speeds, shape (..., wheels); they may be `previous` and `previous_wheel_speeds` themselves.
     /// dtype : dtype, optional
     ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional

@@ -158,10 +158,10 @@ methods! { RockerBogie:
     ///     Largest error of the heights of the map [m]: bounds hold for all of them, settled
     ///     clearances are less by twice as much.
     /// belly : (float, float, float, float), optional
-    ///     As for `bounds`.
+    ///     Rear edge, front edge, half width and height of the underside of the body [m], as for `bounds`.
     /// out : tuple of ndarray, optional
-    ///     Arrays for margin, tilt and clearance, in this order; what is left out, or None, is fresh. Nothing is
-    ///     written by a call that fails.
+    ///     Arrays for margin, tilt and clearance, in this order, each of shape (...); what is left out, or None, is
+    ///     fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`. Results do not depend on it.
     ///
@@ -268,10 +268,11 @@ methods! { Suspension:
     /// gravity : float, default 9.80665
     ///     [m/s^2].
     /// belly : (float, float, float, float), optional
-    ///     As for `RockerBogie.bounds`, which has a default; without one `clearance` is NaN.
+    ///     Rear edge, front edge, half width and height of the underside of the body [m], as for `RockerBogie.bounds`,
+    ///     which has a default; without one `clearance` is NaN.
     /// out : tuple of ndarray, optional
-    ///     Arrays for loads, tip-over angle, clearance, joint margins and tilt, in this order; what is left out, or
-    ///     None, is fresh. Nothing is written by a call that fails.
+    ///     Arrays for loads, tip-over angle, clearance, joint margins and tilt, in this order, of the shapes of the
+    ///     result; what is left out, or None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///

@@ -102,9 +102,9 @@ methods! { Suspension:
     /// Parameters
     /// ----------
     /// bogie_pivot, bogie_to_front, bogie_to_middle : (float, float, float)
-    ///     From the rover's origin to the axis of the left bogie, and from there to the centres of its wheels.
+    ///     From the rover's origin to the axis of the left bogie, and from there to the centres of its wheels [m].
     /// rear_pivot, rear_to_wheel : (float, float, float)
-    ///     From the rover's origin to the axis of the rear bogie, and from there to the centre of its left wheel.
+    ///     From the rover's origin to the axis of the rear bogie, and from there to the centre of its left wheel [m].
     /// wheel_radius : float
     ///     Hub to ground [m].
     /// steered : {'corners', 'front', 'all'}

@@ -154,8 +154,8 @@ methods! { RockerBogie:
     ///     Largest roll or pitch, rocker and bogie angle for which the boxes cover the wheels [rad]; bounds beyond
     ///     them are not known. Default 15, 7 and 17 degrees, and where that is too narrow 25, 20 and 38.
     /// out : tuple of ndarray, optional
-    ///     Arrays for z, roll, pitch, tilt, clearance, rocker, bogies and wheel drop, in this order; what is left out,
-    ///     or None, is fresh. Nothing is written by a call that fails.
+    ///     Arrays for z, roll, pitch, tilt, clearance, rocker, bogies and wheel drop, in this order, of the shapes of
+    ///     the result; what is left out, or None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     /// level : str, optional

@@ -27,13 +27,13 @@ use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
 /// Parameters
 /// ----------
 /// rocker_pivot : (float, float, float)
-///     From the origin of R to the rocker joint. In the papers on Rocky 7: ``(k2, k3, k1)``.
+///     From the origin of R to the rocker joint [m]. In the papers on Rocky 7: ``(k2, k3, k1)``.
 /// rocker_to_front : (float, float, float)
-///     From the rocker joint to the centre of the front wheel: ``(k4, 0, -k5)``.
+///     From the rocker joint to the centre of the front wheel [m]: ``(k4, 0, -k5)``.
 /// rocker_to_bogie : (float, float, float)
-///     From the rocker joint to the bogie joint: ``(k6 cos k9, 0, -k6 sin k9)``.
+///     From the rocker joint to the bogie joint [m]: ``(k6 cos k9, 0, -k6 sin k9)``.
 /// bogie_to_middle, bogie_to_rear : (float, float, float)
-///     From the bogie joint to the centre of the middle and of the rear wheel: ``(k7, k3b, -k8)`` and
+///     From the bogie joint to the centre of the middle and of the rear wheel [m]: ``(k7, k3b, -k8)`` and
 ///     ``(-k7, k3b, -k8)``.
 /// wheel_radius : float
 ///     Hub to ground [m]: ``k10``.
@@ -43,7 +43,7 @@ use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
 ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
 /// rocker_to_rear, bogie_to_front : (float, float, float), optional
 ///     With the bogies in front: from the rocker joint to the centre of the rear wheel, from the bogie joint to
-///     that of the front wheel.
+///     that of the front wheel [m].
 /// rocker_limit, bogie_limit : float or (float, float), optional
 ///     Stops of `rho` and of each bogie: largest angle to either side, or smallest and largest [rad]; default
 ///     none.
@@ -317,6 +317,11 @@ impl RockerBogie {
     /// -------
     /// str
     ///     Rockers, bogies, steering and wheels as links and joints; the base link is the rover's frame R.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If the name is not a str.
     #[pyo3(signature = (name="rover"))]
     fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
         let module = slf.py().import("six_wheel.robot_description.urdf")?;
