@@ -148,7 +148,8 @@ def _values(column: Floats) -> str:
     said += f", {len(column) - len(there)} empty" if len(there) < len(column) else ""
     jumps = find_jumps(there, (), all_whole(there)) if may_jump(there, np.diff(there)) else None
     if jumps is not None and jumps.wraps_at is not None:
-        said += f", wraps at {number(jumps.wraps_at)} ({len(jumps.rows)} times)"
+        turns = len(jumps.rows)
+        said += f", wraps at {number(jumps.wraps_at)} ({f'{turns} times' if turns > 1 else 'once'})"
     elif jumps is not None:
         said += f", set anew {len(jumps.rows)} times"
     return said
