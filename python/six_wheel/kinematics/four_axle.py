@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, SupportsFloat, TypeAlias
 
 from six_wheel._core import FourAxle
 from six_wheel.kinematics import rover_edit
+from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.kinematics.objects.short_text import short_repr
@@ -117,7 +118,14 @@ class FourAxleStep:
         return rover_edit.replace(self, **changes)
 
     def __post_init__(self) -> None:
-        given = _numbers("wheel_speeds", [0.0 if speed is None else speed for speed in self.wheel_speeds], 4)
+        if not isinstance(self.action, str):
+            raise ArgumentTypeError(f"action must be a str, got {self.action!r}")
+        if not isinstance(self.end, FourAxleState | None):
+            raise ArgumentTypeError(f"end must be a FourAxleState, got {self.end!r}")
+        wanted: Any = self.wheel_speeds
+        if hasattr(wanted, "__iter__"):
+            wanted = [0.0 if speed is None else speed for speed in wanted]
+        given = _numbers("wheel_speeds", wanted, 4)
         speeds = (None if old is None else new for old, new in zip(self.wheel_speeds, given, strict=True))
         object.__setattr__(self, "wheel_speeds", tuple(speeds))
         (duration,) = _numbers("duration", [self.duration], 1)
@@ -227,7 +235,12 @@ class FourAxleSimulation(Shown):
 
 
 def _numbers(name: str, values: Sequence[SupportsFloat], count: int) -> tuple[float, ...]:
-    numbers = tuple(float(value) for value in values)
+    try:
+        numbers = tuple(float(value) for value in values)
+    except (TypeError, ValueError):
+        got = repr(values[0] if count == 1 else values)
+        rule = "a number" if count == 1 else f"{count} numbers"
+        raise ArgumentTypeError(f"{name} must be {rule}, got {got}") from None
     if len(numbers) != count or not all(map(math.isfinite, numbers)):
         rule = "be finite" if count == 1 else f"be {count} finite numbers"
         raise ValueError(f"{name} must {rule}, got {numbers[0] if len(numbers) == count == 1 else numbers}")

@@ -8,10 +8,12 @@ from six_wheel._core import compose, differentiate, exp, integrate, log, wrap_an
 from six_wheel.kinematics import rover_edit, se2
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked_class
+from six_wheel.kinematics.objects.checked_values import is_number, of_numbers
 
 __all__ = ["Pose", "Twist", "compose", "differentiate", "exp", "integrate", "log", "wrap_angle"]
 
 
+@of_numbers
 @checked_class
 class Twist(NamedTuple):
     """Velocity of the body frame in body axes; goes wherever three floats do.
@@ -51,7 +53,7 @@ class Twist(NamedTuple):
         Field-relative driving: ``rover.inverse(stick.to_body(odometry.state.yaw))``.
         """
         sin, cos = math.sin(yaw), math.cos(yaw)
-        return type(self)(cos * self.vx + sin * self.vy, cos * self.vy - sin * self.vx, self.omega)
+        return type(self)._make((cos * self.vx + sin * self.vy, cos * self.vy - sin * self.vx, self.omega))
 
     def to_world(self, yaw: float) -> Self:
         """The inverse of `to_body`: `vx` and `vy` along the axes of the world, at this yaw [rad]."""
@@ -90,7 +92,7 @@ class Twist(NamedTuple):
         return type(self)._make(b - a for a, b in zip(self, _three("-", other), strict=True))
 
     def __mul__(self, factor: float) -> Self:  # type: ignore[override]
-        if not _is_number(factor):
+        if not is_number(factor):
             return NotImplemented
         return type(self)._make(float(factor) * part for part in self)
 
@@ -98,7 +100,7 @@ class Twist(NamedTuple):
         return self * factor
 
     def __truediv__(self, divisor: float) -> Self:
-        if not _is_number(divisor):
+        if not is_number(divisor):
             return NotImplemented
         return type(self)._make(part / float(divisor) for part in self)
 
@@ -114,6 +116,7 @@ class Twist(NamedTuple):
         )
 
 
+@of_numbers
 @checked_class
 class Pose(NamedTuple):
     """Pose of the body frame in the world; it can be given wherever three floats can.
@@ -150,7 +153,7 @@ class Pose(NamedTuple):
     def inverse(self) -> Self:
         """The pose of the world in the body: ``pose @ pose.inverse()`` is the origin."""
         sin, cos = math.sin(self.yaw), math.cos(self.yaw)
-        return type(self)(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw)
+        return type(self)._make((-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw))
 
     def to_body(self, twist: Sequence[float]) -> Twist:
         """`twist` [m/s, m/s, rad/s], its linear part along axes of the world, in body axes at this pose."""
@@ -214,10 +217,6 @@ class Pose(NamedTuple):
 def _refuse() -> NoReturn:
     rule = "pose @ other composes, as se2.compose does, pose.inverse() is the way back"
     raise TypeError(f"poses do not add or scale: {rule}")
-
-
-def _is_number(value: object) -> bool:
-    return not isinstance(value, bool | str) and hasattr(value, "__float__") and not hasattr(value, "__len__")
 
 
 def _three(operator: str, value: object) -> tuple[float, float, float]:

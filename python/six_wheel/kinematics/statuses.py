@@ -10,6 +10,7 @@ import numpy as np
 from six_wheel._core import ask_settings
 from six_wheel.kinematics import rover_edit
 from six_wheel.kinematics.keywords import checked_class
+from six_wheel.kinematics.objects.checked_values import of_numbers
 from six_wheel.kinematics.objects.flags import TextName
 
 
@@ -81,6 +82,7 @@ def _with_plausible_units(limits: _Class) -> _Class:
     return limits
 
 
+@of_numbers
 @checked_class
 @_with_plausible_units
 class FeasibilityLimits(NamedTuple):

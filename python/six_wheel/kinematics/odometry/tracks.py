@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from six_wheel._core import Encoder, Noise, Odometry, OdometryState, Rover
 from six_wheel.kinematics.keywords import checked_class
+from six_wheel.kinematics.objects.checked_values import check_columns
 from six_wheel.kinematics.objects.flags import TextFlag
 from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.kinematics.objects.short_text import described, few, short_repr
@@ -136,6 +137,12 @@ class Track(Tabular):
     weights: Floats | Any  # None where it was not asked for
     health: NDArray[np.uint32]
     noise: Noise | None = None
+
+    def __post_init__(self) -> None:
+        check_columns(self, {
+            "stamps": "(n,)", "poses": "(n, 3)", "twists": "(n, 3)", "covariances": "(n, 3, 3)",
+            "residuals": "(n, wheels)", "weights": "(n, wheels)", "health": "(n,)",
+        }, optional=("covariances", "residuals", "weights"))  # fmt: skip
 
     def __len__(self) -> int:
         return len(self.stamps)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from six_wheel._core import Suspension
 from six_wheel.kinematics.keywords import checked_class
+from six_wheel.kinematics.objects.checked_values import check_columns
 from six_wheel.kinematics.objects.short_text import described, few
 from six_wheel.kinematics.objects.tables import Columns, Tabular, pose_columns, rows_taken
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, findings, rows_with
@@ -52,6 +53,12 @@ class Track3(Tabular):
     covariances: Floats | Any  # None where it was not asked for
     slips: Floats | Any  # None where it was not asked for
     health: NDArray[np.uint32]
+
+    def __post_init__(self) -> None:
+        check_columns(self, {
+            "stamps": "(n,)", "poses": "(n, 6)", "twists": "(n, 6)", "covariances": "(n, 6, 6)",
+            "slips": "(n, wheels, 2)", "health": "(n,)",
+        }, optional=("covariances", "slips"))  # fmt: skip
 
     def __len__(self) -> int:
         return len(self.stamps)
