@@ -88,6 +88,9 @@ def _who(log: WheelLog, number: int) -> str:
 def prepare(rover: Rover, log: WheelLog, lengths: Floats, margin: float, number: int = 0) -> Drive:
     """The windows of a log.
 
+    Raises `ValueError` if the log does not fit the rover, has no truth or too few rows that can be used. A
+    `StandsStillError` if the rover does not move.
+
     Parameters
     ----------
     lengths : ndarray, shape (k,)
@@ -96,12 +99,6 @@ def prepare(rover: Rover, log: WheelLog, lengths: Floats, margin: float, number:
         Windows end this long inside the truth, so that its clock may be moved [s].
     number : int
         Of the log, for the messages.
-
-    Raises
-    ------
-    ValueError
-        If the log does not fit the rover, has no truth or too few rows that can be used. A `StandsStillError`
-        if the rover does not move.
     """
     who = _who(log, number)
     if log.truth is None:
@@ -169,12 +166,7 @@ def _nothing_known(truth: GroundTruth, stamps: Floats, moved: float) -> str:
 
 def moving(rover: Rover, logs: Sequence[WheelLog], margin: float = 0.0) -> list[bool]:
     """One flag per log: True if the rover moves in it while its truth is known; `margin` as for `prepare`.
-
-    Raises
-    ------
-    ValueError
-        If a log cannot be used, or the rover moves in none.
-    """
+    Raises `ValueError` if a log cannot be used, or the rover moves in none."""
     found: list[bool] = []
     refused: StandsStillError | None = None
     for number, log in enumerate(logs):
@@ -192,12 +184,7 @@ def moving(rover: Rover, logs: Sequence[WheelLog], margin: float = 0.0) -> list[
 
 def heard(log: WheelLog, number: int) -> WheelLog:
     """A log without a truth but with a gyroscope, which then tells its headings, less its bias at rest.
-
-    Raises
-    ------
-    ValueError
-        If the rover never stands still for long enough to tell the bias.
-    """
+    Raises `ValueError` if the rover never stands still for long enough to tell the bias."""
     if log.truth is not None or log.yaw_rate is None:
         return log
     rows = known_rows(log.stamps, log.yaw_rate, log.stamps)

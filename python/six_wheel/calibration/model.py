@@ -71,13 +71,8 @@ class Model:
         return change
 
     def wheels(self, values: Floats) -> Rover:
-        """The rover with these values, in the nominal body frame.
-
-        Raises
-        ------
-        ValueError
-            If a wheel may not have such a value.
-        """
+        """The rover with these values, in the nominal body frame. Raises `ValueError` if a wheel may not have
+        such a value."""
         change = self.change(values)
         moved = {name: self._values[name] + columns @ change for name, columns in self._by.items()}
         rollers = [wheel.roller_angle is not None for wheel in self.nominal.wheels]

@@ -31,12 +31,7 @@ class StartMotion:
 
     def controller(self, settings: Settings, measured: Sequence[float] | None) -> Controller | None:
         """A controller in this motion, its joints as measured; None until two readings are `SETTLE` apart.
-
-        Raises
-        ------
-        ValueError
-            If no joint can have such an angle.
-        """
+        Raises `ValueError` if no joint can have such an angle."""
         if self._span < SETTLE:
             return None  # two readings alone may have stamps that jitter
         twist = [way / self._span for way in self._ways]

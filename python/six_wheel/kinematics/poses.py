@@ -59,12 +59,7 @@ def interpolate(stamps: Floats, poses: Floats, wanted: Floats) -> tuple[Floats, 
 
 def as_poses(name: str, poses: ArrayLike, count: int | None = None, columns: int = 3) -> Floats:
     """`poses` as an array of shape (n, 3), or of as many `columns`, finite, with n >= 1 or `count` rows.
-
-    Raises
-    ------
-    ValueError
-        If it is not.
-    """
+    Raises `ValueError` if it is not."""
     rows = np.ascontiguousarray(poses, dtype=np.float64)
     if rows.ndim != 2 or rows.shape[1] != columns or len(rows) == 0:
         raise ValueError(f"{name} must have shape (n, {columns}), n >= 1, got {rows.shape}")

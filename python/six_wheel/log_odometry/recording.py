@@ -33,13 +33,8 @@ class TrackRecord:
         self._record = RoverRecord(path, rover, "odometry", parameters)
 
     def write(self, chunk: JointRows, track: Track, covariances: Sequence[tuple[Floats, Floats]]) -> None:
-        """Append rows, with the 6 x 6 covariances of pose and twist of each.
-
-        Raises
-        ------
-        RowError
-            If a time is one that a message cannot have.
-        """
+        """Append rows, with the 6 x 6 covariances of pose and twist of each. Raises `RowError` if a time is
+        one that a message cannot have."""
         record, residuals = self._record, track.residuals
         assert residuals is not None
         stamps = record_stamps(chunk.stamps, chunk.rows, origin=self._origin)

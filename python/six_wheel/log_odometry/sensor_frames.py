@@ -15,13 +15,7 @@ if TYPE_CHECKING:
 
 
 def mount(sensor: ArrayLike) -> Floats:
-    """The pose of a sensor in the body, shape (3,).
-
-    Raises
-    ------
-    ValueError
-        If it is not three finite numbers.
-    """
+    """The pose of a sensor in the body, shape (3,). Raises `ValueError` if it is not three finite numbers."""
     import numpy as np
 
     pose = np.asarray(sensor, dtype=np.float64)

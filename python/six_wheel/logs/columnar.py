@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 class ColumnarFile:
     """A Parquet or Arrow file, open for reading.
 
+    Raises `TableError` if it cannot be read.
+
     Parameters
     ----------
     path : Path
@@ -23,11 +25,6 @@ class ColumnarFile:
     ----------
     schema : pyarrow.Schema
     rows : int
-
-    Raises
-    ------
-    TableError
-        If it cannot be read.
     """
 
     def __init__(self, path: Path, format: str) -> None:
@@ -60,13 +57,7 @@ class ColumnarFile:
         self._format = format
 
     def batches(self, chunk_rows: int, headers: Sequence[str]) -> "Iterator[pa.RecordBatch]":
-        """The rows in order, of some columns.
-
-        Raises
-        ------
-        TableError
-            If a part of the file is damaged.
-        """
+        """The rows in order, of some columns. Raises `TableError` if a part of the file is damaged."""
         import pyarrow as pa
 
         try:

@@ -84,13 +84,8 @@ def metadata_of(path: Path) -> Path | None:
 
 
 def log_format(path: Path) -> str:
-    """Format of a log, by its ending and the files beside it.
-
-    Raises
-    ------
-    TableError
-        If nothing here reads such a file.
-    """
+    """Format of a log, by its ending and the files beside it. Raises `TableError` if nothing here reads such
+    a file."""
     if not path.exists():
         raise TableError(no_file(path))
     for name, reader in READERS.items():
@@ -105,13 +100,8 @@ def log_format(path: Path) -> str:
 
 
 def logs_in(paths: Sequence[Path]) -> list[Path]:
-    """Logs as they are, and of folders that are no bag every log inside, in the order of their names.
-
-    Raises
-    ------
-    TableError
-        If a folder holds none.
-    """
+    """Logs as they are, and of folders that are no bag every log inside, in the order of their names. Raises
+    `TableError` if a folder holds none."""
     found: list[Path] = []
     for path in paths:
         if not path.is_dir() or (path / "metadata.yaml").exists():
@@ -197,15 +187,8 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
 
 def as_logs(source: Any, rover: Rover, options: LogOptions | None = None) -> list[WheelLog]:
     """Drives from what tells one, or from some of those: a `WheelLog`, the path of any that `read_log` reads,
-    a table of columns.
-
-    Raises
-    ------
-    TypeError
-        If it is nothing of these.
-    ValueError
-        If a file or a table cannot be used.
-    """
+    a table of columns. Raises `TypeError` if it is nothing of these. Raises `ValueError` if a file or a table
+    cannot be used."""
     many = isinstance(source, Iterable) and not (isinstance(source, str) or is_table(source))
     logs = list(source if many else [source])
     return [_as_log(one, rover, options or LogOptions(), number) for number, one in enumerate(logs)]
@@ -301,6 +284,8 @@ def read_log(
 class WholeLog:
     """A log that is read whole, with the face of a `JointLog`.
 
+    Raises `TableError` if the file is no such log, or of another rover.
+
     Parameters
     ----------
     path : Path
@@ -311,11 +296,6 @@ class WholeLog:
         Which of them.
     plausibility : bool
         Whether readings that no rover has are refused.
-
-    Raises
-    ------
-    TableError
-        If the file is no such log, or of another rover.
     """
 
     readings: Reading = "ticks"

@@ -45,13 +45,8 @@ class JointRows:
 
 
 def encoder_of_each(argument: str, given: Any, names: Sequence[str]) -> list[Encoder]:
-    """One encoder for every joint, from what `Odometry` takes: one, one each, or some by name.
-
-    Raises
-    ------
-    ValueError
-        If their number or a name does not fit.
-    """
+    """One encoder for every joint, from what `Odometry` takes: one, one each, or some by name. Raises
+    `ValueError` if their number or a name does not fit."""
     if isinstance(given, Mapping):
         if strangers := [name for name in given if name not in names]:
             raise ValueError(f"{argument} must name some of {', '.join(names)}, got {strangers[0]!r}")
@@ -67,13 +62,7 @@ def encoder_of_each(argument: str, given: Any, names: Sequence[str]) -> list[Enc
 
 
 def encoder_of(name: str, encoders: Encoders, wheel: str, needed: bool) -> Encoder | None:
-    """The encoder of a wheel.
-
-    Raises
-    ------
-    ValueError
-        If one is needed and there is none.
-    """
+    """The encoder of a wheel. Raises `ValueError` if one is needed and there is none."""
     found = encoders.get(wheel) if isinstance(encoders, Mapping) else encoders
     if found is None and needed:
         raise ValueError(f"{name} must say how many ticks a turn of {wheel} has, got none")

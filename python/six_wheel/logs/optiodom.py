@@ -89,17 +89,13 @@ ROBOTS: Mapping[str, Robot] = {
 def read_rover(path: str | Path) -> Rover:
     """The nominal robot of a session.
 
+    Raises `ValueError` if the robot is not one of `ROBOTS` or a dimension is missing. Raises `OSError` if
+    there is no such file.
+
     Parameters
     ----------
     path : str or Path
         A ``_metadata.csv``, or a run beside it.
-
-    Raises
-    ------
-    ValueError
-        If the robot is not one of `ROBOTS` or a dimension is missing.
-    OSError
-        If there is no such file.
     """
     robot, metadata = _read_metadata(Path(path))
     return robot.rover(metadata)
@@ -140,13 +136,7 @@ def read(path: str | Path) -> WheelLog:
 
 
 def read_for(path: Path, rover: Rover) -> WheelLog:
-    """A run, if it is one of this rover's.
-
-    Raises
-    ------
-    TableError
-        If it has other wheels.
-    """
+    """A run, if it is one of this rover's. Raises `TableError` if it has other wheels."""
     nominal = read_rover(path)
     if nominal.wheel_names != rover.wheel_names or nominal.steered_wheel_names != rover.steered_wheel_names:
         theirs, ours = (", ".join(each.wheel_names) for each in (nominal, rover))

@@ -339,15 +339,8 @@ Reference: TypeAlias = "GroundTruth | WheelLog | Track | Track3 | str | PathLike
 
 def as_truth(given: object) -> GroundTruth:
     """The reference in an object: a `GroundTruth`, the truth of a `WheelLog`, the poses of a track, or those
-    of the file of a path, with the stamps of the file.
-
-    Raises
-    ------
-    ValueError
-        If it is a log without a truth, or a file without poses.
-    TypeError
-        If it tells no poses with their stamps.
-    """
+    of the file of a path, with the stamps of the file. Raises `ValueError` if it is a log without a truth, or
+    a file without poses. Raises `TypeError` if it tells no poses with their stamps."""
     if isinstance(given, str | PathLike):
         from six_wheel.logs.ground_truth import read_truth
 

@@ -74,13 +74,8 @@ class Chunk:
 def table_format(
     path: Path, endings: Collection[str] = FORMATS, formats: Mapping[str, Format] = FORMATS
 ) -> Format:
-    """The format that the ending of a file stands for; an error names the `endings` there are.
-
-    Raises
-    ------
-    TableError
-        If it is none of `FORMATS`.
-    """
+    """The format that the ending of a file stands for; an error names the `endings` there are. Raises
+    `TableError` if it is none of `FORMATS`."""
     try:
         return formats[path.suffix.lower()]
     except KeyError:
@@ -91,6 +86,8 @@ def table_format(
 
 class Table:
     """A table on disk. Opening it reads the headers and finds what a subclass wants among them.
+
+    Raises `TableError` if the file is no such table.
 
     Parameters
     ----------
@@ -105,11 +102,6 @@ class Table:
         Bytes of a CSV file, rows of a Parquet file: what `position` counts up to.
     warnings : list of str
         What looks wrong, but can be read.
-
-    Raises
-    ------
-    TableError
-        If the file is no such table.
     """
 
     text_stamps = False  # whether times may be written as clocks write them

@@ -128,13 +128,8 @@ class Catalogue:
         return list(dict.fromkeys([name for name, group in self._groups.items() if group()] + singles))
 
     def find(self, names: Iterable[str]) -> list[Parameter]:
-        """The parameters of these names, each once.
-
-        Raises
-        ------
-        ValueError
-            If the rover has no such parameter.
-        """
+        """The parameters of these names, each once. Raises `ValueError` if the rover has no such
+        parameter."""
         found: dict[str, Parameter] = {}
         for name in names:
             members = self._groups[name]() if name in self._groups else self._single(name)

@@ -45,6 +45,8 @@ def find_rover(
 ) -> NamedRover:
     """The rover of a parameter file or a robot description, or a preset if there is no such file.
 
+    Raises `ValueError` if there is no such rover, or the file does not describe one.
+
     Parameters
     ----------
     given : str
@@ -53,11 +55,6 @@ def find_rover(
         The rule for it, for the message if it is neither: "x must be a file or a preset".
     node, kind, wheel_radius
         As in `six_wheel.load`.
-
-    Raises
-    ------
-    ValueError
-        If there is no such rover, or the file does not describe one.
     """
     path = Path(given)
     if path.suffix.lower() in (".urdf", ".xacro"):

@@ -27,13 +27,8 @@ class Course:
     first: Floats = field(default_factory=lambda: np.zeros(3))
 
     def begin(self, start: ArrayLike | None) -> Floats:
-        """The first pose (3,) [m, m, rad]: the one asked for, or its own.
-
-        Raises
-        ------
-        ValueError
-            If it is not three finite numbers.
-        """
+        """The first pose (3,) [m, m, rad]: the one asked for, or its own. Raises `ValueError` if it is not
+        three finite numbers."""
         if start is None:
             return self.first
         first = np.array(start, dtype=np.float64)
@@ -50,6 +45,8 @@ class Course:
 def read_course(path: object, rover: Rover, speed: float) -> Course:
     """Convert the path or commands given to `simulate` into a `Course`.
 
+    Raises `ValueError` if it is none of these, a number is not finite or time does not go on.
+
     Parameters
     ----------
     path : tuple or array_like
@@ -60,11 +57,6 @@ def read_course(path: object, rover: Rover, speed: float) -> Course:
         It makes of every twist the nearest one it can.
     speed : float
         Along poses [m/s].
-
-    Raises
-    ------
-    ValueError
-        If it is none of these, a number is not finite or time does not go on.
     """
     if isinstance(path, tuple) and len(path) == 2 and np.ndim(path[1]) == 2:
         stamps, twists = _table("stamps", path[0], 1), _table("twists", path[1], 2)

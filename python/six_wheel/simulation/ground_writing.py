@@ -37,6 +37,9 @@ ENDINGS = (*FORMATS, BAG)
 def write_ground(run: GroundSimulation, suspension: RockerBogie, path: str | Path) -> None:
     """Write a drive over ground.
 
+    Raises `TableError` if the ending is none of these. Raises `ModuleNotFoundError` if what writes the format
+    is not installed.
+
     Parameters
     ----------
     run : GroundSimulation
@@ -48,13 +51,6 @@ def write_ground(run: GroundSimulation, suspension: RockerBogie, path: str | Pat
         joints, the IMU and, wheel by wheel, speed, contact angle, slip ratio and slip angle. .mcap: joint
         states, transforms from ``map`` to ``base_link`` and to every wheel, the true pose and the IMU. A
         file that is there is replaced once the new one is complete.
-
-    Raises
-    ------
-    TableError
-        If the ending is none of these.
-    ModuleNotFoundError
-        If what writes the format is not installed.
     """
     target = Path(path)
     if target.suffix.lower() == BAG:

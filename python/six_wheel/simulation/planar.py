@@ -108,13 +108,8 @@ def generator(seed: int) -> np.random.Generator:
 
 
 def step_of(course: Course, rate: float) -> float:
-    """Longest time between two rows of the motion [s] at `rate` samples per second.
-
-    Raises
-    ------
-    ValueError
-        If the samples would be too many.
-    """
+    """Longest time between two rows of the motion [s] at `rate` samples per second. Raises `ValueError` if
+    the samples would be too many."""
     duration = float(course.stamps[-1] - course.stamps[0])
     if not duration * rate <= MOST_SAMPLES:
         rule = f"must make at most {MOST_SAMPLES:,} samples of {duration:g} s"

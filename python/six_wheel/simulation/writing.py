@@ -26,6 +26,9 @@ WORLD, BODY = "map", "base_link"
 def write_log(log: WheelLog, rover: Rover, path: str | Path) -> None:
     """Write a log: .csv or .parquet, its truth in columns x, y and yaw; or .mcap, for viewers.
 
+    Raises `TableError` if the ending is none of these. Raises `ModuleNotFoundError` if what writes the format
+    is not installed.
+
     Parameters
     ----------
     log : WheelLog
@@ -35,13 +38,6 @@ def write_log(log: WheelLog, rover: Rover, path: str | Path) -> None:
         Its joints' names are those of the columns.
     path : str or Path
         A file that is there is replaced once the new one is complete.
-
-    Raises
-    ------
-    TableError
-        If the ending is none of these.
-    ModuleNotFoundError
-        If what writes the format is not installed.
     """
     target = Path(path)
     if log.options.get("readings") == "speeds" or log.options.get("increments"):

@@ -34,13 +34,8 @@ def require() -> None:
 
 
 def free_port(port: int) -> None:
-    """Fail unless the port can be opened on the loopback.
-
-    Raises
-    ------
-    ValueError
-        If it is no port, is taken, or may not be opened.
-    """
+    """Fail unless the port can be opened on the loopback. Raises `ValueError` if it is no port, is taken, or
+    may not be opened."""
     if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port <= 65535:
         raise ValueError(f"port must be from 0 to 65535, got {port}")
     with socket.socket() as probe:
@@ -75,17 +70,13 @@ def is_local(hosts: list[str], origins: list[str]) -> bool:
 def open_server(port: int) -> viser.ViserServer:
     """A server on the loopback, guarded by `is_local`, without a way to be shared publicly.
 
+    Raises `ValueError` if the port cannot be had. Raises `RuntimeError` if this version of viser opens its
+    socket in another way, so that it cannot be guarded.
+
     Parameters
     ----------
     port : int
         0 takes a free one.
-
-    Raises
-    ------
-    ValueError
-        If the port cannot be had.
-    RuntimeError
-        If this version of viser opens its socket in another way, so that it cannot be guarded.
     """
     require()
     free_port(port)

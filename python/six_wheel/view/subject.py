@@ -123,14 +123,8 @@ def find_subject(
     wheel_radius: float | None = None,
 ) -> Subject:
     """The subject that an argument means; `rover` says whose a record is where it does not say so itself.
-
-    Raises
-    ------
-    ValueError
-        If it is a file or a name that cannot be used: one line.
-    TypeError
-        If it is nothing that can be shown.
-    """
+    Raises `ValueError` if it is a file or a name that cannot be used: one line. Raises `TypeError` if it is
+    nothing that can be shown."""
     reading: dict[str, Any] = {"node": node, "kind": kind, "wheel_radius": wheel_radius}
     from six_wheel.view.records.reading import find_record, is_record
 

@@ -50,6 +50,8 @@ class LogOverview:
 def overview(path: Path, rover: Rover | None = None, options: LogOptions | None = None) -> LogOverview:
     """An overview of a log.
 
+    Raises `TableError` if it is nothing of these.
+
     Parameters
     ----------
     path : Path
@@ -57,11 +59,6 @@ def overview(path: Path, rover: Rover | None = None, options: LogOptions | None 
     rover : Rover, optional
         Whose wheels to look for, and to read the log with.
     options : LogOptions, optional
-
-    Raises
-    ------
-    TableError
-        If it is nothing of these.
     """
     log_format(path)
     columns, facts = _of_bag(path) if is_bag(path) else _of_table(path, rover, options or LogOptions())

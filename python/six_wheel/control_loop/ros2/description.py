@@ -15,13 +15,8 @@ TURN = 0.1  # [s] between looks at whether the process is to end
 
 def settings_by_parameters(ros: Any, name: str, load: Load, is_ending: Callable[[], bool]) -> Settings | None:
     """Settings by the parameters ``rover`` or ``robot_description``, else by the topic of that name; None if
-    the process is to end before they are there.
-
-    Raises
-    ------
-    ValueError
-        If there is none of them, or it describes no rover.
-    """
+    the process is to end before they are there. Raises `ValueError` if there is none of them, or it describes
+    no rover."""
     node = ros.create_node(name)
     try:
         rover, text = (node.declare_parameter(key, "").value for key in ("rover", "robot_description"))

@@ -103,13 +103,8 @@ class Declared:
         self._name_unknown()
 
     def changes(self, parameters: Sequence[Any]) -> dict[str, Any]:
-        """Convert a request to set parameters into the changes that `Settings.changed` takes.
-
-        Raises
-        ------
-        ValueError
-            If one of them cannot be changed while the node runs.
-        """
+        """Convert a request to set parameters into the changes that `Settings.changed` takes. Raises
+        `ValueError` if one of them cannot be changed while the node runs."""
         changes: dict[str, Any] = {}
         for parameter in parameters:
             name = parameter.name

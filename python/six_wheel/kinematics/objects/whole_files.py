@@ -109,13 +109,8 @@ def _is_full(temporary: Path) -> bool:
 
 
 def check_target(path: Path, sources: Sequence[Path]) -> Path:
-    """The file that a path to be written leads to.
-
-    Raises
-    ------
-    TableError
-        If it is one of `sources`, not a file, or in no folder.
-    """
+    """The file that a path to be written leads to. Raises `TableError` if it is one of `sources`, not a file,
+    or in no folder."""
     try:
         target = path.resolve()
         is_there = target.exists()

@@ -55,15 +55,8 @@ def numbers_in(connections: Sequence[Any]) -> str:
 
 
 class Bag:
-    """A bag on disk, open for reading the messages of some topics.
-
-    Raises
-    ------
-    TableError
-        If it cannot be read.
-    ModuleNotFoundError
-        If rosbags is not installed.
-    """
+    """A bag on disk, open for reading the messages of some topics. Raises `TableError` if it cannot be read.
+    Raises `ModuleNotFoundError` if rosbags is not installed."""
 
     time_unit = TIME_UNITS[-1]
 

@@ -23,6 +23,8 @@ _KEY = re.compile(r"(?P<topic>[^.\[]+)(?:\.(?P<field>[\w.]+))?(?:\[(?P<index>\d+
 class TopicBag(JointBag):
     """Readings of a rover in topics of a bag.
 
+    Raises `TableError` if there is no such topic or field.
+
     Parameters
     ----------
     path : Path
@@ -31,11 +33,6 @@ class TopicBag(JointBag):
         Topic, with a field and an index where there are several numbers, to a header as tables have it.
     readings : {"angles", "speeds", "ticks"}, optional
         What the numbers are where the headers do not say.
-
-    Raises
-    ------
-    TableError
-        If there is no such topic or field.
     """
 
     def __init__(

@@ -75,13 +75,7 @@ def follow(
 
 
 def whole(source: Source) -> Piece:
-    """A log in one piece.
-
-    Raises
-    ------
-    ValueError
-        If it has no rows.
-    """
+    """A log in one piece. Raises `ValueError` if it has no rows."""
     pieces = list(source.pieces)
     if not pieces:
         raise ValueError("frame must have rows, got none")
@@ -311,13 +305,7 @@ def _added(seconds: NDArray[Any], nanoseconds: NDArray[Any]) -> NDArray[Any]:
 
 
 def _column(source: Any, header: str) -> NDArray[Any]:
-    """A column of a table by its name.
-
-    Raises
-    ------
-    ValueError
-        If it is no single column of numbers or times.
-    """
+    """A column of a table by its name. Raises `ValueError` if it is no single column of numbers or times."""
     try:
         values = _numbers(source[header])
     except (TypeError, ValueError) as error:

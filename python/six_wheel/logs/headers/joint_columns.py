@@ -118,6 +118,9 @@ def joint_columns(
 ) -> JointColumns:
     """Find the columns of a joint log.
 
+    Raises `TableError` if there is no time, no wheel, a steered wheel without its angle, two columns for one
+    joint or wheels read in different ways.
+
     Parameters
     ----------
     headers : sequence of str
@@ -129,12 +132,6 @@ def joint_columns(
         Column to unit, for headers that state none.
     stamp_unit : str, optional
         Unit of the times, whatever their header says.
-
-    Raises
-    ------
-    TableError
-        If there is no time, no wheel, a steered wheel without its angle, two columns for one joint or wheels
-        read in different ways.
     """
     if readings is not None and readings not in READINGS:
         raise ValueError(f'readings must be one of {", ".join(READINGS)}, got "{readings}"')

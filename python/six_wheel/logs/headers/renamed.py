@@ -12,6 +12,8 @@ SHOWN = 40  # letters of a row
 def renamed(headers: Sequence[str], columns: Columns, nameless: bool = False) -> list[str]:
     """The names of the columns of a table, with those that its owner gives.
 
+    Raises `TableError` if a header is not there, or the number of names is not that of the columns.
+
     Parameters
     ----------
     headers : sequence of str
@@ -21,11 +23,6 @@ def renamed(headers: Sequence[str], columns: Columns, nameless: bool = False) ->
         numbers, from 1.
     nameless : bool
         Whether the table has no header line.
-
-    Raises
-    ------
-    TableError
-        If a header is not there, or the number of names is not that of the columns.
     """
     if nameless:
         headers = [str(number) for number in range(1, len(headers) + 1)]

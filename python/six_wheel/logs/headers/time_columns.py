@@ -45,6 +45,8 @@ def time_columns(
 ) -> dict[str, Column]:
     """The column ``"time"``, and ``"nanoseconds"`` where stamps are in two.
 
+    Raises `TableError` if there is no such column or more than one, or a unit is not known.
+
     Parameters
     ----------
     headers : sequence of str
@@ -52,11 +54,6 @@ def time_columns(
         Units that are stated apart from the headers, by column.
     stamp_unit : str, optional
         Unit of the times, whatever the table says.
-
-    Raises
-    ------
-    TableError
-        If there is no such column or more than one, or a unit is not known.
     """
     if stamp_unit is not None:
         scale_of(stamp_unit)
@@ -86,13 +83,7 @@ def time_columns(
 
 
 def scale_of(stamp_unit: str) -> float:
-    """Seconds of a unit of stamps.
-
-    Raises
-    ------
-    ValueError
-        If it is not known.
-    """
+    """Seconds of a unit of stamps. Raises `ValueError` if it is not known."""
     scales = {unit.symbol: unit.scale for unit in TIME.units}
     if stamp_unit not in scales:
         raise ValueError(f'stamp_unit must be one of {", ".join(scales)}, got "{stamp_unit}"')

@@ -168,13 +168,7 @@ class JointStates:
         self._block = b""
 
     def parse(self, message: bytes) -> tuple[int, list[str], tuple[float, ...], tuple[float, ...]]:
-        """Stamp [ns], names, positions and velocities.
-
-        Raises
-        ------
-        ValueError
-            If it is no such message.
-        """
+        """Stamp [ns], names, positions and velocities. Raises `ValueError` if it is no such message."""
         try:
             stamp = _stamp(message)
             end = 12 + len(self._block)
@@ -202,13 +196,8 @@ class JointStates:
 
 def angular_velocity(message: bytes) -> tuple[int, str, tuple[float, ...], bool]:
     """Content of a sensor_msgs/Imu in bytes: stamp [ns], frame, rates about its three axes, and True if these
-    were measured (by REP 145 a first covariance of -1 says that they were not).
-
-    Raises
-    ------
-    ValueError
-        If it is no such message.
-    """
+    were measured (by REP 145 a first covariance of -1 says that they were not). Raises `ValueError` if it is
+    no such message."""
     try:
         stamp = _stamp(message)
         frame, at = _text(message, 12)

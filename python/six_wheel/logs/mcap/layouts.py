@@ -226,13 +226,8 @@ def _split(direction: str, first: Any, second: Any, share: float) -> dict[str, A
 
 
 def rerun(rover: Rover, seen: Seen = ALL) -> Any:
-    """The blueprint: the path in 3D, plots of motion, joints and slip, the reasons.
-
-    Raises
-    ------
-    ModuleNotFoundError
-        If rerun-sdk is not installed.
-    """
+    """The blueprint: the path in 3D, plots of motion, joints and slip, the reasons. Raises
+    `ModuleNotFoundError` if rerun-sdk is not installed."""
     try:
         import rerun as rr
         import rerun.blueprint as rrb

@@ -42,17 +42,14 @@ def record_stamps(
 ) -> NDArray[np.int64]:
     """Times as the stamps of messages [ns].
 
+    Raises `RowError` if a time is one that a message cannot have.
+
     Parameters
     ----------
     times : array, shape (n,)
         In a unit of so many `nanoseconds`, counted from the second `origin`.
     rows : array, shape (n,)
         Their rows in the file they are from.
-
-    Raises
-    ------
-    RowError
-        If a time is one that a message cannot have.
     """
     stamps = times * nanoseconds + origin * 1_000_000_000
     outside = ~((stamps >= 0) & (stamps < LATEST))

@@ -116,11 +116,6 @@ def check_turning(
         [rad/s].
     proposals : mapping of str to Proposal
         Of each unit that readings may have instead of radians.
-
-    Raises
-    ------
-    ImplausibleReadingError
-        If they do.
     """
     there = np.isfinite(yaw_rate) & np.isfinite(wheels).all(axis=1)
     if np.count_nonzero(there) < WINDOWS // 4:

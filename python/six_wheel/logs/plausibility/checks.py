@@ -105,6 +105,8 @@ class ReadingChecks:
     ) -> None:
         """Check consecutive rows.
 
+        Raises `ImplausibleReadingError` if readings cannot be meant as they are read.
+
         Parameters
         ----------
         stamps : array, shape (n,)
@@ -119,11 +121,6 @@ class ReadingChecks:
             Of the rows.
         joints : array, shape (n, steered wheels), optional
             Steering angles [rad], if the log has them otherwise.
-
-        Raises
-        ------
-        ImplausibleReadingError
-            If readings cannot be meant as they are read.
         """
         if not len(stamps):
             return

@@ -40,13 +40,7 @@ def turn_by_steps(column: Floats, turns: Sequence[float]) -> tuple[float, int] |
 
 def check_steps_of_turns(wheels: Floats, named: Sequence[Column], row: int, mapped: bool) -> None:
     """Refuses columns (n, wheels) whose steps are a whole part of a revolution or of 360 degrees, and no part
-    of 2 pi; `mapped` where they have headers.
-
-    Raises
-    ------
-    ImplausibleReadingError
-        If they are.
-    """
+    of 2 pi; `mapped` where they have headers."""
     for column, readings in zip(named, wheels.T, strict=True):
         found = turn_by_steps(readings, tuple(UNITS))
         if found is None:

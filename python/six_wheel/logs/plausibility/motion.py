@@ -120,13 +120,8 @@ def check_steering(
     rover: Rover, steering: Floats, rates: Floats, joints: Sequence[Column], row: int, named: bool
 ) -> None:
     """Refuses steering angles (n, steered wheels) beyond what a joint can, and those at which wheels with
-    these rates (n, wheels) [rad/s] would slip, but not in degrees.
-
-    Raises
-    ------
-    ImplausibleReadingError
-        If a joint is turned so far.
-    """
+    these rates (n, wheels) [rad/s] would slip, but not in degrees. Raises `ImplausibleReadingError` if a
+    joint is turned so far."""
     steered = [wheel for wheel in rover.wheels if wheel.steered]
     with np.errstate(invalid="ignore"):
         reach = np.nanmax(np.abs(steering), axis=0, initial=0.0)

@@ -54,13 +54,8 @@ def since_1970(first: float) -> str:
 
 
 def check_origin(first: float, header: str, row: int) -> None:
-    """Refuses seconds that no clock shows.
-
-    Raises
-    ------
-    ImplausibleReadingError
-        If the first stamp is not in seconds.
-    """
+    """Refuses seconds that no clock shows. Raises `ImplausibleReadingError` if the first stamp is not in
+    seconds."""
     if not abs(first) > LATEST_SECOND:
         return
     got = f'got {first:.17g} in column "{header}"'
@@ -136,12 +131,7 @@ def _check_long_units(period: float, speeds: Floats, rates: bool, header: str, r
 
 def check_order(stamps: Floats, warn: Callable[[str], None], header: str) -> None:
     """Refuses rows that are not in the order of time, and warns of time that stands still in most of them.
-
-    Raises
-    ------
-    ImplausibleReadingError
-        If they run backwards too often for a fault of the clock.
-    """
+    Raises `ImplausibleReadingError` if they run backwards too often for a fault of the clock."""
     if bool((stamps[1:] > stamps[:-1]).all()):
         return
     steps = np.diff(stamps)

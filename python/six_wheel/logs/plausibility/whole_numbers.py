@@ -33,13 +33,7 @@ def check_counts(
     wheels: Floats, named: Sequence[Column], row: int, steering: bool = False, mapped: bool = False
 ) -> None:
     """Refuses whole numbers as angles in radians: columns (n, wheels) of readings of which nobody said what
-    they are; `mapped` where their headers have to say that they are counts.
-
-    Raises
-    ------
-    ImplausibleReadingError
-        If they are counts.
-    """
+    they are; `mapped` where their headers have to say that they are counts."""
     for column, readings in zip(named, wheels.T, strict=True):
         there = readings[np.isfinite(readings)]
         if len(there) < 2 or not all_whole(there):
@@ -63,13 +57,7 @@ def check_counts(
 
 
 def check_thousands(readings: Floats, column: Column, row: int) -> None:
-    """Refuses counts with a point between thousands: 1.000 behind 999.
-
-    Raises
-    ------
-    ImplausibleReadingError
-        If they are.
-    """
+    """Refuses counts with a point between thousands: 1.000 behind 999."""
     there = readings[np.isfinite(readings)]
     parts = there[there % 1.0 != 0.0]
     if (
@@ -89,13 +77,7 @@ def check_thousands(readings: Floats, column: Column, row: int) -> None:
 
 def check_increments_as_totals(readings: Floats, column: Column, row: int) -> None:
     """Refuses what was turned since the row before where totals are read: a total that goes to and fro by
-    single counts at many levels is none.
-
-    Raises
-    ------
-    ImplausibleReadingError
-        If they look like that.
-    """
+    single counts at many levels is none."""
     there = readings[np.isfinite(readings)]
     if len(there) < 2 * ROWS or not all_whole(there):
         return
@@ -116,13 +98,8 @@ def check_increments_as_totals(readings: Floats, column: Column, row: int) -> No
 
 
 def check_increments(readings: Floats, column: Column, row: int) -> None:
-    """Refuses totals where what was turned since the row before is read.
-
-    Raises
-    ------
-    ImplausibleReadingError
-        If the readings go on and on.
-    """
+    """Refuses totals where what was turned since the row before is read. Raises `ImplausibleReadingError` if
+    the readings go on and on."""
     there = readings[np.isfinite(readings)]
     if len(there) < 2 * ROWS:
         return

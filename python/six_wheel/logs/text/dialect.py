@@ -123,13 +123,8 @@ def cells_of(line: str, delimiter: str) -> list[str]:
 
 
 def read_dialect(handle: BinaryIO, known: Collection[str] = ()) -> Dialect:
-    """The dialect of a table, by its first lines; `known` are headers that somebody named.
-
-    Raises
-    ------
-    TableError
-        If there is no line of text.
-    """
+    """The dialect of a table, by its first lines; `known` are headers that somebody named. Raises
+    `TableError` if there is no line of text."""
     lines: list[tuple[int, int, str]] = []  # lines up to and with it, bytes, text
     number = 0
     handle.seek(0)

@@ -117,6 +117,8 @@ for _name, _regex in (("null", _NULL), ("bool", _BOOL), ("int", _INT), ("float",
 def parse(text: str, report: Report, warn: Report | None = None) -> Tree:
     """Read one YAML document.
 
+    Raises `YamlSyntaxError` if the text is not YAML, or uses what ROS 2 does not read.
+
     Parameters
     ----------
     text : str
@@ -131,11 +133,6 @@ def parse(text: str, report: Report, warn: Report | None = None) -> Tree:
     -------
     Tree
         Its ``data`` is None for a document without content.
-
-    Raises
-    ------
-    YamlSyntaxError
-        If the text is not YAML, or uses what ROS 2 does not read.
     """
     try:
         root = Loader(text).get_single_node()

@@ -200,13 +200,8 @@ class Tree:
 
 
 def read_tree(path: Path, text: str, notes: Notes) -> Tree:
-    """The tree that the text of a URDF describes.
-
-    Raises
-    ------
-    ParameterFileError
-        If it is no tree of links and joints.
-    """
+    """The tree that the text of a URDF describes. Raises `ParameterFileError` if it is no tree of links and
+    joints."""
     robot = parse(text, notes)
     if robot.tag != "robot":
         known = {"sdf": "an SDF", "mujoco": "a MuJoCo model", "launch": "a launch file"}

@@ -33,10 +33,7 @@ def find_wheels(tree: Tree, notes: Notes, wheel_radius: float | None = None) -> 
 
     `wheel_radius` goes before what the file says.
 
-    Raises
-    ------
-    ParameterFileError
-        If there is none, or nothing tells how large one is.
+    Raises `ParameterFileError` if there is none, or nothing tells how large one is.
     """
     candidates = [joint for joint in tree.joints.values() if is_wheel(tree, joint)]
     if not candidates:

@@ -60,13 +60,7 @@ class DriveRecord:
         self._record.given(stamps[-1], [])
 
     def write(self, columns: Sequence[NDArray[Any]]) -> None:
-        """Append rows.
-
-        Raises
-        ------
-        RowError
-            If a time is one that a message cannot have.
-        """
+        """Append rows. Raises `RowError` if a time is one that a message cannot have."""
         named = dict(zip(self._columns, columns, strict=True))
         stamps = self._stamps(columns[0])
         joints = np.stack(columns[1 : 1 + len(self._joints)], axis=1)

@@ -21,13 +21,8 @@ Floats = NDArray[np.float64]
 
 
 def read_bag(path: Path, owner: Rover | None) -> Record:
-    """The record in an MCAP file, with the rover of its own parameter file unless another is given.
-
-    Raises
-    ------
-    RecordError
-        If the file is none of this package, or has no poses.
-    """
+    """The record in an MCAP file, with the rover of its own parameter file unless another is given. Raises
+    `RecordError` if the file is none of this package, or has no poses."""
     bag = Bag(path)
     settings = settings_of(bag)
     rover = settings.rover if owner is None else owner

@@ -32,13 +32,8 @@ def is_record(what: Any) -> bool:
 
 
 def find_record(what: Any, owner: Rover | None) -> Record:
-    """The record in an object or a file; `owner` is whose it is where it does not say.
-
-    Raises
-    ------
-    ValueError
-        If it cannot be read, or nothing says whose it is.
-    """
+    """The record in an object or a file; `owner` is whose it is where it does not say. Raises `ValueError` if
+    it cannot be read, or nothing says whose it is."""
     if isinstance(what, str | os.PathLike):
         return _of_file(Path(what), owner)
     if isinstance(what, Track):

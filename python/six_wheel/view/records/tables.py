@@ -42,13 +42,8 @@ class PoseTable:
         return {*POSE, *TWIST} <= {*self.names} and any(name in self.names for name in TIMES)
 
     def record(self, rover: Rover) -> Record:
-        """The record of a rover.
-
-        Raises
-        ------
-        TableError
-            If a column does not hold numbers, or time does not go on.
-        """
+        """The record of a rover. Raises `TableError` if a column does not hold numbers, or time does not go
+        on."""
         (time,) = (name for name in TIMES if name in self.names)
         joints = {joint: self._joint(joint) for joint in rover.joint_names}
         there = all(column is not None for column in joints.values())
@@ -118,13 +113,7 @@ class PoseTable:
 
 
 def read_table(path: Path) -> PoseTable:
-    """The headers of a table.
-
-    Raises
-    ------
-    TableError
-        If the file cannot be read.
-    """
+    """The headers of a table. Raises `TableError` if the file cannot be read."""
     try:
         if path.suffix.lower() == ".parquet":
             import pyarrow as pa
