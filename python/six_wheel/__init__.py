@@ -70,6 +70,7 @@ from six_wheel.kinematics.errors import (
     SuspiciousUnitsWarning,
     UnderdeterminedError,
     as_path,
+    needed,
 )
 from six_wheel.kinematics.geometry import Pose, Twist
 from six_wheel.kinematics.keywords import checked, unknown_keyword
@@ -238,11 +239,8 @@ def load(
         return Rover.preset(path)
     if wheel_radius is not None:
         raise ValueError(f"wheel_radius must be left out except for a URDF or xacro file, got {wheel_radius}")
-    try:
+    with needed("six-wheel[cli]", "parameter files need"):
         from six_wheel.robot_description.parameters import file
-    except ModuleNotFoundError as error:
-        message = f'parameter files need {error.name}: pip install "six-wheel[cli]"'
-        raise ModuleNotFoundError(message, name=error.name) from None
     return file.load(path, node=node, kind=kind)
 
 

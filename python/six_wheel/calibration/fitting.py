@@ -17,16 +17,12 @@ from six_wheel.calibration.problem import (
     stiffness_of,
     weights_of,
 )
+from six_wheel.kinematics.errors import needed
 from six_wheel.kinematics.poses import Floats
 
-try:
+with needed("six-wheel[calibrate]", "calibration needs"):
     from scipy.optimize import least_squares
     from scipy.special import stdtrit
-except ImportError as missing:
-    raise ModuleNotFoundError(
-        'calibration needs SciPy: pip install "six-wheel[calibrate]"', name="scipy"
-    ) from missing
-
 
 # A direction is open if the data leave it wider than this share of what is plausible.
 OPEN = 0.5

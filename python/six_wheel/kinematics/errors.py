@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Iterator
     from pathlib import Path
 
 
@@ -20,6 +22,16 @@ class UnderdeterminedError(ValueError):
 
 class ArgumentTypeError(ValueError, TypeError):
     """An argument of the wrong type. Bad input like any other here, and a `TypeError` by Python's custom."""
+
+
+@contextmanager
+def needed(packages: str, what: str) -> Iterator[None]:
+    """An import that fails inside says what needs the module, and the packages to install for it."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        message = f'{what} {error.name}: pip install "{packages}"'
+        raise ModuleNotFoundError(message, name=error.name) from None
 
 
 def argument_of(error: BaseException) -> str:

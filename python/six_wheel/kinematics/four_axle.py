@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from six_wheel._core import Rover
-
-    Floats: TypeAlias = NDArray[np.float64]
+    from six_wheel.kinematics.poses import Floats
 
 __all__ = [
     "Brake",

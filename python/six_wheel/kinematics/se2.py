@@ -10,17 +10,16 @@ with any leading axes. For one pose `Pose` has the same as methods.
 
 from __future__ import annotations  # NumPy is not loaded for its names
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from six_wheel._core import compose, differentiate, exp, integrate, log, wrap_angle
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Floats: TypeAlias = NDArray[np.float64]
+    from six_wheel.kinematics.poses import Floats
 
 __all__ = [
     "between",

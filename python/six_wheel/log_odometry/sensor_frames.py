@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 from six_wheel.kinematics.odometry.tracks import Track
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Floats = NDArray[np.float64]
+    from six_wheel.kinematics.poses import Floats
 
 
 def mount(sensor: ArrayLike) -> Floats:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.headers.columns import TIME, Column, TableError, find_columns
 from six_wheel.logs.headers.time_columns import seconds_since
@@ -21,7 +21,6 @@ TRUTH = ("x", "y", "yaw", "qx", "qy", "qz", "qw")
 TILTED = ("z", "roll", "pitch")
 # Columns of a file without a header line, as the TUM benchmark has them and evo writes them.
 TUM = ("time [s]", "x", "y", "z", "qx", "qy", "qz", "qw")
-Floats = NDArray[np.float64]
 
 
 @checked()

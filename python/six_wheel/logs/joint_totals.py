@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Encoder
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.poses import Floats
 
-Floats = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]
 Encoders: TypeAlias = "Encoder | Mapping[str, Encoder] | None"
 

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import Topics
 from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
 from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of
@@ -32,8 +32,6 @@ from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Batch, Sieve
 
 __all__ = ["Finding", "JointLog", "Reading"]
-
-Floats = NDArray[np.float64]
 
 
 class JointLog:

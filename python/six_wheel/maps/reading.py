@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from six_wheel._core import Terrain
-from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.errors import as_path, needed
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.objects.missing_files import near_file
 from six_wheel.maps import doubts
@@ -208,10 +208,8 @@ def _reference(source: Source) -> Reference:
 def _described(source: Source, options: Options) -> tuple[Path, Options]:
     """Name of a map and options for it, of a YAML file; those given beside go before."""
     path = source.path
-    try:
+    with needed("six-wheel[cli]", "maps described by a YAML file need"):
         import yaml
-    except ImportError as missing:
-        raise ImportError('reading YAML needs PyYAML: pip install "six-wheel[cli]"') from missing
     try:
         found = yaml.safe_load(source.text())
     except yaml.YAMLError as error:

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Terrain
 from six_wheel.kinematics.keywords import checked
-
-Floats = NDArray[np.float64]
+from six_wheel.kinematics.poses import Floats
 
 SMALLEST, LARGEST = 0.05, 3.0  # diameters of rocks [m]
 FRACTAL_SIZE = 40.0  # the roughness is that of a yard of this size [m]

@@ -22,6 +22,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from six_wheel._core import __version__
+from six_wheel.kinematics.errors import needed
 from six_wheel.parallel.journal import Journal
 
 Items = Iterator[tuple[int, Any]]
@@ -279,10 +280,8 @@ def _in_processes(function: Callable[[Any], Any], items: Items, workers: int) ->
 def _client_of(cluster: Any) -> Iterator[Any]:
     """A client of the cluster, closed afterwards if it was made here."""
     timeout = ANSWER
-    try:
+    with needed("six-wheel[cluster]", "clusters of Dask need"):
         distributed = importlib.import_module("distributed")
-    except ImportError as missing:
-        raise ImportError('clusters need Dask: pip install "six-wheel[cluster]"') from missing
     if not isinstance(cluster, str):
         _check(cluster, timeout, "the cluster")
         yield cluster

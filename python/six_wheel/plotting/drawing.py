@@ -18,11 +18,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 from matplotlib.ticker import ScalarFormatter
 from matplotlib.transforms import Affine2D, Transform
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover, Wheel
-
-Floats = NDArray[np.float64]
+from six_wheel.kinematics.poses import Floats
 
 INK, SOFT, FAINT = "#22303c", "#64717d", "#d5dbe0"
 BODY, WHEEL, AXLE = "#e9e3d8", "#33424f", "#4a7fa7"

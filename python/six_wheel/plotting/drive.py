@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Limits, Rover
 from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     AXLE,
     FAINT,
@@ -24,7 +25,6 @@ from six_wheel.plotting.drawing import (
     PAGE_WIDTH,
     RECORDED,
     SOFT,
-    Floats,
     new_figure,
     tidy,
 )

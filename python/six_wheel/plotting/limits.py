@@ -10,6 +10,7 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 
 from six_wheel._core import Limits, Rover
 from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.plotting.drawing import (
     AXLE,
@@ -19,7 +20,6 @@ from six_wheel.plotting.drawing import (
     SERIES,
     SOFT,
     TICK,
-    Floats,
     new_figure,
     tidy,
     write_title,

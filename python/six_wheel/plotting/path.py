@@ -8,12 +8,12 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     INK,
     RECORDED,
     SOFT,
     TRACK,
-    Floats,
     bounds,
     contacts,
     draw_rover,

@@ -19,6 +19,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover, exp
+from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     AXLE,
     CENTRE,
@@ -27,7 +28,6 @@ from six_wheel.plotting.drawing import (
     INK,
     MOTION,
     SOFT,
-    Floats,
     body_box,
     bounds,
     contacts,

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover
-
-Floats = NDArray[np.float64]
+from six_wheel.kinematics.poses import Floats
 
 # Off by this share of itself, a length or a gain is a mistake in the drawing, not something to calibrate.
 PLAUSIBLE_SHARE = 0.2

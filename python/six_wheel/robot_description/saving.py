@@ -4,7 +4,7 @@ from os import PathLike
 from typing import Any
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.errors import as_path, needed
 from six_wheel.kinematics.objects.whole_files import replacing
 
 
@@ -25,9 +25,6 @@ def save_rover(rover: Rover, path: str | PathLike[str], **others: Any) -> None:
 
 
 def _parameters(rover: Rover, others: dict[str, Any]) -> str:
-    try:
+    with needed("six-wheel[cli]", "parameter files need"):
         from six_wheel.robot_description.parameters.writing import dump
-    except ModuleNotFoundError as error:
-        message = f'parameter files need {error.name}: pip install "six-wheel[cli]"'
-        raise ModuleNotFoundError(message, name=error.name) from None
     return dump(rover, **others)

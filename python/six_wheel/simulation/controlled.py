@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Limits
 from six_wheel.kinematics.controller import reason_shares
-
-Floats = NDArray[np.float64]
+from six_wheel.kinematics.poses import Floats
 
 
 @dataclass(frozen=True, eq=False)

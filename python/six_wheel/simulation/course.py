@@ -4,12 +4,11 @@ import reprlib
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover, differentiate
 from six_wheel.kinematics.errors import ArgumentTypeError
-
-Floats = NDArray[np.float64]
+from six_wheel.kinematics.poses import Floats
 
 # A turn in place counts as this many metres a radian where a path has no other measure.
 LEVER = 0.5

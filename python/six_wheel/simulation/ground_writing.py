@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.rover_record import IMU, JOINTS, ODOMETRY, TRANSFORMS, TRUTH
 from six_wheel.logs.mcap.writer import record_stamps
@@ -27,8 +27,6 @@ from six_wheel.simulation.writing import (
     record_of,
     write_columns,
 )
-
-Floats = NDArray[np.float64]
 
 ENDINGS = (*FORMATS, BAG)
 

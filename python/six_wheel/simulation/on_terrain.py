@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from six_wheel._core import RockerBogie, SettledPose, Terrain
 from six_wheel.kinematics.keywords import checked_class
-from six_wheel.kinematics.poses import quaternions
+from six_wheel.kinematics.poses import Floats, quaternions
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator, spinning, step_of
@@ -20,8 +20,6 @@ from six_wheel.simulation.sensor_model import Sensors
 
 if TYPE_CHECKING:
     from six_wheel._core import WheelSlip
-
-Floats = NDArray[np.float64]
 
 
 @checked_class

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 from six_wheel._core import Noise, Rover, integrate
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked_class
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.simulation.controlled import Controlled
 from six_wheel.simulation.course import Course
-
-Floats = NDArray[np.float64]
 
 # Rows of the true motion per sample: what is lost between them is far below what any sensor sees.
 FINER = 8

@@ -9,19 +9,18 @@ from numbers import Real
 from typing import Any, TypeGuard, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from six_wheel._core import Gyroscope, Limits, Noise, RockerBogie, Rover, Terrain, check_kind
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.on_terrain import GroundSimulation, simulate_on_ground
 from six_wheel.simulation.planar import Motion, Simulation, Slip, drive, generator, step_of
 from six_wheel.simulation.sensor_model import Encoders, Sensors, sample_times
 from six_wheel.simulation.sticking import Stick, drive_stuck
-
-Floats = NDArray[np.float64]
 
 
 def _mean_rates(motion: Motion, stamps: Floats) -> Floats:

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Gyroscope, Noise, Rover
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.joint_totals import encoder_of_each
 from six_wheel.simulation.planar import Motion
 
-Floats = NDArray[np.float64]
 Encoders = Encoder | Sequence[Encoder] | Mapping[str, Encoder]
 
 

@@ -9,9 +9,10 @@ import numpy as np
 
 from six_wheel._core import Controller, Limits, Noise, Rover
 from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.poses import Floats
 from six_wheel.simulation.controlled import Controlled
 from six_wheel.simulation.course import Course
-from six_wheel.simulation.planar import Floats, Motion, Slip, follow_joints
+from six_wheel.simulation.planar import Motion, Slip, follow_joints
 
 __all__ = ["Controlled", "Stick", "drive_stuck"]
 

@@ -6,16 +6,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel._core import Limits, Rover, SettledPose, Stability, compose, integrate
 from six_wheel.kinematics.controller import Reason, reason_names
 from six_wheel.kinematics.errors import InfeasibleMotionError
+from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.statuses import SettleStatus
 from six_wheel.simulation.drive.performance import within
 from six_wheel.view.subject import Subject
 
-Floats = NDArray[np.float64]
 POINTS = 41  # of a path ahead
 AHEAD = 40.0  # [s] of it at most
 FARTHEST = 2.5  # sizes of the rover that it is long at most

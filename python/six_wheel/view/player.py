@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.poses import Floats
 from six_wheel.view.motion import Motion, State, on_ground
 from six_wheel.view.records.plots import thin_columns
 from six_wheel.view.records.record import Record, thin_path
@@ -20,7 +21,6 @@ from six_wheel.view.subject import Subject
 if TYPE_CHECKING:
     import viser
 
-Floats = NDArray[np.float64]
 DRIVEN, TRUE, ELLIPSE = (236, 228, 206), (122, 214, 96), (255, 201, 74)
 INKS = ("#26a8b2", "#ffc94a", "#d0643c", "#9a8fd0", "#7ad660", "#e85a8c", "#7fb2ff", "#c0c0c0")
 SPEEDS = ("0.25x", "1x", "4x", "16x")

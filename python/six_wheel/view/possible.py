@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Limits, Rover
+from six_wheel.kinematics.poses import Floats
 
-Floats = NDArray[np.float64]
 WIDTH, HEIGHT = 302, 190  # [px]
 CELL = 2  # [px] of a judged twist
 PLANES = {"vx over yaw rate": (0, 2), "vy over yaw rate": (1, 2), "vx over vy": (0, 1)}

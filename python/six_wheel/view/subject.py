@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel._core import Limits, RockerBogie, Rover, Suspension, Terrain
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.objects.missing_files import no_file
+from six_wheel.kinematics.poses import Floats
 from six_wheel.robot_description.doubts import DoubtError, Proposal
 from six_wheel.robot_description.named_rover import find_rover
 from six_wheel.simulation.on_terrain import middle
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from six_wheel.robot_description.urdf import Robot
     from six_wheel.view.records.record import Record
 
-Floats = NDArray[np.float64]
 WHEEL_SPEED = 1.0  # [rad/s] of a wheel where nothing limits it: rovers are slow
 DESCRIPTIONS = (".urdf", ".xacro")
 PARAMETERS = (".yaml", ".yml", ".json")

@@ -9,10 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from six_wheel._core import Controller, Limits, Rover, integrate
 from six_wheel.cli.demo.motion import DemoResult
 from six_wheel.kinematics.controller import reason_shares
+from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drive import drive_figure
 from six_wheel.simulation.drive.min_max_thinning import Course
-
-Floats = NDArray[np.float64]
 
 RATE = 50.0  # [Hz]
 NOISE = 0.002  # [rad] standard deviation of the measured steering angles

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover, differentiate, integrate
-
-Floats = NDArray[np.float64]
+from six_wheel.kinematics.poses import Floats
 
 ROVERS = {"perseverance": "Perseverance", "open_source_rover": "Open Source Rover"}
 SMOOTHING = 2.0  # [s] width of the local quadratics; their weights make half of it count

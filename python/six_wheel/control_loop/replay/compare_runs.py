@@ -5,13 +5,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel._core import integrate
 from six_wheel.control_loop.replay.run_summary import Replayed, Run
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.poses import Floats
 
-Floats = NDArray[np.float64]
 SECOND = 1e9
 
 

@@ -11,11 +11,11 @@ from six_wheel._core import Rover
 from six_wheel.control_loop import Settings, Step
 from six_wheel.kinematics.controller import reason_names
 from six_wheel.kinematics.objects.notebooks import Shown
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.mcap import Record, rover_record
 from six_wheel.logs.mcap.frames import planar_pose
 from six_wheel.logs.mcap.reader import Message
 
-Floats = NDArray[np.float64]
 OUT = (rover_record.COMMANDS, rover_record.LIMITED, rover_record.REASONS, rover_record.ODOMETRY)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.errors import as_path, needed
 from six_wheel.kinematics.keywords import unknown_keyword
 from six_wheel.kinematics.objects.notebooks import Shown
 
@@ -232,11 +232,8 @@ def _needed(module: str, package: str) -> Any:
     """A module that is imported when a method needs it."""
     from importlib import import_module
 
-    try:
+    with needed(package, "this table needs"):
         return import_module(module)
-    except ModuleNotFoundError as error:
-        message = f'this table needs {module}: pip install "{package}"'
-        raise ModuleNotFoundError(message, name=error.name) from None
 
 
 def rows_taken(table: Table, rows: int | slice | ArrayLike) -> Table:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from six_wheel.kinematics.poses import Floats
 
 __all__ = [
     "Encoder",

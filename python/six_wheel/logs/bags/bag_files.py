@@ -5,7 +5,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, TypeAlias
 
-INSTALL = 'pip install "six-wheel[bags]"'
+from six_wheel.kinematics.errors import needed
+
 Topics: TypeAlias = Sequence[str] | Mapping[str, str]
 BAGS = (".mcap", ".db3", ".bag")
 MCAP, MAGIC, DATA_END, FOOTER = ".mcap", b"\x89MCAP0\r\n", 0x0F, 0x02
@@ -55,12 +56,10 @@ def one_line(error: Exception) -> str:
 
 def rosbags_names() -> Any:
     """The names of rosbags that are used here."""
-    try:
+    with needed("six-wheel[bags]", "bags need"):
         import rosbags.highlevel
         import rosbags.rosbag2
         import rosbags.typesys
-    except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(f"bags need {error.name}: {INSTALL}", name=error.name) from None
     return SimpleNamespace(
         AnyReader=rosbags.highlevel.AnyReader,
         Stores=rosbags.typesys.Stores,

@@ -7,14 +7,16 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Odometry, Rover
+from six_wheel.kinematics.errors import needed
 from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.rover_edit import joints_by_wheel
 from six_wheel.logs.frames.table_headers import STAMPS, Meaning, Sensors, meaning_of, names
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
@@ -28,7 +30,6 @@ from six_wheel.logs.plausibility.proposals import encoders
 
 LONGEST_RUN = 1e6  # [s] beyond which stamps count from the first
 CHUNK_ROWS = 65_536  # a few megabytes, and so many that a call costs nothing
-Floats: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -207,11 +208,8 @@ def _checks(
 
 
 def _parquet(path: Path) -> Any:
-    try:
+    with needed("six-wheel[cli]", "Parquet files need"):
         from pyarrow import ArrowInvalid, parquet
-    except ModuleNotFoundError as error:
-        message = f'Parquet files need {error.name}: pip install "six-wheel[cli]"'
-        raise ModuleNotFoundError(message, name=error.name) from None
     try:
         return parquet.ParquetFile(path)
     except FileNotFoundError:

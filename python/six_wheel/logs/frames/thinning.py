@@ -1,9 +1,9 @@
 """A path in bounded memory, for pictures."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from six_wheel.kinematics.poses import Floats
+
 TRACE_ROWS = 20_000
 
 

@@ -10,13 +10,12 @@ from bisect import bisect_right
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.headers.rate_columns import ABOUT_Z, AXES, RATES
 
 __all__ = ["AXES", "LONGEST_GAP", "RATES", "Passing", "Turning", "about_z", "edges_of", "upward"]
 
-Floats = NDArray[np.float64]
 
 LONGEST_GAP = 0.5  # [s] between two readings, across which nothing is known
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.logs.gyroscope.rates import RATES, Floats, about_z
+from six_wheel.kinematics.poses import Floats
+from six_wheel.logs.gyroscope.rates import RATES, about_z
 from six_wheel.logs.headers.columns import Column
 from six_wheel.logs.headers.rate_columns import rate_columns
 from six_wheel.logs.headers.renamed import Columns

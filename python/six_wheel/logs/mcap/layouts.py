@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.errors import needed
 from six_wheel.kinematics.objects.whole_files import replacing
 from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.mcap import rover_record as topics
@@ -21,7 +22,6 @@ ENDINGS = {
 }
 APPLICATION = "six_wheel"
 PATH = "/path"  # of the rover, as a line
-INSTALL = 'pip install "six-wheel[viewer]"'
 COLOURS = ("#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b")
 
 MOTIONS = ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded"))
@@ -228,12 +228,9 @@ def _split(direction: str, first: Any, second: Any, share: float) -> dict[str, A
 def rerun(rover: Rover, seen: Seen = ALL) -> Any:
     """The blueprint: the path in 3D, plots of motion, joints and slip, the reasons. Raises
     `ModuleNotFoundError` if rerun-sdk is not installed."""
-    try:
+    with needed("six-wheel[viewer]", "a blueprint for Rerun needs"):
         import rerun as rr
         import rerun.blueprint as rrb
-    except ModuleNotFoundError as error:
-        message = f"a blueprint for Rerun needs rerun-sdk: {INSTALL}"
-        raise ModuleNotFoundError(message, name=error.name) from None
 
     def view(name: str, origin: str) -> Any:
         return rrb.TimeSeriesView(name=name, origin=origin)

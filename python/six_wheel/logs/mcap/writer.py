@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import __version__
+from six_wheel.kinematics.errors import needed
 from six_wheel.logs.tables import RowError
 
-INSTALL = 'pip install "six-wheel[bags]"'
 SETTINGS = "six_wheel"  # the name of the metadata
 FORMAT = "1"
 LATEST = 2**31 * 1_000_000_000  # [ns] that a stamp of ROS can say
@@ -21,13 +21,11 @@ CHUNK = 1 << 18  # [bytes] half a second of a loop at 200 Hz: what is lost at mo
 
 def libraries() -> Any:
     """The parts of the packages `mcap` and `rosbags` that write and read records."""
-    try:
+    with needed("six-wheel[bags]", "records need"):
         import mcap.records
         import mcap.stream_reader
         import mcap.writer
         import rosbags.typesys
-    except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(f"records need {error.name}: {INSTALL}", name=error.name) from None
     return SimpleNamespace(
         Writer=mcap.writer.Writer,
         CompressionType=mcap.writer.CompressionType,

@@ -5,13 +5,12 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, Proposal, at_its_word
 from six_wheel.logs.plausibility.readings import Readings
 
-Floats = NDArray[np.float64]
 Units: TypeAlias = Mapping[str, Proposal]
 
 STRETCHES = 30  # in which wheels move, that tell

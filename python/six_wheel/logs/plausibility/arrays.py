@@ -6,16 +6,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.agreement import check_turning
 from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.proposals import Column, encoders
 from six_wheel.logs.plausibility.readings import Readings
-
-Floats = NDArray[np.float64]
 
 FEW = 20  # rows that tell nothing
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.agreement import WheelAgreement, held_readings
 from six_wheel.logs.plausibility.granularity import check_steps_of_turns
 from six_wheel.logs.plausibility.jumps import (
@@ -56,8 +57,6 @@ from six_wheel.logs.plausibility.whole_numbers import (
     check_thousands,
     returned_counts,
 )
-
-Floats = NDArray[np.float64]
 
 SAMPLE = 4096  # rows in a row that are read closely for what only neighbours tell
 COARSE = 32_768, 32  # rows that come at once, from which on stretches have so many at least

@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
     Column,
     ImplausibleReadingError,
@@ -13,8 +13,6 @@ from six_wheel.logs.plausibility.proposals import (
     columns,
     encoders,
 )
-
-Floats = NDArray[np.float64]
 
 UNITS = {1.0: "rev", 360.0: "deg"}
 ROWS = 200  # in which a wheel moves

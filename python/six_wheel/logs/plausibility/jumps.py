@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from six_wheel.kinematics.poses import Floats
 
 POWERS = tuple(float(1 << bits) for bits in (8, 10, 11, 12, 13, 14, 15, 16, 17, 18, 20, 21, 22, 24, 31, 32))
 DECIMALS = tuple(float(10**digits) for digits in range(2, 10))

@@ -4,9 +4,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel._core import Rover, Wheel
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
     Column,
     ImplausibleReadingError,
@@ -17,8 +17,6 @@ from six_wheel.logs.plausibility.proposals import (
     stamp_unit,
 )
 from six_wheel.logs.plausibility.readings import Readings
-
-Floats = NDArray[np.float64]
 
 STRETCH = 0.5  # [s] over which rates are taken
 FASTEST_RIM = 100.0  # [m/s]

@@ -3,13 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from six_wheel._core import Rover
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import Column
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

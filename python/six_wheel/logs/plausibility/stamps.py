@@ -6,13 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
     ImplausibleReadingError,
     at_its_word,
     stamp_unit,
 )
-
-Floats = NDArray[np.float64]
 
 # A second later than this (the year 5138) is a count of something shorter.
 LATEST_SECOND = 1e11

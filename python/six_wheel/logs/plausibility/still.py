@@ -4,12 +4,10 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import columns
 from six_wheel.logs.plausibility.readings import Readings
-
-Floats = NDArray[np.float64]
 
 ROWS = 50  # of a log in which a wheel does not move
 TURN = 4.0 * math.pi  # [rad] that another one turns meanwhile

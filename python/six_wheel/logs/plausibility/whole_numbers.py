@@ -3,16 +3,14 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
     Column,
     ImplausibleReadingError,
     columns,
     encoders,
 )
-
-Floats = NDArray[np.float64]
 
 LONG_STEP = 100.0  # of whole numbers in a row, which no radians are
 ROWS = 20  # from which on whole numbers alone are enough

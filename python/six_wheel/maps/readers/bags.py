@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from six_wheel.kinematics.errors import needed
 from six_wheel.maps import doubts
 from six_wheel.maps.files import Grid, Options, TerrainFileError
 from six_wheel.maps.readers.points import OTHERS
@@ -39,11 +40,9 @@ def read(path: Path, options: Options) -> Grid:
     if options.spacing is not None or options.origin is not None or options.north_up is not None:
         raise TerrainFileError(f"{path} ", *doubts.own_place(options))
     topic, layer = options.topic, options.layer or (None if options.band is None else str(options.band))
-    try:
+    with needed("six-wheel[bags]", "bags need"):
         from rosbags.highlevel import AnyReader, AnyReaderError
         from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-    except ImportError as missing:
-        raise ImportError('reading bags needs rosbags: pip install "six-wheel[bags]"') from missing
     store = get_typestore(Stores.ROS2_HUMBLE)
     for name, definition in DEFINITIONS.items():
         store.register(get_types_from_msg(definition, name))

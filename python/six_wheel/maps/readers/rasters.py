@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Terrain
+from six_wheel.kinematics.errors import needed
 from six_wheel.maps import doubts
 from six_wheel.maps.files import Grid, Options, TerrainFileError, Window, bracketed_unit, length, unit_in_name
 from six_wheel.maps.plausibility import find_fill, find_unit, is_fill, is_in_degrees
@@ -33,10 +34,8 @@ COARSEST = 0.3  # cells in degrees of maps [deg]
 
 def rasterio() -> Any:
     """The library, or what to install."""
-    try:
+    with needed("six-wheel[terrain]", "maps as images need"):
         import rasterio
-    except ImportError as missing:
-        raise ImportError('maps as images need rasterio: pip install "six-wheel[terrain]"') from missing
     return rasterio
 
 

@@ -6,14 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LightSource, to_rgb
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, SettledPose, Terrain
 from six_wheel.plotting.drawing import CENTRE, FAINT, INK, SOFT, TRACK, WHEEL, tidy
 from six_wheel.plotting.ground.side import draw_side_view
 from six_wheel.simulation.on_terrain import GroundSimulation
-
-Floats = NDArray[np.float64]
 
 MARGIN = 2.0  # [m] of ground around the path
 FACETS = 180  # of the drawn ground along its longer side

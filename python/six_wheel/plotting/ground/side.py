@@ -6,7 +6,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from six_wheel._core import RockerBogie, SettledPose, Terrain
-from six_wheel.plotting.drawing import AXLE, BODY, CENTRE, INK, TRACK, WHEEL, Floats, tidy
+from six_wheel.kinematics.poses import Floats
+from six_wheel.plotting.drawing import AXLE, BODY, CENTRE, INK, TRACK, WHEEL, tidy
 
 PIVOT = 0.18  # radius of a drawn joint, of a wheel's
 

@@ -12,6 +12,7 @@ from matplotlib.patches import Ellipse
 
 from six_wheel._core import Rover, exp
 from six_wheel.kinematics.geometry import Twist
+from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     AXLE,
     CENTRE,
@@ -20,7 +21,6 @@ from six_wheel.plotting.drawing import (
     INK,
     MOTION,
     SOFT,
-    Floats,
     bounds,
     contacts,
     draw_rover,

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from six_wheel._core import RockerBogie, Suspension, Terrain
+from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     AXLE,
     BODY,
@@ -21,7 +22,6 @@ from six_wheel.plotting.drawing import (
     SOFT,
     TRACK,
     WHEEL,
-    Floats,
     equal_scales,
     new_figure,
     number,

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     FORBIDDEN,
     INK,
@@ -19,7 +20,6 @@ from six_wheel.plotting.drawing import (
     SERIES,
     SOFT,
     TICK,
-    Floats,
     new_figure,
     number,
     tidy,

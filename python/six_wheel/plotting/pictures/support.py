@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     AXLE,
     CENTRE,
@@ -18,7 +19,6 @@ from six_wheel.plotting.drawing import (
     PAGE_WIDTH,
     TICK,
     TRACK,
-    Floats,
     new_figure,
     number,
     page,

@@ -6,9 +6,9 @@ It shares no code with the core. Axles come in the order front left, front right
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
+from six_wheel.reference.planar.geometry import Floats
 
 SIDES = np.array((1.0, -1.0, 1.0, -1.0))  # left of the pivot, right of it
 

@@ -7,14 +7,13 @@ places add, make each side a planar chain (g is the inclination of the body's y 
 import itertools
 import math
 from collections.abc import Mapping
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from six_wheel.reference.ground.terrain import Terrain
-
-Floats: TypeAlias = NDArray[np.float64]
+from six_wheel.reference.planar.geometry import Floats
 
 WITHIN = (math.radians(15), math.radians(7), math.radians(17))  # roll and pitch, rocker, bogie
 

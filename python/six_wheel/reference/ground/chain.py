@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from six_wheel.reference.ground.terrain import Floats
+from six_wheel.reference.planar.geometry import Floats
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from six_wheel.reference.ground.chain import Chain, Posture
 from six_wheel.reference.ground.settle import SettledPose, attitude
-from six_wheel.reference.ground.terrain import Floats
+from six_wheel.reference.planar.geometry import Floats
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 from six_wheel.reference.ground.chain import Chain, Posture
 from six_wheel.reference.ground.motion import touch
 from six_wheel.reference.ground.settle import attitude, settle
-from six_wheel.reference.ground.terrain import Floats, Terrain
+from six_wheel.reference.ground.terrain import Terrain
+from six_wheel.reference.planar.geometry import Floats
 
 ROUNDS = 60  # of fixed-point iterations; each leaves a tenth
 MEMORY = 25  # times the doubt is the way over which slopes are averaged

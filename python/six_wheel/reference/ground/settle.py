@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel.reference.ground.chain import Chain, Posture, axis_turn
-from six_wheel.reference.ground.terrain import Floats, Terrain
+from six_wheel.reference.ground.terrain import Terrain
+from six_wheel.reference.planar.geometry import Floats
 
 SAMPLES = 1440  # of a rim: a quarter of a degree apart
 NEAR = 0.01  # [m] a sampled minimum this far above the least is looked at too

@@ -12,9 +12,9 @@ from dataclasses import KW_ONLY, dataclass
 from typing import NamedTuple, Self, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats: TypeAlias = NDArray[np.float64]
+from six_wheel.reference.planar.geometry import Floats
+
 Row: TypeAlias = tuple[str, str, float, float, float, float]
 
 

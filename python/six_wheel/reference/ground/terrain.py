@@ -1,12 +1,11 @@
 """A regular grid of heights, seen through bilinear interpolation."""
 
 from dataclasses import dataclass, field
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Floats: TypeAlias = NDArray[np.float64]
+from six_wheel.reference.planar.geometry import Floats
 
 
 @dataclass(frozen=True)

@@ -8,14 +8,12 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 import numpy as np
-from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 
 # Parts that no kinematics needs, in the order in which they are given up where the text is no XML.
 SIDE_PARTS = ("gazebo", "transmission", "ros2_control")
-
-Floats = NDArray[np.float64]
 
 
 class Notes:

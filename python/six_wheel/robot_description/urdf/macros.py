@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NoReturn
 
+from six_wheel.kinematics.errors import needed
 from six_wheel.robot_description.urdf.elements import Notes
 
 ENDING = ".xacro"
@@ -29,12 +30,9 @@ def expanded(path: Path, arguments: Mapping[str, str] | None, notes: Notes) -> s
 
     ``$(find PACKAGE)`` is looked for in what of ROS is installed, and in the folders around the file.
     """
-    try:
+    with needed("six-wheel[urdf]", "xacro files need"):
         import xacro
         from xacrodoc import packages
-    except ModuleNotFoundError as error:
-        message = f'xacro files need {error.name}: pip install "six-wheel[urdf]"'
-        raise ModuleNotFoundError(message, name=error.name) from None
     packages.reset()  # it keeps what it once found, of another robot perhaps
     packages.update_package_cache(_neighbours(path.resolve()))
     absent: set[str] = set()

@@ -6,7 +6,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from six_wheel.robot_description.urdf.elements import Floats, Notes, number, rotation_of, vector
+from six_wheel.kinematics.poses import Floats
+from six_wheel.robot_description.urdf.elements import Notes, number, rotation_of, vector
 from six_wheel.robot_description.urdf.tree import Joint, Tree
 
 ALONG = 0.9  # cosine of the angle up to which a cylinder lies along the axle

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from six_wheel._core import RockerBogie
-from six_wheel.robot_description.urdf.elements import Floats, Notes
+from six_wheel.kinematics.poses import Floats
+from six_wheel.robot_description.urdf.elements import Notes
 from six_wheel.robot_description.urdf.tree import Joint, Tree
 from six_wheel.robot_description.urdf.wheel_geometry import LEVEL, FoundWheel
 

@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.robot_description.urdf.elements import (
-    Floats,
     Notes,
     line_of,
     name_of,

@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from six_wheel.robot_description.urdf.elements import Floats, Notes, number
+from six_wheel.kinematics.poses import Floats
+from six_wheel.robot_description.urdf.elements import Notes, number
 from six_wheel.robot_description.urdf.shapes import Radius
 from six_wheel.robot_description.urdf.tree import Joint, Tree
 

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Controller, Limits, Rover
 from six_wheel.kinematics.controller import Reason, reason_counts, reason_names
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.headers.columns import Unit
 from six_wheel.logs.tables import Chunk, RowError
 from six_wheel.simulation.drive.min_max_thinning import Course
-from six_wheel.simulation.drive.run_commands import Engine, Floats
+from six_wheel.simulation.drive.run_commands import Engine
 
 RATE = 50.0  # [Hz] usual for rovers: what `DriveLoop` steps at unless told otherwise
 SNAP = 1e-6  # [s] a stamp this near to a step is that of the step: tables write times in microseconds

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.headers.columns import Unit
 from six_wheel.logs.tables import Chunk
-from six_wheel.simulation.drive.run_commands import Engine, Floats, by_row
+from six_wheel.simulation.drive.run_commands import Engine, by_row
 
 
 class Drive(Engine):

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.simulation.drive.run_commands import Floats
+from six_wheel.kinematics.poses import Floats
 
 BINS = 2000  # twice as many at most; a picture is not wider
 

@@ -8,14 +8,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from six_wheel._core import Controller, Limits, Rover
 from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.profiles import time_optimal
 from six_wheel.kinematics.rover_edit import limits_given
-
-Floats = NDArray[np.float64]
 
 LASTING = ("speed", "yaw_rate", "lateral_acceleration", "wheel_speed", "steering_limit")
 FAR = 1e6  # times what is likely: more than any limit allows

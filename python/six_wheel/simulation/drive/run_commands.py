@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from six_wheel._core import Rover, integrate
 from six_wheel.kinematics.errors import InfeasibleMotionError
 from six_wheel.kinematics.objects.notebooks import Shown
+from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.frames.thinning import Trace
 from six_wheel.logs.headers.columns import Unit
 from six_wheel.logs.tables import Chunk, RowError
 
 KEEP = ("curvature", "speed", "yaw_rate", "nearest")
-Floats = NDArray[np.float64]
 
 
 @dataclass

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.simulation.drive.min_max_thinning import Course
 
-Floats = NDArray[np.float64]
 BLOCK = 65_536  # rows that are copied at a time
 
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Limits, RockerBogie, Rover, Terrain
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import GroundTruth
 
-Floats = NDArray[np.float64]
 PATH_POINTS = 5000  # of a drawn path
 
 

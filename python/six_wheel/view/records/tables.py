@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.view.records.record import Record
 
-Floats = NDArray[np.float64]
 POSE, TWIST = ("x", "y", "yaw"), ("vx", "vy", "omega")
 COVARIANCE = ("covariance_x_x", "covariance_x_y", "covariance_y_y")
 TIMES = {"time": 1.0, "time_ms": 1e-3, "time_us": 1e-6, "time_ns": 1e-9}

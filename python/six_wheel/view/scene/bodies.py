@@ -6,8 +6,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.view.motion import Motion
 from six_wheel.view.scene import shapes
 from six_wheel.view.scene.meshes import robot_meshes
@@ -16,7 +16,6 @@ from six_wheel.view.subject import Subject
 if TYPE_CHECKING:
     import viser
 
-Floats = NDArray[np.float64]
 BLACK, METAL, COPPER = (34, 34, 38), (128, 124, 134), (176, 96, 62)
 PANEL, LID, PALE = (150, 140, 158), (70, 66, 78), (228, 222, 205)
 WIDTH = 0.75  # of a wheel in radii: a Rover does not know how wide its wheels are

@@ -5,7 +5,8 @@ import json
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.view.scene.shapes import Floats, Mesh
+from six_wheel.kinematics.poses import Floats
+from six_wheel.view.scene.shapes import Mesh
 
 FLOAT, BYTE, INTEGER = 5126, 5121, 5125  # glTF's numbers of component types
 VERTICES, INDICES = 34962, 34963  # and of targets

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Terrain
+from six_wheel.kinematics.poses import Floats
 from six_wheel.view.scene.glb import colored_glb
 from six_wheel.view.scene.shapes import Mesh, add_mesh, merge, strip
 from six_wheel.view.subject import Subject
@@ -15,7 +16,6 @@ from six_wheel.view.subject import Subject
 if TYPE_CHECKING:
     import viser
 
-Floats = NDArray[np.float64]
 COLORINGS = ("relief", "slope", "unevenness", "feasible")
 POINTS = 200  # along an edge of the block
 WIDTH = 6.0  # sizes of the rover that the block is wide

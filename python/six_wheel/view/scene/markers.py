@@ -5,8 +5,8 @@ from __future__ import annotations  # viser is loaded when a scene is made
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.view.motion import Motion, on_ground, path_ahead
 from six_wheel.view.scene import shapes
 from six_wheel.view.subject import Subject
@@ -14,7 +14,6 @@ from six_wheel.view.subject import Subject
 if TYPE_CHECKING:
     import viser
 
-Floats = NDArray[np.float64]
 TEAL, AMBER, RED = (26, 168, 178), (255, 201, 74), (232, 70, 70)
 FARTHEST = 12.0  # sizes of the rover up to which a centre of rotation is drawn
 

@@ -7,8 +7,8 @@ from typing import TypeAlias
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.robot_description.urdf.elements import Notes, number, rotation_of, vector
 from six_wheel.robot_description.urdf.shapes import mesh_file
 from six_wheel.robot_description.urdf.tree import Tree
@@ -17,7 +17,6 @@ from six_wheel.view.scene import shapes
 from six_wheel.view.scene.shapes import Mesh
 from six_wheel.view.subject import Subject
 
-Floats = NDArray[np.float64]
 Color: TypeAlias = tuple[int, int, int]
 Drawn: TypeAlias = dict[str, list[tuple[Mesh, Color]]]
 GREY: Color = (150, 148, 156)

@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-Floats: TypeAlias = NDArray[np.float64]
+from six_wheel.kinematics.poses import Floats
+
 GROUSERS = 18  # of a tyre: so many that one sees it turn
 SPOKES = 6
 

@@ -5,14 +5,13 @@ from __future__ import annotations  # viser is loaded when a scene is made
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from six_wheel.kinematics.poses import Floats
 from six_wheel.view.scene.shapes import about_z, nice_step
 
 if TYPE_CHECKING:
     import viser
 
-Floats = NDArray[np.float64]
 # Places of a camera and of what it looks at, in the axes of the rover and in sizes of it.
 CAMERAS = {
     "Free": ((1.6, -1.12, 1.1), (0.1, 0.33, 0.12)),
