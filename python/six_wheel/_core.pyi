@@ -1469,6 +1469,7 @@ class Costmap:
         values: ArrayLike,
         spacing: float | ArrayLike,
         origin: ArrayLike | None = None,
+        yaw: float = 0.0,
         *,
         lethal: float | None = None,
         outside: float | None = None,
@@ -1489,6 +1490,7 @@ class Costmap:
     values: Final[NDArray[np.float32]]
     spacing: Final[tuple[float, float]]
     origin: Final[tuple[float, float]]
+    yaw: Final[float]
     lethal: Final[float | None]
     outside: Final[float | None]
     frame: Final[str | None]

@@ -119,8 +119,8 @@ def test_two_constructors_without_anything_optional():
     for arm, make in ((behind, sw.RockerBogie.bogie_behind), (front, sw.RockerBogie.bogie_in_front)):
         given = arm.dimensions
         assert make(**given) == arm
-        missing = list(given)[4]
-        with pytest.raises(TypeError, match=rf"^RockerBogie\.bogie_\w+\(\) needs the argument {missing}$"):
+        missing = ", ".join(list(given)[4:])
+        with pytest.raises(TypeError, match=rf"^RockerBogie\.bogie_\w+\(\) needs the arguments {missing}$"):
             make(**dict(list(given.items())[:4]))
     with pytest.raises(
         TypeError, match="rocker_to_bogie, bogie_to_rear, wheel_radius must be given, got nothing"

@@ -78,15 +78,28 @@ def unknown_keyword(call: str, name: str, signature: str | Iterable[str]) -> str
     signature : str or iterable of str
         The parameters of the call as `inspect.signature` shows them, or their names.
     """
-    if isinstance(signature, str):
-        found = re.findall(r"[(,]\s*(\w+)\s*(?=[=,)])", re.sub(r"\([^()]*\)(?!$)", "0", signature))
-        names = [each for each in found if not each.isdigit()]
-    else:
-        names = list(signature)
+    names = _names(signature) if isinstance(signature, str) else list(signature)
     needed, sentence = SENTENCES.get(name, ("", ""))
     hint = f": {sentence}." if needed in names else did_you_mean(name, names) or ";"
     hint = hint if hint.endswith((".", "?", ";")) else f"{hint}."
     return f"{call}() has no {name}{hint} {'It' if hint[-1] != ';' else 'it'} takes {', '.join(names)}"
+
+
+def _names(signature: str) -> list[str]:
+    """The names in a signature as `inspect.signature` shows it."""
+    found = re.findall(r"[(,]\s*(\w+)\s*(?=[=,)])", re.sub(r"\([^()]*\)(?!$)", "0", signature))
+    return [each for each in found if not each.isdigit()]
+
+
+def too_many_values(call: str, excess: Collection[object], signature: str) -> str:
+    """The message for values without names that a call has no place for, by its `inspect.signature`."""
+    names = _names(signature)
+    placed = _names(signature.partition("*")[0] + ")")
+    got = len(placed) + len(excess)
+    first = (
+        f"{len(placed)} values without names ({', '.join(placed)})" if placed else "no values without names"
+    )
+    return f"{call}() takes {first}, got {got}: give {', '.join(names[len(placed) :])} by name"
 
 
 def explained(text: str, method: Callable[..., Any]) -> str | None:

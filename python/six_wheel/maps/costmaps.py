@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel._core import Costmap
+from six_wheel._core import Costmap, compose
 from six_wheel.kinematics.errors import FileError, as_path
 
 __all__ = ["from_occupancy_grid", "inflated", "read_costmap"]
@@ -34,13 +34,13 @@ def from_occupancy_grid(
     if data.size != rows * columns:
         raise ValueError(f"msg.data must hold height x width, {rows} x {columns}, cells, got {data.size}")
     place, turn = info.origin.position, info.origin.orientation
-    yaw = 2.0 * math.atan2(float(turn.z), float(turn.w))
-    if abs(math.remainder(yaw, 2.0 * math.pi)) > 1e-6:
-        raise ValueError(f"msg.info.origin must not be turned, got a yaw of {yaw:.6g} rad")
+    if math.hypot(float(turn.x), float(turn.y)) > 1e-6:
+        raise ValueError("msg.info.origin must turn about z alone, got an orientation that is tilted")
+    yaw = math.remainder(2.0 * math.atan2(float(turn.z), float(turn.w)), 2.0 * math.pi)
     percent = data.astype(np.int64).reshape(rows, columns)
     occupancy = np.where((percent < 0) | (percent > 100), math.nan, percent / 100.0)
     frame = getattr(getattr(msg, "header", None), "frame_id", None) or None
-    corner = (float(place.x), float(place.y))
+    corner = (float(place.x), float(place.y), yaw)
     return _costmap(occupancy, float(info.resolution), corner, inflation, unknown, lethal, frame)
 
 
@@ -71,8 +71,6 @@ def read_costmap(
     if len(origin) != 3:
         raise FileError(f"{file}: origin must be three numbers, got {keys['origin']!r}")
     x, y, yaw = (_number(file, "origin", value) for value in origin)
-    if yaw != 0.0:
-        raise FileError(f"{file}: origin must not be turned, got a yaw of {yaw:.6g} rad")
     shade = _image(file.parent / str(keys["image"]))
     share = shade if keys.get("negate", 0) else 1.0 - shade
     occupied = _number(file, "occupied_thresh", keys.get("occupied_thresh", LETHAL))
@@ -84,7 +82,7 @@ def read_costmap(
     return _costmap(
         share[::-1],
         _number(file, "resolution", keys["resolution"]),
-        (x, y),
+        (x, y, yaw),
         inflation,
         unknown,
         forbidden,
@@ -129,21 +127,21 @@ def inflated(costs: Floats, lethal: float, spacing: float, inflation: float) -> 
 def _costmap(
     occupancy: Floats,
     resolution: float,
-    corner: tuple[float, float],
+    corner: tuple[float, float, float],  # x, y, yaw [m, m, rad]
     inflation: float,
     unknown: float,
     lethal: float,
     frame: str | None,
 ) -> Costmap:
-    """The costmap of an occupancy 0 to 1, NaN where it is not known, with its first corner [m]."""
+    """The costmap of an occupancy, NaN where it is not known, and the pose of its first corner."""
     for name, value in (("inflation", inflation), ("unknown", unknown), ("lethal", lethal)):
         if not (math.isfinite(value) and value >= 0.0):
             raise ValueError(f"{name} must be finite and not negative, got {value}")
     costs = np.where(np.isnan(occupancy), unknown, occupancy)
     costs = inflated(costs, lethal, resolution, inflation)
     # A cell of a grid of ROS is a square of which the origin is the corner; here it is a point in its middle.
-    middle = (corner[0] + resolution / 2.0, corner[1] + resolution / 2.0)
-    return Costmap(costs, resolution, middle, lethal=lethal, frame=frame)
+    middle = compose(corner, (resolution / 2.0, resolution / 2.0, 0.0))
+    return Costmap(costs, resolution, middle[:2], corner[2], lethal=lethal, frame=frame)
 
 
 def _image(path: Path) -> Floats:

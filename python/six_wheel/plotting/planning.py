@@ -4,7 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
+from matplotlib.transforms import Affine2D
+from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Costmap, Rover
 from six_wheel.plotting.drawing import INK, RECORDED, fit_page, new_figure, write_title
@@ -24,15 +25,27 @@ def draw_costmap(axes: Axes, costmap: Costmap) -> None:
         What to draw.
     """
     values = np.asarray(costmap.values, dtype=np.float64)
-    (dx, dy), (x, y) = costmap.spacing, costmap.origin
-    rows, columns = values.shape
-    extent = (x - dx / 2, x + (columns - 0.5) * dx, y - dy / 2, y + (rows - 0.5) * dy)
-    colours = LinearSegmentedColormap.from_list("costs", ["#ffffff", "#b9c2ca"])
-    axes.imshow(values, origin="lower", extent=extent, cmap=colours, zorder=0, interpolation="nearest")
+    (dx, dy), (rows, columns) = costmap.spacing, values.shape
+    left, right, low, high = extent = (-dx / 2, (columns - 0.5) * dx, -dy / 2, (rows - 0.5) * dy)
+    placed = Affine2D().rotate(costmap.yaw).translate(*costmap.origin)
+
+    def draw(layer: NDArray[np.float64], *colours: str, zorder: float) -> None:
+        axes.imshow(
+            layer,
+            origin="lower",
+            extent=extent,
+            cmap=LinearSegmentedColormap.from_list("costs", colours),
+            zorder=zorder,
+            interpolation="nearest",
+            transform=placed + axes.transData,
+        )
+
+    draw(values, "#ffffff", "#b9c2ca", zorder=0)
     if costmap.lethal is not None:
-        walls = np.where(values >= costmap.lethal, 1.0, np.nan)
-        black = LinearSegmentedColormap.from_list("walls", [INK, INK])
-        axes.imshow(walls, origin="lower", extent=extent, cmap=black, zorder=0.5, interpolation="nearest")
+        draw(np.where(values >= costmap.lethal, 1.0, np.nan), INK, INK, zorder=0.5)
+    corners = placed.transform([(left, low), (right, low), (right, high), (left, high)])
+    (left, low), (right, high) = corners.min(axis=0), corners.max(axis=0)
+    axes.set(xlim=(left, right), ylim=(low, high))
 
 
 def plan_figure(

@@ -23,10 +23,11 @@ mod state;
 use nalgebra::{Matrix4, Matrix4x3, SMatrix, SVector, Vector3};
 
 use six_wheel_kinematics::admissible::SLIP_TOLERANCE;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, Rover};
 use six_wheel_kinematics::steering::SteeringRange;
-use six_wheel_kinematics::wheels::{Direction, Rows, Wheel};
+use six_wheel_kinematics::wheels::{Rows, Wheel};
 use six_wheel_numerics::error::{Error, ErrorKind, finite, number, numbers, positive};
 use six_wheel_numerics::jacobi::Jacobi;
 

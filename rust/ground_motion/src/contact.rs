@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use six_wheel_kinematics::wheels::Direction;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, WheelFrame};
 
 /// Rates: the body's `vx, vy, vz, wx, wy, wz` and those of the free angles.

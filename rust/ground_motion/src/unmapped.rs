@@ -8,7 +8,7 @@
 use nalgebra::Vector3;
 
 use super::contact::{COLUMNS, Contact, ContactPlane, Contacts, Row, carried, in_body, slope};
-use six_wheel_kinematics::wheels::Direction;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, Placed};
 
 /// Rounds in which the plane and the contacts on it are found; each leaves less than a hundredth of the error.

@@ -18,10 +18,11 @@ use nalgebra::Vector3;
 pub use self::keep::Keep;
 use crate::admissible::cone::AdmissibleCone;
 pub use crate::admissible::cone::SLIP_TOLERANCE;
+use crate::geometry::Direction;
 use crate::geometry::Twist;
 use crate::rover_data::RoverData;
 use crate::steering::SteeringRange;
-use crate::wheels::{Direction, Wheel};
+use crate::wheels::Wheel;
 
 /// Intervals of turning radius narrower than this are two names of one limit [share of the size].
 const SAME_RADIUS: f64 = 1e-9;

@@ -8,8 +8,9 @@ pub mod sensitivity;
 use nalgebra::{Matrix3, Vector3};
 
 pub use self::readings::{Fit, Measured, Method, Reading, Unseen};
+use crate::geometry::Direction;
 use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
-use crate::wheels::{Direction, Pivot};
+use crate::wheels::Pivot;
 use six_wheel_numerics::error::{Error, ErrorKind, finite, numbers};
 use six_wheel_numerics::jacobi::{Jacobi, triangle};
 

@@ -7,7 +7,7 @@ use nalgebra::{Vector2, Vector3};
 pub use crate::se2::accumulate::{Sum, Walk};
 pub use crate::se2::angles::wrap_angle;
 use crate::se2::maps::Map;
-use six_wheel_numerics::error::{Error, SHORTEST, number};
+use six_wheel_numerics::error::{Error, SHORTEST, finite, number, numbers};
 use six_wheel_numerics::sizes::longest;
 
 /// Velocity of the body frame, in body axes [m/s, m/s, rad/s].
@@ -30,6 +30,102 @@ pub struct Pose {
     pub y: f64,
     /// Counter-clockwise [rad].
     pub yaw: f64,
+}
+
+/// Sine and cosine of one angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Direction {
+    /// Sine.
+    pub sin: f64,
+    /// Cosine.
+    pub cos: f64,
+}
+
+impl From<f64> for Direction {
+    fn from(angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { sin, cos }
+    }
+}
+
+/// Where a grid lies in the plane: node `(row, column)` at `origin + R(yaw) [column dx, row dy]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridPlacement {
+    spacing: [f64; 2],
+    origin: [f64; 2],
+    yaw: f64,
+    turn: Direction,
+}
+
+impl GridPlacement {
+    /// Fails unless all numbers are finite and the spacing positive.
+    pub fn new(spacing: [f64; 2], origin: [f64; 2], yaw: f64) -> Result<Self, Error> {
+        if !spacing.iter().all(|step| step.is_finite() && *step > 0.0) {
+            return Err(Error::value("spacing", "be finite and positive", numbers(&spacing)));
+        }
+        finite("origin", &origin)?;
+        finite("yaw", &[yaw])?;
+        Ok(Self { spacing, origin, yaw, turn: Direction::from(yaw) })
+    }
+
+    /// Between columns and between rows [m].
+    #[inline]
+    pub fn spacing(&self) -> [f64; 2] {
+        self.spacing
+    }
+
+    /// Position of node (0, 0) [m].
+    #[inline]
+    pub fn origin(&self) -> [f64; 2] {
+        self.origin
+    }
+
+    /// Angle of the rows against the x axis of the world, counter-clockwise [rad].
+    #[inline]
+    pub fn yaw(&self) -> f64 {
+        self.yaw
+    }
+
+    /// Cosine and sine of [`Self::yaw`].
+    #[inline]
+    pub fn turn(&self) -> Direction {
+        self.turn
+    }
+
+    /// A point of the world [m] in numbers of columns and rows from node (0, 0).
+    #[inline]
+    pub fn grid_from_world(&self, x: f64, y: f64) -> [f64; 2] {
+        self.grid_from_offset(x - self.origin[0], y - self.origin[1])
+    }
+
+    /// A point in numbers of columns and rows, by its distances from node (0, 0) along x and y of the world [m].
+    #[inline]
+    pub fn grid_from_offset(&self, x: f64, y: f64) -> [f64; 2] {
+        let [u, v] = self.grid_axes([x, y]);
+        [u / self.spacing[0], v / self.spacing[1]]
+    }
+
+    /// The reverse of [`Self::grid_from_world`].
+    #[inline]
+    pub fn world_from_grid(&self, column: f64, row: f64) -> [f64; 2] {
+        let [x, y] = self.world_axes([column * self.spacing[0], row * self.spacing[1]]);
+        [self.origin[0] + x, self.origin[1] + y]
+    }
+
+    /// A direction of the world in the axes of the grid [m].
+    #[inline]
+    pub fn grid_axes(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let Direction { sin, cos } = self.turn;
+        [cos * x + sin * y, cos * y - sin * x]
+    }
+
+    /// A direction in the axes of the grid [m] in those of the world.
+    #[inline]
+    pub fn world_axes(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let Direction { sin, cos } = self.turn;
+        [cos * u - sin * v, sin * u + cos * v]
+    }
 }
 
 impl From<[f64; 3]> for Twist {

@@ -6,10 +6,10 @@
 use nalgebra::Vector3;
 
 use crate::admissible::Keep;
+use crate::geometry::Direction;
 use crate::geometry::Twist;
 use crate::rover::Rover;
 use crate::rover_data::{Inputs, MAX_WHEELS, Mount};
-use crate::wheels::Direction;
 use six_wheel_numerics::error::{Error, finite};
 use six_wheel_numerics::jacobi::{Jacobi, triangle};
 

@@ -2,8 +2,9 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
+use crate::geometry::Direction;
 use crate::steering::SteeringRange;
-use crate::wheels::{Direction, Pivot, Rows, Wheel};
+use crate::wheels::{Pivot, Rows, Wheel};
 use six_wheel_numerics::error::{Error, finite};
 
 /// Largest number of wheels of one rover.

@@ -13,7 +13,7 @@
 
 use nalgebra::Vector3;
 
-use crate::geometry::Twist;
+use crate::geometry::{Direction, Twist};
 use crate::steering::SteeringRange;
 use six_wheel_numerics::error::{Error, HUGE, TINY, finite, number, positive};
 
@@ -61,23 +61,6 @@ pub enum Pivot {
     Steered(SteeringRange),
     /// Nothing: it swivels freely behind its pivot and constrains no motion.
     Castor,
-}
-
-/// Sine and cosine of one angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct Direction {
-    /// Sine.
-    pub sin: f64,
-    /// Cosine.
-    pub cos: f64,
-}
-
-impl From<f64> for Direction {
-    fn from(angle: f64) -> Self {
-        let (sin, cos) = angle.sin_cos();
-        Self { sin, cos }
-    }
 }
 
 /// The two rows of the wheel equation at one steering angle, each to be multiplied by `(vx, vy, omega)`.

@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::costmap::Costmap;
 use crate::motion::drive::TRACK;
 use crate::numbers::BLOCK;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::float::Float;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
@@ -239,10 +240,11 @@ impl<R: Float> CostTerms<'_, R> {
         let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let zero = number(0.0);
         let [rows, columns] = map.shape();
-        let ([dx, dy], [x0, y0]) = (map.spacing(), map.origin());
-        let from = [(self.start[0] - x0) / dx, (self.start[1] - y0) / dy];
-        let fx = x.mul_add(number(1.0 / dx), number(from[0]));
-        let fy = y.mul_add(number(1.0 / dy), number(from[1]));
+        let [dx, dy] = map.placement().spacing();
+        let Direction { sin, cos } = map.placement().turn();
+        let [column, row] = map.placement().grid_from_world(self.start[0], self.start[1]);
+        let fx = x.mul_add(number(cos / dx), y.mul_add(number(sin / dx), number(column)));
+        let fy = y.mul_add(number(cos / dy), x.mul_add(number(-sin / dy), number(row)));
         let (right, top) = (number((columns - 1) as f64), number((rows - 1) as f64));
         let inside = [fx.max(zero).min(right), fy.max(zero).min(top)];
         let whole =

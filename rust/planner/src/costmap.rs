@@ -1,15 +1,15 @@
 //! Cost of a position: a grid of costs, interpolated between its cells.
 
+use six_wheel_kinematics::geometry::GridPlacement;
 use six_wheel_numerics::error::{Error, number, numbers};
 
-/// Costs on a grid: those of cell `[row, column]` at `origin + (column, row) * spacing`.
+/// Costs on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Costmap {
     values: Vec<f32>,
     rows: usize,
     columns: usize,
-    spacing: [f64; 2],
-    origin: [f64; 2],
+    placement: GridPlacement,
     lethal: Option<f64>,
     outside: Option<f64>,
 }
@@ -22,8 +22,7 @@ impl Costmap {
     pub fn new(
         values: Vec<f32>,
         [rows, columns]: [usize; 2],
-        spacing: [f64; 2],
-        origin: [f64; 2],
+        placement: GridPlacement,
         lethal: Option<f64>,
         outside: Option<f64>,
     ) -> Result<Self, Error> {
@@ -44,11 +43,7 @@ impl Costmap {
                 return Err(Error::value(argument, "be finite", number(value)));
             }
         }
-        if !spacing.iter().all(|value| value.is_finite() && *value > 0.0) {
-            return Err(Error::value("spacing", "be finite and positive", numbers(&spacing)));
-        }
-        six_wheel_numerics::error::finite("origin", &origin)?;
-        Ok(Self { values, rows, columns, spacing, origin, lethal, outside })
+        Ok(Self { values, rows, columns, placement, lethal, outside })
     }
 
     /// Costs, row after row.
@@ -61,14 +56,9 @@ impl Costmap {
         [self.rows, self.columns]
     }
 
-    /// Distance between cells along x and y [m].
-    pub fn spacing(&self) -> [f64; 2] {
-        self.spacing
-    }
-
-    /// Position of the first cell [m].
-    pub fn origin(&self) -> [f64; 2] {
-        self.origin
+    /// Where the cells lie in the world.
+    pub fn placement(&self) -> &GridPlacement {
+        &self.placement
     }
 
     /// Cost from which on a place is forbidden.
@@ -81,30 +71,25 @@ impl Costmap {
         self.outside
     }
 
-    /// The place of the last cell [m].
-    pub fn end(&self) -> [f64; 2] {
-        [
-            self.origin[0] + (self.columns - 1) as f64 * self.spacing[0],
-            self.origin[1] + (self.rows - 1) as f64 * self.spacing[1],
-        ]
-    }
-
     /// The cost of the cell next to a place.
-    pub(crate) fn nearest(&self, place: [f64; 2]) -> f64 {
-        let index = |axis: usize, count: usize| {
-            let cells = (place[axis] - self.origin[axis]) / self.spacing[axis];
-            cells.round().clamp(0.0, (count - 1) as f64) as usize
-        };
-        f64::from(self.values[index(1, self.rows) * self.columns + index(0, self.columns)])
+    pub(crate) fn nearest(&self, [x, y]: [f64; 2]) -> f64 {
+        let [column, row] = self.placement.grid_from_world(x, y);
+        let index = |cells: f64, count: usize| cells.round().clamp(0.0, (count - 1) as f64) as usize;
+        f64::from(self.values[index(row, self.rows) * self.columns + index(column, self.columns)])
     }
 
     /// Fails unless the place is on the map.
     pub fn check_holds(&self, [x, y, _]: [f64; 3]) -> Result<(), Error> {
-        let ([x0, y0], [x1, y1]) = (self.origin, self.end());
-        if (x0..=x1).contains(&x) && (y0..=y1).contains(&y) {
+        let (last, [column, row]) =
+            (self.shape().map(|count| (count - 1) as f64), self.placement.grid_from_world(x, y));
+        if (0.0..=last[1]).contains(&column) && (0.0..=last[0]).contains(&row) {
             return Ok(());
         }
-        let rule = format!("lie on the costmap (x {x0:?} to {x1:?} m, y {y0:?} to {y1:?} m)");
+        let ([x0, y0], [x1, y1]) = (self.placement.origin(), self.placement.world_from_grid(last[1], last[0]));
+        let rule = match self.placement.yaw() {
+            0.0 => format!("lie on the costmap (x {x0:?} to {x1:?} m, y {y0:?} to {y1:?} m)"),
+            yaw => format!("lie on the costmap (from ({x0:?}, {y0:?}) to ({x1:?}, {y1:?}) m, turned by {yaw:?} rad)"),
+        };
         Err(Error::value("state.pose", rule, numbers(&[x, y])))
     }
 }

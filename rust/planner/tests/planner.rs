@@ -6,6 +6,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use six_wheel_control::controller::Limits;
+use six_wheel_kinematics::geometry::GridPlacement;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::error::Error;
@@ -45,7 +46,8 @@ fn rovers() -> Result<Vec<Rover>, Error> {
 
 #[test]
 fn cycles_after_the_first_take_no_memory() -> Result<(), Error> {
-    let map = Costmap::new(vec![0.5; 100 * 100], [100, 100], [0.1, 0.1], [-5.0, -5.0], Some(0.9), None)?;
+    let map =
+        Costmap::new(vec![0.5; 100 * 100], [100, 100], GridPlacement::new([0.1; 2], [-5.0; 2], 0.0)?, Some(0.9), None)?;
     let limits = Limits {
         speed: 1.0,
         yaw_rate: 1.0,

@@ -136,7 +136,7 @@ impl Terrain {
     /// The arguments that make this very ground, its heights checked.
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (spacing, origin) = (self.spacing(py), self.origin(py));
-        let (yaw, nodata, unit) = (self.0.orientation(), f64::NAN, "m");
+        let (yaw, nodata, unit) = (self.0.placement().yaw(), f64::NAN, "m");
         Ok(dict!(py, heights = self.heights(py)?, spacing, origin, yaw, nodata, unit))
     }
 
@@ -164,7 +164,7 @@ impl Terrain {
     /// True if heights may be implausible, marks of unknown ones or of another unit: large, or steep in many of some
     /// cells.
     fn may_be_implausible(&self) -> bool {
-        let ([rows, columns], [dx, dy]) = (self.0.shape(), self.0.spacing());
+        let ([rows, columns], [dx, dy]) = (self.0.shape(), self.0.placement().spacing());
         let steep = (0..SAMPLED).filter(|k| {
             // Spread over rows and columns by the golden ratio.
             let share = (0.618_033_988_749_894_9 * *k as f64).fract();
@@ -188,11 +188,11 @@ getters! { Terrain, self, py:
     /// Number of rows and of columns.
     shape: (usize, usize) = self.0.shape().into();
     /// Between columns and between rows [m].
-    spacing: (f64, f64) = self.0.spacing().into();
+    spacing: (f64, f64) = self.0.placement().spacing().into();
     /// Place of node (0, 0) in the world [m].
-    origin: (f64, f64) = self.0.origin().into();
+    origin: (f64, f64) = self.0.placement().origin().into();
     /// Angle from the x axis of the world to the rows, counter-clockwise [rad].
-    yaw: f64 = self.0.orientation();
+    yaw: f64 = self.0.placement().yaw();
     /// The heights [m], shape (rows, columns), as a fresh array.
     heights: PyResult<Bound<'py, PyAny>> = {
         let shape = &self.0.shape();
@@ -347,8 +347,9 @@ methods! { Terrain:
 #[pymethods]
 impl Terrain {
     fn __repr__(&self) -> String {
-        let ([rows, columns], [dx, dy], [x, y]) = (self.0.shape(), self.0.spacing(), self.0.origin());
-        let turned = match self.0.orientation() {
+        let ([rows, columns], [dx, dy], [x, y]) =
+            (self.0.shape(), self.0.placement().spacing(), self.0.placement().origin());
+        let turned = match self.0.placement().yaw() {
             0.0 => String::new(),
             yaw => format!(", yaw={yaw:?}"),
         };
@@ -356,8 +357,8 @@ impl Terrain {
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        let ([dx, dy], [x, y]) = (self.0.spacing(), self.0.origin());
-        let place = [dx, dy, x, y, self.0.orientation()];
+        let ([dx, dy], [x, y]) = (self.0.placement().spacing(), self.0.placement().origin());
+        let place = [dx, dy, x, y, self.0.placement().yaw()];
         PyTuple::new(py, place)?.hash()
     }
 }

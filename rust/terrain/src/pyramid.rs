@@ -7,7 +7,7 @@
 
 use crate::heights::Heights;
 use crate::interval::all;
-use six_wheel_kinematics::wheels::Direction;
+use six_wheel_kinematics::geometry::GridPlacement;
 use six_wheel_numerics::error::{Error, ErrorKind};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::{Vector, ZEROTH};
@@ -27,9 +27,7 @@ const UNKNOWN: Extremes = [f32::NEG_INFINITY; 2];
 pub struct Pyramid {
     /// Cells along x and along y.
     cells: [usize; 2],
-    spacing: [f64; 2],
-    origin: [f64; 2],
-    turn: Direction,
+    placement: GridPlacement,
     /// Level after level the cells, row after row.
     windows: Box<[Extremes]>,
 }
@@ -48,9 +46,7 @@ impl Pyramid {
     pub fn new(
         heights: &Heights,
         [rows, columns]: [usize; 2],
-        spacing: [f64; 2],
-        origin: [f64; 2],
-        turn: Direction,
+        placement: GridPlacement,
         is_interrupted: IsInterrupted,
     ) -> Result<Self, Error> {
         let cells = [columns - 1, rows - 1];
@@ -96,7 +92,7 @@ impl Pyramid {
                 }
             }
         }
-        Ok(Self { cells, spacing, origin, turn, windows: windows.into() })
+        Ok(Self { cells, placement, windows: windows.into() })
     }
 
     /// Number of cells along x and along y.
@@ -104,16 +100,8 @@ impl Pyramid {
         self.cells
     }
 
-    pub(super) fn spacing(&self) -> [f64; 2] {
-        self.spacing
-    }
-
-    pub(super) fn origin(&self) -> [f64; 2] {
-        self.origin
-    }
-
-    pub(super) fn turn(&self) -> Direction {
-        self.turn
+    pub(super) fn placement(&self) -> &GridPlacement {
+        &self.placement
     }
 
     /// Extremes over boxes of cells, or over some more beside the long sides of those that are longer than wide: four windows, each
@@ -306,7 +294,7 @@ mod tests {
         let mut heights: Vec<f64> = (0..SHAPE[0] * SHAPE[1]).map(|_| draw(1000) as f64 / 7.0 - 60.0).collect();
         heights[40 * SHAPE[1] + 77] = f64::NAN;
         let grid = Heights::Double(heights.clone().into());
-        let pyramid = Pyramid::new(&grid, SHAPE, [1.0, 1.0], [0.0, 0.0], Direction::from(0.0), never)?;
+        let pyramid = Pyramid::new(&grid, SHAPE, GridPlacement::new([1.0; 2], [0.0; 2], 0.0)?, never)?;
         for _ in 0..3000 {
             let longest = [1, 3, 8, 40, 140][draw(5)];
             let ends = [SHAPE[1] - 1, SHAPE[0] - 1].map(|cells| {

@@ -1,6 +1,6 @@
 //! Ground as a regular grid of heights: heights, gradients and normals, and what is not known.
 //!
-//! Node `(row, column)` lies at `origin + R(orientation) [column dx, row dy]`, so x grows with columns and y with
+//! Node `(row, column)` lies at `origin + R(yaw) [column dx, row dy]`, so x grows with columns and y with
 //! rows. Between nodes a height is bilinear, the surface every contact is computed on; bicubic heights can be
 //! asked for. NaN is a height nobody knows. Neither it nor the outside is ever guessed: both are answers
 //! ([`Sample`]).
@@ -17,8 +17,8 @@ use nalgebra::Vector3;
 use self::spline::{catmull_rom, four};
 pub use crate::heights::Heights;
 use crate::pyramid::Pyramid;
-use six_wheel_kinematics::wheels::Direction;
-use six_wheel_numerics::error::{Error, finite, number, numbers};
+use six_wheel_kinematics::geometry::GridPlacement;
+use six_wheel_numerics::error::{Error, number, numbers};
 use six_wheel_numerics::threads::workers::IsInterrupted;
 
 /// Spacings below this are no metres: an arc second of a map in degrees is 2.8e-4 [m].
@@ -61,10 +61,7 @@ pub struct Terrain {
     heights: Heights,
     rows: usize,
     columns: usize,
-    spacing: [f64; 2],
-    origin: [f64; 2],
-    orientation: f64,
-    turn: Direction,
+    placement: GridPlacement,
     /// Largest size of a height [m].
     largest: f64,
     /// Made when it is first asked for.
@@ -78,11 +75,7 @@ impl PartialEq for Terrain {
             let (a, b) = (self.heights.at(k), other.heights.at(k));
             a == b || a.is_nan() && b.is_nan()
         };
-        self.shape() == other.shape()
-            && self.spacing == other.spacing
-            && self.origin == other.origin
-            && self.orientation == other.orientation
-            && (0..self.heights.len()).all(same)
+        self.shape() == other.shape() && self.placement == other.placement && (0..self.heights.len()).all(same)
     }
 }
 
@@ -90,13 +83,7 @@ impl Terrain {
     /// A grid of `columns` heights per row. Fails unless there are at least two rows and columns, every height
     /// is below 1e15 m or NaN, and the place makes sense.
     #[inline]
-    pub fn new(
-        heights: Heights,
-        columns: usize,
-        spacing: [f64; 2],
-        origin: [f64; 2],
-        orientation: f64,
-    ) -> Result<Self, Error> {
+    pub fn new(heights: Heights, columns: usize, spacing: [f64; 2], origin: [f64; 2], yaw: f64) -> Result<Self, Error> {
         let rows = heights.len().checked_div(columns).unwrap_or(0);
         if rows < 2 || columns < 2 || rows * columns != heights.len() {
             let rule = "have at least two rows and two columns";
@@ -111,34 +98,17 @@ impl Terrain {
             let rule = if heights.at(k).is_infinite() { "be finite" } else { "be below 1e15 m" };
             return Err(Error::value(place, format!("{rule}, or nan where unknown"), number(heights.at(k))));
         }
-        for step in spacing {
-            if !(step.is_finite() && step > 0.0) {
-                let rule = "be finite and positive";
-                return Err(Error::value("spacing", rule, numbers(&spacing)));
-            }
-            if step < SMALLEST_SPACING {
-                let rule = "be at least 0.001 m (a map in degrees has to be projected to metres first)";
-                return Err(Error::value("spacing", rule, numbers(&spacing)));
-            }
+        let placement = GridPlacement::new(spacing, origin, yaw)?;
+        if spacing.iter().any(|step| *step < SMALLEST_SPACING) {
+            let rule = "be at least 0.001 m (a map in degrees has to be projected to metres first)";
+            return Err(Error::value("spacing", rule, numbers(&spacing)));
         }
-        finite("origin", &origin)?;
-        finite("yaw", &[orientation])?;
         let reach = spacing[0] * columns as f64 + spacing[1] * rows as f64;
         if reach + origin[0].abs() + origin[1].abs() >= 1e15 {
             // Beyond, neighbouring doubles lie further apart than a wheel is large.
             return Err(Error::value("spacing", "make a map whose coordinates have digits", numbers(&spacing)));
         }
-        Ok(Self {
-            heights,
-            rows,
-            columns,
-            spacing,
-            origin,
-            orientation,
-            turn: Direction::from(orientation),
-            largest,
-            pyramid: OnceLock::new(),
-        })
+        Ok(Self { heights, rows, columns, placement, largest, pyramid: OnceLock::new() })
     }
 
     /// The heights, row after row.
@@ -157,8 +127,7 @@ impl Terrain {
         if let Some(made) = self.pyramid.get() {
             return Ok(made);
         }
-        let (shape, spacing, origin) = (self.shape(), self.spacing(), self.origin());
-        let made = Arc::new(Pyramid::new(&self.heights, shape, spacing, origin, self.turn(), is_interrupted)?);
+        let made = Arc::new(Pyramid::new(&self.heights, self.shape(), self.placement, is_interrupted)?);
         Ok(self.pyramid.get_or_init(|| made))
     }
 
@@ -173,60 +142,10 @@ impl Terrain {
         [self.rows, self.columns]
     }
 
-    /// Between columns and between rows [m].
-    pub fn spacing(&self) -> [f64; 2] {
-        self.spacing
-    }
-
-    /// Position of node (0, 0) [m].
+    /// Where the nodes lie in the world.
     #[inline]
-    pub fn origin(&self) -> [f64; 2] {
-        self.origin
-    }
-
-    /// Angle of the rows against the x axis of the world, counter-clockwise [rad].
-    pub fn orientation(&self) -> f64 {
-        self.orientation
-    }
-
-    /// Cosine and sine of [`Self::orientation`].
-    #[inline]
-    pub fn turn(&self) -> Direction {
-        self.turn
-    }
-
-    /// A point of the world [m] in numbers of columns and rows from node (0, 0).
-    #[inline]
-    pub fn grid_from_world(&self, x: f64, y: f64) -> [f64; 2] {
-        self.grid_from_offset(x - self.origin[0], y - self.origin[1])
-    }
-
-    /// A point in numbers of columns and rows, by its distances from node (0, 0) along x and y of the world [m].
-    #[inline]
-    pub fn grid_from_offset(&self, x: f64, y: f64) -> [f64; 2] {
-        let [u, v] = self.grid_axes([x, y]);
-        [u / self.spacing[0], v / self.spacing[1]]
-    }
-
-    /// The reverse of [`Self::grid_from_world`].
-    #[inline]
-    pub fn world_from_grid(&self, column: f64, row: f64) -> [f64; 2] {
-        let [x, y] = self.world_axes([column * self.spacing[0], row * self.spacing[1]]);
-        [self.origin[0] + x, self.origin[1] + y]
-    }
-
-    /// A direction of the world in the axes of the grid [m].
-    #[inline]
-    pub fn grid_axes(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let Direction { sin, cos } = self.turn;
-        [cos * x + sin * y, cos * y - sin * x]
-    }
-
-    /// A direction in the axes of the grid [m] in those of the world.
-    #[inline]
-    pub fn world_axes(&self, [u, v]: [f64; 2]) -> [f64; 2] {
-        let Direction { sin, cos } = self.turn;
-        [cos * u - sin * v, sin * u + cos * v]
+    pub fn placement(&self) -> &GridPlacement {
+        &self.placement
     }
 
     /// Heights of a cell's corners by its lowest column and row, which are at most the number of columns and rows
@@ -251,7 +170,7 @@ impl Terrain {
     /// True if a point of the world lies on the map, its rim included.
     #[inline]
     pub fn contains(&self, x: f64, y: f64) -> bool {
-        let [u, v] = self.grid_from_world(x, y);
+        let [u, v] = self.placement.grid_from_world(x, y);
         self.on_grid(u, v)
     }
 
@@ -263,12 +182,13 @@ impl Terrain {
 
     /// Height and gradient of the ground at a point of the world [m].
     pub fn sample(&self, x: f64, y: f64, interpolation: Interpolation) -> Sample {
-        self.sample_offset(x - self.origin[0], y - self.origin[1], interpolation)
+        let [x0, y0] = self.placement.origin();
+        self.sample_offset(x - x0, y - y0, interpolation)
     }
 
     /// The same at these distances from node (0, 0) along x and y of the world [m].
     pub fn sample_offset(&self, x: f64, y: f64, interpolation: Interpolation) -> Sample {
-        let [u, v] = self.grid_from_offset(x, y);
+        let [u, v] = self.placement.grid_from_offset(x, y);
         if !self.on_grid(u, v) {
             return Sample::Outside;
         }
@@ -285,7 +205,8 @@ impl Terrain {
         if height.is_nan() {
             return Sample::Unknown;
         }
-        let gradient = self.world_axes([slope[0] / self.spacing[0], slope[1] / self.spacing[1]]);
+        let [dx, dy] = self.placement.spacing();
+        let gradient = self.placement.world_axes([slope[0] / dx, slope[1] / dy]);
         Sample::Known { height, gradient }
     }
 
@@ -314,22 +235,22 @@ pub fn normal([x, y]: [f64; 2]) -> Vector3<f64> {
 mod tests {
     use super::*;
 
-    fn ramp(orientation: f64) -> Result<Terrain, Error> {
+    fn ramp(yaw: f64) -> Result<Terrain, Error> {
         // 4 rows, 5 columns of a plane: 1 + 0.3 u - 0.2 v in the axes of the grid.
         let heights: Vec<f64> =
             (0..20).map(|k| 1.0 + 0.3 * 0.5 * f64::from(k % 5) - 0.2 * 0.25 * f64::from(k / 5)).collect();
-        Terrain::new(Heights::Double(Arc::new(heights)), 5, [0.5, 0.25], [2.0, -3.0], orientation)
+        Terrain::new(Heights::Double(Arc::new(heights)), 5, [0.5, 0.25], [2.0, -3.0], yaw)
     }
 
     #[test]
     fn a_plane_is_itself_everywhere_by_both_interpolations() -> Result<(), Error> {
-        for orientation in [0.0, 0.7, -2.0] {
-            let ground = ramp(orientation)?;
+        for yaw in [0.0, 0.7, -2.0] {
+            let ground = ramp(yaw)?;
             for (u, v) in [(0.0, 0.0), (0.1, 0.7), (1.99, 0.01), (2.0, 0.75), (0.3, 0.3)] {
-                let [x, y] = ground.world_from_grid(u / 0.5, v / 0.25);
-                let [gx, gy] = ground.world_axes([0.3, -0.2]);
+                let [x, y] = ground.placement().world_from_grid(u / 0.5, v / 0.25);
+                let [gx, gy] = ground.placement().world_axes([0.3, -0.2]);
                 for method in [Interpolation::Bilinear, Interpolation::Bicubic] {
-                    let [back, _] = ground.grid_from_world(x, y);
+                    let [back, _] = ground.placement().grid_from_world(x, y);
                     if !(0.0..=4.0).contains(&back) {
                         continue; // rounded off the rim
                     }

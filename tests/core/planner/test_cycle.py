@@ -71,6 +71,32 @@ def test_a_cycle_is_that_of_the_reference(rover, how, kernel):
     assert found.cost == plan.costs.min()
 
 
+@pytest.mark.parametrize("kernel", sw.simd_levels())
+@pytest.mark.parametrize("yaw", [0.7, -2.5, np.pi / 2])
+def test_a_turned_map_costs_what_it_costs_in_its_own_axes(kernel, yaw):
+    rover = ROVERS["six wheels"]
+    turn = sw.Pose(*GROUND["origin"], yaw) @ sw.Pose(*GROUND["origin"], 0.0).inverse()
+    straight = sw.Costmap(HILLS, outside=0.9, **GROUND)
+    plans = [sw.Mppi(rover, sw.Limits(**LIMITS), samples=200, seed=7) for _ in range(2)]
+    for plan, by, costmap in zip(
+        plans, (sw.Pose(), turn), (straight, straight.replace(yaw=yaw)), strict=True
+    ):
+        goal = by @ sw.Pose(4.0, 3.0, 0.0)
+        plan.step(by @ sw.Pose(*START), costmap=costmap, goal=goal[:2], level=kernel)
+    # The same positions in other axes: 1e-15 m apart, where costs change by 10 for every metre.
+    np.testing.assert_allclose(plans[1].costs, plans[0].costs, rtol=1e-11)
+
+
+def test_a_place_beside_a_turned_map_is_refused():
+    costmap = sw.Costmap(np.zeros((3, 5)), 1.0, (0.0, 0.0), np.pi / 4)
+    plan = sw.Mppi(ROVERS["six wheels"], sw.Limits(**LIMITS), samples=8)
+    assert plan.step((0.0, 2.0, 0.0), goal=(1.0, 2.0), costmap=costmap).poses[0, 1] == 2.0
+    with pytest.raises(
+        ValueError, match=r"^state.pose must lie on the costmap \(from \(0.0, 0.0\) to .* turned by 0.78"
+    ):
+        plan.step((3.0, 0.0, 0.0), goal=(1.0, 2.0), costmap=costmap)
+
+
 def test_the_generator_gives_its_published_words():
     # Random123, kat_vectors: philox4x32 of zeros, 7 and 10 rounds.
     zeros = np.zeros(4, np.uint64)

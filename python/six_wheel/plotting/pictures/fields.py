@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from six_wheel._core import Costmap, Terrain
 from six_wheel.plotting.drawing import (
@@ -42,6 +43,14 @@ BESIDE = 1.0  # [m] of a costmap around paths
 SUN = LightSource(azdeg=315, altdeg=40)
 
 
+def _nodes(grid: Terrain | Costmap, shape: tuple[int, ...], step: int = 1) -> NDArray[np.float64]:
+    """x and y of every `step`-th node of a grid in the world, shape (2, rows, columns) [m]."""
+    rows, columns = np.indices(shape) * step
+    (dx, dy), (x, y) = grid.spacing, grid.origin
+    along, up, cos, sin = columns * dx, rows * dy, np.cos(grid.yaw), np.sin(grid.yaw)
+    return np.stack((x + cos * along - sin * up, y + sin * along + cos * up))
+
+
 def draw_ground(axes: Axes, ground: Terrain) -> None:
     """Relief with contour lines; what is not known stays white."""
     heights = np.asarray(ground.heights, dtype=float)
@@ -49,14 +58,11 @@ def draw_ground(axes: Axes, ground: Terrain) -> None:
         raise ValueError("ground must have a known height to be drawn, all of them are NaN")
     step = max(1, -(-max(heights.shape) // NODES))
     heights = heights[::step, ::step]
-    rows, columns = heights.shape
-    (dx, dy), (x0, y0) = np.multiply(ground.spacing, step), ground.origin
+    dx, dy = np.multiply(ground.spacing, step)
     filled = np.nan_to_num(heights, nan=float(np.nanmin(heights)))
     bright = SUN.hillshade(filled, vert_exag=2.0, dx=dx, dy=dy)
     colours = LinearSegmentedColormap.from_list("ground", [INK, TRACK, "#ffffff"])
-    cos, sin = np.cos(ground.yaw), np.sin(ground.yaw)
-    along, up = np.meshgrid(np.arange(columns) * dx, np.arange(rows) * dy)
-    x, y = x0 + cos * along - sin * up, y0 + sin * along + cos * up
+    x, y = _nodes(ground, heights.shape, step)
     shown = np.where(np.isfinite(heights), bright, np.nan)
     smooth: Literal["gouraud", "nearest"]
     smooth = "gouraud" if np.isfinite(shown).all() else "nearest"  # the smooth one knows no holes
@@ -98,10 +104,13 @@ def _draw_costs(axes: Axes, costmap: Costmap) -> None:
     draw_costmap(axes, costmap)
     values, lethal = np.asarray(costmap.values, dtype=float), costmap.lethal
     if lethal is not None and (values >= lethal).any():
-        (dx, dy), (x, y) = costmap.spacing, costmap.origin
-        places = x + dx * np.arange(values.shape[1]), y + dy * np.arange(values.shape[0])
         axes.contourf(
-            *places, values >= lethal, levels=[0.5, 1.5], colors="none", hatches=["xxx"], zorder=0.6
+            *_nodes(costmap, values.shape),
+            values >= lethal,
+            levels=[0.5, 1.5],
+            colors="none",
+            hatches=["xxx"],
+            zorder=0.6,
         )
     tidy(axes, "x [m]", "y [m]")
 

@@ -7,11 +7,11 @@ use super::limits::{Bounds, Moving, Synchronise};
 use super::optimal::time_optimal;
 use super::{Profile, Shape, linear};
 use six_wheel_kinematics::estimate::{Measured, Method, Unseen};
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::kernels::steered::wheel::castor_rim_speed;
 use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS, Mount, Rover};
 use six_wheel_kinematics::steering::ANGLE_TOLERANCE;
-use six_wheel_kinematics::wheels::Direction;
 use six_wheel_numerics::error::{Error, finite, number};
 
 /// Output of a transition: one value per steered wheel, speeds per wheel.

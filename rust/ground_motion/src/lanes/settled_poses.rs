@@ -1,7 +1,7 @@
 //! Settled poses, row after row, and the loads of a row into every lane.
 
 use super::columns::Span;
-use six_wheel_kinematics::wheels::Direction;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::ground::{CONTACT, NUMBERS, Stand};

@@ -5,7 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::sample::Read;
 use super::settings::Settings3;
 use crate::{Contacts, Response};
-use six_wheel_kinematics::wheels::Direction;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
 /// The readings at both ends of a step.

@@ -9,11 +9,11 @@
 use nalgebra::Vector3;
 use pulp::Simd;
 
+use crate::geometry::Direction;
 use crate::kernels::row::dot;
 use crate::kernels::safe_range::{MIN_SQUARABLE, SCALE, distant_pivots, has_safe_lengths, is_in_safe_range};
 use crate::kernels::steered::wheel::{SAFE_OVERSHOOT, SteeredConstants, WheelQuery};
 use crate::rover_data::RoverData;
-use crate::wheels::Direction;
 use six_wheel_numerics::columns::Column;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{LevelKernel, run_rarely};

@@ -8,8 +8,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::sensitivity::{Linearised, Quantity};
 use super::{Measured, Reading};
+use crate::geometry::Direction;
 use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
-use crate::wheels::Direction;
 
 /// `1, vx, vy, omega, speed, rate`, and how often: times 1, cosine and sine of the direction.
 pub(crate) const GIVEN: usize = 6;

@@ -13,9 +13,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Measured, Reading};
+use crate::geometry::Direction;
 use crate::geometry::Twist;
 use crate::rover_data::{Mount, RoverData};
-use crate::wheels::{Direction, Pivot, Wheel};
+use crate::wheels::{Pivot, Wheel};
 
 /// Something of one wheel on which the twist depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

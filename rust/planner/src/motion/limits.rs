@@ -10,8 +10,9 @@ use nalgebra::{Matrix3, Vector3};
 use super::steered_joint::{SteeredJoint, window};
 use crate::numbers::squares::{Form, ROUNDING, needed, product, square};
 use six_wheel_control::controller::Limits;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_kinematics::rover::{Mount, Rover};
-use six_wheel_kinematics::wheels::{Direction, Pivot};
+use six_wheel_kinematics::wheels::Pivot;
 use six_wheel_numerics::error::{Error, short};
 use six_wheel_numerics::simd::vec3::inner_product;
 

@@ -11,8 +11,8 @@
 ///   name by the function of that name in `arguments`;
 /// - `name: native Type` or `name: native Type = default`: a type that pyo3 reads;
 /// - `*`, `/`, `*name` and `**name`, as in Python;
-/// - `**` at the end: keywords that are not in the list are refused with the nearest name, and after them what is missing;
-///   it needs the signature after `as`. Not for methods with a fast path: pyo3 gives what takes any keyword another calling convention.
+/// - `**` at the end: keywords that are not in the list are refused with the nearest name, after them values that are too
+///   many without keywords, and all that is missing; it needs the signature after `as`. Not for methods with a fast path: pyo3 gives what takes any keyword another calling convention.
 macro_rules! methods {
     ($class:ident: $($items:tt)*) => {
         listed! { [$class] $($items)* }
@@ -44,7 +44,7 @@ macro_rules! listed {
 macro_rules! with_end {
     (([$($class:ident)?] $prefix:tt $name:ident $head:tt [$shown:tt] $result:tt $body:tt) $all:tt * *) => {
         with_parameters! {
-            [(concat!($(stringify!($class), ".",)? stringify!($name))) $shown]
+            [call (concat!($(stringify!($class), ".",)? stringify!($name))) $shown []]
             ([$($class)?] $prefix $name $head [$shown] $result $body) [] [] [] $all
         }
     };
@@ -53,19 +53,28 @@ macro_rules! with_end {
 }
 
 /// Reads a list of parameters from the left: the signature of pyo3, the parameters of Rust and, where keywords are
-/// checked, the lines that read what has no default grow by one at every step.
+/// checked, what has no default with the line that reads it grow by one at every step.
 macro_rules! with_parameters {
     ($checked:tt $made:tt $signature:tt $typed:tt $required:tt [$($parameters:tt)+]) => {
         with_parameters! { $checked $made $signature $typed $required $($parameters)+ }
     };
     (
-        [$call:tt $shown:tt] ($class:tt $prefix:tt $name:tt $head:tt $text:tt $result:tt [$($body:tt)*])
-        [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*] * *
+        [$call:ident $path:tt $shown:tt [$($excess:ident)?]] ($class:tt $prefix:tt $name:tt $head:tt $text:tt $result:tt [$($body:tt)*])
+        [$($signature:tt)*] [$($typed:tt)*] [$(($required:ident $($line:tt)*))*] * *
     ) => {
         with_parameters! {
-            [] ($class $prefix $name $head $text $result
-                [crate::fastcall::keywords::check($call, $shown, unknown)?; $($required)* $($body)*])
+            [] ($class $prefix $name $head $text $result [
+                let $call = crate::fastcall::keywords::Call { name: $path, signature: $shown };
+                $call.check(unknown, &[$($excess)?], &[$((stringify!($required), &$required)),*])?;
+                $($($line)*)* $($body)*
+            ])
             [$($signature)* **unknown,] [$($typed)* unknown: Option<&Bound<'py, pyo3::types::PyDict>>,] [] []
+        }
+    };
+    ([$call:tt $path:tt $shown:tt []] $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt * $(, $($rest:tt)*)?) => {
+        with_parameters! {
+            [$call $path $shown [excess]] $made [$($signature)* *excess,]
+            [$($typed)* excess: &Bound<'py, pyo3::types::PyTuple>,] $required [$($($rest)*)?]
         }
     };
     ($checked:tt $made:tt [$($signature:tt)*] $typed:tt $required:tt * $(, $($rest:tt)*)?) => {
@@ -101,15 +110,15 @@ macro_rules! with_parameters {
         }
     };
     (
-        [$call:tt $shown:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
+        [$call:tt $path:tt $shown:tt $excess:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
         $name:ident: native $type:ty $(, $($rest:tt)*)?
     ) => {
         with_parameters! {
-            [$call $shown] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
+            [$call $path $shown $excess] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
             [$($typed)* $name: crate::fastcall::keywords::Given<'py>,]
             [
                 $($required)*
-                let $name: $type = crate::fastcall::keywords::required($call, stringify!($name), &$name)?.extract()?;
+                ($name let $name: $type = $call.required(stringify!($name), &$name)?.extract()?;)
             ]
             [$($($rest)*)?]
         }
@@ -130,16 +139,15 @@ macro_rules! with_parameters {
         }
     };
     (
-        [$call:tt $shown:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
+        [$call:tt $path:tt $shown:tt $excess:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
         $name:ident: $type:ty $(, $($rest:tt)*)?
     ) => {
         with_parameters! {
-            [$call $shown] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
+            [$call $path $shown $excess] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
             [$($typed)* $name: crate::fastcall::keywords::Given<'py>,]
             [
                 $($required)*
-                let $name: $type =
-                    crate::arguments::$name(crate::fastcall::keywords::required($call, stringify!($name), &$name)?)?;
+                ($name let $name: $type = crate::arguments::$name($call.required(stringify!($name), &$name)?)?;)
             ]
             [$($($rest)*)?]
         }
@@ -154,13 +162,13 @@ macro_rules! with_parameters {
         }
     };
     (
-        [$call:tt $shown:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
+        [$call:tt $path:tt $shown:tt $excess:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
         $name:ident $(, $($rest:tt)*)?
     ) => {
         with_parameters! {
-            [$call $shown] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
+            [$call $path $shown $excess] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
             [$($typed)* $name: crate::fastcall::keywords::Given<'py>,]
-            [$($required)* let $name = crate::fastcall::keywords::required($call, stringify!($name), &$name)?;]
+            [$($required)* ($name let $name = $call.required(stringify!($name), &$name)?;)]
             [$($($rest)*)?]
         }
     };

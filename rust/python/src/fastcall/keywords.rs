@@ -1,18 +1,17 @@
-//! Keywords that a call does not have.
+//! Keywords that a call does not have, values for which it has no place, and arguments that are missing.
 
 use std::ffi::CStr;
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyType};
+use pyo3::types::{PyDict, PyTuple, PyType};
 
-/// Fails if there are unknown keywords: the message has the nearest name, and all those in the signature `shown`.
-pub fn check(call: &str, shown: &str, unknown: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-    let Some((name, _)) = unknown.and_then(|unknown| unknown.iter().next()) else { return Ok(()) };
-    let module = name.py().import("six_wheel.kinematics.keywords")?;
-    let call = call.trim_end_matches(".new");
-    let message: String = module.call_method1("unknown_keyword", (call, &name, shown))?.extract()?;
-    Err(PyTypeError::new_err(message))
+/// A call, as it is written in messages.
+pub struct Call {
+    /// `Class.method`; `Class.new` for a constructor.
+    pub name: &'static str,
+    /// The parameters as Python shows them.
+    pub signature: &'static str,
 }
 
 /// An argument without a default, which may be missing.
@@ -26,10 +25,43 @@ impl<'py> FromPyObject<'_, 'py> for Given<'py> {
     }
 }
 
-/// An argument without a default; fails where it is missing.
-pub fn required<'a, 'py>(call: &str, name: &str, given: &'a Given<'py>) -> PyResult<&'a Bound<'py, PyAny>> {
-    let message = || format!("{}() needs the argument {name}", call.trim_end_matches(".new"));
-    given.0.as_ref().ok_or_else(|| PyTypeError::new_err(message()))
+impl Call {
+    fn name(&self) -> &str {
+        self.name.trim_end_matches(".new")
+    }
+
+    /// Fails if there are unknown keywords: the message has the nearest name, and all there are. Then if there are more
+    /// values without keywords than places, then if any of the `required` arguments is missing.
+    pub fn check(
+        &self,
+        unknown: Option<&Bound<'_, PyDict>>,
+        excess: &[&Bound<'_, PyTuple>],
+        required: &[(&str, &Given<'_>)],
+    ) -> PyResult<()> {
+        let refused = |function: &str, value: Bound<'_, PyAny>| {
+            let module = value.py().import("six_wheel.kinematics.keywords")?;
+            let message: String = module.call_method1(function, (self.name(), value, self.signature))?.extract()?;
+            Err(PyTypeError::new_err(message))
+        };
+        if let Some((name, _)) = unknown.and_then(|unknown| unknown.iter().next()) {
+            return refused("unknown_keyword", name);
+        }
+        if let Some(excess) = excess.first().filter(|excess| !excess.is_empty()) {
+            return refused("too_many_values", (*excess).clone().into_any());
+        }
+        let missing: Vec<&str> = required.iter().filter(|each| each.1.0.is_none()).map(|each| each.0).collect();
+        if missing.is_empty() { Ok(()) } else { Err(self.needs(&missing)) }
+    }
+
+    /// An argument without a default; fails where it is missing.
+    pub fn required<'a, 'py>(&self, name: &str, given: &'a Given<'py>) -> PyResult<&'a Bound<'py, PyAny>> {
+        given.0.as_ref().ok_or_else(|| self.needs(&[name]))
+    }
+
+    fn needs(&self, missing: &[&str]) -> PyErr {
+        let (call, plural) = (self.name(), if missing.len() > 1 { "s" } else { "" });
+        PyTypeError::new_err(format!("{call}() needs the argument{plural} {}", missing.join(", ")))
+    }
 }
 
 /// The error of pyo3 for an unknown keyword of a method, if it is the one that is set, with the nearest name and all others.

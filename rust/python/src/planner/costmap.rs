@@ -3,6 +3,7 @@
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use six_wheel_kinematics::geometry::GridPlacement;
 use six_wheel_planner::Costmap as Core;
 
 use crate::arguments::ArgumentKind;
@@ -10,8 +11,8 @@ use crate::convert::{ArgumentTypeError, OrRaise, number, refuse, refuse_shape};
 
 /// Costs on a grid, for a planner.
 ///
-/// The cost of cell ``[row, column]`` is that at ``origin + (column, row) * spacing``: y grows with the rows, x with the
-/// columns. In between it is linear along each axis.
+/// The cost of cell ``[row, column]`` is that at ``origin + R(yaw) (column dx, row dy)``: x grows with the columns, y with
+/// the rows. In between it is linear along each axis of the grid.
 ///
 /// Parameters
 /// ----------
@@ -21,6 +22,8 @@ use crate::convert::{ArgumentTypeError, OrRaise, number, refuse, refuse_shape};
 ///     Distance between cells, along x and along y [m].
 /// origin : array_like, shape (2,)
 ///     Place of cell ``[0, 0]`` [m].
+/// yaw : float, default 0.0
+///     Angle of the rows against the x axis of the world, counter-clockwise [rad].
 /// lethal : float, optional
 ///     Cost from which on a place is forbidden.
 /// outside : float, optional
@@ -47,9 +50,11 @@ impl ArgumentKind for Costmap {
 
 getters! { Costmap, self, py:
     /// Distance between cells, along x and along y [m].
-    spacing: (f64, f64) = self.core.spacing().into();
+    spacing: (f64, f64) = self.core.placement().spacing().into();
     /// Place of cell ``[0, 0]`` [m].
-    origin: (f64, f64) = self.core.origin().into();
+    origin: (f64, f64) = self.core.placement().origin().into();
+    /// Angle of the rows against the x axis of the world, counter-clockwise [rad].
+    yaw: f64 = self.core.placement().yaw();
     /// Cost from which on a place is forbidden, or None.
     lethal: Option<f64> = self.core.lethal();
     /// Cost of every place beyond the map, or None.
@@ -66,17 +71,17 @@ pickled_by_keywords!(Costmap: keywords);
 
 impl Costmap {
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (spacing, origin, lethal) = (self.spacing(py), self.origin(py), self.lethal(py));
+        let (spacing, origin, yaw, lethal) = (self.spacing(py), self.origin(py), self.yaw(py), self.lethal(py));
         let (values, outside, frame) = (self.values(py)?, self.outside(py), &self.frame);
-        Ok(dict!(py, values, spacing, origin, lethal, outside, frame))
+        Ok(dict!(py, values, spacing, origin, yaw, lethal, outside, frame))
     }
 }
 
 methods! { Costmap:
     #[new]
-    fn new[py: Python<'py>](values, spacing, origin=None, *, lethal: Option<f64> = None, outside: Option<f64> = None,
-        frame: Option<String> = None, **)
-    as "(values, spacing, origin=None, *, lethal=None, outside=None, frame=None)" -> PyResult<Self> {
+    fn new[py: Python<'py>](values, spacing, origin=None, yaw: Option<f64> = None, *, lethal: Option<f64> = None,
+        outside: Option<f64> = None, frame: Option<String> = None, **)
+    as "(values, spacing, origin=None, yaw=0.0, *, lethal=None, outside=None, frame=None)" -> PyResult<Self> {
         let numpy = py.import("numpy")?;
         let array = numpy.call_method1("asarray", (values,))?;
         let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
@@ -98,7 +103,8 @@ methods! { Costmap:
             Err(_) => pair("spacing", spacing)?,
         };
         let origin = origin.map_or(Ok([0.0; 2]), |origin| pair("origin", origin))?;
-        let core = Core::new(array.to_vec()?, [rows, columns], spacing, origin, lethal, outside);
+        let placement = GridPlacement::new(spacing, origin, yaw.unwrap_or_default()).or_raise(&[])?;
+        let core = Core::new(array.to_vec()?, [rows, columns], placement, lethal, outside);
         Ok(Self { core: core.or_raise(&[])?, frame })
     }
 }
@@ -126,7 +132,7 @@ methods! { Costmap:
     /// Raises
     /// ------
     /// ValueError
-    ///     If the grid is turned, its size is not that of the data, or an argument makes no sense.
+    ///     If its size is not that of the data, its plane is tilted, or an argument makes no sense.
     fn from_occupancy_grid[py: Python<'py>](msg, *, inflation=None, unknown=None, lethal=None, **)
     as "(msg, *, inflation=0.0, unknown=0.5, lethal=0.65)" -> PyResult<Bound<'py, PyAny>> {
         made_by(py, "from_occupancy_grid", msg, [inflation, unknown, lethal])
@@ -178,9 +184,13 @@ fn made_by<'py>(
 impl Costmap {
     fn __repr__(&self) -> String {
         let [rows, columns] = self.core.shape();
-        let ([dx, dy], [x, y]) = (self.core.spacing(), self.core.origin());
+        let ([dx, dy], [x, y]) = (self.core.placement().spacing(), self.core.placement().origin());
+        let turned = match self.core.placement().yaw() {
+            0.0 => String::new(),
+            yaw => format!(", yaw={yaw:?}"),
+        };
         let frame = self.frame.as_ref().map_or_else(String::new, |frame| format!(", frame={frame:?}"));
-        format!("Costmap(<{rows} x {columns}>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){frame})")
+        format!("Costmap(<{rows} x {columns}>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){turned}{frame})")
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
@@ -189,6 +199,6 @@ impl Costmap {
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
         let shape: (usize, usize) = self.core.shape().into();
-        (shape, self.spacing(py), self.origin(py), &self.frame).into_pyobject(py)?.hash()
+        (shape, self.spacing(py), self.origin(py), self.yaw(py), &self.frame).into_pyobject(py)?.hash()
     }
 }

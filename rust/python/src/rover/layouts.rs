@@ -5,7 +5,7 @@ mod per_wheel;
 mod rollers;
 
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 use six_wheel_kinematics::layouts::SkidCentres;
 use six_wheel_kinematics::presets;
 use six_wheel_kinematics::rover::{MAX_WHEELS, Rover as Core};
@@ -209,7 +209,7 @@ methods! { Rover:
     -> PyResult<Self> {
         let [width, radius] = [track_width, wheel_radius].map(|size| Given(Some(size.clone())));
         let (left, right, forward) = (icr_left, icr_right, icr_forward);
-        Self::differential(py, width, radius, 1, None, left, right, forward, scrub, trail, names, None)
+        Self::differential(py, width, radius, &PyTuple::empty(py), 1, None, left, right, forward, scrub, trail, names, None)
     }
 
     /// A published rover by name; `Rover.presets` lists them.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use six_wheel_kinematics::wheels::Direction;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_terrain::ground::{self, Contact, DIMENSIONS, by_dimension, by_pose, rim_point};
 use six_wheel_terrain::suspension::{MAX_FREE, Placed, PlanPose};
 use six_wheel_terrain::terrain::Terrain;
@@ -112,7 +112,7 @@ impl Stand {
         py: Python<'py>,
         point: impl Fn(&Placed<'_>, &Contact, usize) -> P,
     ) -> PyResult<Array<'py>> {
-        let [x0, y0] = self.ground.origin();
+        let [x0, y0] = self.ground.placement().origin();
         self.where_placed(py, &[self.wheels(), 3], |k, placed, row| {
             for (wheel, target) in row.as_chunks_mut().0.iter_mut().enumerate() {
                 let [x, y, z] = point(placed, &self.stands[k].wheels[wheel], wheel).into();

@@ -1,7 +1,7 @@
 //! Published suspensions by name: `Suspension.preset` and `RockerBogie.preset`.
 
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict, PyFloat};
+use pyo3::types::{IntoPyDict, PyDict, PyFloat, PyTuple};
 use six_wheel_terrain::suspension::{PRESETS, RockerBogie as Core};
 
 use super::base::Suspension;
@@ -33,7 +33,7 @@ methods! { Suspension:
         if name == ZOE {
             let sizes = [1.91, 1.64, 0.119, 0.325].map(|size| Given(Some(PyFloat::new(py, size).into_any())));
             let [base, track, drop, radius] = sizes;
-            let made = Self::pivoting_axles(py, base, track, drop, radius, None, None, None)?;
+            let made = Self::pivoting_axles(py, &PyTuple::empty(py), base, track, drop, radius, None, None, None)?;
             return Py::new(py, made);
         }
         if PRESETS.iter().any(|preset| preset.name == name) {

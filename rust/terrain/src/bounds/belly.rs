@@ -92,7 +92,7 @@ impl Belly {
         let corner = |x: f64, y: f64| origin + rotation * Vector3::new(x, y, self.z);
         let ([rear, front], w) = (self.x, self.half_width);
         let corners = [corner(rear, -w), corner(front, -w), corner(front, w), corner(rear, w)];
-        let places = corners.map(|corner| Vector2::from(ground.grid_from_offset(corner.x, corner.y)));
+        let places = corners.map(|corner| Vector2::from(ground.placement().grid_from_offset(corner.x, corner.y)));
         if !places.iter().all(|place| ground.on_grid(place.x, place.y)) {
             return None;
         }
@@ -224,7 +224,7 @@ mod tests {
         for k in 0..20 {
             let yaw = f64::from(k) * 0.7;
             let rotation = nalgebra::Rotation3::from_euler_angles(0.1, -0.15, yaw).into_inner();
-            let [x, y] = ground.world_from_grid(20.3, 19.1);
+            let [x, y] = ground.placement().world_from_grid(20.3, 19.1);
             let origin = Vector3::new(x, y, 0.1);
             let exact = belly.clearance(&ground, origin, &rotation).unwrap_or(f64::NAN);
             let mut dense = f64::INFINITY;

@@ -252,13 +252,13 @@ struct Place<S: Vector> {
 #[inline_always]
 impl<S: Vector> Place<S> {
     fn new(simd: S, pyramid: &Pyramid, [x, y, yaw]: [Lanes<S>; 3], [chord, margin]: [Lanes<S>; 2]) -> Self {
-        let turn = pyramid.turn();
+        let turn = pyramid.placement().turn();
         let (turned_cos, turned_sin) = (all(simd, turn.cos), all(simd, turn.sin));
         let (sin, cos) = sin_cos(simd, yaw);
         let (cos, sin) = (turned_cos * cos + turned_sin * sin, turned_cos * sin - turned_sin * cos);
-        let [x0, y0] = pyramid.origin();
+        let [x0, y0] = pyramid.placement().origin();
         let (x, y) = (x - all(simd, x0), y - all(simd, y0));
-        let [dx, dy] = pyramid.spacing();
+        let [dx, dy] = pyramid.placement().spacing();
         let [across, along] = [all(simd, 1.0 / dx), all(simd, 1.0 / dy)];
         let [columns, rows] = pyramid.cells();
         Self {

@@ -170,7 +170,7 @@ impl<const N: usize> Answer<'_, N> {
         if let (By::Dimension(_), Some(by_radius)) = (self.by, moved.last_mut()) {
             *by_radius += spoke;
         }
-        let [u, v] = self.ground.grid_from_offset(point.x, point.y);
+        let [u, v] = self.ground.placement().grid_from_offset(point.x, point.y);
         let on_line = [u, v].map(|place| (place - place.round()).abs() < ON_A_LINE);
         let upwards = contact.upwards();
         let along = self.in_grid(tangent);
@@ -197,8 +197,8 @@ impl<const N: usize> Answer<'_, N> {
 
     /// A direction, in columns and rows.
     fn in_grid(&self, direction: Vector3<f64>) -> [f64; 2] {
-        let [dx, dy] = self.ground.spacing();
-        let [u, v] = self.ground.grid_axes([direction.x, direction.y]);
+        let [dx, dy] = self.ground.placement().spacing();
+        let [u, v] = self.ground.placement().grid_axes([direction.x, direction.y]);
         [u / dx, v / dy]
     }
 

@@ -104,7 +104,7 @@ impl<'a> OnePose<'a> {
     pub fn new(settler: &Settler<'a>, pose: PlanPose, steering: &'a [f64]) -> Self {
         let Settler { chain, ground, level, .. } = *settler;
         let on_grid = PoseOnGrid::new(ground, pose);
-        let pose = pose.relative_to(ground.origin());
+        let pose = pose.relative_to(ground.placement().origin());
         Self { chain, ground, level, pose, on_grid, steering, over: [1.0, 0.0] }
     }
 

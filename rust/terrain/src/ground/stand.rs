@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::settler::Status;
 use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
 use crate::terrain::Terrain;
-use six_wheel_kinematics::wheels::Direction;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::error::Error;
 
 /// A settled pose, without the chain.
@@ -53,8 +53,8 @@ impl Contact {
 
     /// A contact with no other as near, at a place of the grid with these derivatives of the height by columns and rows [m].
     pub(crate) fn new(ground: &Terrain, gap: f64, at: Direction, [along, across]: [f64; 2]) -> Self {
-        let [dx, dy] = ground.spacing();
-        Self { gap, at, gradient: ground.world_axes([along / dx, across / dy]), next: f64::NAN }
+        let [dx, dy] = ground.placement().spacing();
+        Self { gap, at, gradient: ground.placement().world_axes([along / dx, across / dy]), next: f64::NAN }
     }
 
     /// The vector whose product with the velocity of the contact point is the rate of the gap.
@@ -128,7 +128,7 @@ impl Stand {
         if !self.status.stands() {
             return None;
         }
-        chain.place(pose.relative_to(ground.origin()), &self.state, steering)
+        chain.place(pose.relative_to(ground.placement().origin()), &self.state, steering)
     }
 
     /// Contact point of a wheel, on its rim, from where the chain's coordinates count [m].

@@ -3,7 +3,7 @@
 use nalgebra::{IsometryMatrix3, Matrix3, Point3, Rotation3, Translation3, Vector3};
 
 use super::dimensions::Dimensions;
-use six_wheel_kinematics::wheels::Direction;
+use six_wheel_kinematics::geometry::Direction;
 
 /// Number of frames of the chain.
 pub const FRAMES: usize = 15;

@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 
 use pulp::Simd;
 
+use crate::geometry::Direction;
 use crate::rover_data::Mount;
 use crate::steering::SteeringRange;
-use crate::wheels::{Direction, Wheel};
+use crate::wheels::Wheel;
 use six_wheel_numerics::simd::lanes::Lanes;
 
 /// Steering increment up to which the first solution is nearer than the other one by more than that of a direction tie [rad].

@@ -8,7 +8,7 @@ use crate::ground::settler::Settler;
 use crate::ground::stand::Stand;
 use crate::suspension::{MAX_STATE, MAX_WHEELS, PlanPose, State};
 use crate::terrain::Terrain;
-use six_wheel_kinematics::wheels::Direction;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
 
@@ -131,11 +131,11 @@ pub(crate) struct PoseOnGrid {
 
 impl PoseOnGrid {
     pub fn new(ground: &Terrain, pose: PlanPose) -> Self {
-        let PlanPose { x, y, yaw } = pose.relative_to(ground.origin());
-        let turn = ground.turn();
+        let PlanPose { x, y, yaw } = pose.relative_to(ground.placement().origin());
+        let turn = ground.placement().turn();
         let (sin, cos) = yaw.sin_cos();
         let heading = Direction { sin: sin * turn.cos - cos * turn.sin, cos: cos * turn.cos + sin * turn.sin };
-        Self { origin: ground.grid_axes([x, y]), heading }
+        Self { origin: ground.placement().grid_axes([x, y]), heading }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::ground::rims::interval::TIE;
 use crate::ground::settler::Status;
 use crate::ground::stand::{Contact, Stand};
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS};
-use six_wheel_kinematics::wheels::Direction;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 

@@ -66,7 +66,7 @@ impl Site<'_> {
     /// Columns and rows of the grid per metre.
     #[inline(always)]
     pub fn per_metre<S: Vector>(&self, simd: S) -> [Lanes<S>; 2] {
-        let spacing = self.ground.spacing();
+        let spacing = self.ground.placement().spacing();
         [Lanes::splat(simd, 1.0 / spacing[0]), Lanes::splat(simd, 1.0 / spacing[1])]
     }
 }

@@ -7,7 +7,7 @@ use super::circles::{FAR, RIMS, RimLanes, WheelCircle, both, spread};
 use super::interval::{AngleInterval, GapMinimum};
 use super::walk::find_min_gap;
 use crate::terrain::Terrain;
-use six_wheel_kinematics::wheels::Direction;
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// A minimum this far above the least one is no contact [m].
