@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Self
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
 from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.rover_edit import reading_joints
@@ -13,7 +13,7 @@ from six_wheel.logs.mcap import RoverRecord
 from six_wheel.logs.mcap.writer import record_stamps
 
 
-class TrackRecord:
+class TrackRecord(Closing):
     """Writes tracks into an MCAP file of `logs.mcap`, chunk by chunk.
 
     Parameters
@@ -50,8 +50,5 @@ class TrackRecord:
             record.odometry(stamp, stamp, pose, twist, of_pose, of_twist)
             record.slip(stamp, residuals[row].tolist())
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
+    def close(self) -> None:
         self._record.close()

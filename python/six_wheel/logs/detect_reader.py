@@ -9,13 +9,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
-from typing import Any, Self, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning, as_path
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
@@ -281,7 +282,7 @@ def read_log(
     return replace(whole, steering=steering, wheel_angles=whole.wheel_angles * scale, truth=known), log
 
 
-class WholeLog:
+class WholeLog(Closing):
     """A log that is read whole, with the face of a `JointLog`.
 
     Raises `TableError` if the file is no such log, or of another rover.
@@ -321,15 +322,6 @@ class WholeLog:
             wheels, found = len(rover.wheels), self._log.wheel_angles.shape[1]
             raise TableError(f"{path}: the log must have {wheels} wheels, as the rover has, got {found}")
         self.size = len(self._log)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """The file is closed already."""
 
     @property
     def has_gyroscope(self) -> bool:

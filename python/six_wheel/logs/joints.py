@@ -14,6 +14,7 @@ from typing import Any, Self
 import numpy as np
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import Topics
 from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
@@ -34,7 +35,7 @@ from six_wheel.logs.skip_bad_rows import Batch, Sieve
 __all__ = ["Finding", "JointLog", "Reading"]
 
 
-class JointLog:
+class JointLog(Closing):
     """A joint log on disk.
 
     Parameters
@@ -179,12 +180,6 @@ class JointLog:
 
     def _warn(self, line: str) -> None:
         self.warnings.append(f"{self.path}: {line}")
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: object, error: object, traceback: object) -> None:
-        self.close()
 
     def close(self) -> None:
         """Close the file."""

@@ -14,12 +14,13 @@ import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, Literal, Self
+from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.kinematics.errors import FileError
+from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.logs.columnar import ColumnarFile, time_unit_of, units_of
 from six_wheel.logs.headers.clock_times import is_clock_time
@@ -84,7 +85,7 @@ def table_format(
         raise TableError(f'{path}: {rule}, got "{path.suffix}"') from None
 
 
-class Table:
+class Table(Closing):
     """A table on disk. Opening it reads the headers and finds what a subclass wants among them.
 
     Raises `TableError` if the file is no such table.
@@ -128,12 +129,6 @@ class Table:
                 raise TableError(f"{path}: {error}") from None
             raise
         self.time_unit = self._columns["time"].unit
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: object, error: object, traceback: object) -> None:
-        self.close()
 
     def close(self) -> None:
         """Close the file."""

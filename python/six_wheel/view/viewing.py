@@ -9,11 +9,12 @@ import time as clock
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from six_wheel._core import integrate
+from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.view.commands import start_state
 from six_wheel.view.export import FRAMES, RATE, write_page
 from six_wheel.view.motion import Motion, State, find_motion
@@ -34,7 +35,7 @@ PERIOD = 1.0 / 30.0  # [s] of a rover that drives
 SLOW = 0.2  # [s] between changes of what takes long to draw while it drives
 
 
-class View:
+class View(Closing):
     """A rover in the browser, computed here.
 
     Made by `six_wheel.view`. It can be used in a ``with`` block, which closes it.
@@ -198,12 +199,6 @@ class View:
         atexit.unregister(self.close)
         self._stop_threads()
         stop_server(self._server)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         state = ", closed" if self._closed.is_set() else ""

@@ -5,10 +5,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.controller import reason_names
+from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.writer import RecordWriter
@@ -43,7 +44,7 @@ class Frames:
     base: str = "base_link"
 
 
-class RoverRecord:
+class RoverRecord(Closing):
     """A record of one rover, written topic by topic.
 
     Parameters
@@ -201,12 +202,6 @@ class RoverRecord:
     def close(self) -> None:
         """End the file."""
         self._file.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
 
     def _twist(self, topic: str, now: int, stamp: int, twist: Numbers, frame_id: str) -> None:
         frame = self._twists.get(frame_id)

@@ -4,13 +4,14 @@ import io
 from collections.abc import Mapping
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import __version__
 from six_wheel.kinematics.errors import needed
+from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.logs.tables import RowError
 
 SETTINGS = "six_wheel"  # the name of the metadata
@@ -62,7 +63,7 @@ def record_stamps(
     return exact
 
 
-class RecordWriter:
+class RecordWriter(Closing):
     """Messages on topics into one MCAP file, readable up to its last chunk whenever the writer ends.
 
     Parameters
@@ -116,9 +117,3 @@ class RecordWriter:
                 self._writer.finish()
             finally:
                 self._stream.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()

@@ -2,14 +2,14 @@
 
 import math
 import warnings
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Terrain
 from six_wheel.kinematics.errors import needed
+from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.maps import doubts
 from six_wheel.maps.files import Grid, Options, TerrainFileError, Window, bracketed_unit, length, unit_in_name
 from six_wheel.maps.plausibility import find_fill, find_unit, is_fill, is_in_degrees
@@ -39,7 +39,7 @@ def rasterio() -> Any:
     return rasterio
 
 
-class Raster:
+class Raster(Closing):
     """An open image of heights: one band, in metres, pixel (0, 0) first.
 
     Parameters
@@ -310,16 +310,8 @@ class Raster:
         self.dataset.close()
         self._environment.__exit__(None, None, None)
 
-    def __enter__(self) -> Self:
-        return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-
-class GridImage:
+class GridImage(Closing):
     """Ground that is in memory as an image whose first row is the northern one: what text and bags hold."""
 
     crs = None
@@ -335,12 +327,6 @@ class GridImage:
     def heights(self, rows: slice, columns: slice) -> NDArray[np.floating]:
         """Pixels of a window; NaN where there are none [m]."""
         return self._heights[rows, columns]
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        """Nothing is open."""
 
 
 def _well_known_text(crs: Any) -> str:

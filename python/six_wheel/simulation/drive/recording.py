@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Odometry
+from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.logs.mcap import RoverRecord
 from six_wheel.logs.mcap.writer import LATEST, record_stamps
 from six_wheel.logs.tables import Chunk
@@ -16,7 +17,7 @@ from six_wheel.simulation.drive.run_commands import Engine
 POSE, TWIST = ("x", "y", "yaw"), ("vx", "vy", "omega")
 
 
-class DriveRecord:
+class DriveRecord(Closing):
     """Writes the rows of a drive into an MCAP file of `logs.mcap`, chunk by chunk.
 
     Poses and twists are those of the drive; their covariances are those of odometry that reads the commanded
@@ -106,8 +107,5 @@ class DriveRecord:
         )
         return wanted, limited, named["reasons"].tolist()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
+    def close(self) -> None:
         self._record.close()
