@@ -12,6 +12,8 @@ NO_DEFAULTS = {
     "steering_rate": math.inf,
 }
 
+SMOOTH = sw.Limits(speed=1.0, acceleration=0.5, jerk=2.0, wheel_speed=8.0, steering_rate=1.0)
+
 
 def only(**given: float) -> sw.Limits:
     """These limits, and no default beside them."""

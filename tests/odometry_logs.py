@@ -7,7 +7,7 @@ import numpy as np
 
 import six_wheel as sw
 from six_wheel import reference
-from tests.rovers import PAIR, SIX_WHEELS
+from tests.rovers import PAIR, SIX_WHEELS, SMALL_SWERVE, SMALL_TRICYCLE
 
 
 class WheelLog(NamedTuple):
@@ -24,11 +24,11 @@ class WheelLog(NamedTuple):
 VEHICLES = {
     "six_wheel": SIX_WHEELS,
     "differential": PAIR,
-    "tricycle": sw.Rover.tricycle(0.6, 0.4, 0.1),
+    "tricycle": SMALL_TRICYCLE,
     "ackermann": sw.Rover.ackermann(0.8, 0.5, 0.12),
     "mecanum": sw.Rover.mecanum(0.6, 0.4, 0.05),
     "omni": sw.Rover.omni([(0.2, 0.0), (-0.1, 0.17), (-0.1, -0.17)], [math.pi / 2, -2.6, -0.5], 0.05),
-    "swerve": sw.Rover.swerve([(0.3, 0.2), (0.3, -0.2), (-0.3, 0.2), (-0.3, -0.2)], 0.1),
+    "swerve": SMALL_SWERVE,
     "offset": sw.Rover(
         [
             sw.Wheel("front", 0.5, 0.0, radius=0.1, steered=True, scrub=0.05),

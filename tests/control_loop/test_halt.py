@@ -10,15 +10,11 @@ pytest.importorskip("pydantic", reason='needs pip install "six-wheel[cli]"')
 import six_wheel as sw
 from six_wheel.control_loop import Options, Settings
 from six_wheel.control_loop.diagnostics import statuses
+from six_wheel.kinematics.rover_edit import replace
 from tests.control_loop.test_loop import LIMITS, PERIOD, ROVER, TWIST, Robot
 
 HALTS = 2.0  # [m/s^2]
-SETTINGS = Settings.of_rover(
-    ROVER,
-    limits=sw.Limits(
-        speed=1.0, acceleration=0.5, wheel_speed=8.0, steering_rate=1.0, halt_deceleration=HALTS
-    ),
-)
+SETTINGS = Settings.of_rover(ROVER, limits=replace(LIMITS, halt_deceleration=HALTS))
 
 
 def driving(settings: Settings = SETTINGS) -> Robot:

@@ -14,8 +14,8 @@ from pyarrow import csv, parquet
 import six_wheel as sw
 from six_wheel.log_odometry import reckon_all
 from six_wheel.logs import read_log
+from tests.rovers import PAIR
 
-PAIR = sw.Rover.differential(0.4, 0.1)
 ROWS = np.arange(400)
 
 

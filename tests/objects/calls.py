@@ -11,13 +11,13 @@ import numpy as np
 
 import six_wheel as sw
 from tests.objects.samples import DRIVE, ROVER, samples, terrain
+from tests.rovers import PAIR
 
 COUNTS = {"n": 3, "m": 1, "k": 2, "t": 4, "n + 1": 4, "axes": 2}  # lengths of axes in docstrings
 NAMES = {"wheels": "wheel_names", "steered wheels": "steered_wheel_names", "joints": "free_joints"}
 VARIABLE = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
 ORDINARY = 0.05  # of numbers nothing is known of
 BEGIN = 3.0  # [s] stamps: after those of the samples
-PAIR = sw.Rover.differential(0.4, 0.1)
 # Arguments that have to go together, or that no docstring says. Other calls take files, tables and mappings,
 # or work on what another call made.
 GIVEN: dict[str, dict[str, Any]] = {

@@ -5,18 +5,17 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.simulation import Slip, write_log
-from tests.rovers import SIX_WHEELS
+from tests.rovers import OMNI, PAIR, SIX_WHEELS, SMALL_MECANUM, SMALL_SWERVE, SMALL_TRICYCLE
 
 ROVERS = {
     "six_wheel": SIX_WHEELS,
-    "differential": sw.Rover.differential(track_width=0.4, wheel_radius=0.1),
-    "tricycle": sw.Rover.tricycle(wheelbase=0.6, track_width=0.4, wheel_radius=0.1),
+    "differential": PAIR,
+    "tricycle": SMALL_TRICYCLE,
     "ackermann": sw.Rover.ackermann(wheelbase=0.6, track_width=0.4, wheel_radius=0.1),
-    "swerve": sw.Rover.swerve([(0.3, 0.2), (0.3, -0.2), (-0.3, 0.2), (-0.3, -0.2)], 0.1),
-    "mecanum": sw.Rover.mecanum(0.4, 0.3, 0.05),
-    "omni": sw.Rover.omni([(0.2, 0), (-0.1, 0.17), (-0.1, -0.17)], np.deg2rad((90, 210, -30)), 0.05),
+    "swerve": SMALL_SWERVE,
+    "mecanum": SMALL_MECANUM,
+    "omni": OMNI,
 }
-PAIR = ROVERS["differential"]
 TIMES = np.linspace(0.0, 8.0, 33)
 TWISTS = np.stack((0.4 + 0.1 * np.sin(TIMES), 0.1 * np.sin(0.7 * TIMES), 0.4 * np.sin(0.9 * TIMES)), axis=-1)
 

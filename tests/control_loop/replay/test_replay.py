@@ -10,16 +10,15 @@ import pytest
 pytest.importorskip("mcap", reason='needs pip install "six-wheel[bags]"')
 pytest.importorskip("pydantic", reason='needs pip install "six-wheel[cli]"')
 
-import six_wheel as sw
 from six_wheel.control_loop import Loop, Options, Settings
 from six_wheel.control_loop.diagnostics import statuses
 from six_wheel.control_loop.recorder import Recorder
 from six_wheel.control_loop.replay import compare, replay
 from six_wheel.logs.mcap import Record, RecordError, RecordWriter, layouts
 from six_wheel.logs.mcap.frames import joint_state
+from tests.limits import SMOOTH as LIMITS
 from tests.rovers import SIX_WHEELS as ROVER
 
-LIMITS = sw.Limits(speed=1.0, acceleration=0.5, jerk=2.0, wheel_speed=8.0, steering_rate=1.0)
 NAMES = [*ROVER.steering_joints, *ROVER.traction_joints]
 START = 1_700_000_000_000_000_000
 PERIOD = 5_000_000

@@ -9,22 +9,12 @@ import pytest
 
 import six_wheel as sw
 from tests.core.boundary.boundary_rover import SPEEDS, STEERING, TWISTS, read_only
+from tests.rovers import SIX_SIZES
 from tests.rovers import SIX_WHEELS as ROVER
 
 
 def test_middle_wheels_may_meet_on_the_centre_line():
-    assert (
-        sw.Rover.six_wheel(
-            front_to_middle=0.5,
-            middle_to_rear=0.5,
-            track_width=0.8,
-            middle_track_width=0.0,
-            wheel_radius=0.15,
-        )
-        .wheels[2]
-        .y
-        == 0.0
-    )
+    assert sw.Rover.six_wheel(**SIX_SIZES | {"middle_track_width": 0.0}).wheels[2].y == 0.0
 
 
 def wheel(name="w", x=0.0, y=0.0, **keywords):

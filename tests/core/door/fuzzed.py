@@ -9,14 +9,14 @@ import sys
 import atheris
 import numpy as np
 
-from tests.rovers import CART
+from tests.rovers import CART, SWERVE
 
 with atheris.instrument_imports(include=["six_wheel"]):
     import six_wheel as sw
 
 ROVERS = [
     sw.Rover.preset("perseverance"),
-    sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1),
+    SWERVE,
     CART,
 ]
 DTYPES = ["d", "f", "e", ">f8", "i4", "u8", "i1", "?", "O", "c16"]

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from tests.core.oracles.batch_rovers import ROVERS
+from tests.rovers import SIX_SIZES
 from tests.strategies import any_twists, layouts
 
 SOAK = int(os.environ.get("SOAK", "1"))
@@ -196,9 +197,7 @@ def test_a_failed_forward_writes_nothing(kernel, value, row):
     steering, speeds = np.zeros((131, 4)), np.ones((131, 6))
     speeds[row, 3] = value
     out = np.full((131, 3), 7.0)
-    rover = sw.Rover.six_wheel(
-        front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=150.0
-    )
+    rover = sw.Rover.six_wheel(**SIX_SIZES | {"wheel_radius": 150.0})
     with pytest.raises(ValueError, match=rf"^wheel_speeds\[{row}\] must be"):
         rover.forward(steering, speeds, out=out, level=kernel)
     assert (out == 7.0).all()

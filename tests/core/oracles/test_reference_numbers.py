@@ -20,6 +20,7 @@ from tests.core.oracles.reference_rovers import (
     swerve,
     twists,
 )
+from tests.rovers import SIX_SIZES
 
 
 @pytest.mark.parametrize("omega", [0.0, 5e-324, 1e-300, 1e-17, 1e-9, 1e-4])
@@ -109,14 +110,7 @@ def test_projection_of_a_swerve_has_no_better_neighbour(limit, twist, seed):
 @settings(deadline=None)
 @given(rovers, limits, twists)
 def test_projection_keeps_what_it_says(rover, limit, twist):
-    rover = Rover.six_wheel(
-        front_to_middle=0.5,
-        middle_to_rear=rover.wheels[0].x,
-        track_width=0.8,
-        middle_track_width=0.9,
-        wheel_radius=0.15,
-        steering_limit=limit,
-    )
+    rover = Rover.six_wheel(**SIX_SIZES | {"middle_to_rear": rover.wheels[0].x}, steering_limit=limit)
     asked = admissible_twist(twist[0], twist[2])
     found = rover.project(twist)
     assert rover.admissible(found)
@@ -128,14 +122,7 @@ def test_projection_keeps_what_it_says(rover, limit, twist):
 
 @given(rovers, limits)
 def test_radii_are_the_edges_of_the_possible_turns(rover, limit):
-    rover = Rover.six_wheel(
-        front_to_middle=0.5,
-        middle_to_rear=rover.wheels[0].x,
-        track_width=0.8,
-        middle_track_width=0.9,
-        wheel_radius=0.15,
-        steering_limit=limit,
-    )
+    rover = Rover.six_wheel(**SIX_SIZES | {"middle_to_rear": rover.wheels[0].x}, steering_limit=limit)
     depth = max(rover.wheels[0].x, -rover.wheels[4].x)
     assert rover.min_radius == pytest.approx(0.4 + depth / math.tan(limit), rel=1e-9)
     assert rover.spin_radius == pytest.approx(max(0.0, 0.4 - depth / math.tan(limit)), abs=1e-9)

@@ -7,7 +7,7 @@ import numpy as np
 import six_wheel as sw
 from six_wheel import reference
 from six_wheel.reference.control import planner as plain
-from tests.rovers import CORNERS, SIX_SIZES, THREE_AXLES
+from tests.rovers import CORNERS, LOW_SWERVE, SIX_SIZES, THREE_AXLES
 
 RING = [math.radians(angle) for angle in (60.0, 180.0, 300.0)]
 ROVERS = {
@@ -19,7 +19,7 @@ ROVERS = {
     "perseverance": sw.Rover.preset("perseverance"),
     "ackermann": sw.Rover.ackermann(wheelbase=1.1, track_width=0.6, wheel_radius=0.15, steering_limit=0.6),
     "tricycle": sw.Rover.tricycle(wheelbase=0.9, track_width=0.6, wheel_radius=0.12),
-    "swerve": sw.Rover.swerve(CORNERS, 0.08),
+    "swerve": LOW_SWERVE,
     "narrow swerve": sw.Rover.swerve(CORNERS, 0.08, steering_limit=0.9),
     "differential": THREE_AXLES,
     "mecanum": sw.Rover.mecanum(wheelbase=0.6, track_width=0.5, wheel_radius=0.1),

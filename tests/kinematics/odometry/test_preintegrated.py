@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from tests.rovers import PAIR, SIX_WHEELS
+from tests.rovers import OMNI, PAIR, SIX_WHEELS, SMALL_MECANUM, SMALL_TRICYCLE
 
 ROVERS = {
     "six_wheel": SIX_WHEELS,
     "differential": PAIR,
-    "tricycle": sw.Rover.tricycle(wheelbase=0.6, track_width=0.4, wheel_radius=0.1),
-    "mecanum": sw.Rover.mecanum(0.4, 0.3, 0.05),
-    "omni": sw.Rover.omni([(0.2, 0), (-0.1, 0.17), (-0.1, -0.17)], np.deg2rad((90, 210, -30)), 0.05),
+    "tricycle": SMALL_TRICYCLE,
+    "mecanum": SMALL_MECANUM,
+    "omni": OMNI,
 }
 NOISE = sw.Noise(speed=0.01, steering=0.005, slip=0.01, side_slip=0.02)
 DIMENSIONS = ("radius", "x", "y", "heading", "scrub", "trail", "roller_angle")

@@ -10,7 +10,7 @@ from six_wheel.kinematics.odometry.tracks import SILENT, can_contradict
 from six_wheel.log_odometry.evaluation import evaluate, slip_against
 from six_wheel.logs import GroundTruth, WheelLog
 from six_wheel.simulation.planar import Slip
-from tests.rovers import SIX_WHEELS, SMALL_PAIR
+from tests.rovers import SIX_SIZES, SIX_WHEELS, SMALL_PAIR
 
 PAIR = sw.Rover.differential(0.5, (0.1, 0.102))
 STEP, FIRST, LAST = 0.02, 3400, 3550  # [s]; rows in which the left wheel slips
@@ -140,16 +140,7 @@ def test_a_calibration_leaves_a_slide_out_and_says_where(parameters):
 
 ROVERS = {
     "differential": (SMALL_PAIR, sw.Rover.differential(0.2, 0.044)),
-    "six wheels": (
-        SIX_WHEELS,
-        sw.Rover.six_wheel(
-            front_to_middle=0.5,
-            middle_to_rear=0.5,
-            track_width=0.8,
-            middle_track_width=0.9,
-            wheel_radius=0.157,
-        ),
-    ),
+    "six wheels": (SIX_WHEELS, sw.Rover.six_wheel(**SIX_SIZES | {"wheel_radius": 0.157})),
     "mecanum": (sw.Rover.mecanum(0.4, 0.4, 0.05), sw.Rover.mecanum(0.4, 0.4, 0.052)),
 }
 SLID = (70.0, 73.0)  # [s]: in part 3 of 4

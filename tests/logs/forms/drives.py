@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 import six_wheel as sw
 from six_wheel.kinematics.poses import Floats
+from tests import rovers
 from tests.rovers import MECANUM
 
 PERIOD, ROWS = 0.05, 500
@@ -56,11 +57,7 @@ def course(rover: sw.Rover, sideways: bool = False) -> Course:
     return Course(rover, stamps, angles, steering, track.poses[-1])
 
 
-PAIR = course(sw.Rover.differential(0.4, 0.1))
-SIX = course(
-    sw.Rover.six_wheel(
-        front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, middle_track_width=0.9, wheel_radius=0.15
-    )
-)
+PAIR = course(rovers.PAIR)
+SIX = course(rovers.SIX_WHEELS)
 OMNI = course(MECANUM, sideways=True)
 CAR = course(sw.Rover.ackermann(1.0, 0.6, 0.15, steering_limit=0.6))

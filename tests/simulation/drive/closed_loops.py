@@ -8,14 +8,13 @@ import pytest
 
 import six_wheel as sw
 from tests.rovers import CART as DIFFERENTIAL
-from tests.rovers import SIX_SIZES
+from tests.rovers import LIMITED as ROVER
+from tests.rovers import LOW_SWERVE as SWERVE
 
 pa = pytest.importorskip("pyarrow")
 csv = pytest.importorskip("pyarrow.csv")
 parquet = pytest.importorskip("pyarrow.parquet")
 RATE = 50.0
-ROVER = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0)
-SWERVE = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.08)
 ROVERS = {"six_wheel": ROVER, "swerve": SWERVE, "differential": DIFFERENTIAL}
 
 LIMITS = sw.Limits(

@@ -12,16 +12,16 @@ pa = pytest.importorskip("pyarrow")
 csv = pytest.importorskip("pyarrow.csv")
 
 from six_wheel.simulation.drive import DriveLoop, drive  # noqa: E402
-from tests.rovers import SIX_SIZES  # noqa: E402
+from tests.limits import SMOOTH as LIMITS  # noqa: E402
+from tests.rovers import LOW_SWERVE, SIX_SIZES  # noqa: E402
 
 RATE, DURATION = 50.0, 10.0  # [Hz, s]
 ROVERS = {
     "six_wheel": sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0472),
     "open_source_rover": sw.Rover.preset("open_source_rover"),
     "perseverance": sw.Rover.preset("perseverance"),
-    "swerve": sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.08),
+    "swerve": LOW_SWERVE,
 }
-LIMITS = sw.Limits(speed=1.0, acceleration=0.5, jerk=2.0, wheel_speed=8.0, steering_rate=1.0)
 SPEED, YAW_RATE = 0.4, 0.3
 
 

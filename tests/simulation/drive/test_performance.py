@@ -15,9 +15,9 @@ from six_wheel.simulation.drive.performance import (
     stop_from,
     time_to_full_lock,
 )
-from tests.rovers import CART, SIX_SIZES
+from tests.rovers import CART
+from tests.rovers import LIMITED as ROVER
 
-ROVER = sw.Rover.six_wheel(**SIX_SIZES, steering_limit=1.0)
 LIMITS = sw.Limits(speed=0.6, yaw_rate=0.9, wheel_speed=6.0, lateral_acceleration=0.2)
 
 
