@@ -273,6 +273,7 @@ def read_log(
         A `ValueError` that names file, row and remedy, if the log or the truth cannot be used.
     """
     from six_wheel.logs import LogOptions, WheelLog, detect_reader
+    from six_wheel.logs.frames.tabular_input import check_table
 
     if isinstance(path, str) or hasattr(path, "__fspath__"):
         import inspect
@@ -284,6 +285,7 @@ def read_log(
         return detect_reader.read_log(path, rover, truth=known, **options)[0]
     if truth is not None:
         raise ValueError("truth must be left out for a table in memory: give it x, y and yaw")
+    check_table("path", path)
     return WheelLog.from_pandas(path, rover, **options)
 
 

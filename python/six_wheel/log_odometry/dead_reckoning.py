@@ -2,6 +2,7 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
+import reprlib
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Literal, overload
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Gyroscope, Noise, Odometry, Odometry3, Rover, Suspension, Terrain
+from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.odometry.tracks3 import Track3
@@ -171,6 +173,9 @@ def dead_reckon(
         beginning: dict[str, Any] = {"start": start, "start_covariance": start_covariance}
         common |= spatial | beginning | options
         return _in_space(rover, steering, wheel_angles, stamps, noise=noise, yaw_rate=yaw_rate, **common)
+    if not isinstance(rover, Rover):
+        hint = "give one that sw.Rover makes, or sw.load(...) of a file, or a Suspension"
+        raise ArgumentTypeError(f"rover must be a Rover, got {reprlib.repr(rover)}: {hint}")
     _refuse(spatial, "for a rover without a suspension")
     known = None
     if wheel_angles is None and hasattr(steering, "wheel_angles"):

@@ -80,8 +80,10 @@ def metadata_of(path: Path) -> Path | None:
     if path.stem.endswith("_metadata"):
         return path
     session, run, _ = path.stem.rpartition("_run-")
+    if not run:
+        return None
     metadata = path.with_name(f"{session}_metadata.csv")
-    return metadata if run and metadata.is_file() else None
+    return metadata if metadata.is_file() else None
 
 
 def log_format(path: Path) -> str:
@@ -166,7 +168,7 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     found: dict[str, Encoders] = {}
     try:
         for part, given in (("wheel", options.wheel_encoders), ("steering", options.steering_encoders)):
-            found[part], keys = encoders_or_keys(given)
+            found[part], keys = encoders_or_keys(f"{part}_encoders", given)
             if found[part] is not None:
                 continue
             counted = "ticks_per_turn" in keys
@@ -216,7 +218,7 @@ def _odometry_options(rover: Rover, options: LogOptions) -> dict[str, Any]:
     found = {"wheel_encoders": options.wheel_encoders, "steering_encoders": options.steering_encoders}
     given: dict[str, Any] = {}
     for (name, values), part in zip(found.items(), ("wheel", "steering"), strict=True):
-        direct, keys = encoders_or_keys(values)
+        direct, keys = encoders_or_keys(name, values)
         if encoders := direct or encoders_of(rover, part, keys):
             given[name] = encoders
         if keys.get("increments"):

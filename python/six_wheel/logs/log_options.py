@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from six_wheel._core import Encoder, Rover
+from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs.bags.bag_files import Topics
 from six_wheel.logs.ground_truth import rows_of, transforms
@@ -44,7 +45,7 @@ class LogOptions:
     @property
     def wheel_keys(self) -> Mapping[str, Any]:
         """The key ``wheel_encoders`` of a parameter file; empty where encoders are given themselves."""
-        return encoders_or_keys(self.wheel_encoders)[1]
+        return encoders_or_keys("wheel_encoders", self.wheel_encoders)[1]
 
     @property
     def sensor(self) -> Floats:
@@ -71,10 +72,15 @@ class LogOptions:
         return replace(truth, stamps=stamps, poses=poses)
 
 
-def encoders_or_keys(given: AnyEncoders) -> tuple[Encoders, Mapping[str, Any]]:
+def encoders_or_keys(argument: str, given: AnyEncoders) -> tuple[Encoders, Mapping[str, Any]]:
     """Encoders where they are given themselves, else None; and the keys of a parameter file, else none."""
     if given is None or isinstance(given, Encoder):
         return given, {}
+    if not isinstance(given, Mapping):
+        rule = "an Encoder, or a dict of them by the names of joints"
+        raise ArgumentTypeError(
+            f"{argument} must be {rule}, got {given!r}: give sw.Encoder(ticks_per_turn=...)"
+        )
     if given and all(isinstance(each, Encoder) for each in given.values()):
         return given, {}
     return None, given

@@ -262,8 +262,9 @@ class WheelLog(Tabular):
         ValueError
             If a joint or the time is missing.
         """
-        from six_wheel.logs.frames.tabular_input import table, whole
+        from six_wheel.logs.frames.tabular_input import check_table, table, whole
 
+        check_table("frame", frame)
         how = {key: options.pop(key) for key in ("stamp_unit", "plausibility") if key in options}
         log = whole(table(rover, frame, options.pop("columns", None), {}, options, **how))
         headers = set(headers_of(frame))

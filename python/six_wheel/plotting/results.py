@@ -7,9 +7,10 @@ from importlib import import_module
 from typing import Any
 
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from six_wheel._core import Limits, Rover
-from six_wheel.kinematics.keywords import unknown_keyword
+from six_wheel.kinematics.keywords import checked, unknown_keyword
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.logs.recordings import GroundTruth, Reference
 
@@ -64,7 +65,7 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
             for name in options:
                 if name not in known:
                     raise TypeError(unknown_keyword("sw.plot", name, ["title", *known]))
-            made: Figure = draw(result, title=title, **options)
+            made: Figure = checked(call="sw.plot")(draw)(result, title=title, **options)
             return made
     drawn = ", ".join(sorted(PICTURES))
     hint = next((words for name, words in HINTS.items() if name in map(_name, type(result).__mro__)), "")
@@ -90,7 +91,9 @@ def _reckoned(result: Any, *, title: str | None) -> Figure:
     return reckoning_figure(result, title=title)
 
 
-def _rover(rover: Rover, *, title: str | None, twist: Any = None, limits: Any = None) -> Figure:
+def _rover(
+    rover: Rover, *, title: str | None, twist: ArrayLike | None = None, limits: Limits | None = None
+) -> Figure:
     from six_wheel.plotting.limits import limits_figure
     from six_wheel.plotting.twist import show_figure
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.keywords import did_you_mean
 from six_wheel.kinematics.poses import Floats
 
 # Off by this share of itself, a length or a gain is a mistake in the drawing, not something to calibrate.
@@ -134,7 +135,8 @@ class Catalogue:
             members = self._groups[name]() if name in self._groups else self._single(name)
             if not members:
                 known = ", ".join(self.names)
-                raise ValueError(f"parameters must be some of {known} for this rover, got {name!r}")
+                near = did_you_mean(str(name), self.names)
+                raise ValueError(f"parameters must be some of {known} for this rover, got {name!r}{near}")
             found |= {member.name: member for member in members}
         return list(found.values())
 

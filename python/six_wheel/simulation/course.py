@@ -2,6 +2,7 @@
 
 import reprlib
 from dataclasses import dataclass, field
+from os import PathLike
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -82,8 +83,12 @@ def _table(name: str, values: ArrayLike, axes: int) -> Floats:
     try:
         table = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
+        table = np.empty(())
+    if table.ndim == 0:
+        read = isinstance(values, str | PathLike)
+        hint = "; `six-wheel simulate` reads files, numpy.loadtxt makes rows of one" if read else ""
         got = reprlib.repr(values)
-        raise ArgumentTypeError(f"{name} must be rows of as many numbers each, got {got}") from None
+        raise ArgumentTypeError(f"{name} must be rows of as many numbers each, got {got}{hint}")
     if table.ndim != axes or not len(table):
         raise ValueError(f"{name} must have {axes} axes and a row at least, got shape {table.shape}")
     if not np.isfinite(table).all():

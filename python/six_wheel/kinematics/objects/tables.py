@@ -3,19 +3,19 @@
 from __future__ import annotations  # NumPy is not loaded for its names
 
 import os
+import reprlib
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from six_wheel.kinematics.errors import as_path, needed
+from six_wheel._core import Rover
+from six_wheel.kinematics.errors import ArgumentTypeError, as_path, needed
 from six_wheel.kinematics.keywords import unknown_keyword
 from six_wheel.kinematics.objects.notebooks import Shown
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
-
-    from six_wheel._core import Rover
 
 Columns: TypeAlias = "dict[str, tuple[str, NDArray[Any]]]"
 """Unit and values, shape (n,), by name."""
@@ -182,6 +182,9 @@ def joint_columns(rover: Rover | None, kind: str, readings: NDArray[Any], unit: 
     columns = range(readings.shape[1])
     if rover is None:
         return {f"{kind}_{k}": (unit, readings[:, k]) for k in columns}
+    if not isinstance(rover, Rover):
+        hint = f": give sw.load({rover!r})" if isinstance(rover, str) else ""
+        raise ArgumentTypeError(f"rover must be a Rover, got {reprlib.repr(rover)}{hint}")
     wheels = rover.wheel_names if kind == "wheel" else rover.steered_wheel_names
     joints = rover.traction_joints if kind == "wheel" else rover.steering_joints
     by_wheel = {wheel: joint for joint, wheel in joints.items()}

@@ -25,8 +25,10 @@ def as_path(name: str, poses: ArrayLike, like: Floats | None = None) -> Floats:
     try:
         rows = np.asarray(poses, dtype=np.float64)
     except (TypeError, ValueError):
+        rows = np.empty(())
+    if rows.ndim == 0:
         got = reprlib.repr(poses)
-        raise ArgumentTypeError(f"{name} must be poses, rows of three or six numbers, got {got}") from None
+        raise ArgumentTypeError(f"{name} must be poses, rows of three or six numbers, got {got}")
     columns = (
         (SPACE if rows.shape[1:] == (SPACE,) else 3) if like is None else (3 if like.ndim == 2 else SPACE)
     )

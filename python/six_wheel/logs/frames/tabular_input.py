@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import reprlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from datetime import UTC, datetime
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Odometry, Rover
-from six_wheel.kinematics.errors import needed
+from six_wheel.kinematics.errors import ArgumentTypeError, needed
 from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
@@ -252,6 +253,14 @@ def seconds_of(stamps: Any) -> Any:
 def is_table(source: Any) -> bool:
     """True if the source has columns with names."""
     return any(hasattr(source, attribute) for attribute in ("column_names", "columns", "keys"))
+
+
+def check_table(argument: str, source: Any) -> None:
+    """Refuse what is neither a table of columns nor a path."""
+    if not (is_table(source) or isinstance(source, str | os.PathLike)):
+        such = 'such as a DataFrame or {"time": ..., "left": ...}'
+        got = reprlib.repr(source)
+        raise ArgumentTypeError(f"{argument} must be a path or a table of named columns, {such}, got {got}")
 
 
 def _headers(source: Any) -> Iterable[Any]:

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from six_wheel._core import RockerBogie, Suspension, Terrain
+from six_wheel._core import RockerBogie, SettledPose, Suspension, Terrain
 from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     AXLE,
@@ -149,7 +149,7 @@ QUANTITIES = {
 PARTS = {3: ("vx", "vy", "omega"), 6: ("vx", "vy", "vz", "wx", "wy", "wz")}
 
 
-def ground_motion_figure(found: Any, *, title: str | None, stand: Any = None) -> Figure:
+def ground_motion_figure(found: Any, *, title: str | None, stand: SettledPose | None = None) -> Figure:
     """A `GroundCommand` or `GroundMotion`: bars by quantity; with its `stand` from the side on its ground.
 
     At the wheels stand their speeds or, of a motion, how fast their contacts slide.

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from six_wheel._core import SettledPose
 from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     AXLE,
@@ -30,7 +31,7 @@ TOUCHES = 1e-6  # [m] between a wheel and the ground it touches
 HIGHEST = 1e3  # of a centre of mass above the contacts, in sizes of the support polygon
 
 
-def stability_figure(found: Any, *, title: str | None, stand: Any = None) -> Figure:
+def stability_figure(found: Any, *, title: str | None, stand: SettledPose | None = None) -> Figure:
     """A `Stability`: loads and margins, of several poses the least; of one with its `stand` the polygon."""
     loads = np.asarray(found.loads, dtype=float)
     loads = loads.reshape(-1, loads.shape[-1]).min(axis=0)
