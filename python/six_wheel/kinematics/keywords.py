@@ -11,8 +11,6 @@ from typing import Any, TypeVar, get_origin
 
 from six_wheel.kinematics.errors import ArgumentTypeError, FileError
 
-__all__ = ["checked", "checked_class", "did_you_mean", "explained", "same_thing", "unknown_keyword"]
-
 _F = TypeVar("_F", bound=Callable[..., Any])
 _C = TypeVar("_C", bound=type[Any])
 

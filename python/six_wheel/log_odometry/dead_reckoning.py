@@ -165,17 +165,18 @@ def dead_reckon(
     ModuleNotFoundError
         If a Parquet file is given and what reads it is not installed.
     """
-    common: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
+    common: dict[str, Any] = {"errors": errors, "covariances": covariances}
     spatial = {"ground": ground, "joints": joints, "attitude": attitude}
     if isinstance(rover, Suspension):
         planar = {"yaw": yaw, "columns": columns, "progress": progress, "sensor": sensor}
         _refuse(planar, "for a suspension")
-        beginning: dict[str, Any] = {"start": start, "start_covariance": start_covariance}
-        common |= spatial | beginning | options
-        return _in_space(rover, steering, wheel_angles, stamps, noise=noise, yaw_rate=yaw_rate, **common)
+        run = common | spatial | {"yaw_rate": yaw_rate, "slips": residuals}
+        readings = (steering, wheel_angles, stamps)
+        return _in_space(rover, readings, run, noise, options, start, start_covariance)
     if not isinstance(rover, Rover):
         hint = "give one that sw.Rover makes, or sw.load(...) of a file, or a Suspension"
         raise ArgumentTypeError(f"rover must be a Rover, got {reprlib.repr(rover)}: {hint}")
+    common["residuals"] = residuals
     _refuse(spatial, "for a rover without a suspension")
     known = None
     if wheel_angles is None and hasattr(steering, "wheel_angles"):
@@ -222,49 +223,31 @@ def dead_reckon(
 
 def _in_space(
     suspension: Suspension,
-    steering: Any,
-    wheel_angles: ArrayLike | None,
-    stamps: ArrayLike | None,
-    *,
+    readings: tuple[Any, ArrayLike | None, ArrayLike | None],
+    run: dict[str, Any],
     noise: Noise | None,
-    ground: Terrain | None,
-    joints: ArrayLike | None,
-    attitude: ArrayLike | None,
-    yaw_rate: Any,
+    options: dict[str, Any],
     start: ArrayLike | None,
     start_covariance: ArrayLike | None,
-    errors: Errors,
-    covariances: bool,
-    residuals: bool,
-    **options: Any,
 ) -> Track3:
-    """`dead_reckon` of a suspension."""
-    if wheel_angles is None and hasattr(steering, "wheel_angles"):
-        log = steering
-        steering, wheel_angles, stamps = log.steering, log.wheel_angles, log.stamps
-        yaw_rate = log.yaw_rate if yaw_rate is None else yaw_rate
+    """`dead_reckon` of a suspension; `run` has the arguments of `Odometry3.run`, and the ground."""
+    ground, log = run.pop("ground"), readings[0]
+    if readings[1] is None and hasattr(log, "wheel_angles"):
+        readings = (log.steering, log.wheel_angles, log.stamps)
+        own = {"yaw_rate": log.yaw_rate}
         if ground is None and getattr(log, "stand", None) is not None:
-            joints = log.stand.joints if joints is None else joints
-            attitude = log.orientations if attitude is None else attitude
+            own |= {"joints": log.stand.joints, "attitude": log.orientations}
+        run |= {name: value for name, value in own.items() if run[name] is None}
         if start is None and ground is not None and log.truth is not None and log.truth.has_positions:
             first = log.truth.at(log.stamps[:1])[0]
             start = first if np.isfinite(first).all() else None
         options = {**log.options, **options}
+    steering, wheel_angles, stamps = readings
     if wheel_angles is None or stamps is None:
         raise ValueError("wheel_angles and stamps must be given for a suspension, got none of them")
     odometry = Odometry3(suspension, noise, ground=ground, **{"lag": 0.0} | options)
     odometry.reset(ORIGIN if start is None else start, start_covariance)
-    return odometry.run(
-        steering,
-        wheel_angles,
-        stamps,
-        joints=joints,
-        attitude=attitude,
-        yaw_rate=yaw_rate,
-        errors=errors,
-        covariances=covariances,
-        slips=residuals,
-    )
+    return odometry.run(steering, wheel_angles, stamps, **run)
 
 
 def _rows(stamps: Any) -> int:

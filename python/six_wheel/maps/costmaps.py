@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from six_wheel._core import Costmap, compose
 from six_wheel.kinematics.errors import FileError, as_path
 
-__all__ = ["from_occupancy_grid", "inflated", "read_costmap"]
-
 Floats = NDArray[np.float64]
 UNKNOWN, LETHAL = 0.5, 0.65
 """Cost of what is not known; cost from which on a place is forbidden, which is nav2's ``occupied_thresh``."""

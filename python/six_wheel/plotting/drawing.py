@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 from matplotlib.ticker import ScalarFormatter
 from matplotlib.transforms import Affine2D, Transform
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover, Wheel
 from six_wheel.kinematics.poses import Floats
@@ -33,6 +33,7 @@ FORBIDDEN, RECORDED = "#8e2f5b", "#e0a050"
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 LABEL, TICK = 9, 8.5  # [pt] of the words at an axis, of its numbers
 LETTERS = 14.5  # of size `LABEL` in an inch, about
+DRAWN = 5000  # points of a line at most, more than any screen shows
 TINY = 2e-3  # ends of an axis below which its numbers have a power of ten in common
 FORWARD_UP = np.pi / 2  # yaw that turns x forward to the top of the page, so that left is left
 WHEEL_WIDTH = 0.45  # of its diameter; a Rover does not know how wide its wheels are
@@ -347,6 +348,13 @@ def body_box(rover: Rover) -> tuple[Floats, Floats]:
     clear = min((float(gap) for gap in beside if gap > 1e-9), default=0.0) - 1.3 * WHEEL_WIDTH * radius
     half_width = max(min(0.62 * reach[1], clear), 0.5 * radius)
     return centre, np.array((max(0.62 * reach[0], 1.2 * radius, 0.5 * half_width), half_width))
+
+
+def few_rows(*arrays: NDArray[Any]) -> list[NDArray[Any]]:
+    """The same rows of all, few enough to draw, the last one among them."""
+    count = len(arrays[0])
+    rows = np.unique(np.linspace(0, count - 1, min(count, DRAWN)).astype(int))
+    return [array[rows] for array in arrays]
 
 
 def page(points: Floats) -> Floats:

@@ -198,10 +198,6 @@ def drive_figure(
         Share of the time, 0 to 1, of every reason there was.
     title : str, optional
         Written above the picture.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     heights = (0.5, 3.6, 7.0 + 0.17 * len(shares))  # [in]
     figure = new_figure(PAGE_WIDTH, sum(heights) + 0.6)

@@ -8,7 +8,6 @@ from matplotlib.patches import Ellipse
 
 from six_wheel._core import Noise
 from six_wheel.kinematics.odometry.tracks import ROUNDING, SILENT
-from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.paths import absolute_error, align
 from six_wheel.log_odometry.evaluation.relative import path_distance
 from six_wheel.log_odometry.results import Reckoned
@@ -21,6 +20,7 @@ from six_wheel.plotting.drawing import (
     PAGE_WIDTH,
     SOFT,
     TICK,
+    few_rows,
     new_figure,
     tidy,
     write_title,
@@ -28,7 +28,6 @@ from six_wheel.plotting.drawing import (
 
 LIKELY = 5.991  # chi squared of two degrees of freedom at 95 %: the ellipse a position is in that often
 ELLIPSES = 14
-DRAWN = 5000  # points of a line at most, more than any screen shows
 LIKELY_FACE = to_rgb(AXLE)
 WHEELS = (AXLE, "#b5651d", MOTION, "#8a6d2f", "#4c4a7d", "#7d3c5d")
 
@@ -42,10 +41,6 @@ def reckoning_figure(result: Reckoned, *, title: str | None = None) -> Figure:
         What to show.
     title : str, optional
         Written above the picture, over the figures of the end.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     known = result.evaluation is not None
     figure = new_figure(PAGE_WIDTH, 8.4)
@@ -63,21 +58,14 @@ def reckoning_figure(result: Reckoned, *, title: str | None = None) -> Figure:
     return figure
 
 
-def _thin(*arrays: Floats) -> list[Floats]:
-    """The same rows of all, few enough to draw, the last one among them."""
-    count = len(arrays[0])
-    rows = np.unique(np.linspace(0, count - 1, min(count, DRAWN)).astype(int))
-    return [array[rows] for array in arrays]
-
-
 def draw_path(axes: Axes, result: Reckoned) -> None:
     """The path with its ellipses of 95 %, and the truth if it is known."""
     _, poses, covariances, _ = result.trace()
     if result.evaluation is not None:
         # The truth is moved, so that the ellipses stay as they are.
-        (truth,) = _thin(align(result.truth, result.estimate, "first"))
+        (truth,) = few_rows(align(result.truth, result.estimate, "first"))
         axes.plot(truth[:, 0], truth[:, 1], color=INK, linewidth=3.0, alpha=0.25, zorder=3, label="truth")
-    (drawn,) = _thin(poses)
+    (drawn,) = few_rows(poses)
     axes.plot(drawn[:, 0], drawn[:, 1], color=MOTION, linewidth=1.6, zorder=3, label="odometry")
     typical = ", by the noise of a typical rover" if result.noise == Noise.typical() else ""
     along = path_distance(poses)
@@ -115,11 +103,11 @@ def _draw_error(axes: Axes, result: Reckoned) -> None:
     _, poses, covariances, _ = result.trace()
     largest = np.linalg.eigvalsh(covariances[:, :2, :2])[:, -1]
     bound = np.sqrt(LIKELY * np.maximum(largest, 0.0))
-    distance, bound = _thin(path_distance(poses), bound)
+    distance, bound = few_rows(path_distance(poses), bound)
     axes.fill_between(distance, 0.0, bound, color=AXLE, alpha=0.22, linewidth=0, label="95 % bound")
     if result.evaluation is not None:
         error = absolute_error(result.estimate, result.truth, "first").position
-        along, error = _thin(path_distance(result.estimate), error)
+        along, error = few_rows(path_distance(result.estimate), error)
         axes.plot(along, error, color=MOTION, linewidth=1.2, label="error")
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
@@ -141,7 +129,7 @@ def _draw_residuals(axes: Axes, result: Reckoned) -> None:
     """Draw the sliding speed of each wheel [mm/s], with stretches of slip shaded."""
     stamps, _, _, residuals = result.trace()
     names = result.rover.wheel_names
-    stamps, residuals = _thin(stamps, residuals)
+    stamps, residuals = few_rows(stamps, residuals)
     if not np.nan_to_num(residuals).max() > ROUNDING:
         said = "no wheel contradicts another" if result.slip.observable else SILENT.replace(": ", ":\n")
         box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.9}

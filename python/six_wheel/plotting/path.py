@@ -39,10 +39,6 @@ def path_figure(rover: Rover, poses: ArrayLike, steering: ArrayLike, *, title: s
     title : str, optional
         Written above the picture.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Raises
     ------
     ValueError

@@ -11,8 +11,6 @@ from six_wheel._core import Costmap, Rover
 from six_wheel.plotting.drawing import INK, RECORDED, fit_page, new_figure, write_title
 from six_wheel.plotting.path import draw_path
 
-__all__ = ["draw_costmap", "plan_figure"]
-
 
 def draw_costmap(axes: Axes, costmap: Costmap) -> None:
     """Draw costs, from white to grey; what is lethal is black.
@@ -73,10 +71,6 @@ def plan_figure(
         The path that was to be followed [m].
     title : str, optional
         Written above the picture.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
 
     Raises
     ------

@@ -1,11 +1,8 @@
 """Picture of a record that was run again: both ways, and what was wanted and commanded over time."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from six_wheel.control_loop.replay.compare_runs import compare
 from six_wheel.control_loop.replay.run_summary import Replayed, Run
@@ -16,12 +13,12 @@ from six_wheel.plotting.drawing import (
     INK,
     PAGE_WIDTH,
     SOFT,
+    few_rows,
     new_figure,
     tidy,
     write_title,
 )
 
-DRAWN = 4000  # points of a line at most, more than any screen shows
 SECOND = 1e9
 ROWS = (("forward [m/s]", 0), ("turning [rad/s]", 2))
 
@@ -35,10 +32,6 @@ def replay_figure(replayed: Replayed, *, title: str | None = None) -> Figure:
         What to show.
     title : str, optional
         Written above the picture.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     difference = compare(replayed)
     figure = new_figure(PAGE_WIDTH, 8.4)
@@ -48,7 +41,7 @@ def replay_figure(replayed: Replayed, *, title: str | None = None) -> Figure:
         (difference.recorded.path, SOFT, 3.0, "recorded"),
         (difference.again.path, CENTRE, 1.4, "again"),
     ):
-        x, y = _thin(path[:, 0], path[:, 1])
+        x, y = few_rows(path[:, 0], path[:, 1])
         ways.plot(x, y, color=colour, linewidth=width, label=label)
         ways.plot(x[-1], y[-1], "o", color=colour, markersize=5)
     ways.set_aspect("equal", adjustable="datalim")
@@ -71,10 +64,10 @@ def replay_figure(replayed: Replayed, *, title: str | None = None) -> Figure:
 def _draw_motion(axes: Axes, replayed: Replayed, column: int, begin: float) -> None:
     wanted = replayed.wanted
     if len(wanted):
-        time, value = _thin((wanted[:, 0] - begin) / SECOND, wanted[:, 1 + column])
+        time, value = few_rows((wanted[:, 0] - begin) / SECOND, wanted[:, 1 + column])
         axes.step(time, value, where="post", color=FAINT, linewidth=1.0, label="wanted")
     for run, colour, width in _runs(replayed):
-        time, value = _thin((run.times - begin) / SECOND, run.twists[:, column])
+        time, value = few_rows((run.times - begin) / SECOND, run.twists[:, column])
         axes.plot(time, value, color=colour, linewidth=width)
     if column == 0 and len(wanted):
         axes.legend(frameon=False, labelcolor=INK)
@@ -82,7 +75,9 @@ def _draw_motion(axes: Axes, replayed: Replayed, column: int, begin: float) -> N
 
 def _draw_wheels(axes: Axes, replayed: Replayed, begin: float) -> None:
     for run, colour, width in _runs(replayed):
-        time, value = _thin((run.times - begin) / SECOND, np.abs(run.wheel_speeds).max(axis=1, initial=0.0))
+        time, value = few_rows(
+            (run.times - begin) / SECOND, np.abs(run.wheel_speeds).max(axis=1, initial=0.0)
+        )
         axes.plot(time, value, color=colour, linewidth=width)
     limit = replayed.after.parameters.limits.wheel_speed
     if np.isfinite(limit):
@@ -91,10 +86,3 @@ def _draw_wheels(axes: Axes, replayed: Replayed, begin: float) -> None:
 
 def _runs(replayed: Replayed) -> tuple[tuple[Run, str, float], ...]:
     return (replayed.recorded, SOFT, 3.0), (replayed.again, CENTRE, 1.4)
-
-
-def _thin(*arrays: NDArray[Any]) -> list[NDArray[Any]]:
-    """The same rows of all, few enough to draw."""
-    count = len(arrays[0])
-    rows = np.unique(np.linspace(0, count - 1, min(count, DRAWN)).astype(int))
-    return [array[rows] for array in arrays]

@@ -56,11 +56,7 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
     for kind in type(result).__mro__:
         if kind.__name__ in PICTURES:
             module, function = PICTURES[kind.__name__]
-            draw = (
-                globals()[function]
-                if module is None
-                else getattr(import_module(module, __package__), function)
-            )
+            draw = getattr(import_module(module, __package__), function)
             known = [name for name in inspect.signature(draw).parameters if name != "title"][1:]
             for name in options:
                 if name not in known:
@@ -78,17 +74,12 @@ def _name(kind: type) -> str:
 
 def _track(track: Track, *, title: str | None, truth: Reference | None = None) -> Figure:
     from six_wheel.log_odometry.tracks import of_track
+    from six_wheel.plotting.log_odometry import reckoning_figure
 
     if track.covariances is None or track.residuals is None or len(track) < 2:
         path: Figure = _pictures("paths").truth_figure(GroundTruth(track.stamps, track.poses), title=title)
         return path
-    return _reckoned(of_track(track, truth), title=title)
-
-
-def _reckoned(result: Any, *, title: str | None) -> Figure:
-    from six_wheel.plotting.log_odometry import reckoning_figure
-
-    return reckoning_figure(result, title=title)
+    return reckoning_figure(of_track(track, truth), title=title)
 
 
 def _rover(
@@ -117,18 +108,6 @@ def _traversed(done: Any, *, title: str | None) -> Figure:
     from six_wheel.plotting.ground.safety import traverse_figure
 
     return traverse_figure(done.picture.safe, done.picture.tilt, done.extent, title)
-
-
-def _replayed(found: Any, *, title: str | None) -> Figure:
-    from six_wheel.plotting.replay import replay_figure
-
-    return replay_figure(found, title=title)
-
-
-def _four_axles(found: Any, *, title: str | None) -> Figure:
-    from six_wheel.plotting.four_axle import four_axle_figure
-
-    return four_axle_figure(found, title=title)
 
 
 def _four_axle_rover(car: Any, *, title: str | None) -> Figure:
@@ -178,22 +157,22 @@ def _pictures(name: str) -> Any:
 
 
 # Module and function by the name of the class: most of these need what a picture of another does not.
-PICTURES: dict[str, tuple[str | None, str]] = {
-    "Track": (None, "_track"),
-    "Rover": (None, "_rover"),
-    "Limits": (None, "_limits"),
+PICTURES: dict[str, tuple[str, str]] = {
+    "Track": (".results", "_track"),
+    "Rover": (".results", "_rover"),
+    "Limits": (".results", "_limits"),
     "Calibration": (".pictures.calibrated", "calibration_figure"),
-    "Traversed": (None, "_traversed"),
-    "Replayed": (None, "_replayed"),
-    "FourAxle": (None, "_four_axle_rover"),
-    "FourAxleState": (None, "_axle_state"),
-    "FourAxleStep": (None, "_sequence"),
-    "TurnSequence": (None, "_sequence"),
-    "FourAxleSimulation": (None, "_four_axles"),
-    "Drive": (None, "_drive"),
-    "ControlledDrive": (None, "_drive"),
-    "Reckoned": (None, "_reckoned"),
-    "list": (None, "_several"),
+    "Traversed": (".results", "_traversed"),
+    "Replayed": (".replay", "replay_figure"),
+    "FourAxle": (".results", "_four_axle_rover"),
+    "FourAxleState": (".results", "_axle_state"),
+    "FourAxleStep": (".results", "_sequence"),
+    "TurnSequence": (".results", "_sequence"),
+    "FourAxleSimulation": (".four_axle", "four_axle_figure"),
+    "Drive": (".results", "_drive"),
+    "ControlledDrive": (".results", "_drive"),
+    "Reckoned": (".log_odometry", "reckoning_figure"),
+    "list": (".results", "_several"),
     "Wheel": (".pictures.above", "wheel_figure"),
     "TwistFit": (".pictures.above", "fit_figure"),
     "Mobility": (".pictures.above", "mobility_figure"),

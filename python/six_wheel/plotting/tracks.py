@@ -52,10 +52,6 @@ def track_figure(
     title : str, optional
         Written above the picture, over the errors.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Raises
     ------
     ValueError

@@ -27,15 +27,6 @@ from six_wheel.plotting.drawing import (
 )
 from six_wheel.plotting.planning import draw_costmap
 
-__all__ = [
-    "costmap_figure",
-    "draw_ground",
-    "plan_path_figure",
-    "planner_figure",
-    "rollouts_figure",
-    "terrain_figure",
-]
-
 NODES = 400  # of a drawn map along its longer side
 ROLLOUTS = 300  # that are drawn
 LEAST = 0.2  # [m] of the plane that a picture shows
