@@ -1,4 +1,4 @@
-"""Who does what: every row of the tables, the core and its peers on the same rover and the same numbers."""
+"""Every row of the tables: the core and its peers on the same rover and the same numbers."""
 
 import itertools
 import os
@@ -297,7 +297,7 @@ def _check_batches(timings, batch, poses, fans, expected_poses, expected_fans):
             # Sums of 1e5 steps in another order differ by more than one of them.
             agree(f"{name}, {job}", got if name != "NumPy" else _listed(value), expected, 1e-10)
         for array, values in zip(got, expected, strict=True):
-            array[:] = values  # what the next job starts from
+            array[:] = values  # state that the next job starts from
 
 
 def _listed(value):

@@ -25,7 +25,7 @@ SIX = {
 }
 BATCH = re.compile(r"shape \((\.\.\.|n\b|m\b)")
 
-# What takes arrays, but no batch of rows of the same question.
+# Calls that take arrays, but no batch of rows of the same question.
 NO_BATCH = {
     "Rover.omni": "positions of wheels",
     "Rover.swerve": "positions of wheels",

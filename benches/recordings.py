@@ -22,7 +22,7 @@ from six_wheel.kinematics.rover_edit import with_wheels
 from six_wheel.log_odometry.evaluation import absolute_error
 from six_wheel.logs import WheelLog, optiodom
 
-TRUTH = np.array([1e-3, 1e-3, 1e-3])  # what motion capture errs by [m, m, rad]
+TRUTH = np.array([1e-3, 1e-3, 1e-3])  # errors of motion capture [m, m, rad]
 BOUND = 7.8147  # of chi-squared with three degrees of freedom, 95 %
 
 

@@ -185,7 +185,7 @@ __all__ = [
     "wrap_angle",
 ]
 
-# What `dir` leaves out: names that `se2` and `config` have too, results that only calls make, and rooms whose
+# Left out of `dir`: names that `se2` and `config` have too, results that only calls make, and rooms whose
 # functions are here.
 _BESIDE = (
     *("compose", "exp", "log", "wrap_angle", "default_threads", "set_default_threads", "simd_levels"),
@@ -212,7 +212,7 @@ def load(
         A YAML or JSON file, or a robot description ending in ``.urdf`` or ``.xacro``; or the name of one of
         `Rover.presets`, unless there is a file of that name.
     node : str, optional
-        Which node of a parameter file describes the rover, where several do.
+        Node of a parameter file that describes the rover, where several do.
     kind : str, optional
         The kind or the controller whose keys a parameter file has, where it does not say by itself.
     wheel_radius : float, optional
@@ -259,7 +259,7 @@ def read_log(
     truth : str or PathLike, optional
         The file with the true poses, where the log has none.
     **options
-        What the log does not say: `columns`, `wheel_encoders`, `steering_encoders`, `topics`, `stamp_unit`
+        Facts beside the log: `columns`, `wheel_encoders`, `steering_encoders`, `topics`, `stamp_unit`
         and others of `six_wheel.logs.LogOptions`; of a table in memory `name` and options of `Odometry`.
 
     Returns
@@ -298,7 +298,7 @@ def _as_command(name: str) -> str:
 
 shown_in_notebooks(ControllerRun, Costmap, FourAxle, Rover, SettledPose, Suspension, Terrain, TwistFit)
 
-if not TYPE_CHECKING:  # what is loaded when it is used has its types above
+if not TYPE_CHECKING:  # names that are loaded when they are used have their types above
     __getattr__, __dir__ = attach(
         __name__,
         {

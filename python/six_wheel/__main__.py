@@ -24,7 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # what a terminal cannot show ends no command
+            stream.reconfigure(errors="replace")  # a character that a terminal cannot show ends no command
     try:
         code = answer(sys.argv[1:] if arguments is None else list(arguments))
         sys.stdout.flush()

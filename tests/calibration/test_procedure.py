@@ -316,7 +316,7 @@ def ate(rover, log):
     return evaluation.absolute_error(reckon(rover, log), log.truth.poses).rmse
 
 
-# What cross-validation chooses on all recordings of a robot; `make soak` asks it again.
+# The choice of cross-validation on all recordings of a robot; `make soak` asks it again.
 CHOSEN = {
     "diff": ("wheel_radius", "track_width"),
     "tricyc": ("wheel_radius", "wheelbase", "steering_offset", "origin_yaw"),

@@ -52,7 +52,7 @@ AGAIN = {
 }
 # A record has its truth on a topic that has to be named.
 NO_TRUTH = {("Noise.from_logs", "log.mcap"), ("calibrate_files", "log.mcap"), ("calibrate", "log.mcap")}
-# What takes no logs in spite of the name of its argument.
+# Functions that take no logs in spite of the name of the argument.
 NO_LOGS = {"Calibrated": "a result", "parameter_names": "names, asked of how a rover drove"}
 
 

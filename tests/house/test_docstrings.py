@@ -34,7 +34,7 @@ WITHOUT_UNITS = {
         "Costmap.read",
     ),
 }
-# What a number may be stated by: a unit in brackets, a shape, or what it counts.
+# Forms in which a number is stated: a unit in brackets, a shape, or what it counts.
 STATED = re.compile(
     r"\[[^\]]+\]|shape|[Ss]hare|factor|[Nn]umber|[Pp]robability|[Cc]ost|seed|unit|rows|count|threads"
     r"|[Tt]urns|times\b|[Pp]er second|[Pp]er turn|True"

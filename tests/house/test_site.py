@@ -18,7 +18,7 @@ import six_wheel as sw
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-BUILT = DOCS / "_build" / "html"  # what `make docs` wrote
+BUILT = DOCS / "_build" / "html"  # written by `make docs`
 NARROW, WIDE = 390, 1280  # [px] a telephone, a desk
 LARGEST_SITE = 12_000_000  # [B] without the recorded drive
 LARGEST_DRIVE = 4_000_000  # [B] viser's page is 1.7 MB of it

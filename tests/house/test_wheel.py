@@ -81,7 +81,7 @@ def test_the_first_ten_minutes(python: str, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_worked_examples(python: str, tmp_path: Path) -> None:
-    for one in examples.SESSION[3:]:  # what installs comes first
+    for one in examples.SESSION[3:]:  # packages that install others come first
         if not one.text.startswith(">>>"):
             examples.shell(one, tmp_path, python)
     session = "\n".join(one.text for one in examples.SESSION[3:] if one.text.startswith(">>>"))

@@ -77,7 +77,7 @@ def test_the_examples_in_an_empty_folder(tmp_path, monkeypatch):
         pytest.importorskip(needed)
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    for one in SESSION[3:]:  # what installs comes first
+    for one in SESSION[3:]:  # packages that install others come first
         if not one.text.startswith(">>>"):
             shell(one, tmp_path, sys.executable)
             continue

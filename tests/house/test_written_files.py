@@ -17,7 +17,7 @@ FUNCTIONS = {
     "ParquetWriter": 0,
     "CSVWriter": 0,
 }
-# What else opens one, and why.
+# Others that open one, with the reason.
 ALONE = {
     "kinematics/objects/whole_files.py": "is that function",
     "logs/mcap/writer.py RecordWriter.__init__": "a record grows: what it has is there when the power goes",

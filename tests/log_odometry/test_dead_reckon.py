@@ -179,7 +179,7 @@ def test_a_counter_that_starts_over_at_zero():
     track = sw.dead_reckon(rover, None, angles, stamps, max_speed=2.0)
     assert len(track.left_out) == 0
     assert track.health[20] == OdometryHealth.RESTARTED
-    # What it went while the counter was reset is not known: one step of 3 cm.
+    # The way driven while the counter was reset is not known: one step of 3 cm.
     np.testing.assert_allclose(track.poses[-1], (0.1 * 3.0 * 3.9 - 0.03, 0.0, 0.0), atol=1e-12)
 
 

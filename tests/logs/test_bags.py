@@ -115,7 +115,7 @@ def test_joints_in_any_order(tmp_path: Path, storage: str, chunk_rows: int) -> N
 def test_joints_in_messages_of_their_own(
     tmp_path_factory: pytest.TempPathFactory, order: Any, chunk_rows: int, topics: bool
 ) -> None:
-    # What grows evenly is interpolated exactly; every joint has its own rate and phase.
+    # Even growth is interpolated exactly; every joint has its own rate and phase.
     rate, messages = 2.0, []
     phases = dict(
         zip([*ROVER.traction_joints, *ROVER.steering_joints], order.sample(range(50), 10), strict=True)

@@ -186,7 +186,7 @@ def test_a_yard_is_its_seed() -> None:
     assert one == same
     assert one != sw.Terrain.yard((10, 8), 0.1, 0.1, seed=5)
     assert one.shape == (81, 101)
-    # What it was when it was made first: the same on every platform.
+    # Values of the first time it was made: the same on every platform.
     assert [float(one.heights[k, k]) for k in (0, 40, 80)] == YARD
 
 

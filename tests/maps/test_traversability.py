@@ -74,7 +74,7 @@ def test_tiles_say_what_feasible_says(chart: Path) -> None:
     poses[..., 0], poses[..., 1] = x[:, None], y[..., None]
     poses[..., 2] = 2 * math.pi / HEADINGS * np.arange(HEADINGS)
     whole = sw.RockerBogie.preset("perseverance").feasible(ground, poses)
-    # What is just at a limit may be decided otherwise from another tile's corner.
+    # A cell just at a limit may be decided otherwise from another tile's corner.
     assert np.mean(found[0] != whole.ok.mean(axis=-1)) < 1e-3
     assert 0.05 < found[0].mean() < 0.95
     tilt = np.fmax.reduce(whole.tilt, axis=-1)

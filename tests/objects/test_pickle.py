@@ -12,7 +12,7 @@ pytest.importorskip("scipy", reason="walks every public name, and calibration ne
 from tests.objects.samples import ARM, ROVER, public_classes, samples, terrain
 
 STREAMS = ("Controller", "Odometry", "Odometry3")
-# What a planner remembers beside its state are the rollouts of its last cycle.
+# A planner keeps the rollouts of its last cycle beside its state.
 LAST_CYCLE = {"Mppi": ("costs", "wishes")}
 
 

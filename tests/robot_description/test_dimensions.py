@@ -87,7 +87,7 @@ def test_a_late_pose_is_worth_as_much_as_a_timely_one():
         ends.append(odometry.state)
         del state
     np.testing.assert_allclose(ends[0].covariance, ends[1].covariance, atol=1e-14)
-    # What was learnt of the pose does not teach the dimensions: the end is less sure than by readings alone.
+    # Knowledge of the pose does not teach the dimensions: the end is less sure than by readings alone.
     plain = sw.Odometry(rover, READINGS)
     for k, stamp in enumerate(stamps):
         plain.update(steering[k], totals[k], stamp)

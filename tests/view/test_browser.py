@@ -56,7 +56,7 @@ def share(picture: NDArray[np.float64], hues: tuple[int, int]) -> float:
 
 
 def until(true: Callable[[], bool]) -> bool:
-    """Whether it becomes true, with patience."""
+    """True if it becomes true within the patience."""
     end = time.monotonic() + PATIENCE / 1000.0
     while time.monotonic() < end:
         if true():

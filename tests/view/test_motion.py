@@ -1,4 +1,4 @@
-"""What a view shows is what the package computes: every node that is sent, every colour of the map."""
+"""A view shows the results of the package: every node that is sent, every colour of the map."""
 
 from collections.abc import Callable
 from typing import Any

@@ -72,7 +72,7 @@ class CrossValidation:
     Attributes
     ----------
     kind : {'session', 'run', 'part'}
-        What was left out at a time.
+        Unit that was left out at a time.
     folds : tuple of str
         Their names.
     nominal : ndarray, shape (folds,)

@@ -86,7 +86,7 @@ def calibrate_files(
     finish : callable, optional
         Called with what came of it before the output is replaced: what it raises leaves all as it was.
     log_options, options
-        How to read the logs, and arguments of `calibrate`.
+        Options of reading the logs, and arguments of `calibrate`.
     progress : callable, optional
         Called with steps done, steps in all and what is being done.
 

@@ -57,14 +57,14 @@ class MeasuredNoise:
     sections : int
         Stretches whose ends were compared.
     basis : str
-        What these were.
+        Kind of these units.
     nees : ndarray, shape (sections,)
         Normalised error squared of their ends under `noise`: 95 % are meant to lie below 7.81.
     yaw_rate : Estimate or None
         Of one reading of the gyroscope [rad/s], from where the rover stands; None where no log has one and
         stands for a second.
     wheels : tuple of Estimate
-        How many times that each wheel slips by; none where the ends do not tell wheels apart.
+        Factor on it of each wheel; none where the ends do not tell wheels apart.
     gyroscope : Gyroscope or None
         The same with the bias at rest, to give to `Odometry` beside `noise`, which counts the bias as noise.
     """
@@ -204,7 +204,7 @@ def measure(
     names : sequence of str
         Of the wheels.
     sessions : int
-        How many there were.
+        Number of sessions.
 
     Source: Fisher's F, as in Geisser, Predictive Inference: An Introduction, 1993, ch. 2.
     """

@@ -36,11 +36,11 @@ class Observability:
     names : tuple of str
         The parameters.
     identified : ndarray of bool, shape (p,)
-        Whether the data tell this one by itself.
+        True if the data tell this one by itself.
     directions : ndarray, shape (p, k)
         Combinations that nothing in the data depends on, in units of what is plausible for each.
     spread : ndarray, shape (p,)
-        How far each independent direction could go unnoticed, in the same units, from the best known on.
+        Change of each independent direction that may go unnoticed, in the same units, the best known first.
     messages : tuple of str
         The same in words.
     """

@@ -32,13 +32,13 @@ class Calibration(Shown):
         The same, so that a normal distribution has as wide intervals of 95 % as Student's t with the degrees
         of freedom that there were.
     dimensions : ndarray, shape (k, wheels, 9)
-        What `rover` may be off by according to `widened`, for ``Odometry(rover, noise, dimensions=...)``.
+        Uncertainty of `rover` according to `widened`, for ``Odometry(rover, noise, dimensions=...)``.
     confidence : float
         Of the intervals.
     basis : str
-        What the intervals rest on: of what one was left out after another.
+        Unit that was left out one after another for the intervals.
     observability : Observability
-        What the data do not tell.
+        Parameters that the data do not tell.
     windows : Windows
         The residuals.
     runs : tuple of RunErrors
@@ -46,7 +46,7 @@ class Calibration(Shown):
     cross_validation : CrossValidation or None
         Errors on drives left out of the fit.
     sensor : ndarray, shape (3,)
-        Where what the truth follows sits in the body of `rover` [m, m, rad].
+        Place in the body of `rover` of the point that the truth follows [m, m, rad].
     time_offset : float
         Stamp of the truth less that of the log [s].
     chosen : tuple of str
@@ -54,11 +54,11 @@ class Calibration(Shown):
     loss : str
     converged : bool
     measured_noise : MeasuredNoise or None
-        How far dead reckoning with `rover` errs, with intervals and what they rest on.
+        Noise of dead reckoning with `rover`, with intervals and their grounds.
     slips : tuple of str
-        Where the drives slipped and were left out, a sentence for each log.
+        Stretches in which drives slipped and were left out, a sentence for each log.
     gyroscope : MeasuredGyroscope or None
-        What that of the logs errs by; None where there is none, or the rover never stands for a second.
+        Errors of the gyroscope of the logs; None where there is none, or the rover never stands for a second.
     """
 
     rover: Rover

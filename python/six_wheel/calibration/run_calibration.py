@@ -99,14 +99,14 @@ def calibrate(
         those of another odometry, or the same place again where a loop closes. A log with a gyroscope and
         without a truth is calibrated by its headings.
     parameters : 'auto' or str or sequence of str
-        What to find; `parameter_names` lists what there is for a rover. In short: ``wheel_radius`` (shared),
+        Parameters to find; `parameter_names` lists those of a rover. In short: ``wheel_radius`` (shared),
         ``side_radii``, ``wheel_radii``, ``track_width``, ``wheelbase``, ``arm_length``, ``steering_offset``,
         ``steering_gain``, ``roller_angle``, ``encoder_scale``, ``skid``, ``time_offset`` (a stamp of the
         truth less that of the log), ``sensor`` (where what the truth follows sits in the body) and
         ``origin`` (the same, and the rover comes back about it). ``"auto"`` takes those that predict drives
         best that were not fitted.
     loss : {'auto', 'soft_l1', 'linear', 'huber', 'cauchy'}
-        How much windows count in which the rover slipped: from three times the usual error on less and less.
+        Weight of windows in which the rover slipped: from three times the usual error on less and less.
         ``"auto"`` is ``"soft_l1"``; where a drive slid by more than 1.5 times the rover's size at a stretch,
         or for longer than 1.75 s, that is left out of fit and cross-validation (`Calibration.slips`) and the
         loss is ``"cauchy"``.
@@ -116,7 +116,7 @@ def calibrate(
     confidence : float, default 0.95
         Of the intervals, the share of them that hold the true value.
     cross_validation : bool
-        Whether to leave out one session (run, part of a run) after another and report the errors there.
+        True to leave out one session (run, part of a run) after another and report the errors there.
     max_time_offset : float, default 0.5
         Largest time offset looked for [s]; only when ``time_offset`` is among the parameters.
     progress : callable, optional

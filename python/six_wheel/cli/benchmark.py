@@ -38,13 +38,13 @@ class Timing:
     Parameters
     ----------
     statement : str
-        What to time.
+        Statement to time.
     names : mapping
         The names in it.
     items : int
-        What it treats, in whatever is counted; times are per item.
+        Number of items it treats; times are per item.
     baseline : str
-        What of the statement is not to be counted.
+        Part of the statement whose time is subtracted.
     """
 
     def __init__(

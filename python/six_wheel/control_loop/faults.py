@@ -19,9 +19,9 @@ class Fault:
     what : str
         The rule that was broken.
     last : str
-        What came instead, the last time.
+        Value that came instead, the last time.
     count, new : int
-        How often, and how often since the last report.
+        Number of times in all, and since the last report.
     """
 
     area: str

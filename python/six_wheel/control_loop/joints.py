@@ -32,11 +32,11 @@ class JointReader:
     ----------
     rover : Rover
     positions : bool
-        Whether wheels report positions; otherwise velocities.
+        True if wheels report positions; otherwise velocities.
     factors : list of pair of float
         For every steered wheel what makes its reading an angle: a factor and an offset.
     faults : Faults
-        Where to say what is wrong.
+        Takes what is wrong.
     """
 
     def __init__(

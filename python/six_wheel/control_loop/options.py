@@ -19,7 +19,7 @@ class Option:
     choices : tuple of str
         Of a text.
     live : bool
-        Whether it can be changed while the rover drives.
+        True if it can be changed while the rover drives.
     """
 
     name: str

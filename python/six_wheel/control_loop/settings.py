@@ -44,10 +44,10 @@ class Settings:
     text : str
         The parameter file, changes included.
     parameters : Parameters
-        What it says.
+        Its keys and values.
     options : Options
     node_options : dict
-        What the file says of the other options of a node, unchecked.
+        Other options of a node in the file, unchecked.
     """
 
     text: str

@@ -85,7 +85,7 @@ class FourAxleStep:
     Parameters
     ----------
     action : str
-        What it is for, such as "free rear" or "turn rear".
+        Its purpose, such as "free rear" or "turn rear".
     duration : float
         For how long [s]; 0 for a brake alone.
     front_brake, rear_brake : {'locked', 'free'}
@@ -94,7 +94,7 @@ class FourAxleStep:
         Wheel speeds [rad/s]; None where the drive follows, turning as the ground makes it turn. `simulate`
         tells at which speeds it does.
     end : FourAxleState, optional
-        Where a planned step leads.
+        Pose at the end of a planned step.
 
     Raises
     ------
@@ -142,7 +142,7 @@ class TurnSequence:
     stops: bool
     """True where the robot has to stand during the step."""
     reason: str
-    """Why it stops or goes a roundabout way; empty if it does neither."""
+    """Reason of a stop or a roundabout way; empty without either."""
 
     def __repr__(self) -> str:
         actions = " ".join(step.action for step in self.steps)

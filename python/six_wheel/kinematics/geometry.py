@@ -169,7 +169,7 @@ class Pose(NamedTuple):
         Parameters
         ----------
         other : Pose or (float, float, float)
-            Where the way leads [m, m, rad].
+            End of the way [m, m, rad].
         share : float
             0 is this pose, 1 is `other`.
 

@@ -14,7 +14,7 @@ from six_wheel.kinematics.errors import ArgumentTypeError, FileError
 _F = TypeVar("_F", bound=Callable[..., Any])
 _C = TypeVar("_C", bound=type[Any])
 
-# What a keyword of others, or of old, is here; the first that the call has counts.
+# Keywords of other libraries, or of old, and those of here; the first that the call has counts.
 NAMES = {
     "arm": ("suspension",),
     "center": ("centre",),
@@ -35,7 +35,7 @@ NAMES = {
     "speeds": ("wheel_speeds",),
     "time_unit": ("stamp_unit",),
 }
-# What means the same by another number.
+# Keywords that mean the same by another number.
 _OF_ENCODERS = ("wheel_encoders", "give wheel_encoders=Encoder(ticks_per_turn=..., wraps_at=...)")
 SENTENCES = {
     "bits": ("wraps_at", "bits=16 is wraps_at=65536"),
@@ -134,7 +134,7 @@ def checked(*others: Callable[..., Any], call: str = "") -> Callable[[_F], _F]:
         shown = [each for signature in signatures.values() for each in signature.parameters if each in named]
         shown = [each for each in shown if each not in ("self", "cls", "_cls")]
 
-        # What takes any keyword says itself which it does not have.
+        # A call with any keyword refuses those it does not have itself.
         parameters = signatures[function].parameters.values()
         takes_any = not others and any(each.kind is each.VAR_KEYWORD for each in parameters)
 
@@ -181,7 +181,7 @@ def _is_array(value: object) -> bool:
     return True
 
 
-# What an annotation calls for, in words, and the test of it.
+# Words for an annotation, and the test of it.
 KINDS: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
     "ArrayLike": ("real numbers", _is_array),
     "Callable": ("callable", callable),
@@ -211,9 +211,9 @@ def _mistyped(
     signatures : mapping of callable to Signature
         The function that was called, then those that its ``**options`` go to.
     arguments, keywords
-        What was given.
+        Arguments of the call.
     error : Exception
-        What came of it.
+        Error that the call raised.
     """
     named = {name for signature in signatures.values() for name in signature.parameters}
     if isinstance(error, FileError) or re.match(r"\w*", str(error))[0] in named:  # type: ignore[index]

@@ -118,11 +118,11 @@ class Phase(NamedTuple):
     action: str
     """``'drive'``, ``'stop'`` or ``'align'``."""
     start: float
-    """When it begins [s]."""
+    """Time of its begin [s]."""
     duration: float
     """Duration [s]."""
     reason: str
-    """Why it is there."""
+    """Its reason."""
 
 
 _UNITS = {

@@ -130,7 +130,7 @@ def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
         pairs = zip(rover.wheels, changes, strict=True)
         return rover.replace(wheels=[wheel.replace(**change) for wheel, change in pairs])
 
-    return without_questions(made)  # which were asked of the rover itself
+    return without_questions(made)  # those of the rover itself were asked for
 
 
 def joints_as_given(rover: Rover) -> tuple[dict[str, str], dict[str, str]]:

@@ -18,7 +18,7 @@ ANGLE = 1e-3  # [rad] by which angles differ at most that were rounded by a form
 INSTANT = 1e-3  # [s] of stamps, likewise
 PLACE = 5e-3  # [m] of true positions, likewise
 RATE = 2e-4  # [rad/s] of a gyroscope, likewise
-ROWS = 20  # in which a wheel moves, that tell a drive
+ROWS = 20  # steps with a moving wheel that tell a drive
 SHARE = 0.1  # of the rows of the shorter log that both have at least
 FEW = 64  # rows that are compared before all
 ANCHORS = (0.2, 0.5, 0.8)  # shares of the motion where rows of one log are looked for in another
@@ -26,7 +26,7 @@ WINDOW = 32  # rows of an anchor
 BEST = 4  # places of an anchor that are tried
 
 STEPS = 16  # steps from row to row that make one hash of a sketch
-WHEELS = 2  # whose steps these are
+WHEELS = 2  # number of wheels with these steps
 QUANTUM = (
     2.07e-3  # [rad] to which they are rounded; no multiple of usual counts, which would lie on its edges
 )

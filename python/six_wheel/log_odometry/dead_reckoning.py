@@ -116,7 +116,7 @@ def dead_reckon(
     noise : Noise, optional
         Standard deviations of readings and slip, default ``Noise()``.
     ground : Terrain, optional
-        What a suspension drives on, if that is known.
+        Ground that a suspension drives on, if that is known.
     joints : array_like, shape (n, joints), optional
         Free angles of a suspension [rad]; a log that was simulated on ground brings its own.
     attitude : array_like, shape (n, 2), (n, 3) or (n, 4), optional
@@ -137,14 +137,14 @@ def dead_reckon(
         Leave out rows that cannot be (NaN, time that stands still or runs backwards, jumps) and flag them in
         `Track.health`, or raise on the first one.
     covariances, residuals : bool
-        Whether to compute these; what is not is None.
+        True to compute these; what is not is None.
     columns : dict of str to str, or sequence of str, optional
-        Which column of a table holds a joint, a wheel or the ``"stamp"``, where it is called otherwise; or
+        Column of a table that holds a joint, a wheel or the ``"stamp"``, where it is called otherwise; or
         headers with what to read them as, ``{"encL": "left [ticks]"}``; or the names of all columns in order.
     stamp_unit : {'s', 'ms', 'us', 'ns', 'min', 'h', 'd'}, optional
         Unit of the stamps.
     plausibility : bool, default True
-        Whether readings that no rover has are refused: counts as radians, counters that start over, stamps in
+        True if readings that no rover has are refused: counts as radians, counters that start over, stamps in
         another unit. The message says what to give instead.
     progress : callable, optional
         Called with the rows done and all rows, after every chunk of a log.

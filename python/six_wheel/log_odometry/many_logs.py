@@ -48,7 +48,7 @@ class FleetLog:
         known, warnings; None where it failed.
     failure : Failure or None
     resumed : bool
-        Whether it was done before.
+        True if it was done before.
     """
 
     path: Path

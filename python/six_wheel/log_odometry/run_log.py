@@ -268,11 +268,11 @@ def reckon(
         Times, poses, twists, covariances, residuals and health, .csv or .parquet; .mcap: a record with the
         topics of `logs.mcap.rover_record`, for viewers.
     truth : Path, optional
-        Where the rover was, if the log does not say.
+        True path of the rover, if the log does not have it.
     finish : callable, optional
         Called with the result before the output is replaced: what it raises leaves all as it was.
     log_options, settings
-        How to read the log, and how to reckon.
+        Options of reading and of dead reckoning.
     length : float
         Of the stretches for the relative error [m].
     chunk_rows : int

@@ -24,7 +24,7 @@ def of_track(
     truth : GroundTruth, WheelLog or Track, optional
         Brought to its stamps.
     name : str
-        What to call it.
+        Its name.
     length : float
         Of the stretches for the relative error [m].
 

@@ -48,12 +48,12 @@ class Reader:
     Attributes
     ----------
     claims : callable
-        Whether a path is such a log; asked before tables and bags are thought of.
+        True if a path is such a log; asked before tables and bags are thought of.
     read : callable
         From the path and the rover to a `WheelLog` in the rover's order, with its truth if it has one. Its
         `ValueError` or `OSError` becomes the one line of the command, its warnings those of the log.
     belongs : callable
-        Whether a path in a folder belongs to such a log, and is none by itself.
+        True if a path in a folder belongs to such a log, and is none by itself.
     """
 
     claims: Callable[[Path], bool]
@@ -262,7 +262,7 @@ def read_log(
     rover : Rover
     options : LogOptions, optional
     truth : Path, optional
-        Where the truth is, if the log does not say it.
+        File of the truth, if the log does not have it.
     progress : callable, optional
         Called after every chunk with how far it is and how far it will go.
     **how
@@ -292,13 +292,13 @@ class WholeLog(Closing):
     Parameters
     ----------
     path : Path
-        What one of `READERS` reads.
+        A log of one of `READERS`.
     rover : Rover
         With the wheels of that log, in its order.
     kind : str
-        Which of them.
+        Its key in `READERS`.
     plausibility : bool
-        Whether readings that no rover has are refused.
+        True if readings that no rover has are refused.
     """
 
     readings: Reading = "ticks"

@@ -56,7 +56,7 @@ def read_truth(
         x, y, yaw [m, m, rad]; NaN for yaw where the file has positions alone. In space x, y, z, roll, pitch,
         yaw, where every row has z and a quaternion, or z, roll, pitch and yaw.
     findings : Findings
-        What was left out.
+        Rows that were left out.
 
     Raises
     ------

@@ -43,7 +43,7 @@ class JointSource:
     rates : Source or None
         Of a gyroscope whose readings have other stamps than the rows.
     readings : {"angles", "speeds", "ticks"}
-        What the wheels are read as.
+        Kind of the readings of the wheels.
     names : sequence of str
         Values of a row: ``"wheel NAME"``, ``"steering NAME"`` and others.
     counted : set of str

@@ -43,13 +43,13 @@ class JointLog(Closing):
     path : Path
         A .csv or .parquet file; a ROS 2 bag as a folder, .mcap or .db3 file.
     rover : Rover
-        Whose joints and wheels the columns or messages name.
+        The columns or messages name its joints and wheels.
     readings : {"angles", "speeds", "ticks"}, optional
-        What the wheels' columns hold if their headers do not say, and what to take where there are several.
+        Kind of the wheels' columns if their headers do not state it, and the one to take of several.
     wheel_encoders, steering_encoders : Encoder or mapping of wheel to Encoder, optional
         For readings that are no running total in radians; needed for ticks.
     increments : bool, optional
-        Whether a row holds what a wheel has turned since the row before, and not the total; False by default,
+        True if a row holds what a wheel has turned since the row before, and not the total; False by default,
         and then asked about where the readings look like that.
     columns : mapping or sequence of str, optional
         Header to the header it should be read as, such as ``{"encL": "left [ticks]"}``; or the names of all
@@ -65,7 +65,7 @@ class JointLog(Closing):
     stamp_unit : {"s", "ms", "us", "ns"}, optional
         Unit of the times, whatever their header says.
     plausibility : bool, default True
-        Whether readings that no rover has are refused.
+        True if readings that no rover has are refused.
     max_speed : float, optional
         Fastest rim [m/s]: a longer step counts as none.
     max_gap : float, optional
@@ -74,13 +74,13 @@ class JointLog(Closing):
     Attributes
     ----------
     findings : Findings
-        What was left out so far: `listed`, and how many `rows`.
+        Rows left out so far: `listed`, and the number of `rows`.
     warnings : list of str
-        What looks wrong, but can be read.
+        Lines on readings that look wrong, but can be read.
     origin : int
         The second from which stamps are counted: 0, unless the times are too large for that.
     truth_findings : Findings or None
-        What was left out of a truth of its own, after `read`.
+        Rows left out of a truth of its own, after `read`.
 
     Raises
     ------
@@ -258,14 +258,14 @@ class JointLog(Closing):
         Parameters
         ----------
         truth : Path, optional
-            Where to read it from, see `read_truth`; the same bag, if that holds it. Without it the log's own
+            File of the truth, see `read_truth`; the same bag, if that holds it. Without it the log's own
             columns are the truth, if it has them.
         truth_columns : mapping, optional
             Header of that file to the header it should be read as.
         truth_topic : str, optional
             Topic of a bag.
         session : str
-            Which drives belong together.
+            The same for drives that belong together.
         progress : callable, optional
             Called after every chunk with how far it is and how far it will go.
 

@@ -42,7 +42,7 @@ class Robot:
     signs : tuple of float
         +1 where a reading counts forward, or else -1.
     steered : bool
-        Whether there is a steering angle.
+        True if there is a steering angle.
     """
 
     rover: Callable[[Metadata], Rover]

@@ -163,20 +163,20 @@ class WheelLog(Tabular):
     steering : array_like, shape (n, steered wheels), or None
         Angles of the steered wheels at those times, in the rover's order [rad]; None without such wheels.
     wheel_angles : array_like, shape (n, wheels)
-        How far each wheel has turned since anywhere: running totals, in the rover's order [rad]. NaN all the
+        Running totals of each wheel from any start, in the rover's order [rad]. NaN all the
         way down where a passive wheel has no encoder; NaN in a row, here or in `steering`, is a reading that
         is missing: `dead_reckon` flags that row, `calibrate` leaves it out.
     truth : GroundTruth, or array_like of shape (n, 3), optional
         The reference; bare poses are taken to be measured at `stamps`.
     name, session : str
-        What to call the drive, and which drives belong together: same day, same floor, same load.
+        Name of the drive, and a name shared by drives of the same day, floor and load.
     yaw_rate, yaw : array_like, shape (n,), optional
         Of a gyroscope [rad/s], and absolute yaw of a sensor with a zero of its own [rad].
     options : mapping
-        How `Odometry` has to read the log where it is not in radians: `readings`, `increments`,
+        Options of `Odometry` for a log that is not in radians: `readings`, `increments`,
         `wheel_encoders`, `steering_encoders`. `dead_reckon` and `calibrate` mind them.
     plausibility : bool
-        Whether `dead_reckon` and `calibrate` refuse readings that no rover has; False for those that were
+        True if `dead_reckon` and `calibrate` refuse readings that no rover has; False for those that were
         checked when they were read.
 
     Raises

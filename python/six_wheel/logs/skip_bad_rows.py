@@ -294,9 +294,9 @@ class Sieve:
     spare : collection of str
         Columns that may lack a value.
     stated : bool
-        Whether the unit of the times is stated, and not only the default.
+        True if the unit of the times is stated, and not only the default.
     strict : bool
-        Whether rows in another order than that of time are refused as a whole.
+        True if rows in another order than that of time are refused as a whole.
     warn : callable, optional
         Called with a line where rows are left out whose rates the path misses.
     """

@@ -102,10 +102,10 @@ class Table(Closing):
     size : int
         Bytes of a CSV file, rows of a Parquet file: what `position` counts up to.
     warnings : list of str
-        What looks wrong, but can be read.
+        Lines on readings that look wrong, but can be read.
     """
 
-    text_stamps = False  # whether times may be written as clocks write them
+    text_stamps = False  # True if times may be written as clocks write them
     formats: Mapping[str, Format] = FORMATS
 
     def __init__(self, path: Path) -> None:

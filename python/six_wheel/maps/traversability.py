@@ -111,9 +111,9 @@ def traverse(
     headings : int, default 16
         Evenly spaced, from the x axis of the map's frame.
     limits : FeasibilityLimits, optional
-        What is allowed; default ``FeasibilityLimits.curiosity()``.
+        Limits of a stand; default ``FeasibilityLimits.curiosity()``.
     map_error : float, default 0.0
-        How far the heights may be wrong [m].
+        Largest error of the heights [m].
     belly : (float, float, float, float), optional
         As for `RockerBogie.bounds` [m].
     cluster : str or distributed.Client, optional

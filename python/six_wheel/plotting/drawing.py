@@ -60,7 +60,7 @@ def draw_rover(
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Where to draw; its limits are left alone.
+        Axes to draw on; their limits are left alone.
     rover : Rover
         Any layout of wheels.
     pose : array_like, shape (3,)
@@ -68,7 +68,7 @@ def draw_rover(
     steering : array_like, shape (steered wheels,), optional
         Angles of the steered wheels from their headings [rad]; straight without it.
     fade, scale, body_color, wheel_color, treads, zorder
-        How far the colours go towards white (0 to 1), enlargement, colours, lines across the wheels, and
+        Share of white in the colours (0 to 1), enlargement, colours, lines across the wheels, and
         height above other drawings.
 
     Raises

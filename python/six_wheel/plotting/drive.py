@@ -63,7 +63,7 @@ def draw_course(
     figure, grid
         A figure, and the place in a grid of it where the panels go.
     rover, course, limits
-        What was driven, what came of it, and what it was not to exceed.
+        The rover, its course, and the limits it had to keep.
     shares : mapping of str to float
         Share of the time, 0 to 1, of every reason there was.
     """

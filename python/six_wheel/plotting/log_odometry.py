@@ -38,7 +38,7 @@ def reckoning_figure(result: Reckoned, *, title: str | None = None) -> Figure:
     Parameters
     ----------
     result : Reckoned
-        What to show.
+        Result to show.
     title : str, optional
         Written above the picture, over the figures of the end.
     """

@@ -18,9 +18,9 @@ def draw_costmap(axes: Axes, costmap: Costmap) -> None:
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Where to draw, in the frame of the map [m]; its limits become the map's.
+        Axes in the frame of the map [m]; their limits become the map's.
     costmap : Costmap
-        What to draw.
+        Costs to draw.
     """
     values = np.asarray(costmap.values, dtype=np.float64)
     (dx, dy), (rows, columns) = costmap.spacing, values.shape
@@ -62,7 +62,7 @@ def plan_figure(
     rover : Rover
         Any layout of wheels.
     costmap : Costmap
-        What the planner drove by.
+        Costs that the planner used.
     poses : array_like, shape (n, 3)
         x, y, yaw of the body in the frame of the map [m, m, rad], n >= 1.
     steering : array_like, shape (n, steered wheels)

@@ -29,7 +29,7 @@ def replay_figure(replayed: Replayed, *, title: str | None = None) -> Figure:
     Parameters
     ----------
     replayed : Replayed
-        What to show.
+        Result to show.
     title : str, optional
         Written above the picture.
     """

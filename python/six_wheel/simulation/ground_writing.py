@@ -41,9 +41,9 @@ def write_ground(run: GroundSimulation, suspension: RockerBogie, path: str | Pat
     Parameters
     ----------
     run : GroundSimulation
-        What `simulate` returned.
+        Result of `simulate`.
     suspension : RockerBogie
-        Who drove.
+        Suspension that drove.
     path : str or Path
         .csv or .parquet: readings and truth as `write_log` has them, and ``z``, ``roll``, ``pitch``, the
         joints, the IMU and, wheel by wheel, speed, contact angle, slip ratio and slip angle. .mcap: joint

@@ -34,7 +34,7 @@ class GroundSimulation(Simulation):
     wheel_speeds : ndarray, shape (n, wheels)
         True speeds of the wheels against their links [rad/s].
     flat_wheel_speeds : ndarray, shape (n, wheels)
-        What the same commands ask for on level ground [rad/s].
+        Wheel speeds of the same commands on level ground [rad/s].
     twists : ndarray, shape (n, 6)
         ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes [m/s, rad/s].
     joint_rates : ndarray, shape (n, joints)
@@ -44,7 +44,7 @@ class GroundSimulation(Simulation):
     orientations : ndarray, shape (n, 4)
         Of the body, as quaternions x, y, z, w.
     angular_velocity : ndarray, shape (n, 3)
-        What an IMU reports about the body's axes, with the noise of the gyroscope [rad/s].
+        Rates of an IMU about the body's axes, with the noise of the gyroscope [rad/s].
     """
 
     stand: SettledPose

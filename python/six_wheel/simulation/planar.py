@@ -31,9 +31,9 @@ class Slip:
     start, stop : float
         From when to when [s].
     wheels : sequence of str, optional
-        Which wheels spin, default all with a motor.
+        Wheels that spin, default all with a motor.
     ratio : float
-        How much of their turning is lost: at 0.5 they turn twice as far as they roll; below 1.
+        Share of their turning that is lost: at 0.5 they turn twice as far as they roll; below 1.
     drift : tuple of float
         Twist ``(vx, vy, omega)`` of the body beside what its wheels do, as on a slope, in body axes.
     """
@@ -87,9 +87,9 @@ class Simulation(WheelLog):
     Attributes
     ----------
     motion : Motion
-        What truly happened, eight times as fine as the samples.
+        The true motion, eight times as fine as the samples.
     controlled : Controlled or None
-        What the controller did, of a drive with a joint that sticks.
+        Record of the controller, of a drive with a joint that sticks.
     """
 
     truth: GroundTruth = field(kw_only=True)

@@ -110,12 +110,12 @@ def simulate(
         3); between rows the twist changes evenly. Or poses, shape (n, 3), each reached from the one
         before on one arc at `speed`. Of twists the rover cannot make it makes the nearest.
     ground : Terrain, optional
-        What a `RockerBogie` drives over. Speeds and yaw rates are then those seen from above, along the
+        Ground under a `RockerBogie`. Speeds and yaw rates are then those seen from above, along the
         heading.
     noise : Noise, optional
-        How readings err and contacts slip, default ``Noise(speed=0, steering=0)``: not at all.
+        Errors of readings and slip of contacts, default ``Noise(speed=0, steering=0)``: none.
     wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
-        What wheels and joints count with: ticks, gear, where the counter starts over. Without one they
+        Encoders of wheels and joints: ticks, gear, where the counter starts over. Without one they
         read radians.
     slip : Slip or sequence of Slip
         Stretches in which wheels spin or the body drifts.

@@ -87,7 +87,7 @@ class Motion:
     twist : ndarray, shape (3,)
         The motion the rover makes.
     reasons : Reason
-        What keeps it from the commanded one.
+        Reasons why it is not the commanded one.
     steering, wheel_speeds : ndarray
         Angles of the steered wheels, speeds of all [rad, rad/s].
     slide : ndarray, shape (wheels,)
@@ -105,7 +105,7 @@ class Motion:
     stand : SettledPose or None
     stability : Stability or None
     remarks : tuple of str
-        What else there is to say.
+        Further lines.
     """
 
     state: State

@@ -41,10 +41,10 @@ def view(
         A rover; the name of a preset; a file with a rover (.yaml, .urdf, .xacro) or a record (.mcap, .csv,
         .parquet); a result.
     ground : Terrain, str or PathLike, optional
-        What a suspension stands on: a map, what `Terrain.read` takes, ``"yard"`` (rocks, the default) or
+        Ground of a suspension: a map, what `Terrain.read` takes, ``"yard"`` (rocks, the default) or
         ``"flat"``.
     rover : Rover, RockerBogie, str or PathLike, optional
-        Whose record it is, where it does not say so itself.
+        Rover of a record that does not have it itself.
     twist : array_like, shape (3,), optional
         Commanded vx, vy, omega [m/s, m/s, rad/s]; a left turn without it.
     at : array_like, shape (3,), optional
@@ -60,7 +60,7 @@ def view(
     port : int, default 0
         On this machine only; 0 takes a free one.
     open : bool, default True
-        Whether to open a browser, where there is one.
+        True to open a browser, where there is one.
     theme : {"dark", "light"}
 
     Returns

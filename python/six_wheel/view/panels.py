@@ -34,7 +34,7 @@ class Panels:
     server : ViserServer
     subject : Subject
     state : State
-        What they say at first.
+        First values of the controls.
     changed : callable
         Called after each change by a person.
     look : callable
@@ -183,7 +183,7 @@ class Panels:
 
     def _watch(self, control: Any) -> None:
         def told(event: Any) -> None:
-            if event.client is not None:  # what the program sets has been computed already
+            if event.client is not None:  # values that the program sets have been computed already
                 self._changed()
 
         control.on_update(told)

@@ -44,7 +44,7 @@ class Subject:
     robot : Robot or None
         With the meshes of its description.
     given : str or None
-        What a command line or a script calls it; None for an object made in a program.
+        Its name on a command line or in a script; None for an object made in a program.
     ground_given : str or None
         The same of the ground.
     rover_given : str or None

@@ -43,7 +43,7 @@ class View(Closing):
     Attributes
     ----------
     url : str
-        Where it is, on this machine only.
+        Its address, on this machine only.
     """
 
     def __init__(

@@ -49,7 +49,7 @@ impl From<f64> for Direction {
     }
 }
 
-/// Where a grid lies in the plane: node `(row, column)` at `origin + R(yaw) [column dx, row dy]`.
+/// Placement of a grid in the plane: node `(row, column)` at `origin + R(yaw) [column dx, row dy]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridPlacement {
     spacing: [f64; 2],

@@ -86,7 +86,7 @@ impl Rover {
         let mut angles = steering.iter();
         for (i, (wheel, mount)) in self.wheels().iter().zip(&self.mounts).enumerate() {
             match mount {
-                // What may move is a matter of axles that are parallel or not; an estimate lets nearly parallel ones
+                // Mobility depends on axles that are parallel or not; an estimate lets nearly parallel ones
                 // share their rows.
                 Mount::Fixed(rows) => {
                     let bank = self.banks().iter().find(|bank| bank.wheels.contains(&i));

@@ -88,7 +88,7 @@ impl RoverData {
         let spread = pivots().map(|pivot| (pivot - centre).norm_squared()).sum::<f64>() / count;
         // All pivots on one point: any length will do, so take that of the wheels.
         let size = if spread > 0.0 { spread.sqrt() } else { wheels[0].radius };
-        // What turns about pivots that are far away and close together moves by more than rounding.
+        // A turn about pivots that are far away and close together moves by more than rounding.
         let turned = size.max(CLOSE * centre.norm());
         let square = centre.norm_squared() + turned * turned;
         let metric = Matrix3::new(

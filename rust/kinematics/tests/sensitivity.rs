@@ -109,7 +109,7 @@ proptest! {
             &mut weights,
         )?;
         prop_assume!(fit.sigma_min > 0.1);
-        // Where two fixed wheels stop having a say in each other's side slip, 10 degrees apart, the derivative is
+        // At the angle at which two fixed wheels stop having a say in each other's side slip, 10 degrees apart, the derivative is
         // continuous but bends, and differences across it err by the step itself.
         let fixed: Vec<_> = wheels
             .iter()

@@ -56,7 +56,7 @@ impl Costmap {
         [self.rows, self.columns]
     }
 
-    /// Where the cells lie in the world.
+    /// Placement of the cells in the world.
     pub fn placement(&self) -> &GridPlacement {
         &self.placement
     }

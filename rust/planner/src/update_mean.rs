@@ -60,7 +60,7 @@ impl Mppi {
             let goes = Twist::from(*next);
             self.rover.solve(goes, inputs, &mut angles[..joints], &mut speeds[..outcome.speeds.len()]);
             let stands = outcome.twist.iter().all(|part| *part == 0.0);
-            // Where they were a little off, they come back no faster than they may.
+            // Values a little off come back no faster than the limits allow.
             let most = self.bounds.limits.steering_rate * dt;
             for (to, angle) in outcome.steering.iter_mut().zip(angles) {
                 *to += (angle - *to).clamp(-most, most);

@@ -20,7 +20,7 @@ thread_local! {
 
 /// State for one at a time. Whoever comes second waits, and other Python threads run meanwhile.
 ///
-/// Who has it is noted in plain numbers, which only change with the interpreter's lock held: a control loop's step is
+/// The owner is noted in plain numbers, which only change with the interpreter's lock held: a control loop's step is
 /// spared the two atomic exchanges of a mutex, each of which waits for all that was written before. A mutex has whoever may let
 /// go of the interpreter's lock meanwhile, so that others can wait.
 pub struct Shared<T> {

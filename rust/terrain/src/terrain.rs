@@ -142,7 +142,7 @@ impl Terrain {
         [self.rows, self.columns]
     }
 
-    /// Where the nodes lie in the world.
+    /// Placement of the nodes in the world.
     #[inline]
     pub fn placement(&self) -> &GridPlacement {
         &self.placement

@@ -50,7 +50,7 @@ def test_recording_is_what_its_readme_says():
 
 def test_frame_of_the_recording_is_found():
     motion = demo.recorded_motion(*recording(trip(), yaw=0.02, ahead=-0.05))
-    # What is left is what the smoothing does to the corners of the ramps.
+    # The rest comes from smoothing of the corners of the ramps.
     np.testing.assert_allclose(motion.frame, (0.02, -0.05), atol=1e-3)
     np.testing.assert_allclose(motion.poses, recording(trip())[1], atol=1e-3)
 

@@ -181,7 +181,7 @@ class Peer:
         self.until(silent)
 
     def decelerations(self) -> list[float]:
-        """By how much the fastest wheel of the commands slows down, by their own stamps [rad/s^2]."""
+        """Deceleration of the fastest wheel of the commands, by their own stamps [rad/s^2]."""
         times = [seconds(each) for each in self.commands]
         fastest = [max(map(abs, each.velocity[len(self.steering) :])) for each in self.commands]
         rows = list(zip(times, fastest, strict=True))

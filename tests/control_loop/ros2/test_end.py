@@ -34,7 +34,7 @@ def end(peer, process, *signals):
         if process.process.poll() is None:
             process.process.send_signal(number)
     peer.until(lambda: process.process.poll() is not None)
-    peer.spin(0.2)  # what is under way
+    peer.spin(0.2)  # messages under way
     assert process.process.returncode == 0, process.said
     assert not any(peer.wheel_speeds)
     assert "Traceback" not in process.said

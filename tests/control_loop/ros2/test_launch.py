@@ -16,7 +16,7 @@ index = pytest.importorskip("ament_index_python")
 
 @pytest.fixture(autouse=True)
 def share(monkeypatch):
-    """Where a pip installation puts the package's files; skipped where the package runs from its sources."""
+    """Folder of the package's files in a pip installation; skipped where it runs from its sources."""
     monkeypatch.setenv("AMENT_PREFIX_PATH", sys.prefix)
     try:
         return Path(index.get_package_share_directory("six_wheel"))

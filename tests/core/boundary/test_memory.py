@@ -22,7 +22,7 @@ SECONDS = 60.0 if SOAK > 1 else 0.3
 CALLS = 100_000
 
 
-# What is kept, and what is allocated
+# Memory that is kept, and memory that is allocated
 
 
 def loops() -> dict[str, tuple[Callable[[], Any], list[Any]]]:
@@ -79,7 +79,7 @@ def test_no_memory_is_kept_and_none_taken_with_out(name):
     tracemalloc.start()
     try:
         for _ in range(10):
-            call()  # what the loop itself needs
+            call()  # memory of the loop itself
         before = tracemalloc.get_traced_memory()[0]
         tracemalloc.reset_peak()
         for _ in range(CALLS if ", out" in name else CALLS // 20):

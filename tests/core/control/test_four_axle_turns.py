@@ -63,7 +63,7 @@ def test_beside_axles_in_line_the_remedy_is_the_nearest_turn(car):
 @pytest.mark.parametrize(("factor", "locks"), [(0.99, True), (1.01, False)])
 def test_the_tolerance_has_two_sides(factor, locks):
     car = FourAxle((H_X, H_Y), LENGTH, RADIUS, tolerance=1e-4)
-    # How far askew one axle may be, by bisection of the reference.
+    # Largest askew angle of one axle, by bisection of the reference.
     angles = np.array(car.concurrent_angles((0.0, 1.0)))
     scale = np.array((1.0, 1.0, 1.0 / math.hypot(H_X, H_Y)))
 

@@ -85,7 +85,7 @@ def test_masked_numbers_and_logs_are_refused_by_name():
         sw.Rover.differential(np.ma.array(0.4), 0.15)
 
 
-# What an argument's own code raises
+# Errors that an argument's own code raises
 
 
 class Raises:

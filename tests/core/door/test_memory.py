@@ -105,7 +105,7 @@ def limited(
 
 # More than the rovers can have, or than a simulation makes: refused without being gone through.
 ENDLESS = {"wheels", "encoders", "simulate"}
-# What would fit into the larger limit, and take its time.
+# Sizes that fit into the larger limit, and take their time.
 SMALLER = {
     *("fit, names", "Odometry.run", "inverse, float32", "frames", "Controller.run, steps", "settle, stands"),
     *("bounds, intervals", "bounds, pyramid", "feasible, pyramid", "Terrain, single", "Preintegrated"),

@@ -11,7 +11,7 @@ from tests.core.ground.settling import CLOSED, ground_for, poses_for
 
 from .grounds import ROVERS, balance, dense_gaps, hills, holes, numbers_of, rocks
 
-# What of the margins there is in any direction, and how it is told from the stand.
+# Margins in any direction, and their computation from the stand.
 MARGINS = ("tip_over_angle", "clearance", "joint_margins", "tilt")
 
 
@@ -135,7 +135,7 @@ def test_at_the_stop_of_the_rockers_the_centre_of_mass_decides():
     assert rover.settle(ground, pose).gap[0] > 0.01
 
 
-# Why not
+# Reasons
 
 
 def test_every_pose_has_its_status():

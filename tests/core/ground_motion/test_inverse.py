@@ -55,7 +55,7 @@ def there_and_back(arm: Any, stand: sw.SettledPose, commands: np.ndarray, sides:
     weights = np.column_stack([np.ones(len(sides)), sides])
     back = arm.forward(stand, None, told.wheel_speeds, weights=weights)
     assert np.isfinite(stand.z).mean() > 0.99
-    # What rounding leaves of 1e-16, in systems whose columns are a thousandth of each other at worst.
+    # Rounding of 1e-16, in systems whose columns are a thousandth of each other at worst.
     np.testing.assert_allclose(back.twist, told.twist, rtol=0, atol=1e-9)
     np.testing.assert_allclose(back.joint_rates, told.joint_rates, rtol=0, atol=1e-9)
 

@@ -265,7 +265,7 @@ def test_a_batch_is_its_rows(level: str) -> None:
     moved = arm.forward(stand, stand.steering, whole.wheel_speeds, level=level)
     drive = (commands[:, 0], commands[:, 1], np.zeros((20_003, 3)), stand.joints, stand.joints)
     driven = arm.traction(*drive, level=level)
-    # What is known in some rows only is nothing to their neighbours.
+    # A value known in some rows only does not change their neighbours.
     gappy, rates = (
         np.where(rng.random(rows.shape) < 0.1, math.nan, rows)
         for rows in (whole.wheel_speeds, whole.joint_rates)

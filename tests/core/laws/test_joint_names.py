@@ -61,7 +61,7 @@ def test_reasons_have_texts_of_their_own():
     for reason in sw.Reason:
         assert str(reason) == f"{reason}" == f"{reason.name}: {reason.help}"
         if reason.name.lower() in inspect.signature(sw.Limits).parameters:
-            assert f"`{reason.name.lower()}`" in reason.help  # which limit it was
+            assert f"`{reason.name.lower()}`" in reason.help  # the limit that was broken
     both = sw.Reason.STALE | sw.Reason.SPEED
     assert str(both) == f"{sw.Reason.SPEED}; {sw.Reason.STALE}"
     assert both.help == f"{sw.Reason.SPEED.help}; {sw.Reason.STALE.help}"

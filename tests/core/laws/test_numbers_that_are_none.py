@@ -19,7 +19,7 @@ from tests.objects.calls import Call, calls, functions
 
 BENCHES = Path(__file__).parents[3] / "benches"
 EXTREMES = (0.0, -0.0, 5e-324, 1e-300, 1e8, 1e16, 1e150, -1e154, 1e200, 1e300, 1.7e308, -1.7e308)
-# What takes files, tables and objects of other libraries, or numbers only within a mapping.
+# Calls that take files, tables and objects of other libraries, or numbers only within a mapping.
 NO_NUMBERS = re.compile(
     r".*\.(to_\w+|from_\w+|save|read|rows|in_radians|restore|readings|corrected|factor|of|covers|merge)|"
     r"(drive|load|read_log|replay|traverse|calibrate|plot|set_default_threads|dead_reckon|WheelLog)"

@@ -88,7 +88,7 @@ def test_forward(kernel, rover):
     speeds[generator.random(speeds.shape) < 0.05] = 0.0
     expected = rover.forward(steering, speeds, level="scalar")
     found = rover.forward(steering, speeds, level=kernel)
-    # What is summed may cancel: 5 ulp of the summands, not of what is left of them.
+    # Sums may cancel: 5 ulp of the summands, not of the rest.
     scale = np.abs(speeds).max(axis=1, keepdims=True) * max(w.radius for w in rover.wheels)
     share = worst(found, expected, scale * wheels)
     print(f"forward {kernel}: {ROWS} rows, worst {share:.2f} of 4 ulp or 1e-14")

@@ -174,7 +174,7 @@ def test_a_batch_with_present_angles_is_its_single_calls(rover):
         np.testing.assert_allclose(rates[k], one[1], rtol=1e-15)
 
 
-# What a steered wheel may do while the loop runs
+# Changes of a steered wheel while the loop runs
 
 
 def test_a_wheel_at_rest_holds_its_angle_and_one_beyond_its_range_its_end():

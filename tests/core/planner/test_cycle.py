@@ -61,8 +61,9 @@ def test_a_cycle_is_that_of_the_reference(rover, how, kernel):
     value = plain.map_value(HILLS.astype(float), 0.1, (0.3, -0.2), way[:, 1:, :2], outside=0.9)
     total = plain.costs(drive, motions, way, plan.cost_weights, np.array([4.0, 3.0]), value, lethal=0.97)
     total += plain.path_costs(drive, way, PATH, plan.state["progress"], plan.cost_weights)
-    # Who wants to turn on the spot and cannot is as far from a turn to the left as from one to the right:
-    # rounding decides. So do two of the samples that are no noise, and one that brakes to exactly zero speed.
+    # A rover that wants to turn on the spot and cannot is as far from a turn to the left as from one to the
+    # right: rounding decides. So do two of the samples that are no noise, and one that brakes to exactly
+    # zero speed.
     apart = np.abs(plan.costs / total - 1) > 1e-12
     assert apart.sum() <= (3 if rover.spin_radius == 0 else 0)
     _, mean = plain.mean(plan.costs, wishes, 5.0)

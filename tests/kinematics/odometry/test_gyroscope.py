@@ -39,7 +39,7 @@ def test_a_bias_learnt_at_rest_is_taken_off_on_the_way():
             state = odometry.update(None, (angle, angle), begin + 0.05 * k, yaw_rate=0.023)
     assert abs(learnt.state.pose[2]) < 0.01
     assert abs(state.pose[2]) > 0.05
-    # Who does not know the bias says so.
+    # A user who does not know the bias says so.
     assert abs(state.pose[2]) < 3.0 * np.sqrt(state.covariance[2, 2])
     assert learnt.state.covariance[2, 2] < 0.1 * state.covariance[2, 2]
 
@@ -54,7 +54,7 @@ def test_a_bias_learnt_late_also_moves_what_was_driven_without_readings():
     assert abs(state.pose[1]) > 0.5
     for k in range(401, 421):
         state = odometry.update(None, (200.0, 200.0), 0.05 * k, yaw_rate=0.005)
-    # What is left is of second order: 20 m times half the square of 0.05.
+    # The rest is of second order: 20 m times half the square of 0.05.
     np.testing.assert_allclose(state.pose, (20.0, 0.0, 0.0), atol=0.025)
 
 

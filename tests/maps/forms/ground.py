@@ -54,7 +54,7 @@ class Form:
     """South-western corner [m]."""
     hole: bool = True
     close: float = 2e-3
-    """By how much the form itself rounds heights [m]."""
+    """Step to which the form itself rounds heights [m]."""
     knowable: bool = True
     """True if the file and one option say where the heights are."""
     turn: float = 0.0

@@ -44,7 +44,7 @@ class Case:
     yaw: float = 0.0
     hole: bool = True
     close: float = 3e-3
-    """By how much the form rounds heights [m]."""
+    """Step to which the form rounds heights [m]."""
 
     @property
     def knowable(self) -> bool:

@@ -177,7 +177,7 @@ def test_omni_wheel_drive(vx, vy, omega):
     np.testing.assert_allclose(commands("omni_wheel_drive_controller", (vx, vy, omega)), expected, atol=1e-9)
 
 
-# Which controller, and which of its names
+# Names of controllers
 
 
 def test_the_controller_manager_decides_what_keys_leave_open(read):
@@ -248,7 +248,7 @@ def test_wheels_of_a_side_by_name_or_from_front_to_rear(read, pairs):
         assert parameters.warnings == ()
 
 
-# What our model does not have
+# Keys that the model does not have
 
 
 DIFF, OMNI, MECANUM, TRICYCLE = (
@@ -282,7 +282,7 @@ def test_what_is_not_in_our_model_is_a_warning(read, name, before, after, line, 
 
 
 MISTAKES = {
-    # what is wrong: controller, what is written there and what instead, the line, words; one finding each
+    # mistakes: controller, what is written there and what instead, the line, words; one finding each
     "no factor": (DIFF, "plier: 0.5", "plier: 0.0", 17, "right_wheel_radius_multiplier must be 0.0"),
     "missing": (DIFF, "    wheel_separation: 0.4\n", "", 10, "wheel_separation is missing (add wheel_sep"),
     "no joints": (DIFF, "[left_wheel_joint]", "[]", 11, "left_wheel_names 1 to 32 joints, got 0"),

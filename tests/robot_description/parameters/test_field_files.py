@@ -10,7 +10,7 @@ from tests.robot_description.parameters.field_files import refusal
 
 SHARED = Path(__file__).parents[4] / "shared" / "data" / "configs"
 
-# What six-wheel answers to each: the kind, or the beginning of the line that refuses it.
+# The answer to each: the kind, or the beginning of the line that refuses it.
 ANSWERS = {
     "01_osr-rover-code_osr_params.yaml": "six_wheel",
     "02_osr-rover-code_roboclaw_params.yaml": "nothing here says where the wheels are",

@@ -16,7 +16,7 @@ from tests.rovers import SIX_WHEELS as ROVER
 
 TWIST = (0.5, 0.0, 1 / 3)  # R = 1.5 m
 
-# How teams write front left; the other wheels follow the same pattern.
+# Spellings of front left; the other wheels follow the same pattern.
 STYLES = {
     "{axle}_{side}_wheel_joint": ("front middle rear", "left right"),
     "wheel_{side}_{axle}": ("front center back", "left right"),

@@ -30,7 +30,7 @@ def test_they_are_read_and_come_back(tmp_path: Path):
     assert (again.limits, again.control) == (found.limits, found.control)
     assert limits_given(again.limits) == limits_given(found.limits)
     assert "jerk: .inf" in path.read_text()
-    assert "\ndeceleration" not in path.read_text().replace(" ", "")  # what was not given stays not given
+    assert "\ndeceleration" not in path.read_text().replace(" ", "")  # it was not given
 
 
 def test_never_is_none(tmp_path: Path):

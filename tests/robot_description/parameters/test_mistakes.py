@@ -37,7 +37,7 @@ EXPLICIT = dict(zip(WHEELS, TRACTION, strict=True))
 TURNED = {"front_left_wheel": "front_left"} | dict(list(EXPLICIT.items())[1:])
 
 MISTAKES = {
-    # what is wrong: (file, line, words of message and remedy); one finding each
+    # mistakes: (file, line, words of message and remedy); one finding each
     "tab indent": ("rover:\n\tros__parameters:\n", 2, "tab in the indentation (replace the tab by spaces"),
     "syntax": ("d1: [0.4\nd2: 1\n", 2, "not valid YAML starts on line 1 (check"),
     "quote": ("d1: 1\nd2: 'x\n\n", 4, "not valid YAML starts on line 2"),

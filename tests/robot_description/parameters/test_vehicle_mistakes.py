@@ -34,7 +34,7 @@ PAIR = {"track_width": 0.5, "wheel_radius": 0.1}
 MECANUM = {"wheelbase": 1, "track_width": 1, "wheel_radius": 0.1}
 ARM = "{name: a, x: 0, y: 0, radius: 1}"
 MISTAKES = {
-    # what is wrong: (file, line, words of message and remedy); one finding each
+    # mistakes: (file, line, words of message and remedy); one finding each
     "kind misspelt": (lines("swerv", **SWERVE), 1, "kind must be one of swerve, got 'swerv' mean swerve?"),
     "kind a list": ("kind: [swerve]\nd1: 1\nd2: 1\nd3: 1\nd4: 1\nwheel_radius: 1", 1, "got a list of 1"),
     "no kind": (lines(..., **LENGTHS), 1, "kind is missing kind: ackermann kind: tricycle"),

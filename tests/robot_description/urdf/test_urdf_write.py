@@ -66,7 +66,7 @@ lengths = st.floats(0.05, 2.0)
 def test_any_steered_rover_comes_back(
     x: float, y: float, radius: float, scrub: float, trail: float, limit: float, backwards: set[str]
 ) -> None:
-    # What is smaller than a file tells is none.
+    # A number smaller than a file tells is none.
     scrub, trail = (value if abs(value) > 2e-6 else 0.0 for value in (scrub, trail))
     wheels = [
         sw.Wheel("one", x, y, radius=radius, steered=True, steering_limit=limit, scrub=scrub, trail=trail),

@@ -123,7 +123,7 @@ def test_no_limit_is_exceeded_and_the_rover_ends_at_rest(
     within(np.diff(speeds, axis=0) * rate, LIMITS.wheel_acceleration)
     within(np.diff(steering, axis=0) * rate, LIMITS.steering_rate)
     within(np.diff(steering, 2, axis=0) * rate**2, LIMITS.steering_acceleration)
-    np.testing.assert_allclose(driven, limited, atol=1e-12)  # what the wheels say is what was decided
+    np.testing.assert_allclose(driven, limited, atol=1e-12)  # the wheels show what was decided
     assert not speeds[-1].any()
     # Reasons are complete: where there is none, the latest command is done.
     free = result["reasons"] == 0

@@ -36,7 +36,7 @@ class MeasuredGyroscope:
     noise : Estimate
         White, of one reading [rad/s].
     bias_walk : Estimate
-        By how much the bias wanders [rad/s per root s]. Where its interval begins at 0 the readings at rest
+        Random walk of the bias [rad/s per root s]. Where its interval begins at 0 the readings at rest
         do not show it.
     bias : float
         The bias itself, root mean square over the logs [rad/s].
@@ -45,7 +45,7 @@ class MeasuredGyroscope:
     readings : int
         That were taken at rest.
     scale : Estimate or None
-        What readings are to be multiplied by, where a truth with headings tells.
+        Factor of the readings, where a truth with headings tells.
     """
 
     noise: Estimate

@@ -89,7 +89,7 @@ def drive_controlled(result: DemoResult, noise: float, limits: Limits = LIMITS) 
     Parameters
     ----------
     result : DemoResult
-        Whose twists as they were asked, in the size of the rover.
+        Its twists are asked for, in the size of the rover.
     noise : float
         Standard deviation of the measured steering angles [rad].
     limits : Limits

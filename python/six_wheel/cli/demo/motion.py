@@ -152,7 +152,7 @@ def drive_path(rover: Rover, name: str, times: ArrayLike, poses: ArrayLike) -> D
     Parameters
     ----------
     rover : Rover
-        Which must be able to turn.
+        A rover that can turn.
     name : str
         For the report.
     times, poses

@@ -70,7 +70,7 @@ def slipped(result: Reckoned) -> Rows:
 
 
 def _lost(result: Reckoned) -> Rows:
-    """When the truth moved otherwise than the wheels said; nothing without a truth."""
+    """Stretches in which the truth moved otherwise than the wheels said; nothing without a truth."""
     if result.evaluation is None:
         return []
     longest = sorted(result.lost, key=lambda one: -one.distance)[:WINDOWS]

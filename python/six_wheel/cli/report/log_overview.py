@@ -57,7 +57,7 @@ def overview(path: Path, rover: Rover | None = None, options: LogOptions | None 
     path : Path
         A table or a bag.
     rover : Rover, optional
-        Whose wheels to look for, and to read the log with.
+        Its wheels are looked for, and the log is read with it.
     options : LogOptions, optional
     """
     log_format(path)

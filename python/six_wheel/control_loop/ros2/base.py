@@ -38,7 +38,7 @@ class BaseNode(LifecycleNode):
     settings : Settings
         As the parameter file has them; ROS parameters come over it.
     own : sequence of Option
-        What the node itself can be told.
+        Options of the node itself.
     """
 
     def __init__(self, name: str, settings: Settings, own: Sequence[Option]) -> None:

@@ -77,7 +77,7 @@ class Declared:
     settings : Settings
         As the file has them.
     own : sequence of Option
-        What the node itself can be told.
+        Options of the node itself.
     """
 
     def __init__(self, node: Any, settings: Settings, own: Sequence[Option]) -> None:
@@ -163,7 +163,7 @@ class Declared:
         return value if REFERENCE in overrides and TIMEOUT not in overrides else NONE
 
     def _following(self, settings: Settings) -> dict[str, Any]:
-        """When a joint is one that does not follow: to be set when the node starts."""
+        """The rule for a joint that does not follow: to be set when the node starts."""
         changes: dict[str, Any] = {}
         error, time = (settings.controller_option(f"following_{what}") for what in ("error", "time"))
         for name, value, none in (("error", error or NONE, "; 0: never halt for it"), ("time", time, "")):

@@ -109,7 +109,7 @@ class Track(Tabular):
     Attributes
     ----------
     rover : Rover
-        Whose log it was.
+        The rover that was driven.
     stamps : ndarray, shape (n,)
         As given [s].
     poses : ndarray, shape (n, 3)
@@ -205,7 +205,7 @@ class Track(Tabular):
             With ``time``, ``x``, ``y`` and ``yaw`` [s, m, m, rad]; what else a track holds is None, or 0,
             where its columns are missing.
         rover : Rover
-            Whose track it is.
+            The rover that was driven.
 
         Raises
         ------
@@ -254,7 +254,7 @@ class SlipWindow:
     first_row: int
     last_row: int
     wheel: str  # that slid furthest
-    distance: float  # how far it slid [m]
+    distance: float  # length of the slide [m]
     worst: float  # largest residual of it [m/s]
 
     @classmethod

@@ -29,7 +29,7 @@ class Track3(Tabular):
     Attributes
     ----------
     suspension : Suspension
-        Whose log it was.
+        The rover that was driven.
     stamps : ndarray, shape (n,)
         As given [s].
     poses : ndarray, shape (n, 6)

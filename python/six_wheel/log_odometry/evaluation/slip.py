@@ -36,16 +36,16 @@ class Stretch:
 def slip_against(
     track: Track, truth: Reference | None = None, yaw_rate: ArrayLike | None = None
 ) -> tuple[Stretch, ...]:
-    """When the wheels did not say what the rover did, as a truth or a gyroscope knows.
+    """Stretches in which the wheels did not show the motion of the rover, as a truth or a gyroscope knows.
 
-    What two wheels alone cannot tell: nothing contradicts them.
+    Two wheels alone cannot tell it: nothing contradicts them.
 
     Parameters
     ----------
     track : Track
         Of the wheels alone, at stamps that grow.
     truth : GroundTruth, WheelLog or Track, optional
-        Where the rover was: a truth, a log that has it, or a track that knows better.
+        True path: a truth, a log that has it, or a better track.
     yaw_rate : array_like, shape (n,), optional
         Of a gyroscope at the stamps of the track [rad/s]; its bias is the median of what it differs by.
 

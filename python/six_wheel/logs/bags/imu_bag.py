@@ -19,9 +19,9 @@ class RateBag:
     bag : Bag
         Open; it is closed with this.
     topic : str, optional
-        Which, where there are several.
+        The topic to read, where there are several.
     frames : sequence of str
-        What the rover's own frame may be called.
+        Possible names of the rover's own frame.
 
     Attributes
     ----------

@@ -32,7 +32,7 @@ class JointBag(Bag):
         A folder with metadata.yaml, a .mcap or .db3 file.
     rover : Rover
     readings : {"angles", "speeds"}, optional
-        What to take of the wheels where both are there; angles without it.
+        Kind to take of the wheels where both are there; angles by default.
     topics : sequence of str, optional
 
     Attributes

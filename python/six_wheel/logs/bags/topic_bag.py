@@ -32,7 +32,7 @@ class TopicBag(JointBag):
     topics : mapping
         Topic, with a field and an index where there are several numbers, to a header as tables have it.
     readings : {"angles", "speeds", "ticks"}, optional
-        What the numbers are where the headers do not say.
+        Kind of the numbers where the headers do not state it.
     """
 
     def __init__(

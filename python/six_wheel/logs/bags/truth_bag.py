@@ -19,8 +19,8 @@ class TruthBag(Bag):
     ----------
     path : Path
     topic : str, optional
-        Which. Transforms of many frames (``/tf``) have to be asked for, and may name the frame of the rover
-        behind a colon: ``/tf:base_link``. Its pose is that in the frame at the top of its chain.
+        The topic to read. Transforms of many frames (``/tf``) have to be asked for, and may name the frame of
+        the rover behind a colon: ``/tf:base_link``. Its pose is that in the frame at the top of its chain.
     """
 
     def __init__(self, path: Path, topic: str | None = None) -> None:

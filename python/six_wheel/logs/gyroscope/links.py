@@ -14,7 +14,7 @@ class Links:
     Parameters
     ----------
     own : sequence of str
-        What the rover's own frame may be called.
+        Possible names of the rover's own frame.
     """
 
     def __init__(self, own: Sequence[str]) -> None:

@@ -96,7 +96,7 @@ class JointColumns:
         ``"time"``, ``"steering NAME"`` and ``"wheel NAME"`` of the rover's wheels, those of the truth and of
         a gyroscope.
     readings : {"angles", "speeds", "ticks"}
-        What the wheels' columns are.
+        Kind of the wheels' columns.
     silent : tuple of str
         Wheels with a motor but without a column.
     reversed : frozenset of str
@@ -125,9 +125,9 @@ def joint_columns(
     ----------
     headers : sequence of str
     rover : Rover
-        Whose joints and wheels the headers name.
+        The headers name its joints and wheels.
     readings : {"angles", "speeds", "ticks"}, optional
-        What a wheel's column is if its header does not say, and which to take if there are several.
+        Kind of a wheel's column if its header does not state it, and the one to take if there are several.
     field_units : mapping, optional
         Column to unit, for headers that state none.
     stamp_unit : str, optional

@@ -22,7 +22,7 @@ def renamed(headers: Sequence[str], columns: Columns, nameless: bool = False) ->
         columns in their order, of which an empty one is not read. Without a header line columns go by their
         numbers, from 1.
     nameless : bool
-        Whether the table has no header line.
+        True if the table has no header line.
     """
     if nameless:
         headers = [str(number) for number in range(1, len(headers) + 1)]

@@ -60,7 +60,7 @@ def write(path: Path, rover: Rover, record: Path | None = None) -> None:
     path : Path
         To be written; what is there is replaced.
     rover : Rover
-        Whose joints are to be seen.
+        Its joints are shown.
     record : Path, optional
         The record, for an .rrd.
     """

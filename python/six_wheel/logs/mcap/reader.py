@@ -34,13 +34,13 @@ class Record:
     ----------
     path : Path
     settings : dict of str to str
-        What was set.
+        Settings of the writer.
     files : dict of str to str
         Texts that go with it, by name.
     count : int
         Messages that there are, or 0 if the file does not say.
     cut_off : bool
-        Whether the file ends before its end; known once the messages have been read.
+        True if the file ends before its end; known once the messages have been read.
 
     Raises
     ------

@@ -52,13 +52,13 @@ class RoverRecord(Closing):
     path : Path
         A .mcap file; what is there is replaced.
     rover : Rover
-        Whose joints they are.
+        The rover with these joints.
     made_by : {"drive", "odometry", "simulate", "node"}
-        What writes it.
+        Program that writes it.
     parameters : str
         The parameter file of the rover, as text.
     settings : mapping of str to object, optional
-        What else was set; written as JSON.
+        Other settings; written as JSON.
     frames : Frames, optional
     """
 

@@ -71,7 +71,7 @@ class RecordWriter(Closing):
     path : Path
         The file; what is there is replaced.
     settings : mapping of str to str
-        What was set, as metadata of the file.
+        Settings, as metadata of the file.
     files : mapping of str to str
         Texts that go with it, by name, as attachments.
     """

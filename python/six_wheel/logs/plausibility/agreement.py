@@ -13,7 +13,7 @@ from six_wheel.logs.plausibility.readings import Readings
 
 Units: TypeAlias = Mapping[str, Proposal]
 
-STRETCHES = 30  # in which wheels move, that tell
+STRETCHES = 30  # stretches with moving wheels that tell
 KEPT = 2048  # stretches
 QUICK = 0.3  # of the usual rate of the fastest wheel, from which on a stretch counts
 APART = 0.3  # of the rates, that the wheels differ from one motion, for one to be reversed
@@ -39,7 +39,7 @@ class WheelAgreement:
     steering : array, shape (n, steered wheels)
         [rad].
     judged_later : bool
-        Whether a calibration tells by the truth which wheels turn the other way.
+        True if a calibration tells by the truth which wheels turn the other way.
     """
 
     rates: Floats = field(default_factory=lambda: np.zeros((0, 0)))

@@ -332,7 +332,7 @@ class ReadingChecks:
             turned += 0.0 if self._last is None else self._last[2]
         else:
             turned = np.take(raw, chosen, axis=0) * scale
-        turned = np.asfortranarray(turned)  # what follows goes along columns
+        turned = np.asfortranarray(turned)  # the checks that follow go along columns
         if not np.isfinite(turned).all():
             turned = np.where(np.isfinite(turned), turned, np.nan)
         self._turned = turned[-1].copy()

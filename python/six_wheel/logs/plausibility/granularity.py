@@ -15,7 +15,7 @@ from six_wheel.logs.plausibility.proposals import (
 )
 
 UNITS = {1.0: "rev", 360.0: "deg"}
-ROWS = 200  # in which a wheel moves
+ROWS = 200  # steps with a moving wheel
 FINEST = 100_000.0  # counts of a turn
 OFF = 2e-3  # counts, by which a turn is no whole number of them
 ROUNDED = 0.1  # steps, by which readings are off from whole ones at most

@@ -101,9 +101,9 @@ def find_jumps(
     turns : sequence of float
         Counts of a turn, at which such a column may well start over.
     whole : bool
-        Whether the readings are whole numbers.
+        True if the readings are whole numbers.
     steering : bool
-        Whether they are those of a joint, which may turn quickly to the other solution, half a turn away.
+        True if they are those of a joint, which may turn quickly to the other solution, half a turn away.
     """
     there = np.flatnonzero(np.isfinite(column))
     values = column[there]
@@ -160,7 +160,7 @@ def _wrap(
     it is the range of a usual counter or a turn."""
     usual = np.delete(np.abs(steps), found)
     most = float(usual.max(initial=0.0))
-    # What the wheel did meanwhile is taken from the steps on both sides.
+    # The motion of the wheel meanwhile is taken from the steps on both sides.
     before = steps[np.maximum(found - 1, 0)]
     after = steps[np.minimum(found + 1, len(steps) - 1)]
     ordinary = np.where(np.isin(found - 1, found) | (found == 0), after, before)

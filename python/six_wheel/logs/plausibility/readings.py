@@ -22,19 +22,19 @@ class Readings:
     time : str
         Header of the stamps.
     named : bool
-        Whether columns have headers that can be mapped.
+        True if columns have headers that can be mapped.
     clock_stated, wheels_stated, steering_stated : bool
-        Whether the log or its owner says in which unit they are.
+        True if the log or its owner says in which unit they are.
     wraps, steering_wraps : bool
-        Whether encoders say where counters start over.
+        True if encoders say where counters start over.
     wraps_at : array, shape (wheels,), or None
-        Where they do, inf for a counter that does not.
+        Count at which they start over, inf for a counter that does not.
     counts_unknown : bool
-        Whether readings are counts and nobody says of how many a turn has.
+        True if readings are counts and nobody says of how many a turn has.
     turn : float or None
         Counts of a turn.
     increments_stated : bool
-        Whether it is said that rows are totals, or that they are not.
+        True if it is said that rows are totals, or that they are not.
     scale : array, shape (wheels,), or None
         Radians of one of the readings.
     max_speed, max_gap : float or None

@@ -30,7 +30,7 @@ DRIVING = (1e-3, 60.0)  # [m/s] rim speeds of a rover that drives
 FAR_APART = 5.0  # [s] between rows, from which on a drive is hardly in them
 SMOOTH = 2e-3  # of the fastest speed, by which speeds that are 1 s apart change at most
 MANY = 1000  # rows for which that counts
-FEW_ROWS = 20  # whose order tells nothing
+FEW_ROWS = 20  # the order of so few tells nothing
 DISORDER = 0.1  # share of steps back, from which on rows are in another order
 ANEW = 50  # rows behind the time that was reached, from which on a clock started anew
 STANDING = 0.5  # share of rows at the time of the row before, from which on it is said
@@ -72,9 +72,9 @@ def check_clock(stamps: Floats, speeds: Floats, rates: bool, header: str, row: i
     speeds : array, shape (m,)
         Rim speeds of the fastest wheel over stretches of these rows [m/s].
     rates : bool
-        Whether the log has rates of wheels, which are right whatever the clock.
+        True if the log has rates of wheels, which are right whatever the clock.
     header : str
-        What the log calls its times.
+        Header of the times.
     row : int
         The first of these rows.
     """
@@ -234,7 +234,7 @@ def out_of_order(
     stamps : array, shape (n,) or longer
         Times of the rows.
     header : str
-        What the log calls them.
+        Header of the times.
     late, rows : array of int, optional
         Rows of these that are behind the time that was reached, and numbers of all rows.
     """

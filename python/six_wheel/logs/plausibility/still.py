@@ -33,13 +33,13 @@ class WheelTurns:
     stopped : array, shape (wheels, wheels)
         Totals of all wheels when each one moved last [rad].
     least : float
-        How far a wheel has to be from 0 to be away [rad].
+        Least distance from 0 of a wheel that counts as away [rad].
     way : array, shape (wheels,)
         Sums of all turns, to and fro [rad].
     levels : array
         Some different totals of the first wheel that moves [rad].
     returned : float
-        How far the farthest wheel was before all rested at 0 again and went on, 0 if they never did [rad].
+        Distance of the farthest wheel before all rested at 0 again and went on, 0 if they never did [rad].
     """
 
     least: float = AWAY

@@ -43,7 +43,7 @@ class Dialect:
     headers : list of str
         Empty texts where the file has none.
     skip_lines, header_bytes : int
-        What comes before the first row.
+        Lines and bytes before the first row.
     units : dict of int to str
         Of columns, from a row below the header.
     first : list of list of str

@@ -47,7 +47,7 @@ class Raster(Closing):
     source : Source
         The image.
     options : Options
-        What is known about it beside the file, checked.
+        Facts known beside the file, checked.
 
     Raises
     ------

@@ -87,7 +87,7 @@ def open_source(path: Path) -> Source:
             names = [PurePosixPath(name) for name in folder.namelist() if not name.endswith("/")]
     except zipfile.BadZipFile:
         raise TerrainFileError(f"{path} must be a ZIP file: download it again, or unpack it") from None
-    # What macOS adds is none of its files.
+    # Files that macOS adds are none of the archive.
     names = [name for name in names if "__MACOSX" not in name.parts and not name.name.startswith(".")]
     maps = [name for name in names if name.suffix.lower() not in BESIDE] or names
     if len(maps) != 1:

@@ -34,11 +34,11 @@ def ground_figure(
     Parameters
     ----------
     run : GroundSimulation
-        What `simulate` returned.
+        Result of `simulate`.
     suspension : RockerBogie
-        Who drove.
+        Suspension that drove.
     ground : Terrain
-        What it drove over.
+        Ground under it.
     title : str
         A heading.
 

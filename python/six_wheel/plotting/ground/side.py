@@ -18,9 +18,9 @@ def side_figure(rover: RockerBogie, stand: SettledPose | None = None, *, title: 
     Parameters
     ----------
     rover : RockerBogie
-        Who stands.
+        Suspension that stands.
     stand : SettledPose, optional
-        Where: one pose of `RockerBogie.settle`. Default: on flat ground.
+        One pose of `RockerBogie.settle`. Default: on flat ground.
     title : str
         A heading.
 

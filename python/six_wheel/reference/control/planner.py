@@ -18,7 +18,7 @@ from six_wheel.reference.planar.wheels import Wheel
 Truths: TypeAlias = NDArray[np.bool_]
 
 REST = 1e-6  # a motion whose pivots are slower is none [m/s]
-TINY = 1e-280  # what a square is divided by at least
+TINY = 1e-280  # least divisor of a square
 CLOSE = 1e-12  # a square that is above 1 by less is 1: rounding
 
 

@@ -81,7 +81,7 @@ class RockerBogie:
         k1, k2, k3, k4, k5, k6 = self.k1, self.k2, self.k3, self.k4, self.k5, self.k6
         (k7, k7_rear), k8, k9 = self.k7, self.k8, self.k9
         k3b, k3b_rear = self.k3b
-        more = k3b_rear - k3b  # what the rear wheels' half track exceeds the middle ones' by
+        more = k3b_rear - k3b  # half track of the rear wheels less that of the middle ones
         turn = dict(zip(self.steered, psi, strict=True))
         quarter = math.pi / 2
         return [

@@ -154,7 +154,7 @@ def choose(ways: Sequence[Sequence[Way]], rolling: Sequence[float]) -> list[Way]
     speed = sum(rolling[i] for i in undecided)
     if speed == 0.0 and len({taken[i].direction for i in undecided}) < 2:
         return taken
-    lead = sum(ways[i][0].turn - ways[i][1].turn for i in undecided)  # how much shorter backwards is
+    lead = sum(ways[i][0].turn - ways[i][1].turn for i in undecided)  # length by which backwards is shorter
     backwards = lead > ANGLE_TOLERANCE if speed == 0.0 else speed < 0.0
     for i in undecided:
         taken[i] = ways[i][int(backwards)]

@@ -51,7 +51,7 @@ def text_for(
         The file to mend. If its keys cannot say what the rover is, the result has ``kind: custom``, and the
         frames, limits and so on of the file.
     beside : mapping, optional
-        What keys of every rover shall hold, such as ``{"wheel_encoders": {...}, "noise": {...}}``; what they
+        New values of keys of every rover, such as ``{"wheel_encoders": {...}, "noise": {...}}``; what they
         hold now where nothing, or None, is given.
     remarks : sequence of str
         Comments for the top of the file.

@@ -75,24 +75,24 @@ class Parameters:
     control : dict of str to object
         Of the keywords of `Controller` those the file gives.
     noise, encoders, steering_encoders, odometry : dict
-        What the file says about dead reckoning: arguments of `Noise`; what `Encoder` takes and more, for
+        Keys about dead reckoning: arguments of `Noise`; those of `Encoder` and more, for
         the readings of wheels and steering joints; options of `Odometry`.
     columns, topics, stamp_unit, plausibility
-        What headers and topics of logs are read as, the unit of times, whether odd readings are refused.
+        Meaning of headers and topics of logs, the unit of times, and if odd readings are refused.
     gyroscope : dict
         Arguments of `Gyroscope`, and how its readings are to be taken: `period`, `scale`, `roll`, `pitch`,
         `time_offset`, `topic`.
     truth, calibration : dict
-        Where what a truth follows sits in the body (`x`, `y`, `yaw`) and its `time_offset`; names of the
-        `parameters` that were calibrated and their `covariance`.
+        Place in the body of the point that a truth follows (`x`, `y`, `yaw`) and its `time_offset`; names of
+        the `parameters` that were calibrated and their `covariance`.
     warnings : tuple of Finding
-        What may be a mistake, or is not part of our model, but does not keep the file from being read.
+        Possible mistakes, and keys that are not part of the model; the file is read all the same.
     kind : str
         The kind of vehicle, ``preset`` for a known rover.
     controller : str or None
         The controller or robot whose parameter names the file has, such as ``diff_drive_controller``.
     kind_given : str or None
-        What the reader was told that the file is.
+        Kind that the reader was told.
     """
 
     path: Path
@@ -147,7 +147,7 @@ def load(path: str | os.PathLike[str], *, node: str | None = None, kind: str | N
     path : path-like
         A ROS 2 parameter file, or this package's own keys without node and ``ros__parameters``.
     node : str, optional
-        Which node's parameters to read, for a file that describes several rovers.
+        Node whose parameters to read, for a file that describes several rovers.
     kind : str, optional
         The kind or the controller whose keys the file has, where it does not say by itself.
 
@@ -287,7 +287,7 @@ def _tree(text: str, path: Path, log: FileFindings) -> ros_yaml.Tree:
     before = len(log.findings)
     gathered = gather_modules(tree, path, log.error)
     if len(log.findings) > before:
-        raise log.failure()  # of which the rest would be nothing but consequences
+        raise log.failure()  # other findings would be nothing but consequences
     return gathered
 
 
@@ -295,7 +295,7 @@ def _rover(section: Section, form: Form, values: Values, log: FileFindings) -> R
     """The rover, if nothing is wrong; joints are checked even if the rest is."""
     layout = _layout(section, form, values, log)
     if layout is None:
-        return None  # whose wheels are not known
+        return None  # its wheels are not known
     question_units(section, layout, form.needed - section.data.keys(), log.warning)
     joints = _joints(section, form, values, layout, log)
     if log.has_errors:

@@ -24,7 +24,7 @@ class JointList(NamedTuple):
     elsewhere: tuple[str, ...] = ()
     """Wheels that must have no joint in this list."""
     lack: str = "does not steer"
-    """Why those must not."""
+    """Reason against the others."""
     order: Literal["names", "silent", "expected", "fixed"] = "names"
     """Joints are in the order of `wheels`: "names" never; "silent" where no joint's name tells its wheel;
     "expected" the same, and a name that tells another wheel is a warning; "fixed" always."""
@@ -44,7 +44,7 @@ def wheels_of_joints(
     Parameters
     ----------
     section : Section
-        Where the lines are.
+        Has the lines of the keys.
     here : JointList
         The key, and which wheels it is about.
     given : list or dict

@@ -40,7 +40,7 @@ class Robot:
     up : float
         -1 if the file is z down.
     warnings : tuple of Finding
-        What is ambiguous, or had to be decided.
+        Lines on what is ambiguous, or had to be decided.
     tree : Tree or None
         All links and joints.
     """

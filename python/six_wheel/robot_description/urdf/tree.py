@@ -49,7 +49,7 @@ class Joint:
     velocity : float or None
         Largest rate [rad/s].
     has_axis, locked : bool
-        Whether the file states an axis; whether a fixed joint has axis and limits, as one that turned.
+        True if the file states an axis; True if a fixed joint has axis and limits, as one that turned.
     """
 
     name: str

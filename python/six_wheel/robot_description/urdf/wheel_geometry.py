@@ -40,20 +40,20 @@ class FoundWheel:
     centre : array, shape (3,)
     radius : float
     radius_from : str
-        What says so.
+        The element or key that states the radius.
     heading : float
-        Where it rolls, with its steering at 0.
+        Direction in which it rolls, with its steering at 0.
     reversed : bool
-        Whether a positive speed of the joint rolls it backwards.
+        True if a positive speed of the joint rolls it backwards.
     steering : Joint or None
         The joint that turns it about an upright axis.
     steering_reversed : bool
-        Whether that axis points down.
+        True if that axis points down.
     pivot : array, shape (2,)
-        Where it is at the height of the centre; the centre without one.
+        Place of the steering axis at the height of the centre; the centre without one.
     scrub, trail : float
     castor : bool
-        Whether nothing commands that joint.
+        True if nothing commands that joint.
     driven : bool
     roller_angle : float or None
     noted_name : str or None

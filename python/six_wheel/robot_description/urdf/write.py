@@ -12,7 +12,7 @@ from six_wheel.robot_description.urdf.wheel_geometry import NUMBERS
 
 WIDTH = 0.6  # of a wheel, in radii
 ROLLERS = 8
-EFFORT, VELOCITY = "1000.0", "1000.0"  # what a hinge with limits must state; so large it is read as none
+EFFORT, VELOCITY = "1000.0", "1000.0"  # a hinge with limits must state it; so large it is read as none
 DENSITY = 300.0  # [kg/m^3] of wheels, so that simulations have masses to start from
 BEAM = 0.02  # [m] radius of what is drawn between hinges
 

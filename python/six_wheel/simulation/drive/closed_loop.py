@@ -32,7 +32,7 @@ class DriveLoop:
     Attributes
     ----------
     limits : Limits
-        What the motion may not exceed.
+        Limits of the motion.
     rate : float, optional
         Steps per second [Hz]; without it 1 / `control["period"]`, or else 50.
     control : mapping of str to object
@@ -92,7 +92,7 @@ class ControlledDrive(Engine):
     loop : DriveLoop
         The controller and its rate.
     keep : str, optional
-        What `Rover.project` keeps of a twist that the rover cannot make, before the controller is given it.
+        Part that `Rover.project` keeps of a twist that the rover cannot make; the controller is given that.
     block_rows : int
         Most rows in memory at a time.
 

@@ -25,7 +25,7 @@ class Drive(Engine):
     time_unit : Unit
         Unit of the times to come.
     keep : str, optional
-        What `Rover.project` keeps of a twist that the rover cannot make. Without it such a twist is an error.
+        Part that `Rover.project` keeps of a twist that the rover cannot make; without it that is an error.
 
     Attributes
     ----------

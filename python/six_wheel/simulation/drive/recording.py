@@ -28,7 +28,7 @@ class DriveRecord(Closing):
     path : Path
         A .mcap file.
     engine : Drive or ControlledDrive
-        Whose columns come to `write`.
+        Its columns come to `write`.
     parameters : str
         The parameter file of the rover, as text.
     """

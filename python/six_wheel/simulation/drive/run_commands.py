@@ -80,7 +80,7 @@ class Engine(Shown):
     time_unit : Unit
         Unit of the times to come.
     keep : str, optional
-        What `Rover.project` keeps of a twist that the rover cannot make.
+        Part of a twist that `Rover.project` keeps where the rover cannot make it.
 
     Attributes
     ----------

@@ -56,7 +56,7 @@ def drive(
     finish : callable, optional
         Called with the drive at its end, before the output is replaced: what it raises leaves all as it was.
     keep : str, optional
-        What to keep of a twist that the rover cannot make: curvature, speed, yaw_rate or nearest.
+        Part to keep of a twist that the rover cannot make: curvature, speed, yaw_rate or nearest.
     chunk_rows : int, default 200,000
         Most rows in memory at a time.
     sources : sequence of Path

@@ -37,7 +37,7 @@ class Bodies:
     server : ViserServer
     subject : Subject
     motion : Motion
-        Whose frames say where the links are.
+        Its frames place the links.
     prefix : str
         Name of the node; a ghost has one of its own.
     """

@@ -124,7 +124,7 @@ fn strictest(laws: &[Constraint], s: f64) -> usize {
 
 fn binding(chord: &Chord, laws: &[Constraint]) -> TimeParametrization {
     let mut places = chord.nodes(CELLS);
-    // Where a pivot is slowest its speed stops falling and starts to rise, and its wheel turns fastest.
+    // At the slowest instant of a pivot its speed stops falling and starts to rise, and its wheel turns fastest.
     let slowest = chord.joints.iter().map(|joint| joint.slowest());
     places.extend(slowest.filter(|s| *s > 0.0 && *s < 1.0));
     places.sort_by(f64::total_cmp);

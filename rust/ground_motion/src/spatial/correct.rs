@@ -38,7 +38,7 @@ impl Fixed {
         let gain = state.errors.correct(covariance, &by_error, &keeps);
         state.shift(&(gain * difference));
         if let Some(ground) = &self.ground {
-            // Where it does not settle, height, tilt and joints stay as they were.
+            // If it does not settle, height, tilt and joints stay as they were.
             let _ = self.stand(state, read, ground);
         }
     }

@@ -235,7 +235,7 @@ fn every_level_projects_and_judges_alike() -> Result<(), Error> {
                 let one = batch::project_one(&rover, (*twist).into(), keep)?;
                 assert_eq!(<[f64; 3]>::from(one), *found, "{keep:?} {rover:?}");
             }
-            // What came out is possible, at an end of a range or not, and the next are close to it.
+            // The result is possible, at an end of a range or not, and the next are close to it.
             let shift = |part: &mut f64| *part *= 1.0 + 1e-9 * numbers.between(-2.0, 2.0);
             found.iter().flatten().zip(twists.iter_mut().flatten()).for_each(|(from, to)| *to = *from);
             if k > 1 {

@@ -92,7 +92,7 @@ fn every_level_and_the_single_call_give_the_same_bits_whatever_is_given() -> Res
 
 #[test]
 fn wheels_with_trail_are_let_pass_at_every_level_or_at_none() -> Result<(), Error> {
-    // How far beyond an end of its range a wheel would have to turn: within the tolerance, next to it, and far from it [rad].
+    // Angle beyond an end of its range that a wheel would have to turn: within the tolerance, next to it, and far from it [rad].
     let beyond = [-1.0, -1e-9, 0.0, 4e-10, 6e-10, 0.99e-9, 1.01e-9, 1e-8, 0.3];
     let mut numbers = Numbers(7);
     let mut refused = 0;

@@ -46,7 +46,7 @@ fn rows_are_the_same_past_the_caches() -> Result<(), Error> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         let mut twists = numbers(3 * count);
         for twist in twists.as_chunks_mut::<3>().0 {
-            // What fixed wheels in the middle allow, some at rest and some so slow that squares lose digits.
+            // Twists that fixed wheels in the middle allow, some at rest and some so slow that squares lose digits.
             *twist = [twist[0], 0.0, twist[2] * if twist[1] < 0.0 { 1e-120 } else { 0.3 }];
         }
         let readings = numbers(wheels * count);

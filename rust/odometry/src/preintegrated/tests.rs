@@ -104,7 +104,7 @@ fn parts_are_the_whole() {
         let again = merged.replay(never).unwrap();
         assert!((again.motion.translation - all.motion.translation).norm() < 1e-13);
         assert!((again.covariance - all.covariance).amax() < 1e-15);
-        // What a later part answers to stays, what an earlier one does is carried along.
+        // The share of a later part stays, that of an earlier one is carried along.
         let carry = b.motion.inverse().adjoint();
         for (column, by) in &all.columns {
             let parts = carry * a.by(*column) + b.by(*column);

@@ -45,7 +45,7 @@ fn set_for(bounds: &RoverLimits, motion: [f64; 3], steering: &[f64]) -> Option<[
     }
     let most = slips.trace();
     if free == 2 {
-        // What there is not of a motion is the worst of all.
+        // A missing motion is the worst of all.
         slips[(2, 2)] = 2.0 * most + 1.0;
     }
     let parts = slips.symmetric_eigen();

@@ -232,7 +232,7 @@ pub(super) fn keep<'py>(
     let read: Vec<_> =
         entries().all.iter().filter(is_read).map(|entry| (entry.number, entry.array.clone_ref(py))).collect();
     for (number, array) in read {
-        // What NumPy has to convert is a copy already.
+        // An array that NumPy has to convert is a copy already.
         let Some(numbers) = numbers(array.bind(py))? else { continue };
         if let Some(entry) = entries().all.iter_mut().find(|entry| entry.number == number) {
             entry.kept = Some(numbers);

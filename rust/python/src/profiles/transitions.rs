@@ -262,7 +262,7 @@ methods! { IcrTransition:
     /// body and the wheels; to the width of its 256 cells under a limit of the steering acceleration as
     /// well; a limit of the steering jerk is kept, at more time than the least.
     ///
-    /// Where the wheels cannot follow that path without leaving their range, a rover without unsteered
+    /// If the wheels cannot follow that path without leaving their range, a rover without unsteered
     /// wheels goes round what is in the way; otherwise the rover stops, turns its wheels at rest and drives
     /// on, and `phases` says why.
     ///

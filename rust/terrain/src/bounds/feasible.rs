@@ -250,7 +250,7 @@ impl<'a> Judge<'a> {
             bounds(plan, ground, some, margins, targets, worth, workers)?;
             for (k, worth) in worth.iter().enumerate() {
                 let by_bounds = || self.by_bounds(&table.each_ref().map(|block| block[k]));
-                // What might stand on unknown ground may not: nothing but another map can tell.
+                // A stand that is possible on unknown ground is refused: nothing but another map can tell.
                 let decided = match worth {
                     Knowledge::OffMap => Some(Verdict::refused(Reason::OffMap)),
                     Knowledge::UnknownCells => Some(Verdict::refused(Reason::UnknownCells)),

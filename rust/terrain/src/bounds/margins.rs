@@ -89,7 +89,7 @@ impl<const N: usize> Answer<'_, N> {
 
     fn tilt(&self) -> [f64; N] {
         let up = self.placed.origin + self.placed.rotation.column(2);
-        // How the body's z axis turns sinks its end by the sine of the tilt.
+        // The turn of the body's z axis sinks its end by the sine of the tilt.
         let [_, by_roll, by_pitch] = self.placed.body_slopes(up);
         let axis = self.placed.rotation.column(2);
         let sine = axis.x.hypot(axis.y);

@@ -1,6 +1,6 @@
 //! A chain in lanes, a rover in each: where its wheels are in the body, and what its free angles do to them.
 //!
-//! What [`Chain::place`](super::Chain::place) does for one rover, in the axes of its body, for chains whose parts turn about the body's y axis or
+//! The work of [`Chain::place`](super::Chain::place) does for one rover, in the axes of its body, for chains whose parts turn about the body's y axis or
 //! about its x axis, those on one another about the same, and whose steered wheels are mounted on what steers them:
 //! every vehicle that has a name here. So a part is an angle and a point, and stays in its plane.
 

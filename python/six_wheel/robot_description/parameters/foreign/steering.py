@@ -110,7 +110,7 @@ def _drives_steered(values: Values) -> bool:
     """True if the vehicle is a tricycle with one driven joint, which is then that of the steered wheel."""
     if "traction_joint_name" in values:
         return True
-    several = _given(values, *RADIUS[:2], *FRONT_RADIUS[:2])  # which bicycles do not have
+    several = _given(values, *RADIUS[:2], *FRONT_RADIUS[:2])  # bicycles do not have it
     return several is not None and len(listed(_given(values, *DRIVES))) == 1
 
 

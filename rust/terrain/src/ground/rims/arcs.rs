@@ -103,7 +103,7 @@ impl<'a, S: Vector> Search<'a, S> {
         let (zero, unit) = (self.all(0.0), self.all(1.0));
         let cell = both!(k, (self.rims.centre[k] + at.spoke[k]).floor());
         let sign = both!(k, {
-            // Where it turns just there, the direction that it then takes.
+            // At a turning point: the direction that it then takes.
             let rests = at.tangent[k].abs().le(zero);
             let way = rests.select(-at.spoke[k], at.tangent[k]);
             way.lt(zero).select(-unit, unit)
@@ -171,7 +171,7 @@ impl<'a, S: Vector> Search<'a, S> {
         let most_curvature = left.curvature.max(right.curvature) + slack;
         let bound = left.gap.min(right.gap) - most_curvature.max(zero) * eighth;
         let is_convex = zero.le(least_curvature);
-        // Where the gap rises or falls all along there is nothing inside.
+        // If the gap rises or falls all along there is nothing inside.
         let bent = length * least_curvature;
         let is_steady = zero.lt(left.rise + bent) | (right.rise - bent).lt(zero);
         let may_dip = zero.lt(most_curvature) & (is_convex | !is_steady);

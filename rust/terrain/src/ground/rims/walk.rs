@@ -196,7 +196,7 @@ impl<S: Vector> Search<'_, S> {
 
     /// Takes in the minimum of a candidate that may be the least.
     fn polish(&self, walk: &mut Walk<S>, candidate: &Candidate<S>) {
-        // Where there is no candidate there is no arc either, however far the least gap is.
+        // Without a candidate there is no arc either, however far the least gap is.
         let wanted = candidate.bound.lt(self.all(FAR)) & candidate.bound.le(walk.ceiling + self.interval.margin);
         if !wanted.any() {
             return;
