@@ -1,6 +1,8 @@
 """A keyword that no call has is refused with the nearest one: constructors, layouts, functions, methods."""
 
+import importlib
 import inspect
+import pickle
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import is_dataclass
@@ -242,3 +244,35 @@ def test_a_rover_is_loaded_first() -> None:
 def test_an_error_of_arguments_that_fit_stays_what_it_is() -> None:
     with pytest.raises(ValueError, match="^side must be"):
         sw.umbmark(PAIR, [(0.1, 0.0)], [(0.1, 0.0)], -1.0)
+
+
+ROOMS = (
+    "calibration", "control_loop", "log_odometry", "log_odometry.evaluation", "logs", "maps", "parallel",
+    "plotting", "robot_description.urdf", "simulation", "simulation.drive", "view",
+)  # fmt: skip
+# Of this room as well: options that are passed on, and what makes the options of others.
+FREE = {"figure", "replacing"}
+
+
+def functions_of_rooms() -> list[str]:
+    """Public functions of the inner packages by their full names."""
+    found = []
+    for room in ROOMS:
+        module = importlib.import_module(f"six_wheel.{room}")
+        for name in module.__all__:
+            one = getattr(module, name)
+            if inspect.isfunction(one) and parameters(one) and name not in FREE:
+                found.append(f"{room}.{name}")
+    return found
+
+
+@pytest.mark.parametrize("name", functions_of_rooms())
+def test_functions_of_inner_packages_suggest_keywords(name: str) -> None:
+    """They spoke of an unexpected keyword argument, without the nearest one."""
+    room, _, last = name.rpartition(".")
+    call = getattr(importlib.import_module(f"six_wheel.{room}"), last)
+    longest = max(parameters(call), key=len)
+    with pytest.raises(TypeError, match=r"has no \w+; did you mean \w+\? It takes "):
+        call(**{longest[:-1] + "q": 1})
+    # By the name of its package, where processes find it again.
+    assert pickle.loads(pickle.dumps(call)) is call

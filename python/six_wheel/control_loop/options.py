@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from six_wheel.kinematics.keywords import checked_class
+
 
 @dataclass(frozen=True)
 class Option:
@@ -51,6 +53,7 @@ def _option(default: Any, description: str, **others: Any) -> Any:
     return field(default=default, metadata={"description": description} | others)
 
 
+@checked_class
 @dataclass(frozen=True)
 class Options:
     """The values of `OPTIONS`."""

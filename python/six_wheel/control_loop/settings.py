@@ -9,6 +9,7 @@ from typing import Any
 
 from six_wheel._core import Controller, Encoder, Noise, Odometry, Rover
 from six_wheel.control_loop.options import OPTIONS, Options
+from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.logs.log_options import corrections, encoders_of
 from six_wheel.robot_description.gyroscope_errors import changed, with_readings_apart
@@ -35,6 +36,7 @@ SHARED = (
 )
 
 
+@checked_class
 @dataclass(frozen=True)
 class Settings:
     """Settings of a loop.

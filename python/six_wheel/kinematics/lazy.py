@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from importlib import import_module
-from types import ModuleType
+from types import FunctionType, ModuleType
 
 Lookup = tuple[Callable[[str], object], Callable[[], list[str]]]
 
@@ -15,6 +15,20 @@ class Package(ModuleType):
         functions = [name for name in vars(self).get("__all__", ()) if name[0].islower()]
         hint = f"; call one of its functions: {', '.join(functions[:4])}" if functions else ""
         raise TypeError(f"{self.__name__} is a module, not a function{hint}")
+
+
+def _checked(package: str, value: object) -> object:
+    """A public function with `checked` arguments, which pickles as that of its package; others as they are.
+
+    Modules of this package that import the function from where it is written get it without the checks.
+    """
+    if not isinstance(value, FunctionType) or hasattr(value, "__wrapped__"):
+        return value
+    from six_wheel.kinematics.keywords import checked
+
+    function = checked()(value)
+    function.__module__ = package
+    return function
 
 
 def attach(
@@ -43,7 +57,7 @@ def attach(
 
     def get(name: str) -> object:
         if name in places:
-            value = getattr(import_module(f"{package}.{places[name]}"), name)
+            value = _checked(package, getattr(import_module(f"{package}.{places[name]}"), name))
         elif name in inner:
             value = import_module(f"{package}.{name}")
         else:

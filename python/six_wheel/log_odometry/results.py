@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from six_wheel._core import Gyroscope, Noise, Rover
+from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, SlipReport
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.copies import Sketch
@@ -19,6 +20,7 @@ from six_wheel.robot_description.gyroscope_errors import with_readings_apart
 FIRST_ROWS = 5  # of every kind of finding, that are named
 
 
+@checked_class
 @dataclass(frozen=True)
 class ReckonSettings:
     """Settings of dead reckoning: the noise, other options of `Odometry`, and the first pose [m, m, rad].

@@ -14,6 +14,7 @@ from typing import Any, Self
 import numpy as np
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import Topics
@@ -35,6 +36,7 @@ from six_wheel.logs.skip_bad_rows import Batch, Sieve
 __all__ = ["Finding", "JointLog", "Reading"]
 
 
+@checked_class
 class JointLog(Closing):
     """A joint log on disk.
 

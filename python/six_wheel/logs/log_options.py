@@ -8,6 +8,7 @@ import numpy as np
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs.bags.bag_files import Topics
 from six_wheel.logs.ground_truth import rows_of, transforms
@@ -22,6 +23,7 @@ CORRECTIONS = frozenset({"scale", "steering_gain"})
 AnyEncoders: TypeAlias = "Encoders | Mapping[str, Any]"
 
 
+@checked_class
 @dataclass(frozen=True)
 class LogOptions:
     """Options for what a log does not state; see `JointLog`. Truth and gyroscope have the keys of a parameter

@@ -23,6 +23,7 @@ from typing import Any
 
 from six_wheel._core import __version__
 from six_wheel.kinematics.errors import needed
+from six_wheel.kinematics.keywords import checked
 from six_wheel.parallel.journal import Journal
 
 Items = Iterator[tuple[int, Any]]
@@ -73,6 +74,7 @@ class Outcomes:
     """Place of every item that failed, and why."""
 
 
+@checked()
 def spread(
     function: Callable[[Any], Any],
     items: Iterable[Any],
@@ -163,6 +165,7 @@ def spread(
                 yield outcome
 
 
+@checked(spread)
 def collect(function: Callable[[Any], Any], items: Iterable[Any], **options: Any) -> Outcomes:
     """`spread`, all of it, in the order of the items."""
     done = sorted(spread(function, items, **options), key=lambda outcome: outcome.index)

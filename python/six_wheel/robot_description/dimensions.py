@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.keywords import did_you_mean
+from six_wheel.kinematics.keywords import checked, did_you_mean
 from six_wheel.kinematics.poses import Floats
 
 # Off by this share of itself, a length or a gain is a mistake in the drawing, not something to calibrate.
@@ -243,6 +243,7 @@ class Catalogue:
         ]
 
 
+@checked()
 def deviations(rover: Rover, parameters: Sequence[str], covariance: ArrayLike) -> Floats:
     """Covariance of the dimensions of a rover, as `Odometry` takes it for `dimensions`.
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from six_wheel._core import integrate
+from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.view.commands import start_state
 from six_wheel.view.export import FRAMES, RATE, write_page
@@ -35,6 +36,7 @@ PERIOD = 1.0 / 30.0  # [s] of a rover that drives
 SLOW = 0.2  # [s] between changes of what takes long to draw while it drives
 
 
+@checked_class
 class View(Closing):
     """A rover in the browser, computed here.
 

@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from six_wheel._core import RockerBogie, Rover, Wheel
+from six_wheel.kinematics.keywords import checked
 from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.urdf.read import parse_urdf
 from six_wheel.robot_description.urdf.wheel_geometry import NUMBERS
@@ -22,6 +23,7 @@ Z: Point = (0.0, 0.0, 1.0)
 Y: Point = (0.0, 1.0, 0.0)
 
 
+@checked()
 def rover_urdf(rover: Rover, name: str = "rover") -> str:
     """See `Rover.urdf`."""
     if rover.suspension is None:
@@ -32,11 +34,13 @@ def rover_urdf(rover: Rover, name: str = "rover") -> str:
     return text
 
 
-def suspension_urdf(arm: RockerBogie, name: str = "rover") -> str:
+@checked()
+def suspension_urdf(suspension: RockerBogie, name: str = "rover") -> str:
     """See `RockerBogie.urdf`."""
-    text = _text(_Description(name).suspended(arm.planar(), arm))
-    if (found := _read_back(text).suspension) != arm:
-        raise ValueError(f"a URDF must hold the suspension, got {arm!r}, which comes back as {found!r}")
+    text = _text(_Description(name).suspended(suspension.planar(), suspension))
+    if (found := _read_back(text).suspension) != suspension:
+        got = f"{suspension!r}, which comes back as {found!r}"
+        raise ValueError(f"a URDF must hold the suspension, got {got}")
     return text
 
 
