@@ -48,7 +48,7 @@ def test_a_last_line_that_was_cut_costs_no_row(folder):
 def test_a_broken_line_is_named(folder):
     for broken in ("0.05,0,0,0,1", "0.05,0,0,0,1,1,1", "0.05,0,0,0,x,1", "0.05,0,0,nan,1,1"):
         path = write(folder, f"0,0,0,0,0,0\n{broken}\n0.1,0,0,0,1,1\n")
-        with pytest.raises(ValueError, match=r"day_run-01.csv, line 2 must be 6 finite numbers"):
+        with pytest.raises(ValueError, match=r"day_run-01.csv: line 2 must be 6 finite numbers"):
             optiodom.read(path)
 
 

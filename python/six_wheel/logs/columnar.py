@@ -24,6 +24,7 @@ class ColumnarFile:
     Attributes
     ----------
     schema : pyarrow.Schema
+    headers : list of str
     rows : int
     """
 
@@ -34,9 +35,10 @@ class ColumnarFile:
         import pyarrow.parquet
 
         self._path, self._kind = path, {"parquet": "Parquet", "json": "JSON"}.get(format, "Arrow")
-        self._handle = open(path, "rb")  # noqa: SIM115
+        self._handle: Any = None
         self._file: Any
         try:
+            self._handle = pa.OSFile(str(path))
             if format == "parquet":
                 # Pre-buffering would hold a whole row group, which may be the whole file.
                 self._file = pa.parquet.ParquetFile(self._handle, pre_buffer=False, buffer_size=1 << 20)
@@ -51,8 +53,9 @@ class ColumnarFile:
                 self.rows = sum(
                     self._file.get_batch(k).num_rows for k in range(self._file.num_record_batches)
                 )
-        except (pa.ArrowException, OSError) as error:
-            self._handle.close()
+            self.headers: list[str] = list(self.schema.names)
+        except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
+            self.close()
             raise TableError(self._unreadable(error)) from None
         self._format = format
 
@@ -68,7 +71,8 @@ class ColumnarFile:
             raise TableError(f"{self._path}: {self._unreadable(error)}") from None
 
     def _unreadable(self, error: Exception) -> str:
-        return f"not a readable {self._kind} file: {' '.join(str(error).split())}"
+        told = "a name of a column is no UTF-8" if isinstance(error, UnicodeDecodeError) else str(error)
+        return f"not a readable {self._kind} file: {' '.join(told.split())}"
 
     def _batches(self, chunk_rows: int, headers: Sequence[str]) -> "Iterator[pa.RecordBatch]":
         if self._format == "parquet":
@@ -84,7 +88,8 @@ class ColumnarFile:
 
     def close(self) -> None:
         """Close the file."""
-        self._handle.close()
+        if self._handle is not None:
+            self._handle.close()
 
 
 def _flat(table: "pa.Table") -> "pa.Table":

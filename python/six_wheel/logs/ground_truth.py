@@ -88,6 +88,8 @@ def read_truth(
     if not parts:
         raise TableError(f"{path}: the truth must have at least one row that can be used, got none")
     stamps, poses = (np.concatenate(part) for part in zip(*parts, strict=True))
+    if len(stamps) < 2:
+        raise TableError(f"{path}: the truth must have at least two rows that can be used, got {len(stamps)}")
     if not np.isfinite(poses[:, 2:-1]).all():  # heights that are not known everywhere
         poses = poses[:, [0, 1, -1]]
     return stamps, poses, source.findings

@@ -11,6 +11,7 @@ wheel a reading belongs to and which way it counts is in `ROBOTS`, the only part
 another.
 """
 
+import contextlib
 import csv
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -97,8 +98,7 @@ def read_rover(path: str | Path) -> Rover:
     path : str or Path
         A ``_metadata.csv``, or a run beside it.
     """
-    robot, metadata = _read_metadata(Path(path))
-    return robot.rover(metadata)
+    return _read_metadata(Path(path))[2]
 
 
 def read(path: str | Path) -> WheelLog:
@@ -118,9 +118,23 @@ def read(path: str | Path) -> WheelLog:
         If there is no such file.
     """
     path = Path(path)
-    robot, metadata = _read_metadata(path)
+    robot, metadata, rover = _read_metadata(path)
+    with _named(path):
+        return _read_run(path, robot, metadata, rover)
+
+
+@contextlib.contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Errors of the block name the file and are a `ValueError`."""
+    try:
+        yield
+    except (csv.Error, IndexError, ValueError) as error:
+        told = "a number of the robot is missing" if isinstance(error, IndexError) else str(error)
+        raise ValueError(f"{path.name}: {told}") from None
+
+
+def _read_run(path: Path, robot: Robot, metadata: Metadata, rover: Rover) -> WheelLog:
     table = _read_table(path, 4 + len(robot.wheels) + robot.steered)
-    rover = robot.rover(metadata)
     per_turn = metadata["ngear"][0] * metadata["encRes"][0]
     turned = table[:, 4 : 4 + len(robot.wheels)] * np.array(robot.signs) * (2.0 * math.pi / per_turn)
     increments = np.full((len(table), len(rover.wheels)), math.nan)  # NaN: a wheel without encoder
@@ -163,27 +177,28 @@ def _metadata_of(path: Path) -> Path:
     return path.with_name(path.stem.rpartition("_run-")[0] + "_metadata.csv")
 
 
-def _read_metadata(path: Path) -> tuple[Robot, Metadata]:
-    path = _metadata_of(path)
-    with open(path, newline="", encoding="utf-8") as file:
-        fields = {name: [value for value in values if value] for name, *values in csv.reader(file) if name}
-    kind = "".join(fields.pop("type", []))
-    if kind not in ROBOTS:
-        raise ValueError(f"{path.name}: type must be one of {', '.join(ROBOTS)}, got {kind!r}")
-    metadata = {name: [float(value) for value in values] for name, values in fields.items()}
-    for name in ("ngear", "encRes", "Li", "Di"):
-        if not metadata.get(name):
-            raise ValueError(f"{path.name}: {name} must be given")
-    return ROBOTS[kind], metadata
+def _read_metadata(path: Path) -> tuple[Robot, Metadata, Rover]:
+    with _named(path := _metadata_of(path)):
+        with open(path, newline="", encoding="utf-8", errors="replace") as file:
+            rows = [row for row in csv.reader(file) if row and row[0]]
+        fields = {name: [value for value in values if value] for name, *values in rows}
+        kind = "".join(fields.pop("type", []))
+        if kind not in ROBOTS:
+            raise ValueError(f"type must be one of {', '.join(ROBOTS)}, got {kind!r}")
+        metadata = {name: [float(value) for value in values] for name, values in fields.items()}
+        for name in ("ngear", "encRes", "Li", "Di"):
+            if not metadata.get(name):
+                raise ValueError(f"{name} must be given")
+        return ROBOTS[kind], metadata, ROBOTS[kind].rover(metadata)
 
 
 def _read_table(path: Path, columns: int) -> Floats:
     with open(path, encoding="utf-8", errors="replace") as file:
-        rows = [row for number, line in enumerate(file, 1) for row in _numbers(path, number, line, columns)]
+        rows = [row for number, line in enumerate(file, 1) for row in _numbers(number, line, columns)]
     return np.array(rows).reshape(-1, columns)
 
 
-def _numbers(path: Path, number: int, line: str, columns: int) -> Iterator[list[float]]:
+def _numbers(number: int, line: str, columns: int) -> Iterator[list[float]]:
     """The row of a line; nothing for an empty or a cut one."""
     if not line.strip():
         return
@@ -194,5 +209,5 @@ def _numbers(path: Path, number: int, line: str, columns: int) -> Iterator[list[
     if len(row) == columns and all(map(math.isfinite, row)):
         yield row
     elif line.endswith("\n"):
-        message = f"{path.name}, line {number} must be {columns} finite numbers, got {line.strip()[:60]!r}"
+        message = f"line {number} must be {columns} finite numbers, got {line.strip()[:60]!r}"
         raise ValueError(message)

@@ -254,7 +254,7 @@ class Table(Closing):
 
         self._file = ColumnarFile(self.path, self.format)
         self.size, schema = self._file.rows, self._file.schema
-        self._headers = list(schema.names)
+        self._headers = self._file.headers
         self._field_units |= units_of(schema)
         self._columns = self._find(self._headers)
         self._types = {}

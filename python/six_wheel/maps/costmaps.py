@@ -151,8 +151,14 @@ def _image(path: Path) -> Floats:
         from PIL import Image
     except ModuleNotFoundError:
         raise FileError(f"{path}: must be a PGM (other images need Pillow: pip install pillow)") from None
-    with Image.open(path) as image:
-        return np.asarray(image.convert("L"), dtype=float) / 255.0
+    try:
+        with Image.open(path) as image:
+            return np.asarray(image.convert("L"), dtype=float) / 255.0
+    except MemoryError:
+        raise
+    except Exception as error:  # each of its formats has errors of its own
+        told = " ".join(str(error).split())
+        raise FileError(f"{path}: must be an image that Pillow reads, got: {told}") from None
 
 
 def _pgm(path: Path, content: bytes) -> Floats:

@@ -222,6 +222,8 @@ def _described(source: Source, options: Options) -> tuple[Path, Options]:
         raise TerrainFileError(f"{path} must hold map, the name of a file, and options among {listed}")
     given = {name: value for name, value in options._asdict().items() if value is not None}
     inner = path.parent / found.pop("map")
+    if not inner.exists():
+        raise FileNotFoundError(f"{path}: its map {inner} must be a file, there is none{near_file(inner)}")
     if inner.suffix.lower() in YAML:
         raise TerrainFileError(f"{path} must name a map, got {inner.name}")
     return inner, Options(**(found | given))

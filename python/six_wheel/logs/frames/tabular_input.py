@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import reprlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -19,9 +20,10 @@ from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.rover_edit import joints_by_wheel
+from six_wheel.logs.columnar import ColumnarFile
 from six_wheel.logs.frames.table_headers import STAMPS, Meaning, Sensors, meaning_of, names
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
-from six_wheel.logs.headers.columns import TIME, means
+from six_wheel.logs.headers.columns import TIME, TableError, means
 from six_wheel.logs.headers.joint_columns import direction_columns
 from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.headers.time_columns import in_seconds
@@ -138,8 +140,8 @@ def table(
     of_file = isinstance(source, str | os.PathLike)
     source = source if of_file else _with_times(source)
     opened = _parquet(Path(source)) if of_file else None
-    schema: Any = opened.schema_arrow if opened is not None else getattr(source, "schema", None)
-    headers = list(map(str, schema.names if opened is not None else _headers(source)))
+    schema: Any = opened.schema if opened is not None else getattr(source, "schema", None)
+    headers = opened.headers if opened is not None else list(map(str, _headers(source)))
     meaning = meaning_of(rover, headers, columns, sensors, options, _units(schema), stamp_unit)
     if meaning.readings == "ticks" and options.get("wheel_encoders") is None:
         raise ValueError(
@@ -166,8 +168,8 @@ def table(
             for first in range(0, count, chunk_rows):
                 yield {header: column[first : first + chunk_rows] for header, column in whole.items()}
             return
-        with opened:
-            for batch in opened.iter_batches(batch_size=chunk_rows, columns=wanted, use_threads=False):
+        with closing(opened):
+            for batch in opened.batches(chunk_rows, wanted):
                 yield {header: _numbers(batch.column(header)) for header in wanted}
 
     def pieces() -> Iterator[Piece]:
@@ -181,7 +183,7 @@ def table(
             _turn(rover, read, meaning)
             yield _piece(rover, meaning, read, origin)
 
-    rows = opened.metadata.num_rows if opened is not None else len(source[meaning.found["stamp"]])
+    rows = opened.rows if opened is not None else len(source[meaning.found["stamp"]])
     return Source(rows, _checked(pieces(), checks), meaning.readings, checks)
 
 
@@ -208,14 +210,13 @@ def _checks(
     )
 
 
-def _parquet(path: Path) -> Any:
-    with needed("six-wheel[cli]", "Parquet files need"):
-        from pyarrow import ArrowInvalid, parquet
+def _parquet(path: Path) -> ColumnarFile:
+    if not path.exists():
+        raise FileNotFoundError(no_file(path))
     try:
-        return parquet.ParquetFile(path)
-    except FileNotFoundError:
-        raise FileNotFoundError(no_file(path)) from None
-    except ArrowInvalid:
+        with needed("six-wheel[cli]", "Parquet files need"):
+            return ColumnarFile(path, "parquet")
+    except TableError:
         raise ValueError(f"{path}: must be a Parquet file; read_log makes a WheelLog of others") from None
 
 

@@ -77,8 +77,10 @@ class Raster(Closing):
             self.crs = self.dataset.crs
             self.placement = place(self.dataset, self.path, self.options, self.reference)
             self.shape, self.spacing = self.placement.shape, self.placement.spacing
-        except BaseException:
+        except BaseException as error:
             self.close()
+            if type(error).__module__.startswith("rasterio"):
+                raise TerrainFileError(f"{self.path} is damaged or cut off: {_words(error)}") from None
             raise
 
     def _open(self, source: str) -> Any:
@@ -86,10 +88,7 @@ class Raster(Closing):
         library = rasterio()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", library.errors.NotGeoreferencedWarning)
-            try:
-                dataset = library.open(source)
-            except library.errors.RasterioIOError as error:
-                raise TerrainFileError(f"{self.path} must be a map: {_words(error)}") from None
+            dataset = self._opened(source)
             parts = {name.rpartition(":")[2].strip('/"'): name for name in dataset.subdatasets}
             if dataset.count or not parts:
                 return dataset
@@ -100,7 +99,15 @@ class Raster(Closing):
             if name not in parts:
                 first = (named or list(parts))[0]
                 raise self._doubt(doubts.several("variables", list(parts), "band", first))
-            return library.open(parts[name])
+            return self._opened(parts[name])
+
+    def _opened(self, name: str) -> Any:
+        try:
+            return rasterio().open(name)
+        except MemoryError:
+            raise
+        except Exception as error:  # those of GDAL have no class in common
+            raise TerrainFileError(f"{self.path} must be a map: {_words(error)}") from None
 
     def _band(self) -> int:
         """The band of heights."""
