@@ -197,9 +197,8 @@ def test_a_file_says_what_dimensions_and_noise_may_be_off_by(tmp_path):
     assert inside >= 33  # as above
 
 
-WIDE = sw.Rover.differential(
-    2.0, 0.1
-)  # whose ways are not much longer than it is wide: ends tell its wheels apart
+# Its ways are not much longer than it is wide: ends tell its wheels apart.
+WIDE = sw.Rover.differential(2.0, 0.1)
 
 
 def slipping(count, left, right):

@@ -146,9 +146,8 @@ def test_every_picture_can_be_drawn_again(tmp_path, monkeypatch):
     draw.main()
     drawn = {path.name for path in tmp_path.iterdir()}
     elsewhere = {"rerun.png"}  # by `rerun --headless`
-    elsewhere |= {
-        path.name for path in (DOCS / "pictures").glob("view_*.jpg")
-    }  # by tests of the view, in Chromium
+    # by tests of the view, in Chromium
+    elsewhere |= {path.name for path in (DOCS / "pictures").glob("view_*.jpg")}
     assert drawn == {path.name for path in (DOCS / "pictures").iterdir()} - elsewhere
     assert max(path.stat().st_size for path in tmp_path.glob("*.png")) < LARGEST_PICTURE
 

@@ -380,9 +380,8 @@ def test_an_endless_line_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("ending", ["\n", "\r\n"])
 def test_blocks_of_a_long_table_meet_without_a_seam(tmp_path: Path, ending: str) -> None:
-    numbers = np.cumsum(
-        np.random.default_rng(2).uniform(0.1, 9.0, (20_000, 3)), axis=0
-    )  # lines of many lengths
+    # lines of many lengths
+    numbers = np.cumsum(np.random.default_rng(2).uniform(0.1, 9.0, (20_000, 3)), axis=0)
     lines = ["time,vx,omega", *(",".join(map(repr, row)) for row in numbers.tolist())]
     path = write(tmp_path / "c.csv", ending.join(lines))
     positions = []

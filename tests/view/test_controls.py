@@ -22,9 +22,8 @@ Open = Callable[..., Any]
 CLOSED = ("Limits", "Scrub [cm]", "Rover", "Show")
 SPEEDS, AHEAD, ROVER = "/world/motion/speeds", "/world/motion/track_", "/world/rover"
 ICR = "/world/motion/icr"
-DRAWN = (
-    "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"  # two pictures on
-)
+# two pictures on
+DRAWN = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 SMALL = (760, 480)  # [px], which software draws fast
 CORNERS = [(0.3, 0.25), (0.3, -0.25), (-0.3, 0.25), (-0.3, -0.25)]
 

@@ -105,8 +105,6 @@ def round_robin(
 
     Parameters
     ----------
-    jobs : sequence of Comparison
-    rounds : int
     progress : callable, optional
         Called after every timing with how many are done and how many there are.
     """

@@ -47,7 +47,6 @@ def statuses(loop: Loop, name: str) -> list[Status]:
 
     Parameters
     ----------
-    loop : Loop
     name : str
         Of the node.
     """

@@ -30,7 +30,6 @@ class JointReader:
 
     Parameters
     ----------
-    rover : Rover
     positions : bool
         True if wheels report positions; otherwise velocities.
     factors : list of pair of float

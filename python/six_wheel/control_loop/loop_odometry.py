@@ -18,8 +18,6 @@ class Odometer:
 
     Parameters
     ----------
-    settings : Settings
-    faults : Faults
     moved : callable
         Called with what odometry says after every step.
 

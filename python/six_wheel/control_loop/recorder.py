@@ -17,7 +17,6 @@ class Recorder(RoverRecord):
         A .mcap file; what is there is replaced.
     settings : Settings
         Those that the loop begins with.
-    made_by : {"node", "simulate"}
     """
 
     def __init__(self, path: Path, settings: Settings, made_by: str = "node") -> None:

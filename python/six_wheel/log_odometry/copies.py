@@ -27,9 +27,8 @@ BEST = 4  # places of an anchor that are tried
 
 STEPS = 16  # steps from row to row that make one hash of a sketch
 WHEELS = 2  # number of wheels with these steps
-QUANTUM = (
-    2.07e-3  # [rad] to which they are rounded; no multiple of usual counts, which would lie on its edges
-)
+# [rad] to which they are rounded; no multiple of usual counts, which would lie on its edges
+QUANTUM = 2.07e-3
 KEPT = 256  # hashes of a sketch
 COMMON = 2  # hashes that two sketches share, from which on the logs are compared
 _FACTOR, _MIXER = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBF58476D1CE4E5B9)

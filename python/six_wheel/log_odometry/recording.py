@@ -20,7 +20,6 @@ class TrackRecord(Closing):
     ----------
     path : Path
         A .mcap file.
-    rover : Rover
     parameters : str
         Its parameter file, as text.
     origin : int

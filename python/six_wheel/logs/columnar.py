@@ -16,11 +16,6 @@ class ColumnarFile:
 
     Raises `TableError` if it cannot be read.
 
-    Parameters
-    ----------
-    path : Path
-    format : {"parquet", "arrow", "json"}
-
     Attributes
     ----------
     schema : pyarrow.Schema

@@ -72,7 +72,6 @@ class TolerantTable(Table):
 
     Parameters
     ----------
-    path : Path
     find : callable
         Headers, and units of columns whose header states none, to columns; ``"time"`` among them.
     renamed : mapping or sequence, optional
@@ -290,7 +289,6 @@ class Sieve:
 
     Parameters
     ----------
-    findings : Findings
     spare : collection of str
         Columns that may lack a value.
     stated : bool

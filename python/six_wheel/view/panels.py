@@ -31,8 +31,6 @@ class Panels:
 
     Parameters
     ----------
-    server : ViserServer
-    subject : Subject
     state : State
         First values of the controls.
     changed : callable
@@ -54,9 +52,8 @@ class Panels:
         self._unit = 1.0 if self._fast else 100.0  # of the sliders for a metre
         self._spans = (subject.top_speed, subject.top_speed, subject.top_yaw_rate)
         self._joint_sliders: list[Any] = []
-        self._exact: dict[
-            int, tuple[float, float]
-        ] = {}  # of a slider, which moves in steps: as shown, as given
+        # of a slider, which moves in steps: as shown, as given
+        self._exact: dict[int, tuple[float, float]] = {}
         self._mapped: tuple[Any, ...] | None = None
         self.status = self._gui.add_html("")
         if subject.record is None:

@@ -34,7 +34,6 @@ class Player:
 
     Parameters
     ----------
-    server : ViserServer
     subject : Subject
         With a record.
     changed : callable

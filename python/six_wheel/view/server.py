@@ -20,9 +20,8 @@ if TYPE_CHECKING:
 HOST = "127.0.0.1"
 INSTALL = 'pip install "six-wheel[view]"'
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
-STOP_TIME = (
-    0.8  # [s] a server with a browser on it takes up to 6 s to wind down, in a thread that may be left
-)
+# [s] a server with a browser on it takes up to 6 s to wind down, in a thread that may be left
+STOP_TIME = 0.8
 _making = threading.Lock()  # while one server is made, the function that opens sockets is a guarded one
 
 

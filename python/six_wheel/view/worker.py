@@ -14,7 +14,6 @@ class Worker:
 
     Parameters
     ----------
-    update : callable
     failed : callable
         Called with what `update` raised; the thread goes on.
     """
@@ -56,9 +55,8 @@ class Worker:
                 asked = self._asked
             try:
                 self._update()
-            except (
-                Exception
-            ) as error:  # it would end the thread, and the view would stand still without a word
+            except Exception as error:
+                # It would end the thread, and the view would stand still without a word.
                 self._failed(error)
             with self._changed:
                 self._done = asked

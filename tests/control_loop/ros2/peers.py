@@ -20,9 +20,8 @@ from sensor_msgs.msg import JointState
 
 import six_wheel as sw
 
-PATIENCE = (
-    60.0  # [s] for what has to come: milliseconds, and on a machine that is very busy as long as it likes
-)
+# [s] for what has to come: milliseconds, and on a machine that is very busy as long as it likes
+PATIENCE = 60.0
 PERIOD = 0.005  # [s] of the robot's joint states
 BUSY = 0.6  # [s] that a machine whose processors are all taken may add
 TWIST = (0.5, 0.0, 0.2)

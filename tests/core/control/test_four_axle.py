@@ -39,9 +39,8 @@ def test_the_wheel_end_of_a_pivoting_axle_moves_as_the_wheel_equation_says(twist
     to_body = np.array(((np.cos(yaw), np.sin(yaw)), (-np.sin(yaw), np.cos(yaw))))
     moved = (ends(dt) - ends(-dt)) / (2 * dt) @ to_body.T
     said = reference.wheel_end_velocities(pivots, LENGTH, twist, angles, rates)
-    np.testing.assert_allclose(
-        said, moved, rtol=0, atol=1e-7
-    )  # dt^2 times a jerk of 1e2 to 1e3, and 1e-16 / dt
+    # dt^2 times a jerk of 1e2 to 1e3, and 1e-16 / dt
+    np.testing.assert_allclose(said, moved, rtol=0, atol=1e-7)
 
     # The core's own rows, through the wheel equation with steering rates.
     rover = FourAxle((H_X, H_Y), LENGTH, RADIUS).rover

@@ -241,9 +241,8 @@ def test_free_hinged_axles_follow_the_reference(speed, difference, time):
     assume(np.abs(angles).max() < 1.2)
     step = FourAxleStep("turn", time, "locked", "free", (None, None, rims[0] / RADIUS, rims[1] / RADIUS))
     result = car.simulate([step], 0.1)
-    np.testing.assert_allclose(
-        result.final.steering[2:], angles, rtol=0, atol=1e-9
-    )  # the reference's own step
+    # the reference's own step
+    np.testing.assert_allclose(result.final.steering[2:], angles, rtol=0, atol=1e-9)
     np.testing.assert_allclose(result.final.pose, pose, rtol=0, atol=1e-9)
     assert result.residuals.max() < SLIP
 

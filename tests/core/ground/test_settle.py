@@ -43,9 +43,8 @@ def test_a_plane_only_rotates_the_answer(rover, east, north, height, yaw):
     # Every wheel touches where its radius is square to the plane.
     spokes = stand.contacts - stand.wheel_centres
     radius = rover.dimensions["wheel_radius"]
-    np.testing.assert_allclose(
-        spokes, [-radius * normal] * 6, atol=1e-7
-    )  # flat: the angle is as the root of it
+    # flat: the angle is as the root of it
+    np.testing.assert_allclose(spokes, [-radius * normal] * 6, atol=1e-7)
 
 
 @pytest.mark.slow

@@ -291,9 +291,8 @@ def test_inverse_then_forward_is_the_twist(rover, vx, omega):
 def test_inverse_then_forward_is_the_twist_of_a_swerve(twist, limit):
     rover = swerve(limit)
     twist = rover.project(twist)
-    np.testing.assert_allclose(
-        rover.forward(*rover.inverse(twist)), twist, rtol=0, atol=1e-8
-    )  # slip tolerance
+    # slip tolerance
+    np.testing.assert_allclose(rover.forward(*rover.inverse(twist)), twist, rtol=0, atol=1e-8)
 
 
 @given(st.floats(-0.4, 0.4), st.floats(-0.2, 0.2), speed, speed, st.floats(-0.5, 0.5))
@@ -323,9 +322,8 @@ def test_mirror_symmetry(rover, vx, omega):
     steering, speeds = rover.inverse(admissible_twist(vx, omega))
     mirrored, rates = rover.inverse(admissible_twist(vx, -omega))
     np.testing.assert_allclose(mirrored[[1, 0, 3, 2]], -steering, atol=ROUNDING)
-    np.testing.assert_allclose(
-        rates[[1, 0, 3, 2, 5, 4]], speeds, rtol=0, atol=1e-10
-    )  # speeds up to 100 rad/s
+    # speeds up to 100 rad/s
+    np.testing.assert_allclose(rates[[1, 0, 3, 2, 5, 4]], speeds, rtol=0, atol=1e-10)
 
 
 @given(rovers, speed, speed)

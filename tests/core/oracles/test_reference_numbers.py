@@ -84,9 +84,8 @@ def test_projection_is_the_nearest(rover, limit, twist):
         change = np.array([wheel.pivot_velocity(edge) for wheel in rover.wheels]).ravel()
         wanted = np.array([wheel.pivot_velocity(twist) for wheel in rover.wheels]).ravel()
         best = edge * (change @ wanted) / (change @ change)
-        assert (
-            pivot_change(rover, nearest, twist) <= pivot_change(rover, best, twist) + 1e-8
-        )  # slip tolerance
+        # slip tolerance
+        assert pivot_change(rover, nearest, twist) <= pivot_change(rover, best, twist) + 1e-8
         for keep, k in (("speed", 0), ("yaw_rate", 2)):
             if abs(edge[k]) > 1e-3:
                 kept = rover.project(twist, keep=keep)

@@ -58,7 +58,6 @@ def overview(path: Path, rover: Rover | None = None, options: LogOptions | None 
         A table or a bag.
     rover : Rover, optional
         Its wheels are looked for, and the log is read with it.
-    options : LogOptions, optional
     """
     log_format(path)
     columns, facts = _of_bag(path) if is_bag(path) else _of_table(path, rover, options or LogOptions())

@@ -34,7 +34,6 @@ class BaseNode(LifecycleNode):
 
     Parameters
     ----------
-    name : str
     settings : Settings
         As the parameter file has them; ROS parameters come over it.
     own : sequence of Option

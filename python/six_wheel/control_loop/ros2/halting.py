@@ -10,12 +10,7 @@ DEPTH = 10  # that of the usual system defaults
 
 
 class HaltInterface:
-    """``~/halt`` and ``~/release`` (services), ``~/halt`` (topic in), ``~/halted`` (topic out, latched).
-
-    Parameters
-    ----------
-    node : BaseNode
-    """
+    """``~/halt`` and ``~/release`` (services), ``~/halt`` (topic in), ``~/halted`` (topic out, latched)."""
 
     def __init__(self, node: Any) -> None:
         self._node = node

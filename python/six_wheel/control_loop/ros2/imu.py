@@ -21,7 +21,6 @@ class ImuInput:
 
     Parameters
     ----------
-    node : BaseNode
     take : callable
         Called with every message, its rates about the axes of the sensor [rad/s], and its stamp [ns].
     mount : callable

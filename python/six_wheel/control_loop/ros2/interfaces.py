@@ -20,9 +20,6 @@ class CommandInterface:
 
     Parameters
     ----------
-    node : Node
-    kind : {"joint_state", "group", "trajectory"}
-    rover : Rover
     period : int
         In which a trajectory is to be there [ns].
     """

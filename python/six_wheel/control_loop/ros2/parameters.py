@@ -73,7 +73,6 @@ class Declared:
 
     Parameters
     ----------
-    node : Node
     settings : Settings
         As the file has them.
     own : sequence of Option

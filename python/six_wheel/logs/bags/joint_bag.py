@@ -30,10 +30,8 @@ class JointBag(Bag):
     ----------
     path : Path
         A folder with metadata.yaml, a .mcap or .db3 file.
-    rover : Rover
     readings : {"angles", "speeds"}, optional
         Kind to take of the wheels where both are there; angles by default.
-    topics : sequence of str, optional
 
     Attributes
     ----------

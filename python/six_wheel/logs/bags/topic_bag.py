@@ -27,8 +27,6 @@ class TopicBag(JointBag):
 
     Parameters
     ----------
-    path : Path
-    rover : Rover
     topics : mapping
         Topic, with a field and an index where there are several numbers, to a header as tables have it.
     readings : {"angles", "speeds", "ticks"}, optional

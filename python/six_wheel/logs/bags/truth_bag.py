@@ -17,7 +17,6 @@ class TruthBag(Bag):
 
     Parameters
     ----------
-    path : Path
     topic : str, optional
         The topic to read. Transforms of many frames (``/tf``) have to be asked for, and may name the frame of
         the rover behind a colon: ``/tf:base_link``. Its pose is that in the frame at the top of its chain.

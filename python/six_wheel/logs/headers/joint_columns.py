@@ -123,7 +123,6 @@ def joint_columns(
 
     Parameters
     ----------
-    headers : sequence of str
     rover : Rover
         The headers name its joints and wheels.
     readings : {"angles", "speeds", "ticks"}, optional

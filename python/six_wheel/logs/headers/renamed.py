@@ -16,7 +16,6 @@ def renamed(headers: Sequence[str], columns: Columns, nameless: bool = False) ->
 
     Parameters
     ----------
-    headers : sequence of str
     columns : mapping or sequence of str
         Header to the header it should be read as, or a name to the header that has it; or the names of all
         columns in their order, of which an empty one is not read. Without a header line columns go by their

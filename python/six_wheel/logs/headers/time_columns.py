@@ -49,7 +49,6 @@ def time_columns(
 
     Parameters
     ----------
-    headers : sequence of str
     field_units : mapping, optional
         Units that are stated apart from the headers, by column.
     stamp_unit : str, optional

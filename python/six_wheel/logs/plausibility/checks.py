@@ -69,7 +69,6 @@ class ReadingChecks:
 
     Parameters
     ----------
-    readings : Readings
     warn : callable
         Called with a line for what can be read but not be trusted.
 

@@ -24,9 +24,8 @@ class Gap:
     value: float  # [m]; NaN over unknown ground
     angle: float = math.nan  # contact angle [rad], from straight below towards the front
     point: Floats | None = None  # of the rim, in world axes [m]
-    slope: Floats | None = (
-        None  # of the ground along x and y; on a crease the mix that is level along the rim
-    )
+    # of the ground along x and y; on a crease the mix that is level along the rim
+    slope: Floats | None = None
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,8 @@ from yaml.composer import ComposerError
 from yaml.reader import ReaderError
 
 Path: TypeAlias = tuple[str | int, ...]
-Report: TypeAlias = Callable[
-    [int | None, Path, str, str | None], None
-]  # line, where in the tree, message, remedy
+# line, where in the tree, message, remedy
+Report: TypeAlias = Callable[[int | None, Path, str, str | None], None]
 
 # A parameter file nests four or five levels. The bound keeps recursion away from Python's own.
 MAX_DEPTH = 32
@@ -215,9 +214,8 @@ class _Reader:
             case "int" if _INT.match(text) and len(text) < 18:
                 return self._whole(text, line, path)
             case "int" | "float" if _FLOAT.match(text) or _INT.match(text):
-                return float(
-                    re.sub(r"\.(?=[ni])", "", text.lower())
-                )  # Python spells .inf and .nan without the point
+                # Python spells .inf and .nan without the point
+                return float(re.sub(r"\.(?=[ni])", "", text.lower()))
         tag = one_line(node.tag.removeprefix(_TAG))
         message = f"{spell(path[-1:])} has the tag {tag}, which does not fit its value"
         self.report(line, path, message, "remove the tag")

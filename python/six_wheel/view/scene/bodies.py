@@ -34,8 +34,6 @@ class Bodies:
 
     Parameters
     ----------
-    server : ViserServer
-    subject : Subject
     motion : Motion
         Its frames place the links.
     prefix : str

@@ -84,13 +84,7 @@ def triangles(points: Floats) -> NDArray[np.int64]:
 
 
 class Block:
-    """The node of the block, cut anew when the rover has left its middle.
-
-    Parameters
-    ----------
-    server : ViserServer
-    subject : Subject
-    """
+    """The node of the block, cut anew when the rover has left its middle."""
 
     def __init__(self, server: viser.ViserServer, subject: Subject) -> None:
         self._server, self._subject = server, subject

@@ -19,14 +19,7 @@ FARTHEST = 12.0  # sizes of the rover up to which a centre of rotation is drawn
 
 
 class Markers:
-    """Nodes of a motion, made once and then changed.
-
-    Parameters
-    ----------
-    server : ViserServer
-    subject : Subject
-    motion : Motion
-    """
+    """Nodes of a motion, made once and then changed."""
 
     def __init__(self, server: viser.ViserServer, subject: Subject, motion: Motion) -> None:
         self._subject, scene = subject, server.scene

@@ -26,9 +26,8 @@ def set_stage(server: viser.ViserServer, size: float, dark: bool) -> dict[str, A
     """Light the scene by a sun with a shadow and by the sky; returns the nodes that are there."""
     scene = server.scene
     scene.configure_default_lights(enabled=False)
-    scene.configure_environment_map(
-        None
-    )  # until one is decoded the canvas is dark: seconds with software rendering
+    # until one is decoded the canvas is dark: seconds with software rendering
+    scene.configure_environment_map(None)
     scene.add_light_directional(
         "/light/sun", color=(255, 244, 230), intensity=3.2, cast_shadow=True,
         position=(2.0 * size, 1.7 * size, 3.0 * size),
