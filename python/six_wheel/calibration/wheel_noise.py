@@ -80,9 +80,9 @@ def normalised(errors: Floats, covariances: Floats) -> tuple[Floats, Floats]:
     return (errors * solved).sum(axis=1), np.linalg.slogdet(covariances)[1]
 
 
-def _curvature(cost: Callable[[Floats], float], at: Floats, step: float = 1e-3) -> Floats:
+def _curvature(cost: Callable[[Floats], float], at: Floats) -> Floats:
     """Second derivatives by differences."""
-    count = len(at)
+    count, step = len(at), 1e-3
     shifts = step * np.eye(count)
     found = np.empty((count, count))
     for i in range(count):

@@ -83,7 +83,7 @@ class ControlResult:
         return integrate(self.twists[:-1], 1.0 / RATE)
 
 
-def drive_controlled(result: DemoResult, noise: float, limits: Limits = LIMITS) -> ControlResult:
+def drive_controlled(result: DemoResult, noise: float) -> ControlResult:
     """Give a controller the recorded twist of its time in every step.
 
     Parameters
@@ -92,13 +92,12 @@ def drive_controlled(result: DemoResult, noise: float, limits: Limits = LIMITS) 
         Its twists are asked for, in the size of the rover.
     noise : float
         Standard deviation of the measured steering angles [rad].
-    limits : Limits
     """
     rover = result.rover
     begin, end = result.times[0], result.times[-2]
     times = np.arange(round((end - begin) * RATE)) / RATE
     commanded = _at(times, result.times[:-1] - begin, result.twists)
-    controller = Controller(rover, limits, period=1.0 / RATE)
+    controller = Controller(rover, LIMITS, period=1.0 / RATE)
     random = np.random.default_rng(SEED)
     measured = np.zeros(len(rover.steered_wheel_names))
     outputs = []

@@ -128,9 +128,9 @@ def _over_costs(figure: Figure, axes: Axes, costmap: Costmap | None) -> None:
     equal_scales(figure, axes, LEAST)
 
 
-def _draw_poses(axes: Axes, poses: Any, colour: str = MOTION) -> None:
+def _draw_poses(axes: Axes, poses: Any) -> None:
     """A path of poses, with a stroke along the heading at some."""
-    axes.plot(*poses[:, :2].T, color=colour, linewidth=2.2, zorder=5)
+    axes.plot(*poses[:, :2].T, color=MOTION, linewidth=2.2, zorder=5)
     some = poses[np.linspace(0, len(poses) - 1, 8).astype(int)]
     axes.quiver(
         *some[:, :2].T, np.cos(some[:, 2]), np.sin(some[:, 2]), color=INK, width=0.004, scale=25, zorder=6

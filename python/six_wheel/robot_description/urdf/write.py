@@ -142,12 +142,12 @@ class _Description:
                 Y,
                 _limit(said.get("bogie_limit")),
             )
-            self.beam(rocker, ORIGIN, mirrored("rocker_to_bogie"))
+            self.beam(rocker, mirrored("rocker_to_bogie"))
             for holder, places in ((rocker, (alone,)), (bogie, carried)):
                 for place in places:
                     key = f"{holder.partition('_')[2]}_to_{place}"
                     wheel = wheels[f"{place}_{side}"]
-                    self.beam(holder, ORIGIN, mirrored(key))
+                    self.beam(holder, mirrored(key))
                     self.wheel(rover, wheel, holder, mirrored(key), centre=True)
         return self.done()
 
@@ -174,7 +174,7 @@ class _Description:
 
     def hinge(
         self, name: str, parent: str, child: str, origin: Point, axis: Point,
-        limit: tuple[float, float] | None, yaw: float = 0.0, velocity: str = VELOCITY,
+        limit: tuple[float, float] | None, yaw: float = 0.0,
     ) -> Element:  # fmt: skip
         """A joint about an axis; without a limit it turns endlessly."""
         kind = "continuous" if limit is None else "revolute"
@@ -185,7 +185,7 @@ class _Description:
         SubElement(joint, "axis", xyz=_numbers(axis))
         if limit is not None:
             lower, upper = map(repr, limit)
-            SubElement(joint, "limit", lower=lower, upper=upper, effort=EFFORT, velocity=velocity)
+            SubElement(joint, "limit", lower=lower, upper=upper, effort=EFFORT, velocity=VELOCITY)
         return joint
 
     def command(self, joint: str, interface: str | None, parameters: Mapping[str, str]) -> None:
@@ -272,13 +272,13 @@ class _Description:
         if part == "visual":
             SubElement(shape, "material", name=material)
 
-    def beam(self, name: str, start: Point, end: Point) -> None:
-        """Adds a visual beam between two hinges of a link."""
+    def beam(self, name: str, end: Point) -> None:
+        """Adds a visual beam from the origin of a link to another of its hinges."""
         link = next(each for each in self.robot.iter("link") if each.get("name") == name)
-        x, y, z = (b - a for a, b in zip(start, end, strict=True))
+        x, y, z = end
         length = math.sqrt(x * x + y * y + z * z)
         if length > 0.0:
-            middle = (start[0] + x / 2.0, start[1] + y / 2.0, start[2] + z / 2.0)
+            middle = (x / 2.0, y / 2.0, z / 2.0)
             rpy = (0.0, math.atan2(math.hypot(x, y), z), math.atan2(y, x))
             self.cylinder(link, "visual", BEAM, length, rpy, middle, "body")
 

@@ -82,10 +82,10 @@ class Record:
         return max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
 
 
-def thin_path(points: Floats, most: int = PATH_POINTS) -> Floats:
+def thin_path(points: Floats) -> Floats:
     """At most so many of the points (n, k), each for as much length and turning of the path as the others."""
     points = points[np.isfinite(points).all(axis=1)]
-    if len(points) <= most:
+    if len(points) <= PATH_POINTS:
         return points
     steps = np.diff(points[:, :2], axis=0)
     length = np.hypot(*steps.T)
@@ -93,7 +93,7 @@ def thin_path(points: Floats, most: int = PATH_POINTS) -> Floats:
     turned = np.abs(np.angle(np.exp(1j * np.diff(yaw, prepend=yaw[0])))) * (length > 0.0)
     share = length / max(length.sum(), 1e-300) + turned / max(turned.sum(), 1e-300)
     along = np.concatenate([[0.0], np.cumsum(share)])
-    wanted = np.linspace(0.0, along[-1], most)
+    wanted = np.linspace(0.0, along[-1], PATH_POINTS)
     rows = np.unique(np.searchsorted(along, wanted).clip(0, len(points) - 1))
     thin: Floats = points[rows]
     return thin

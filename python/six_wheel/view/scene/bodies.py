@@ -29,6 +29,9 @@ def quaternions(rotations: Floats) -> Floats:
     return np.asarray(SO3.from_matrix(np.ascontiguousarray(rotations)).wxyz)
 
 
+ROOT = "/world/rover"  # name of the node
+
+
 class Bodies:
     """Nodes of a rover, made once and then moved.
 
@@ -36,15 +39,11 @@ class Bodies:
     ----------
     motion : Motion
         Its frames place the links.
-    prefix : str
-        Name of the node; a ghost has one of its own.
     """
 
-    def __init__(
-        self, server: viser.ViserServer, subject: Subject, motion: Motion, prefix: str = "/world/rover"
-    ) -> None:
-        self._scene, self._prefix, self._subject = server.scene, prefix, subject
-        self._root = server.scene.add_frame(prefix, show_axes=False)
+    def __init__(self, server: viser.ViserServer, subject: Subject, motion: Motion) -> None:
+        self._scene, self._subject = server.scene, subject
+        self._root = server.scene.add_frame(ROOT, show_axes=False)
         self._frames: dict[str, Any] = {}
         self.decoration: list[Any] = []
         self.remarks: list[str] = []
@@ -109,7 +108,7 @@ class Bodies:
         # Large flat faces in the light of the sun would show the steps of their own shadow.
         shaded = color not in (PANEL, LID)
         return shapes.add_mesh(
-            self._scene, f"{self._prefix}/{name}", mesh,
+            self._scene, f"{ROOT}/{name}", mesh,
             color=color, flat_shading=True, side="double", receive_shadow=shaded,
         )  # fmt: skip
 
@@ -190,7 +189,7 @@ class Bodies:
     def _fan(self, number: int, motion: Motion) -> Any:
         mesh = self._arc(number, motion.state.steering_limit)
         return shapes.add_mesh(
-            self._scene, f"{self._prefix}/fan_{number}", mesh,
+            self._scene, f"{ROOT}/fan_{number}", mesh,
             color=PALE, opacity=0.85, cast_shadow=False, receive_shadow=False,
         )  # fmt: skip
 

@@ -109,9 +109,9 @@ def wheel_hub(radius: float, width: float) -> Mesh:
     return merge(parts)
 
 
-def arc(radius: float, low: float, high: float, width: float, segments: int = 24) -> Mesh:
+def arc(radius: float, low: float, high: float, width: float) -> Mesh:
     """A flat strip around the z axis between two angles from +x, seen from above."""
-    t = np.linspace(low, high, segments + 1)
+    t = np.linspace(low, high, 25)
     ring = np.stack([np.cos(t), np.sin(t), np.zeros_like(t)], axis=-1)
     return strip((radius + width / 2) * ring, (radius - width / 2) * ring)
 
