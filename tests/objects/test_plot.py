@@ -56,6 +56,12 @@ def shows(picture, name):
         if axes.axison and axes.get_visible() and (len(axes.get_xticks()) or len(axes.get_yticks())):
             labels = f"{axes.get_xlabel()} {axes.get_ylabel()}"
             assert UNIT.search(labels) or axes.get_shared_x_axes().get_siblings(axes) != [axes], labels
+    # The label of an axis and the last entry of a legend lay partly outside of the page.
+    renderer, (width, height) = picture.canvas.get_renderer(), picture.bbox.size
+    written = [axis.label for axes in picture.axes if axes.axison for axis in (axes.xaxis, axes.yaxis)]
+    for one in [*(label for label in written if label.get_text()), *picture.legends]:
+        box = one.get_window_extent(renderer)
+        assert min(box.x0, box.y0, width - box.x1, height - box.y1) > -2.0, one
 
 
 @pytest.mark.parametrize("name", sorted({*samples(), *(kind.__name__ for kind in public_classes())}))

@@ -30,6 +30,7 @@ LIKELY = 5.991  # chi squared of two degrees of freedom at 95 %: the ellipse a p
 ELLIPSES = 14
 LIKELY_FACE = to_rgb(AXLE)
 WHEELS = (AXLE, "#b5651d", MOTION, "#8a6d2f", "#4c4a7d", "#7d3c5d")
+LINE = 110  # letters of a legend in one row, 8 of them for each sign
 
 
 def reckoning_figure(result: Reckoned, *, title: str | None = None) -> Figure:
@@ -92,10 +93,11 @@ def draw_path(axes: Axes, result: Reckoned) -> None:
 
 def draw_key(figure: Figure, axes: Axes) -> None:
     """Draw the legend of a path below the picture, which ellipses may fill."""
+    handles, labels = axes.get_legend_handles_labels()
+    columns = 5 if sum(map(len, labels)) + 8 * len(labels) < LINE else 3
     figure.legend(
-        *axes.get_legend_handles_labels(), loc="outside lower left", ncols=5, frameon=False, fontsize=TICK,
-        labelcolor=INK,
-    )  # fmt: skip
+        handles, labels, loc="outside lower left", ncols=columns, frameon=False, fontsize=TICK, labelcolor=INK
+    )
 
 
 def _draw_error(axes: Axes, result: Reckoned) -> None:

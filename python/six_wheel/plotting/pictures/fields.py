@@ -60,7 +60,8 @@ def draw_ground(axes: Axes, ground: Terrain) -> None:
     axes.pcolormesh(x, y, shown, cmap=colours, vmin=-0.4, vmax=1.2, shading=smooth, rasterized=True, zorder=0)
     if np.nanmax(heights) > np.nanmin(heights):
         lines = axes.contour(x, y, heights, levels=8, colors=INK, linewidths=0.6, alpha=0.6, zorder=0.5)
-        axes.clabel(lines, fontsize=7.5, fmt=lambda height: number(height, ".2g"))
+        for words in axes.clabel(lines, fontsize=7.5, fmt=lambda height: number(height, ".2g")):
+            words.set(clip_on=True, in_layout=False)  # those beyond the limits of the axes take no room
     axes.autoscale_view(tight=True)
 
 

@@ -101,6 +101,7 @@ def drive_figure(drive: Any, *, title: str | None) -> Figure:
         grid.set_height_ratios((figure.get_figheight(), 1.0))
         figure.set_figheight(figure.get_figheight() + 1.0)
         _draw_film([figure.add_subplot(grid[1, k]) for k in range(FRAMES)], drive, drive.stand.suspension)
+        figure.draw_without_rendering()  # ticks of the laid out axes are wider than those that were laid out
     return figure
 
 
