@@ -114,14 +114,36 @@ def test_joints_and_steering():
     assert set(ARM.frames(stand.joints, stand.steering)) == set(frames)
 
 
+def test_more_values_than_places_are_told_which_go_by_name():
+    """`Wheel("a", 0, 0, 0.1)` was answered with `Wheel.__new__() takes 3 positional arguments`."""
+    said = r"^Wheel\(\) takes 3 values without names \(name, x, y\), got 4: give radius, "
+    with pytest.raises(TypeError, match=said):
+        sw.Wheel("a", 0, 0, 0.1)
+    said = r"^dead_reckon\(\) takes \d values without names \(rover, .*\), got 21: give noise, "
+    with pytest.raises(TypeError, match=said):
+        sw.dead_reckon(ROVER, *[0.0] * 20)
+    told = []
+    for kind in public_classes():
+        try:
+            kind(*[1.0] * 60)
+        except (TypeError, ValueError) as error:
+            told.append(str(error))
+    assert sum("without names" in message for message in told) >= 9
+
+
 def test_two_constructors_without_anything_optional():
     behind, front = sw.RockerBogie.preset("rocky7"), sw.RockerBogie.preset("open_source_rover")
     for arm, make in ((behind, sw.RockerBogie.bogie_behind), (front, sw.RockerBogie.bogie_in_front)):
         given = arm.dimensions
         assert make(**given) == arm
-        missing = ", ".join(list(given)[4:])
-        with pytest.raises(TypeError, match=rf"^RockerBogie\.bogie_\w+\(\) needs the arguments {missing}$"):
-            make(**dict(list(given.items())[:4]))
+        first = dict(list(given.items())[:4])
+        parameters = inspect.signature(make).parameters
+        missing = [
+            name for name, each in parameters.items() if each.default is each.empty and name not in first
+        ]
+        assert len(missing) == 2
+        with pytest.raises(TypeError, match=rf"\(\) needs the arguments {', '.join(missing)}$"):
+            make(**first)
     with pytest.raises(
         TypeError, match="rocker_to_bogie, bogie_to_rear, wheel_radius must be given, got nothing"
     ):
@@ -167,7 +189,7 @@ def test_a_preset_is_loaded_by_its_name(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match=r"\.yaml or \.json, or the name of a preset\)$"):
         sw.load("rover.yaml")
     (tmp_path / "rover_1.yaml").write_text("")
-    with pytest.raises(ValueError, match=r"the name of a preset; did you mean rover_1\.yaml\?\)$"):
+    with pytest.raises(ValueError, match=r'the name of a preset; did you mean "rover_1\.yaml"\?\)$'):
         sw.load("rover1.yaml")
 
 

@@ -4,6 +4,7 @@ import difflib
 import inspect
 import os
 import re
+import sys
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import wraps
 from numbers import Real
@@ -91,13 +92,15 @@ def _names(signature: str) -> list[str]:
 
 def too_many_values(call: str, excess: Collection[object], signature: str) -> str:
     """The message for values without names that a call has no place for, by its `inspect.signature`."""
-    names = _names(signature)
     placed = _names(signature.partition("*")[0] + ")")
-    got = len(placed) + len(excess)
-    first = (
-        f"{len(placed)} values without names ({', '.join(placed)})" if placed else "no values without names"
-    )
-    return f"{call}() takes {first}, got {got}: give {', '.join(names[len(placed) :])} by name"
+    return _too_many(call, placed, _names(signature)[len(placed) :], len(placed) + len(excess))
+
+
+def _too_many(call: str, placed: Collection[str], by_name: Collection[str], got: int) -> str:
+    count = f"{len(placed)} value{'s' * (len(placed) != 1)}" if placed else "no values"
+    listed = f" ({', '.join(placed)})" if placed else ""
+    rest = f": give {', '.join(by_name)} by name" if by_name else ""
+    return f"{call}() takes {count} without names{listed}, got {got}{rest}"
 
 
 def explained(text: str, method: Callable[..., Any]) -> str | None:
@@ -137,12 +140,22 @@ def checked(*others: Callable[..., Any], call: str = "") -> Callable[[_F], _F]:
         # A call with any keyword refuses those it does not have itself.
         parameters = signatures[function].parameters.values()
         takes_any = not others and any(each.kind is each.VAR_KEYWORD for each in parameters)
+        kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        placed = [each.name for each in parameters if each.kind in kinds]
+        takes_all = any(each.kind is each.VAR_POSITIONAL for each in parameters)
+        places = sys.maxsize if takes_all else len(placed)
 
         @wraps(function)
         def call_checked(*arguments: Any, **keywords: Any) -> Any:
             if not (takes_any or keywords.keys() <= named):
                 wrong = next(each for each in keywords if each not in named)
                 raise TypeError(unknown_keyword(name, wrong, dict.fromkeys(shown)))
+            if len(arguments) > places:
+                public = [each for each in placed if each in shown]
+                given = len(arguments) - places + len(public)
+                raise TypeError(
+                    _too_many(name, public, [each for each in shown if each not in placed], given)
+                )
             try:
                 return function(*arguments, **keywords)
             except (AttributeError, TypeError, ValueError) as error:
