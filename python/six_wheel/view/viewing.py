@@ -86,7 +86,7 @@ class View(Closing):
         self._player = None if subject.record is None else Player(server, subject, self._ask)
         self._handle: Any = None
         self._dragged = False
-        self._drawn = self._ticked = 0.0
+        self._drawn = 0.0
         position, target = self._camera("Free")
         server.initial_camera.position, server.initial_camera.look_at = position, target
         self._worker = Worker(self._update, self._fail)

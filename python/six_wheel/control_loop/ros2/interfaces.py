@@ -8,7 +8,6 @@ from six_wheel._core import Rover
 from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.mcap import frames
 
-INTERFACES = ("joint_state", "group", "trajectory")
 STATES = "joint_commands"
 STEERING_GROUP = "forward_position_controller/commands"
 WHEEL_GROUP = "forward_velocity_controller/commands"

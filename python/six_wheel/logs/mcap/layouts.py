@@ -24,7 +24,6 @@ APPLICATION = "six_wheel"
 PATH = "/path"  # of the rover, as a line
 COLOURS = ("#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b")
 
-MOTIONS = ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded"))
 WANTED_AND_LIMITED = (("linear.x", "vx [m/s]"), ("linear.y", "vy [m/s]"), ("angular.z", "omega [rad/s]"))
 
 

@@ -18,7 +18,6 @@ UNEVEN = 5e-3  # [m] by which the sides of a symmetric suspension may differ wit
 ALONG = 0.97  # cosine of the angle up to which a hinge lies along y: 14 degrees
 SAME_PLACE = 1e-3  # [m] between hinges that are one in the robot
 SIDES = ("left", "right")
-FRONT_CARRIED = ("front", "middle")
 PLACES = ("front", "middle", "rear")
 
 
