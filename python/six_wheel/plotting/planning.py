@@ -4,16 +4,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
 from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Costmap, Rover
-from six_wheel.plotting.drawing import INK, RECORDED, fit_page, new_figure, write_title
+from six_wheel.plotting.drawing import INK, RECORDED, SOFT, fit_page, new_figure, write_title
 from six_wheel.plotting.path import draw_path
 
 
 def draw_costmap(axes: Axes, costmap: Costmap) -> None:
-    """Draw costs, from white to grey; what is lethal is black.
+    """Draw costs, from white to grey, what is lethal black, and the border of the map.
 
     Parameters
     ----------
@@ -42,6 +43,7 @@ def draw_costmap(axes: Axes, costmap: Costmap) -> None:
     if costmap.lethal is not None:
         draw(np.where(values >= costmap.lethal, 1.0, np.nan), INK, INK, zorder=0.5)
     corners = placed.transform([(left, low), (right, low), (right, high), (left, high)])
+    axes.add_patch(Polygon(corners, fill=False, edgecolor=SOFT, linewidth=0.8, zorder=0.7))
     (left, low), (right, high) = corners.min(axis=0), corners.max(axis=0)
     axes.set(xlim=(left, right), ylim=(low, high))
 
