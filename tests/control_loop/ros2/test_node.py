@@ -56,6 +56,16 @@ def test_it_drives_and_says_where_it_is(start, peer, rover_file):
     peer.until(lambda: not any(peer.wheel_speeds))
 
 
+def stops_at(peer, alter, word):
+    """A rover that drives stops when its joint states are altered, and says this of it."""
+    peer.alter = lambda state: state
+    driving(peer, (0.2, 0.0, 0.0))
+    peer.diagnostics.clear()
+    peer.alter = alter
+    peer.until(lambda: peer.diagnosed(word), lambda: word)
+    peer.until(lambda: not any(peer.wheel_speeds))
+
+
 def test_faults_of_joint_states_are_said_and_stop_it(start, peer, rover_file):
     start("node", str(rover_file))
 
@@ -87,12 +97,7 @@ def test_faults_of_joint_states_are_said_and_stop_it(start, peer, rover_file):
         (renamed, "is it front_left_steer now?"),
         (nothing, "motion: stopped: joint states are missing"),
     ):
-        peer.alter = lambda state: state
-        driving(peer, (0.2, 0.0, 0.0))
-        peer.diagnostics.clear()
-        peer.alter = alter
-        peer.until(lambda word=word: peer.diagnosed(word), lambda word=word: word)
-        peer.until(lambda: not any(peer.wheel_speeds))
+        stops_at(peer, alter, word)
 
     def shuffled(state: JointState) -> JointState:
         order = np.random.default_rng(state.header.stamp.nanosec).permutation(len(state.name)).tolist()
@@ -144,12 +149,7 @@ def test_without_velocities_a_rover_that_needs_them_stops(start, peer, rover_fil
         (without, "must have a velocity, got 0 of them"),
         (not_finite, "joint rr_wheel must have a finite value, got nan"),
     ):
-        peer.alter = lambda state: state
-        driving(peer, (0.2, 0.0, 0.0))
-        peer.diagnostics.clear()
-        peer.alter = alter
-        peer.until(lambda word=word: peer.diagnosed(word), lambda word=word: word)
-        peer.until(lambda: not any(peer.wheel_speeds))
+        stops_at(peer, alter, word)
 
 
 def test_killed_in_motion_and_started_again_it_goes_on(start, peer, rover_file):

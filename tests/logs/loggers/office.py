@@ -1,6 +1,8 @@
 """Tables from office programs, MATLAB and LabVIEW: separators, dates, blocks above the header."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from tests.logs.loggers.logged import (
     PAIR,
     SKID,
     START,
+    Drive,
     Logged,
     as_unit,
     clock,
@@ -27,6 +30,18 @@ def _comma(lines: Sequence[str]) -> list[str]:
     return [lines[0], *(line.replace(".", ",") for line in lines[1:])]
 
 
+def _thousands(
+    course: Drive, sign: str, start: int = 0, *, decimal: str = ".", delimiter: str = ";"
+) -> Callable[[Path], Any]:
+    """Counts with a sign between thousands, in quotes where that is the delimiter."""
+    rows = [delimiter.join(("time [s]", "left_ticks", "right_ticks"))]
+    for t, counts in zip(course.stamps, (course.counts + start).tolist(), strict=True):
+        cells = [f"{count:,}".replace(",", sign) for count in counts]
+        cells = [f'"{cell}"' if delimiter in cell else cell for cell in cells]
+        rows.append(delimiter.join([f"{t:.2f}".replace(".", decimal), *cells]))
+    return text("log.csv", rows)
+
+
 def spreadsheets() -> Iterator[Logged]:
     """Excel and its relatives."""
     rad = wheels(PAIR, PAIR.angles, "{0} [rad]")
@@ -34,66 +49,16 @@ def spreadsheets() -> Iterator[Logged]:
     semi = lines_of(plain, ";")
     yield Logged("sep=; and decimal commas", text("log.csv", ["sep=;", *_comma(semi)]))
     yield Logged("sep=, with carriage returns", text("log.csv", ["sep=,", *lines_of(plain)], end="\r\n"))
-    grouped = [[f'"{int(c):,}"' for c in row] for row in PAIR.counts + 1_000_000]
-    rows = [f"{t:.2f},{row[0]},{row[1]}" for t, row in zip(PAIR.stamps, grouped, strict=True)]
-    yield Logged(
-        "thousands with commas",
-        text("log.csv", ["time [s],left_ticks,right_ticks", *rows]),
-        owner=KNOWN,
-        says=("1,0",),
-    )
-    german = [
-        f"{t:.2f}".replace(".", ",") + ";" + ";".join(f"{c + 1_000_000:,}".replace(",", ".") for c in row)
-        for t, row in zip(PAIR.stamps, PAIR.counts, strict=True)
-    ]
-    yield Logged(
-        "thousands with points",
-        text("log.csv", ["time [s];left_ticks;right_ticks", *german]),
-        owner=KNOWN,
-        says=("1.0",),
-    )
-    counts = [
-        f"{t:.2f};" + ";".join(f"{c:,}".replace(",", ".") for c in row)
-        for t, row in zip(ONWARD.stamps, ONWARD.counts, strict=True)
-    ]
-    yield Logged(
-        "thousands with points, from 0 on",
-        text("log.csv", ["time [s];left_ticks;right_ticks", *counts]),
-        ONWARD,
-        owner=KNOWN,
-        says=("points between thousands",),
-    )
-    counts = [
-        f"{t:.2f}," + ",".join(f'"{c:,}"' if c > 999 else str(c) for c in row)
-        for t, row in zip(ONWARD.stamps, ONWARD.counts, strict=True)
-    ]
-    yield Logged(
-        "thousands with commas, from 0 on",
-        text("log.csv", ["time [s],left_ticks,right_ticks", *counts]),
-        ONWARD,
-        owner=KNOWN,
-        knowable=False,
-    )
-    swiss = [
-        f"{t:.2f};" + ";".join(f"{c + 1_000_000:,}".replace(",", "'") for c in row)
-        for t, row in zip(PAIR.stamps, PAIR.counts, strict=True)
-    ]
-    yield Logged(
-        "thousands with apostrophes",
-        text("log.csv", ["time [s];left_ticks;right_ticks", *swiss]),
-        owner=KNOWN,
-        says=("1'0",),
-    )
-    french = [
-        f"{t:.2f};" + ";".join(f"{c + 1_000_000:,}".replace(",", "\u00a0") for c in row)
-        for t, row in zip(PAIR.stamps, PAIR.counts, strict=True)
-    ]
-    yield Logged(
-        "thousands with spaces",
-        text("log.csv", ["time [s];left_ticks;right_ticks", *french]),
-        owner=KNOWN,
-        says=("1\u00a00",),
-    )
+    million = 1_000_000
+    for name, course, form, more in (
+        ("commas", PAIR, _thousands(PAIR, ",", million, delimiter=","), {"says": ("1,0",)}),
+        ("points", PAIR, _thousands(PAIR, ".", million, decimal=","), {"says": ("1.0",)}),
+        ("points, from 0 on", ONWARD, _thousands(ONWARD, "."), {"says": ("points between thousands",)}),
+        ("commas, from 0 on", ONWARD, _thousands(ONWARD, ",", delimiter=","), {"knowable": False}),
+        ("apostrophes", PAIR, _thousands(PAIR, "'", million), {"says": ("1'0",)}),
+        ("spaces", PAIR, _thousands(PAIR, "\u00a0", million), {"says": ("1\u00a00",)}),
+    ):
+        yield Logged(f"thousands with {name}", form, course, owner=KNOWN, **more)
     days = 46_352.0 + (64_800.0 + PAIR.stamps) / 86_400.0
     serial = [
         f"{day:.10f},{left:.6f},{right:.6f}" for day, (left, right) in zip(days, PAIR.angles, strict=True)
