@@ -34,6 +34,11 @@ def needed(packages: str, what: str) -> Iterator[None]:
         raise ModuleNotFoundError(message, name=error.name) from None
 
 
+def one_line(error: BaseException) -> str:
+    """Text of an error in one line; the name of its type if it has none."""
+    return " ".join(str(error).split()) or type(error).__name__
+
+
 def argument_of(error: BaseException) -> str:
     """The argument that an error of the core is about: its text begins with it."""
     return re.split(r"\W", str(error), maxsplit=1)[0]

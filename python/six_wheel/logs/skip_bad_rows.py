@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.kinematics.errors import one_line
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
 from six_wheel.logs.headers.columns import Column, TableError, Unit, is_number
 from six_wheel.logs.headers.renamed import Columns, renamed, without_header
@@ -128,7 +129,7 @@ class TolerantTable(Table):
                 row += batch.num_rows
                 self._rows_read = row - 1
         except pa.ArrowException as error:
-            raise TableError(f"{self.path}: {' '.join(str(error).split())}") from None
+            raise TableError(f"{self.path}: {one_line(error)}") from None
 
     def _tolerant_lines(self) -> Iterator[Batch]:
         import pyarrow as pa

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.errors import FileError
+from six_wheel.kinematics.errors import FileError, one_line
 from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.logs.columnar import ColumnarFile, time_unit_of, units_of
@@ -368,7 +368,7 @@ class CommandTable(Table):
                 for row, (_, line) in enumerate(self._rows(), start=1):
                     if message := self._bad_record(self._cells(line)):
                         return self.error(row, message)
-        return TableError(f"{self.path}: {' '.join(str(error).split())}")
+        return TableError(f"{self.path}: {one_line(error)}")
 
     def _bad_record(self, cells: list[str]) -> str | None:
         if len(cells) != len(self._headers):

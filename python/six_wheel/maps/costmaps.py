@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Costmap, compose
-from six_wheel.kinematics.errors import FileError, as_path
+from six_wheel.kinematics.errors import FileError, as_path, one_line
 
 Floats = NDArray[np.float64]
 UNKNOWN, LETHAL = 0.5, 0.65
@@ -157,7 +157,7 @@ def _image(path: Path) -> Floats:
     except MemoryError:
         raise
     except Exception as error:  # each of its formats has errors of its own
-        told = " ".join(str(error).split())
+        told = one_line(error)
         raise FileError(f"{path}: must be an image that Pillow reads, got: {told}") from None
 
 

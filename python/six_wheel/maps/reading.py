@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from six_wheel._core import Terrain
-from six_wheel.kinematics.errors import as_path, needed
+from six_wheel.kinematics.errors import as_path, needed, one_line
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.objects.missing_files import near_file
 from six_wheel.maps import doubts
@@ -213,7 +213,7 @@ def _described(source: Source, options: Options) -> tuple[Path, Options]:
     try:
         found = yaml.safe_load(source.text())
     except yaml.YAMLError as error:
-        raise TerrainFileError(f"{path}: {' '.join(str(error).split())}") from None
+        raise TerrainFileError(f"{path}: {one_line(error)}") from None
     if isinstance(found, dict) and "image" in found:
         raise TerrainFileError(f"{path} is an occupancy map, no heights")
     allowed = set(Options._fields)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, __version__
-from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.errors import as_path, one_line
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.kinematics.objects.whole_files import check_target, replacing
@@ -299,5 +299,5 @@ def _named(output: Path) -> Iterator[None]:
     try:
         yield
     except rasterio().errors.RasterioError as error:
-        why = " ".join(str(error).split())
+        why = one_line(error)
         raise OSError(f"{output}: could not be written: {why}") from None

@@ -22,7 +22,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from six_wheel._core import __version__
-from six_wheel.kinematics.errors import needed
+from six_wheel.kinematics.errors import needed, one_line
 from six_wheel.kinematics.keywords import checked
 from six_wheel.parallel.journal import Journal
 
@@ -186,11 +186,7 @@ def _attempt(function: Callable[[Any], Any], item: Any) -> tuple[Any, Failure | 
 
 
 def _failure(error: BaseException) -> Failure:
-    return Failure(type(error).__name__, _line(error))
-
-
-def _line(error: BaseException) -> str:
-    return " ".join(str(error).split())
+    return Failure(type(error).__name__, one_line(error))
 
 
 # --- processes of this machine ---------------------------------------------------------------------------
@@ -293,7 +289,7 @@ def _client_of(cluster: Any) -> Iterator[Any]:
         client = distributed.Client(cluster, timeout=timeout, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         silent = f"cluster {cluster} does not answer within {timeout:g} s"
-        raise ClusterError(f"{silent} ({_line(error)})") from error
+        raise ClusterError(f"{silent} ({one_line(error)})") from error
     try:
         _check(client, timeout, f"cluster {cluster}")
         yield client
@@ -349,7 +345,7 @@ def _on_cluster(function: Callable[[Any], Any], items: Items, client: Any) -> Ge
                 yield Outcome(index, *(future.result() if error is None else (None, _failure(error))))
     except distributed.comm.CommClosedError as error:
         under_way.clear()
-        raise ClusterError(f"the cluster went away ({_line(error)})") from error
+        raise ClusterError(f"the cluster went away ({one_line(error)})") from error
     finally:
         if under_way:
             client.cancel(list(under_way))

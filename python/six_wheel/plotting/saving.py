@@ -5,7 +5,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from six_wheel.kinematics.errors import ArgumentTypeError, as_path
+from six_wheel.kinematics.errors import ArgumentTypeError, as_path, one_line
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.writing import replacing
 
@@ -46,6 +46,6 @@ def render(figure: Figure, path: Path) -> None:
         try:
             figure.savefig(drawn, format=ending.removeprefix("."), dpi=160)
         except (RuntimeError, ValueError) as error:  # needs TeX, is too large
-            told = " ".join(str(error).split())
+            told = one_line(error)
             raise TableError(f"{path}: the picture could not be drawn: {told}") from None
         temporary.write_bytes(drawn.getbuffer())

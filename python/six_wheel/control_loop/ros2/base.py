@@ -19,6 +19,7 @@ from six_wheel.control_loop.faults import ERROR, OK, WARN
 from six_wheel.control_loop.recorder import Recorder
 from six_wheel.control_loop.ros2.halting import HaltInterface
 from six_wheel.control_loop.ros2.parameters import Declared
+from six_wheel.kinematics.errors import one_line
 
 REPORTS = 1.0  # [s] between diagnostics
 DEPTH = 10  # that of the usual system defaults
@@ -59,7 +60,7 @@ class BaseNode(LifecycleNode):
         try:
             self._configure()
         except Exception as error:  # rclpy tells nobody of it
-            self.get_logger().error(" ".join(str(error).split()) or type(error).__name__)
+            self.get_logger().error(one_line(error))
             self.on_cleanup(state)
             return TransitionCallbackReturn.FAILURE
         return TransitionCallbackReturn.SUCCESS
@@ -130,7 +131,7 @@ class BaseNode(LifecycleNode):
 
     def failed(self, error: Exception) -> None:
         """A request could not be served; the node goes on."""
-        said = " ".join(str(error).split()) or type(error).__name__
+        said = one_line(error)
         self.loop.faults.add("commands", WARN, "a request must be one that the node can serve", said)
         self.get_logger().error(f"a request could not be served: {said}", throttle_duration_sec=1.0)
 
@@ -332,7 +333,7 @@ class BaseNode(LifecycleNode):
                 self.settings = settings
                 self._record_change({"set": changes}, now)
         except ValueError as error:
-            return SetParametersResult(successful=False, reason=" ".join(str(error).split()))
+            return SetParametersResult(successful=False, reason=one_line(error))
         return SetParametersResult(successful=True)
 
 

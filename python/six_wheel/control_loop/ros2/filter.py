@@ -11,6 +11,7 @@ from six_wheel.control_loop import Settings, Step
 from six_wheel.control_loop.faults import ERROR
 from six_wheel.control_loop.ros2.base import DEPTH, BaseNode
 from six_wheel.control_loop.ros2.parameters import FILTER
+from six_wheel.kinematics.errors import one_line
 
 
 class FilterNode(BaseNode):
@@ -41,7 +42,7 @@ class FilterNode(BaseNode):
         try:
             self.loop.begin(now, twist)
         except ValueError as error:
-            self.loop.faults.add("odometry", ERROR, "odom must be a motion", " ".join(str(error).split()))
+            self.loop.faults.add("odometry", ERROR, "odom must be a motion", one_line(error))
             return
         self._waits = False
         self._record_change({"begin": twist}, now)

@@ -3,6 +3,8 @@
 import sys
 from typing import Any
 
+from six_wheel.kinematics.errors import one_line
+
 MISSING = (
     "the nodes need rclpy: source a ROS 2 installation of this Python (. /opt/ros/jazzy/setup.bash) "
     'or pip install "six-wheel[ros]"'
@@ -24,6 +26,6 @@ def rclpy() -> Any:
         # A ROS installation of another Python has the module, and not its compiled part.
         name = getattr(error, "name", None) or "rclpy"
         version = "{}.{}".format(*sys.version_info)
-        why = "" if name == "rclpy" else f" (this is Python {version}; {' '.join(str(error).split())[:200]})"
+        why = "" if name == "rclpy" else f" (this is Python {version}; {one_line(error)[:200]})"
         raise ModuleNotFoundError(MISSING + why, name="rclpy") from None
     return rclpy

@@ -18,6 +18,7 @@ from six_wheel.control_loop.ros2.imu import ImuInput
 from six_wheel.control_loop.ros2.interfaces import CommandInterface
 from six_wheel.control_loop.ros2.parameters import NODE
 from six_wheel.control_loop.ros2.transforms import message_type
+from six_wheel.kinematics.errors import one_line
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.frames import planar_pose, planar_twist
 
@@ -155,7 +156,7 @@ class RoverNode(BaseNode):
         try:
             self.loop.set_pose(pose, covariance, now)
         except ValueError as error:
-            return " ".join(str(error).split())
+            return one_line(error)
         self._record_change({"pose": pose, "covariance": covariance}, now)
         return ""
 

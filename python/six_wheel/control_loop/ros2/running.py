@@ -12,6 +12,7 @@ from typing import Any, Literal
 from six_wheel.control_loop import Settings
 from six_wheel.control_loop.ros2.description import Load, settings_by_parameters
 from six_wheel.control_loop.ros2.loading import rclpy
+from six_wheel.kinematics.errors import one_line
 
 PATIENCE = 4.0  # [s] from the first signal on in which the rover stops within its limits; then it is halted
 LATEST = 4.5  # [s] from the first signal on at which the last command is sent, in motion or not
@@ -60,7 +61,7 @@ def run(
     try:
         ros.init(args=["six-wheel", *arguments], signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy has no class for it that all versions share
-        raise ValueError(f"ROS arguments cannot be used: {' '.join(str(error).split())}") from None
+        raise ValueError(f"ROS arguments cannot be used: {one_line(error)}") from None
     before = {number: signal.getsignal(number) for number in ENDING}
     try:
         signals = _Signals()

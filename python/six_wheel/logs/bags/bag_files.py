@@ -49,11 +49,6 @@ def whole_part(file: Path, folder: Path) -> Path:
     return whole
 
 
-def one_line(error: Exception) -> str:
-    """Message of an error in one line; the name of its type if it has none."""
-    return " ".join(str(error).split()) or type(error).__name__
-
-
 def rosbags_names() -> Any:
     """The names of rosbags that are used here."""
     with needed("six-wheel[bags]", "bags need"):

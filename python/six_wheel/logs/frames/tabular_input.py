@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Odometry, Rover
-from six_wheel.kinematics.errors import ArgumentTypeError, needed
+from six_wheel.kinematics.errors import ArgumentTypeError, needed, one_line
 from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
@@ -319,7 +319,7 @@ def _column(source: Any, header: str) -> NDArray[Any]:
     except (TypeError, ValueError) as error:
         got = type(source).__name__
         hint = ": collect() it first" if hasattr(source, "collect") else ""
-        reason = " ".join(str(error).split())
+        reason = one_line(error)
         raise ValueError(f'column "{header}" must be numbers or times, got {got}{hint} ({reason})') from None
     if values.ndim != 1:
         raise ValueError(f'column "{header}" must be there once, got {values.shape[1]} of that name')

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from six_wheel.kinematics.errors import FileError
+from six_wheel.kinematics.errors import FileError, one_line
 from six_wheel.logs.mcap.writer import FORMAT, SETTINGS, libraries
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -103,7 +103,7 @@ class Record:
         try:
             return self._libraries.store.deserialize_cdr(message.data, message.kind)
         except Exception as error:  # of NumPy, of text and of rosbags, by the place of the damage
-            told = " ".join(str(error).split())
+            told = one_line(error)
             raise RecordError(f"{self.path}: a message of {message.topic} is damaged: {told}") from None
 
     def _records(self) -> Iterator[Any]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
 
+from six_wheel.kinematics.errors import one_line
 from six_wheel.logs.headers.clock_times import is_clock_time
 from six_wheel.logs.headers.columns import BRACKETS, TIME, TableError, is_number, means, words
 from six_wheel.logs.headers.joint_columns import unit_words
@@ -90,7 +91,7 @@ def open_text(path: Path) -> BinaryIO:
             target.detach()
         except (OSError, EOFError, UnicodeError, zlib.error, lzma.LZMAError) as error:
             copy.close()
-            raise TableError(f"the text cannot be read: {' '.join(str(error).split())}") from None
+            raise TableError(f"the text cannot be read: {one_line(error)}") from None
         copy.seek(0)
         return copy
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.kinematics.errors import one_line
 from six_wheel.maps import doubts
 from six_wheel.maps.files import Grid, Options, TerrainFileError
 from six_wheel.maps.readers.axes import Axis, by_coordinates, check_shape
@@ -72,7 +73,7 @@ def _load(source: Source) -> dict[str, NDArray[Any]]:
                 return {"": loaded}
             return {name: loaded[name] for name in loaded.files}
     except Exception as error:  # NumPy, zipfile and Python's tokenizer, which reads headers, list none
-        told = " ".join(str(error).split())
+        told = one_line(error)
         raise TerrainFileError(f"{source.path} is no array of numbers, or damaged: {told}") from None
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Terrain
-from six_wheel.kinematics.errors import needed
+from six_wheel.kinematics.errors import needed, one_line
 from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.maps import doubts
 from six_wheel.maps.files import Grid, Options, TerrainFileError, Window, bracketed_unit, length, unit_in_name
@@ -355,4 +355,4 @@ def _words(error: BaseException) -> str:
     """Reason of an error of GDAL in one line; rasterio keeps it in its causes."""
     while error.__cause__ is not None:
         error = error.__cause__
-    return " ".join(str(error).split())
+    return one_line(error)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NoReturn
 
-from six_wheel.kinematics.errors import needed
+from six_wheel.kinematics.errors import needed, one_line
 from six_wheel.robot_description.urdf.elements import Notes
 
 ENDING = ".xacro"
@@ -40,7 +40,7 @@ def expanded(path: Path, arguments: Mapping[str, str] | None, notes: Notes) -> s
         try:
             return str(xacro.process_file(str(path), mappings=dict(arguments or {})).toxml())
         except Exception as error:  # xacro has many, and the XML parser's
-            reason = " ".join(str(error).split()) or type(error).__name__
+            reason = one_line(error)
         name = _MISSING.search(reason)
         if name is None or name[1] in absent:
             _refuse(reason, notes)
