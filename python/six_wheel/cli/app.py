@@ -3,13 +3,9 @@
 Only typer is imported here: ``six-wheel drive --help`` need not wait for NumPy, Arrow or matplotlib.
 """
 
-import contextlib
-import os
 import re
-import signal
 import sys
-import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -29,6 +25,7 @@ from six_wheel.cli.commands.traverse import traverse
 from six_wheel.cli.commands.view import view
 from six_wheel.cli.names import COMMANDS, INSTALL, PROGRAM, PURPOSE
 from six_wheel.cli.shared import new_console, progress_bar, with_options
+from six_wheel.cli.signals import ended_by_signals
 from six_wheel.kinematics.errors import printable
 from six_wheel.robot_description.doubts import DoubtError
 
@@ -85,32 +82,6 @@ def bench() -> None:
     new_console().print(benchmark.table(results))
 
 
-@contextlib.contextmanager
-def ended_by_signals() -> Iterator[None]:
-    """SIGTERM and SIGHUP end the block as an exception, which removes files half written, then the process.
-
-    A handler that somebody else has set, or that a command sets for itself, counts.
-    """
-    numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    main = threading.current_thread() is threading.main_thread()
-    numbers = [number for number in numbers if main and signal.getsignal(number) is signal.SIG_DFL]
-    caught: list[int] = []
-
-    def end(number: int, _frame: object) -> None:
-        caught.append(number)
-        raise SystemExit(128 + number)
-
-    for number in numbers:
-        signal.signal(number, end)
-    try:
-        yield
-    finally:
-        for number in numbers:
-            signal.signal(number, signal.SIG_DFL)
-        if caught:
-            os.kill(os.getpid(), caught[0])
-
-
 def with_pictures(arguments: Sequence[str]) -> list[str]:
     """The arguments, with ``ROVER_COMMAND.png`` for a ``--plot`` that has no value."""
     given, named = list(arguments), [each for each in arguments if not each.startswith("-")]
@@ -140,10 +111,10 @@ def run(arguments: Sequence[str]) -> int:
         if "" in arguments or any(re.fullmatch(r"--[a-z-]+=", argument) for argument in arguments):
             raise ValueError("an argument must not be empty, got one that is")
         arguments = with_pictures(arguments)
-        # The core would load NumPy by itself, and panic at a Ctrl-C meanwhile: here it is one.
-        import numpy  # noqa: F401
-
         with ended_by_signals():
+            # The core would load NumPy by itself, and panic at a Ctrl-C meanwhile: here it is one.
+            import numpy  # noqa: F401
+
             code = app(list(arguments), prog_name=PROGRAM, standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
         return 130

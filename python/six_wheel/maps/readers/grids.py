@@ -14,6 +14,7 @@ from six_wheel.maps.readers.points import COMMENTS, points_grid, read_crossed, r
 from six_wheel.maps.readers.reference import UNKNOWN, Reference, in_degrees
 
 CORNERS = ("xllcorner", "xllcenter", "yllcorner", "yllcenter")
+PIECE = 1 << 16  # numbers that are read at a time
 KEYS = ("ncols", "nrows", *CORNERS, "cellsize", "dx", "dy", "nodata_value", "nodata")
 WORD = re.compile(r"[a-z_]{2,}")
 NUMBERS = ("nan", "inf", "na", "null", "nodata")  # words among cells
@@ -72,14 +73,20 @@ def _unplaced(path: Path, heights: NDArray[np.float64], options: Options) -> tup
     return options.unplaced(heights, False), options._replace(spacing=None, origin=None, north_up=None)
 
 
+def _floats(parts: list[str]) -> NDArray[np.float64]:
+    """The numbers of texts, so many at a time, between which Ctrl-C is taken."""
+    pieces = range(0, len(parts), PIECE)
+    return np.concatenate([np.array(parts[k : k + PIECE], dtype=np.float64) for k in pieces] or [[]])
+
+
 def _numbers(path: Path, parts: list[str]) -> NDArray[np.float64]:
     try:
-        return np.array(parts, dtype=np.float64)
+        return _floats(parts)
     except ValueError:
         unknown = (part.lower() in UNKNOWN_CELLS or "#" in part for part in parts)
         parts = ["nan" if is_unknown else part for part, is_unknown in zip(parts, unknown, strict=True)]
     try:
-        return np.array(parts, dtype=np.float64)
+        return _floats(parts)
     except ValueError as error:
         told = str(error).rpartition(": ")[2][:60]
         raise TerrainFileError(f"{path} is no map as text: it has {told} where a height belongs") from None
@@ -108,7 +115,7 @@ def _esri(path: Path, lines: list[str], options: Options) -> tuple[Grid, Options
     if not all(count is not None and count >= 1 and count % 1 == 0 for count in counts):
         raise TerrainFileError(f"{path} must have whole ncols and nrows, got {counts[1]} and {counts[0]}")
     rows, columns = (int(count or 0) for count in counts)
-    heights = _numbers(path, _cells("\n".join(lines[number:]), rows * columns))
+    heights = _numbers(path, _cells(lines[number:], rows * columns))
     if heights.size != rows * columns:
         raise TerrainFileError(f"{path} must hold {rows} x {columns} heights, got {heights.size}")
     # Without the line it is -9999 (ESRI ASCII raster format).
@@ -124,15 +131,15 @@ def _esri(path: Path, lines: list[str], options: Options) -> tuple[Grid, Options
     return Grid(heights.reshape(rows, columns)[::-1], (dx, dy), (x, y)), options
 
 
-def _cells(body: str, count: int) -> list[str]:
+def _cells(lines: list[str], count: int) -> list[str]:
     """Numbers between blanks, semicolons or commas; commas are decimal where that makes the count."""
-    if ";" in body:
-        body = body.replace(";", " ").replace(",", ".")
-    if "," in body:
-        cells = body.split()
-        is_decimal = "." not in body and len(cells) == count
-        body = body.replace(",", "." if is_decimal else " ")
-    return body.split()
+    if any(";" in line for line in lines):
+        lines = [line.replace(";", " ").replace(",", ".") for line in lines]
+    if any("," in line for line in lines):
+        is_whole = sum(len(line.split()) for line in lines) == count
+        is_decimal = is_whole and not any("." in line for line in lines)
+        lines = [line.replace(",", "." if is_decimal else " ") for line in lines]
+    return [cell for line in lines for cell in line.split()]
 
 
 def _list(path: Path, text: str, options: Options) -> tuple[Grid, Options]:
