@@ -10,7 +10,7 @@ from functools import wraps
 from numbers import Real
 from typing import Any, TypeVar, get_origin
 
-from six_wheel.kinematics.errors import ArgumentTypeError, FileError
+from six_wheel.kinematics.errors import ArgumentTypeError, FileError, argument_of
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 _C = TypeVar("_C", bound=type[Any])
@@ -229,7 +229,7 @@ def _mistyped(
         Error that the call raised.
     """
     named = {name for signature in signatures.values() for name in signature.parameters}
-    if isinstance(error, FileError) or re.match(r"\w*", str(error))[0] in named:  # type: ignore[index]
+    if isinstance(error, FileError) or argument_of(error) in named:
         return None
     given = dict(keywords)
     for function, signature in signatures.items():
