@@ -33,7 +33,13 @@ class Option:
     live: bool = False
 
     def check(self, given: Any) -> Any:
-        """The value, if it may be one."""
+        """The value, if it may be one.
+
+        Raises
+        ------
+        ValueError
+            If its type, the number or the word is none of those of the option.
+        """
         kind: type = type(self.default)
         value: Any = given
         if kind is float and isinstance(given, int) and not isinstance(given, bool):

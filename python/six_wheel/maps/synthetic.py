@@ -33,7 +33,13 @@ def yard(
     *,
     roughness: float = 0.1,
 ) -> Terrain:
-    """See `Terrain.yard`."""
+    """See `Terrain.yard`.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite or out of its range, or they make too many heights or rocks.
+    """
     try:
         extent = (float(size), float(size)) if isinstance(size, int | float) else tuple(map(float, size))
     except (TypeError, ValueError):

@@ -87,7 +87,13 @@ class Journal:
         return index in self.done
 
     def read(self, index: int) -> Any:
-        """The value of a finished item."""
+        """The value of a finished item.
+
+        Raises
+        ------
+        JournalError
+            If its file cannot be read.
+        """
         path = self._file(index)
         try:
             with np.load(path, allow_pickle=False) as arrays:

@@ -13,7 +13,13 @@ PICTURES = (".png", ".svg", ".pdf")
 
 
 def picture_path(path: Path) -> Path:
-    """The path itself, if its ending is one of `PICTURES`; else a `TableError`."""
+    """The path itself, if its ending is one of `PICTURES`.
+
+    Raises
+    ------
+    TableError
+        If it has another ending.
+    """
     if path.suffix.lower() not in PICTURES:
         raise TableError(f'{path}: the ending must be one of {", ".join(PICTURES)}, got "{path.suffix}"')
     return path

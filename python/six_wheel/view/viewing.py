@@ -166,6 +166,11 @@ class View(Closing):
         ----------
         path : path-like
             A file ending in .html.
+
+        Raises
+        ------
+        ValueError
+            If it has another ending.
         """
         target = Path(path)
         if target.suffix.lower() != ".html":

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.kinematics.odometry.tracks import SILENT, can_contradict
+from six_wheel.kinematics.odometry.tracks import (
+    SILENT,
+    SlipReport,
+    SlipWindow,
+    WheelContradiction,
+    can_contradict,
+)
 from six_wheel.log_odometry.evaluation import evaluate, slip_against
 from six_wheel.logs import GroundTruth, WheelLog
 from six_wheel.simulation.planar import Slip
@@ -221,3 +227,17 @@ def test_any_result_has_a_picture():
     assert sw.plot(PAIR).axes
     both = plot.track_figure({"once": track, "again": track}, log.truth)
     assert len(both.axes) == 3
+
+
+def test_a_report_of_any_number_of_wheels_and_stretches_is_six_lines():
+    wheels = tuple(WheelContradiction(f"wheel_{k}", 0.1 * k, 0.0, 0.2 * k, k, 0.1, None) for k in range(1, 9))
+    windows = tuple(
+        SlipWindow(float(k), k + 0.5, 10 * k, 10 * k + 5, "wheel_8", 0.01 * k, 0.1) for k in range(1, 4)
+    )
+    text = str(SlipReport(wheels, windows, 100)).splitlines()
+    assert len(text) == 6
+    assert [line.split()[0] for line in text[2:4]] == ["wheel_8", "wheel_7"]
+    assert text[4] == "6 others: at most 0.6000 m/s rms"
+    assert text[5].startswith("3.000 s to 3.500 s (rows 30 to 35): wheel_8 slid 0.030 m")
+    assert text[5].endswith("; 2 other stretches")
+    assert len(str(SlipReport(wheels[:3], (), 100)).splitlines()) == 6

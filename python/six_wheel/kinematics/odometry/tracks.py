@@ -44,6 +44,7 @@ __all__ = [
 ]
 
 ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
+SHOWN_WHEELS = 2  # of a slip report in words, by size
 SILENT = "the wheels cannot contradict each other: of slip nothing can be told from them alone"
 
 
@@ -353,25 +354,29 @@ class SlipReport(Shown):
         return cls(tuple(wheels), tuple(windows), len(residuals), observable)
 
     def __str__(self) -> str:
-        width = max(len(wheel.name) for wheel in self.wheels)
+        by_size = sorted(self.wheels, key=lambda wheel: -wheel.rms)
+        shown = by_size if len(by_size) <= SHOWN_WHEELS + 1 else by_size[:SHOWN_WHEELS]
+        width = max(len(wheel.name) for wheel in shown)
         head = f"{'wheel':{width}}  rms [m/s]  mean [m/s]  worst [m/s]  in row  worst wheel in"
         lines = [f"slip of {len(self.wheels)} wheels over {self.rows} rows", head]
-        for wheel in self.wheels:
+        for wheel in shown:
             line = f"{wheel.name:{width}}  {wheel.rms:9.4f}  {wheel.mean:10.4f}  {wheel.worst:11.4f}"
-            line += f"  {wheel.worst_row:6d}  {wheel.worst_share:13.0%}"
-            lines.append(line if wheel.weight is None else f"{line}  weight {wheel.weight:.2f}")
-        for window in self.windows:
-            lines.append(
-                f"{window.start:.3f} s to {window.end:.3f} s (rows {window.first_row} to {window.last_row}): "
-                f"{window.wheel} slid {window.distance:.3f} m, at {window.worst:.3f} m/s at most"
-            )
-        if not self.observable:
-            lines.append(
-                f"{SILENT} (a gyroscope or a truth can: six_wheel.log_odometry.evaluation.slip_against)"
-            )
-        elif not self.windows:
-            lines.append("no stretch in which a wheel slipped")
-        return "\n".join(lines)
+            weight = "" if wheel.weight is None else f"  weight {wheel.weight:.2f}"
+            lines.append(f"{line}  {wheel.worst_row:6d}  {wheel.worst_share:13.0%}{weight}")
+        others = by_size[len(shown) :]
+        lines += [f"{len(others)} others: at most {others[0].rms:.4f} m/s rms"] if others else []
+        return "\n".join([*lines, self._stretches()])
+
+    def _stretches(self) -> str:
+        """One line on the windows: the one with the longest slide, and how many others there are."""
+        instead = "(a gyroscope or a truth can: six_wheel.log_odometry.evaluation.slip_against)"
+        if not (self.observable and self.windows):
+            return "no stretch in which a wheel slipped" if self.observable else f"{SILENT} {instead}"
+        longest = max(self.windows, key=lambda window: window.distance)
+        others = f"; {len(self.windows) - 1} other stretches" if len(self.windows) > 1 else ""
+        rows = f"rows {longest.first_row} to {longest.last_row}"
+        size = f"{longest.wheel} slid {longest.distance:.3f} m, at {longest.worst:.3f} m/s at most"
+        return f"{longest.start:.3f} s to {longest.end:.3f} s ({rows}): {size}{others}"
 
 
 def can_contradict(rover: Rover, largest: float = math.inf) -> bool:
