@@ -57,6 +57,16 @@ def test_what_is_given_again_changes_nothing_but_a_warning(again: WheelLog) -> N
     assert "(logs[1])" in lines[0]
 
 
+@pytest.mark.parametrize("rows", [3, 10, 20])
+def test_the_shortest_part_counts_once(rows: int) -> None:
+    """Fifteen of thirty rows, given again, once took an interval of a radius from 1.3 m to 0.03 mm."""
+    part = replace(cut(LOG, slice(300, 300 + rows)), name="part")
+    assert without_copies([LOG, part])[1] == [0]
+    assert without_copies([LOG, replace(part, wheel_angles=part.wheel_angles + 7.0)])[1] == [0]
+    turned = part.wheel_angles + np.linspace(0.0, 1e-6, rows)[:, None]
+    assert without_copies([LOG, replace(part, wheel_angles=turned)])[1] == [0, 1]
+
+
 def test_the_same_log_in_two_formats_counts_once(tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     from six_wheel.simulation import write_log

@@ -210,3 +210,16 @@ def test_paths_that_are_none():
             sw.simulate(PAIR, path)
     with pytest.raises(ValueError, match="ratio must be finite and below 1, got 1"):
         Slip(0.0, 1.0, ratio=1.0)
+
+
+@pytest.mark.parametrize(
+    ("rate", "rule"),
+    [(1e-12, "at least two"), (0.2, "at least two"), (1e12, "at most 100,000,000"), (1e300, "at most")],
+)
+def test_rates_of_too_few_or_too_many_samples_are_named(rate: float, rule: str) -> None:
+    """Too few were told as the shape of stamps, an argument that nobody had given."""
+    drive = [(0.0, 0.1, 0.0, 0.0), (4.0, 0.1, 0.0, 0.0)]
+    with pytest.raises(
+        ValueError, match=rf"rate must make {rule}.* samples of 4 s, got {rate:g}".replace("+", ".")
+    ):
+        sw.simulate(sw.Rover.differential(0.4, 0.1), drive, rate=rate)

@@ -16,6 +16,7 @@ from six_wheel.logs.recordings import WheelLog
 
 ANGLE = 1e-3  # [rad] by which angles differ at most that were rounded by a format
 INSTANT = 1e-3  # [s] of stamps, likewise
+SAME = 1e-9  # [rad] by which turns between the same rows differ at most, by rounding of their sums
 PLACE = 5e-3  # [m] of true positions, likewise
 RATE = 2e-4  # [rad/s] of a gyroscope, likewise
 ROWS = 20  # steps with a moving wheel that tell a drive
@@ -129,6 +130,8 @@ def _shared(log: WheelLog, other: WheelLog) -> slice | None:
     """The rows of a log whose readings another one has; None if there are too few."""
     if log.wheel_angles.shape[1] != other.wheel_angles.shape[1]:
         return None
+    if _is_part(log, other):
+        return slice(0, len(log))
     least = max(ROWS + 1, SHARE * min(len(log), len(other)))
     tried: list[float] = []
     for offset in _offsets(log, other):
@@ -143,6 +146,16 @@ def _shared(log: WheelLog, other: WheelLog) -> slice | None:
         if _agree(log, other, few, offset) and _agree(log, other, np.arange(first, last), offset):
             return slice(first, last)
     return None
+
+
+def _is_part(log: WheelLog, other: WheelLog) -> bool:
+    """True if every row of a log, be they few, is one of another log: the same instant, turns and truth."""
+    places = np.minimum(np.searchsorted(other.stamps, log.stamps), len(other) - 1)
+    if len(log) > len(other) or not np.array_equal(other.stamps[places], log.stamps):
+        return False
+    mine, theirs = np.diff(log.wheel_angles, axis=0), np.diff(other.wheel_angles[places], axis=0)
+    same = np.allclose(mine, theirs, rtol=0.0, atol=SAME, equal_nan=True)
+    return same and bool(len(_moving(log.wheel_angles))) and _agree(log, other, np.arange(len(log)), 0.0)
 
 
 def _offsets(log: WheelLog, other: WheelLog) -> Iterator[float]:

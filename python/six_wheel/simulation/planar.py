@@ -108,11 +108,11 @@ def generator(seed: int) -> np.random.Generator:
 
 def step_of(course: Course, rate: float) -> float:
     """Longest time between two rows of the motion [s] at `rate` samples per second. Raises `ValueError` if
-    the samples would be too many."""
+    the samples would be too many, or fewer than two."""
     duration = float(course.stamps[-1] - course.stamps[0])
-    if not duration * rate <= MOST_SAMPLES:
-        rule = f"must make at most {MOST_SAMPLES:,} samples of {duration:g} s"
-        raise ValueError(f"rate {rule}, got {rate:g}")
+    if not 1.0 <= duration * rate <= MOST_SAMPLES:
+        rule = f"at most {MOST_SAMPLES:,}" if duration * rate > 1.0 else "at least two"
+        raise ValueError(f"rate must make {rule} samples of {duration:g} s, got {rate:g}")
     return 1.0 / (FINER * rate)
 
 
