@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from six_wheel.kinematics.objects.missing_files import no_file
+from six_wheel.robot_description.missing_files import no_file
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.poses import Floats, interpolate
-from six_wheel.logs.recordings import GroundTruth, WheelLog
+from six_wheel.kinematics.poses import Floats
+from six_wheel.logs.recordings import GroundTruth, WheelLog, interpolate
 from six_wheel.robot_description.dimensions import size
 
 Rows = NDArray[np.int64]

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.model import Model
-from six_wheel.kinematics.poses import Floats, interpolate
+from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.paths import absolute_error
-from six_wheel.logs.recordings import GroundTruth
+from six_wheel.logs.recordings import GroundTruth, interpolate
 
 HALVINGS = 30  # of the stretch in which the end of an interval lies
 

@@ -73,11 +73,11 @@ def with_options(command: Callable[..., None]) -> Callable[..., None]:
             flat[option] = inspect.Parameter(option, parameter.KEYWORD_ONLY, default=default, annotation=hint)
 
     def run(**given: Any) -> None:
-        from six_wheel.logs.writing import check_outputs, together
+        from six_wheel.kinematics.objects.whole_files import together
 
         outputs = {name: given[name] for name in WRITTEN if given.get(name) is not None}
         sources = [path for name in given.keys() - outputs for path in _files(given[name])]
-        check_outputs(outputs, sources)
+        _check_outputs(outputs, sources)
         for name, group in groups.items():
             given[name] = group(*(given.pop(option) for option in group._fields))
         with together(sources):
@@ -87,6 +87,23 @@ def with_options(command: Callable[..., None]) -> Callable[..., None]:
     run.__annotations__ = {name: parameter.annotation for name, parameter in flat.items()}
     run.__name__ = command.__name__
     return run
+
+
+def _check_outputs(outputs: dict[str, Path], sources: Sequence[Path]) -> None:
+    """Refuse files to be written that are read or written twice, by the options that name them.
+
+    A folder that is there is for several files.
+    """
+    from six_wheel.kinematics.errors import TableError
+    from six_wheel.kinematics.objects.whole_files import check_source, same_file
+
+    files = {name: path for name, path in outputs.items() if not path.is_dir()}
+    for name, path in files.items():
+        check_source(path, path.resolve(), sources)
+        for other, one in files.items():
+            if other != name and same_file(one, path):
+                options = f"--{name} and --{other}".replace("_", "-")
+                raise TableError(f"{path}: {options} must be two files")
 
 
 def several(given: Sequence[str] | None, sign: str = "") -> list[str]:

@@ -66,17 +66,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 
 def unknown_keyword(call: str, name: str, signature: str | Iterable[str]) -> str:
-    """The message for a keyword that a call does not have.
-
-    Parameters
-    ----------
-    call : str
-        As it is called, without parentheses.
-    name : str
-        The keyword that was given.
-    signature : str or iterable of str
-        The parameters of the call as `inspect.signature` shows them, or their names.
-    """
+    """The message for a keyword that a call does not have, by its signature as text, or its names."""
     names = _names(signature) if isinstance(signature, str) else list(signature)
     needed, sentence = SENTENCES.get(name, ("", ""))
     hint = f": {sentence}." if needed in names else did_you_mean(name, names) or ";"
@@ -116,12 +106,8 @@ def checked(*others: Callable[..., Any], call: str = "") -> Callable[[_F], _F]:
     """Decorator of a public function: a keyword that it does not have is refused with the nearest one, and an
     argument of another type than its annotation states is named where the call fails.
 
-    Parameters
-    ----------
-    others : callables
-        Those that its ``**options`` go to: their keywords are its own.
-    call : str, optional
-        Its public name, default that of the function.
+    Keywords of `others`, which its ``**options`` go to, are its own. `call` is its public name, by default
+    that of the function.
     """
 
     def decorate(function: _F) -> _F:
@@ -217,16 +203,8 @@ def _mistyped(
 ) -> str | None:
     """The message for the first argument of a failed call that is not what its annotation states.
 
-    None if every argument is, if the annotations do not tell, or if the error names an argument itself.
-
-    Parameters
-    ----------
-    signatures : mapping of callable to Signature
-        The function that was called, then those that its ``**options`` go to.
-    arguments, keywords
-        Arguments of the call.
-    error : Exception
-        Error that the call raised.
+    None if every argument is, if the annotations do not tell, or if the error names an argument itself. The
+    signatures are those of the function, then of those that its ``**options`` go to.
     """
     named = {name for signature in signatures.values() for name in signature.parameters}
     if isinstance(error, FileError) or argument_of(error) in named:

@@ -37,19 +37,11 @@ def attach(
     beside: Collection[str] = (),
     hint: Callable[[str], str] | None = None,
 ) -> Lookup:
-    """`__getattr__` and `__dir__` of a package.
+    """`__getattr__` and `__dir__` of the package of this full name.
 
-    Parameters
-    ----------
-    package : str
-        Its full name.
-    modules : mapping of str to sequence of str
-        Its modules, those of its packages as ``package.module``, and of each the names that the package shows
-        as its own.
-    beside : collection of str, optional
-        Names that it has and `dir` leaves out.
-    hint : callable, optional
-        Words about a name that is not there, "" for none; without words the nearest name is said.
+    `modules` are its modules, those of its packages as ``package.module``, and of each the names that the
+    package shows as its own. It has the names `beside`, too, which `dir` leaves out. `hint` gives the words
+    about a name that is not there; without words the nearest name is said.
     """
     sys.modules[package].__class__ = Package
     inner = {module.partition(".")[0] for module in modules}

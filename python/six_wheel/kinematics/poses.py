@@ -42,21 +42,6 @@ def quaternions(attitudes: Floats) -> Floats:
     return np.stack(parts, axis=-1)
 
 
-def interpolate(stamps: Floats, poses: Floats, wanted: Floats) -> tuple[Floats, Floats]:
-    """Poses at `wanted` times and their rates of change, both of shape (n, 3).
-
-    Between two rows the body moves evenly along the chord and turns evenly. Samples that show the motion at
-    all lie so close that chord and arc differ by less than the sensor sees. Nothing is known outside the
-    recording: `wanted` must lie within it.
-    """
-    row = np.clip(np.searchsorted(stamps, wanted, side="right") - 1, 0, len(stamps) - 2)
-    length = (stamps[row + 1] - stamps[row])[:, None]
-    step = poses[row + 1] - poses[row]
-    turned = np.isfinite(step[:, 2])  # positions may come without headings
-    step[turned, 2] = wrap_angle(step[turned, 2])
-    return poses[row] + (wanted - stamps[row])[:, None] / length * step, step / length
-
-
 def as_poses(name: str, poses: ArrayLike, count: int | None = None, columns: int = 3) -> Floats:
     """`poses` as an array of shape (n, 3), or of as many `columns`, finite, with n >= 1 or `count` rows.
     Raises `ValueError` if it is not."""

@@ -16,17 +16,8 @@ _T = TypeVar("_T")
 def replace(value: _T, /, **changes: Any) -> _T:
     """The value that its constructor makes of the arguments that were given, some of them given anew.
 
-    Parameters
-    ----------
-    value
-        A value that pickles by the call that makes it, a named tuple or a dataclass.
-    **changes
-        Arguments of that call; None leaves one out that may be left out.
-
-    Raises
-    ------
-    TypeError
-        If the call has no such argument.
+    `value` pickles by the call that makes it, or is a named tuple or a dataclass. A change of None leaves out
+    an argument that may be left out. Raises `TypeError` if the call has no such argument.
     """
     make, given = _call(value)
     parameters = _parameters(make)

@@ -17,7 +17,6 @@ from six_wheel._core import Rover
 from six_wheel.kinematics.errors import SuspiciousReadingsWarning, as_path
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.objects.closing import Closing
-from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.logs import optiodom
 from six_wheel.logs.bags.bag_files import BAGS, is_bag
 from six_wheel.logs.datasets import katwijk, rose_lab
@@ -36,6 +35,7 @@ from six_wheel.logs.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.tables import FORMATS, READ
 from six_wheel.logs.text.foreign import other_form
+from six_wheel.robot_description.missing_files import no_file
 
 ENDINGS = ", ".join(dict.fromkeys([*FORMATS, *BAGS, *READ]))
 AnyLog: TypeAlias = "JointLog | WholeLog"

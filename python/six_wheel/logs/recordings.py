@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from six_wheel._core import Rover
+from six_wheel._core import Rover, wrap_angle
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.tables import (
@@ -25,7 +25,7 @@ from six_wheel.kinematics.objects.tables import (
     pose_columns,
     rows_of,
 )  # fmt: skip
-from six_wheel.kinematics.poses import Floats, as_poses, interpolate
+from six_wheel.kinematics.poses import Floats, as_poses
 from six_wheel.logs.joint_totals import angles_of, encoder_of_each, summed, where_there
 from six_wheel.logs.plausibility.proposals import Column
 from six_wheel.logs.plausibility.whole_numbers import check_increments
@@ -35,6 +35,18 @@ if TYPE_CHECKING:
     from six_wheel.kinematics.odometry.tracks3 import Track3
 
 OPTIONS = ("readings", "increments", "wheel_encoders", "steering_encoders")
+
+
+def interpolate(stamps: Floats, poses: Floats, wanted: Floats) -> tuple[Floats, Floats]:
+    """Poses at `wanted` times, which lie within the recording, and their rates of change, both of shape (n, 3).
+
+    Even motion along the chord between two rows: it differs from the arc by less than the sensor sees.
+    """
+    row = np.clip(np.searchsorted(stamps, wanted, side="right") - 1, 0, len(stamps) - 2)
+    length, step = (stamps[row + 1] - stamps[row])[:, None], poses[row + 1] - poses[row]
+    turned = np.isfinite(step[:, 2])  # positions may come without headings
+    step[turned, 2] = wrap_angle(step[turned, 2])
+    return poses[row] + (wanted - stamps[row])[:, None] / length * step, step / length
 
 
 @checked_class
@@ -356,9 +368,8 @@ def as_truth(given: object) -> GroundTruth:
     try:
         return GroundTruth(given.stamps, given.poses)  # type: ignore[attr-defined]
     except AttributeError:
-        kind = type(given).__name__
         known = "a GroundTruth, a WheelLog with one, a Track, or the path of a file of poses"
-        raise TypeError(f"truth must be {known}, got {kind}") from None
+        raise TypeError(f"truth must be {known}, got {type(given).__name__}") from None
 
 
 def _check_order(stamps: Floats) -> None:
@@ -366,9 +377,8 @@ def _check_order(stamps: Floats) -> None:
     steps = np.diff(stamps)
     if np.min(steps) >= 0.0 and np.isfinite(stamps[[0, -1]]).all():
         return
-    if not (good := np.isfinite(stamps)).all():
-        row = int(np.argmin(good))
-        raise ValueError(f"stamps must be finite, got {stamps[row]} in row {row}")
+    if (bad := ~np.isfinite(stamps)).any():
+        raise ValueError(f"stamps must be finite, got {stamps[bad][0]} in row {int(np.argmax(bad))}")
     row = int(np.argmax(steps < 0.0)) + 1
     raise ValueError(f"stamps must not run backwards, got {stamps[row]} after {stamps[row - 1]} in row {row}")
 

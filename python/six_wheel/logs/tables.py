@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from six_wheel.kinematics.errors import FileError, one_line
 from six_wheel.kinematics.objects.closing import Closing
-from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.logs.columnar import ColumnarFile, time_unit_of, units_of
 from six_wheel.logs.headers.clock_times import is_clock_time
 from six_wheel.logs.headers.columns import (
@@ -32,6 +31,7 @@ from six_wheel.logs.headers.columns import (
     is_number,
 )
 from six_wheel.logs.text.dialect import LONGEST_LINE, SPACES, cells_of, open_text, read_dialect
+from six_wheel.robot_description.missing_files import no_file
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -11,7 +11,6 @@ import numpy as np
 from six_wheel._core import Terrain
 from six_wheel.kinematics.errors import as_path, needed, one_line
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.objects.missing_files import near_file
 from six_wheel.maps import doubts
 from six_wheel.maps.files import Grid, Options, TerrainFileError, cut, unit_in_name
 from six_wheel.maps.plausibility import find_fill, find_unit, is_fill
@@ -19,6 +18,7 @@ from six_wheel.maps.readers import grids, matrices
 from six_wheel.maps.readers.reference import UNKNOWN, Reference, read_projection, read_reference
 from six_wheel.maps.readers.refusals import refuse_others
 from six_wheel.maps.readers.sources import FIRST, Source, open_source
+from six_wheel.robot_description.missing_files import near_file
 
 if TYPE_CHECKING:
     from six_wheel.maps.readers.rasters import GridImage, Raster

@@ -12,9 +12,9 @@ import numpy as np
 
 from six_wheel._core import Limits, RockerBogie, Rover, Suspension, Terrain
 from six_wheel.kinematics.errors import ArgumentTypeError
-from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.kinematics.poses import Floats
 from six_wheel.robot_description.doubts import DoubtError, Proposal
+from six_wheel.robot_description.missing_files import no_file
 from six_wheel.robot_description.named_rover import find_rover
 from six_wheel.simulation.on_terrain import middle
 

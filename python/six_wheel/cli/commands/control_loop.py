@@ -16,7 +16,7 @@ from six_wheel.cli.shared import (
     text_table,
     warn,
 )
-from six_wheel.kinematics.objects.missing_files import no_file
+from six_wheel.robot_description.missing_files import no_file
 from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:

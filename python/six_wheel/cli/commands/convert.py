@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from six_wheel.cli.shared import Reading, choose
-from six_wheel.kinematics.objects.missing_files import no_file
+from six_wheel.robot_description.missing_files import no_file
 from six_wheel.robot_description.named_rover import NamedRover
 
 ROVERS = (".yaml", ".yml", ".urdf")

@@ -55,21 +55,10 @@ def _no_number(kind: type[Any], made: tuple[Any, ...]) -> str:
 
 
 def check_columns(table: object, shapes: Mapping[str, str], optional: tuple[str, ...]) -> None:
-    """Refuse fields of a table that are no arrays, or have another number of rows than the first one.
+    """Refuse a field of a table that is no array, or has another number of rows than the first one.
 
-    Parameters
-    ----------
-    table : object
-        With the fields as attributes.
-    shapes : mapping of str to str
-        Shapes by field, such as ``(n, 3)``; the first one has n rows, other words stand for any number.
-    optional : tuple of str
-        Fields that may be None.
-
-    Raises
-    ------
-    ArgumentTypeError
-        If a field is no array of that shape.
+    `shapes` are such as ``(n, 3)``, with n rows; other words stand for any number. Fields of `optional` may
+    be None. Raises `ArgumentTypeError`.
     """
     rows: int | None = None
     for name, words in shapes.items():
@@ -77,15 +66,13 @@ def check_columns(table: object, shapes: Mapping[str, str], optional: tuple[str,
         if value is None and name in optional:
             continue
         shape: Any = getattr(value, "shape", None)
-        axes = re.findall(r"\w+", words)
-        fits = isinstance(shape, tuple) and len(shape) == len(axes)
-        if fits:
-            rows = shape[0] if rows is None else rows
-            sizes = (str(rows) if word == "n" else word for word in axes)
-            fits = all(
-                not word.isdigit() or size == int(word) for word, size in zip(sizes, shape, strict=True)
-            )
-        if not fits:
+        if isinstance(shape, tuple) and rows is None and shape:
+            rows = shape[0]
+        sizes = [str(rows) if word == "n" else word for word in re.findall(r"\w+", words)]
+        shown = [
+            size if size.isdigit() else str(given) for size, given in zip(sizes, shape or (), strict=False)
+        ]
+        if not isinstance(shape, tuple) or [str(size) for size in shape] != shown[: len(sizes)]:
             got = f"shape {shape}" if isinstance(shape, tuple) else " ".join(repr(value).split())[:100]
             count = "" if rows is None else f", n = {rows}"
             raise ArgumentTypeError(f"{name} must be an array of shape {words}{count}, got {got}")

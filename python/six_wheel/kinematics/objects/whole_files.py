@@ -6,7 +6,7 @@ import hashlib
 import os
 import platform
 import secrets
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from glob import escape
@@ -34,12 +34,8 @@ _files: ContextVar[_Files | None] = ContextVar("files of the command", default=N
 def together(sources: Sequence[Path] = ()) -> Iterator[None]:
     """All files that `replacing` writes within the block are replaced when it succeeds, or none is.
 
-    A block within another one replaces its own files when it ends.
-
-    Parameters
-    ----------
-    sources : sequence of Path, optional
-        Files that are read within the block. None of them is replaced.
+    A block within another one replaces its own files when it ends. `sources` are read within the block, and
+    not replaced.
     """
     outer = _files.get()
     files = _Files((*sources, *(outer.sources if outer else ())))
@@ -59,12 +55,8 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
     """A temporary file beside `path`, which it replaces if the block succeeds; if not, it is removed.
 
     Within `together` it replaces `path` when that block ends. A temporary file itself is written as it is, so
-    that whatever writes a file begins here, within another writer too.
-
-    Raises
-    ------
-    TableError
-        If `path` is one of `sources`, another output, not a file, or in no folder, or cannot be written.
+    that whatever writes a file begins here, within another writer too. Raises `TableError` if `path` is one
+    of `sources`, another output, not a file, or in no folder, or cannot be written.
     """
     if path in _at_work:
         yield path
@@ -130,30 +122,6 @@ def check_source(path: Path, target: Path, sources: Sequence[Path]) -> None:
     for source in sources:
         if same_file(source, target):
             raise TableError(f"{path}: the output must be another file than {source}")
-
-
-def check_outputs(outputs: Mapping[str, Path], sources: Sequence[Path]) -> None:
-    """Check all that a command writes before it reads anything.
-
-    Parameters
-    ----------
-    outputs : mapping of str to Path
-        By the option that names the file. A folder that is there is for several files.
-    sources : sequence of Path
-        Files that are read.
-
-    Raises
-    ------
-    TableError
-        If an output is one of `sources` or another output.
-    """
-    files = {name: path for name, path in outputs.items() if not path.is_dir()}
-    for name, path in files.items():
-        check_source(path, path.resolve(), sources)
-        for other, one in files.items():
-            if other != name and same_file(one, path):
-                options = f"--{name} and --{other}".replace("_", "-")
-                raise TableError(f"{path}: {options} must be two files")
 
 
 def same_file(one: Path, other: Path) -> bool:

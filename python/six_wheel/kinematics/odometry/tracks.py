@@ -382,10 +382,7 @@ class SlipReport(Shown):
 def can_contradict(rover: Rover, largest: float = math.inf) -> bool:
     """True if slip shows in residuals: readings of the rover that belong to no motion leave some.
 
-    Parameters
-    ----------
-    largest : float
-        Largest residual of a log [m/s]: where there is none, wheels without a motor may have had no encoder.
+    `largest` is that of a log [m/s]: where there is none, wheels without a motor may have had no encoder.
     """
     import numpy as np
 

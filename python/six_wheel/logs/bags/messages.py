@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from six_wheel.kinematics.errors import one_line
-from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.logs.bags.bag_files import files_of, rosbags_names, whole_part
 from six_wheel.logs.headers.columns import TIME_UNITS, TableError
 from six_wheel.logs.plausibility.findings import Findings
+from six_wheel.robot_description.missing_files import no_file
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader

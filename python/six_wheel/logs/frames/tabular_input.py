@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Odometry, Rover
 from six_wheel.kinematics.errors import ArgumentTypeError, needed, one_line
-from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
 from six_wheel.kinematics.rover_edit import joints_by_wheel
@@ -30,6 +29,7 @@ from six_wheel.logs.headers.time_columns import in_seconds
 from six_wheel.logs.plausibility.arrays import FEW, array_checks
 from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.proposals import encoders
+from six_wheel.robot_description.missing_files import no_file
 
 LONGEST_RUN = 1e6  # [s] beyond which stamps count from the first
 CHUNK_ROWS = 65_536  # a few megabytes, and so many that a call costs nothing

@@ -75,8 +75,8 @@ def _unplaced(path: Path, heights: NDArray[np.float64], options: Options) -> tup
 
 def _floats(parts: list[str]) -> NDArray[np.float64]:
     """The numbers of texts, so many at a time, between which Ctrl-C is taken."""
-    pieces = range(0, len(parts), PIECE)
-    return np.concatenate([np.array(parts[k : k + PIECE], dtype=np.float64) for k in pieces] or [[]])
+    pieces = range(0, max(len(parts), 1), PIECE)
+    return np.concatenate([np.array(parts[k : k + PIECE], dtype=np.float64) for k in pieces])
 
 
 def _numbers(path: Path, parts: list[str]) -> NDArray[np.float64]:

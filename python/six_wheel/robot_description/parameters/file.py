@@ -31,9 +31,9 @@ from typing import Any, NoReturn
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
 from six_wheel.kinematics.errors import argument_of, as_path, printable
 from six_wheel.kinematics.keywords import checked, did_you_mean
-from six_wheel.kinematics.objects.missing_files import near_file
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 from six_wheel.robot_description.gyroscope_errors import ARGUMENTS
+from six_wheel.robot_description.missing_files import near_file
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import check_keys, form_of, section_of
 from six_wheel.robot_description.parameters.foreign.limits import own_timeout

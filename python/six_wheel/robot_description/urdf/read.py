@@ -9,8 +9,8 @@ from pathlib import Path
 from six_wheel._core import Limits, RockerBogie, Rover, Wheel, unit_questions, without_questions
 from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.objects.missing_files import near_file
 from six_wheel.robot_description.diagnostics import Finding
+from six_wheel.robot_description.missing_files import near_file
 from six_wheel.robot_description.urdf.elements import Notes
 from six_wheel.robot_description.urdf.macros import expanded, has_macros
 from six_wheel.robot_description.urdf.suspension import Suspension, find_suspension

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.objects.missing_files import no_file
 from six_wheel.kinematics.odometry import Track
 from six_wheel.kinematics.odometry.tracks3 import Track3
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry import dead_reckon
 from six_wheel.logs.recordings import WheelLog
+from six_wheel.robot_description.missing_files import no_file
 from six_wheel.view.records.record import Record
 from six_wheel.view.records.tables import read_table
 
