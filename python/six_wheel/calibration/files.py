@@ -68,7 +68,7 @@ def calibrate_files(
 ) -> Calibrated:
     """Calibrate a rover and write what comes of it. Outputs are replaced only if all went well.
 
-    A run that was stopped goes on where it was: what each set of parameters is worth is kept in a folder
+    A run that was stopped goes on where it was: the errors of each set of parameters are kept in a folder
     beside the output until that is written.
 
     Parameters

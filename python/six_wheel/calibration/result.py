@@ -89,7 +89,7 @@ class Calibration(Shown):
 
     @property
     def known(self) -> dict[str, Any]:
-        """All that `rover` may be off by, told apart: ``Odometry(result.rover, **result.known)``."""
+        """Uncertainty of dimensions and noise, each apart: ``Odometry(result.rover, **result.known)``."""
         measured = self.measured_noise
         noise, wheels = (Noise(), None) if measured is None else (measured.beside, measured.wheel_noise)
         known = {"noise": noise, "wheel_noise": wheels, "dimensions": self.dimensions}

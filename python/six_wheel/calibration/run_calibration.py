@@ -126,7 +126,7 @@ def calibrate(
     workers : int or None, default 1
         Processes of this machine that do so without a cluster, None for one per core.
     journal : six_wheel.parallel.Journal, optional
-        Keeps what each set of parameters is worth: a calibration of the same logs that was stopped goes on
+        Keeps the errors of each set of parameters: a calibration of the same logs that was stopped goes on
         there.
     **how
         Reading of logs that are paths or tables: `columns`, `wheel_encoders`, `steering_encoders`, `topics`,

@@ -39,7 +39,7 @@ class Loop:
     Parameters
     ----------
     settings : Settings
-        In every method `now` is the time of the call, and `stamp` that of what it takes [ns].
+        In every method `now` is the time of the call, and `stamp` that of the command or reading [ns].
 
     Attributes
     ----------

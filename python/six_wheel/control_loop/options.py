@@ -92,7 +92,7 @@ class Options:
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> "Options":
-        """Checked, the defaults for what is left out."""
+        """The options, checked; those left out have their defaults."""
         known = {option.name: option for option in OPTIONS}
         return cls(**{name: known[name].check(value) for name, value in values.items()})
 

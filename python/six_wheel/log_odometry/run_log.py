@@ -62,7 +62,7 @@ UNUSED = (
 
 
 class _Run:
-    """A log on its way through odometry: what one chunk hands to the next."""
+    """A log under way through odometry: the state between two chunks."""
 
     def __init__(self, log: AnyLog, settings: ReckonSettings, options: LogOptions) -> None:
         self.record: TrackRecord | None = None

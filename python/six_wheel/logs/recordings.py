@@ -38,7 +38,7 @@ OPTIONS = ("readings", "increments", "wheel_encoders", "steering_encoders")
 
 
 def interpolate(stamps: Floats, poses: Floats, wanted: Floats) -> tuple[Floats, Floats]:
-    """Poses at `wanted` times, which lie within the recording, and their rates of change, both of shape (n, 3).
+    """Poses at `wanted` times, all within the recording, and their rates of change, both of shape (n, 3).
 
     Even motion along the chord between two rows: it differs from the arc by less than the sensor sees.
     """

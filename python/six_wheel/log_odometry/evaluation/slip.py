@@ -47,7 +47,7 @@ def slip_against(
     truth : GroundTruth, WheelLog or Track, optional
         True path: a truth, a log that has it, or a better track.
     yaw_rate : array_like, shape (n,), optional
-        Of a gyroscope at the stamps of the track [rad/s]; its bias is the median of what it differs by.
+        Of a gyroscope at the stamps of the track [rad/s]; its bias is the median of the differences.
 
     Returns
     -------

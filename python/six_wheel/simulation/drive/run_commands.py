@@ -71,7 +71,7 @@ class Summary:
 
 
 class Engine(Shown):
-    """A rover on its way: what one block of rows hands to the next, and the summary so far.
+    """A drive under way: the state between two blocks of rows, and the summary so far.
 
     Parameters
     ----------
