@@ -22,6 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         0 if all went well, 1 if nobody reads on, 2 for input that cannot be used, 130 after Ctrl-C.
     """
+    open_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a character that a terminal cannot show ends no command
@@ -38,6 +39,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         drop_output()
         print(f"{PROGRAM}: standard output: {error.strerror}", file=sys.stderr)
         return 2
+
+
+def open_streams() -> None:
+    """Standard streams that were closed lead nowhere; files that are opened later are none of them."""
+    while (opened := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(opened)
+    for name, number in (("stdout", 1), ("stderr", 2)):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(number, "w", encoding="utf-8", closefd=False))
 
 
 def drop_output() -> None:

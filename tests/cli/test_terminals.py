@@ -132,6 +132,23 @@ def test_nobody_reads_on(arguments: list[str]) -> None:
     assert (done.returncode, done.stderr) == (1, b"")
 
 
+@pytest.mark.skipif(os.name == "nt", reason="streams are closed by a shell of POSIX")
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["drive", "--help"], ["drive", "rover.yaml", "commands.csv", "-o", "made.csv"]]
+)
+def test_streams_that_are_closed(run: Any, closed: str, arguments: list[str]) -> None:
+    """Without a standard output every command ended with a traceback."""
+    run("--version")  # in the folder of the run, where rover.yaml and commands.csv are
+    command = f'exec "$0" "$@" {closed}'
+    options: dict[str, Any] = {"env": os.environ | {"PYTHONPATH": str(Path(six_wheel.__file__).parents[1])}}
+    shell = ["sh", "-c", command, sys.executable, "-m", "six_wheel", *arguments]
+    done = subprocess.run(shell, capture_output=True, timeout=300, check=False, **options)
+    assert (done.returncode, done.stderr) == (0, b"")
+    if "made.csv" in arguments:
+        assert Path("made.csv").read_text().startswith("time,")
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no full device here")
 @pytest.mark.parametrize("arguments", [["--help"], ["check", "perseverance"]])
 def test_the_standard_output_is_on_a_full_disk(arguments: list[str]) -> None:

@@ -219,7 +219,5 @@ def test_paths_that_are_none():
 def test_rates_of_too_few_or_too_many_samples_are_named(rate: float, rule: str) -> None:
     """Too few were told as the shape of stamps, an argument that nobody had given."""
     drive = [(0.0, 0.1, 0.0, 0.0), (4.0, 0.1, 0.0, 0.0)]
-    with pytest.raises(
-        ValueError, match=rf"rate must make {rule}.* samples of 4 s, got {rate:g}".replace("+", ".")
-    ):
+    with pytest.raises(ValueError, match=f"rate must make {rule}.* samples of 4 s, got "):
         sw.simulate(sw.Rover.differential(0.4, 0.1), drive, rate=rate)
