@@ -147,7 +147,8 @@ methods! { Costmap:
     ///     The YAML file, with ``image``, ``resolution``, ``origin``, ``negate``, ``occupied_thresh`` and ``free_thresh``;
     ///     its image is a PGM, or whatever Pillow reads where it is installed.
     /// inflation, unknown, lethal : float, optional
-    ///     As for `from_occupancy_grid`; `lethal` by default the ``occupied_thresh`` of the file.
+    ///     Distance from an obstacle over which the cost falls [m], cost of an unknown cell, cost from which on a place is
+    ///     forbidden (both 0 to 1), as for `from_occupancy_grid`; `lethal` by default the ``occupied_thresh`` of the file.
     ///
     /// Returns
     /// -------
