@@ -166,6 +166,10 @@ def test_broken_files_are_named(name: str, text: str, message: str, tmp_path: Pa
     with pytest.raises(TerrainFileError, match=message) as caught:
         sw.Terrain.read(path)
     assert "\n" not in str(caught.value)
+    deep = tmp_path / "deep.yaml"
+    deep.write_text("[" * 10_000)
+    with pytest.raises(TerrainFileError, match="deep.yaml must be YAML, its brackets are nested too deep"):
+        sw.Terrain.read(deep)
     with pytest.raises(FileNotFoundError, match="there is none"):
         sw.Terrain.read(tmp_path / "nothing.tif")
 

@@ -58,7 +58,9 @@ def read_costmap(
         raise ModuleNotFoundError(message, name=error.name) from None
     try:
         keys = yaml.safe_load(file.read_text())
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
+    except RecursionError:
+        raise FileError(f"{file}: must be YAML, its brackets are nested too deep") from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise FileError(f"{file}: must be YAML, got {str(error).splitlines()[0]}") from None
     missing = [
         key for key in ("image", "resolution", "origin") if not isinstance(keys, dict) or key not in keys

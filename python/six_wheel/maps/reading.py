@@ -214,6 +214,8 @@ def _described(source: Source, options: Options) -> tuple[Path, Options]:
         found = yaml.safe_load(source.text())
     except yaml.YAMLError as error:
         raise TerrainFileError(f"{path}: {one_line(error)}") from None
+    except RecursionError:
+        raise TerrainFileError(f"{path} must be YAML, its brackets are nested too deep") from None
     if isinstance(found, dict) and "image" in found:
         raise TerrainFileError(f"{path} is an occupancy map, no heights")
     allowed = set(Options._fields)

@@ -341,7 +341,7 @@ def test_a_xacro_is_expanded(tmp_path: Path) -> None:
         (robot(joint("j", "fixed", "base_link", "0 inf 0")), "must be three finite numbers"),
         (robot(joint("j", "continuous", "base_link", "0 0 0", "0 0 0")), "the axis of the joint j must not"),
         (robot(PAIR, PAIR), "the link left_wheel_link is given twice"),
-        (robot(joint("j", "fixed", "j_link", "0 0 0")), "some links form a circle"),
+        (robot(joint("j", "fixed", "j_link", "0 0 0")), "some links form a circle, which the joint j closes"),
         (robot(joint("j", "continuous", "base_link", "0 0 0", "0 0 1")), "no continuous joint has"),
         (robot(joint("j", "fixed", "base_link", "${x} 0 0")), "expand the file with xacro first"),
         (

@@ -238,13 +238,15 @@ def _arrange(tree: Tree, notes: Notes) -> Tree:
     if not tree.links:
         remedy = "it has parts for other files: give that of the whole robot"
         notes.fail("the file has no links", remedy if tree.path.suffix == ".xacro" else None)
-    if not roots:
-        notes.fail("the links form a circle", "one link, such as base_link, has no joint above it")
-
     trees = {root: _joints_below(tree, root) for root in roots}
+    reached = {*roots, *(joint.child for joints in trees.values() for joint in joints)}
+    if others := [name for name in tree.links if name not in reached]:
+        joint = _of_circle(tree, others[0])
+        message = f"some links form a circle, which the joint {joint.name} closes"
+        notes.fail(
+            message, "every link but the root, such as base_link, has one joint above it", line=joint.line
+        )
     tree.root = max(roots, key=lambda root: len(trees[root]))
-    if sum(1 + len(joints) for joints in trees.values()) < len(tree.links):
-        notes.fail("some links form a circle", "every link but the root has one joint above it")
     strays = [root for root in roots if root != tree.root]
     if strays:
         message = f"the links {', '.join(strays)} do not hang on {tree.root} and are not read"
@@ -254,6 +256,15 @@ def _arrange(tree: Tree, notes: Notes) -> Tree:
         del tree.joints[joint.name]
     tree.order = trees[tree.root]
     return tree
+
+
+def _of_circle(tree: Tree, link: str) -> Joint:
+    """A joint of the circle above a link."""
+    passed = set[str]()
+    while link not in passed:
+        passed.add(link)
+        link = tree.above[link].parent
+    return tree.above[link]
 
 
 def _joints_below(tree: Tree, root: str) -> list[Joint]:
