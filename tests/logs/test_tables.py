@@ -358,6 +358,8 @@ def test_paths_that_are_no_tables(tmp_path: Path) -> None:
     assert error(tmp_path / "folder.csv") == "not a file"
     assert error(write(tmp_path / "c.xlsx", "x")) == 'the ending must be .csv or .parquet, got ".xlsx"'
     assert table_format(Path("a.b.PARQUET")) == "parquet"
+    # Took a time in proportion to the square of its length: a quarter of an hour.
+    assert error(write(tmp_path / "c.csv", "[" * 100_000)).startswith("no column for time among")
 
 
 def test_row_errors_count_from_one() -> None:

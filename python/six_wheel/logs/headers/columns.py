@@ -100,7 +100,7 @@ QUANTITIES = (
 _PREFIX = re.compile(r"^(?:(?:cmd_vel|command|cmd|field|msg|data|twist|header)_)+")
 _CAPITAL = re.compile(r"(?<=[a-z][a-z])(?=[A-Z])")
 _SIGNS = str.maketrans({"°": "deg", "µ": "u", "μ": "u"})
-BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*$")
+BRACKETS = re.compile(r"^([^\[(\n]*?)\s*[\[(]\s*(.*?)\s*[\])]\s*$")
 
 
 _CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")
