@@ -334,8 +334,10 @@ def test_truth_of_its_own_with_quaternions(
 def test_truth_that_is_none_is_named(tmp_path: Path) -> None:
     with pytest.raises(TableError, match="the truth must have columns x, y and yaw"):
         read_truth(write(tmp_path / "truth.csv", "t,x,yaw\n0,0,0\n"))
-    _, poses, _ = read_truth(write(tmp_path / "truth.csv", "t,x,y\n0,1,2\n"))
-    np.testing.assert_array_equal(poses, [[1.0, 2.0, np.nan]])
+    _, poses, _ = read_truth(write(tmp_path / "truth.csv", "t,x,y\n0,1,2\n1,1,2\n"))
+    np.testing.assert_array_equal(poses, [[1.0, 2.0, np.nan]] * 2)
+    with pytest.raises(TableError, match="truth.csv: the truth must have at least two rows that can be used"):
+        read_truth(write(tmp_path / "truth.csv", "t,x,y\n0,1,2\n"))
     with pytest.raises(TableError, match="at least one row that can be used"):
         read_truth(write(tmp_path / "truth.csv", "t,x,y,yaw\n0,0,0,nan\n"))
 
