@@ -13,27 +13,6 @@ pytest.importorskip("scipy", reason="walks every public name, and calibration ne
 import six_wheel as sw
 from six_wheel import profiles
 
-# Core calls whose numbers lack a unit or shape in the text that Rust has.
-WITHOUT_UNITS = {
-    *(
-        "Costmap",
-        "FourAxle.aim_sequence",
-        "Mppi.step",
-        "Noise.typical",
-        "Preintegrated.factor",
-        "RockerBogie",
-    ),
-    *("RockerBogie.bounds", "RockerBogie.feasible", "Rover.inverse", "Suspension.forward"),
-    *("Suspension.inverse", "Suspension.slip", "Suspension.stability", "Suspension.traction"),
-    *(
-        "Suspension.triple_bogie",
-        "Terrain",
-        "Terrain.read",
-        "Profile.time_optimal",
-        "time_optimal",
-        "Costmap.read",
-    ),
-}
 # Forms in which a number is stated: a unit in brackets, a shape, or what it counts.
 STATED = re.compile(
     r"\[[^\]]+\]|shape|[Ss]hare|factor|[Nn]umber|[Pp]robability|[Cc]ost|seed|unit|rows|count|threads"
@@ -116,7 +95,7 @@ def test_numbers_have_units_or_shapes() -> None:
         for entry in entries(inspect.getdoc(call) or "")
         if NUMBERS.search(entry.partition("\n")[0]) and not STATED.search(entry)
     }
-    assert without <= WITHOUT_UNITS
+    assert without == set()
 
 
 @pytest.mark.parametrize(

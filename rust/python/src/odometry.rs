@@ -270,7 +270,7 @@ methods! { Odometry:
     ///     If the stamp is not finite, too old, too late, or there was no sample.
     fn at[&self, py: Python<'py>](stamp: f64) -> PyResult<Bound<'py, PyAny>> {
         let pose = self.work.lock(py)?.core.pose_at(stamp).or_raise(&[])?;
-        py.import("six_wheel.kinematics.geometry")?.getattr("Pose")?.call1((pose.x, pose.y, pose.yaw))
+        py.import("six_wheel.kinematics.geometry")?.getattr("Pose")?.call_method1("_make", ((pose.x, pose.y, pose.yaw),))
     }
 
     /// Starts over: the next sample is a first one.

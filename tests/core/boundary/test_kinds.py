@@ -89,7 +89,7 @@ WRONG = {
     "another": (lambda: sw.Preintegrated(ROVER).merge(5), "other must be a Preintegrated, got 5"),
     "a reckoned rover": (
         lambda: sw.dead_reckon("husky", *COURSE),
-        "rover must be a Rover, got 'husky': give sw.Rover.preset(\"husky\")",
+        "rover must be a Rover, got 'husky': give one that sw.Rover makes, or sw.load(...) of a file",
     ),
     "a simulated rover": (
         lambda: sw.simulate("husky", COURSE),

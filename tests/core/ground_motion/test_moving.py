@@ -251,11 +251,36 @@ def test_what_does_not_settle_is_not_a_number(standing: tuple) -> None:
     assert np.isfinite(np.delete(moved.twist, 2, axis=0)).all()
 
 
+def test_a_twist_is_a_command_as_its_speed_and_yaw_rate_are():
+    ground = sw.Terrain(np.random.default_rng(4).uniform(0.0, 0.2, (30, 30)), 0.5)
+    arm = sw.RockerBogie.preset("perseverance")
+    stands = arm.settle(ground, [(6.0, 7.0, 0.3), (7.0, 7.0, 1.0), (8.0, 6.0, 2.0)])
+    pairs = np.array([(0.1, 0.02), (0.0, 0.1), (-0.1, 0.05)])
+    known = arm.inverse(stands, pairs)
+    twists = np.insert(pairs, 1, 0.0, axis=1)
+    # What a command gives is a command, too: forward, to the left of the body, about its z axis.
+    for same in (twists, known.twist[:, [0, 1, 5]]):
+        found = arm.inverse(stands, same)
+        for one, other in zip(found, known, strict=True):
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-14)
+    assert arm.inverse(stands, twists).scale.tolist() == known.scale.tolist()
+    with pytest.raises(ValueError, match=r"command must be a twist \(vx, 0, omega\), .* vy = 0.05"):
+        arm.inverse(stands, (0.1, 0.05, 0.0))
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
         (lambda arm, at: arm.inverse(at, (math.nan, 0)), "command must be finite, got (nan, 0.0)"),
-        (lambda arm, at: arm.inverse(at, (1, 2, 3)), "command must have shape (..., 2), got shape (3,)"),
+        (
+            lambda arm, at: arm.inverse(at, (1, 2, 3, 4)),
+            "command must have shape (..., 2), speed and yaw rate, or (..., 3), a twist, got shape (4,)",
+        ),
+        (
+            lambda arm, at: arm.inverse(at, (1, 2, 3)),
+            "command must be a twist (vx, 0, omega), as the steered wheels follow the unsteered ones, "
+            "or (speed, yaw rate), got vy = 2.0 m/s",
+        ),
         (lambda arm, at: arm.inverse(at, (1, 0), view="top"), "view must be 'body' or 'plan', got \"top\""),
         (
             lambda arm, at: arm.inverse(at, (1, 0), max_wheel_speed=0),

@@ -52,6 +52,26 @@ impl<'py> Rows<'py> {
         rows.check_finite(argument).map(|()| rows)
     }
 
+    /// Reads finite rows of one of two widths; `rule` has both.
+    pub fn read_finite_either(
+        argument: &'static str,
+        value: &Bound<'py, PyAny>,
+        widths: [usize; 2],
+        rule: &str,
+    ) -> PyResult<Self> {
+        let array = read_array(argument, value)?;
+        let Some(width) = widths.into_iter().find(|width| array.shape().last() == Some(width)) else {
+            return Err(refuse_shape(argument, rule, array.shape()));
+        };
+        let rows = Self::of(argument, &array, width)?;
+        rows.check_finite(argument).map(|()| rows)
+    }
+
+    /// Numbers of a row.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
     /// Reads an optional argument.
     pub fn read_optional(argument: &str, value: Option<&Bound<'py, PyAny>>, width: usize) -> PyResult<Option<Self>> {
         value.map(|value| Self::read(argument, value, width)).transpose()

@@ -14,6 +14,20 @@ fn view(name: &str) -> PyResult<View> {
     choice("view", name, |name| format!("{name:?}"), &[("body", View::Body), ("plan", View::Plan)])
 }
 
+/// Speeds and yaw rates of twists. Fails where one has a sideways speed that the unsteered wheels do not leave: it is 0, or
+/// `offset` times the yaw rate.
+fn speeds_of(twists: &[[f64; 3]], offset: f64) -> PyResult<Vec<[f64; 2]>> {
+    let is_left = |[_, vy, omega]: &[f64; 3]| *vy == 0.0 || (vy - offset * omega).abs() <= 1e-9 * (1.0 + vy.abs());
+    match twists.iter().find(|twist| !is_left(twist)) {
+        Some([_, vy, _]) => {
+            let rule =
+                "be a twist (vx, 0, omega), as the steered wheels follow the unsteered ones, or (speed, yaw rate)";
+            Err(refuse("command", rule, &format!("vy = {vy:?} m/s")))
+        }
+        None => Ok(twists.iter().map(|[vx, _, omega]| [*vx, *omega]).collect()),
+    }
+}
+
 methods! { Suspension:
     /// Wheels for a wanted motion on the ground a rover stands on.
     ///
@@ -30,8 +44,8 @@ methods! { Suspension:
     /// ----------
     /// stand : SettledPose
     ///     Result of `settle`, shape (...). Rows that did not settle give NaN.
-    /// command : array_like, shape (..., 2)
-    ///     Forward speed [m/s] and yaw rate [rad/s].
+    /// command : array_like, shape (..., 2) or (..., 3)
+    ///     Forward speed [m/s] and yaw rate [rad/s], or a twist ``(vx, vy, omega)`` whose vy is 0, or that of the result.
     /// view : {'body', 'plan'}
     ///     Frame of the motion: the body's, along its x and about its z axis, or seen from above, along the heading.
     /// steering : array_like, shape (..., steered wheels), optional
@@ -64,7 +78,8 @@ methods! { Suspension:
         let chain = &self.chain;
         let mut stands = Stands::read(chain, stand)?;
         let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let mut commands = Rows::read_finite("command", command, 2)?;
+        let rule = "have shape (..., 2), speed and yaw rate, or (..., 3), a twist";
+        let mut commands = Rows::read_finite_either("command", command, [2, 3], rule)?;
         let mut kept = Rows::read_optional("steering", steering, steered)?;
         let numbers = [named("stand", &mut stands), named("command", &mut commands)];
         let leading = together(numbers.into_iter().chain(given("steering", &mut kept)))?;
@@ -88,7 +103,10 @@ methods! { Suspension:
         let footings = stands.footings();
         let [angles, speeds, twists, rates, scales] = results.flat();
         let asked = Commands { steering: angles, speeds, twists: twists.as_chunks_mut().0, joint_rates: rates, scales };
-        let (wanted, kept) = (commands.pairs(), kept.as_ref().map(Rows::flat));
+        let are_twists = commands.width() == 3;
+        let of_twists = if are_twists { speeds_of(commands.triples(), self.motion.offset)? } else { Vec::new() };
+        let wanted = if are_twists { &of_twists } else { commands.pairs() };
+        let kept = kept.as_ref().map(Rows::flat);
         compute_rows(py, count, &leading, || {
             inverse_rows(chain, &self.motion, &footings, &how, wanted, kept, asked, workers)
         })?;

@@ -8,6 +8,7 @@ use pyo3::types::PyString;
 use six_wheel_kinematics::estimate::{Method, worst_wheel};
 use six_wheel_odometry::Odometry;
 
+use crate::convert::refuse;
 use crate::fastcall::Renewed;
 use crate::rover::Rover;
 
@@ -161,6 +162,9 @@ fn whole([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> [[f64; 3]; 3] {
 /// A covariance of x, y and yaw in ROS order: x, y, z, roll, pitch, yaw.
 fn spatial<'py>(py: Python<'py>, planar: &[[f64; 3]; 3], unmeasured: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
     const PLACES: [usize; 3] = [0, 1, 5];
+    if unmeasured.is_nan() || unmeasured < 0.0 {
+        return Err(refuse("unmeasured", "be a variance, 0 or more", &unmeasured.to_string()));
+    }
     let mut matrix = [[0.0; 6]; 6];
     for (i, row) in planar.iter().enumerate() {
         for (k, value) in row.iter().enumerate() {
@@ -226,8 +230,8 @@ methods! { OdometryState:
     ///
     /// Raises
     /// ------
-    /// TypeError
-    ///     If `unmeasured` is not a number.
+    /// ValueError
+    ///     If `unmeasured` is no number, or a negative one.
     fn covariance_6x6[&self, py: Python<'py>](unmeasured: f64 = 1e6) -> PyResult<Bound<'py, PyArray2<f64>>> {
         spatial(py, &whole(self.covariance), unmeasured)
     }
@@ -241,8 +245,8 @@ methods! { OdometryState:
     ///
     /// Raises
     /// ------
-    /// TypeError
-    ///     If `unmeasured` is not a number.
+    /// ValueError
+    ///     If `unmeasured` is no number, or a negative one.
     fn twist_covariance_6x6[&self, py: Python<'py>](unmeasured: f64 = 1e6) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let known = self.twist_covariance.map(|value| if value.is_finite() { value } else { unmeasured });
         spatial(py, &whole(known), unmeasured)
