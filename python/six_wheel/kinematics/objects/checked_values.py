@@ -43,9 +43,8 @@ def of_numbers(kind: _C) -> _C:
 
 
 def _no_number(kind: type[Any], made: tuple[Any, ...]) -> str:
-    name, value = next(
-        (name, value) for name, value in zip(kind._fields, made, strict=True) if not is_number(value)
-    )
+    pairs = zip(kind._fields, made, strict=True)
+    name, value = next((name, value) for name, value in pairs if not is_number(value))
     try:
         apart = not isinstance(value, str) and name == kind._fields[0] and len(value) == len(made)
     except TypeError:

@@ -240,10 +240,7 @@ def _needed(module: str, package: str) -> Any:
 
 
 def rows_taken(table: Table, rows: int | slice | ArrayLike) -> Table:
-    """Some rows as such a table: those of a slice, one row, or as NumPy selects them.
-
-    Negative numbers count from the end.
-    """
+    """Some rows as such a table: a slice, a row (negative from the end), or as NumPy selects them."""
     import numpy as np
 
     known: Any = table
