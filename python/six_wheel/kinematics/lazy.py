@@ -18,7 +18,7 @@ class Package(ModuleType):
 
 
 def _checked(package: str, value: object) -> object:
-    """A public function with `checked` arguments, which pickles as that of its package; others as they are."""
+    """A public function with `checked` arguments, pickled as that of its package; others as they are."""
     if not isinstance(value, FunctionType) or hasattr(value, "__wrapped__"):
         return value
     from six_wheel.kinematics.keywords import checked
