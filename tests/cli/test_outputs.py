@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -267,3 +268,32 @@ def test_an_end_by_a_signal_leaves_nothing(name: str, number: int) -> None:
 def test_an_empty_argument_is_no_path(run: Run, arguments: tuple[str, ...]) -> None:
     code, _, err = run(*arguments)
     assert (code, err) == (2, "six-wheel: an argument must not be empty, got one that is\n")
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs timers that send signals")
+def test_a_signal_comes_before_all_outputs_are_replaced_or_after(tmp_path: Path) -> None:
+    """Python handled one between two files, so that a part of them was new."""
+    paths = [tmp_path / f"{k}.txt" for k in range(40)]
+
+    class StopError(Exception):
+        pass
+
+    def stop(*_: object) -> None:
+        raise StopError
+
+    before = signal.signal(signal.SIGALRM, stop)
+    try:
+        for k in range(30):
+            for path in paths:
+                path.write_text("old")
+            with contextlib.suppress(StopError):
+                with together():
+                    for path in paths:
+                        with replacing(path) as temporary:
+                            temporary.write_text("new")
+                    signal.setitimer(signal.ITIMER_REAL, 1e-5 + 5e-5 * k)  # [s] 40 files take about 1e-3
+                time.sleep(0.01)  # the signal comes here at the latest
+            assert len({path.read_text() for path in paths}) == 1
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)

@@ -45,9 +45,9 @@ def commands(path: Path) -> None:
             last = -np.inf
             for chunk in table.chunks(16):
                 assert np.isfinite(chunk.twists).all()
-                times = np.concatenate([[last], chunk.time])
+                times = np.concatenate([[last], chunk.stamps])
                 assert (np.diff(times) > 0.0).all()
-                last = chunk.time[-1]
+                last = chunk.stamps[-1]
     except TableError as error:
         told(error)
 

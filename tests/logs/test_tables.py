@@ -26,9 +26,9 @@ def read(path: Path, chunk_rows: int = 1000) -> tuple[np.ndarray, np.ndarray]:
     with CommandTable(path) as table:
         chunks = list(table.chunks(chunk_rows))
     assert [chunk.first_row for chunk in chunks] == list(
-        np.cumsum([1] + [len(chunk.time) for chunk in chunks[:-1]])
+        np.cumsum([1] + [len(chunk.stamps) for chunk in chunks[:-1]])
     )
-    return np.concatenate([c.time for c in chunks]), np.concatenate([c.twists for c in chunks])
+    return np.concatenate([c.stamps for c in chunks]), np.concatenate([c.twists for c in chunks])
 
 
 def error(path: Path, chunk_rows: int = 1000) -> str:
@@ -221,8 +221,8 @@ def test_chunks_are_never_larger_and_leave_nothing_out(
         with CommandTable(path) as table:
             chunks: list[Chunk] = list(table.chunks(chunk_rows))
             assert table.position == table.size
-        assert max(len(chunk.time) for chunk in chunks) <= chunk_rows
-        np.testing.assert_array_equal(np.concatenate([chunk.time for chunk in chunks]), numbers[:, 0])
+        assert max(len(chunk.stamps) for chunk in chunks) <= chunk_rows
+        np.testing.assert_array_equal(np.concatenate([chunk.stamps for chunk in chunks]), numbers[:, 0])
         twists = np.concatenate([chunk.twists for chunk in chunks])
         np.testing.assert_array_equal(twists[:, [0, 2]], numbers[:, 1:])
 
@@ -389,7 +389,9 @@ def test_blocks_of_a_long_table_meet_without_a_seam(tmp_path: Path, ending: str)
     positions = []
     with CommandTable(path) as table:
         for chunk in table.chunks(500):
-            np.testing.assert_array_equal(chunk.time, numbers[chunk.first_row - 1 :, 0][: len(chunk.time)])
+            np.testing.assert_array_equal(
+                chunk.stamps, numbers[chunk.first_row - 1 :, 0][: len(chunk.stamps)]
+            )
             positions.append(table.position)
     assert positions == sorted(positions)
     assert positions[0] < table.size / 10  # progress says what has been driven, not what has been read ahead

@@ -65,10 +65,10 @@ class RowError(FileError):
 
 @dataclass(frozen=True)
 class Chunk:
-    """Consecutive rows: `time` (n,) as the file has it, float64 or int64; `twists` (n, 3), SI."""
+    """Consecutive rows: `stamps` (n,) as the file has them, float64 or int64; `twists` (n, 3), SI."""
 
     first_row: int
-    time: NDArray[Any]
+    stamps: NDArray[Any]
     twists: NDArray[np.float64]
 
 
@@ -323,8 +323,8 @@ class CommandTable(Table):
                     chunk = self._check(batch.slice(start, chunk_rows), row, last)
                 except RowError as error:
                     raise self.error(error.row, error.message) from None
-                row += len(chunk.time)
-                last = chunk.time[-1]
+                row += len(chunk.stamps)
+                last = chunk.stamps[-1]
                 self._rows_read = row - 1
                 yield chunk
         if row == 1:

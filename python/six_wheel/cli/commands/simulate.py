@@ -148,7 +148,7 @@ def _way(commands: Path, start: tuple[float, float, float] | None, speed: float)
             raise no_commands from None
         poses = poses[:, [0, 1, -1]]
         return Way(poses, start or tuple(poses[0].tolist()), speed)
-    times = np.concatenate([chunk.time for chunk in chunks])
+    times = np.concatenate([chunk.stamps for chunk in chunks])
     twists = np.concatenate([chunk.twists for chunk in chunks])
     return Way(((times - times[0]) * scale, twists), start, speed)
 

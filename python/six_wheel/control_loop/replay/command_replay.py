@@ -75,7 +75,7 @@ def _again(
         for chunk in _chunks(rows):
             writer.given(chunk)
             row = chunk.first_row
-            wanted += np.column_stack([chunk.time * scale, chunk.twists]).tolist()
+            wanted += np.column_stack([chunk.stamps * scale, chunk.twists]).tolist()
             _write(writer, engine.blocks(chunk))
             if progress is not None:
                 progress(row, record.count)

@@ -6,10 +6,12 @@ import hashlib
 import os
 import platform
 import secrets
+from collections import deque
 from collections.abc import Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from glob import escape
+from itertools import starmap
 from pathlib import Path
 
 from six_wheel.kinematics.errors import TableError
@@ -34,16 +36,16 @@ _files: ContextVar[_Files | None] = ContextVar("files of the command", default=N
 def together(sources: Sequence[Path] = ()) -> Iterator[None]:
     """All files that `replacing` writes within the block are replaced when it succeeds, or none is.
 
-    A block within another one replaces its own files when it ends. `sources` are read within the block, and
-    not replaced.
+    A block within another one replaces its own files when it ends. `sources` are read, and not replaced.
     """
     outer = _files.get()
     files = _Files((*sources, *(outer.sources if outer else ())))
     token = _files.set(files)
     try:
         yield
-        for temporary, (_, target) in files.targets.items():
-            os.replace(temporary, target)
+        # One call without Python's code: a signal is handled after it, not between two of the files.
+        names = [(os.fspath(one), os.fspath(target)) for one, (_, target) in files.targets.items()]
+        deque(starmap(os.replace, names), maxlen=0)
     finally:
         _files.reset(token)
         for temporary in files.targets:

@@ -149,10 +149,10 @@ class ControlledDrive(Engine):
             If the time to a row is too long, or the pose would not be finite.
         """
         if self._start is None:
-            self._start = chunk.time[0]
-            self._choose_times(chunk.time)
+            self._start = chunk.stamps[0]
+            self._choose_times(chunk.stamps)
         # Differences first, in the file's own numbers: 1.7e18 ns would lose 256 ns as a double.
-        stamps = (chunk.time - self._start) * self.time_unit.scale
+        stamps = (chunk.stamps - self._start) * self.time_unit.scale
         gaps = np.diff(stamps, prepend=self._last)
         # Integers of opposite ends of time wrap around, to a gap that is negative.
         far = ~((gaps >= 0.0) & (gaps * self._rate < MOST_STEPS))

@@ -64,11 +64,11 @@ class Drive(Engine):
             If the rover cannot make the twist of a row, or its pose would not be finite.
         """
         steering, speeds = self._invert(self._project(chunk), chunk.first_row)
-        before = chunk.time[:0] if self._time is None else np.array([self._time])
+        before = chunk.stamps[:0] if self._time is None else np.array([self._time])
         # Differences first, in the file's own numbers: 1.7e18 ns would lose 256 ns as a double.
-        steps = np.diff(np.concatenate([before, chunk.time])) * self.time_unit.scale
-        self._time = chunk.time[-1]
-        return self.account(chunk.time, steps, steering, speeds)
+        steps = np.diff(np.concatenate([before, chunk.stamps])) * self.time_unit.scale
+        self._time = chunk.stamps[-1]
+        return self.account(chunk.stamps, steps, steering, speeds)
 
     def _invert(self, twists: Floats, row: int) -> tuple[Floats, Floats]:
         """Steering angles and wheel speeds; the angles of a row are the `previous` ones of the next."""

@@ -53,8 +53,8 @@ class DriveRecord(Closing):
 
     def given(self, chunk: Chunk) -> None:
         """Append a chunk of the table, exactly, before what comes of it: so the drive can be done again."""
-        stamps = self._nearest(chunk.time).tolist()
-        rows = zip(stamps, chunk.time.tolist(), chunk.twists.tolist(), strict=True)
+        stamps = self._nearest(chunk.stamps).tolist()
+        rows = zip(stamps, chunk.stamps.tolist(), chunk.twists.tolist(), strict=True)
         for stamp, time, twist in rows:
             self._record.given(stamp, [time, *twist])
         # The ends of chunks decide the order in which poses are summed up, and with it their last bit.
