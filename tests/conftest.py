@@ -1,6 +1,7 @@
 """Settings shared by all tests."""
 
 import os
+import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,10 @@ if TYPE_CHECKING:
     from six_wheel.robot_description.parameters import Finding, Parameters
 
     Read = Callable[..., Parameters]
+
+# A shell starts what it runs in the background without Ctrl-C, and children have what they are started with.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Runs are repeatable and judged by their answers, not by how busy the machine is.
 settings.register_profile("default", derandomize=True, deadline=None, print_blob=True)

@@ -52,6 +52,16 @@ def test_the_thread_that_drives_ends_at_rest_by_signals(signals):
     assert process.returncode != 0
 
 
+@pytest.fixture
+def handlers():
+    """What signals did before: the example ignores them while it stops, and tests after it send some."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("handlers")
 def test_the_thread_that_drives_ends_at_rest_by_exceptions():
     example = runpy.run_path(str(THREAD))
 

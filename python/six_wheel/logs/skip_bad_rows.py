@@ -183,8 +183,8 @@ class TolerantTable(Table):
         values = {name: column.to_numpy(zero_copy_only=False) for name, column in columns.items()}
         result = self._scaled(rows, lines, time.fill_null(0).to_numpy(zero_copy_only=False), values)
         for k in np.flatnonzero(void):
-            rule = "time must be a number, got an empty cell"
-            self.findings.add(int(rows[k]), rule, line=self._line(lines[k]), kind="no number")
+            line = self._line(lines[k])
+            self.findings.add(int(rows[k]), "time must be a number", ", got an empty cell", line, "no number")
         return result[~void] if void.any() else result
 
     def _with_nanoseconds(self, seconds: Any, fraction: Any) -> Any:
@@ -350,7 +350,7 @@ class Sieve:
             for k in range(len(batch)):
                 after = time[k + 1] if k + 1 < len(time) else np.inf
                 if self._last is not None and time[k] == self._last:
-                    self._report(batch, k, "time must increase, got the same twice", f": {time[k]}")
+                    self._report(batch, k, "time must increase", f", got the same twice: {time[k]}")
                 elif self._last is not None and time[k] < self._last:
                     self._report(batch, k, "time must increase", f", got {time[k]} after {self._last}")
                 elif after < time[k] and (self._last is None or after > self._last):
