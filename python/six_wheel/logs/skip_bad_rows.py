@@ -350,7 +350,9 @@ class Sieve:
             for k in range(len(batch)):
                 after = time[k + 1] if k + 1 < len(time) else np.inf
                 if self._last is not None and time[k] == self._last:
-                    self._report(batch, k, "time must increase", f", got the same twice: {time[k]}")
+                    self._report(
+                        batch, k, "time must increase", f", got the same twice: {time[k]}", "same time"
+                    )
                 elif self._last is not None and time[k] < self._last:
                     self._report(batch, k, "time must increase", f", got {time[k]} after {self._last}")
                 elif after < time[k] and (self._last is None or after > self._last):

@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 MOST_FINDINGS = 1000  # that are kept; more are counted
 MANY = 0.1  # share of the rows of a log, that are left out as they are no numbers
 
-Kind: TypeAlias = Literal["no number", "nan", "other"]
+Kind: TypeAlias = Literal["no number", "nan", "same time", "other"]
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Finding:
     """A row that was left out and why, or consecutive rows with the same flaw; ``str()`` is one line.
 
     Rows are counted from 1; in a bag they are messages. The row breaks `rule`, and `got` is the end of the
-    message, with its value. `kind` tells rows that hold no numbers. `line` is that of `row`, in a CSV file.
+    message, with its value. `kind` tells rows without numbers, and those at the time of the row before.
     """
 
     path: Path
@@ -45,22 +45,22 @@ class Findings:
     rows: int = 0
     _no_numbers: int = 0
     _first: Finding | None = None  # of those
-    _rule: str = ""
+    _flaw: tuple[str, Kind] = "", "other"
     _last: int = 0
 
     def add(self, row: int, rule: str, got: str = "", line: int | None = None, kind: Kind = "other") -> None:
         """Report a row, as a `Finding` has it."""
         finding = Finding(self.path, row, rule, got, kind, line)
         self.rows += 1
-        if kind != "other":
+        if kind in ("no number", "nan"):
             self._no_numbers += 1
             self._first = self._first or finding
-        if rule == self._rule and row == self._last + 1 and self.listed:
+        if (rule, kind) == self._flaw and row == self._last + 1 and self.listed:
             if len(self.listed) < MOST_FINDINGS or self.listed[-1].last_row == self._last:
                 self.listed[-1] = replace(self.listed[-1], last_row=row)
         elif len(self.listed) < MOST_FINDINGS:
             self.listed.append(finding)
-        self._rule, self._last = rule, row
+        self._flaw, self._last = (rule, kind), row
 
     def many_left_out(self, kept: int) -> str:
         """The line about a log of which many rows are no rows of numbers; empty if few are.
