@@ -16,6 +16,7 @@ class Finding:
 
     Rows are counted from 1; in a bag they are messages. The row breaks `rule`, and `got` is the end of the
     message, with its value. `kind` tells rows without numbers, and those at the time of the row before.
+    `line` is that of `row`, in a CSV file.
     """
 
     path: Path
