@@ -86,7 +86,7 @@ def processor_time(process: int) -> float:
 
 @dataclass
 class End:
-    """How a command ended."""
+    """End of a command."""
 
     code: int
     out: str

@@ -196,7 +196,7 @@ def copies(content: bytes, seed: str, folder: Path) -> Iterator[tuple[str, bytes
 
 
 def wrong(error: Exception, path: Path) -> str | None:
-    """What a reader must not say of a file; None if all is well."""
+    """Flaw of an error that a reader raised; None if it has none."""
     kind, text = type(error), str(error)
     if not isinstance(error, ValueError | OSError):
         return "is of another kind"

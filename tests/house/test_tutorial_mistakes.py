@@ -16,7 +16,7 @@ import six_wheel as sw
 
 @cache
 def names() -> dict[str, Any]:
-    """What the lines of the pages have made before, under their names there."""
+    """Objects that the lines of the pages have made before, under their names there."""
     rover = sw.Rover.six_wheel(
         front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, wheel_radius=0.15, steering_limit=1.05
     )

@@ -13,7 +13,7 @@ from typing import Any
 __all__ = ["ended_by_signals"]
 
 AGAIN = 0.1  # [s] until an exception is raised again that a library has lost
-# What each signal does before a command begins; another handler is somebody else's, and counts.
+# Handler of each signal before a command begins; another one is somebody else's, and counts.
 ORDINARY = {
     getattr(signal, name): before
     for name, before in (
