@@ -54,7 +54,7 @@ def test_the_thread_that_drives_ends_at_rest_by_signals(signals):
 
 @pytest.fixture
 def handlers():
-    """Puts handlers of signals back: the example ignores signals while it stops, and tests after it send some."""
+    """Puts handlers of signals back: the example ignores them while it stops, tests after it send some."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     yield
     for number, handler in before.items():
