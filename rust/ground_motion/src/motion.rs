@@ -7,6 +7,7 @@ use crate::rates::contact_rows::{Contact as LaneContact, Contacts as LaneContact
 use crate::rates::fit::{FitInput, fit};
 use crate::rates::least_squares::DenseLeastSquares;
 use crate::rates::suspension_rates::{KnownRate, KnownRates, SuspensionRates};
+use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Mask;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
@@ -82,6 +83,18 @@ impl Command {
     /// In the body's axes, without a limit.
     pub fn new(chain: &Chain) -> Self {
         Self { view: View::Body, offset: rest_offset(chain), wheel_speed: f64::INFINITY }
+    }
+
+    /// Speeds and yaw rates of twists in the plane, `(vx, omega)`. Fails where a twist has a sideways speed of its own: vy is 0,
+    /// or `offset omega`, that of the point at the origin.
+    pub fn of_twists(&self, twists: &[[f64; 3]]) -> Result<Vec<[f64; 2]>, Error> {
+        let rule = "be a twist (vx, 0, omega), as the steered wheels follow the unsteered ones, or (speed, yaw rate)";
+        let speeds = twists.iter().enumerate().map(|(row, [vx, vy, omega])| {
+            let is_left = *vy == 0.0 || (vy - self.offset * omega).abs() <= 1e-9 * (1.0 + vy.abs());
+            let refused = || Error::value("command", rule, format!("vy = {vy:?} m/s")).at_row(row);
+            is_left.then_some([*vx, *omega]).ok_or_else(refused)
+        });
+        speeds.collect()
     }
 }
 

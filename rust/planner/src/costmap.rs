@@ -80,16 +80,49 @@ impl Costmap {
 
     /// Fails unless the place is on the map.
     pub fn check_holds(&self, [x, y, _]: [f64; 3]) -> Result<(), Error> {
-        let (last, [column, row]) =
-            (self.shape().map(|count| (count - 1) as f64), self.placement.grid_from_world(x, y));
-        if (0.0..=last[1]).contains(&column) && (0.0..=last[0]).contains(&row) {
+        let (last, place) = (self.shape().map(|count| (count - 1) as f64), self.placement.grid_from_world(x, y));
+        let ([x0, y0], [x1, y1]) = (self.placement.origin(), self.placement.world_from_grid(last[1], last[0]));
+        // A place on the border, whose coordinates were rounded, is on the map.
+        let rounding = 4.0 * f64::EPSILON * [x, y, x0, y0].iter().map(|value| value.abs()).sum::<f64>();
+        let is_within = |axis: usize, last: f64| {
+            let slack = rounding / self.placement.spacing()[axis];
+            (-slack..=last + slack).contains(&place[axis])
+        };
+        if is_within(0, last[1]) && is_within(1, last[0]) {
             return Ok(());
         }
-        let ([x0, y0], [x1, y1]) = (self.placement.origin(), self.placement.world_from_grid(last[1], last[0]));
         let rule = match self.placement.yaw() {
             0.0 => format!("lie on the costmap (x {x0:?} to {x1:?} m, y {y0:?} to {y1:?} m)"),
             yaw => format!("lie on the costmap (from ({x0:?}, {y0:?}) to ({x1:?}, {y1:?}) m, turned by {yaw:?} rad)"),
         };
         Err(Error::value("state.pose", rule, numbers(&[x, y])))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The 20th column from -5 m on with 0.1 m between columns is at -3.1 m, which is 19.000000000000004 columns from there.
+    #[test]
+    fn the_border_is_on_the_map() -> Result<(), Error> {
+        for (spacing, origin) in [(0.1, [-5.0, -0.2]), (0.05, [-17.35, 1e6]), (1.0 / 3.0, [0.0; 2])] {
+            for yaw in [0.0, 0.7, -2.5] {
+                let placement = GridPlacement::new([spacing; 2], origin, yaw)?;
+                let map = Costmap::new(vec![0.0; 40 * 20], [40, 20], placement, None, None)?;
+                for step in 0..=100 {
+                    let (column, row) = (0.19 * f64::from(step), 0.39 * f64::from(step));
+                    for [u, v] in [[column, 0.0], [column, 39.0], [0.0, row], [19.0, row]] {
+                        let [x, y] = placement.world_from_grid(u, v);
+                        map.check_holds([x, y, 0.0])?;
+                    }
+                }
+                for [u, v] in [[-1e-3, 5.0], [19.001, 5.0], [5.0, -1e-3], [5.0, 39.001], [f64::NAN, 5.0]] {
+                    let [x, y] = placement.world_from_grid(u, v);
+                    assert!(map.check_holds([x, y, 0.0]).is_err());
+                }
+            }
+        }
+        Ok(())
     }
 }

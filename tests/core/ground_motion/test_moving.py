@@ -258,13 +258,13 @@ def test_a_twist_is_a_command_as_its_speed_and_yaw_rate_are():
     pairs = np.array([(0.1, 0.02), (0.0, 0.1), (-0.1, 0.05)])
     known = arm.inverse(stands, pairs)
     twists = np.insert(pairs, 1, 0.0, axis=1)
-    # What a command gives is a command, too: forward, to the left of the body, about its z axis.
+    # The twist of a result is a command, too: forward, to the left of the body, about its z axis.
     for same in (twists, known.twist[:, [0, 1, 5]]):
         found = arm.inverse(stands, same)
         for one, other in zip(found, known, strict=True):
             np.testing.assert_allclose(one, other, rtol=0, atol=1e-14)
     assert arm.inverse(stands, twists).scale.tolist() == known.scale.tolist()
-    with pytest.raises(ValueError, match=r"command must be a twist \(vx, 0, omega\), .* vy = 0.05"):
+    with pytest.raises(ValueError, match=r"command\[0\] must be a twist \(vx, 0, omega\), .* vy = 0.05"):
         arm.inverse(stands, (0.1, 0.05, 0.0))
 
 

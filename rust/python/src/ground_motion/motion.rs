@@ -6,26 +6,12 @@ use six_wheel_numerics::error::LARGEST;
 
 use super::results::{Columns, GroundCommand, GroundMotion};
 use super::settled_pose_input::Stands;
-use crate::convert::{Out, Rows, choice, compute_rows, given, joined, named, number, refuse, together};
+use crate::convert::{OrRaise, Out, Rows, choice, compute_rows, given, joined, named, number, refuse, together};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
 fn view(name: &str) -> PyResult<View> {
     choice("view", name, |name| format!("{name:?}"), &[("body", View::Body), ("plan", View::Plan)])
-}
-
-/// Speeds and yaw rates of twists. Fails where one has a sideways speed that the unsteered wheels do not leave: it is 0, or
-/// `offset` times the yaw rate.
-fn speeds_of(twists: &[[f64; 3]], offset: f64) -> PyResult<Vec<[f64; 2]>> {
-    let is_left = |[_, vy, omega]: &[f64; 3]| *vy == 0.0 || (vy - offset * omega).abs() <= 1e-9 * (1.0 + vy.abs());
-    match twists.iter().find(|twist| !is_left(twist)) {
-        Some([_, vy, _]) => {
-            let rule =
-                "be a twist (vx, 0, omega), as the steered wheels follow the unsteered ones, or (speed, yaw rate)";
-            Err(refuse("command", rule, &format!("vy = {vy:?} m/s")))
-        }
-        None => Ok(twists.iter().map(|[vx, _, omega]| [*vx, *omega]).collect()),
-    }
 }
 
 methods! { Suspension:
@@ -104,7 +90,7 @@ methods! { Suspension:
         let [angles, speeds, twists, rates, scales] = results.flat();
         let asked = Commands { steering: angles, speeds, twists: twists.as_chunks_mut().0, joint_rates: rates, scales };
         let are_twists = commands.width() == 3;
-        let of_twists = if are_twists { speeds_of(commands.triples(), self.motion.offset)? } else { Vec::new() };
+        let of_twists = if are_twists { how.of_twists(commands.triples()).or_raise(&leading)? } else { Vec::new() };
         let wanted = if are_twists { &of_twists } else { commands.pairs() };
         let kept = kept.as_ref().map(Rows::flat);
         compute_rows(py, count, &leading, || {
