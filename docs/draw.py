@@ -8,7 +8,7 @@ import math
 import runpy
 import sys
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import floors
@@ -31,7 +31,7 @@ from six_wheel import (
     profiles,
     reference,
 )
-from six_wheel.calibration.files import calibrate_files
+from six_wheel.calibration.files import Calibrated, calibrate_files
 from six_wheel.cli.demo import drive_yard, figures
 from six_wheel.cli.demo.motion import ROVERS, drive_path, load_path
 from six_wheel.cli.report.calibration import before_and_after
@@ -144,16 +144,23 @@ def transitions() -> Figure:
     return figure
 
 
+@cache
+def calibrated() -> tuple[Path, Rover, Calibrated]:
+    """The example's run, its rover as it is told, and what calibration makes of both."""
+    run = example_run()
+    nominal = optiodom.read_rover(run)
+    return run, nominal, calibrate_files(nominal, [run])
+
+
 def calibration() -> Figure:
     """Picture of `six-wheel calibrate --example --plot`."""
-    run = example_run()
-    return before_and_after(calibrate_files(optiodom.read_rover(run), [run]), "tricycle")
+    return before_and_after(calibrated()[2], "tricycle")
 
 
 def honesty() -> Figure:
     """One run as a tape and a data sheet have it, with the typical noise, and with what calibration found."""
-    run = example_run()
-    nominal, result = optiodom.read_rover(run), calibrate_files(optiodom.read_rover(run), [run]).result
+    run, nominal, found = calibrated()
+    result = found.result
     figure = new_figure(11.0, 4.6)
     for number, (title, rover, noise) in enumerate(
         (

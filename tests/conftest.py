@@ -22,6 +22,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 # Runs are repeatable and judged by their answers, not by how busy the machine is.
 settings.register_profile("default", derandomize=True, deadline=None, print_blob=True)
+settings.register_profile("quick", settings.get_profile("default"), max_examples=10)  # a tenth of the cases
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
 

@@ -1,8 +1,14 @@
 """Random rovers and the twists they can make."""
 
+from hypothesis import settings
 from hypothesis import strategies as st
 
 import six_wheel as sw
+
+
+def at_most(cases: int) -> settings:
+    """So many cases of a law, or those of the profile where it has fewer (`make quick`)."""
+    return settings(max_examples=min(cases, settings().max_examples))
 
 
 def offsets(largest: float) -> st.SearchStrategy[float]:

@@ -135,6 +135,7 @@ def test_every_vehicle_has_a_section_with_a_small_picture():
             assert ">>>" in section, section.splitlines()[0]
 
 
+@pytest.mark.slow
 def test_every_picture_can_be_drawn_again(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
     pytest.importorskip("scipy")

@@ -10,30 +10,38 @@ from tests import quick
 def test_every_crate_has_python_tests() -> None:
     crates = {path.parent.name for path in (quick.ROOT / "rust").glob("*/Cargo.toml")} - {"fuzz"}
     assert set(quick.TESTS) == crates
-    assert all(
-        (quick.ROOT / "tests" / folder).is_dir() for folders in quick.TESTS.values() for folder in folders
-    )
+    named = [*quick.SMOKE, *(test for tests in quick.TESTS.values() for test in tests)]
+    assert [test for test in named if not (quick.ROOT / "tests" / test).exists()] == []
 
 
 @pytest.mark.parametrize(
-    ("file", "crates", "folders"),
+    ("file", "crates", "tests"),
     [
-        ("rust/odometry/src/step.rs", ["odometry"], ["core/laws", "kinematics/odometry"]),
-        ("rust/fuzz/doors/lib.rs", [], ["core/laws"]),
-        ("python/six_wheel/logs/mcap/reader.py", [], ["core/laws", "logs"]),
-        ("python/six_wheel/reference/planar/rover.py", [], ["core/laws"]),
-        ("tests/control_loop/replay/test_replay.py", [], ["control_loop/replay", "core/laws"]),
-        ("tests/house/test_docs.py", [], ["core/laws"]),
-        ("tests/limits.py", [], ["core/laws"]),
-        ("README.md", [], ["core/laws"]),
+        ("rust/odometry/src/step.rs", ["odometry"], ["kinematics/odometry"]),
+        ("rust/fuzz/doors/lib.rs", [], []),
+        ("python/six_wheel/logs/mcap/reader.py", [], ["logs"]),
+        ("python/six_wheel/reference/planar/rover.py", [], []),
+        ("tests/control_loop/replay/test_replay.py", [], ["control_loop/replay/test_replay.py"]),
+        ("tests/logs/carts.py", [], ["logs"]),
+        ("tests/house/test_docs.py", [], ["house/test_docs.py"]),
+        ("tests/house/snippets.py", [], []),
+        ("tests/control_loop/ros2/test_node.py", [], []),
+        ("tests/limits.py", [], []),
+        ("README.md", [], []),
     ],
 )
 def test_tests_of_what_has_changed(
-    file: str, crates: list[str], folders: list[str], monkeypatch: pytest.MonkeyPatch
+    file: str, crates: list[str], tests: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("CRATE", raising=False)
     monkeypatch.delenv("ROOM", raising=False)
-    assert quick.touched([Path(file)]) == (crates, folders)
+    assert quick.touched([Path(file)]) == (crates, sorted([*quick.SMOKE, *tests]))
     monkeypatch.setenv("CRATE", "planner")
     monkeypatch.setenv("ROOM", "maps")
-    assert quick.touched([Path(file)]) == (["planner"], ["core/laws", "core/planner", "maps"])
+    assert quick.touched([Path(file)]) == (["planner"], sorted([*quick.SMOKE, "core/planner", "maps"]))
+
+
+def test_a_folder_has_its_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CRATE", "kinematics")
+    monkeypatch.delenv("ROOM", raising=False)
+    assert quick.touched([]) == (["kinematics"], ["core/laws"])

@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
@@ -15,6 +15,7 @@ from six_wheel.kinematics.odometry import OdometryHealth
 from six_wheel.log_odometry import dead_reckon_chunks, table_columns
 from tests import optiodom_data as data
 from tests.odometry_logs import VEHICLES, drive
+from tests.strategies import at_most
 
 SOAK = "SOAK" in os.environ
 SIX = drive(VEHICLES["six_wheel"], n=60)
@@ -122,7 +123,7 @@ BAD = [nan_wheel, nan_steering, no_stamp, duplicate, backwards, spike]
         st.tuples(st.sampled_from(BAD), st.integers(1, 118)), min_size=1, max_size=8, unique_by=lambda b: b[1]
     )
 )
-@settings(max_examples=60)
+@at_most(60)
 def test_bad_rows_are_flagged_and_good_rows_are_not_lost(bad):
     # Two of a kind in a row may mean that clock or counter moved for good: see below.
     bad = [(flaw, k) for flaw, k in bad if not any(abs(k - other) == 1 for _, other in bad)]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin, Writer
@@ -24,6 +24,7 @@ from six_wheel.simulation.drive import drive
 from tests.logs.bag_messages import START, motion
 from tests.rovers import CART
 from tests.rovers import SIX_WHEELS as ROVER
+from tests.strategies import at_most
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 TYPES = STORE.types
@@ -110,7 +111,7 @@ def test_joints_in_any_order(tmp_path: Path, storage: str, chunk_rows: int) -> N
         np.testing.assert_array_equal(steered, steering)
 
 
-@settings(max_examples=30)
+@at_most(30)
 @given(order=st.randoms(use_true_random=False), chunk_rows=st.integers(1, 30), topics=st.booleans())
 def test_joints_in_messages_of_their_own(
     tmp_path_factory: pytest.TempPathFactory, order: Any, chunk_rows: int, topics: bool

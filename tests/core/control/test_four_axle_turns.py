@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import six_wheel as sw
@@ -15,6 +15,7 @@ from six_wheel import FourAxle, FourAxleState, FourAxleStep
 from six_wheel.kinematics.four_axle import FourAxleSimulation, TurnSequence
 from six_wheel.reference.control import four_axle as reference
 from tests.core.control.four_axles import H_X, H_Y, LENGTH, RADIUS, cars, pivots_of
+from tests.strategies import at_most
 
 STRAIGHT = FourAxleState()
 SLIP = 1e-9  # [m/s] what a plan may slip; rounding is 1e-15
@@ -96,7 +97,7 @@ def test_releasing_both_pairs_is_refused_where_the_body_would_be_adrift(car):
 
 
 @pytest.mark.slow
-@settings(max_examples=40)
+@at_most(40)
 @given(
     cars(rigid=True), st.floats(-1.5, 1.5), st.floats(-1.5, 1.5), st.floats(0.05, 1.0), st.floats(0.1, 1.0)
 )
@@ -117,7 +118,7 @@ def test_a_dual_differential_drive_turns_in_six_steps_without_a_stop(car, first,
     assert pivot_speeds.min() > 0.05 * speed
 
 
-@settings(max_examples=40)
+@at_most(40)
 @given(cars(), st.floats(-1.2, 1.2), st.floats(0.05, 1.0), st.sampled_from(("front", "rear")))
 def test_hinged_axles_turn_one_pair_under_way(car, curvature, speed, steer):
     assume(abs(curvature) * (car.pivots[1] + car.axle_length) < 0.7)
@@ -173,7 +174,7 @@ def test_hinged_axles_cannot_turn_about_a_point_abreast_of_the_middle_without_a_
     np.testing.assert_allclose(result.final.steering, target, rtol=0, atol=1e-12)
 
 
-@settings(max_examples=40)
+@at_most(40)
 @given(cars(), st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2))
 def test_standing_every_point_can_be_aimed_at_from_every_other(car, x, y, next_x, next_y):
     for point in ((x, y), (next_x, next_y)):
@@ -232,7 +233,7 @@ def test_a_free_rear_axle_follows_the_closed_form(front, rear, speed, turning, t
 
 
 @pytest.mark.slow
-@settings(max_examples=15)
+@at_most(15)
 @given(st.floats(0.2, 0.8), st.floats(-0.1, 0.1), st.floats(0.2, 1.0))
 def test_free_hinged_axles_follow_the_reference(speed, difference, time):
     car = FourAxle((H_X, H_Y), LENGTH, RADIUS)
@@ -247,7 +248,7 @@ def test_free_hinged_axles_follow_the_reference(speed, difference, time):
     assert result.residuals.max() < SLIP
 
 
-@settings(max_examples=20)
+@at_most(20)
 @given(cars(), st.floats(-0.6, 0.6), st.floats(0.1, 0.8))
 def test_half_steps_make_whole_ones(car, curvature, speed):
     plan = car.turn_sequence(STRAIGHT, curvature, speed=speed, steer="rear", brake_time=0.3)

@@ -8,14 +8,14 @@ import os
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import profiles, reference
 from tests.core.control.transition_rovers import LEFT, OSR, RATE, RIGHT, ROVERS, STRAIGHT, largest
 from tests.rovers import CORNERS
-from tests.strategies import forward_twists, six_wheel_rovers
+from tests.strategies import at_most, forward_twists, six_wheel_rovers
 
 SOAK = int(os.environ.get("SOAK", "1"))
 CASES = 200 * SOAK
@@ -176,7 +176,7 @@ def test_the_figures_of_the_page(capsys):
 
 
 @given(six_wheel_rovers(), forward_twists(), forward_twists(), st.sampled_from([math.inf, 2.0]))
-@settings(max_examples=60)
+@at_most(60)
 def test_mirrored_twists_make_mirrored_transitions(rover, start, end, acceleration):
     mirror = np.array([1.0, 1.0, -1.0])
     limits = {"steering_rate": 1.0, "steering_acceleration": acceleration, "acceleration": 1.0}
@@ -190,7 +190,7 @@ def test_mirrored_twists_make_mirrored_transitions(rover, start, end, accelerati
 
 
 @given(six_wheel_rovers(), forward_twists(), forward_twists())
-@settings(max_examples=60)
+@at_most(60)
 def test_there_takes_as_long_as_back(rover, start, end):
     plan = profiles.icr_transition(rover, start, end, steering_rate=1.0, acceleration=1.0)
     if plan.duration > 0 and plan.stops == 0 and len(plan.phases) == 1:
@@ -203,7 +203,7 @@ def test_there_takes_as_long_as_back(rover, start, end):
 
 
 @given(six_wheel_rovers(), forward_twists(), forward_twists())
-@settings(max_examples=60)
+@at_most(60)
 def test_no_faster_than_the_joints_and_as_fast_where_one_of_them_leads(rover, start, end):
     plan = profiles.icr_transition(rover, start, end, steering_rate=1.0)
     first, last = plan.at(0.0).steering, plan.at(plan.duration).steering

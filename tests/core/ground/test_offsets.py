@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel.maps import traverse
+from tests.strategies import at_most
 
 SUSPENSION = sw.RockerBogie.preset("perseverance")
 SPACING = 0.25
@@ -60,7 +61,7 @@ STANDS = (
 BOUNDS = ("z", "roll", "pitch", "tilt", "rocker", "bogies", "clearance", "wheel_drop")
 
 
-@settings(max_examples=20, deadline=None)
+@at_most(20)
 @given(OFFSETS)
 @example(FARTHEST)
 @pytest.mark.parametrize("count", [3, 40])  # one by one, and in lanes
@@ -83,7 +84,7 @@ def test_settled_poses_are_the_same(count: int, offset: Any) -> None:
         same(getattr(near.by_pose, name), getattr(far.by_pose, name))
 
 
-@settings(max_examples=10, deadline=None)
+@at_most(10)
 @given(OFFSETS)
 @example(FARTHEST)
 def test_a_pose_alone_is_that_of_a_batch(offset: Any) -> None:
@@ -95,7 +96,7 @@ def test_a_pose_alone_is_that_of_a_batch(offset: Any) -> None:
             same(getattr(alone, name), getattr(batch, name)[row])
 
 
-@settings(max_examples=20, deadline=None)
+@at_most(20)
 @given(OFFSETS)
 @example(FARTHEST)
 def test_bounds_and_feasibility_are_the_same(offset: Any) -> None:
@@ -111,7 +112,7 @@ def test_bounds_and_feasibility_are_the_same(offset: Any) -> None:
         same(getattr(here, name), getattr(there, name))
 
 
-@settings(max_examples=20, deadline=None)
+@at_most(20)
 @given(OFFSETS)
 @example(FARTHEST)
 def test_motion_and_slip_are_the_same(offset: Any) -> None:
@@ -129,7 +130,7 @@ def test_motion_and_slip_are_the_same(offset: Any) -> None:
     same(told[0].angle, told[1].angle)
 
 
-@settings(max_examples=20, deadline=None)
+@at_most(20)
 @given(OFFSETS, st.floats(-3, 3))
 @example(FARTHEST, 0.7)
 def test_heights_are_the_same(offset: Any, yaw: float) -> None:
@@ -147,7 +148,7 @@ def driven(ground: sw.Terrain, start: Any) -> Any:
     return sw.simulate(SUSPENSION, COMMANDS, ground=ground, start=start, rate=10.0)
 
 
-@settings(max_examples=4, deadline=None)
+@at_most(4)
 @given(OFFSETS)
 @example(FARTHEST)
 @example((0, 4_600_000))

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from six_wheel import Rover, Wheel, reference
 from tests.rovers import CORNERS, SIX_SIZES
-from tests.strategies import any_twists, layouts, lengths, offsets, six_wheel_rovers
+from tests.strategies import any_twists, at_most, layouts, lengths, offsets, six_wheel_rovers
 
 ROUNDING = 1e-12  # a few operations on speeds of a few metres per second
 
@@ -69,7 +69,7 @@ def every_vehicle(*more):
 
     def decorate(law):
         @pytest.mark.parametrize("vehicle", VEHICLES)
-        @settings(max_examples=40, deadline=None)
+        @at_most(40)
         @given(data=st.data())
         def test(vehicle, data):
             rover = data.draw(VEHICLES[vehicle], label="rover")

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
@@ -23,6 +23,7 @@ from tests.simulation.drive.closed_loops import (
     wild,
     write,
 )
+from tests.strategies import at_most
 
 ROUNDING = 1e-9  # relative: a difference of values with 1e-16 over a step of 1/200 s, and room
 
@@ -95,7 +96,7 @@ def test_a_run_that_fails_changes_nothing(stamps: Any, twists: Any, times: Any, 
 # --- laws ------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=12)
+@at_most(12)
 @given(
     name=st.sampled_from(list(ROVERS)), seed=st.integers(0, 10**6), rate=st.sampled_from([20.0, 60.0, 200.0])
 )
