@@ -33,7 +33,8 @@ class ColumnarFile:
         self._handle: Any = None
         self._file: Any
         try:
-            self._handle = pa.OSFile(str(path))
+            arrow = format not in ("parquet", "json")
+            self._handle = pa.memory_map(str(path)) if arrow else pa.OSFile(str(path))
             if format == "parquet":
                 # Pre-buffering would hold a whole row group, which may be the whole file.
                 self._file = pa.parquet.ParquetFile(self._handle, pre_buffer=False, buffer_size=1 << 20)
@@ -43,7 +44,7 @@ class ColumnarFile:
                 self._file = _flat(pa.json.read_json(self._handle))
                 self.schema, self.rows = self._file.schema, self._file.num_rows
             else:
-                self._file = pa.ipc.open_file(pa.memory_map(str(path)))
+                self._file = pa.ipc.open_file(self._handle)
                 self.schema = self._file.schema
                 self.rows = sum(
                     self._file.get_batch(k).num_rows for k in range(self._file.num_record_batches)

@@ -1,5 +1,6 @@
 """A joint log that has been opened: where its rows come from, and what they hold."""
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -85,9 +86,13 @@ class JointSource:
         self.rates: Source | None = None
         self.names: Sequence[str]
         self.bagged = is_bag(path)
-        silent = (
-            self._open_bag(readings, topics, frame) if self.bagged else self._open_table(readings, columns)
-        )
+        with contextlib.ExitStack() as self._files:
+            silent = (
+                self._open_bag(readings, topics, frame)
+                if self.bagged
+                else self._open_table(readings, columns)
+            )
+            self._files = self._files.pop_all()  # they stay open
         if silent:
             self.warnings.append(f"{path}: no readings of {', '.join(silent)}: taken as without encoder")
 
@@ -137,9 +142,7 @@ class JointSource:
 
     def close(self) -> None:
         """Close the file."""
-        self.rows.close()
-        if self.rates is not None:
-            self.rates.close()
+        self._files.close()
 
     def _open_table(self, readings: Reading | None, columns: Columns | None) -> list[str]:
         """Wheels with a motor but without a column, once the table is open."""
@@ -150,7 +153,7 @@ class JointSource:
             found.append(joint_columns(headers, self.rover, readings, field_units, self._stamp_unit))
             return dict(found[-1].columns)
 
-        table = TolerantTable(self.path, find, columns, (*TRUTH, *RATES))
+        table = self._files.enter_context(TolerantTable(self.path, find, columns, (*TRUTH, *RATES)))
         joints = found[-1]
         self.rows, self.readings, self.names = table, joints.readings, list(joints.columns)
         self.columns, self.stated = joints.columns, table.stated
@@ -161,7 +164,8 @@ class JointSource:
         self.counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
         self.has_rates = any(name in joints.columns for name in RATES)
         if self.has_rates and self.gyroscope.get("time_offset"):
-            self.rates, self.has_rates = rate_table(self.path, columns, self._stamp_unit), False
+            rates = rate_table(self.path, columns, self._stamp_unit)
+            self.rates, self.has_rates = self._files.enter_context(rates), False
         return list(joints.silent)
 
     def _open_bag(self, readings: Reading | None, topics: Topics | None, frame: str) -> list[str]:
@@ -177,13 +181,10 @@ class JointSource:
             self.columns, self.counted = mapped.columns, mapped.counted
         else:
             bag = JointBag(self.path, self.rover, readings, topics)  # type: ignore[arg-type]
+        self._files.callback(bag.close)
         self.rows, self.readings, self.names = bag, bag.readings, bag.names
         if any(one.msgtype == RateBag.IMU and one.msgcount for one in bag.connections):
-            try:
-                self.rates = self._rates_of_bag(frame)
-            except BaseException:
-                bag.close()
-                raise
+            self.rates = self._rates_of_bag(frame)
         return [w for w in self.rover.traction_joints.values() if f"wheel {w}" not in bag.names]
 
     def _rates_of_bag(self, frame: str) -> Source | None:
@@ -192,13 +193,9 @@ class JointSource:
         from six_wheel.logs.bags.messages import OWN_FRAMES, Bag
 
         keys, bag = self.gyroscope, Bag(self.path)
-        try:
-            rates = RateBag(bag, keys.get("topic"), [name for name in (frame, *OWN_FRAMES) if name])
-        except BaseException:
-            bag.close()
-            raise
+        self._files.callback(bag.close)
+        rates = RateBag(bag, keys.get("topic"), [name for name in (frame, *OWN_FRAMES) if name])
         if rates.topic is None:
-            bag.close()
             if rates.others:
                 rule = f"{len(rates.others)} topics have angular velocities, {', '.join(rates.others)}"
                 self.warnings.append(f"{self.path}: {rule}: none is read unless gyroscope.topic names it")

@@ -224,7 +224,11 @@ def _described(source: Source, options: Options) -> tuple[Path, Options]:
         raise TerrainFileError(f"{path} must hold map, the name of a file, and options among {listed}")
     given = {name: value for name, value in options._asdict().items() if value is not None}
     inner = path.parent / found.pop("map")
-    if not inner.exists():
+    try:
+        there = inner.exists()
+    except OSError as error:
+        raise TerrainFileError(f"{path}: its map must be a file: {error.strerror}") from None
+    if not there:
         raise FileNotFoundError(f"{path}: its map {inner} must be a file, there is none{near_file(inner)}")
     if inner.suffix.lower() in YAML:
         raise TerrainFileError(f"{path} must name a map, got {inner.name}")

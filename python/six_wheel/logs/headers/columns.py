@@ -5,6 +5,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 from six_wheel.kinematics.errors import TableError
 
@@ -19,6 +20,7 @@ __all__ = [
     "Unit",
     "find_columns",
     "is_number",
+    "listed",
     "means",
     "unit",
     "words",
@@ -98,11 +100,10 @@ QUANTITIES = (
 
 # Prefixes that ROS tools put before a field: "/cmd_vel/twist/linear/x", "field.header.stamp".
 _PREFIX = re.compile(r"^(?:(?:cmd_vel|command|cmd|field|msg|data|twist|header)_)+")
-_CAPITAL = re.compile(r"(?<=[a-z][a-z])(?=[A-Z])")
-_SIGNS = str.maketrans({"°": "deg", "µ": "u", "μ": "u"})
-BRACKETS = re.compile(r"^([^\[(\n]*?)\s*[\[(]\s*(.*?)\s*[\])]\s*$")
-
-
+LISTED = 100  # headers in a message
+# A name and the text in brackets behind it, both without spaces around them. Nothing is tried twice: the time
+# is in proportion to the length of any header.
+BRACKETS = re.compile(r"^((?:[^\[(\n]*[^\[(\s])?+)\s*+[\[(]\s*+((?:.*\S)?)\s*[\])]\s*$")
 _CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _SIGNS = str.maketrans({"°": "deg", "µ": "u", "μ": "u"})
 
@@ -118,16 +119,20 @@ def _interpret(header: str, quantity: Quantity) -> tuple[Unit, bool] | None:
     if bracketed := BRACKETS.match(header):
         unit = next((unit for unit in quantity.units if words(bracketed[2]) in unit.spellings), None)
         return (unit, True) if unit and _interpret(bracketed[1], quantity) else None
-    name = words(header)
-    for form in (name, _PREFIX.sub("", name)):
-        if form in quantity.spellings:
-            return quantity.units[0], False
-        for unit in quantity.units:
-            if unit in TIME_UNITS and form in unit.spellings:  # "sec" says by itself what it measures
-                return unit, True
-            if any(form == f"{stem}_{ending}" for ending in unit.spellings for stem in quantity.spellings):
-                return unit, True
-    return None
+    name, spelled = words(header), _spellings(quantity)
+    return spelled.get(name) or spelled.get(_PREFIX.sub("", name))
+
+
+@cache
+def _spellings(quantity: Quantity) -> dict[str, tuple[Unit, bool]]:
+    """What headers that mean a quantity state, by their words."""
+    spelled = dict.fromkeys(quantity.spellings, (quantity.units[0], False))
+    for unit in quantity.units:
+        alone = unit.spellings if unit in TIME_UNITS else ()  # "sec" says by itself what it measures
+        behind = (f"{stem}_{ending}" for ending in unit.spellings for stem in quantity.spellings)
+        for form in (*alone, *behind):
+            spelled.setdefault(form, (unit, True))
+    return spelled
 
 
 def means(header: str, quantity: Quantity) -> bool:
@@ -175,8 +180,14 @@ def _missing(
     alike = {difflib.SequenceMatcher(None, words(h), s).ratio(): h for h in free for s in quantity.spellings}
     best = max(alike, default=0.0)
     hint = f'did you mean "{alike[best]}"? ' if best > 0.6 else ""
-    columns = ", ".join(f'"{header}"' for header in headers) or "none"
-    return f"no column for {quantity.name} among {columns}; {hint}known: {', '.join(quantity.spellings)}"
+    known = ", ".join(quantity.spellings)
+    return f"no column for {quantity.name} among {listed(headers) or 'none'}; {hint}known: {known}"
+
+
+def listed(headers: Sequence[str]) -> str:
+    """Headers as a message names them: the first hundred, of each the first sixty characters."""
+    more = f" and {len(headers) - LISTED} more" if len(headers) > LISTED else ""
+    return ", ".join(f'"{header:.60}"' for header in headers[:LISTED]) + more
 
 
 def is_number(cell: str) -> bool:

@@ -19,6 +19,7 @@ from six_wheel.logs.headers.columns import (
     Column,
     TableError,
     Unit,
+    listed,
     unit,
     words,
 )
@@ -172,8 +173,8 @@ def joint_columns(
             break
     for name, (doubt, _) in doubts.items():
         if name not in by_reading:
-            listed = dict(each for other, (_, each) in doubts.items() if other not in by_reading)
-            raise TableError(f"{doubt}: give {columns(listed)}")
+            readings = dict(each for other, (_, each) in doubts.items() if other not in by_reading)
+            raise TableError(f"{doubt}: give {columns(readings)}")
     _refuse_missing(by_reading, headers, rover)
     wheel_columns = {name: kinds for name, kinds in by_reading.items() if name.startswith("wheel ")}
     choices = _BEST_FIRST if readings is None else (readings, *_BEST_FIRST)
@@ -282,18 +283,17 @@ def _reading(rest: str, given: str | None, default: Reading | None) -> tuple[Rea
 
 
 def _refuse_missing(found: Collection[str], headers: Sequence[str], rover: Rover) -> None:
-    listed = ", ".join(f'"{header}"' for header in headers)
     for joint, wheel in rover.steering_joints.items():
         if f"steering {wheel}" not in found:
             hint = did_you_mean([joint, f"{wheel}_steering"], headers)
             missing = f'no column for the steering angle of {wheel} ("{joint}")'
-            raise TableError(f"{missing} among {listed}{hint}")
+            raise TableError(f"{missing} among {listed(headers)}{hint}")
     if not any(name.startswith("wheel ") for name in found):
         named = ", ".join(f'"{joint}"' for joint in rover.traction_joints)
         hint = did_you_mean([*rover.traction_joints, *rover.wheel_names], headers)
         twice = len(set(headers)) < len(headers)
         given = f"; some have one name: {all_names(headers)}" if twice else proposed(headers, rover)
-        raise TableError(f"no column for any wheel ({named}) among {listed}{hint}{given}")
+        raise TableError(f"no column for any wheel ({named}) among {listed(headers)}{hint}{given}")
 
 
 def proposed(headers: Sequence[str], rover: Rover) -> str:

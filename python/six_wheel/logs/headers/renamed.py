@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
-from six_wheel.logs.headers.columns import TableError
+from six_wheel.logs.headers.columns import TableError, listed
 
 Columns: TypeAlias = Mapping[str, str] | Sequence[str]
 SHOWN = 40  # letters of a row
@@ -39,8 +39,7 @@ def renamed(headers: Sequence[str], columns: Columns, nameless: bool = False) ->
     }
     for one, other in columns.items():
         if one not in headers and other not in headers:
-            listed = ", ".join(f'"{header}"' for header in headers)
-            raise TableError(f'columns must name headers of the table, got "{one}" among {listed}')
+            raise TableError(f'columns must name headers of the table, got "{one}" among {listed(headers)}')
     return [meaning.get(header, "" if nameless else header) for header in headers]
 
 

@@ -18,6 +18,7 @@ from six_wheel.logs.headers.columns import (
     Unit,
     find_columns,
     is_number,
+    listed,
     means,
     words,
 )
@@ -115,10 +116,10 @@ def _refuse_missing(headers: Sequence[str]) -> None:
     if all(is_number(header) for header in headers):
         return
     likely, meaning = next(filter(None, map(_like_a_time, headers)), ("HEADER", "time [s]"))
-    listed = ", ".join(f'"{each}"' for each in headers)
     what = "with the header of the times" if likely == "HEADER" else "if that is it"
     hint = f"; give {columns({likely: meaning})}, {what}, or with another unit"
-    raise TableError(f"no column for time among {listed}; known: {', '.join(TIME.spellings)}{hint}")
+    known = ", ".join(TIME.spellings)
+    raise TableError(f"no column for time among {listed(headers)}; known: {known}{hint}")
 
 
 def _unknown_unit(header: str, unit: str) -> str:

@@ -204,7 +204,7 @@ def _separators(text: str) -> list[str]:
 def _headers(text: str, delimiter: str) -> list[str]:
     """The names in a line of headers."""
     if delimiter == SPACES:  # "left [rad]" is one name
-        text = re.sub(r"\s+(?=[\[(])", "", text)
+        text = re.sub(r"(?<!\s)\s+(?=[\[(])", "", text)
     return [cell.strip().strip('"').lstrip("#% ").strip() for cell in _cells(text, delimiter)]
 
 

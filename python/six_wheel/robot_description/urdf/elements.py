@@ -44,9 +44,7 @@ def parse(text: str, notes: Notes) -> ElementTree.Element:
         first = error
     reduced = text
     for count, tag in enumerate(SIDE_PARTS, 1):
-        # Line ends stay, so that lines keep their numbers.
-        pattern = re.compile(rf"<{tag}\b.*?</{tag}\s*>", re.DOTALL)
-        reduced = pattern.sub(lambda found: "\n" * found[0].count("\n"), reduced)
+        reduced = _without(tag, reduced)
         try:
             robot = _elements(reduced)
         except expat.ExpatError:
@@ -60,6 +58,16 @@ def parse(text: str, notes: Notes) -> ElementTree.Element:
         "check that tags are closed here and just above",
         line=first.lineno,
     )
+
+
+def _without(tag: str, text: str) -> str:
+    """A text without the elements of a tag. Line ends stay, so that lines keep their numbers."""
+    begin, end = re.compile(rf"<{tag}\b"), re.compile(rf"</{tag}\s*>")
+    kept, place = [], 0
+    while (first := begin.search(text, place)) and (last := end.search(text, first.end())):
+        kept += [text[place : first.start()], "\n" * text.count("\n", first.start(), last.end())]
+        place = last.end()
+    return "".join([*kept, text[place:]])
 
 
 def _elements(text: str) -> ElementTree.Element:

@@ -10,7 +10,6 @@ from six_wheel.kinematics.errors import needed, one_line
 from six_wheel.robot_description.urdf.elements import Notes
 
 ENDING = ".xacro"
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _NAME = re.compile(r"<name>\s*([^\s<]+)\s*</name>")
 _MISSING = re.compile(r"Package not found: (\S+)")
 # Stands for the folder of a package that is not here: a plugin's setting may name it, an include may not.
@@ -22,7 +21,8 @@ MOST_FOLDERS = 5_000  # that are looked into: a file in somebody's home must not
 
 def has_macros(path: Path, text: str) -> bool:
     """True if a robot description has xacro macros, which have to be expanded first."""
-    return path.suffix == ENDING or "<xacro:" in _COMMENT.sub("", text)
+    uncommented = (part.partition("<!--")[0] for part in text.split("-->"))
+    return path.suffix == ENDING or any("<xacro:" in part for part in uncommented)
 
 
 def expanded(path: Path, arguments: Mapping[str, str] | None, notes: Notes) -> str:
