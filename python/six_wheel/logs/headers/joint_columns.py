@@ -173,8 +173,8 @@ def joint_columns(
             break
     for name, (doubt, _) in doubts.items():
         if name not in by_reading:
-            readings = dict(each for other, (_, each) in doubts.items() if other not in by_reading)
-            raise TableError(f"{doubt}: give {columns(readings)}")
+            asked = dict(each for other, (_, each) in doubts.items() if other not in by_reading)
+            raise TableError(f"{doubt}: give {columns(asked)}")
     _refuse_missing(by_reading, headers, rover)
     wheel_columns = {name: kinds for name, kinds in by_reading.items() if name.startswith("wheel ")}
     choices = _BEST_FIRST if readings is None else (readings, *_BEST_FIRST)
