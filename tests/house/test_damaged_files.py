@@ -204,7 +204,7 @@ def copies(content: bytes, seed: str, folder: Path) -> Iterator[tuple[str, bytes
         yield other, (folder / other).read_bytes()
     for run in RUNS:
         middle = len(content) // 2
-        yield f"a run of {run!r}", content[:middle] + run * (60_000 // len(run)) + content[middle:]
+        yield f"a run of {run!r}", content[:middle] + run * (200_000 // len(run)) + content[middle:]
     for number in range(COPIES):
         yield f"damaged {number}", damaged(content, generator)
 

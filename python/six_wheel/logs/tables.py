@@ -6,8 +6,6 @@ are found by their headers, in the spellings of `headers.columns.QUANTITIES`, an
 pyarrow.
 """
 
-import contextlib
-import csv
 import io
 import os
 import re
@@ -364,21 +362,26 @@ class CommandTable(Table):
     def _unreadable(self, error: Exception) -> TableError:
         """The error that names the first bad row and its line, which the parser's own message does not."""
         if self.format == "csv":
-            with contextlib.suppress(csv.Error):
-                for row, (_, line) in enumerate(self._rows(), start=1):
-                    if message := self._bad_record(self._cells(line)):
-                        return self.error(row, message)
+            for row, (_, line) in enumerate(self._rows(), start=1):
+                if message := self._bad_record(line):
+                    return self.error(row, message)
         return TableError(f"{self.path}: {one_line(error)}")
 
-    def _bad_record(self, cells: list[str]) -> str | None:
+    def _bad_record(self, line: str) -> str | None:
+        try:
+            cells = self._cells(line)
+        except TableError:
+            return f"a row must be a line of cells, got {line!r:.60}"
         if len(cells) != len(self._headers):
             cut = "; is the file cut off?" if len(cells) < len(self._headers) else ""
             return f"a row must have {len(self._headers)} cells as the header has, got {len(cells)}{cut}"
         for name, column in self._columns.items():
             cell = cells[column.index].strip()
             whole = self._types[name] == "int64"
-            fits = re.fullmatch(r"-?\d+", cell) and abs(int(cell)) < 1 << 63 if whole else is_number(cell)
+            fits = (
+                re.fullmatch(r"-?\d{1,19}", cell) and abs(int(cell)) < 1 << 63 if whole else is_number(cell)
+            )
             if cell and not fits:
                 kind = "a whole number of nanoseconds" if whole else "a number"
-                return f'{name} must be {kind}, got "{cell}" in column "{column.header}"'
+                return f'{name} must be {kind}, got "{cell:.60}" in column "{column.header}"'
         return None
