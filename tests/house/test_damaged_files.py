@@ -68,9 +68,12 @@ def with_truth(path: Path) -> object:
         return opened.read(truth=path)
 
 
-# Runs in which a pattern may begin at every place: spaces of a header took a quarter of an hour, comments
-# of a robot description without an end took hours.
-RUNS = (b" ", b"[ ", b"<!--", b"1", b'"', b"<gazebo>")
+# Runs in which a pattern may begin at every place, or brackets nest, with the share of the file before them:
+# spaces of a header took a quarter of an hour, comments of a robot description without an end hours.
+RUNS = (
+    (0.0, b"["),
+    *((0.5, run) for run in (b" ", b"[ ", b"<!--", b"1", b'"', b"<gazebo>")),
+)
 
 # Public calls that read a path, by an argument of theirs: files that they read, and a call to the last row.
 READERS: dict[str, tuple[tuple[str, ...], Callable[[Path], object]]] = {
@@ -202,9 +205,9 @@ def copies(content: bytes, seed: str, folder: Path) -> Iterator[tuple[str, bytes
     yield "zeros", bytes(len(content))
     for other in ("rover.yaml", "rover.urdf", "map.tif", "map.nc", "log.mcap", "log.parquet", "truth.csv"):
         yield other, (folder / other).read_bytes()
-    for run in RUNS:
-        middle = len(content) // 2
-        yield f"a run of {run!r}", content[:middle] + run * (200_000 // len(run)) + content[middle:]
+    for share, run in RUNS:
+        place = round(share * len(content))
+        yield f"a run of {run!r}", content[:place] + run * (200_000 // len(run)) + content[place:]
     for number in range(COPIES):
         yield f"damaged {number}", damaged(content, generator)
 

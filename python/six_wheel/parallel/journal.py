@@ -50,7 +50,7 @@ class Journal:
         if manifest.exists():
             try:
                 theirs = json.loads(manifest.read_text())
-            except (ValueError, UnicodeDecodeError):
+            except (ValueError, RecursionError):
                 raise JournalError(f"{manifest} must be a journal's, it is not JSON") from None
             if theirs != mine:
                 raise JournalError(f"{self.path} holds another run: {_difference(theirs, mine)}")
@@ -76,7 +76,7 @@ class Journal:
             manifest = Path(path) / MANIFEST
             try:
                 theirs = json.loads(manifest.read_text())
-            except (OSError, ValueError, UnicodeDecodeError):
+            except (OSError, ValueError, RecursionError):
                 theirs = None
             if not isinstance(theirs, dict):
                 raise
@@ -104,7 +104,7 @@ class Journal:
                     return tuple(part[TUPLE]) if TUPLE in part else part
 
                 return json.loads(arrays["value"].tobytes(), object_hook=joined)
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        except (OSError, ValueError, KeyError, EOFError, RecursionError, zipfile.BadZipFile) as error:
             raise JournalError(f"{path} must be a finished item: {error}") from error
 
     def write(self, index: int, value: Any) -> None:

@@ -79,5 +79,5 @@ def _json(path: Path) -> Any:
         if path.stat().st_size > MAX_BYTES:
             return None
         return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
