@@ -142,5 +142,5 @@ def test_what_are_no_numbers_is_named():
             WheelLog(**keywords)
     with pytest.raises(TypeError, match="poses must be rows of as many numbers each, got 'ab'"):
         GroundTruth([0, 1], "ab")
-    with pytest.raises(ValueError, match="max_gap must be positive, got 'a'"):
+    with pytest.raises(ValueError, match="max_gap must be a number, got 'a'"):
         GroundTruth([0, 1], [[0, 0, 0], [1, 1, 1]], max_gap="a")

@@ -339,10 +339,10 @@ def _fit(
 def _readable(rover: Rover, log: WheelLog, number: int) -> WheelLog:
     """The log in radians, however it was read."""
     try:
-        return replace(heard(log.in_radians(rover), number), plausibility=False)  # it was checked
+        in_radians = log.in_radians(rover)
     except ValueError as error:
-        who = f"logs[{number}]"
-        raise (error if str(error).startswith(who) else ValueError(f"{who}: {error}")) from None
+        raise ValueError(f"logs[{number}]: {error}") from None
+    return replace(heard(in_radians, number), plausibility=False)  # it was checked
 
 
 def _noise(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -39,11 +38,6 @@ def one_line(error: BaseException) -> str:
     return " ".join(str(error).split()) or type(error).__name__
 
 
-def argument_of(error: BaseException) -> str:
-    """The argument that an error of the core is about: its text begins with it."""
-    return re.split(r"\W", str(error), maxsplit=1)[0]
-
-
 def as_path(argument: str, value: str | os.PathLike[str]) -> Path:
     """The path that an argument is."""
     from pathlib import Path  # nothing else needs it when the package is imported
@@ -66,10 +60,17 @@ def printable(text: str) -> str:
 
 
 class FileError(ValueError):
-    """A file that cannot be used. Its text may hold words of the file, and is printable all the same."""
+    """A file that cannot be used. Its text may hold words of the file, and is printable all the same.
+
+    It is made of parts, one of which may have the `option` of the command line that settles it.
+    """
+
+    def __init__(self, *parts: object) -> None:
+        super().__init__(*parts)
+        self.option: str = next(filter(None, (getattr(part, "option", "") for part in parts)), "")
 
     def __str__(self) -> str:
-        return printable(super().__str__())
+        return printable("".join(map(str, self.args)))
 
 
 class TableError(FileError):

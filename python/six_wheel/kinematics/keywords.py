@@ -10,7 +10,7 @@ from functools import wraps
 from numbers import Real
 from typing import Any, TypeVar, get_origin
 
-from six_wheel.kinematics.errors import ArgumentTypeError, FileError, argument_of
+from six_wheel.kinematics.errors import ArgumentTypeError, FileError
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 _C = TypeVar("_C", bound=type[Any])
@@ -93,13 +93,11 @@ def _too_many(call: str, placed: Collection[str], by_name: Collection[str], got:
     return f"{call}() takes {count} without names{listed}, got {got}{rest}"
 
 
-def explained(text: str, method: Callable[..., Any]) -> str | None:
-    """The message for a keyword that a method of the core does not have, of its error; None for others."""
-    found = re.match(r"(\S+)\(\) got an unexpected keyword argument '(\w+)'", text)
-    if found is None:
-        return None
+def unknown_of(method: Callable[..., Any], given: Iterable[str]) -> str | None:
+    """The message for the first keyword that a method of the core does not have; None if it has them all."""
     names = [name for name in inspect.signature(method).parameters if name != "self"]
-    return unknown_keyword(found[1], found[2], names)
+    wrong = next((name for name in given if name not in names), None)
+    return None if wrong is None else unknown_keyword(method.__qualname__, wrong, names)
 
 
 def checked(*others: Callable[..., Any], call: str = "") -> Callable[[_F], _F]:
@@ -207,7 +205,8 @@ def _mistyped(
     signatures are those of the function, then of those that its ``**options`` go to.
     """
     named = {name for signature in signatures.values() for name in signature.parameters}
-    if isinstance(error, FileError) or argument_of(error) in named:
+    argument = getattr(error, "argument", None)  # of an error of the core
+    if isinstance(error, FileError if argument else FileError | ArgumentTypeError) or argument in named:
         return None
     given = dict(keywords)
     for function, signature in signatures.items():

@@ -319,7 +319,7 @@ class WholeLog(Closing):
             name = Path(error.filename or path).name
             raise TableError(f"{path}: a log of format {kind} needs its {name}: {error.strerror}") from None
         except ValueError as error:
-            raise TableError(f"{path}: not a readable log of format {kind}: {error}") from None
+            raise TableError(f"{path}: not a readable log of format {kind}: ", error) from None
         if self._log.wheel_angles.shape[1] != len(rover.wheels):
             wheels, found = len(rover.wheels), self._log.wheel_angles.shape[1]
             raise TableError(f"{path}: the log must have {wheels} wheels, as the rover has, got {found}")

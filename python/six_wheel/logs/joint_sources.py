@@ -237,7 +237,7 @@ def refuse_counts(
             else:
                 checks.take(stamps, raw, None, None, batch.rows)
     except ImplausibleReadingError as error:
-        raise TableError(f"{source.path}: {error}; COUNTS are those of a turn") from None
+        raise TableError(f"{source.path}: ", error, "; COUNTS are those of a turn") from None
     proposal = encoders(counts=True, steering=of_steering)
     rule = f"{what} in ticks, and how many a turn has must be said"
-    raise TableError(f"{source.path}: {rule}: give {proposal}")
+    raise TableError(f"{source.path}: {rule}: give ", proposal)

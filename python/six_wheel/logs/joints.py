@@ -304,7 +304,7 @@ class JointLog(Closing):
         except TableError:
             raise
         except ValueError as error:
-            raise TableError(f"{self.path}: {error}") from None
+            raise TableError(f"{self.path}: ", error) from None
 
     def _rows(self, batch: Batch) -> JointRows:
         stamps = seconds_since(self.origin, batch.time, self._source.time_unit)
@@ -357,7 +357,7 @@ class JointLog(Closing):
         try:
             check()
         except ImplausibleReadingError as error:
-            raise TableError(f"{self.path}: {error}") from None
+            raise TableError(f"{self.path}: ", error) from None
 
     def _turning(self) -> Turning | None:
         """Resampler that brings rates of a gyroscope with stamps of its own to the rows."""

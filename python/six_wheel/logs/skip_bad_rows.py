@@ -99,7 +99,7 @@ class TolerantTable(Table):
     def _find(self, headers: Sequence[str]) -> dict[str, Column]:
         nameless = self.format == "csv" and not self._dialect.has_header
         if nameless and not self._renamed:
-            raise TableError(without_header(headers))
+            raise TableError(*without_header(headers))
         return self._find_in(renamed(headers, self._renamed, nameless), self._field_units)
 
     @property
@@ -342,8 +342,9 @@ class Sieve:
         time = np.concatenate([batch.time, following])
         if self._last is None and not self._stated and abs(time[0]) > LATEST_SECOND:
             rule = "time must be in seconds unless its header states a unit, such as time_ns"
-            got = f"{rule}, got {time[0]}: {since_1970(float(time[0]))}"
-            raise TableError(f"{self._findings.path}: row {batch.rows[0]}: {got}")
+            got = f"{rule}, got {time[0]}: "
+            first = f"{self._findings.path}: row {batch.rows[0]}: {got}"
+            raise TableError(first, *since_1970(float(time[0])))
         late = self._last is not None and time[0] <= self._last
         if late or (np.diff(time) <= 0).any():
             kept = []

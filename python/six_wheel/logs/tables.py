@@ -124,7 +124,7 @@ class Table(Closing):
         except BaseException as error:
             self.close()
             if isinstance(error, TableError):
-                raise TableError(f"{path}: {error}") from None
+                raise TableError(f"{path}: ", error) from None
             raise
         self.time_unit = self._columns["time"].unit
 

@@ -24,6 +24,16 @@ class Proposal(NamedTuple):
         return Proposal(f"{self.key}, {other.key}", option, f"{self.argument}, {other.argument}")
 
 
+class Option(str):
+    """The same where the other forms are written in other words: options of the command line alone."""
+
+    __slots__ = ()
+
+    @property
+    def option(self) -> str:
+        return str(self)
+
+
 class DoubtError(ValueError):
     """Input that leaves something open. Its text has what settles it, as Python writes it.
 

@@ -67,17 +67,12 @@ impl Error {
         self.row = self.row.map(|row| first + row);
         self
     }
-
-    /// The message, with the place in a batch written by the caller, who knows its shape.
-    pub fn message(&self, place: &str) -> String {
-        format!("{}{place} must {}, got {}", self.argument, self.rule, self.value)
-    }
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let place = self.row.map_or_else(String::new, |row| format!("[{row}]"));
-        f.write_str(&self.message(&place))
+        write!(f, "{}{place} must {}, got {}", self.argument, self.rule, self.value)
     }
 }
 

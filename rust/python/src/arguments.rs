@@ -9,7 +9,7 @@ use pyo3::PyClass;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 
-use crate::convert::{ArgumentTypeError, is_of_another_kind, number, numbers, short_repr};
+use crate::convert::{is_of_another_kind, number, numbers, refuse_type, short_repr};
 
 /// Letters of a value that are shown.
 const LONGEST: usize = 60;
@@ -52,7 +52,7 @@ pub fn other_kind(argument: &str, kind: &str, value: &Bound<'_, PyAny>, remedy: 
         "" => String::new(),
         remedy => format!(": give {remedy}"),
     };
-    ArgumentTypeError::new_err(format!("{argument} must be {kind}, got {shown}{remedy}"))
+    refuse_type(argument, &format!("be {kind}"), &format!("{shown}{remedy}"))
 }
 
 /// A number, a short text or None as it is, of another value its class with the article.

@@ -25,7 +25,7 @@ use six_wheel_terrain::suspension::WHEELS;
 
 use crate::arguments::ArgumentKind;
 use crate::classes::{reduce, repr_of_call};
-use crate::convert::{ArgumentTypeError, OrRaise, items, ready, refuse, short_repr};
+use crate::convert::{OrRaise, items, ready, refuse, refuse_type, short_repr};
 use crate::suspension::{RockerBogie, Suspension};
 use crate::unit_warnings::warn_units;
 use crate::wheel::{Wheel, hash_wheel, steering_limit};
@@ -178,8 +178,7 @@ impl Rover {
 /// The wheels of a sequence.
 fn read_wheels(wheels: &Bound<'_, PyAny>) -> PyResult<Vec<Wheel>> {
     let refused = |place: &str, value: &Bound<'_, PyAny>| {
-        let got = short_repr(value);
-        ArgumentTypeError::new_err(format!("wheels must be a sequence of Wheel, got {got}{place}"))
+        refuse_type("wheels", "be a sequence of Wheel", &format!("{}{place}", short_repr(value)))
     };
     if wheels.try_iter().is_err() || wheels.is_instance_of::<PyDict>() {
         return Err(refused("", wheels));

@@ -1,6 +1,5 @@
 """`six-wheel inspect`: the columns or topics of a log, and what to do with it next."""
 
-import re
 from pathlib import Path
 from typing import Annotated
 
@@ -36,13 +35,12 @@ def inspect(
         print(f"is not read: {found.refusal}")
     warn(found.doubts)
     given = log_reading.arguments()
-    proposed = re.search(r"[Gg]ive (--.*?)(?:, or |; |$)", found.refusal or "")
     if chosen is None:
         command = f"inspect {log} ROVER"
     elif found.refusal is None:
         command = f"odometry {rover} {log}"
-    elif proposed is not None:
-        command, given = f"inspect {log} {rover}", f"{given} {proposed[1]}"
+    elif found.option:
+        command, given = f"inspect {log} {rover}", f"{given} {found.option}"
     else:
         return
     print(f"next: {' '.join([PROGRAM, command, given.strip()]).rstrip()}")  # one line, to be pasted

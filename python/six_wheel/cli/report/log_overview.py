@@ -39,12 +39,14 @@ class ColumnOverview:
 
 @dataclass(frozen=True)
 class LogOverview:
-    """Content of a log: `columns`, `facts` about all of it, why it is not read, and what is doubted."""
+    """Content of a log: `columns`, `facts` about all of it, why it is not read, and what is doubted; the
+    `option` with which it is read, where a refusal proposes one."""
 
     columns: tuple[ColumnOverview, ...]
     facts: Mapping[str, str]
     refusal: str | None
     doubts: tuple[str, ...] = ()
+    option: str = ""
 
 
 def overview(path: Path, rover: Rover | None = None, options: LogOptions | None = None) -> LogOverview:
@@ -61,7 +63,7 @@ def overview(path: Path, rover: Rover | None = None, options: LogOptions | None 
     """
     log_format(path)
     columns, facts = _of_bag(path) if is_bag(path) else _of_table(path, rover, options or LogOptions())
-    refusal, doubts = None, list[str]()
+    refusal, doubts, option = None, list[str](), ""
     if rover is not None:
         try:
             with open_log(path, rover, options or LogOptions()) as log:
@@ -69,8 +71,8 @@ def overview(path: Path, rover: Rover | None = None, options: LogOptions | None 
                 doubts = [line.removeprefix(f"{path}: ") for line in log.warnings]
                 facts = facts | {"rows that can be used": f"{rows:,}", "wheels are read as": log.readings}
         except ValueError as error:
-            refusal = str(error).removeprefix(f"{path}: ")
-    return LogOverview(tuple(columns), facts, refusal, tuple(doubts))
+            refusal, option = str(error).removeprefix(f"{path}: "), getattr(error, "option", "")
+    return LogOverview(tuple(columns), facts, refusal, tuple(doubts), option)
 
 
 def _of_bag(path: Path) -> Found:

@@ -11,6 +11,7 @@ from six_wheel.kinematics.errors import one_line
 from six_wheel.logs.bags.bag_files import files_of, rosbags_names, whole_part
 from six_wheel.logs.headers.columns import TIME_UNITS, TableError
 from six_wheel.logs.plausibility.findings import Findings
+from six_wheel.logs.plausibility.proposals import Option
 from six_wheel.robot_description.missing_files import no_file
 
 if TYPE_CHECKING:
@@ -39,8 +40,8 @@ FIELDS = {
 }
 
 
-def numbers_in(connections: Sequence[Any]) -> str:
-    """Proposal to read topics with numbers as wheels; nothing if there are none."""
+def numbers_in(connections: Sequence[Any]) -> tuple[str, ...]:
+    """Parts of a proposal to read topics with numbers as wheels; nothing if there are none."""
     keys = []
     for one in connections:
         if found := NUMBERS.fullmatch(one.msgtype):
@@ -48,11 +49,12 @@ def numbers_in(connections: Sequence[Any]) -> str:
         else:
             keys += [one.topic + field for field in FIELDS.get(one.msgtype.rpartition("/")[2], ())]
     if not keys:
-        return ""
+        return ()
     options = " ".join(f'--topic "{key}=WHEEL [UNIT]"' for key in keys[:4])
     python = ", ".join(f'"{key}": "WHEEL [UNIT]"' for key in keys[:4])
     unit = "UNIT one of rad, ticks, rad/s, m/s; of a steering angle WHEEL_steering [rad]"
-    return f"; numbers can be read: give {options}, or topics: {{{python}}} in the parameter file, {unit}"
+    rest = f", or topics: {{{python}}} in the parameter file, {unit}"
+    return "; numbers can be read: give ", Option(options), rest
 
 
 class Bag:
@@ -126,10 +128,10 @@ class Bag:
         if not there:
             kinds = ", ".join(each.rpartition("/")[2] for each in types)
             listed = ", ".join(f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in every[:12]) or "none"
-            hint = numbers_in(every) if types == [JOINT_STATE] else ""
+            hint = numbers_in(every) if types == [JOINT_STATE] else ()
             self.close()
-            none = f"no topic has messages of the type {kinds}; the bag has {listed}{hint}"
-            raise TableError(f"{self.path}: {none}")
+            none = f"no topic has messages of the type {kinds}; the bag has {listed}"
+            raise TableError(f"{self.path}: {none}", *hint)
         # A recorder of everything lists topics on which nothing came.
         spoken = {c.topic for c in there if c.msgcount} or {c.topic for c in there}
         names = sorted({c.topic for c in there} if topics else spoken)

@@ -27,7 +27,7 @@ from six_wheel.logs.headers.rate_columns import rate_columns
 from six_wheel.logs.headers.renamed import all_names
 from six_wheel.logs.headers.time_columns import time_columns
 from six_wheel.logs.headers.truth_columns import ANGLES, truth_columns
-from six_wheel.logs.plausibility.proposals import columns
+from six_wheel.logs.plausibility.proposals import Proposal, columns
 
 Reading: TypeAlias = Literal["angles", "speeds", "ticks"]
 READINGS: tuple[Reading, ...] = get_args(Reading)
@@ -174,7 +174,7 @@ def joint_columns(
     for name, (doubt, _) in doubts.items():
         if name not in by_reading:
             asked = dict(each for other, (_, each) in doubts.items() if other not in by_reading)
-            raise TableError(f"{doubt}: give {columns(asked)}")
+            raise TableError(f"{doubt}: give ", columns(asked))
     _refuse_missing(by_reading, headers, rover)
     wheel_columns = {name: kinds for name, kinds in by_reading.items() if name.startswith("wheel ")}
     choices = _BEST_FIRST if readings is None else (readings, *_BEST_FIRST)
@@ -292,12 +292,12 @@ def _refuse_missing(found: Collection[str], headers: Sequence[str], rover: Rover
         named = ", ".join(f'"{joint}"' for joint in rover.traction_joints)
         hint = did_you_mean([*rover.traction_joints, *rover.wheel_names], headers)
         twice = len(set(headers)) < len(headers)
-        given = f"; some have one name: {all_names(headers)}" if twice else proposed(headers, rover)
-        raise TableError(f"no column for any wheel ({named}) among {listed(headers)}{hint}{given}")
+        given = ("; some have one name: ", *all_names(headers)) if twice else _proposed(headers, rover)
+        raise TableError(f"no column for any wheel ({named}) among {listed(headers)}{hint}", *given)
 
 
-def proposed(headers: Sequence[str], rover: Rover) -> str:
-    """Proposal to read headers as wheels, by names, initials or their order; or nothing."""
+def _proposed(headers: Sequence[str], rover: Rover) -> tuple[str | Proposal, ...]:
+    """Parts of a proposal to read headers as wheels, by names, initials or their order; or nothing."""
     bare = {header: BRACKETS.match(header) for header in headers}
     names = {header: (found[1] if found else header) for header, found in bare.items()}
     found = _like(names, rover) or _in_order(headers, rover)
@@ -307,9 +307,9 @@ def proposed(headers: Sequence[str], rover: Rover) -> str:
         meanings[header] = f"{wheel} [{bracketed[2]}]" if bracketed else wheel + _by_name(words(header))
     if not meanings:
         meanings = {f"HEADER{k}": f"{wheel} [UNIT]" for k, wheel in enumerate(rover.wheel_names, start=1)}
-        return f"; give {columns(meanings)}, with headers of this log and their unit, or [ticks]"
+        return "; give ", columns(meanings), ", with headers of this log and their unit, or [ticks]"
     guessed = any("[" not in meaning for meaning in meanings.values())
-    return f"; give {columns(meanings)}{', or with their unit, as [deg]' if guessed else ''}"
+    return "; give ", columns(meanings), ", or with their unit, as [deg]" if guessed else ""
 
 
 def _like(names: Mapping[str, str], rover: Rover) -> dict[str, str]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 from six_wheel.logs.headers.columns import TableError, listed
+from six_wheel.logs.plausibility.proposals import Option
 
 Columns: TypeAlias = Mapping[str, str] | Sequence[str]
 SHOWN = 40  # letters of a row
@@ -49,17 +50,17 @@ def _bare(name: str, headers: Sequence[str]) -> str:
     return bare if name not in headers and bare in headers else name
 
 
-def without_header(cells: Sequence[str]) -> str:
-    """The message for a table that begins with numbers."""
+def without_header(cells: Sequence[str]) -> tuple[str, ...]:
+    """Parts of the message for a table that begins with numbers."""
     row = ",".join(cells)
     row = row if len(row) <= SHOWN else row[:SHOWN] + "..."
-    return f'the first line must name the columns, got "{row}": {all_names(cells)}'
+    return f'the first line must name the columns, got "{row}": ', *all_names(cells)
 
 
-def all_names(cells: Sequence[str]) -> str:
-    """Proposal to name all columns in their order."""
+def all_names(cells: Sequence[str]) -> tuple[str, ...]:
+    """Parts of a proposal to name all columns in their order."""
     such = ",".join(("time", *(f"NAME{number}" for number in range(2, len(cells) + 1))))
     python = ", ".join(f'"{name}"' for name in such.split(","))
     names = 'each NAME such as "left [rad]" or "left [ticks]", or nothing for what is not to be read'
     listed = f"columns: [{python}] in the parameter file, or columns=[{python}] in Python"
-    return f'give --columns "{such}", or {listed}, {names}'
+    return "give ", Option(f'--columns "{such}"'), f", or {listed}, {names}"

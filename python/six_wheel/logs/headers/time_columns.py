@@ -74,7 +74,7 @@ def time_columns(
     if stated is not None and not column.stated:
         unit = next((unit for unit in TIME.units if words(stated) in unit.spellings), None)
         if unit is None:
-            raise TableError(_unknown_unit(column.header, stated))
+            raise _unknown_unit(column.header, stated)
         column = replace(column, unit=unit, stated=True)
     if stamp_unit is not None:
         unit = next(unit for unit in TIME.units if unit.symbol == stamp_unit)
@@ -112,20 +112,19 @@ def _refuse_missing(headers: Sequence[str]) -> None:
     for header in headers:
         bracketed = BRACKETS.match(header)
         if bracketed and means(bracketed[1], TIME):
-            raise TableError(_unknown_unit(header, bracketed[2]))
+            raise _unknown_unit(header, bracketed[2])
     if all(is_number(header) for header in headers):
         return
     likely, meaning = next(filter(None, map(_like_a_time, headers)), ("HEADER", "time [s]"))
     what = "with the header of the times" if likely == "HEADER" else "if that is it"
-    hint = f"; give {columns({likely: meaning})}, {what}, or with another unit"
-    known = ", ".join(TIME.spellings)
-    raise TableError(f"no column for time among {listed(headers)}; known: {known}{hint}")
+    none = f"no column for time among {listed(headers)}; known: {', '.join(TIME.spellings)}; give "
+    raise TableError(none, columns({likely: meaning}), f", {what}, or with another unit")
 
 
-def _unknown_unit(header: str, unit: str) -> str:
+def _unknown_unit(header: str, unit: str) -> TableError:
     known = ", ".join(each.symbol for each in TIME.units)
     rule = f'the unit of column "{header}" must be one of {known}, got "{unit}"'
-    return f"{rule}: give {columns({header: 'time [s]'})}, with its unit"
+    return TableError(f"{rule}: give ", columns({header: "time [s]"}), ", with its unit")
 
 
 def _like_a_time(header: str) -> tuple[str, str] | None:

@@ -141,7 +141,7 @@ def check_turning(
         if abs(product / power - ratio) < NEAR * ratio and not 0.5 < ratio < 2.0:
             what = f"the wheels turn the rover by {product / power:.3g} of what the gyroscope says"
             rest = f"{at_its_word().option} ({at_its_word().argument}) takes them as they are"
-            raise ImplausibleReadingError(f"{what}: {unit}, and not rad? Give {proposals[unit]}; {rest}")
+            raise ImplausibleReadingError(f"{what}: {unit}, and not rad? Give ", proposals[unit], f"; {rest}")
 
 
 def _remedy(wheels: list[str]) -> str:

@@ -162,7 +162,7 @@ class ReadingChecks:
             return
         if known.turn and self.turns.returned and not known.increments_stated:
             column = next(each for each in known.wheels if each.header)
-            raise ImplausibleReadingError(returned_counts(column))
+            raise returned_counts(column)
         duration = self._last[0] - self._begin
         for line in (
             *self.turns.doubts(known, self.rows, duration),
@@ -252,7 +252,7 @@ class ReadingChecks:
             if found is not None and (reset or found.wraps_at is not None):
                 shift = 0 if before is None else 1
                 at = [self._row(int(k) - shift, numbers) for k in found.rows]
-                raise ImplausibleReadingError(self._jumping(column, found, at, steering))
+                raise self._jumping(column, found, at, steering)
 
     def _check_steps(
         self, stamps: Floats, turned: Floats, raw: bool, numbers: NDArray[np.int64] | None
@@ -274,8 +274,7 @@ class ReadingChecks:
                 at = [self._row(int(k), numbers) for k in found.rows]
                 steps = f"from {found.before:.4g} to {found.after:.4g} m at the rim"
                 what = f'"{column.header}" jumps in {rows(at)} ({steps})'
-                rest = "a step beyond it counts as none"
-                raise ImplausibleReadingError(f"{what}: give {max_speed(10.0)}; {rest}")
+                raise _too_far(what)
             if goes_to_and_fro(turned[:, place] * radii[place], longest):
                 what = f'"{column.header}" goes to and fro from row to row, farther than a wheel can'
                 guess = "readings of two rovers or of two logs in one table?"
@@ -283,8 +282,10 @@ class ReadingChecks:
                     f"{what}: {guess} Make a file of each, or {at_its_word().option}"
                 )
 
-    def _jumping(self, column: Column, found: Jumps, at: Sequence[int], steering: bool) -> str:
-        """The line about a column that jumps."""
+    def _jumping(
+        self, column: Column, found: Jumps, at: Sequence[int], steering: bool
+    ) -> ImplausibleReadingError:
+        """The error for a column that jumps."""
         known = self.readings
         steps = f"from {number(found.before)} to {number(found.after)}"
         if found.wraps_at is not None:
@@ -295,9 +296,9 @@ class ReadingChecks:
                 turn = found.wraps_at  # degrees, or whole turns
             proposal = encoders(wraps_at=found.wraps_at, counts=counts, turn=turn, steering=steering)
             what = f'"{column.header}" wraps at {number(found.wraps_at)} in {rows(at)} ({steps})'
-            return f"{what}: give {proposal}"
+            return ImplausibleReadingError(f"{what}: give ", proposal)
         what = f'"{column.header}" was set anew in {rows(at)} ({steps})'
-        return f"{what}: give {max_speed(10.0)}; a step beyond it counts as none"
+        return _too_far(what)
 
     def _check_motion(
         self,
@@ -363,9 +364,7 @@ class ReadingChecks:
         found = check_motion(known.rover, rates, middles, periods[later])
         if found is not None:
             stretch, wheel, figure = found
-            raise ImplausibleReadingError(
-                impossible(known, wheel, f"{figure} in row {self._row(int(ends[stretch]), numbers)}")
-            )
+            raise impossible(known, wheel, f"{figure} in row {self._row(int(ends[stretch]), numbers)}")
 
     def _check_gaps(self, stamps: Floats, readings: Floats, numbers: NDArray[np.int64] | None) -> None:
         """Warns of long times without readings while wheels turn."""
@@ -386,3 +385,7 @@ class ReadingChecks:
             what = f"{gap} before row {self._row(place - shift, numbers)}, with {turning}"
             longest = stamps[place] - stamps[place - 1] + 0.1
             self.warn(f"{what}: the path across is a guess; max_gap={longest:.1f} accepts it")
+
+
+def _too_far(what: str) -> ImplausibleReadingError:
+    return ImplausibleReadingError(f"{what}: give ", max_speed(10.0), "; a step beyond it counts as none")

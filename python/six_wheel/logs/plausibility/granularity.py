@@ -51,7 +51,7 @@ def check_steps_of_turns(wheels: Floats, named: Sequence[Column], row: int, mapp
             f"{counts} of them are {turn:g}, and 2 pi is no whole number of them: {UNITS[turn]}, and not rad?"
         )
         rest = f"{at_its_word().option} ({at_its_word().argument}) takes them as they are"
-        raise ImplausibleReadingError(f"{what}: {guess} Give {proposal}; {rest}")
+        raise ImplausibleReadingError(f"{what}: {guess} Give ", proposal, f"; {rest}")
 
 
 def _is_whole(counts: float) -> bool:

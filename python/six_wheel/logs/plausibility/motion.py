@@ -10,6 +10,7 @@ from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
     Column,
     ImplausibleReadingError,
+    Option,
     Proposal,
     at_its_word,
     columns,
@@ -131,18 +132,14 @@ def check_steering(
         what = (
             f'"{column.header}" is at {reach[number]:.4g} rad in row {at}, beyond the joint of {column.wheel}'
         )
-        rest = at_its_word().option
-        raise ImplausibleReadingError(
-            f"{what}: degrees? Give {_in_degrees(joints, named)}; {rest} takes it as it is"
-        )
+        rest = f"; {at_its_word().option} takes it as it is"
+        raise ImplausibleReadingError(f"{what}: degrees? Give ", _in_degrees(joints, named), rest)
     off, turned = (_off(rover, rates, angles) for angles in (steering, np.radians(steering)))
     if off > SHARP and turned < FLAT:
         names = ", ".join(f'"{column.header}"' for column in joints)
-        rest = at_its_word().option
-        raise ImplausibleReadingError(
-            f"{names} from row {row} on: wheels would slip sideways at these angles in radians, and roll in "
-            f"degrees: give {_in_degrees(joints, named)}; {rest} takes them as they are"
-        )
+        what = "wheels would slip sideways at these angles in radians, and roll in degrees: give "
+        rest = f"; {at_its_word().option} takes them as they are"
+        raise ImplausibleReadingError(f"{names} from row {row} on: {what}", _in_degrees(joints, named), rest)
 
 
 def _in_degrees(joints: Sequence[Column], named: bool) -> Proposal:
@@ -174,15 +171,16 @@ def _range(wheel: Wheel) -> float:
     return max(1.5 * most, most + PLAY)
 
 
-def impossible(known: Readings, wheel: int, figure: str) -> str:
-    """The line about a wheel that does what none can; `figure` says what and in which row."""
+def impossible(known: Readings, wheel: int, figure: str) -> ImplausibleReadingError:
+    """The error for a wheel that does what none can; `figure` says what and in which row."""
     what = f'"{known.wheels[wheel].header}" {figure}'
     rest = f"{at_its_word().option} ({at_its_word().argument}) takes them as they are"
     if known.kind in ("ticks", "increments"):
         guess = "are there as many counts in a turn, and are its stamps seconds?"
-        return f"{what}: {guess} Give --ticks-per-turn COUNTS, or {stamp_unit('ms')}; {rest}"
+        by_turn = Option("--ticks-per-turn COUNTS")
+        return ImplausibleReadingError(f"{what}: {guess} Give ", by_turn, f", or {stamp_unit('ms')}; {rest}")
     proposal = degrees(known.wheels, known.kind == "speeds", known.named)
     more = "" if known.clock_stated else f", or {stamp_unit('ms').option}"
     guess = "degrees, or counts, or stamps in another unit?"
     counts = f"--ticks-per-turn COUNTS{more}"
-    return f"{what}: {guess} Give {proposal}; for others {counts}; {rest}"
+    return ImplausibleReadingError(f"{what}: {guess} Give ", proposal, f"; for others {counts}; {rest}")

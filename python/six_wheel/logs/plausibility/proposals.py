@@ -4,11 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from six_wheel.kinematics.errors import FileError
-from six_wheel.robot_description.doubts import Proposal
+from six_wheel.robot_description.doubts import Option, Proposal
 
 __all__ = [
     "Column",
     "ImplausibleReadingError",
+    "Option",
     "Proposal",
     "at_its_word",
     "columns",

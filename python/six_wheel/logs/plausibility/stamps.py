@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
     ImplausibleReadingError,
+    Proposal,
     at_its_word,
     stamp_unit,
 )
@@ -41,15 +42,14 @@ def unit_since_1970(first: float) -> str:
     return "ms" if abs(first) < 1e14 else "us" if abs(first) < 1e17 else "ns"
 
 
-def since_1970(first: float) -> str:
-    """The question for a stamp that is no second of these days."""
+def since_1970(first: float) -> tuple[str | Proposal, ...]:
+    """The parts of the question for a stamp that is no second of these days."""
     unit = unit_since_1970(first)
     if abs(first) / dict(UNITS)[unit] < LATEST_YEAR:
-        return f"{unit} since 1970? Give {stamp_unit(unit)}"
+        return f"{unit} since 1970? Give ", stamp_unit(unit)
     such = "as 2026-11-23 12:59:59.95"
-    return (
-        f"a date and a time in one number? Write them {such}, or say the unit with {stamp_unit('us').option}"
-    )
+    said = f"say the unit with {stamp_unit('us').option}"
+    return (f"a date and a time in one number? Write them {such}, or {said}",)
 
 
 def check_origin(first: float, header: str, row: int) -> None:
@@ -59,7 +59,7 @@ def check_origin(first: float, header: str, row: int) -> None:
         return
     got = f'got {first:.17g} in column "{header}"'
     rule = f"row {row}: time must be in seconds unless it is said that it is not, {got}"
-    raise ImplausibleReadingError(f"{rule}: {since_1970(first)}")
+    raise ImplausibleReadingError(f"{rule}: ", *since_1970(first))
 
 
 def check_clock(stamps: Floats, speeds: Floats, rates: bool, header: str, row: int) -> None:
@@ -106,9 +106,12 @@ def check_clock(stamps: Floats, speeds: Floats, rates: bool, header: str, row: i
         symbol = next(s for s, by in units if DRIVING[0] <= pace * by <= DRIVING[1])
         why = f"rows {period:g} s apart and wheels no faster than {pace:.2g} m/s"
     what = f'column "{header}" gives {why} from row {row} on, as times in {symbol} would'
-    raise ImplausibleReadingError(
-        f"{what}: give {stamp_unit(symbol)}; they are seconds with {stamp_unit('s').option}"
-    )
+    raise _in_unit(what, symbol)
+
+
+def _in_unit(what: str, symbol: str) -> ImplausibleReadingError:
+    rest = f"; they are seconds with {stamp_unit('s').option}"
+    return ImplausibleReadingError(f"{what}: give ", stamp_unit(symbol), rest)
 
 
 def _check_long_units(period: float, speeds: Floats, rates: bool, header: str, row: int) -> None:
@@ -123,9 +126,7 @@ def _check_long_units(period: float, speeds: Floats, rates: bool, header: str, r
         what = (
             f'column "{header}" gives rows {period:.2g} s apart from row {row} on, as times in {symbol} would'
         )
-        raise ImplausibleReadingError(
-            f"{what}: give {stamp_unit(symbol)}; they are seconds with {stamp_unit('s').option}"
-        )
+        raise _in_unit(what, symbol)
 
 
 def check_order(stamps: Floats, warn: Callable[[str], None], header: str) -> None:

@@ -49,9 +49,8 @@ def check_counts(
                 ending = "_steering [ticks]" if steering else " [ticks]"
                 meanings = {each.header: f"{each.wheel}{ending}" for each in named if each.header}
                 proposal = columns(meanings).beside(proposal)
-            raise ImplausibleReadingError(
-                f"{what}: counts are no radians; give {proposal}, COUNTS those of a turn"
-            )
+            what = f"{what}: counts are no radians; give "
+            raise ImplausibleReadingError(what, proposal, ", COUNTS those of a turn")
 
 
 def check_thousands(readings: Floats, column: Column, row: int) -> None:
@@ -88,11 +87,7 @@ def check_increments_as_totals(readings: Floats, column: Column, row: int) -> No
     way = float(np.abs(moves).sum())
     if flips > FLIPS and span >= LEVELS and way > 3.0 * span and float(np.median(np.abs(moves))) < span:
         what = f'"{column.header}" goes to and fro between {there.min():.0f} and {there.max():.0f}'
-        proposal = encoders(increments=True)
-        rest = "they are totals with increments: false"
-        raise ImplausibleReadingError(
-            f"{what} from row {row} on, as counts of each row would: give {proposal}; {rest}"
-        )
+        raise _in_increments(f"{what} from row {row} on")
 
 
 def check_increments(readings: Floats, column: Column, row: int) -> None:
@@ -111,8 +106,14 @@ def check_increments(readings: Floats, column: Column, row: int) -> None:
         )
 
 
-def returned_counts(column: Column) -> str:
-    """The line about counts of all wheels that rested at 0 after a motion and went on, as totals do not."""
-    what = f'"{column.header}" and all other counts rest at 0 again after a motion and then go on'
-    proposal = encoders(increments=True)
-    return f"{what}, as counts of each row would: give {proposal}; they are totals with increments: false"
+def returned_counts(column: Column) -> ImplausibleReadingError:
+    """The error for counts of all wheels that rested at 0 after a motion and went on, as totals do not."""
+    return _in_increments(
+        f'"{column.header}" and all other counts rest at 0 again after a motion and then go on'
+    )
+
+
+def _in_increments(what: str) -> ImplausibleReadingError:
+    rest = "; they are totals with increments: false"
+    what = f"{what}, as counts of each row would: give "
+    return ImplausibleReadingError(what, encoders(increments=True), rest)

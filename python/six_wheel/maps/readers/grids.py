@@ -87,9 +87,17 @@ def _numbers(path: Path, parts: list[str]) -> NDArray[np.float64]:
         parts = ["nan" if is_unknown else part for part, is_unknown in zip(parts, unknown, strict=True)]
     try:
         return _floats(parts)
-    except ValueError as error:
-        told = str(error).rpartition(": ")[2][:60]
+    except ValueError:
+        told = repr(next(part for part in parts if not _is_number(part)))[:60]
         raise TerrainFileError(f"{path} is no map as text: it has {told} where a height belongs") from None
+
+
+def _is_number(text: str) -> bool:
+    try:
+        np.array([text], dtype=np.float64)
+    except ValueError:
+        return False
+    return True
 
 
 def _esri(path: Path, lines: list[str], options: Options) -> tuple[Grid, Options]:

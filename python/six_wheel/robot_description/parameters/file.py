@@ -29,7 +29,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
-from six_wheel.kinematics.errors import argument_of, as_path, printable
+from six_wheel.kinematics.errors import as_path, printable
 from six_wheel.kinematics.keywords import checked, did_you_mean
 from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 from six_wheel.robot_description.gyroscope_errors import ARGUMENTS
@@ -244,7 +244,7 @@ def _check_controller(section: Section, parameters: Parameters, log: FileFinding
 
 def _refuse(section: Section, error: ValueError, log: FileFindings) -> NoReturn:
     """Limits or ways of a controller that fit neither each other nor the rover."""
-    key = str(error).partition(" ")[0]
+    key = getattr(error, "argument", "")
     at = ("limits" if key in LimitKeys.model_fields else "control", key)
     section.report(log.error, at, f"{at[0]}.{error}", "change one of the two")
     raise log.failure() from None
@@ -310,7 +310,7 @@ def _rover(section: Section, form: Form, values: Values, log: FileFindings) -> R
             suspension=layout.suspension,
         )
     except ValueError as error:
-        log.fail(section.line_of((argument_of(error),)), str(error), "see the keys it names")
+        log.fail(section.line_of((getattr(error, "argument", ""),)), str(error), "see the keys it names")
 
 
 def _layout(section: Section, form: Form, values: Values, log: FileFindings) -> Rover | None:
@@ -321,7 +321,7 @@ def _layout(section: Section, form: Form, values: Values, log: FileFindings) -> 
         return form.layout(form.stand_in | values if log.has_errors else values)
     except ValueError as error:
         if form.needed <= values.keys():
-            at = tuple(key for key in (argument_of(error),) if key in section.data)
+            at = tuple(key for key in (getattr(error, "argument", ""),) if key in section.data)
             if not (log.has_error_at(*at) if at else log.has_errors):
                 line = section.line_of(at) if at else section.line
                 log.error(line, at, str(error), "see the keys it names")

@@ -29,6 +29,13 @@ def as_argument(value: Any) -> Any:
     return tuple(map(as_argument, value)) if isinstance(value, list) else value
 
 
+def refusal(argument: str, problem: str) -> ValueError:
+    """An error with the attributes that those of the core have."""
+    error = ValueError(f"{argument} {problem}")
+    vars(error).update(argument=argument, place="", problem=problem)
+    return error
+
+
 def check_name(text: str) -> str:
     if not text.strip() or not text.isprintable():
         raise ValueError(f"a name must have visible characters and no others, got {text!r}")

@@ -4,7 +4,6 @@ The rules for numbers are the core's own, asked one argument at a time; types an
 there are is in `vehicle_types` (this package's own) and `foreign` (those of others).
 """
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -140,7 +139,7 @@ def _explain(detail: ErrorDetails, section: Section, form: Form, report: Report)
     at = tuple(part for part in detail["loc"] if not str(part).startswith("<"))
     key, kind, value = spell(at), detail["type"], detail["input"]
     if kind == "value_error":
-        message, at = _in_words_of_file(str(detail["ctx"]["error"]), at)
+        message, at = _in_words_of_file(detail["ctx"]["error"], at)
     description = describe(form, at)
     remedy = f"it is {description}"
     if kind == "missing":
@@ -160,15 +159,14 @@ def _explain(detail: ErrorDetails, section: Section, form: Form, report: Report)
     section.report(report, at, message, remedy)
 
 
-def _in_words_of_file(message: str, at: Path) -> tuple[str, Path]:
+def _in_words_of_file(error: ValueError, at: Path) -> tuple[str, Path]:
     """The core's message with the file's key for its argument, and where that key stands."""
-    argument = re.match(r"(\w+)((?:\[\d+\])*) must ", message)
+    argument = getattr(error, "argument", None)
     if argument is None:
-        return f"{spell(at)}: {message}", at
-    name, index = argument.groups()
+        return f"{spell(at)}: {error}", at
     if at[0] == "wheels" and len(at) == 2:  # the rule is about a wheel as a whole
-        at = (*at, name)
-    return f"{spell(at)}{index}{message[argument.end() - 6 :]}", at
+        at = (*at, argument)
+    return f"{spell(at)}{getattr(error, 'place', '')} {getattr(error, 'problem', '')}", at
 
 
 def _number_in(text: str) -> str | None:

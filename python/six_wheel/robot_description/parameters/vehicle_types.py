@@ -28,6 +28,7 @@ from six_wheel.robot_description.parameters.key_types import (
     check_name,
     keys_of,
     optional,
+    refusal,
     required,
 )
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
@@ -83,7 +84,7 @@ _TRACK_WIDTH = "the distance from left to right wheel, in metres"
 
 def _check_preset(name: str) -> str:
     if name not in Rover.presets():
-        raise ValueError(f"preset must be one of {', '.join(Rover.presets())}, got {one_line(name)}")
+        raise refusal("preset", f"must be one of {', '.join(Rover.presets())}, got {one_line(name)}")
     return name
 
 
@@ -128,10 +129,10 @@ def _is_flat(positions: Any) -> str:
 def _for_each(least: int) -> AfterValidator:
     def check(positions: list[Any]) -> list[Any]:
         if len(positions) % 2 and _is_flat(positions) == "<flat>":
-            raise ValueError(f"positions must hold x and y of every wheel, got {len(positions)} numbers")
+            raise refusal("positions", f"must hold x and y of every wheel, got {len(positions)} numbers")
         if len(_pairs(positions)) < least:
             rule = f"hold x and y of at least {least} wheel{'s' if least > 1 else ''}"
-            raise ValueError(f"positions must {rule}, got {len(_pairs(positions))}")
+            raise refusal("positions", f"must {rule}, got {len(_pairs(positions))}")
         return positions
 
     return AfterValidator(check)
@@ -140,7 +141,7 @@ def _for_each(least: int) -> AfterValidator:
 def _check_differ(names: list[str]) -> list[str]:
     twice = [name for index, name in enumerate(names) if name in names[:index]]
     if twice:
-        raise ValueError(f"names must differ, got {one_line(twice[0])} twice")
+        raise refusal("names", f"must differ, got {one_line(twice[0])} twice")
     return names
 
 
@@ -266,7 +267,7 @@ def _preset(values: Values) -> Rover:
     if limit is None:
         return rover
     if not rover.steered_wheel_names:
-        raise ValueError(f"steering_limit is given, but no wheel of the preset {values['preset']} steers")
+        raise refusal("steering_limit", f"is given, but no wheel of the preset {values['preset']} steers")
     return Rover.preset(values["preset"], steering_limit=limit)
 
 

@@ -11,7 +11,6 @@ from six_wheel.robot_description.urdf.elements import Notes
 
 ENDING = ".xacro"
 _NAME = re.compile(r"<name>\s*([^\s<]+)\s*</name>")
-_MISSING = re.compile(r"Package not found: (\S+)")
 # Stands for the folder of a package that is not here: a plugin's setting may name it, an include may not.
 _ABSENT = re.compile(r"\S*<package ([^>]+)>/?(\S*?)(?=[\s'\"]|$)")
 UPWARDS = 4  # folders above the package in which its neighbours are looked for
@@ -40,21 +39,29 @@ def expanded(path: Path, arguments: Mapping[str, str] | None, notes: Notes) -> s
         try:
             return str(xacro.process_file(str(path), mappings=dict(arguments or {})).toxml())
         except Exception as error:  # xacro has many, and the XML parser's
-            reason = one_line(error)
-        name = _MISSING.search(reason)
-        if name is None or name[1] in absent:
-            _refuse(reason, notes)
-        absent.add(name[1])
-        packages.update_package_cache({name[1]: path.parent / f"<package {name[1]}>"})
+            cause, reason = _cause(error), one_line(error)
+        if not isinstance(cause, packages.PackageNotFoundError) or cause.args[0] in absent:
+            _refuse(cause, reason, notes)
+        name = cause.args[0]
+        absent.add(name)
+        packages.update_package_cache({name: path.parent / f"<package {name}>"})
 
 
-def _refuse(reason: str, notes: Notes) -> NoReturn:
+def _cause(error: BaseException) -> BaseException:
+    """The error inside those in which xacro wraps it."""
+    inner = getattr(error, "exc", None)
+    return error if inner is None else _cause(inner)
+
+
+def _refuse(cause: BaseException, reason: str, notes: Notes) -> NoReturn:
+    from xacro.substitution_args import ArgException
+
     part = _ABSENT.search(reason)
     if part is not None:
         message = f"the xacro needs {part[2] or 'a file'} of the package {part[1]}, which is not here"
         notes.fail(message, "expand it where its packages are, and give that")
-    if reason.startswith("Undefined substitution argument"):
-        name = reason.split()[3]
+    if isinstance(cause, ArgException):
+        name = cause.args[0]
         remedy = f"it is a part of another, or give one: xacro FILE {name}:=VALUE > robot.urdf"
         notes.fail(f"the xacro has no value for its argument {name}", remedy)
     notes.fail(f"the xacro cannot be expanded: {reason}", "expand it where its packages are, and give that")

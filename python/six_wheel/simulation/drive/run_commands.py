@@ -1,6 +1,5 @@
 """Drive through a command table: names of the output's columns, odometry, and a summary."""
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -215,8 +214,9 @@ def by_row(call: Callable[[], Any], first_row: int, hint: str = "") -> Any:
     try:
         return call()
     except ValueError as error:
-        named = re.fullmatch(r"(\w+)\[(\d+)\] (.*)", str(error))
-        if named is None:
+        row: tuple[int, ...] = getattr(error, "row", ())
+        if len(row) != 1:
             raise
         advice = hint if isinstance(error, InfeasibleMotionError) else ""
-        raise RowError(first_row + int(named[2]), f"{named[1]} {named[3]}{advice}") from None
+        problem = f"{getattr(error, 'argument', '')} {getattr(error, 'problem', '')}"
+        raise RowError(first_row + row[0], f"{problem}{advice}") from None

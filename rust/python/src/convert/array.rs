@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
-use super::errors::{ArgumentTypeError, is_of_another_kind, refuse, short_repr};
+use super::errors::{is_of_another_kind, refuse, refuse_type, short_repr};
 use super::memory;
 use super::numpy_module::{numpy, ready};
 use super::strided;
@@ -54,8 +54,7 @@ pub fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Bo
     let dtype = array.dtype();
     if !matches!(dtype.kind(), b'f' | b'i' | b'u') {
         let got = odd_one(value, &array)?.unwrap_or_else(|| format!("dtype {dtype}"));
-        let message = format!("{argument} must be real numbers, got {got}");
-        return Err(ArgumentTypeError::new_err(message));
+        return Err(refuse_type(argument, "be real numbers", &got));
     }
     Ok(array)
 }
@@ -165,9 +164,8 @@ pub fn refuse_masks(argument: &str, value: &Bound<'_, PyAny>, depth: usize) -> P
             PyResult::Ok(module.getattr("MaskedArray")?.unbind())
         })?;
         if value.is_instance(masked.bind(py))? {
-            let message =
-                format!("{argument} must be without a mask, got a masked array: fill it, or leave out what is masked");
-            return Err(ArgumentTypeError::new_err(message));
+            let got = "a masked array: fill it, or leave out what is masked";
+            return Err(refuse_type(argument, "be without a mask", got));
         }
         return Ok(());
     }
@@ -206,7 +204,7 @@ fn not_rectangular(argument: &str, value: &Bound<'_, PyAny>, error: PyErr) -> Py
 /// A number of a constructor.
 pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let py = value.py();
-    let refused = || ArgumentTypeError::new_err(format!("{argument} must be a number, got {}", short_repr(value)));
+    let refused = || refuse_type(argument, "be a number", &short_repr(value));
     if value.is_instance_of::<PyBool>() {
         return Err(refused());
     }

@@ -4,9 +4,9 @@ use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyOverflowError, PyTypeError, PyValueError};
-use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyTuple};
+use pyo3::{PyTypeInfo, import_exception, intern};
 use six_wheel_numerics::error::{Error, ErrorKind, LARGEST, bounded};
 use six_wheel_numerics::names::one_of;
 use six_wheel_numerics::sizes::are_below;
@@ -17,14 +17,34 @@ import_exception!(six_wheel.kinematics.errors, UnderdeterminedError);
 
 /// The exception of a core error, its row written as the index into the leading axes.
 pub fn raise(error: Error, leading: &[usize]) -> PyErr {
-    let message = error.message(&error.row.map_or_else(String::new, |row| index(row, leading)));
-    match error.kind {
-        ErrorKind::Value => PyValueError::new_err(message),
-        ErrorKind::Infeasible => InfeasibleMotionError::new_err(message),
-        ErrorKind::Underdetermined => UnderdeterminedError::new_err(message),
-        ErrorKind::Memory => PyMemoryError::new_err(message),
-        ErrorKind::Interrupted => interruption(error.row),
-    }
+    let exception = match error.kind {
+        ErrorKind::Value => exception::<PyValueError>,
+        ErrorKind::Infeasible => exception::<InfeasibleMotionError>,
+        ErrorKind::Underdetermined => exception::<UnderdeterminedError>,
+        ErrorKind::Memory => exception::<PyMemoryError>,
+        ErrorKind::Interrupted => return interruption(error.row),
+    };
+    let row = error.row.map_or_else(Vec::new, |row| index(row, leading));
+    exception(&error.argument, &row, &error.rule, &error.value)
+}
+
+/// The exception with the text "`path[row]` must `rule`, got `value`", and the parts of the text as attributes:
+/// `argument`, the first name of the path; `place`, what stands between it and the rule; `row`; and `problem`, the rest.
+fn exception<E: PyTypeInfo>(path: &str, row: &[usize], rule: &str, value: &str) -> PyErr {
+    let end = path.find(|letter: char| !letter.is_alphanumeric() && letter != '_').unwrap_or(path.len());
+    let (argument, inside) = path.split_at(end);
+    let place = if row.is_empty() { inside.into() } else { format!("{inside}{row:?}") };
+    let problem = format!("must {rule}, got {value}");
+    // The object at once: pyo3 would let go of the interpreter while it makes one later, with arrays still in use.
+    let made = Python::attach(|py| {
+        let error = E::type_object(py).call1((format!("{argument}{place} {problem}"),))?;
+        error.setattr(intern!(py, "argument"), argument)?;
+        error.setattr(intern!(py, "place"), place)?;
+        error.setattr(intern!(py, "row"), PyTuple::new(py, row)?)?;
+        error.setattr(intern!(py, "problem"), problem)?;
+        PyResult::Ok(PyErr::from_value(error))
+    });
+    made.unwrap_or_else(|failure| failure)
 }
 
 /// Results of the core as results of Python, their errors as exceptions with the row as an index into leading axes.
@@ -80,19 +100,16 @@ fn interruption(row: Option<usize>) -> PyErr {
     error
 }
 
-/// `[1, 3]`: a flat row number as an index.
-fn index(row: usize, leading: &[usize]) -> String {
-    if leading.is_empty() {
-        return String::new();
-    }
+/// A flat row number as an index into the leading axes.
+fn index(row: usize, leading: &[usize]) -> Vec<usize> {
     let mut rest = row;
-    let mut places: Vec<String> = Vec::new();
+    let mut places: Vec<usize> = Vec::new();
     for length in leading.iter().rev() {
-        places.push((rest % length.max(&1)).to_string());
+        places.push(rest % length.max(&1));
         rest /= length.max(&1);
     }
     places.reverse();
-    format!("[{}]", places.join(", "))
+    places
 }
 
 /// Fails unless the numbers of every row are finite and smaller than [`LARGEST`]; a row that has no answer may also be NaN throughout.
@@ -117,7 +134,12 @@ pub(super) fn check_finite(
 
 /// "`argument` must `rule`, got `value`" for what only Python knows of.
 pub fn refuse(argument: &str, rule: &str, value: &str) -> PyErr {
-    PyValueError::new_err(format!("{argument} must {rule}, got {value}"))
+    exception::<PyValueError>(argument, &[], rule, value)
+}
+
+/// The same for a value of another type.
+pub fn refuse_type(argument: &str, rule: &str, value: &str) -> PyErr {
+    exception::<ArgumentTypeError>(argument, &[], rule, value)
 }
 
 /// The value of a name among a few, each with its own; `got` writes another name in the error.

@@ -17,8 +17,8 @@ pub use array::{items, name, number, read_array, singles};
 pub use broadcast::{Broadcast, Named, given, joined, joint, named, rows_over, together};
 pub use compute::{batches_at_work, compute, compute_rows, forget_other_threads};
 pub use errors::{
-    ArgumentTypeError, OrRaise, choice, is_interrupted, is_of_another_kind, one_row, one_twist, one_twist_first, raise,
-    refuse, refuse_shape, shape_text, short_repr,
+    OrRaise, choice, is_interrupted, is_of_another_kind, one_row, one_twist, one_twist_first, raise, refuse,
+    refuse_shape, refuse_type, shape_text, short_repr,
 };
 pub use input::{Blocks, Rows, numbers, read_point};
 pub use numpy_module::{AnyArray, Array, is_ready, ready};

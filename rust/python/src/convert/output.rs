@@ -9,7 +9,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
 
-use super::errors::{ArgumentTypeError, refuse, refuse_shape, shape_text, short_repr};
+use super::errors::{refuse, refuse_shape, refuse_type, shape_text, short_repr};
 use super::memory::{self, BorrowedArray};
 use super::numpy_module::{Array, numpy, ready};
 use super::strided;
@@ -122,7 +122,7 @@ impl<'py> Output<'py> {
                 Ok(array) => format!("an array of dtype {}", array.dtype()),
                 Err(_) => out.get_type().to_string(),
             };
-            ArgumentTypeError::new_err(format!("{argument} must {}, got {got}", rule()))
+            refuse_type(argument, &rule(), &got)
         })?;
         Self::into(py, argument, array.as_untyped(), shape)
     }

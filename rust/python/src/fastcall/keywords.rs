@@ -64,19 +64,18 @@ impl Call {
     }
 }
 
-/// The error of pyo3 for an unknown keyword of a method, if it is the one that is set, with the nearest name and all others.
-pub fn explain(class: &Bound<'_, PyType>, method: &CStr) {
+/// The nearest name and all others in place of pyo3's error for a keyword, one of `names`, that a method does not have.
+pub fn explain(class: &Bound<'_, PyType>, method: &CStr, names: &Bound<'_, PyAny>) {
     let py = class.py();
     let Some(error) = PyErr::take(py) else { return };
-    let explained = || -> PyResult<Option<String>> {
+    let message = || -> PyResult<Option<String>> {
         if !error.is_instance_of::<PyTypeError>(py) {
             return Ok(None);
         }
-        let text = error.value(py).to_string();
         let method = class.getattr(method.to_string_lossy().as_ref())?;
-        py.import("six_wheel.kinematics.keywords")?.call_method1("explained", (text, method))?.extract()
+        py.import("six_wheel.kinematics.keywords")?.call_method1("unknown_of", (method, names))?.extract()
     };
-    match explained() {
+    match message() {
         Ok(Some(message)) => PyTypeError::new_err(message).restore(py),
         _ => error.restore(py),
     }

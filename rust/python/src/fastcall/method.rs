@@ -156,7 +156,9 @@ unsafe extern "C" fn entry<const N: usize, Q: Quick<N>>(
         Some(general) => {
             let answer = unsafe { general(this, arguments, count, names) };
             if answer.is_null() && !names.is_null() {
-                super::keywords::explain(&py.get_type::<Q::Class>(), method.name);
+                // SAFETY: a tuple that outlives the call.
+                let names = unsafe { Borrowed::from_ptr(py, names) };
+                super::keywords::explain(&py.get_type::<Q::Class>(), method.name, &names);
             }
             answer
         }

@@ -5,7 +5,7 @@ use pyo3::types::PyTuple;
 use six_wheel_four_axle::{self as core, Axles, Brake, Brakes, Drives, Pace, State};
 use six_wheel_numerics::error::Error;
 
-use crate::convert::{ArgumentTypeError, Array, choice, items, memory, number, numbers, raise, refuse};
+use crate::convert::{Array, choice, items, memory, number, numbers, raise, refuse, refuse_type};
 
 /// A class of `six_wheel.kinematics.four_axle`.
 pub fn value<'py>(py: Python<'py>, class: &str) -> PyResult<Bound<'py, PyAny>> {
@@ -17,9 +17,7 @@ fn check_class(argument: &str, given: &Bound<'_, PyAny>, class: &str) -> PyResul
     if given.is_instance(&value(given.py(), class)?)? {
         return Ok(());
     }
-    let got = given.get_type().name()?.to_string();
-    let message = format!("{argument} must be a {class}, got {got}");
-    Err(ArgumentTypeError::new_err(message))
+    Err(refuse_type(argument, &format!("be a {class}"), &given.get_type().name()?.to_string()))
 }
 
 /// One angle per axle.

@@ -7,7 +7,7 @@ use six_wheel_kinematics::geometry::GridPlacement;
 use six_wheel_planner::Costmap as Core;
 
 use crate::arguments::ArgumentKind;
-use crate::convert::{ArgumentTypeError, OrRaise, number, refuse, refuse_shape};
+use crate::convert::{OrRaise, number, refuse, refuse_shape, refuse_type};
 
 /// Costs on a grid, for a planner.
 ///
@@ -86,8 +86,7 @@ methods! { Costmap:
         let array = numpy.call_method1("asarray", (values,))?;
         let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
         if !matches!(kind.as_str(), "f" | "i" | "u" | "b") {
-            let message = format!("values must be real numbers, got dtype {}", array.getattr("dtype")?);
-            return Err(ArgumentTypeError::new_err(message));
+            return Err(refuse_type("values", "be real numbers", &format!("dtype {}", array.getattr("dtype")?)));
         }
         let array = numpy.call_method1("ascontiguousarray", (array, "f4"))?;
         let array = array.cast_into::<PyArrayDyn<f32>>()?;

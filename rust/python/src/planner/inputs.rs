@@ -5,7 +5,7 @@ use pyo3::types::PyDict;
 use six_wheel_planner::{Precision, Weights};
 
 use super::costmap::Costmap;
-use crate::convert::{ArgumentTypeError, Rows, memory, number, refuse};
+use crate::convert::{Rows, memory, number, refuse, refuse_type};
 
 /// The state of the rover as the attributes of an object.
 pub struct Seen<'py> {
@@ -44,7 +44,7 @@ pub fn check_frame(costmap: Option<&Bound<'_, Costmap>>, frame: Option<&str>) ->
 pub fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
     let index = value.call_method0("__index__").map_err(|_| {
         let got = value.repr().map_or_else(|_| "an object".into(), |repr| repr.to_string());
-        ArgumentTypeError::new_err(format!("{argument} must be a whole number, got {got}"))
+        refuse_type(argument, "be a whole number", &got)
     })?;
     index.extract::<u64>().map_err(|_| {
         let rule = if argument == "seed" { "be 0 to 2^64 - 1" } else { "be a whole number from 0 on" };

@@ -10,7 +10,7 @@ use six_wheel_terrain::suspension::{Bogie, Differential, Dimensions, JointRange,
 
 use super::base::{Suspension, joint_range, steering};
 use crate::classes::repr_of_call;
-use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
+use crate::convert::{OrRaise, number, numbers, refuse, refuse_type};
 
 /// A rover on a rocker-bogie suspension: frames and Jacobians in 3D, and the rover seen from above.
 ///
@@ -243,7 +243,7 @@ methods! { RockerBogie:
         let names = bogie.names().into_iter().chain(["wheel_radius"]);
         let missing: Vec<_> = names.zip(all).filter(|(_, value)| value.is_none()).map(|(name, _)| name).collect();
         let [Some(pivot), Some(wheel), Some(to_bogie), Some(first), Some(second), Some(radius)] = all else {
-            return Err(ArgumentTypeError::new_err(format!("{} must be given, got nothing", missing.join(", "))));
+            return Err(refuse_type(&missing.join(", "), "be given", "nothing"));
         };
         let given = Given { bogie, steered, steering_limit, rocker_limit, bogie_limit, differential_bar };
         given.build(py, [pivot, wheel, to_bogie, first, second], radius)

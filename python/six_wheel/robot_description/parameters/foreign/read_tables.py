@@ -40,6 +40,7 @@ from six_wheel.robot_description.parameters.key_types import (
     SteeringLimit,
     Values,
     optional,
+    refusal,
     required,
 )
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
@@ -98,7 +99,7 @@ def _type(word: str) -> Any:
     def check(joints: list[str]) -> list[str]:
         if not least <= len(joints) <= most:
             many = f"{least}" if least == most else f"{least} to {most}"
-            raise ValueError(f"joints must name {many} joints, got {len(joints)}")
+            raise refusal("joints", f"must name {many} joints, got {len(joints)}")
         return joints
 
     return Annotated[list[Name], AfterValidator(check)]

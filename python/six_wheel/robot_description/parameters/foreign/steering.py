@@ -233,7 +233,7 @@ def check_tricycle(section: Section, values: Values, error: Report, warning: Rep
         try:
             Wheel("front", 0.0, 0.0, radius=1.0, steered=True, steering_limit=limit)
         except ValueError as refused:
-            message = f"steering.min_position and max_position{str(refused).removeprefix('steering_limit')}"
+            message = f"steering.min_position and max_position {getattr(refused, 'problem', refused)}"
             section.report(error, at, message, "they are the ends of the steering range, in radians")
 
 
