@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import fields, replace
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -151,6 +151,7 @@ SHORT = {
 }
 
 
+@lru_cache(maxsize=4)
 def many(kind: str, count: int) -> Any:
     """An object of a table's class with so many rows."""
     one = samples()[kind]

@@ -6,9 +6,11 @@ no docstring tells how to make, needs a line in `long_calls.LONG`, and the walk 
 """
 
 import contextlib
+import math
 import re
 import time
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +29,8 @@ pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
 
 LEADING = re.compile(r"shape \((\.\.\.|n \+ 1|(?:n|m|k)\b)")
 LONG_ENOUGH = 0.5  # [s] of a call that is interrupted
-MOST_ROWS, MOST_BYTES = 1 << 20, 1 << 28
+TIMED = 0.1  # [s] from which on the time of a call is told by how it grows with its rows
+MOST_ROWS = 1000 << 10
 MOMENTS = (0.1, 0.6)  # shares of the time that the call takes
 NUMBERS = (1e3, 1e6, 1e9, 1e15, 1e-3, 1e-6, 1e-9, 1e-15)
 # Arguments with a leading axis that is no number of rows: of what, and why it stays short.
@@ -48,7 +51,8 @@ NOT_NUMBERS = {"calibrate": ("workers",), "simulate": ("rate",)}
 def fresh_samples() -> Iterator[None]:
     """The walk changes the objects that it calls: tests after it get others."""
     yield
-    samples.cache_clear()
+    for kept in (samples, many, standing):
+        kept.cache_clear()
 
 
 @pytest.fixture(autouse=True)
@@ -65,13 +69,18 @@ def rows_of(call: Call) -> list[str]:
     return [name for name in call.arguments if name == "stand" or LEADING.search(kinds.get(name, ""))]
 
 
+@lru_cache(maxsize=8)
+def standing(kind: str, rows: int) -> Any:
+    """A suspension settled so many times."""
+    return samples()[kind].settle(terrain(), np.tile((0.2, 0.1, 0.3), (rows, 1)))
+
+
 def grown(call: Call, rows: int) -> dict[str, Any]:
     """The ordinary arguments with so many rows."""
     kinds, found = documented(call.function), dict(call.arguments)
     for name in rows_of(call):
         if name == "stand":
-            one = call.function.__self__  # type: ignore[attr-defined]
-            found[name] = one.settle(terrain(), np.tile((0.2, 0.1, 0.3), (rows, 1)))
+            found[name] = standing(call.name.partition(".")[0], rows)
             continue
         axis = LEADING.search(kinds[name])
         assert axis is not None
@@ -84,8 +93,12 @@ def grown(call: Call, rows: int) -> dict[str, Any]:
 
 
 def taking_long(call: Callable[[int], Callable[[], object]]) -> tuple[Callable[[], object], float]:
-    """A call with so many rows that it takes `LONG_ENOUGH`, or the most that are tried; and its time [s]."""
-    rows = 1000
+    """A call with so many rows that it takes `LONG_ENOUGH`, or the most that are tried; and its time [s].
+
+    From `TIMED` on its time is told by what more rows took more, and it is not run whole. Rows are doubled,
+    so that what was made of them may be kept.
+    """
+    rows, fewer, before = 1000, 0, 0.0
     while True:
         run = call(rows)
         begin = time.monotonic()
@@ -93,7 +106,18 @@ def taking_long(call: Callable[[int], Callable[[], object]]) -> tuple[Callable[[
         taken = time.monotonic() - begin
         if taken >= LONG_ENOUGH or rows >= MOST_ROWS:
             return run, taken
-        rows = min(MOST_ROWS, int(rows * min(max(1.5 * LONG_ENOUGH / max(taken, 1e-6), 2.0), 32.0)))
+        each = (taken - before) / (rows - fewer)
+        if fewer and taken >= TIMED and each > 0.0:
+            enough = min(rows * doubled((LONG_ENOUGH - taken) / (each * rows) + 1.0), MOST_ROWS)
+            if enough <= 16 * rows:
+                return call(enough), taken + each * (enough - rows)
+        fewer, before = rows, taken
+        rows = min(MOST_ROWS, rows * min(max(doubled(TIMED / max(taken, 1e-6)), 2), 32))
+
+
+def doubled(times: float) -> int:
+    """The least power of two that is as many."""
+    return 1 << max(math.ceil(math.log2(times)), 0)
 
 
 def late(interrupt: Interrupter, run: Callable[[], object], taken: float) -> list[float]:
@@ -159,7 +183,7 @@ def test_tables_end(kind: str, tmp_path: Path) -> None:
             path = [tmp_path / f"made{ending}"] if method in ("to_csv", "save") else []
 
             def with_rows(rows: int, method: str = method, path: list[Path] = path) -> Callable[[], object]:
-                one = many(kind, min(rows, 1 << 18))
+                one = many(kind, min(rows, 1000 << 8))
                 return lambda: getattr(one, method)(*path)
 
             run, taken = taking_long(with_rows)
