@@ -51,7 +51,7 @@ test-rust:
 	cargo test --workspace --locked
 
 test-python: $(VENV)/installed ## all tests of the package, or those that PYTEST= says
-	$(BIN)/python -m pytest -n $(CORES) --dist loadfile $(PYTEST)
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder $(PYTEST)
 
 # Where rclpy cannot be had the reason is in $(ROS)/without, and there is nothing to test.
 test-ros: $(ROS)/installed ## the nodes as processes, with rclpy from the package index in an environment of its own

@@ -13,6 +13,7 @@ from typing import Any
 BOUND = 0.3  # [s] from the signal to the end of the call
 # A machine with other work is late by chance; a call that asks too rarely is late every time.
 TRIES = 4
+KEPT = 10.0  # [s] after which a signal has not reached this process
 
 # A thread of this process would wait for the interpreter's lock just as the call's own question does.
 SENDER = """
@@ -66,8 +67,9 @@ class Interrupter:
         sent = self._sender.stdout.readline()
         if sent.startswith("too late"):
             return False, -math.inf
-        self._heard.wait()
-        return was_interrupted, end - float(sent)
+        # A library that handles signals while it reads may keep one: the wait for it had no end.
+        heard = self._heard.wait(KEPT)
+        return was_interrupted, end - float(sent) if heard else math.inf
 
     def _tell(self, text: str) -> None:
         assert self._sender.stdin is not None
