@@ -50,8 +50,8 @@ except KeyboardInterrupt as error:
     print("interrupted", *getattr(error, "__notes__", []))
 """
 CALLS = {
-    "settle": (10**7, "lambda: arm.settle(ground, poses)"),
-    "settle by two threads": (10**7, "lambda: arm.settle(ground, poses, threads=2)"),
+    "settle": (10**6, "lambda: arm.settle(ground, poses)"),
+    "settle by two threads": (10**6, "lambda: arm.settle(ground, poses, threads=2)"),
     "a log on ground": (
         10**6,
         "partial(sw.Odometry3(arm, ground=ground).run, np.tile(angles, (COUNT, 1)), 0.01 * rows * speeds,"

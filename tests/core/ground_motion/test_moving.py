@@ -54,6 +54,7 @@ def standing(request: pytest.FixtureRequest) -> tuple[sw.RockerBogie, plain.Chai
     return arm, chain, stands
 
 
+@pytest.mark.slow
 def test_inverse_is_the_plain_one(standing: tuple) -> None:
     """One by one and in a batch, both meanings of a command, and angles that are given."""
     arm, chain, stands = standing
