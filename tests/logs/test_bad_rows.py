@@ -166,6 +166,7 @@ print(rows, log.findings.rows, re.search("VmHWM:\\s*(\\d+) kB", Path("/proc/self
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     not Path("/proc/self/status").exists(), reason="Linux says there what a process took at most"
 )

@@ -55,6 +55,7 @@ def doubts(run: Path, folder: Path) -> list[str]:
     return said
 
 
+@pytest.mark.slow
 @optiodom_data.REQUIRED
 def test_no_recording_is_doubted(tmp_path: Path) -> None:
     runs = optiodom.runs(optiodom_data.FOLDER)

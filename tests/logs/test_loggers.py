@@ -26,11 +26,13 @@ def test_there_are_340_forms_with_names_of_their_own() -> None:
     assert len({form.name for form in FORMS}) == len(FORMS) >= 340
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bad", ["silent", "traceback"])
 def test_no_form_is_wrong_in_silence(verdicts: dict[str, tuple[str, str]], bad: str) -> None:
     assert {name: said for name, (found, said) in verdicts.items() if found == bad} == {}
 
 
+@pytest.mark.slow
 def test_four_of_five_that_can_be_known_are_read_right_at_first_or_as_proposed(
     verdicts: dict[str, tuple[str, str]],
 ) -> None:

@@ -33,6 +33,7 @@ def bits(values) -> list[int]:
     return np.asarray(values, dtype=float).view(np.int64).tolist()
 
 
+@pytest.mark.slow
 @given(
     names=NAMES, positions=NUMBERS, velocities=NUMBERS, efforts=NUMBERS, frame_id=st.text("abc/", max_size=9)
 )
