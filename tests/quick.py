@@ -46,6 +46,10 @@ SMOKE = [
 ]
 
 
+# Their kernels are compiled into every other crate.
+EVERYWHERE = {"numerics", "kinematics"}
+
+
 def changed() -> list[Path]:
     """Files that differ from the last commit, or that it changed."""
     for command in (["git", "status", "--porcelain", "-uall"], ["git", "show", "--name-only", "--format="]):
@@ -116,6 +120,8 @@ def main() -> None:
     crates, tests = touched(changed())
     cargo = ("--profile", "quick", "--locked", "--quiet")
     packages = [f"--package=six-wheel-{crate.replace('_', '-')}" for crate in crates if crate != "python"]
+    if below := EVERYWHERE.intersection(crates):
+        print(f"quick: {', '.join(sorted(below))}: every kernel is compiled anew: more than a minute")
     run("check", "cargo", "check", "--workspace", "--all-targets", *cargo)
     if packages:
         run(f"tests of {', '.join(crates)}", "cargo", "test", "--lib", *packages, *cargo)
