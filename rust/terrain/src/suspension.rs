@@ -10,7 +10,7 @@
 
 mod chain;
 mod dimensions;
-pub(crate) mod kinematics;
+pub mod kinematics;
 pub mod lanes;
 mod placed;
 mod table;
@@ -25,7 +25,9 @@ use six_wheel_kinematics::wheels::Wheel;
 use six_wheel_numerics::error::{Error, finite, number};
 use six_wheel_numerics::threads::workers::Workers;
 
-pub use chain::{Chain, ChainLink, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, PlanPose, State, Turning};
+pub use chain::{
+    Chain, ChainLink, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, PlanPose, State, Turning, WheelMount,
+};
 pub use dimensions::{Bogie, Differential, Dimensions, JointRange, Steered};
 pub use placed::{Placed, PointSlopes, WheelFrame};
 use table::FIRST_PSI;

@@ -1,6 +1,6 @@
 //! Constants of a chain for the rates that follow the ground.
 
-use six_wheel_terrain::suspension::lanes::ChainConstants;
+use crate::contact::{in_body, slope};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Columns of the planar motion: `vx, vy, wz`.
@@ -66,37 +66,66 @@ pub(crate) struct MotionConstants {
     moved: [u32; MAX_WHEELS],
     /// None unless there are as many rates as wheels.
     pub pivot_order: Option<PivotOrder>,
+    /// Bits of the steering joints the centres of whose wheels lie about the axis: then their mean moves as the axis does.
+    centred: u32,
 }
 
 impl MotionConstants {
     /// Of any chain with these numbers of wheels and free angles: each free angle may move every wheel.
     pub fn dense(wheels: usize, joints: usize, radii: [f64; MAX_WHEELS]) -> Self {
         let order = std::array::from_fn(|joint| joint);
-        Self { wheels, joints, radii, order, moved: [u32::MAX; MAX_WHEELS], pivot_order: None }
+        Self { wheels, joints, radii, order, moved: [u32::MAX; MAX_WHEELS], pivot_order: None, centred: 0 }
     }
 
-    /// Of a chain whose rows go into lanes.
-    pub fn new(chain: &Chain, plan: &ChainConstants) -> Self {
+    /// Of a chain.
+    pub fn new(chain: &Chain) -> Self {
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
         let mut radii = [1.0; MAX_WHEELS];
         for (radius, wheel) in radii.iter_mut().zip(chain.wheels()) {
             *radius = wheel.radius;
         }
         let mut constants = Self::dense(wheels, joints, radii);
-        constants.order[..joints].copy_from_slice(plan.order());
-        for wheel in 0..wheels {
-            constants.moved[wheel] = plan.moved(wheel);
+        for (wheel, bits) in constants.moved.iter_mut().enumerate().take(wheels) {
+            *bits = chain.mount(wheel).movers.iter().fold(0, |bits, (_, joint)| bits | 1 << joint);
+        }
+        let moved = constants.moved;
+        let count = |joint: &usize| (0..wheels).filter(|&wheel| moved[wheel] >> joint & 1 == 1).count();
+        constants.order[..joints].sort_by_key(count);
+        for joint in 0..chain.steering().len() {
+            let own = (0..wheels).filter(|&wheel| chain.steering_joint(wheel) == Some(joint));
+            let sum = own.map(|wheel| chain.mount(wheel).offset).fold([0.0; 2], |[x, y], at| [x + at[0], y + at[1]]);
+            constants.centred |= u32::from(sum == [0.0; 2]) << joint;
         }
         if [joints + 3, wheels] == [UNKNOWNS; 2] {
-            let rise = std::array::from_fn(|wheel| plan.rise(wheel));
-            constants.pivot_order = PivotOrder::new(rise, std::array::from_fn(|wheel| plan.parts_in(wheel)));
+            constants.pivot_order = constants.level_pivots(chain);
         }
         constants
+    }
+
+    /// The elimination order: of the free angles in theirs, then of the body's vz, wx and wy.
+    fn level_pivots(&self, chain: &Chain) -> Option<PivotOrder> {
+        let level = in_body(chain, &[], &[])?;
+        let joints = self.order().iter().map(|joint| 6 + joint);
+        let columns: Vec<usize> = joints.chain(FOLLOWING.into_iter().take(3)).collect();
+        let rise = |wheel: usize| {
+            let slopes = level.point_slopes(wheel, level.wheel(wheel).centre);
+            std::array::from_fn(|k| slopes[slope(columns[k])].z)
+        };
+        let bits = |wheel: usize| {
+            let moved = columns.iter().enumerate().filter(|(_, column)| self.moves(**column, wheel));
+            moved.fold(0, |bits, (k, _)| bits | 1 << k)
+        };
+        PivotOrder::new(std::array::from_fn(rise), std::array::from_fn(bits))
     }
 
     /// The free angles, those first that move few wheels.
     pub fn order(&self) -> &[usize] {
         &self.order[..self.joints.min(MAX_FREE)]
+    }
+
+    /// True if the centres of the wheels of a steering joint lie about its axis.
+    pub fn is_centred(&self, joint: usize) -> bool {
+        self.centred >> joint & 1 == 1
     }
 
     /// True if a rate may move a wheel: those of the body do.

@@ -5,7 +5,8 @@ use crate::lanes::columns::inverse_length;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::MAX_WHEELS;
-use six_wheel_terrain::suspension::lanes::{Placing, Turned, Vectors, all, along, cross, dot, less};
+use six_wheel_terrain::suspension::kinematics::{LinkPose, LinkPoses, PlanarLink};
+use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, along, cross, dot, less};
 
 /// Derivatives of a velocity by the rates, in lanes.
 pub(crate) type Row<S> = [Lanes<S>; COLUMNS];
@@ -38,24 +39,22 @@ pub(crate) struct RimPoint<S: Vector> {
 }
 
 impl<S: Vector> RimPoint<S> {
-    /// At a contact angle t, of a wheel with this centre that is turned about its steering axis: the tangent is
+    /// At a contact angle t, of a wheel on this link with this centre, turned about its steering axis: the tangent is
     /// `T = h cos t + u sin t`, the point `c + r (h sin t - u cos t)`.
     #[inline(always)]
     pub fn new(
-        placing: &Placing<'_, S>,
-        wheel: usize,
+        link: &PlanarLink<S>,
         centre: Vectors<S>,
         radius: Lanes<S>,
         steered: Option<Turned<S>>,
         (sin, cos): Turned<S>,
     ) -> Self {
         let zero = all(sin.simd(), 0.0);
-        let limb = placing.limb(wheel);
         let (mut tangent, mut spoke) = ([cos, zero, sin], [sin, zero, -cos]);
         if let Some((s, c)) = steered {
             (tangent, spoke) = ([cos * c, cos * s, sin], [sin * c, sin * s, -cos]);
         }
-        Self { tangent: limb.out(tangent), point: along(centre, radius, limb.out(spoke)) }
+        Self { tangent: link.rotated(tangent), point: along(centre, radius, link.rotated(spoke)) }
     }
 }
 
@@ -63,7 +62,7 @@ impl<S: Vector> RimPoint<S> {
 /// the velocity of the body, `p x d` for its rotation, `(axis x arm) . d` for each free angle.
 #[inline(always)]
 pub(crate) fn velocity_rows<S: Vector, const N: usize>(
-    placing: &Placing<'_, S>,
+    links: &LinkPoses<'_, S, PlanarLink<S>>,
     wheel: usize,
     point: Vectors<S>,
     directions: [Vectors<S>; N],
@@ -74,29 +73,27 @@ pub(crate) fn velocity_rows<S: Vector, const N: usize>(
         row[3..6].copy_from_slice(&cross(point, direction));
     }
     let mut filled = 0_u32;
-    for &mover in placing.movers(wheel) {
-        let (joint, moved) = placing.swing(mover, point);
+    for (link, joint) in links.movers(wheel) {
         let again = filled >> joint & 1 == 1;
         filled |= 1 << joint;
-        for (row, direction) in rows.iter_mut().zip(directions) {
-            let along = placing.swung(mover, moved, direction);
-            row[6 + joint] = if again { row[6 + joint] + along } else { along };
+        let slopes = link.slopes(point, &directions);
+        for (row, slope) in rows.iter_mut().zip(slopes) {
+            row[6 + joint] = if again { row[6 + joint] + slope } else { slope };
         }
     }
 }
 
-/// Velocity of a point along some directions per rate of the wheel's own steering [m/rad].
+/// Velocity of a point along some directions per rate of the wheel's own steering, about the upward axis of its link through
+/// a pivot [m/rad].
 #[inline(always)]
 pub(crate) fn steering_velocity<S: Vector>(
-    simd: S,
-    placing: &Placing<'_, S>,
-    wheel: usize,
+    link: &PlanarLink<S>,
+    pivot: Vectors<S>,
     point: Vectors<S>,
     directions: [Vectors<S>; 3],
 ) -> [Lanes<S>; 3] {
-    let limb = placing.limb(wheel);
-    let [ahead, left, _] = limb.own(less(point, placing.pivot(simd, wheel)));
-    let moved = limb.out([-left, ahead, all(simd, 0.0)]);
+    let [ahead, left, _] = link.in_own_axes(less(point, pivot));
+    let moved = link.rotated([-left, ahead, all(left.simd(), 0.0)]);
     let [normal, ahead, left] = directions;
     [dot(moved, normal), dot(moved, ahead), dot(moved, left)]
 }

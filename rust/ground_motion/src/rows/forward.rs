@@ -1,7 +1,7 @@
 //! Twist and joint rates from the wheels, for many rows: the planar motion by weighted least squares over the contacts.
 
 use super::prepared::Prepared;
-use super::run::{InLanes, MotionScratch, Rows, run_rows, take};
+use super::run::{BodyPoses, InLanes, MotionScratch, Rows, run_rows, take};
 use crate::contact::COLUMNS;
 use crate::lanes::columns::{Span, direction_of, is_number};
 use crate::lanes::pose_lanes::PoseLanes;
@@ -14,7 +14,7 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_terrain::suspension::lanes::{Placing, Turned, all, cross, from_turned};
+use six_wheel_terrain::suspension::lanes::{Turned, all, cross, from_turned};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Measurements, row after row: see [`Readings`].
@@ -76,13 +76,13 @@ struct ForwardRange<'a> {
 
 impl Rows for ForwardRange<'_> {
     #[inline(always)]
-    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error> {
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, links: &mut BodyPoses<'_, S>) -> Result<(), Error> {
         let mut scratch = MotionScratch::new(simd);
         let measures = lanes.measures();
         for spans in lanes.spans(simd) {
             match measures {
-                true => lanes.solve_rows::<S, 4>(simd, spans, placing, &mut scratch),
-                false => lanes.solve_rows::<S, 3>(simd, spans, placing, &mut scratch),
+                true => lanes.solve_rows::<S, 4>(simd, spans, links, &mut scratch),
+                false => lanes.solve_rows::<S, 3>(simd, spans, links, &mut scratch),
             }
         }
         Ok(())
@@ -104,14 +104,14 @@ impl InLanes<'_, ForwardRange<'_>> {
         &mut self,
         simd: S,
         [span, given]: [Span; 2],
-        placing: &mut Placing<'_, S>,
+        links: &mut BodyPoses<'_, S>,
         scratch: &mut MotionScratch<S>,
     ) {
         let MotionScratch { gather, equations, contacts, poses } = scratch;
         poses.read(simd, self.chain, self.range.poses, given, gather);
         let poses = &*poses;
-        placing.place(simd, &poses.joints);
-        self.write_contacts(simd, given, poses, placing, contacts);
+        self.place(simd, links, poses.joints);
+        self.write_contacts(simd, given, poses, links, contacts);
         let readings = self.range.readings;
         let input = FitInput {
             contacts,
@@ -158,7 +158,7 @@ impl InLanes<'_, ForwardRange<'_>> {
         simd: S,
         given: Span,
         poses: &PoseLanes<S>,
-        placing: &Placing<'_, S>,
+        links: &BodyPoses<'_, S>,
         contacts: &mut Contacts<S>,
     ) {
         let SteeringDirections { to, from, moved, any_moved } = self.steering(simd, given, poses);
@@ -166,32 +166,32 @@ impl InLanes<'_, ForwardRange<'_>> {
         let rates = rates.map(|rates| given.read::<S, MAX_WHEELS>(simd, rates, self.chain.steering().len()));
         let straight = (all(simd, 0.0), all(simd, 1.0));
         for (wheel, contact) in contacts.iter_mut().enumerate().take(self.motion.wheels.min(MAX_WHEELS)) {
-            let joint = self.plan.steering(wheel).map(|joint| joint % MAX_WHEELS);
+            let joint = self.chain.steering_joint(wheel).map(|joint| joint % MAX_WHEELS);
             let (mut settled, mut turned) = (None, None);
             if let Some(joint) = joint {
                 (settled, turned) = (from[joint], to[joint]);
             }
-            let normal = poses.normals[wheel];
+            let (normal, link) = (poses.normals[wheel], links.wheel_link(wheel));
             let mut at = poses.at[wheel];
             if any_moved {
                 // The contact moves along the plane, on the side of the rim that touches it.
-                let own = placing.limb(wheel).own(normal);
+                let own = link.in_own_axes(normal);
                 let [ahead, _, up] = from_turned(settled.unwrap_or(straight), own);
                 let side = rim_side([ahead, up], at);
                 let [ahead, ..] = from_turned(turned.unwrap_or(straight), own);
                 let plane = angle_on_plane([ahead, up], side);
                 at = (moved.select(plane.0, at.0), moved.select(plane.1, at.1));
             }
-            let mut centre = placing.centres[wheel];
+            let mut centre = links.centre(simd, wheel);
             if let Some(turned) = turned {
-                centre = placing.steered(simd, wheel, turned);
+                centre = links.steered_centre(simd, wheel, turned, centre);
             }
             let radius = all(simd, self.motion.radii[wheel]);
-            let touch = RimPoint::new(placing, wheel, centre, radius, turned, at);
+            let touch = RimPoint::new(link, centre, radius, turned, at);
             let directions = [normal, touch.tangent, cross(normal, touch.tangent)];
-            velocity_rows(placing, wheel, touch.point, directions, &mut contact.rows);
+            velocity_rows(links, wheel, touch.point, directions, &mut contact.rows);
             if let (Some(joint), Some(rates)) = (joint, &rates) {
-                contact.swivel = steering_velocity(simd, placing, wheel, touch.point, directions);
+                contact.swivel = steering_velocity(link, links.pivot(simd, wheel), touch.point, directions);
                 for part in &mut contact.swivel {
                     *part = *part * rates[joint];
                 }

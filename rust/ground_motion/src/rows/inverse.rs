@@ -1,7 +1,7 @@
 //! Wheels for desired motions, for many rows.
 
 use super::prepared::Prepared;
-use super::run::{InLanes, MotionScratch, Rows, run_rows, take};
+use super::run::{BodyPoses, InLanes, MotionScratch, Rows, run_rows, take};
 use crate::contact::COLUMNS;
 use crate::lanes::columns::{Span, direction_of, is_number};
 use crate::lanes::pose_lanes::PoseLanes;
@@ -18,7 +18,8 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_terrain::suspension::lanes::{Placing, Turned, all, from_turned};
+use six_wheel_terrain::suspension::kinematics::LinkVelocity;
+use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, from_turned};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Commands of the wheels, row after row, and the motion of the rover that follows from them.
@@ -81,17 +82,22 @@ struct InverseRange<'a> {
 
 impl Rows for InverseRange<'_> {
     #[inline(always)]
-    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error> {
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, links: &mut BodyPoses<'_, S>) -> Result<(), Error> {
         let mut scratch = MotionScratch::new(simd);
         for spans in lanes.spans(simd) {
-            lanes.solve_rows(simd, spans, placing, &mut scratch)?;
+            lanes.solve_rows(simd, spans, links, &mut scratch)?;
         }
         Ok(())
     }
 }
 
-/// Rotations of the wheels about their steering axes where they stand; None for wheels that point straight ahead.
-type Directions<S> = [Option<Turned<S>>; MAX_WHEELS];
+/// The wheels where they stand.
+struct StandingWheels<S: Vector> {
+    /// Rotations about the steering axes; None for wheels that point straight ahead.
+    directions: [Option<Turned<S>>; MAX_WHEELS],
+    /// Centres [m].
+    centres: [Vectors<S>; MAX_WHEELS],
+}
 
 #[inline_always]
 impl InLanes<'_, InverseRange<'_>> {
@@ -99,22 +105,24 @@ impl InLanes<'_, InverseRange<'_>> {
         &mut self,
         simd: S,
         [span, given]: [Span; 2],
-        placing: &mut Placing<'_, S>,
+        links: &mut BodyPoses<'_, S>,
         scratch: &mut MotionScratch<S>,
     ) -> Result<(), Error> {
         let chain = self.chain;
         let MotionScratch { gather, equations, contacts, poses } = scratch;
         poses.read(simd, chain, self.range.poses, given, gather);
         let poses = &*poses;
-        placing.place(simd, &poses.joints);
-        let directions = self.write_normal_rows(simd, poses, placing, contacts);
+        self.place(simd, links, poses.joints);
+        let standing = self.write_normal_rows(simd, poses, links, contacts);
         let (rates, determined) = self.rates(simd, given, poses, contacts, equations);
         let mut total = all(simd, 0.0);
         for rate in rates {
             total = total + rate;
         }
         let known = determined & is_number(total) & !poses.touching.nowhere;
-        let axes = self.wheel_axes(simd, poses, placing, &directions, &rates);
+        let [vx, vy, vz, wx, wy, wz, joints @ ..] = rates;
+        links.set_rates(LinkVelocity { linear: [vx, vy, vz], angular: [wx, wy, wz] }, &joints);
+        let axes = self.wheel_axes(simd, poses, links, &standing);
         let angles = self.steering_angles(simd, given, poses, &axes, known);
         check(simd, chain, given, &angles, &poses.touching.wheels, known)?;
         let (speeds, scale) = self.rolling_speeds(simd, poses, &axes, &angles);
@@ -133,22 +141,25 @@ impl InLanes<'_, InverseRange<'_>> {
         &self,
         simd: S,
         poses: &PoseLanes<S>,
-        placing: &mut Placing<'_, S>,
+        links: &BodyPoses<'_, S>,
         contacts: &mut Contacts<S>,
-    ) -> Directions<S> {
-        let mut directions = [None; MAX_WHEELS];
-        for (wheel, direction) in directions.iter_mut().enumerate().take(self.motion.wheels) {
-            if let Some(joint) = self.plan.steering(wheel).filter(|_| poses.steers) {
+    ) -> StandingWheels<S> {
+        let zero = all(simd, 0.0);
+        let mut standing = StandingWheels { directions: [None; MAX_WHEELS], centres: [[zero; 3]; MAX_WHEELS] };
+        for (wheel, contact) in contacts.iter_mut().enumerate().take(self.motion.wheels) {
+            let (mut centre, mut direction) = (links.centre(simd, wheel), None);
+            if let Some(joint) = self.chain.steering_joint(wheel).filter(|_| poses.steers) {
                 let turned = direction_of(simd, poses.steering[joint % MAX_WHEELS]);
-                placing.steer(simd, wheel, turned);
-                *direction = Some(turned);
+                centre = links.steered_centre(simd, wheel, turned, centre);
+                direction = Some(turned);
             }
-            let (centre, radius) = (placing.centres[wheel], all(simd, self.motion.radii[wheel]));
-            let touch = RimPoint::new(placing, wheel, centre, radius, *direction, poses.at[wheel]);
-            let [normal, ..] = contacts[wheel].rows.each_mut();
-            velocity_rows(placing, wheel, touch.point, [poses.normals[wheel]], std::array::from_mut(normal));
+            let radius = all(simd, self.motion.radii[wheel]);
+            let touch = RimPoint::new(links.wheel_link(wheel), centre, radius, direction, poses.at[wheel]);
+            let [normal, ..] = contact.rows.each_mut();
+            velocity_rows(links, wheel, touch.point, [poses.normals[wheel]], std::array::from_mut(normal));
+            (standing.directions[wheel], standing.centres[wheel]) = (direction, centre);
         }
-        directions
+        standing
     }
 
     /// Twist and joint rates of the desired motion, and the lanes in which the ground determines them.
@@ -193,30 +204,26 @@ impl InLanes<'_, InverseRange<'_>> {
         }
     }
 
-    /// The wheels in their own axes where they stand, as they move at these rates.
+    /// The wheels in their own axes where they stand, as their links move.
     fn wheel_axes<S: Vector>(
         &self,
         simd: S,
         poses: &PoseLanes<S>,
-        placing: &mut Placing<'_, S>,
-        directions: &Directions<S>,
-        rates: &Row<S>,
+        links: &BodyPoses<'_, S>,
+        standing: &StandingWheels<S>,
     ) -> [WheelAxes<S>; MAX_WHEELS] {
         let straight = (all(simd, 0.0), all(simd, 1.0));
-        let [vx, vy, vz, wx, wy, wz, joints @ ..] = *rates;
-        placing.moves([[vx, vy, vz], [wx, wy, wz]], &joints);
         let mut axes = [WheelAxes::at_rest(simd); MAX_WHEELS];
         for (wheel, axes) in axes.iter_mut().enumerate().take(self.motion.wheels) {
-            let limb = placing.limb(wheel);
-            let turned = directions[wheel].unwrap_or(straight);
-            let [velocity, turn] = placing.carried(wheel, placing.centres[wheel]);
-            let normal = from_turned(turned, limb.own(poses.normals[wheel]));
+            let link = links.wheel_link(wheel);
+            let turned = standing.directions[wheel].unwrap_or(straight);
+            let normal = from_turned(turned, link.in_own_axes(poses.normals[wheel]));
             *axes = WheelAxes {
                 normal,
-                velocity: from_turned(turned, limb.own(velocity)),
-                turn: from_turned(turned, limb.own(turn)),
+                velocity: from_turned(turned, link.in_own_axes(link.velocity.at(standing.centres[wheel]))),
+                turn: from_turned(turned, link.in_own_axes(link.velocity.angular)),
                 side: rim_side([normal[0], normal[2]], poses.at[wheel]),
-                offset: self.plan.offset(wheel),
+                offset: self.chain.mount(wheel).offset,
                 radius: self.motion.radii[wheel],
             };
         }
@@ -242,7 +249,7 @@ impl InLanes<'_, InverseRange<'_>> {
             return joints;
         }
         let input = SteeringInput {
-            plan: self.plan,
+            chain: self.chain,
             ranges,
             axes: &axes[..self.motion.wheels.min(MAX_WHEELS)],
             from: &poses.steering,
@@ -271,7 +278,7 @@ impl InLanes<'_, InverseRange<'_>> {
         let (mut speeds, mut fastest) = ([zero; MAX_WHEELS], zero);
         for (wheel, axes) in axes.iter().enumerate().take(self.motion.wheels) {
             let mut to = (zero, one);
-            if let Some(joint) = self.plan.steering(wheel)
+            if let Some(joint) = self.chain.steering_joint(wheel)
                 && let Some(angle) = &angles[joint % MAX_WHEELS]
             {
                 to = angle.turned;

@@ -4,12 +4,11 @@ use super::two_link_chain::TwoLinkChain;
 use crate::contact::rest_offset;
 use crate::rates::constants::MotionConstants;
 use six_wheel_terrain::suspension::Chain;
-use six_wheel_terrain::suspension::lanes::ChainConstants;
 
 /// Constants of a chain for the motion on the ground and for traction.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// None for chains with a link that turns about another axis than x or y, or that carries one that turns about another.
+    /// None for chains that are not planar: [`Chain::is_planar`].
     pub(crate) lanes: Option<LaneConstants>,
     /// [`rest_offset`] [m].
     pub offset: f64,
@@ -18,7 +17,6 @@ pub struct Prepared {
 /// Constants of a chain whose rows go into lanes.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneConstants {
-    pub chain: ChainConstants,
     pub motion: MotionConstants,
     /// For one row of traction.
     pub two_link: Option<TwoLinkChain>,
@@ -27,11 +25,9 @@ pub(crate) struct LaneConstants {
 impl Prepared {
     /// Of this chain.
     pub fn new(chain: &Chain) -> Self {
-        let lanes = ChainConstants::new(chain).map(|plan| LaneConstants {
-            motion: MotionConstants::new(chain, &plan),
-            two_link: TwoLinkChain::new(chain, &plan),
-            chain: plan,
-        });
+        let lanes = chain
+            .is_planar()
+            .then(|| LaneConstants { motion: MotionConstants::new(chain), two_link: TwoLinkChain::new(chain) });
         Self { lanes, offset: rest_offset(chain) }
     }
 }

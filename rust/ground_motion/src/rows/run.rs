@@ -8,22 +8,25 @@ use crate::rates::constants::MotionConstants;
 use crate::rates::contact_rows::{Contact, Contacts};
 use crate::rates::least_squares::DenseLeastSquares;
 use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_terrain::suspension::lanes::{ChainConstants, Placing};
-use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
+use six_wheel_terrain::suspension::kinematics::{JointAngles, LinkPoses, PlanarLink};
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+
+/// Poses of links in the axes of the body.
+pub(crate) type BodyPoses<'a, S> = LinkPoses<'a, S, PlanarLink<S>>;
 
 /// Rows that one thread takes.
 pub(crate) trait Rows: Sized {
     /// Solves all rows of a range. Has to be `#[inline(always)]`.
-    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error>;
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, links: &mut BodyPoses<'_, S>) -> Result<(), Error>;
 }
 
 /// A range of rows, and the constants of their chain.
 pub(crate) struct InLanes<'a, R> {
     pub chain: &'a Chain,
-    pub plan: &'a ChainConstants,
     pub motion: &'a MotionConstants,
     /// The first of the rows among all of the inputs, and their number.
     pub first: usize,
@@ -42,6 +45,12 @@ impl<R> InLanes<'_, R> {
             [Span { first, count }, Span { first: start + first, count }]
         })
     }
+
+    /// Places the chain at these free angles [rad], its wheels straight ahead.
+    #[inline(always)]
+    pub fn place<S: Vector>(&self, simd: S, links: &mut BodyPoses<'_, S>, angles: [Lanes<S>; MAX_FREE]) {
+        links.place(simd, &JointAngles::new(simd, angles, self.motion.joints, None));
+    }
 }
 
 impl<R: Rows> Kernel for InLanes<'_, R> {
@@ -49,8 +58,8 @@ impl<R: Rows> Kernel for InLanes<'_, R> {
 
     #[inline(always)]
     fn run<S: Vector>(mut self, simd: S) -> Self::Output {
-        let mut placing = Placing::new(simd, self.plan);
-        R::solve_all(&mut self, simd, &mut placing)
+        let mut links = BodyPoses::in_body(simd, self.chain);
+        R::solve_all(&mut self, simd, &mut links)
     }
 }
 
@@ -63,7 +72,7 @@ pub(crate) fn run_rows<R: Rows + Send>(
     rows: usize,
     mut range: impl FnMut(usize) -> R + Send,
 ) -> Result<(), Error> {
-    let LaneConstants { chain: plan, motion, .. } = prepared.lanes.as_ref().ok_or_else(|| {
+    let LaneConstants { motion, .. } = prepared.lanes.as_ref().ok_or_else(|| {
         let rule = "have links that turn about x or y, those on one another about the same, and steer about z";
         Error::value("chain", rule, "one that does not")
     })?;
@@ -71,7 +80,7 @@ pub(crate) fn run_rows<R: Rows + Send>(
     let share = workers.share(rows);
     let ranges = (0..rows).step_by(share).map(|first| {
         let count = share.min(rows - first);
-        InLanes { chain, plan, motion, first, count, range: range(count) }
+        InLanes { chain, motion, first, count, range: range(count) }
     });
     workers.for_each(ranges, |range| workers.level.run_any(range))
 }

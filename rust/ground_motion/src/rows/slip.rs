@@ -1,14 +1,15 @@
 //! Slip of the wheels at known motions, for many rows.
 
 use super::prepared::Prepared;
-use super::run::{InLanes, MotionScratch, Rows, run_rows, take};
+use super::run::{BodyPoses, InLanes, MotionScratch, Rows, run_rows, take};
 use crate::lanes::columns::{Span, angle_of, direction_of, is_number, polar};
 use crate::lanes::settled_poses::SettledPoses;
 use crate::rates::contact_rows::RimPoint;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_terrain::suspension::lanes::{Placing, all, cross, dot};
+use six_wheel_terrain::suspension::kinematics::LinkVelocity;
+use six_wheel_terrain::suspension::lanes::{all, cross, dot};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Known motions, row after row.
@@ -58,10 +59,10 @@ struct SlipRange<'a> {
 
 impl Rows for SlipRange<'_> {
     #[inline(always)]
-    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error> {
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, links: &mut BodyPoses<'_, S>) -> Result<(), Error> {
         let mut scratch = MotionScratch::new(simd);
         for spans in lanes.spans(simd) {
-            lanes.solve_rows(simd, spans, placing, &mut scratch);
+            lanes.solve_rows(simd, spans, links, &mut scratch);
         }
         Ok(())
     }
@@ -73,38 +74,39 @@ impl InLanes<'_, SlipRange<'_>> {
         &mut self,
         simd: S,
         [span, given]: [Span; 2],
-        placing: &mut Placing<'_, S>,
+        links: &mut BodyPoses<'_, S>,
         scratch: &mut MotionScratch<S>,
     ) {
-        let (range, wheels) = (&mut self.range, self.motion.wheels.min(MAX_WHEELS));
+        let wheels = self.motion.wheels.min(MAX_WHEELS);
         let MotionScratch { gather, poses, .. } = scratch;
-        poses.read(simd, self.chain, range.poses, given, gather);
-        placing.place(simd, &poses.joints);
+        poses.read(simd, self.chain, self.range.poses, given, gather);
+        self.place(simd, links, poses.joints);
+        let range = &mut self.range;
         let speeds = given.read::<S, MAX_WHEELS>(simd, range.input.speeds, wheels);
         let [vx, vy, vz, wx, wy, wz] = given.read::<S, 6>(simd, range.input.twists.as_flattened(), 6);
         let rates = given.read::<S, MAX_FREE>(simd, range.input.joint_rates, self.motion.joints);
-        placing.moves([[vx, vy, vz], [wx, wy, wz]], &rates);
+        links.set_rates(LinkVelocity { linear: [vx, vy, vz], angular: [wx, wy, wz] }, &rates);
         let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
         let (mut ratios, mut angles) = ([nan; MAX_WHEELS], [nan; MAX_WHEELS]);
         // NaN where a differential does not reach.
         let mut reach = zero;
         for wheel in 0..wheels {
-            let mut turned = None;
-            if let Some(joint) = self.plan.steering(wheel).filter(|_| poses.steers) {
+            let link = links.wheel_link(wheel);
+            let (mut centre, mut turned) = (links.centre(simd, wheel), None);
+            if let Some(joint) = self.chain.steering_joint(wheel).filter(|_| poses.steers) {
                 let to = direction_of(simd, poses.steering[joint % MAX_WHEELS]);
-                placing.steer(simd, wheel, to);
+                centre = links.steered_centre(simd, wheel, to, centre);
                 turned = Some(to);
             }
-            let (centre, radius) = (placing.centres[wheel], all(simd, self.motion.radii[wheel]));
-            let touch = RimPoint::new(placing, wheel, centre, radius, turned, poses.at[wheel]);
-            let [velocity, turn] = placing.carried(wheel, centre);
-            let [slide, _] = placing.carried(wheel, touch.point);
+            let radius = all(simd, self.motion.radii[wheel]);
+            let touch = RimPoint::new(link, centre, radius, turned, poses.at[wheel]);
+            let slide = link.velocity.at(touch.point);
             let (sin, cos) = turned.unwrap_or((zero, one));
-            let axle = placing.limb(wheel).out([-sin, cos, zero]);
-            let ahead = dot(velocity, touch.tangent);
+            let axle = link.rotated([-sin, cos, zero]);
+            let ahead = dot(link.velocity.at(centre), touch.tangent);
             let aside = dot(slide, cross(poses.normals[wheel], touch.tangent));
             // The rim turns with the encoder and with the link.
-            let rim = radius * (speeds[wheel] + dot(turn, axle));
+            let rim = radius * (speeds[wheel] + dot(link.velocity.angular, axle));
             let touches = zero.lt(poses.touching.wheels[wheel]);
             let turns = touches & zero.lt(rim.abs());
             ratios[wheel] = turns.select(one - (ahead / rim), nan);

@@ -9,11 +9,11 @@
 //! link that carries the wheel, which its encoder does not see.)
 
 use super::prepared::Prepared;
-use super::run::{InLanes, Rows, run_rows, take};
+use super::run::{BodyPoses, InLanes, Rows, run_rows, take};
 use super::two_link_chain::OneRow;
 use super::wheel_command::{CentreVelocity, LiftLimits, fitted_vertical_speed, median_closing_speed};
 use crate::driving::{Drives, Driving, Turns};
-use crate::lanes::columns::{Span, angle_of, direction_of, is_number, polar, wrap_far};
+use crate::lanes::columns::{Span, angle_of, direction_of, polar, wrap_far};
 use crate::steering::joint_angle::{JointAngle, check};
 use crate::steering::search::{SteeringInput, steer};
 use crate::steering::side_slip::WheelAxes;
@@ -21,7 +21,8 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_terrain::suspension::lanes::{Placing, Turned, Vectors, all, from_turned};
+use six_wheel_terrain::suspension::kinematics::LinkVelocity;
+use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Wheels for commanded speeds and yaw rates, from the rates of body and joints alone. Fails at the first row at which a
@@ -70,9 +71,9 @@ struct TractionRange<'a> {
 
 impl Rows for TractionRange<'_> {
     #[inline(always)]
-    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, placing: &mut Placing<'_, S>) -> Result<(), Error> {
+    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, links: &mut BodyPoses<'_, S>) -> Result<(), Error> {
         for spans in lanes.spans(simd) {
-            lanes.solve_rows(simd, spans, placing)?;
+            lanes.solve_rows(simd, spans, links)?;
         }
         Ok(())
     }
@@ -80,7 +81,7 @@ impl Rows for TractionRange<'_> {
 
 /// Commanded velocities of the body, and rates of the body and the free angles.
 struct DesiredRates<S: Vector> {
-    body: [Vectors<S>; 2],
+    body: LinkVelocity<S>,
     joints: [Lanes<S>; MAX_FREE],
 }
 
@@ -88,7 +89,7 @@ impl<S: Vector> DesiredRates<S> {
     /// The velocity of a point of the body as commanded [m/s].
     #[inline(always)]
     fn in_plan(&self, point: Vectors<S>) -> [Lanes<S>; 2] {
-        let [[speed, sideways, _], [_, _, turn]] = self.body;
+        let LinkVelocity { linear: [speed, sideways, _], angular: [_, _, turn] } = self.body;
         [speed - turn * point[1], turn.mul_add(point[0], sideways)]
     }
 }
@@ -99,23 +100,22 @@ impl InLanes<'_, TractionRange<'_>> {
         &mut self,
         simd: S,
         [span, given]: [Span; 2],
-        placing: &mut Placing<'_, S>,
+        links: &mut BodyPoses<'_, S>,
     ) -> Result<(), Error> {
         let (range, wheels) = (&self.range, self.motion.wheels.min(MAX_WHEELS));
         let (zero, nan) = (all(simd, 0.0), all(simd, f64::NAN));
         let joints = given.read::<S, MAX_FREE>(simd, range.driving.joints, self.motion.joints);
         let desired = self.desired_rates(simd, given);
-        placing.place(simd, &wrap_far(simd, joints));
-        // NaN where a differential does not reach.
-        let mut sum = zero;
-        for centre in &placing.centres[..wheels] {
-            sum = sum + centre[0];
+        self.place(simd, links, wrap_far(simd, joints));
+        let mut places = [[zero; 3]; MAX_WHEELS];
+        for (wheel, centre) in places.iter_mut().enumerate().take(wheels) {
+            *centre = links.centre(simd, wheel);
         }
-        let reach = is_number(sum);
-        let angles = self.steering_angles(simd, given, placing, &desired, reach);
+        let reach = links.reaches;
+        let angles = self.steering_angles(simd, given, links, &places, &desired, reach);
         check(simd, self.chain, given, &angles, &[zero; MAX_WHEELS], reach)?;
-        placing.moves(desired.body, &desired.joints);
-        let centres = self.centre_velocities(simd, placing, &angles);
+        links.set_rates(desired.body, &desired.joints);
+        let centres = self.centre_velocities(simd, links, &mut places, &angles);
         let centres = &centres[..wheels];
         let mut vertical = median_closing_speed(simd, centres);
         if let Some(measured) = range.driving.wheel_speeds {
@@ -125,7 +125,7 @@ impl InLanes<'_, TractionRange<'_>> {
         let (mut speeds, mut contact_angles) = ([zero; MAX_WHEELS], [zero; MAX_WHEELS]);
         let mut lifted = zero;
         for (wheel, centre) in centres.iter().enumerate() {
-            let in_plan = desired.in_plan(placing.centres[wheel]);
+            let in_plan = desired.in_plan(places[wheel]);
             let command = centre.command(simd, vertical, in_plan, range.lift);
             (speeds[wheel], contact_angles[wheel]) = (command.speed, command.contact_angle);
             lifted = lifted + command.lifted.select(all(simd, f64::from(1_u32 << wheel)), zero);
@@ -156,7 +156,10 @@ impl InLanes<'_, TractionRange<'_>> {
         let [roll_rate, pitch_rate, _] = given.read::<S, 3>(simd, measured, 3);
         let sideways = yaw_rate * all(simd, self.range.offset);
         DesiredRates {
-            body: [[speed, sideways, all(simd, 0.0)], [roll_rate, pitch_rate, yaw_rate]],
+            body: LinkVelocity {
+                linear: [speed, sideways, all(simd, 0.0)],
+                angular: [roll_rate, pitch_rate, yaw_rate],
+            },
             joints: given.read::<S, MAX_FREE>(simd, driving.joint_rates, self.motion.joints),
         }
     }
@@ -167,7 +170,8 @@ impl InLanes<'_, TractionRange<'_>> {
         &self,
         simd: S,
         given: Span,
-        placing: &Placing<'_, S>,
+        links: &BodyPoses<'_, S>,
+        places: &[Vectors<S>; MAX_WHEELS],
         desired: &DesiredRates<S>,
         known: Mask<S>,
     ) -> [Option<JointAngle<S>>; MAX_WHEELS] {
@@ -175,18 +179,18 @@ impl InLanes<'_, TractionRange<'_>> {
         let ranges = self.chain.steering();
         let mut velocities = [[zero; 2]; MAX_WHEELS];
         let mut is_centred = true;
-        for wheel in 0..self.motion.wheels.min(MAX_WHEELS) {
-            let Some(joint) = self.plan.steering(wheel) else {
+        for (wheel, place) in places.iter().enumerate().take(self.motion.wheels) {
+            let Some(joint) = self.chain.steering_joint(wheel) else {
                 continue;
             };
-            is_centred &= self.plan.is_centred(joint);
-            let [x, y] = desired.in_plan(placing.centres[wheel]);
-            let [ahead, aside, _] = placing.limb(wheel).own([x, y, zero]);
+            is_centred &= self.motion.is_centred(joint);
+            let [x, y] = desired.in_plan(*place);
+            let [ahead, aside, _] = links.wheel_link(wheel).in_own_axes([x, y, zero]);
             let velocity = &mut velocities[joint % MAX_WHEELS];
             *velocity = [velocity[0] + ahead, velocity[1] + aside];
         }
         if !is_centred {
-            return self.offset_steering_angles(simd, given, placing, desired, known);
+            return self.offset_steering_angles(simd, given, links, places, desired, known);
         }
         let mut angles = [None; MAX_WHEELS];
         for (joint, (angle, range)) in angles.iter_mut().zip(ranges).enumerate() {
@@ -208,24 +212,25 @@ impl InLanes<'_, TractionRange<'_>> {
         &self,
         simd: S,
         given: Span,
-        placing: &Placing<'_, S>,
+        links: &BodyPoses<'_, S>,
+        places: &[Vectors<S>; MAX_WHEELS],
         desired: &DesiredRates<S>,
         known: Mask<S>,
     ) -> [Option<JointAngle<S>>; MAX_WHEELS] {
         let zero = all(simd, 0.0);
-        let turn = [zero, zero, desired.body[1][2]];
+        let turn = [zero, zero, desired.body.angular[2]];
         let mut axes = [WheelAxes::at_rest(simd); MAX_WHEELS];
         for (wheel, axes) in axes.iter_mut().enumerate().take(self.motion.wheels) {
-            let limb = placing.limb(wheel);
-            let [x, y] = desired.in_plan(placing.centres[wheel]);
-            axes.velocity = limb.own([x, y, zero]);
-            axes.turn = limb.own(turn);
-            axes.offset = self.plan.offset(wheel);
+            let link = links.wheel_link(wheel);
+            let [x, y] = desired.in_plan(places[wheel]);
+            axes.velocity = link.in_own_axes([x, y, zero]);
+            axes.turn = link.in_own_axes(turn);
+            axes.offset = self.chain.mount(wheel).offset;
             // The centre goes along its axle, whatever the rim does.
             axes.radius = 0.0;
         }
         let input = SteeringInput {
-            plan: self.plan,
+            chain: self.chain,
             ranges: self.chain.steering(),
             axes: &axes[..self.motion.wheels.min(MAX_WHEELS)],
             from: &[zero; MAX_WHEELS],
@@ -244,11 +249,12 @@ impl InLanes<'_, TractionRange<'_>> {
         }
     }
 
-    /// Velocities of the wheels' centres at these steering angles.
+    /// Velocities of the wheels' centres, from those straight ahead, which are moved to these steering angles.
     fn centre_velocities<S: Vector>(
         &self,
         simd: S,
-        placing: &mut Placing<'_, S>,
+        links: &BodyPoses<'_, S>,
+        places: &mut [Vectors<S>; MAX_WHEELS],
         angles: &[Option<JointAngle<S>>; MAX_WHEELS],
     ) -> [CentreVelocity<S>; MAX_WHEELS] {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
@@ -256,19 +262,14 @@ impl InLanes<'_, TractionRange<'_>> {
         let mut centres = [none; MAX_WHEELS];
         for (wheel, centre) in centres.iter_mut().enumerate().take(self.motion.wheels) {
             let mut to: Turned<S> = (zero, one);
-            if let Some(joint) = self.plan.steering(wheel)
+            if let Some(joint) = self.chain.steering_joint(wheel)
                 && let Some(angle) = &angles[joint % MAX_WHEELS]
             {
                 to = angle.turned;
-                placing.steer(simd, wheel, to);
+                places[wheel] = links.steered_centre(simd, wheel, to, places[wheel]);
             }
-            let limb = placing.limb(wheel);
-            let [velocity, turn] = placing.carried(wheel, placing.centres[wheel]);
-            let [along, _, across] = from_turned(to, limb.own(velocity));
-            let [_, turn, _] = from_turned(to, limb.own(turn));
-            let [ahead, _, up] = from_turned(to, limb.own([zero, zero, one]));
             let inverse_radius = all(simd, 1.0 / self.motion.radii[wheel]);
-            *centre = CentreVelocity { along, across, vertical: [ahead, up], turn, inverse_radius };
+            *centre = CentreVelocity::new(links.wheel_link(wheel), places[wheel], to, inverse_radius);
         }
         centres
     }

@@ -1,7 +1,7 @@
 //! Traction of one row, for rockers and bogies: the lanes of a register are the wheels.
 //!
-//! Operations and their order are those of rows in lanes ([`super::traction`] and `Placing` of the chain), so that a row
-//! has the same bits alone and in a batch.
+//! Places and motions of links and wheels are those of rows in lanes ([`PlanarLink`], [`CentreVelocity`]), so
+//! that a row has the same bits alone and in a batch.
 
 use super::wheel_command::{CentreVelocity, LiftLimits};
 use crate::driving::{Drives, Driving, Turns};
@@ -11,12 +11,12 @@ use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::direction;
-use six_wheel_numerics::simd::vec3::cross;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::lanes::{ChainConstants, Column, LARGEST_TURN, MOST, all};
-use six_wheel_terrain::suspension::{Chain, Differential, MAX_FREE, MAX_WHEELS};
+use six_wheel_terrain::suspension::kinematics::{Hinge, LinkPose, LinkVelocity, PlanarLink};
+use six_wheel_terrain::suspension::lanes::{Column, LARGEST_TURN, MOST, Vectors, all};
+use six_wheel_terrain::suspension::{Chain, Differential, MAX_FREE, MAX_WHEELS, Turning};
 
-/// Angles that turn limbs: the free ones, and the right-hand side of the differential.
+/// Angles that turn links: the free ones, and the right-hand side of the differential.
 const ANGLES: usize = MAX_FREE + 1;
 
 /// Constants of a suspension in which at most two links, both turning about y, lie between body and wheel (rocker and
@@ -26,12 +26,10 @@ pub(crate) struct TwoLinkChain {
     wheels: usize,
     /// The free angle that goes through a differential.
     across: (usize, Differential),
-    /// Factors of each angle in that of the limb at the body, and in that of the limb it carries against it.
-    limbs: [[Column; ANGLES]; 2],
-    /// Origin of the first limb ahead and upwards, of the second in the first, and the wheel in the second [m].
-    origins: [[Column; 2]; 3],
-    /// To the left [m].
-    left: Column,
+    /// Factors of each angle in that of the link at the body, and in that of the link it carries against it.
+    links: [[Column; ANGLES]; 2],
+    /// Origin of the first link, of the second in the first, and the wheel in the second [m].
+    origins: [[Column; 3]; 3],
     /// One over the radius [1/m].
     inverse_radius: Column,
     /// 1 where a wheel is steered.
@@ -42,58 +40,66 @@ pub(crate) struct TwoLinkChain {
 
 impl TwoLinkChain {
     /// None for other chains, and where steering joints differ or have several wheels, or some beside their axes.
-    pub fn new(chain: &Chain, plan: &ChainConstants) -> Option<Self> {
+    pub fn new(chain: &Chain) -> Option<Self> {
         let range = chain.steering().first().copied().unwrap_or_default();
-        let zero = Column::ZERO;
+        let (zero, wheels) = (Column::ZERO, chain.wheels().len());
         let mut two_link = Self {
-            wheels: plan.wheels(),
+            wheels,
             across: (0, Differential::Gear),
-            limbs: [[zero; ANGLES]; 2],
-            origins: [[zero; 2]; 3],
-            left: zero,
+            links: [[zero; ANGLES]; 2],
+            origins: [[zero; 3]; 3],
             inverse_radius: zero,
             steers: zero,
             joints: [None; MAX_WHEELS],
             range,
         };
+        for link in chain.parts() {
+            if let Turning::Across(joint, differential) = link.turning {
+                two_link.across = (joint, differential);
+            }
+        }
         // The angle beyond a bar has its sine and cosine from elsewhere.
-        if plan.parts.iter().any(|part| part.across.is_some_and(|across| across != Differential::Gear)) {
+        if two_link.across.1 != Differential::Gear {
             return None;
         }
-        if let Some((joint, across)) = plan.parts.iter().find_map(|part| Some((part.joint, part.across?))) {
-            two_link.across = (joint, across);
-        }
         for lane in 0..MOST {
-            let place = if lane < plan.wheels() { lane } else { 0 };
-            let wheel = &plan.wheels[place];
-            let [ahead, left, up] = wheel.offset;
-            if wheel.movers.len() > 2 || [ahead, left] != [0.0; 2] {
+            let wheel = if lane < wheels { lane } else { 0 };
+            let mount = chain.mount(wheel);
+            if mount.movers.len() > 2 || mount.is_offset() {
                 return None;
             }
-            if let Some(joint) = wheel.steering.filter(|_| lane == place) {
+            if let Some(joint) = mount.steering.filter(|_| lane == wheel) {
                 if two_link.joints.contains(&Some(joint)) {
                     return None;
                 }
                 two_link.joints[lane] = Some(joint);
             }
-            two_link.steers.0[lane] = f64::from(u8::from(wheel.steering.is_some()));
-            two_link.inverse_radius.0[lane] = 1.0 / wheel.radius;
-            two_link.origins[2][0].0[lane] = wheel.pivot[0];
-            two_link.origins[2][1].0[lane] = wheel.pivot[2] + up;
-            for (k, part) in wheel.movers.iter().rev().map(|&part| &plan.parts[part]).enumerate() {
-                let angle = if part.across.is_some() { MAX_FREE } else { part.joint };
-                if part.plane != 0 || part.across.is_some_and(|by| (part.joint, by) != two_link.across) {
+            two_link.steers.0[lane] = f64::from(u8::from(mount.steering.is_some()));
+            two_link.inverse_radius.0[lane] = 1.0 / chain.wheels()[wheel].radius;
+            two_link.put(2, lane, mount.centre);
+            for (k, &(part, joint)) in mount.movers.iter().rev().enumerate() {
+                let link = &chain.parts()[part];
+                let angle = match link.turning {
+                    Turning::Across(..) if joint != two_link.across.0 => return None,
+                    Turning::Across(..) => MAX_FREE,
+                    _ => joint,
+                };
+                if chain.main_axis(part) != Some(1) {
                     return None;
                 }
-                two_link.limbs[k][angle].0[lane] = 1.0;
-                two_link.left.0[lane] += part.origin[1];
-                two_link.origins[k][0].0[lane] = part.origin[0];
-                two_link.origins[k][1].0[lane] = part.origin[2];
+                two_link.links[k][angle].0[lane] = 1.0;
+                two_link.put(k, lane, link.origin.into());
             }
-            two_link.left.0[lane] += wheel.pivot[1];
         }
         let same = chain.steering().iter().all(|other| *other == range);
         same.then_some(two_link)
+    }
+
+    /// Sets an origin in a lane [m].
+    fn put(&mut self, origin: usize, lane: usize, place: [f64; 3]) {
+        for (column, value) in self.origins[origin].iter_mut().zip(place) {
+            column.0[lane] = value;
+        }
     }
 }
 
@@ -124,6 +130,12 @@ struct WheelLanes<S: Vector> {
     steering: JointAngle<S>,
     /// 1 where a steered wheel rests or has no angle, else 0.
     refused: Lanes<S>,
+}
+
+/// Register `k` of each of three columns.
+#[inline(always)]
+fn registers<S: Vector>(simd: S, [x, y, z]: &[Column; 3], k: usize) -> Vectors<S> {
+    [register(simd, x, k), register(simd, y, k), register(simd, z, k)]
 }
 
 /// Register `k` of a column.
@@ -210,53 +222,46 @@ impl OneRow<'_, '_> {
         Some(input)
     }
 
-    /// Positions and velocities of the wheels of register `k`: those of both limbs, then the steering angle at which the
+    /// Positions and velocities of the wheels of register `k`: those of both links, then the steering angle at which the
     /// centre goes along the wheel in plan.
     fn wheel_lanes<S: Vector>(&self, simd: S, input: &RowInput, k: usize) -> WheelLanes<S> {
         let chain = self.chain;
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        // Angles and rates of both limbs.
-        let (mut turns, mut swings) = ([zero; 2], [zero; 2]);
-        for (limb, shares) in chain.limbs.iter().enumerate() {
-            for (share, (angle, rate)) in shares.iter().zip(input.angles.iter().zip(input.rates)) {
-                let share = register(simd, share, k);
-                turns[limb] = share.mul_add(all(simd, *angle), turns[limb]);
-                swings[limb] = share.mul_add(all(simd, rate), swings[limb]);
-            }
-        }
-        let (s1, c1) = direction(simd, turns[0]);
-        let (s, c) = direction(simd, turns[1]);
-        let (s2, c2) = (s1.mul_add(c, c1 * s), c1.mul_add(c, -(s1 * s)));
-        let out = |[x, z]: [Lanes<S>; 2], s: Lanes<S>, c: Lanes<S>| [x.mul_add(c, z * s), z.mul_add(c, -(x * s))];
-        let [body, knee, wheel] =
-            chain.origins.each_ref().map(|at| at.each_ref().map(|column| register(simd, column, k)));
-        let to_knee = out(knee, s1, c1);
-        let knee = [body[0] + to_knee[0], body[1] + to_knee[1]];
-        let to_wheel = out(wheel, s2, c2);
-        let (x, z) = (knee[0] + to_wheel[0], knee[1] + to_wheel[1]);
-        let y = register(simd, &chain.left, k);
         let [roll, pitch, _] = self.driving.angular_velocity[0];
         let [roll, pitch, yaw] = [all(simd, roll), all(simd, pitch), all(simd, input.yaw_rate)];
         let [speed, sideways] = [all(simd, input.speed), all(simd, input.yaw_rate) * all(simd, self.offset)];
-        // As commanded, and how the centres move with the body and both limbs.
-        let in_plan = [speed - yaw * y, yaw.mul_add(x, sideways)];
-        let swing = swings[0] + swings[1];
-        let forth = swings[1].mul_add(knee[1], swings[0] * body[1]);
-        let down = swings[1].mul_add(knee[0], swings[0] * body[0]);
-        let [forwards, aside, upwards] = cross([roll, pitch, yaw], [x, y, z]);
-        let forth = (speed + forwards) + swing.mul_add(z, -forth);
-        let aside = sideways + aside;
-        let up = (zero + upwards) + (down - swing * x);
+        let mut pose = PlanarLink::frame(simd);
+        pose.velocity = LinkVelocity { linear: [speed, sideways, zero], angular: [roll, pitch, yaw] };
+        for (shares, origin) in chain.links.iter().zip(&chain.origins) {
+            let (mut angle, mut rate) = (zero, zero);
+            for (share, (turn, swing)) in shares.iter().zip(input.angles.iter().zip(input.rates)) {
+                let share = register(simd, share, k);
+                angle = share.mul_add(all(simd, *turn), angle);
+                rate = share.mul_add(all(simd, swing), rate);
+            }
+            let hinge = Hinge {
+                origin: registers(simd, origin, k),
+                axis: [0.0, 1.0, 0.0],
+                main_axis: Some(1),
+                turned: direction(simd, angle),
+                slope: None,
+            };
+            let mut link = PlanarLink::frame(simd);
+            pose.carry(&hinge, &mut link);
+            pose.carry_velocity(rate, &mut link);
+            pose = link;
+        }
+        let centre = pose.point(registers(simd, &chain.origins[2], k));
+        // As commanded in plan.
+        let in_plan = [speed - yaw * centre[1], yaw.mul_add(centre[0], sideways)];
         let steered = zero.lt(register(simd, &chain.steers, k));
-        let to = polar([zero + c2 * in_plan[0], zero + in_plan[1]]);
+        let [ahead, aside, _] = pose.in_own_axes([in_plan[0], in_plan[1], zero]);
+        let to = polar([zero + ahead, zero + aside]);
         let steering = JointAngle::in_range(simd, chain.range, angle_of(simd, to.turned), to.turned);
-        let (ss, cs) = (steered.select(steering.turned.0, zero), steered.select(steering.turned.1, one));
-        let along = (forth.mul_add(c2, -(up * s2))).mul_add(cs, aside * ss);
-        let across = up.mul_add(c2, forth * s2);
-        let turn = (pitch + swing).mul_add(cs, -(roll.mul_add(c2, -(yaw * s2)) * ss));
+        let turned = (steered.select(steering.turned.0, zero), steered.select(steering.turned.1, one));
         let inverse_radius = register(simd, &chain.inverse_radius, k);
         WheelLanes {
-            centre: CentreVelocity { along, across, vertical: [-(s2 * cs), c2], turn, inverse_radius },
+            centre: CentreVelocity::new(&pose, centre, turned, inverse_radius),
             in_plan,
             steering,
             refused: (steered & (to.is_zero | steering.failed())).select(one, zero),

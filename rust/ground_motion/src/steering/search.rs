@@ -13,8 +13,8 @@ use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::direction;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::MAX_WHEELS;
-use six_wheel_terrain::suspension::lanes::{ChainConstants, Turned, Vectors, all};
+use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all};
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
 /// Steps after which a root is bracketed instead.
 const MAX_NEWTON_STEPS: usize = 12;
@@ -42,7 +42,7 @@ const HALVINGS: usize = 128;
 
 /// Steered wheels in their axes, and their joints.
 pub(crate) struct SteeringInput<'a, S: Vector> {
-    pub plan: &'a ChainConstants,
+    pub chain: &'a Chain,
     /// Range of every joint.
     pub ranges: &'a [SteeringRange],
     /// Of every wheel, at the angles `from` of the joints [rad].
@@ -60,7 +60,7 @@ pub(crate) struct SteeringInput<'a, S: Vector> {
 /// None for joints without a wheel.
 #[inline(always)]
 pub(crate) fn steer<S: Vector>(simd: S, input: &SteeringInput<'_, S>) -> [Option<JointAngle<S>>; MAX_WHEELS] {
-    let slip = SideSlip::new(simd, input.plan, input.axes, input.touching);
+    let slip = SideSlip::new(simd, input.chain, input.axes, input.touching);
     let no = Mask::splat(simd, false);
     let zero = all(simd, 0.0);
     let straight = (zero, all(simd, 1.0));

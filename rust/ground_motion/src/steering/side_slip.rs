@@ -13,10 +13,8 @@
 use crate::lanes::columns::inverse_length;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::MAX_WHEELS;
-use six_wheel_terrain::suspension::lanes::{
-    ChainConstants, Turned, Vectors, all, along, cross, dot, from_turned, less, scaled, sum,
-};
+use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, along, cross, dot, from_turned, less, scaled, sum};
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
 /// A wheel in its own axes: ahead, to the left and up at a given steering angle.
 #[derive(Clone, Copy)]
@@ -28,8 +26,8 @@ pub(crate) struct WheelAxes<S: Vector> {
     pub turn: Vectors<S>,
     /// The sign bit where the far side of its rim touches.
     pub side: Lanes<S>,
-    /// Its centre from the steering axis, ahead and to the left [m].
-    pub offset: [f64; 2],
+    /// Its centre from a point of the steering axis: ahead, to the left and upwards [m].
+    pub offset: [f64; 3],
     pub radius: f64,
 }
 
@@ -39,12 +37,12 @@ impl<S: Vector> WheelAxes<S> {
     pub fn at_rest(simd: S) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let normal = [zero, zero, one];
-        Self { normal, velocity: [zero; 3], turn: [zero; 3], side: zero, offset: [0.0; 2], radius: 1.0 }
+        Self { normal, velocity: [zero; 3], turn: [zero; 3], side: zero, offset: [0.0; 3], radius: 1.0 }
     }
 
     /// True if its centre lies off its steering axis.
     fn is_offset(&self) -> bool {
-        self.offset != [0.0; 2]
+        self.offset[..2] != [0.0; 2]
     }
 
     /// Velocity that a rotation about the steering axis adds to that of its centre [m/s], and the derivative by the angle.
@@ -136,7 +134,7 @@ impl<'a, S: Vector> SideSlipFunction<'a, S> {
 
     /// Speeds of which these are made, or more [m/s].
     fn size(&self, simd: S) -> Lanes<S> {
-        let [ahead, left] = self.axes.offset;
+        let [ahead, left, _] = self.axes.offset;
         // The rim is not faster than its radius times that.
         let arm = all(simd, ahead.hypot(left) + 1.5 * self.axes.radius);
         sum_of_sizes(self.axes.turn).mul_add(arm, sum_of_sizes(self.axes.velocity)) * self.counts
@@ -179,18 +177,18 @@ pub(super) struct SideSlip<'a, S: Vector> {
 #[inline_always]
 impl<'a, S: Vector> SideSlip<'a, S> {
     /// Of wheels in these axes. Wheels of a joint in the air do not count beside one that touches.
-    pub fn new(simd: S, plan: &ChainConstants, axes: &'a [WheelAxes<S>], touching: &[Lanes<S>; MAX_WHEELS]) -> Self {
+    pub fn new(simd: S, chain: &Chain, axes: &'a [WheelAxes<S>], touching: &[Lanes<S>; MAX_WHEELS]) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let none = JointWheels { wheels: 0, velocity: [zero; 2], size: zero, is_offset: false };
         let mut slip = Self { functions: [None; MAX_WHEELS], joints: [none; MAX_WHEELS] };
         let mut touches = [zero; MAX_WHEELS];
         for (wheel, touching) in touching.iter().enumerate().take(axes.len()) {
-            if let Some(joint) = plan.steering(wheel) {
+            if let Some(joint) = chain.steering_joint(wheel) {
                 touches[joint % MAX_WHEELS] = touches[joint % MAX_WHEELS].max(*touching);
             }
         }
         for (wheel, (function, axes)) in slip.functions.iter_mut().zip(axes).enumerate() {
-            let Some(joint) = plan.steering(wheel).map(|joint| joint % MAX_WHEELS) else {
+            let Some(joint) = chain.steering_joint(wheel).map(|joint| joint % MAX_WHEELS) else {
                 continue;
             };
             let counts = zero.lt(touches[joint]).select(touching[wheel], one);

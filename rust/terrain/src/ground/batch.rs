@@ -152,7 +152,7 @@ pub(crate) fn initial_state<S: Vector>(simd: S, site: &Site<'_>, here: &mut Stat
     let mut goes_on = zero.lt(unit);
     for _ in 0..2 {
         let poses = here.poses(simd, site.chain);
-        let mut scan = RimScan::empty(simd, poses.reaches);
+        let mut scan = RimScan::empty(simd, poses.links.reaches);
         let (mut sum, mut count) = (zero, zero);
         for wheel in (0..site.chain.wheels().len().min(MAX_WHEELS)).filter(|&wheel| site.order.touches(wheel)) {
             let centre = poses.wheel(simd, wheel).centre;

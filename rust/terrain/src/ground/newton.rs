@@ -270,7 +270,7 @@ impl Kernel for Evaluate<'_> {
         let site = &Site { chain, ground, order: self.order };
         let here = self.pose.lanes(Scalar, &self.state);
         let (poses, per_metre) = (here.poses(Scalar, chain), site.per_metre(Scalar));
-        if !poses.reaches.any() {
+        if !poses.links.reaches.any() {
             return None;
         }
         let real = here.circles(Scalar, site, &poses, per_metre);
@@ -284,7 +284,7 @@ impl Kernel for Evaluate<'_> {
             });
         }
         let found = find_contacts(wide, ground, &circles, chain.wheels().len(), self.segment);
-        let mut scan = RimScan::empty(Scalar, poses.reaches);
+        let mut scan = RimScan::empty(Scalar, poses.links.reaches);
         for (wheel, rim) in found.iter().enumerate().take(chain.wheels().len().min(MAX_WHEELS)) {
             scan.add(Scalar, site, &poses, wheel, &poses.wheel(Scalar, wheel), per_metre, wheel_gap(rim, share));
         }

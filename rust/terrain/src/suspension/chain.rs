@@ -83,14 +83,37 @@ pub struct Chain {
     joints: Vec<Joint>,
     steering: Vec<SteeringRange>,
     balance: Vector3<f64>,
-    /// Of every wheel: the links with free angles that carry it, innermost first, and their joints.
-    movers: Vec<Vec<(usize, usize)>>,
     /// Of every link: the axis of its parent that is its own, if one is.
     main_axes: Vec<Option<usize>>,
-    /// Bits of the links that steer and carry nothing but wheels.
-    knuckles: u32,
-    /// Of every wheel, straight ahead: the link that carries it, knuckles left out, and its centre there [m].
-    straight: Vec<(Option<usize>, [f64; 3])>,
+    /// All links, and those but knuckles.
+    placed: [Vec<usize>; 2],
+    /// Of every wheel.
+    mounts: Vec<WheelMount>,
+}
+
+/// A wheel on the link that carries it, its knuckle left out: a knuckle is a link that steers and carries nothing but wheels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WheelMount {
+    /// The link; None is the body.
+    pub link: Option<usize>,
+    /// The centre straight ahead [m].
+    pub centre: [f64; 3],
+    /// A point of the steering axis [m], or the centre.
+    pub pivot: [f64; 3],
+    /// From there to the centre, straight ahead [m].
+    pub offset: [f64; 3],
+    /// The steering joint.
+    pub steering: Option<usize>,
+    /// The links with free angles that carry the wheel, innermost first, and their joints.
+    pub movers: Vec<(usize, usize)>,
+}
+
+impl WheelMount {
+    /// True if the centre lies off the steering axis.
+    #[inline]
+    pub fn is_offset(&self) -> bool {
+        self.offset[..2] != [0.0; 2]
+    }
 }
 
 /// Pose of the body in the plane.
@@ -164,39 +187,61 @@ impl Chain {
             joint.range.check("joint_limit")?;
         }
         let balance = Vector3::zeros();
-        let (movers, main_axes, straight, knuckles) = (Vec::new(), Vec::new(), Vec::new(), 0);
-        let mut chain = Self { parts, wheels, joints, steering, balance, movers, main_axes, knuckles, straight };
+        let (main_axes, placed, mounts) = (Vec::new(), [Vec::new(), Vec::new()], Vec::new());
+        let mut chain = Self { parts, wheels, joints, steering, balance, main_axes, placed, mounts };
         chain.prepare();
         Ok(chain)
     }
 
     /// Fills in what follows from the lists.
     fn prepare(&mut self) {
+        let is_axis = |part: &ChainLink, k: usize| (0..3).all(|i| part.axis[i] == f64::from(i == k));
+        self.main_axes = self.parts.iter().map(|part| (0..3).find(|&k| is_axis(part, k))).collect();
         let all = 0..self.parts.len();
-        let steers = |part: &usize| matches!(self.parts[*part].turning, Turning::Steering(_));
-        let carries = |part: usize| self.parts.iter().any(|other| other.parent == Some(part));
-        self.knuckles = all.filter(steers).filter(|&part| !carries(part)).fold(0, |bits, part| bits | 1 << part);
+        self.placed = [all.clone().collect(), all.filter(|&part| !self.is_knuckle(part)).collect()];
+        self.mounts = (0..self.wheels.len()).map(|wheel| self.find_mount(wheel)).collect();
+        self.balance = self.mean_wheel();
+    }
+
+    fn find_mount(&self, wheel: usize) -> WheelMount {
+        let Mount { part, centre, .. } = self.wheels[wheel];
+        let (mut link, mut pivot, mut offset) = (part, centre, Vector3::zeros());
+        if let Some(knuckle) = part.filter(|&part| self.is_knuckle(part)) {
+            (link, pivot, offset) = (self.parts[knuckle].parent, self.parts[knuckle].origin, centre);
+        }
+        let steering = |part: usize| match self.parts[part].turning {
+            Turning::Steering(joint) => Some(joint),
+            _ => None,
+        };
         let free = |part: usize| match self.parts[part].turning {
             Turning::Free(joint) | Turning::Across(joint, _) => Some((part, joint)),
             Turning::Steering(_) => None,
         };
-        let is_axis = |part: &ChainLink, k: usize| (0..3).all(|i| part.axis[i] == f64::from(i == k));
-        self.main_axes = self.parts.iter().map(|part| (0..3).find(|&k| is_axis(part, k))).collect();
-        let count = self.wheels.len();
-        self.movers = (0..count).map(|wheel| self.carriers(wheel).filter_map(free).collect()).collect();
-        self.straight = self.wheels.iter().map(|wheel| self.without_knuckle(wheel)).collect();
-        self.balance = self.mean_wheel();
+        WheelMount {
+            link,
+            centre: (pivot + offset).into(),
+            pivot: pivot.into(),
+            offset: offset.into(),
+            steering: self.carriers(wheel).find_map(steering),
+            movers: self.carriers(wheel).filter_map(free).collect(),
+        }
     }
 
-    /// The link that carries a wheel straight ahead, and its centre there [m].
-    fn without_knuckle(&self, wheel: &Mount) -> (Option<usize>, [f64; 3]) {
-        match wheel.part.filter(|&part| self.is_knuckle(part)) {
-            Some(knuckle) => {
-                let knuckle = &self.parts[knuckle];
-                (knuckle.parent, (knuckle.origin + wheel.centre).into())
-            }
-            None => (wheel.part, wheel.centre.into()),
-        }
+    /// True for a link that steers and carries nothing but wheels.
+    fn is_knuckle(&self, part: usize) -> bool {
+        let steers = matches!(self.parts[part].turning, Turning::Steering(_));
+        steers && !self.parts.iter().any(|other| other.parent == Some(part))
+    }
+
+    /// True if links with free angles turn about x or y, those on one another about the same, and wheels steer by knuckles
+    /// about z.
+    pub fn is_planar(&self) -> bool {
+        let carrier_axis = |part: usize| self.parts[part].parent.map(|parent| self.main_axes[parent]);
+        (0..self.parts.len()).all(|part| match (self.parts[part].turning, self.main_axes[part]) {
+            (Turning::Steering(_), axis) => axis == Some(2) && self.is_knuckle(part),
+            (_, axis @ Some(0 | 1)) => carrier_axis(part).is_none_or(|carrier| carrier == axis),
+            _ => false,
+        })
     }
 
     /// The parts, parents before children.
@@ -245,10 +290,7 @@ impl Chain {
     /// The joint that steers a wheel.
     #[inline]
     pub fn steering_joint(&self, wheel: usize) -> Option<usize> {
-        self.carriers(wheel).find_map(|part| match self.parts[part].turning {
-            Turning::Steering(joint) => Some(joint),
-            _ => None,
-        })
+        self.mounts[wheel].steering
     }
 
     /// The parts between the body and a wheel, innermost last.
@@ -256,28 +298,22 @@ impl Chain {
         std::iter::successors(self.wheels[wheel].part, |&part| self.parts[part].parent)
     }
 
-    /// The links with free angles that carry a wheel, innermost first, and their joints.
-    #[inline]
-    pub(crate) fn movers(&self, wheel: usize) -> &[(usize, usize)] {
-        &self.movers[wheel]
-    }
-
     /// The axis of its parent about which a link turns, if it is one of them.
     #[inline]
-    pub(crate) fn main_axis(&self, part: usize) -> Option<usize> {
+    pub fn main_axis(&self, part: usize) -> Option<usize> {
         self.main_axes[part]
     }
 
-    /// True for a link that steers and carries nothing but wheels.
+    /// The links to be placed, parents before children: without steering, knuckles are part of what carries them.
     #[inline]
-    pub(crate) fn is_knuckle(&self, part: usize) -> bool {
-        self.knuckles >> part & 1 == 1
+    pub(crate) fn placed_links(&self, is_steered: bool) -> &[usize] {
+        &self.placed[usize::from(!is_steered)]
     }
 
-    /// The link that carries a wheel, and its centre there [m]; without steering, knuckles are part of what carries them.
+    /// A wheel on the link that carries it, straight ahead.
     #[inline]
-    pub(crate) fn mount(&self, wheel: usize, is_steered: bool) -> (Option<usize>, [f64; 3]) {
-        if is_steered { (self.wheels[wheel].part, self.wheels[wheel].centre.into()) } else { self.straight[wheel] }
+    pub fn mount(&self, wheel: usize) -> &WheelMount {
+        &self.mounts[wheel]
     }
 
     /// Takes the weight to act at another height of the body [m].

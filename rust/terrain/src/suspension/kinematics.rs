@@ -1,123 +1,91 @@
-//! Forward kinematics of a chain: a rotation matrix and an origin per link, a rover in every lane.
+//! Forward kinematics of a chain: the pose of every link, a rover in every lane.
 //!
-//! Input: sines and cosines of all angles. Output: poses of the links and wheels, from the origin of the body, and the
-//! derivatives of a wheel's gap by the state. One body for one pose ([`super::Placed`]) and for a pose in every lane.
+//! Input: sines and cosines of all angles. Output: poses of the links and wheels, from the origin of the body, the
+//! derivatives of points by the angles, and velocities. One body for a pose alone ([`super::Placed`]), for a pose in every
+//! lane, in the world or in the axes of the body, and for one rover with its wheels in the lanes.
 
+mod link;
+
+pub use self::link::{Hinge, LinkPose, LinkVelocity, MatrixPose, PlanarLink};
 use super::chain::{Chain, ChainLink, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Turning};
-use super::lanes::{Turned, Vectors, across, cross, dot, less, scaled};
+use super::dimensions::Differential;
+use super::lanes::{Column, Turned, Vectors, cross, dot, splat, sum, turn_about};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::direction;
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Sines and cosines of the angles of a chain.
-pub(crate) struct ChainAngles<'a, S: Vector> {
-    pub yaw: Turned<S>,
-    pub roll: Turned<S>,
-    pub pitch: Turned<S>,
-    /// The free angles [rad].
-    pub joints: [Lanes<S>; MAX_FREE],
-    pub free: [Turned<S>; MAX_FREE],
-    /// None where all are 0: links that steer and carry nothing but wheels are then left out.
-    pub steering: Option<&'a [Turned<S>; MAX_WHEELS]>,
+/// Angles of the joints of a chain.
+pub struct JointAngles<'a, S: Vector> {
+    /// The free angles [rad], of which a differential makes others.
+    angles: [Lanes<S>; MAX_FREE],
+    /// Sines and cosines of them.
+    free: [Turned<S>; MAX_FREE],
+    /// Those of the steering joints; None where all are 0: links that steer and carry nothing but wheels are then left out.
+    steering: Option<&'a [Turned<S>; MAX_WHEELS]>,
 }
 
 #[inline_always]
-impl<'a, S: Vector> ChainAngles<'a, S> {
-    /// Those of a state, up to a hundred turns.
-    pub fn of_state(
+impl<'a, S: Vector> JointAngles<'a, S> {
+    /// Of free angles of [`super::lanes::LARGEST_TURN`] at most, of which the chain has so many.
+    pub fn new(
         simd: S,
-        yaw: Turned<S>,
-        state: &[Lanes<S>; MAX_STATE],
+        angles: [Lanes<S>; MAX_FREE],
+        count: usize,
         steering: Option<&'a [Turned<S>; MAX_WHEELS]>,
     ) -> Self {
-        let zero = Lanes::splat(simd, 0.0);
-        let (mut joints, mut free) = ([zero; MAX_FREE], [(zero, zero); MAX_FREE]);
-        for (joint, turned) in free.iter_mut().enumerate() {
-            joints[joint] = state[3 + joint];
-            *turned = direction(simd, state[3 + joint]);
+        let mut free = [(Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0)); MAX_FREE];
+        for (turned, angle) in free.iter_mut().zip(angles).take(count) {
+            *turned = direction(simd, angle);
         }
-        Self { yaw, roll: direction(simd, state[1]), pitch: direction(simd, state[2]), joints, free, steering }
+        Self { angles, free, steering }
     }
 
-    /// Sine and cosine of the angle of a link, and its derivative by that of its joint.
-    pub fn turned(&self, simd: S, link: &ChainLink) -> (Turned<S>, Lanes<S>) {
-        let one = Lanes::splat(simd, 1.0);
-        match link.turning {
-            Turning::Free(joint) => (self.free[joint % MAX_FREE], one),
+    /// With sines and cosines made elsewhere.
+    pub(super) fn from_directions(
+        angles: [Lanes<S>; MAX_FREE],
+        free: [Turned<S>; MAX_FREE],
+        steering: &'a [Turned<S>; MAX_WHEELS],
+    ) -> Self {
+        Self { angles, free, steering: Some(steering) }
+    }
+
+    /// The joint of a link.
+    fn hinge(&self, simd: S, link: &ChainLink, main_axis: Option<usize>) -> Hinge<S> {
+        let (turned, slope) = match link.turning {
+            Turning::Free(joint) => (self.free[joint % MAX_FREE], None),
             Turning::Across(joint, differential) => {
-                across(simd, differential, self.joints[joint % MAX_FREE], self.free[joint % MAX_FREE])
+                let joint = joint % MAX_FREE;
+                let (turned, slope) = across(simd, differential, self.angles[joint], self.free[joint]);
+                (turned, Some(slope))
             }
             Turning::Steering(joint) => {
-                (self.steering.map_or((Lanes::splat(simd, 0.0), one), |angles| angles[joint % MAX_WHEELS]), one)
+                let straight = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+                (self.steering.map_or(straight, |angles| angles[joint % MAX_WHEELS]), None)
             }
-        }
+        };
+        let axis = link.axis.into_inner().into();
+        Hinge { origin: splat(simd, link.origin.into()), axis, main_axis, turned, slope }
     }
 }
 
-/// Columns of the rotation of a link, and a point that it carries [m].
-#[derive(Clone, Copy)]
-pub(crate) struct LinkPose<S: Vector> {
-    pub columns: [Vectors<S>; 3],
-    pub origin: Vectors<S>,
-}
-
-#[inline_always]
-impl<S: Vector> LinkPose<S> {
-    /// A vector of the link, in the axes of the chain's frame.
-    pub fn rotated(&self, simd: S, local: [f64; 3], from: Vectors<S>) -> Vectors<S> {
-        let mut point = from;
-        for (column, length) in self.columns.iter().zip(local) {
-            let length = Lanes::splat(simd, length);
-            for k in 0..3 {
-                point[k] = column[k].mul_add(length, point[k]);
-            }
-        }
-        point
+/// Sine and cosine of the angle that a differential gives the other side, and its derivative by the angle of this one; NaN where
+/// it does not reach.
+#[inline(always)]
+fn across<S: Vector>(simd: S, differential: Differential, left: Lanes<S>, turned: Turned<S>) -> (Turned<S>, Lanes<S>) {
+    if differential == Differential::Gear {
+        return ((-turned.0, turned.1), Lanes::splat(simd, -1.0));
     }
-
-    /// A point of the link.
-    pub fn point(&self, simd: S, local: [f64; 3]) -> Vectors<S> {
-        self.rotated(simd, local, self.origin)
-    }
-
-    /// Writes the pose of a link on this one, turned like this, and the direction of its axis: of this axis, if it is one.
-    pub fn carry(
-        &self,
-        simd: S,
-        (link, main_axis): (&ChainLink, Option<usize>),
-        (sin, cos): Turned<S>,
-        pose: &mut Self,
-        axis: &mut Vectors<S>,
-    ) {
-        pose.origin = self.point(simd, link.origin.into());
-        if let Some(k) = main_axis {
-            let (first, second) = ((k + 1) % 3, (k + 2) % 3);
-            let (a, b) = (self.columns[first], self.columns[second]);
-            *axis = self.columns[k];
-            pose.columns[k] = *axis;
-            for i in 0..3 {
-                pose.columns[first][i] = a[i] * cos + b[i] * sin;
-                pose.columns[second][i] = b[i] * cos - a[i] * sin;
-            }
-            return;
-        }
-        // R = I + sin [a]x + (1 - cos) (a a' - I)   (Rodrigues)
-        let a: [f64; 3] = link.axis.into_inner().into();
-        let zero = Lanes::splat(simd, 0.0);
-        *axis = self.rotated(simd, a, [zero; 3]);
-        let versine = Lanes::splat(simd, 1.0) - cos;
-        for k in 0..3 {
-            let (next, last) = ((k + 1) % 3, (k + 2) % 3);
-            let mut column = [zero; 3];
-            column[k] = versine.mul_add(Lanes::splat(simd, a[k] * a[k]), cos);
-            column[next] = sin.mul_add(Lanes::splat(simd, a[last]), versine * Lanes::splat(simd, a[k] * a[next]));
-            column[last] = versine * Lanes::splat(simd, a[k] * a[last]) - sin * Lanes::splat(simd, a[next]);
-            for i in 0..3 {
-                let [x, y, z] = [0, 1, 2].map(|j| self.columns[j][i]);
-                pose.columns[k][i] = dot([x, y, z], column);
-            }
+    let mut columns = [Column::of(left); 3];
+    for lane in 0..S::F64_LANES {
+        let reached = differential.right(columns[0].0[lane]);
+        let [angle, slope] = reached.unwrap_or([f64::NAN; 2]);
+        let (sin, cos) = angle.sin_cos();
+        for (column, value) in columns.iter_mut().zip([sin, cos, slope]) {
+            column.0[lane] = value;
         }
     }
+    let turned = (columns[0].load(simd), columns[1].load(simd));
+    (turned, columns[2].load(simd))
 }
 
 /// A wheel: its centre from the origin of the body [m], forward and upward axis.
@@ -129,67 +97,132 @@ pub(crate) struct WheelPose<S: Vector> {
 }
 
 /// Poses of the links of a chain.
-pub(crate) struct LinkPoses<'a, S: Vector> {
+pub struct LinkPoses<'a, S: Vector, P> {
     chain: &'a Chain,
     is_steered: bool,
-    pub body: LinkPose<S>,
-    /// Axes about which roll and pitch turn the body.
-    pub roll_axis: Vectors<S>,
-    pub pitch_axis: Vectors<S>,
-    pub links: [LinkPose<S>; MAX_PARTS],
-    /// Axis of every link, times the derivative of its angle by that of its joint.
-    pub axes: [Vectors<S>; MAX_PARTS],
+    pub(crate) body: P,
+    pub(crate) links: [P; MAX_PARTS],
     /// True where every differential reaches.
     pub reaches: Mask<S>,
 }
 
 #[inline_always]
-impl<'a, S: Vector> LinkPoses<'a, S> {
-    /// Places the chain.
-    pub fn new(simd: S, chain: &'a Chain, angles: &ChainAngles<'_, S>) -> Self {
-        let zero = Lanes::splat(simd, 0.0);
-        let ((sy, cy), (sr, cr), (sp, cp)) = (angles.yaw, angles.roll, angles.pitch);
-        // Rz(yaw) Ry(pitch) Rx(roll)
+impl<'a, S: Vector, P: LinkPose<S>> LinkPoses<'a, S, P> {
+    /// A chain in the axes of its body, before [`Self::place`].
+    pub fn in_body(simd: S, chain: &'a Chain) -> Self {
+        let body = P::frame(simd);
+        Self { chain, is_steered: false, body, links: [body; MAX_PARTS], reaches: Mask::splat(simd, true) }
+    }
+
+    /// Places the links at these angles.
+    pub fn place(&mut self, simd: S, angles: &JointAngles<'_, S>) {
+        self.is_steered = angles.steering.is_some();
+        self.reaches = Mask::splat(simd, true);
+        for &k in self.chain.placed_links(self.is_steered) {
+            let link = &self.chain.parts()[k];
+            // Written where it stays: a pose is as large as many registers.
+            let (before, rest) = self.links.split_at_mut(k);
+            let carrier = link.parent.map_or(&self.body, |parent| &before[parent]);
+            let hinge = angles.hinge(simd, link, self.chain.main_axis(k));
+            carrier.carry(&hinge, &mut rest[0]);
+            if let Some(slope) = hinge.slope {
+                self.reaches = self.reaches & slope.le(slope);
+            }
+        }
+    }
+
+    /// A link, or the body.
+    fn link(&self, link: Option<usize>) -> &P {
+        link.map_or(&self.body, |link| &self.links[link])
+    }
+
+    /// The link that carries a wheel, or its knuckle.
+    pub fn wheel_link(&self, wheel: usize) -> &P {
+        self.link(self.chain.mount(wheel).link)
+    }
+
+    /// The centre of a wheel straight ahead [m].
+    pub fn centre(&self, simd: S, wheel: usize) -> Vectors<S> {
+        let mount = self.chain.mount(wheel);
+        self.link(mount.link).point(splat(simd, mount.centre))
+    }
+
+    /// The centre of a wheel turned like this about its steering axis, from its centre straight ahead [m].
+    pub fn steered_centre(&self, simd: S, wheel: usize, turned: Turned<S>, straight: Vectors<S>) -> Vectors<S> {
+        let mount = self.chain.mount(wheel);
+        if !mount.is_offset() {
+            return straight;
+        }
+        let offset = turn_about::<2, S>(turned, splat(simd, mount.offset));
+        self.link(mount.link).point(sum(splat(simd, mount.pivot), offset))
+    }
+
+    /// A point of the steering axis of a wheel [m].
+    pub fn pivot(&self, simd: S, wheel: usize) -> Vectors<S> {
+        let mount = self.chain.mount(wheel);
+        self.link(mount.link).point(splat(simd, mount.pivot))
+    }
+
+    /// The links with free angles that carry a wheel, innermost first, and their joints.
+    pub fn movers(&self, wheel: usize) -> impl Iterator<Item = (&P, usize)> {
+        let movers = self.chain.mount(wheel).movers.iter();
+        movers.map(|&(link, joint)| (&self.links[link], joint))
+    }
+}
+
+#[inline_always]
+impl<S: Vector> LinkPoses<'_, S, PlanarLink<S>> {
+    /// Moves the links at these rates of the body and the free angles [rad/s].
+    pub fn set_rates(&mut self, body: LinkVelocity<S>, rates: &[Lanes<S>; MAX_FREE]) {
+        self.body.velocity = body;
+        for &k in self.chain.placed_links(false) {
+            let link = &self.chain.parts()[k];
+            let (before, rest) = self.links.split_at_mut(k);
+            let carrier = link.parent.map_or(&self.body, |parent| &before[parent]);
+            if let Turning::Free(joint) | Turning::Across(joint, _) = link.turning {
+                carrier.carry_velocity(rates[joint % MAX_FREE], &mut rest[0]);
+            }
+        }
+    }
+}
+
+/// A chain in the world.
+pub(crate) struct WorldPoses<'a, S: Vector> {
+    pub links: LinkPoses<'a, S, MatrixPose<S>>,
+    /// Axes about which roll and pitch turn the body.
+    pub roll_axis: Vectors<S>,
+    pub pitch_axis: Vectors<S>,
+}
+
+#[inline_always]
+impl<'a, S: Vector> WorldPoses<'a, S> {
+    /// Places a chain whose body is turned by `Rz(yaw) Ry(pitch) Rx(roll)`.
+    pub fn new(
+        simd: S,
+        chain: &'a Chain,
+        [(sy, cy), (sp, cp), (sr, cr)]: [Turned<S>; 3],
+        angles: &JointAngles<'_, S>,
+    ) -> Self {
         let columns = [
             [cy * cp, sy * cp, -sp],
             [cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr],
             [cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr],
         ];
-        let body = LinkPose { columns, origin: [zero; 3] };
-        let mut poses = Self {
-            chain,
-            is_steered: angles.steering.is_some(),
-            body,
-            roll_axis: columns[0],
-            pitch_axis: [-sy, cy, zero],
-            links: [body; MAX_PARTS],
-            axes: [[zero; 3]; MAX_PARTS],
-            reaches: Mask::splat(simd, true),
-        };
-        for (k, link) in chain.parts().iter().enumerate().take(MAX_PARTS) {
-            if !poses.is_steered && chain.is_knuckle(k) {
-                continue;
-            }
-            // Written where it stays: a pose is as large as twelve registers.
-            let (before, rest) = poses.links.split_at_mut(k);
-            let parent = link.parent.map_or(&body, |parent| &before[parent]);
-            let (turned, slope) = angles.turned(simd, link);
-            let mut axis = [zero; 3];
-            parent.carry(simd, (link, chain.main_axis(k)), turned, &mut rest[0], &mut axis);
-            if let Turning::Across(..) = link.turning {
-                axis = scaled(axis, slope);
-                poses.reaches = poses.reaches & slope.le(slope);
-            }
-            poses.axes[k] = axis;
-        }
-        poses
+        let mut links = LinkPoses::<S, MatrixPose<S>>::in_body(simd, chain);
+        links.body.columns = columns;
+        links.place(simd, angles);
+        Self { links, roll_axis: columns[0], pitch_axis: [-sy, cy, Lanes::splat(simd, 0.0)] }
     }
 
     /// A wheel.
     pub fn wheel(&self, simd: S, wheel: usize) -> WheelPose<S> {
-        let (link, centre) = self.chain.mount(wheel, self.is_steered);
-        let pose = link.map_or(&self.body, |link| &self.links[link]);
-        WheelPose { centre: pose.point(simd, centre), forward: pose.columns[0], up: pose.columns[2] }
+        let (chain, mount) = (self.links.chain, self.links.chain.mount(wheel));
+        let (link, centre) = match self.links.is_steered {
+            true => (chain.wheels()[wheel].part, chain.wheels()[wheel].centre.into()),
+            false => (mount.link, mount.centre),
+        };
+        let pose = self.links.link(link);
+        WheelPose { centre: pose.point(splat(simd, centre)), forward: pose.columns[0], up: pose.columns[2] }
     }
 
     /// Derivatives of the gap of a wheel by the state, at a point of its rim over ground with this gradient.
@@ -207,9 +240,9 @@ impl<'a, S: Vector> LinkPoses<'a, S> {
         slopes[0] = unit;
         slopes[1] = dot(self.roll_axis, moment);
         slopes[2] = dot(self.pitch_axis, moment);
-        for &(link, joint) in self.chain.movers(wheel) {
-            let arm = less(point, self.links[link].origin);
-            slopes[3 + joint] = slopes[3 + joint] + dot(self.axes[link], cross(arm, upwards));
+        for (link, joint) in self.links.movers(wheel) {
+            let [slope] = link.slopes(point, &[upwards]);
+            slopes[3 + joint] = slopes[3 + joint] + slope;
         }
         slopes
     }

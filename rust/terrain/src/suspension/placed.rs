@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::chain::{Chain, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, PlanPose, State, Turning};
-use super::kinematics::{ChainAngles, LinkPose, LinkPoses};
+use super::kinematics::{JointAngles, MatrixPose, WorldPoses};
 use super::lanes::{Turned, Vectors};
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
@@ -187,22 +187,14 @@ impl Angles<'_> {
         steering
     }
 
-    fn of_chain<'a, S: Vector>(&self, simd: S, steering: &'a [Turned<S>; MAX_WHEELS]) -> ChainAngles<'a, S> {
-        let zero = Lanes::splat(simd, 0.0);
-        let [_, roll, pitch, joints @ ..] = *self.state;
-        let mut angles = ChainAngles {
-            yaw: turned(simd, self.yaw),
-            roll: turned(simd, roll),
-            pitch: turned(simd, pitch),
-            joints: [zero; MAX_FREE],
-            free: [turned(simd, 0.0); MAX_FREE],
-            steering: Some(steering),
-        };
-        for (k, angle) in joints.into_iter().enumerate() {
-            angles.joints[k] = Lanes::splat(simd, angle);
-            angles.free[k] = turned(simd, angle);
+    fn of_joints<'a, S: Vector>(&self, simd: S, steering: &'a [Turned<S>; MAX_WHEELS]) -> JointAngles<'a, S> {
+        let mut angles = [Lanes::splat(simd, 0.0); MAX_FREE];
+        let mut free = [turned(simd, 0.0); MAX_FREE];
+        for (k, angle) in self.state[3..].iter().enumerate() {
+            angles[k] = Lanes::splat(simd, *angle);
+            free[k] = turned(simd, *angle);
         }
-        angles
+        JointAngles::from_directions(angles, free, steering)
     }
 }
 
@@ -212,13 +204,18 @@ fn vector<S: Vector>(simd: S, lanes: Vectors<S>) -> Vector3<f64> {
     Vector3::new(lanes[0].last(simd), lanes[1].last(simd), lanes[2].last(simd))
 }
 
+/// A rotation of one lane.
+#[inline(always)]
+fn matrix<S: Vector>(simd: S, columns: &[Vectors<S>; 3]) -> Matrix3<f64> {
+    Matrix3::from_columns(&[vector(simd, columns[0]), vector(simd, columns[1]), vector(simd, columns[2])])
+}
+
 impl PlacedPart {
     /// A part at a pose from the origin of the body.
     #[inline(always)]
-    fn new<S: Vector>(simd: S, pose: &LinkPose<S>, axis: Vectors<S>, origin: Vector3<f64>) -> Self {
-        let [x, y, z] = pose.columns;
-        let rotation = Matrix3::from_columns(&[vector(simd, x), vector(simd, y), vector(simd, z)]);
-        Self { rotation, origin: origin + vector(simd, pose.origin), axis: vector(simd, axis) }
+    fn new<S: Vector>(simd: S, pose: &MatrixPose<S>, origin: Vector3<f64>) -> Self {
+        let rotation = matrix(simd, &pose.columns);
+        Self { rotation, origin: origin + vector(simd, pose.origin), axis: vector(simd, pose.axis) }
     }
 }
 
@@ -235,14 +232,15 @@ impl Kernel for Put<'_, '_> {
     fn run<S: Vector>(self, simd: S) -> Option<()> {
         let Self { placed, angles } = self;
         let steering = angles.steering(simd);
-        let poses = LinkPoses::new(simd, placed.chain, &angles.of_chain(simd, &steering));
-        let [x, y, z] = poses.body.columns;
-        placed.rotation = Matrix3::from_columns(&[vector(simd, x), vector(simd, y), vector(simd, z)]);
+        let [_, roll, pitch, ..] = *angles.state;
+        let attitude = [turned(simd, angles.yaw), turned(simd, pitch), turned(simd, roll)];
+        let poses = WorldPoses::new(simd, placed.chain, attitude, &angles.of_joints(simd, &steering));
+        placed.rotation = matrix(simd, &poses.links.body.columns);
         placed.roll_axis = vector(simd, poses.roll_axis);
         placed.pitch_axis = vector(simd, poses.pitch_axis);
         for k in 0..placed.chain.parts().len() {
-            placed.parts[k] = PlacedPart::new(simd, &poses.links[k], poses.axes[k], placed.origin);
+            placed.parts[k] = PlacedPart::new(simd, &poses.links.links[k], placed.origin);
         }
-        poses.reaches.any().then_some(())
+        poses.links.reaches.any().then_some(())
     }
 }

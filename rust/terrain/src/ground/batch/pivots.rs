@@ -30,7 +30,7 @@ impl PivotOrder {
     pub fn new(chain: &Chain, hold: &ActiveSet) -> Self {
         let wheels = chain.wheels().len();
         let touching = ((1_u32 << wheels) - 1) & !hold.hanging;
-        let moved = |wheel: usize, k: usize| chain.movers(wheel).iter().any(|(_, joint)| 3 + joint == k);
+        let moved = |wheel: usize, k: usize| chain.mount(wheel).movers.iter().any(|(_, joint)| 3 + joint == k);
         let bits =
             |k: usize| (0..wheels).filter(|&wheel| k < 3 || moved(wheel, k)).fold(0, |bits, wheel| bits | 1 << wheel);
         let (mut columns, mut count) = ([(0, 0); MAX_STATE], 0);

@@ -8,11 +8,12 @@ use pulp::Scalar;
 use super::pivots::{PivotOrder, Rows};
 use crate::ground::rims::circles::{FAR, RIMS, RimLanes, WheelCircle, spread};
 use crate::ground::rims::extent::Extent;
-use crate::suspension::kinematics::{ChainAngles, LinkPoses, WheelPose};
+use crate::suspension::kinematics::{JointAngles, WheelPose, WorldPoses};
 use crate::suspension::lanes::{Turned, Vectors, sum};
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS};
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::direction;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// [`RimScan::clear`] where the upper halves were left out and may matter.
@@ -86,7 +87,7 @@ impl<S: Vector> WheelSearch<S> for WheelByWheel {
     fn scan(self, simd: S, site: &Site<'_>, here: &StateLanes<S>, extent: Extent, reach: Lanes<S>) -> RimScan<S> {
         let per_metre = site.per_metre(simd);
         let poses = here.poses(simd, site.chain);
-        let mut scan = RimScan::empty(simd, poses.reaches);
+        let mut scan = RimScan::empty(simd, poses.links.reaches);
         let half_width = extent.half_width(simd, reach);
         for wheel in 0..site.chain.wheels().len().min(MAX_WHEELS) {
             let at = poses.wheel(simd, wheel);
@@ -117,7 +118,7 @@ impl<W: Vector> WheelSearch<Scalar> for AllWheels<W> {
         let wide = self.0;
         let per_metre = site.per_metre(simd);
         let poses = here.poses(simd, site.chain);
-        let mut scan = RimScan::empty(simd, poses.reaches);
+        let mut scan = RimScan::empty(simd, poses.links.reaches);
         let circles = here.circles(simd, site, &poses, per_metre);
         let mut last = [[0.0; RIMS]; 2];
         for (k, last) in last.iter_mut().enumerate() {
@@ -176,7 +177,7 @@ impl<S: Vector> RimScan<S> {
         &mut self,
         simd: S,
         site: &Site<'_>,
-        poses: &LinkPoses<'_, S>,
+        poses: &WorldPoses<'_, S>,
         wheel: usize,
         at: &WheelPose<S>,
         per_metre: [Lanes<S>; 2],
@@ -203,8 +204,10 @@ impl<S: Vector> RimScan<S> {
 #[inline_always]
 impl<S: Vector> StateLanes<S> {
     /// The chain at these states.
-    pub fn poses<'a>(&self, simd: S, chain: &'a Chain) -> LinkPoses<'a, S> {
-        LinkPoses::new(simd, chain, &ChainAngles::of_state(simd, self.yaw, &self.state, self.steering.as_ref()))
+    pub fn poses<'a>(&self, simd: S, chain: &'a Chain) -> WorldPoses<'a, S> {
+        let [_, roll, pitch, joints @ ..] = self.state;
+        let angles = JointAngles::new(simd, joints, chain.joints().len(), self.steering.as_ref());
+        WorldPoses::new(simd, chain, [self.yaw, direction(simd, pitch), direction(simd, roll)], &angles)
     }
 
     /// The circles of a wheel, in columns, rows and metres.
@@ -235,7 +238,7 @@ impl StateLanes<Scalar> {
         &self,
         simd: Scalar,
         site: &Site<'_>,
-        poses: &LinkPoses<'_, Scalar>,
+        poses: &WorldPoses<'_, Scalar>,
         per_metre: [Lanes<Scalar>; 2],
     ) -> [WheelCircle; RIMS] {
         let mut circles = [WheelCircle { centre: [0.0; 3], forward: [0.0; 3], up: [0.0; 3] }; RIMS];

@@ -1,0 +1,241 @@
+//! A link of a chain: its pose and its motion.
+//!
+//! Two forms of a rotation: any, as a matrix, and one about the x or y axis of the frame, which leaves out the zeros and
+//! ones of that matrix. Chains in the axes of their body have the second ([`Chain::is_planar`](super::Chain::is_planar)).
+
+use crate::suspension::lanes::{Turned, Vectors, along, cross, dot, less, scaled, splat, sum, turn_about};
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::vector::Vector;
+
+/// The joint of a link, in the axes of its parent.
+#[derive(Clone, Copy)]
+pub struct Hinge<S: Vector> {
+    /// A point of the axis [m].
+    pub origin: Vectors<S>,
+    /// Direction of the axis.
+    pub axis: [f64; 3],
+    /// The axis of the parent that this is, if it is one.
+    pub main_axis: Option<usize>,
+    /// Sine and cosine of the angle of the link.
+    pub turned: Turned<S>,
+    /// Derivative of that angle by the one of the joint; None where it is 1.
+    pub slope: Option<Lanes<S>>,
+}
+
+/// Rotation of a link against the frame, a point that it carries, and the axis of its joint.
+pub trait LinkPose<S: Vector>: Copy {
+    /// The frame itself.
+    fn frame(simd: S) -> Self;
+
+    /// A point of the link [m].
+    fn point(&self, local: Vectors<S>) -> Vectors<S>;
+
+    /// Writes the pose of a link on this one.
+    fn carry(&self, hinge: &Hinge<S>, pose: &mut Self);
+
+    /// Derivatives, by the angle of the joint, of the place of a point along some directions: `axis . (arm x direction)`.
+    fn slopes<const N: usize>(&self, point: Vectors<S>, directions: &[Vectors<S>; N]) -> [Lanes<S>; N];
+}
+
+/// Any rotation.
+#[derive(Clone, Copy)]
+pub struct MatrixPose<S: Vector> {
+    /// Axes of the link in the frame.
+    pub(crate) columns: [Vectors<S>; 3],
+    pub(crate) origin: Vectors<S>,
+    /// The axis of the joint, times the derivative of the angle by that of the joint.
+    pub(crate) axis: Vectors<S>,
+}
+
+#[inline_always]
+impl<S: Vector> MatrixPose<S> {
+    /// A sum of the columns, added to a vector.
+    fn combined(&self, factors: Vectors<S>, to: Vectors<S>) -> Vectors<S> {
+        let [x, y, z] = self.columns;
+        along(along(along(to, factors[0], x), factors[1], y), factors[2], z)
+    }
+
+    /// The columns of a link about an axis of this one.
+    fn carry_about_main(&self, k: usize, (sin, cos): Turned<S>, pose: &mut Self) {
+        let (first, second) = ((k + 1) % 3, (k + 2) % 3);
+        let (a, b) = (self.columns[first], self.columns[second]);
+        pose.axis = self.columns[k];
+        pose.columns[k] = pose.axis;
+        for i in 0..3 {
+            pose.columns[first][i] = a[i] * cos + b[i] * sin;
+            pose.columns[second][i] = b[i] * cos - a[i] * sin;
+        }
+    }
+
+    /// The columns of a link about any axis: `R = I + sin [a]x + (1 - cos) (a a' - I)` (Rodrigues).
+    fn carry_about_any(&self, a: [f64; 3], (sin, cos): Turned<S>, pose: &mut Self) {
+        let simd = sin.simd();
+        let zero = Lanes::splat(simd, 0.0);
+        pose.axis = self.combined(splat(simd, a), [zero; 3]);
+        let versine = Lanes::splat(simd, 1.0) - cos;
+        for k in 0..3 {
+            let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+            let mut column = [zero; 3];
+            column[k] = versine.mul_add(Lanes::splat(simd, a[k] * a[k]), cos);
+            column[next] = sin.mul_add(Lanes::splat(simd, a[last]), versine * Lanes::splat(simd, a[k] * a[next]));
+            column[last] = versine * Lanes::splat(simd, a[k] * a[last]) - sin * Lanes::splat(simd, a[next]);
+            for i in 0..3 {
+                let [x, y, z] = [0, 1, 2].map(|j| self.columns[j][i]);
+                pose.columns[k][i] = dot([x, y, z], column);
+            }
+        }
+    }
+}
+
+#[inline_always]
+impl<S: Vector> LinkPose<S> for MatrixPose<S> {
+    fn frame(simd: S) -> Self {
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let columns = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
+        Self { columns, origin: [zero; 3], axis: [zero; 3] }
+    }
+
+    fn point(&self, local: Vectors<S>) -> Vectors<S> {
+        self.combined(local, self.origin)
+    }
+
+    fn carry(&self, hinge: &Hinge<S>, pose: &mut Self) {
+        pose.origin = self.point(hinge.origin);
+        match hinge.main_axis {
+            Some(k) => self.carry_about_main(k, hinge.turned, pose),
+            None => self.carry_about_any(hinge.axis, hinge.turned, pose),
+        }
+        if let Some(slope) = hinge.slope {
+            pose.axis = scaled(pose.axis, slope);
+        }
+    }
+
+    fn slopes<const N: usize>(&self, point: Vectors<S>, directions: &[Vectors<S>; N]) -> [Lanes<S>; N] {
+        let arm = less(point, self.origin);
+        let mut slopes = [arm[0]; N];
+        for (slope, direction) in slopes.iter_mut().zip(directions) {
+            *slope = dot(self.axis, cross(arm, *direction));
+        }
+        slopes
+    }
+}
+
+/// Motion of a link.
+#[derive(Clone, Copy)]
+pub struct LinkVelocity<S: Vector> {
+    /// Of its point at the origin of the frame [m/s].
+    pub linear: Vectors<S>,
+    /// [rad/s]
+    pub angular: Vectors<S>,
+}
+
+#[inline_always]
+impl<S: Vector> LinkVelocity<S> {
+    /// The velocity of a point that the link carries [m/s]: `v + w x p`.
+    pub fn at(&self, point: Vectors<S>) -> Vectors<S> {
+        sum(self.linear, cross(self.angular, point))
+    }
+}
+
+/// A link that is turned about the x or y axis of the frame, or the frame itself, with its motion.
+#[derive(Clone, Copy)]
+pub struct PlanarLink<S: Vector> {
+    /// The axis; None for the frame itself.
+    about: Option<usize>,
+    turned: Turned<S>,
+    origin: Vectors<S>,
+    /// Derivative of the angle of the link by that of its joint.
+    slope: Lanes<S>,
+    /// Its motion, steering held.
+    pub velocity: LinkVelocity<S>,
+}
+
+#[inline_always]
+impl<S: Vector> PlanarLink<S> {
+    /// A vector of the link, in the axes of the frame.
+    pub fn rotated(&self, vector: Vectors<S>) -> Vectors<S> {
+        self.turn(self.turned, vector)
+    }
+
+    /// A vector of the frame, in the axes of the link.
+    pub fn in_own_axes(&self, vector: Vectors<S>) -> Vectors<S> {
+        self.turn((-self.turned.0, self.turned.1), vector)
+    }
+
+    fn turn(&self, turned: Turned<S>, vector: Vectors<S>) -> Vectors<S> {
+        match self.about {
+            None => vector,
+            Some(0) => turn_about::<0, S>(turned, vector),
+            Some(_) => turn_about::<1, S>(turned, vector),
+        }
+    }
+
+    /// Moves a link on this one at a rate of its joint [rad/s]: `w' = w + a q`, `v' = v + o x a q`.
+    pub fn carry_velocity(&self, rate: Lanes<S>, link: &mut Self) {
+        match link.about {
+            Some(0) => self.carry_velocity_about::<0>(rate, link),
+            _ => self.carry_velocity_about::<1>(rate, link),
+        }
+    }
+
+    fn carry_velocity_about<const K: usize>(&self, rate: Lanes<S>, link: &mut Self) {
+        let (first, second) = ((K + 1) % 3, (K + 2) % 3);
+        let turn = link.slope * rate;
+        link.velocity = self.velocity;
+        let LinkVelocity { linear, angular } = &mut link.velocity;
+        angular[K] = angular[K] + turn;
+        linear[first] = turn.mul_add(link.origin[second], linear[first]);
+        linear[second] = (-turn).mul_add(link.origin[first], linear[second]);
+    }
+
+    fn slopes_about<const K: usize, const N: usize>(
+        &self,
+        point: Vectors<S>,
+        directions: &[Vectors<S>; N],
+    ) -> [Lanes<S>; N] {
+        let (first, second) = ((K + 1) % 3, (K + 2) % 3);
+        let ahead = (point[first] - self.origin[first]) * self.slope;
+        let aside = (point[second] - self.origin[second]) * self.slope;
+        let mut slopes = [ahead; N];
+        for (slope, direction) in slopes.iter_mut().zip(directions) {
+            *slope = ahead.mul_add(direction[second], -(aside * direction[first]));
+        }
+        slopes
+    }
+}
+
+#[inline_always]
+impl<S: Vector> LinkPose<S> for PlanarLink<S> {
+    fn frame(simd: S) -> Self {
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let still = LinkVelocity { linear: [zero; 3], angular: [zero; 3] };
+        Self { about: None, turned: (zero, one), origin: [zero; 3], slope: one, velocity: still }
+    }
+
+    fn point(&self, local: Vectors<S>) -> Vectors<S> {
+        sum(self.origin, self.rotated(local))
+    }
+
+    /// The angles of links on one another add up.
+    fn carry(&self, hinge: &Hinge<S>, pose: &mut Self) {
+        let (sin, cos) = hinge.turned;
+        pose.about = hinge.main_axis;
+        pose.turned = hinge.turned;
+        pose.origin = hinge.origin;
+        if self.about.is_some() {
+            let (s, c) = self.turned;
+            pose.origin = self.point(hinge.origin);
+            pose.turned = (s.mul_add(cos, c * sin), c.mul_add(cos, -(s * sin)));
+        }
+        if let Some(slope) = hinge.slope {
+            pose.slope = slope;
+        }
+    }
+
+    fn slopes<const N: usize>(&self, point: Vectors<S>, directions: &[Vectors<S>; N]) -> [Lanes<S>; N] {
+        match self.about {
+            Some(0) => self.slopes_about::<0, N>(point, directions),
+            _ => self.slopes_about::<1, N>(point, directions),
+        }
+    }
+}
