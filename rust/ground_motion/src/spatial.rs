@@ -16,7 +16,7 @@ mod site;
 mod spread;
 mod state;
 mod step;
-mod tolerant;
+mod whole_logs;
 
 use std::sync::Arc;
 
@@ -25,19 +25,18 @@ use nalgebra::Matrix6;
 use sample::Read;
 pub use sample::{Attitude, OVERTURNED, Recording3, Sample3, attitude};
 pub use settings::Settings3;
-use six_wheel_numerics::error::{Error, finite, number, numbers};
+use six_wheel_numerics::error::{Error, finite, numbers};
 use six_wheel_odometry::SkippedRows;
 use six_wheel_odometry::health::{Health, Refusal};
 use six_wheel_odometry::history::History;
 use six_wheel_odometry::increments::{Counts, add_increments, check_rim_speed, check_steering_rate};
-use six_wheel_odometry::recording::Sample;
 use six_wheel_odometry::state::check_pose;
 use six_wheel_terrain::suspension::{Chain, MAX_STATE, MAX_WHEELS, PlanPose};
 use six_wheel_terrain::terrain::Terrain;
 use spread::StepNoise;
 pub use state::Pose3;
 use state::{Fixed, PoseMeasurement3, State, StepReadings3};
-pub use tolerant::TrackRows3;
+pub use whole_logs::TrackRows3;
 
 /// Dead reckoning of one rover on ground: its pose, its motion, and how far they may be off.
 #[derive(Clone, Debug)]
@@ -167,16 +166,13 @@ impl Odometry3 {
     }
 
     fn take(&mut self, sample: Sample3<'_>) -> Result<Health, Refusal> {
+        self.history.make_room(sample.stamp).map_err(|error| Refusal::new(Health::GOOD, error))?;
         self.check_numbers(&sample)?;
         let Some(before) = self.reference else {
             return self.take_first(&sample);
         };
         let dt = sample.stamp - before.stamp;
-        if dt <= 0.0 {
-            let flag = if dt == 0.0 { Health::DUPLICATE } else { Health::BACKWARDS };
-            let rule = format!("be later than the last one, {}", number(before.stamp));
-            return Err(Refusal::new(flag, Error::value("stamp", rule, number(sample.stamp))));
-        }
+        Refusal::unless_later(dt, sample.stamp, before.stamp)?;
         let (turned, angles, wrapped) = self.difference(&sample, &before, dt);
         self.check_jump(&turned, &before.angles, &angles, dt).map_err(|error| Refusal::new(Health::JUMP, error))?;
         let after = Read::of(&sample, angles);
@@ -192,8 +188,6 @@ impl Odometry3 {
             | Health::UNSETTLED.when(!taken.settled);
         self.reference = Some(after);
         self.skipped.clear();
-        // Without memory for one more sample the oldest makes room.
-        let _ = self.history.make_room(after.stamp);
         let readings = StepReadings3 { read: after, turned };
         self.history.push([after.stamp, dt], &self.state, || readings, |kept| *kept = readings);
         Ok(self.health)
@@ -202,10 +196,7 @@ impl Odometry3 {
     /// The sample from which the next one counts.
     fn take_first(&mut self, sample: &Sample3<'_>) -> Result<Health, Refusal> {
         let mut angles = [0.0; MAX_WHEELS];
-        for (joint, reading) in sample.steering.iter().enumerate() {
-            let encoder = self.fixed.settings.common.steering_encoder(joint);
-            angles[joint] = encoder.first_angle(*reading);
-        }
+        self.fixed.settings.common.first_angles(sample.steering, &mut angles);
         let read = Read::of(sample, angles);
         let mut state = self.state;
         self.fixed.begin(&mut state, &read).map_err(|error| Refusal::new(Health::OFF_GROUND, error))?;
@@ -278,16 +269,5 @@ impl Odometry3 {
         check_rim_speed(&settings.common, &self.skipped, dt, wheels)?;
         let joints = (0..chain.steering().len()).map(|k| (chain.steered_name(k), before[k], angles[k]));
         check_steering_rate(&settings.common, dt, joints)
-    }
-
-    /// The planar part of a sample, kept of samples that are left out.
-    fn plain<'a>(sample: &Sample3<'a>) -> Sample<'a> {
-        Sample {
-            steering: sample.steering,
-            wheels: sample.wheels,
-            stamp: sample.stamp,
-            yaw: None,
-            yaw_rate: sample.yaw_rate,
-        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::{BitOr, BitOrAssign};
 
-use six_wheel_numerics::error::Error;
+use six_wheel_numerics::error::{Error, number};
 
 /// Flags of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,5 +87,16 @@ impl Refusal {
     #[inline]
     pub fn new(flag: Health, error: Error) -> Self {
         Self { flag, error }
+    }
+
+    /// Refuses a step of this duration [s], from the stamp of the `last` sample to a stamp, that is not positive.
+    #[inline]
+    pub fn unless_later(dt: f64, stamp: f64, last: f64) -> Result<(), Self> {
+        if dt > 0.0 || dt.is_nan() {
+            return Ok(());
+        }
+        let flag = if dt == 0.0 { Health::DUPLICATE } else { Health::BACKWARDS };
+        let rule = format!("be later than the last one, {}", number(last));
+        Err(Self::new(flag, Error::value("stamp", rule, number(stamp))))
     }
 }

@@ -42,11 +42,13 @@ struct Correction<P> {
 
 /// Instant of a pose from outside among the entries.
 #[derive(Debug)]
-pub struct Instant<'a, R, S> {
-    /// Number of the first entry at or after it, or of the last one.
-    pub number: u64,
-    /// The entry.
-    pub entry: &'a HistoryEntry<R, S>,
+pub struct Instant<'a, S> {
+    /// Number of the first entry at or after it, or of the last one; None where no entry is kept.
+    pub number: Option<u64>,
+    /// State of the entry, whose twist is held from or to the instant; that after the last sample where none is kept.
+    pub state: &'a S,
+    /// Time of that state [s].
+    pub stamp: f64,
 }
 
 /// Samples for which there is memory from the start.
@@ -128,14 +130,10 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
         self.double_capacity()
     }
 
-    /// True if more samples may have to be kept than there is room for now.
-    pub fn may_grow(&self) -> bool {
-        self.capacity < self.limit
-    }
-
-    /// Fails unless there is memory for a copy of all of it.
-    pub fn check_copy(&self) -> Result<(), Error> {
-        self.check_room(self.entries.len())
+    /// True if samples may fail, `strict` or for want of memory. Fails unless there is memory for a copy of all of it then.
+    pub fn needs_copy(&self, strict: bool) -> Result<bool, Error> {
+        let may_fail = strict || self.capacity < self.limit;
+        if may_fail { self.check_room(self.entries.len()).map(|()| true) } else { Ok(false) }
     }
 
     /// Fails unless there is memory for `more` entries and the memory that each of them holds. It is asked for in one piece and
@@ -196,9 +194,9 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
         }
     }
 
-    /// Instant of a pose at this stamp; None where no entry is kept. Fails unless it lies between the oldest entry and
-    /// the largest lag after the `last` sample.
-    pub fn locate(&self, stamp: f64, last: Option<f64>) -> Result<Option<Instant<'_, R, S>>, Error> {
+    /// Instant of a pose at this stamp. Fails unless it lies between the oldest entry and the largest lag after the
+    /// `last` sample, after which the state is `current`.
+    pub fn locate<'a>(&'a self, stamp: f64, last: Option<f64>, current: &'a S) -> Result<Instant<'a, S>, Error> {
         let Some(last) = last.filter(|_| stamp.is_finite()) else {
             let rule = "be finite and follow a first sample";
             return Err(Error::value("stamp", rule, number(stamp)));
@@ -216,13 +214,14 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
             return Err(Error::value("stamp", rule, number(stamp)));
         }
         if is_empty {
-            return Ok(None);
+            return Ok(Instant { number: None, state: current, stamp: last });
         }
         let mut number = self.next - 1;
         while number > self.first && self.entry(number - 1).stamp >= stamp {
             number -= 1;
         }
-        Ok(Some(Instant { number, entry: self.entry(number) }))
+        let HistoryEntry { stamp, state, .. } = self.entry(number);
+        Ok(Instant { number: Some(number), state, stamp: *stamp })
     }
 
     /// Goes back to an entry, corrects it by a pose, and integrates the samples after it again, with the poses that came for

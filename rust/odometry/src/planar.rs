@@ -7,8 +7,8 @@
 mod correct;
 mod direct;
 mod rows;
-mod tolerant;
 mod update;
+mod whole_logs;
 
 use crate::health::Health;
 use crate::history::{History, Snapshot};
@@ -26,7 +26,7 @@ use six_wheel_numerics::error::{Error, HUGE, number, numbers};
 
 /// The sample from which the next one counts.
 #[derive(Clone, Debug)]
-pub(crate) struct ReferenceSample {
+pub struct ReferenceSample {
     /// True if there is one.
     pub(crate) known: bool,
     pub(crate) stamp: f64,

@@ -3,3 +3,4 @@
 pub mod increments;
 pub mod recording;
 pub mod skipped_rows;
+pub mod whole_logs;

@@ -188,6 +188,13 @@ impl Settings {
     pub fn steering_encoder(&self, joint: usize) -> Encoder {
         pick(&self.steering_encoders, joint)
     }
+
+    /// Writes the angles of steering joints at their first readings [rad].
+    pub fn first_angles(&self, readings: &[f64], angles: &mut [f64]) {
+        for (joint, (angle, reading)) in angles.iter_mut().zip(readings).enumerate() {
+            *angle = self.steering_encoder(joint).first_angle(*reading);
+        }
+    }
 }
 
 /// The encoder of one joint: its own, the one for all, or one that reads radians.

@@ -8,7 +8,9 @@ use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::threads::workers::never;
 use six_wheel_odometry::dimensions::NUMBERS;
-use six_wheel_odometry::{Deviations, Encoder, Gyroscope, Noise, Odometry, Recording, Sample, Settings, TrackRows};
+use six_wheel_odometry::{
+    Deviations, Encoder, Gyroscope, LogOdometry, Noise, Odometry, Recording, Sample, Settings, TrackRows,
+};
 
 fn sample<'a>(steering: &'a [f64], wheels: &'a [f64], stamp: f64) -> Sample<'a> {
     Sample { steering, wheels, stamp, yaw: None, yaw_rate: None }

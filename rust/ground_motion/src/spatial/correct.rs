@@ -67,13 +67,8 @@ impl Odometry3 {
     pub fn correct(&mut self, pose: Pose3, stamp: f64, covariance: [[f64; 6]; 6]) -> Result<(), Error> {
         let covariance = check_covariance(covariance, true)?;
         check_pose(&pose.numbers())?;
-        let instant = self.history.locate(stamp, self.stamp())?;
-        let number = instant.as_ref().map(|instant| instant.number);
-        let (twist, then) = match instant {
-            Some(Instant { entry, .. }) => (entry.state.twist, entry.stamp),
-            None => (self.state.twist, self.stamp().unwrap_or(stamp)),
-        };
-        let seen = PoseMeasurement3 { pose: pose.motion(), covariance }.propagate(twist, then - stamp);
+        let Instant { number, state, stamp: then } = self.history.locate(stamp, self.stamp(), &self.state)?;
+        let seen = PoseMeasurement3 { pose: pose.motion(), covariance }.propagate(state.twist, then - stamp);
         let (fixed, noise) = (&self.fixed, &mut self.noise);
         let Some(number) = number else {
             if let Some(read) = &self.reference {

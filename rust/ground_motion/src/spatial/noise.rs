@@ -5,6 +5,7 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 use super::readings::{StepReadings, TiltPair, WheelMotion};
 use super::spread::{Columns, GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, whole};
 use crate::MEMORY;
+use six_wheel_odometry::gyroscope::mean_rate;
 use six_wheel_odometry::motion::{ROUNDING, SUSPICIOUS};
 use six_wheel_odometry::settings::Readings as Kind;
 use six_wheel_terrain::suspension::MAX_WHEELS;
@@ -183,7 +184,7 @@ pub(crate) fn fuse_yaw_increment(
 ) -> Option<Vector6<f64>> {
     let known = tilt.and_then(|tilt| tilt.yaw.map(|yaw| tilt.turn(yaw).z));
     let turn = match (step.after.yaw_rate, known) {
-        (Some(rate), _) => f64::midpoint(step.before.yaw_rate.unwrap_or(rate), rate) * step.dt,
+        (Some(rate), _) => mean_rate(step.before.yaw_rate, rate) * step.dt,
         (None, Some(turn)) => turn,
         (None, None) => return None,
     };

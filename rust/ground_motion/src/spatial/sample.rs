@@ -92,7 +92,7 @@ pub struct Sample3<'a> {
 
 /// A sample that has been taken in.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Read {
+pub struct Read {
     pub stamp: f64,
     /// As read.
     pub steering: [f64; MAX_WHEELS],

@@ -24,7 +24,7 @@ pub(crate) struct Rows<'a> {
 }
 
 /// Memory of a block that is the same for every rover.
-pub(crate) struct LogBlock {
+pub struct LogBlock {
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
     pub slips: Column,

@@ -8,7 +8,7 @@ use six_wheel_numerics::simd::level::Level;
 
 /// Memory of a block per wheel and joint. Written by every block before it is read, but for the row before it in
 /// `ends`, which comes from the state.
-pub(crate) struct BlockScratch {
+pub struct BlockScratch {
     pub(crate) level: Level,
     /// Rows that are split into columns next.
     pub(crate) flat: Vec<f64>,
@@ -37,7 +37,7 @@ fn allocate<T: Clone>(one: T, count: usize) -> Option<Vec<T>> {
 }
 
 impl BlockScratch {
-    pub fn new(constants: &StepConstants) -> Option<Self> {
+    pub(crate) fn new(constants: &StepConstants) -> Option<Self> {
         let wheels: usize = constants.groups.iter().map(|group| group.count).sum();
         let joints: usize = constants.groups.iter().map(|group| group.steered).sum();
         let mut per_count = allocate(0.0, joints)?;

@@ -52,11 +52,7 @@ impl Odometry {
     /// Pose at an instant of the last `lag` seconds, or as long after the last sample: between two samples on the arc of the
     /// step, after the last one as if the rover had gone on as before.
     pub fn pose_at(&self, stamp: f64) -> Result<Pose, Error> {
-        let last = self.stamp();
-        let (state, then) = match self.history.locate(stamp, last)? {
-            Some(Instant { entry, .. }) => (&entry.state, entry.stamp),
-            None => (&self.state, last.unwrap_or(stamp)),
-        };
+        let Instant { state, stamp: then, .. } = self.history.locate(stamp, self.stamp(), &self.state)?;
         Ok(state.pose().compose(state.twist.exp(stamp - then)))
     }
 
@@ -67,14 +63,8 @@ impl Odometry {
     pub fn correct(&mut self, pose: Pose, stamp: f64, covariance: [[f64; 3]; 3]) -> Result<(), Error> {
         let covariance = check_covariance(covariance)?;
         check_pose(&<[f64; 3]>::from(pose))?;
-        let last = self.stamp();
-        let instant = self.history.locate(stamp, last)?;
-        let number = instant.as_ref().map(|instant| instant.number);
-        let (twist, then) = match instant {
-            Some(Instant { entry, .. }) => (entry.state.twist, entry.stamp),
-            None => (self.state.twist, last.unwrap_or(stamp)),
-        };
-        let seen = PoseMeasurement { pose, covariance }.propagate(twist, then - stamp);
+        let Instant { number, state, stamp: then } = self.history.locate(stamp, self.stamp(), &self.state)?;
+        let seen = PoseMeasurement { pose, covariance }.propagate(state.twist, then - stamp);
         let Some(number) = number else {
             self.state.correct_with_pose(&seen);
             return Ok(());

@@ -7,6 +7,7 @@ use crate::samples::increments::{
     Counts, StepTiming, add_increments, check_rim_speed, check_steering_rate, count_from_zero,
 };
 use crate::samples::recording::Sample;
+use crate::samples::whole_logs::LogOdometry;
 use crate::settings::Readings;
 use crate::settings::gyroscope;
 use crate::settings::gyroscope::{LIKELY, STANDING};
@@ -21,17 +22,8 @@ impl Odometry {
         self.try_update(sample).map_err(|refusal| refusal.error)
     }
 
-    #[inline]
-    pub(crate) fn try_update(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
-        self.history.make_room(sample.stamp).map_err(|error| Refusal::new(Health::GOOD, error))?;
-        match self.direct_step(&sample) {
-            Some((slips, gyro_turn)) => Ok(self.commit_sample(&sample, Health::SLIP.when(slips), gyro_turn)),
-            None => self.update_any(sample),
-        }
-    }
-
     /// Any sample.
-    fn update_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+    pub(crate) fn update_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.check_numbers(&sample).map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
         if !self.reference.known {
             if let Some(held) = self.commanded.filter(|held| sample.stamp < *held) {
@@ -47,12 +39,7 @@ impl Odometry {
             return Ok(Health::FIRST);
         }
         let dt = sample.stamp - self.reference.stamp;
-        if dt <= 0.0 {
-            let flag = if dt == 0.0 { Health::DUPLICATE } else { Health::BACKWARDS };
-            let rule = format!("be later than the last one, {}", number(self.reference.stamp));
-            let error = Error::value("stamp", rule, number(sample.stamp));
-            return Err(Refusal::new(flag, error));
-        }
+        Refusal::unless_later(dt, sample.stamp, self.reference.stamp)?;
         let wrapped = self.difference(&sample, dt);
         let counted = Health::WRAPPED.when(wrapped) | Health::RESTARTED.when(self.count_from_zero(&sample, dt));
         self.check_jump(dt).map_err(|error| Refusal::new(Health::JUMP, error))?;
@@ -128,9 +115,7 @@ impl Odometry {
 
     /// Takes the sample as the one from which the next one counts.
     pub(crate) fn refer_to(&mut self, sample: &Sample<'_>) {
-        for (joint, (angle, reading)) in self.reference.angles.iter_mut().zip(sample.steering).enumerate() {
-            *angle = self.settings.steering_encoder(joint).first_angle(*reading);
-        }
+        self.settings.first_angles(sample.steering, &mut self.reference.angles);
         self.reference.known = true;
         self.reference.stamp = sample.stamp;
         self.reference.wheels.copy_from_slice(sample.wheels);

@@ -16,7 +16,13 @@ pub(crate) const LIKELY: f64 = 4.0;
 #[inline]
 pub(crate) fn turn(before: Option<f64>, rate: f64, bias: Option<Bias>, dt: f64) -> f64 {
     let known = bias.map_or(0.0, |bias| bias.value);
-    (f64::midpoint(before.unwrap_or(rate), rate) - known) * dt
+    (mean_rate(before, rate) - known) * dt
+}
+
+/// Mean of the readings of a gyroscope at both ends of a step [rad/s].
+#[inline]
+pub fn mean_rate(before: Option<f64>, rate: f64) -> f64 {
+    f64::midpoint(before.unwrap_or(rate), rate)
 }
 
 /// Error model of a gyroscope.

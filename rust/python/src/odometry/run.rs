@@ -3,7 +3,7 @@
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use six_wheel_kinematics::estimate::Method;
-use six_wheel_odometry::{Recording, TrackRows};
+use six_wheel_odometry::{LogOdometry, Recording, TrackRows};
 
 use super::Odometry;
 use super::input::{Columns, build_track};

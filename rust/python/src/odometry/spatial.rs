@@ -7,7 +7,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use six_wheel_ground_motion::spatial::{Odometry3 as Core, Recording3, Sample3, Settings3, TrackRows3};
 use six_wheel_numerics::error::Error;
-use six_wheel_odometry::Settings;
+use six_wheel_odometry::{LogOdometry, Settings};
 
 use super::input::{Columns, build_track, row, settings, variances};
 use super::values::Noise;

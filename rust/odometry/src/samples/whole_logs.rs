@@ -1,0 +1,205 @@
+//! Whole logs as they are, in the plane and in space: rows that cannot be are left out and flagged, the rows after them are
+//! not lost.
+//!
+//! Running totals make good for a row left out by themselves, increments are pending to the next row. A clock or a
+//! counter that goes on from another value for good is followed from the second such row on.
+
+use crate::health::{Health, Refusal};
+use crate::samples::recording::Sample;
+use crate::samples::skipped_rows::SkippedRows;
+use crate::settings::Settings;
+use six_wheel_numerics::error::{Error, ErrorKind};
+use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
+
+/// Rows that are taken in one by one before blocks of rows are tried again.
+const SINGLY: usize = 8;
+
+/// Memory of one dead reckoning that the rules for whole logs read and set.
+pub struct LogMemory<'a, R> {
+    /// The sample from which the next one counts.
+    pub reference: &'a mut R,
+    /// The rows left out.
+    pub skipped: &'a mut SkippedRows,
+    /// Flags of the last sample.
+    pub health: &'a mut Health,
+}
+
+/// Dead reckoning of whole logs.
+pub trait LogOdometry: Clone {
+    /// Readings at one instant.
+    type Sample<'a>: Copy;
+    /// Columns of a log.
+    type Recording<'a>;
+    /// Output of a log, one row per sample.
+    type Track<'a>;
+    /// The sample from which the next one counts.
+    type Reference: Clone;
+    /// Memory to take in blocks of rows.
+    type Blocks;
+
+    /// The settings.
+    fn log_settings(&self) -> &Settings;
+
+    /// The memory of the last rows.
+    fn log_memory(&mut self) -> LogMemory<'_, Self::Reference>;
+
+    /// Number of rows.
+    fn row_count(recording: &Self::Recording<'_>) -> usize;
+
+    /// A row of a log.
+    fn row<'a>(&self, recording: &'a Self::Recording<'_>, k: usize) -> Result<Self::Sample<'a>, Error>;
+
+    /// The readings of wheels and steering joints.
+    fn readings<'a>(sample: &'a Self::Sample<'_>) -> Sample<'a>;
+
+    /// Takes in a sample. On failure nothing has changed.
+    fn try_update(&mut self, sample: Self::Sample<'_>) -> Result<Health, Refusal>;
+
+    /// Sets the clock of the reference.
+    fn set_reference_stamp(&mut self, stamp: f64);
+
+    /// Makes the last row left out the reference.
+    fn refer_to_skipped(&mut self);
+
+    /// True if a log may fail, after which all is as it was before. Fails unless there is memory for that copy.
+    fn needs_copy(&self, strict: bool) -> Result<bool, Error>;
+
+    /// Writes the last sample, with its flags, to a row.
+    fn write(&self, k: usize, flags: Health, track: &mut Self::Track<'_>);
+
+    /// Memory to take in blocks of rows; nothing where that cannot be.
+    fn blocks(&self) -> Option<Self::Blocks> {
+        None
+    }
+
+    /// Takes in a block of rows from `first` on, the row before which has just been taken in, and writes them. Returns their
+    /// number.
+    fn take_block(
+        &mut self,
+        _recording: &Self::Recording<'_>,
+        _first: usize,
+        _blocks: &mut Self::Blocks,
+        _track: &mut Self::Track<'_>,
+    ) -> usize {
+        0
+    }
+
+    /// Takes in a sample that is acceptable; otherwise leaves it out and returns the flag of the reason. The state goes on
+    /// from the last good one either way. Fails, with nothing changed, only where there is no memory for the history.
+    #[inline]
+    fn absorb(&mut self, sample: Self::Sample<'_>) -> Result<Health, Error> {
+        match self.try_update(sample) {
+            Ok(health) => Ok(health),
+            Err(refusal) if refusal.error.kind == ErrorKind::Memory => Err(refusal.error),
+            Err(refusal) => Ok(self.skip_or_restart(sample, refusal.flag)),
+        }
+    }
+
+    /// Leaves out a sample that was refused for the reason of this flag, unless a new clock or counter begins with it.
+    fn skip_or_restart(&mut self, sample: Self::Sample<'_>, flag: Health) -> Health {
+        let readings = Self::readings(&sample);
+        if self.log_memory().skipped.precedes(flag, readings.stamp)
+            && let Some(health) = self.restart(sample, flag)
+        {
+            return health;
+        }
+        let kind = self.log_settings().readings;
+        self.log_memory().skipped.leave_out(flag, &readings, kind);
+        flag
+    }
+
+    /// Starts over at the second row in succession that is consistent with the row left out before it only: its clock or its
+    /// counters have a new zero.
+    fn restart(&mut self, sample: Self::Sample<'_>, flag: Health) -> Option<Health> {
+        let LogMemory { reference, skipped, .. } = self.log_memory();
+        let (before, skipped) = (reference.clone(), skipped.stamp);
+        if flag == Health::BACKWARDS {
+            // The clock was set back: the row left out and this one take a step each.
+            self.set_reference_stamp(2.0 * skipped - Self::readings(&sample).stamp);
+        } else {
+            self.refer_to_skipped();
+        }
+        let taken = self.try_update(sample);
+        let LogMemory { reference, health, .. } = self.log_memory();
+        match taken {
+            Ok(flags) => {
+                *health = flags | Health::RESTARTED;
+                Some(*health)
+            }
+            Err(_) => {
+                *reference = before;
+                None
+            }
+        }
+    }
+
+    /// Takes in every row of a log, from where the last one ended. With `strict` the first row that cannot be is an
+    /// error; otherwise such rows are left out and flagged. On failure nothing has changed; interrupted, the rows before
+    /// the one of the error are taken in.
+    fn run(
+        &mut self,
+        recording: Self::Recording<'_>,
+        strict: bool,
+        track: Self::Track<'_>,
+        is_interrupted: IsInterrupted,
+    ) -> Result<(), Error> {
+        let before = self.needs_copy(strict)?.then(|| self.clone());
+        let taken = self.take_all(&recording, strict, track, is_interrupted);
+        if let (Err(error), Some(before)) = (&taken, before)
+            && error.kind != ErrorKind::Interrupted
+        {
+            *self = before;
+        }
+        taken
+    }
+
+    /// The rows one after the other, in blocks where that can be.
+    fn take_all(
+        &mut self,
+        recording: &Self::Recording<'_>,
+        strict: bool,
+        mut track: Self::Track<'_>,
+        is_interrupted: IsInterrupted,
+    ) -> Result<(), Error> {
+        let rows = Self::row_count(recording);
+        let mut blocks = if rows > SINGLY { self.blocks() } else { None };
+        let (mut k, mut singly, mut next_check) = (0, 1, BETWEEN_CHECKS);
+        while k < rows {
+            if k >= next_check {
+                if is_interrupted() {
+                    return Err(Error::interrupted().at_row(k));
+                }
+                next_check = k + BETWEEN_CHECKS;
+            }
+            if singly == 0
+                && let Some(blocks) = &mut blocks
+            {
+                let taken = self.take_block(recording, k, blocks, &mut track);
+                k += taken;
+                singly = if taken == 0 { SINGLY } else { 0 };
+                continue;
+            }
+            let flags = self.take_one(recording, strict, k)?;
+            self.write(k, flags, &mut track);
+            // The row before has to be the one from which the next one counts.
+            singly = if flags.is_left_out() { 1 } else { singly.saturating_sub(1) };
+            k += 1;
+        }
+        Ok(())
+    }
+
+    /// One row.
+    #[inline]
+    fn take_one(&mut self, recording: &Self::Recording<'_>, strict: bool, k: usize) -> Result<Health, Error> {
+        let taken = match self.row(recording, k) {
+            Ok(sample) if strict => self.try_update(sample).map_err(|refusal| refusal.error),
+            Ok(sample) => self.absorb(sample),
+            Err(error) if strict => Err(error),
+            Err(_) => Ok(Health::NOT_FINITE),
+        };
+        taken.map_err(|error| match error.kind {
+            ErrorKind::Memory => error,
+            _ => error.at_row(k),
+        })
+    }
+}
