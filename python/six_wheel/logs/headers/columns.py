@@ -125,7 +125,7 @@ def _interpret(header: str, quantity: Quantity) -> tuple[Unit, bool] | None:
 
 @cache
 def _spellings(quantity: Quantity) -> dict[str, tuple[Unit, bool]]:
-    """What headers that mean a quantity state, by their words."""
+    """The unit of a quantity and whether a header states it, by the words of the header."""
     spelled = dict.fromkeys(quantity.spellings, (quantity.units[0], False))
     for unit in quantity.units:
         alone = unit.spellings if unit in TIME_UNITS else ()  # "sec" says by itself what it measures
