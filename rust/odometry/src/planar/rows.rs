@@ -21,7 +21,7 @@ fn first_start_over(readings: &[f64], wheels: usize, rows: Range<usize>) -> usiz
 const FEW: usize = 4;
 
 impl Odometry {
-    /// Memory to take in a log by registers of samples; nothing where that cannot be.
+    /// Memory to take in a log by registers of samples; None where samples are taken in one by one.
     #[inline]
     pub(crate) fn block_scratch(&self) -> Option<BlockScratch> {
         let constants = &self.work.constants;

@@ -1,5 +1,5 @@
-//! Whole logs as they are, in the plane and in space: rows that cannot be are left out and flagged, the rows after them are
-//! not lost.
+//! Whole logs as they are, in the plane and in space: rows that cannot be used are left out and flagged, the rows after
+//! them are not lost.
 //!
 //! Running totals make good for a row left out by themselves, increments are pending to the next row. A clock or a
 //! counter that goes on from another value for good is followed from the second such row on.
@@ -67,7 +67,7 @@ pub trait LogOdometry: Clone {
     /// Writes the last sample, with its flags, to a row.
     fn write(&self, k: usize, flags: Health, track: &mut Self::Track<'_>);
 
-    /// Memory to take in blocks of rows; nothing where that cannot be.
+    /// Memory to take in blocks of rows; None where rows are taken in one by one.
     fn blocks(&self) -> Option<Self::Blocks> {
         None
     }
@@ -133,7 +133,7 @@ pub trait LogOdometry: Clone {
         }
     }
 
-    /// Takes in every row of a log, from where the last one ended. With `strict` the first row that cannot be is an
+    /// Takes in every row of a log, from where the last one ended. With `strict` the first row that cannot be used is an
     /// error; otherwise such rows are left out and flagged. On failure nothing has changed; interrupted, the rows before
     /// the one of the error are taken in.
     fn run(
