@@ -17,9 +17,12 @@ if TYPE_CHECKING:
 
     Read = Callable[..., Parameters]
 
-# A shell starts what it runs in the background without Ctrl-C, and children have what they are started with.
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+# Children ignore signals that this process ignores: Ctrl-C in the background of a shell, SIGHUP with nohup.
+ORDINARY = {"SIGINT": signal.default_int_handler, "SIGHUP": signal.SIG_DFL}
+for name in ORDINARY.keys() & dir(signal):
+    number = getattr(signal, name)
+    if signal.getsignal(number) is signal.SIG_IGN:
+        signal.signal(number, ORDINARY[name])
 
 # Runs are repeatable and judged by their answers, not by how busy the machine is.
 settings.register_profile("default", derandomize=True, deadline=None, print_blob=True)
