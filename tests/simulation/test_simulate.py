@@ -188,7 +188,7 @@ def test_what_was_read_otherwise_is_written_as_what_was_turned(tmp_path):
         ({"truth_noise": 0.1}, "truth_noise must be two deviations"),
         ({"seed": -1}, "seed must be a whole number, 0 or more, got -1"),
         ({"seed": "a"}, "seed must be a whole number, 0 or more, got 'a'"),
-        ({"jitter": "a"}, "jitter must be finite and not negative, got 'a'"),
+        ({"jitter": "a"}, "jitter must be a number, got 'a'"),
         ({"speed": 0.0}, "speed must be finite and positive, got 0.0"),
     ],
 )
