@@ -78,6 +78,26 @@ def test_two_outputs_are_two_files(run: Run, name: str, one: Argument, other: Ar
     assert "must be two files" in err
 
 
+@pytest.mark.parametrize("name", [n for n in WRITERS if any(one.name == "report" for one in written(n))])
+@pytest.mark.usefixtures("files")
+def test_pictures_beside_a_report_are_files_of_their_own(run: Run, name: str) -> None:
+    """`calibrate --plot r_windows.png --report r.md` once wrote one of two pictures over the other."""
+    before = set(Path().iterdir())
+    assert run(*line(name, report="r.md"))[0] == 0
+    pictures = [path for path in set(Path().iterdir()) - before if path.suffix == ".png"]
+    assert pictures
+    for picture in pictures:
+        for is_link in (False, True):
+            plot = Path("mine.png") if is_link else picture
+            if is_link:
+                picture.rename(plot)
+                picture.symlink_to(plot)
+            was = kept()
+            code, _, err = run(*line(name, report="r.md", plot=plot))
+            assert (code, kept()) == (2, was)
+            assert "must be another file than the output" in err
+
+
 def no_folder(path: Path) -> Path:
     return path.parent / "nowhere" / path.name
 
@@ -85,6 +105,12 @@ def no_folder(path: Path) -> Path:
 def is_folder(path: Path) -> Path:
     path.mkdir()
     (path / "mine").write_text("before")
+    return path
+
+
+def circle(path: Path) -> Path:
+    """A link to itself, which once ended every command with a traceback."""
+    path.symlink_to(path.name)
     return path
 
 
@@ -132,7 +158,7 @@ def kept() -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize(("name", "output"), OUTPUTS, ids=IDS)
-@pytest.mark.parametrize("bad", [no_folder, is_folder, read_only, full_disk])
+@pytest.mark.parametrize("bad", [no_folder, is_folder, circle, read_only, full_disk])
 @pytest.mark.usefixtures("files", "disk")
 def test_all_outputs_are_replaced_or_none(
     run: Run, name: str, output: Argument, bad: Callable[[Path], Path]

@@ -99,7 +99,7 @@ def _check_outputs(outputs: dict[str, Path], sources: Sequence[Path]) -> None:
 
     files = {name: path for name, path in outputs.items() if not path.is_dir()}
     for name, path in files.items():
-        check_source(path, path.resolve(), sources)
+        check_source(path, path, sources)
         for other, one in files.items():
             if other != name and same_file(one, path):
                 options = f"--{name} and --{other}".replace("_", "-")

@@ -79,7 +79,7 @@ def reporting(
         wanted += [report, *(beside(report, ending) for ending in endings)]
     taken = [source for source in sources if source is not None]
     with contextlib.ExitStack() as stack:
-        targets = {path: stack.enter_context(replacing(path, taken)) for path in dict.fromkeys(wanted)}
+        targets = {path: stack.enter_context(replacing(path, taken)) for path in wanted}
         yield Pages(plot, report, targets)
 
 

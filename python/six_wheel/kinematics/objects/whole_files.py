@@ -22,7 +22,10 @@ _PROBE = 1 << 16  # bytes that still go onto a disk with room
 
 @dataclass
 class _Files:
-    """Files that one command reads, and those it writes: temporary file to (path as given, target)."""
+    """Files that one command reads, and those it writes: temporary file to (path as given, target).
+
+    A target is here from the moment it is opened.
+    """
 
     sources: tuple[Path, ...]
     targets: dict[Path, tuple[Path, Path]] = field(default_factory=dict)
@@ -65,8 +68,8 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
         return
     files = _files.get()
     target = check_target(path, [*sources, *(files.sources if files else ())])
-    others = files.targets.values() if files else ()
-    if given := next((given for given, other in others if same_file(other, target)), None):
+    targets = files.targets if files else {}
+    if given := next((given for given, other in targets.values() if same_file(other, target)), None):
         raise TableError(f"{path}: the output must be another file than the output {given}")
     remove_leftovers(target)
     # Created here and not by tempfile, so that the permissions follow the umask.
@@ -76,13 +79,13 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
     except OSError as error:
         raise TableError(f"{path}: the output must be writeable, got: {error.strerror}") from None
     _at_work.add(temporary)
+    targets[temporary] = (path, target)
     try:
         yield temporary
         if files is None:
             os.replace(temporary, target)
-        else:
-            files.targets[temporary] = (path, target)
     except BaseException as error:
+        del targets[temporary]
         is_full = _is_full(temporary)  # it may be the disk of another file that is written at the same time
         temporary.unlink(missing_ok=True)
         if isinstance(error, OSError) and error.errno in _FULL and is_full:
@@ -107,7 +110,7 @@ def check_target(path: Path, sources: Sequence[Path]) -> Path:
     or in no folder."""
     try:
         target = path.resolve()
-        is_there = target.exists()
+        is_there = target.exists() or target.is_symlink()
     except (OSError, RuntimeError) as error:  # a name that is too long, links in a circle
         why = getattr(error, "strerror", None) or "its links lead in a circle"
         raise TableError(f"{path}: the output must be writeable, got: {why}") from None
@@ -128,7 +131,9 @@ def check_source(path: Path, target: Path, sources: Sequence[Path]) -> None:
 
 def same_file(one: Path, other: Path) -> bool:
     """True where two paths lead to one file, through links and other spellings."""
-    return one.resolve() == other.resolve() or (one.exists() and other.exists() and one.samefile(other))
+    if os.path.realpath(one) == os.path.realpath(other):  # unlike `resolve`, also of links in a circle
+        return True
+    return one.exists() and other.exists() and one.samefile(other)
 
 
 def remove_leftovers(path: Path) -> None:
