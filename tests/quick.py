@@ -46,7 +46,7 @@ SMOKE = [
 ]
 
 
-# Their kernels are compiled into every other crate.
+# Parts of every kernel: after an edit of them the scalar level alone is built and tested.
 EVERYWHERE = {"numerics", "kinematics"}
 
 
@@ -120,12 +120,14 @@ def main() -> None:
     crates, tests = touched(changed())
     cargo = ("--profile", "quick", "--locked", "--quiet")
     packages = [f"--package=six-wheel-{crate.replace('_', '-')}" for crate in crates if crate != "python"]
+    only: tuple[str, ...] = ()
     if below := EVERYWHERE.intersection(crates):
-        print(f"quick: {', '.join(sorted(below))}: every kernel is compiled anew: more than a minute")
+        print(f"quick: {', '.join(sorted(below))}: every kernel is compiled anew, for the scalar level alone")
+        only = ("--features=six-wheel-numerics/scalar-only",)
     run("check", "cargo", "check", "--workspace", "--all-targets", *cargo)
     if packages:
-        run(f"tests of {', '.join(crates)}", "cargo", "test", "--lib", *packages, *cargo)
-    run("build", "cargo", "build", "--package=six-wheel-py", "--no-default-features", *cargo)
+        run(f"tests of {', '.join(crates)}", "cargo", "test", "--lib", *packages, *only, *cargo)
+    run("build", "cargo", "build", "--package=six-wheel-py", "--no-default-features", *only, *cargo)
     put_together()
     pytest = (sys.executable, "-m", "pytest", "-q", "-n", "2", "-m", "not slow", "-p", "no:cacheprovider")
     environment = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(target_arch = "aarch64", not(feature = "scalar-only")))]
 use pulp::aarch64::Neon;
 #[cfg(target_arch = "x86_64")]
 use pulp::x86::V3;
@@ -47,9 +47,9 @@ impl Level {
             Self::Scalar => true,
             #[cfg(all(target_arch = "x86_64", feature = "all-levels"))]
             Self::Avx512 => V4::try_new().is_some(),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(feature = "scalar-only")))]
             Self::Avx2 => V3::try_new().is_some(),
-            #[cfg(target_arch = "aarch64")]
+            #[cfg(all(target_arch = "aarch64", not(feature = "scalar-only")))]
             Self::Neon => Neon::try_new().is_some(),
             _ => false,
         }
@@ -86,13 +86,13 @@ impl Level {
         {
             return simd.vectorize(Run { kernel, simd });
         }
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", not(feature = "scalar-only")))]
         if self == Self::Avx2
             && let Some(simd) = V3::try_new()
         {
             return simd.vectorize(Run { kernel, simd });
         }
-        #[cfg(target_arch = "aarch64")]
+        #[cfg(all(target_arch = "aarch64", not(feature = "scalar-only")))]
         if self == Self::Neon
             && let Some(simd) = Neon::try_new()
         {
