@@ -1,6 +1,8 @@
 //! Constants of a chain for the rates that follow the ground.
 
-use crate::contact::{in_body, slope};
+use nalgebra::Vector3;
+
+use crate::contact::{in_body, point_rows};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Columns of the planar motion: `vx, vy, wz`.
@@ -107,10 +109,8 @@ impl MotionConstants {
         let level = in_body(chain, &[], &[])?;
         let joints = self.order().iter().map(|joint| 6 + joint);
         let columns: Vec<usize> = joints.chain(FOLLOWING.into_iter().take(3)).collect();
-        let rise = |wheel: usize| {
-            let slopes = level.point_slopes(wheel, level.wheel(wheel).centre);
-            std::array::from_fn(|k| slopes[slope(columns[k])].z)
-        };
+        let rows = point_rows(chain, &level, |wheel| (level.wheel(wheel).centre, [Vector3::z()]));
+        let rise = |wheel: usize| std::array::from_fn(|k| rows[wheel].along[0][columns[k]]);
         let bits = |wheel: usize| {
             let moved = columns.iter().enumerate().filter(|(_, column)| self.moves(**column, wheel));
             moved.fold(0, |bits, (k, _)| bits | 1 << k)

@@ -5,8 +5,8 @@ use crate::lanes::columns::inverse_length;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::MAX_WHEELS;
-use six_wheel_terrain::suspension::kinematics::{LinkPose, LinkPoses, PlanarLink};
-use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, along, cross, dot, less};
+use six_wheel_terrain::suspension::kinematics::{LinkPose, LinkPoses, PlanarLink, slopes_about};
+use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, along, cross, less, splat};
 
 /// Derivatives of a velocity by the rates, in lanes.
 pub(crate) type Row<S> = [Lanes<S>; COLUMNS];
@@ -62,7 +62,7 @@ impl<S: Vector> RimPoint<S> {
 /// the velocity of the body, `p x d` for its rotation, `(axis x arm) . d` for each free angle.
 #[inline(always)]
 pub(crate) fn velocity_rows<S: Vector, const N: usize>(
-    links: &LinkPoses<'_, S, PlanarLink<S>>,
+    links: &LinkPoses<'_, S, impl LinkPose<S>>,
     wheel: usize,
     point: Vectors<S>,
     directions: [Vectors<S>; N],
@@ -92,10 +92,8 @@ pub(crate) fn steering_velocity<S: Vector>(
     point: Vectors<S>,
     directions: [Vectors<S>; 3],
 ) -> [Lanes<S>; 3] {
-    let [ahead, left, _] = link.in_own_axes(less(point, pivot));
-    let moved = link.rotated([-left, ahead, all(left.simd(), 0.0)]);
-    let [normal, ahead, left] = directions;
-    [dot(moved, normal), dot(moved, ahead), dot(moved, left)]
+    let upwards = link.rotated(splat(point[0].simd(), [0.0, 0.0, 1.0]));
+    slopes_about(upwards, less(point, pivot), &directions)
 }
 
 /// The sign bit where the side of the rim that touches is the far one, seen from the plane on which it stands, of a wheel

@@ -33,7 +33,7 @@ pub trait LinkPose<S: Vector>: Copy {
     /// Writes the pose of a link on this one.
     fn carry(&self, hinge: &Hinge<S>, pose: &mut Self);
 
-    /// Derivatives, by the angle of the joint, of the place of a point along some directions: `axis . (arm x direction)`.
+    /// Derivatives, by the angle of the joint, of the place of a point along some directions ([`slopes_about`]).
     fn slopes<const N: usize>(&self, point: Vectors<S>, directions: &[Vectors<S>; N]) -> [Lanes<S>; N];
 }
 
@@ -111,13 +111,22 @@ impl<S: Vector> LinkPose<S> for MatrixPose<S> {
     }
 
     fn slopes<const N: usize>(&self, point: Vectors<S>, directions: &[Vectors<S>; N]) -> [Lanes<S>; N] {
-        let arm = less(point, self.origin);
-        let mut slopes = [arm[0]; N];
-        for (slope, direction) in slopes.iter_mut().zip(directions) {
-            *slope = dot(self.axis, cross(arm, *direction));
-        }
-        slopes
+        slopes_about(self.axis, less(point, self.origin), directions)
     }
+}
+
+/// Derivatives, by an angle about an axis, of the place of a point along some directions: `axis . (arm x direction)`.
+#[inline(always)]
+pub fn slopes_about<S: Vector, const N: usize>(
+    axis: Vectors<S>,
+    arm: Vectors<S>,
+    directions: &[Vectors<S>; N],
+) -> [Lanes<S>; N] {
+    let mut slopes = [arm[0]; N];
+    for (slope, direction) in slopes.iter_mut().zip(directions) {
+        *slope = dot(axis, cross(arm, *direction));
+    }
+    slopes
 }
 
 /// Motion of a link.
