@@ -6,7 +6,7 @@ use crate::rates::contact_rows::velocity_rows;
 use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::kinematics::LinkPose;
+use six_wheel_terrain::suspension::kinematics::{LinkPose, MatrixPose};
 use six_wheel_terrain::suspension::lanes::{all, splat};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, WheelFrame};
 
@@ -114,38 +114,27 @@ pub struct Contacts {
 }
 
 impl Contacts {
+    /// Nothing touches yet.
+    pub(crate) fn none(chain: &Chain, stopped: [bool; MAX_FREE]) -> Self {
+        let blank = Contact { rows: [[0.0; COLUMNS]; 3], swivel: [0.0; 3], steering: None, touching: false };
+        Self { wheels: [blank; MAX_WHEELS], count: chain.wheels().len(), joints: chain.joints().len(), stopped }
+    }
+
     /// Those of a settled pose. None where a differential does not reach.
     pub fn new(chain: &Chain, footing: &Footing<'_>) -> Option<Self> {
         let placed = in_body(chain, footing.joints, footing.steering)?;
         let body_from_world = footing.rotation().inverse();
-        let mut contacts = Self::on_planes(chain, &placed, |wheel| ContactPlane {
-            frame: placed.wheel(wheel),
-            normal: body_from_world * Vector3::from(footing.normals[wheel]),
-            radius: chain.wheels()[wheel].radius,
-            at: Direction::from(footing.angles[wheel]),
-        });
-        contacts.stopped = footing.stopped;
-        for (contact, touching) in contacts.wheels.iter_mut().zip(footing.touching) {
-            contact.touching = touching;
+        let mut contacts = Self::none(chain, footing.stopped);
+        for (k, mount) in chain.wheels().iter().enumerate() {
+            let plane = ContactPlane {
+                frame: placed.wheel(k),
+                normal: body_from_world * Vector3::from(footing.normals[k]),
+                radius: mount.radius,
+                at: Direction::from(footing.angles[k]),
+            };
+            contacts.wheels[k] = Contact::new(&placed, k, &plane, footing.touching[k]);
         }
         Some(contacts)
-    }
-
-    /// Those of a chain in the axes of its body whose wheels all touch planes.
-    pub(crate) fn on_planes(chain: &Chain, placed: &Placed<'_>, mut plane: impl FnMut(usize) -> ContactPlane) -> Self {
-        let rows = point_rows(chain, placed, |wheel| {
-            let plane = plane(wheel);
-            let (normal, tangent) = (plane.normal, plane.tangent());
-            (plane.frame.centre + plane.centre_to_contact(), [normal, tangent, normal.cross(&tangent)])
-        });
-        let count = chain.wheels().len();
-        let wheels = std::array::from_fn(|wheel| Contact {
-            rows: rows[wheel].along,
-            swivel: rows[wheel].swivel,
-            steering: if wheel < count { chain.steering_joint(wheel) } else { None },
-            touching: wheel < count,
-        });
-        Self { wheels, count, joints: chain.joints().len(), stopped: [false; MAX_FREE] }
     }
 
     pub(crate) fn touching(&self) -> impl Iterator<Item = (usize, &Contact)> {
@@ -154,50 +143,52 @@ impl Contacts {
     }
 }
 
-/// Velocities of a point of a wheel's carrier along some directions.
-#[derive(Clone, Copy)]
-pub(crate) struct PointRows<const N: usize> {
-    /// By the rates.
-    pub along: [Row; N],
-    /// By the rate of the wheel's own steering [m/rad].
-    pub swivel: [f64; N],
+impl Contact {
+    pub(crate) fn new(placed: &Placed<'_>, wheel: usize, plane: &ContactPlane, touching: bool) -> Self {
+        let (normal, tangent) = (plane.normal, plane.tangent());
+        let directions = [normal, tangent, normal.cross(&tangent)];
+        let point = plane.frame.centre + plane.centre_to_contact();
+        let (rows, swivel) = point_rows(placed, wheel, point, directions);
+        let steering = placed.steering_axes(wheel).next().map(|(joint, _, _)| joint);
+        Self { rows, swivel, steering, touching }
+    }
 }
 
-/// The velocities of a point of every wheel's carrier along some directions, which `at` gives for a wheel, by the rates: of a
-/// chain in the axes of its body.
+/// The velocities along some directions of a point of a wheel's carrier, of a chain in the axes of its body: by the rates, and
+/// by the rate of the wheel's own steering [m/rad].
 pub(crate) fn point_rows<const N: usize>(
-    chain: &Chain,
     placed: &Placed<'_>,
-    at: impl FnMut(usize) -> (Vector3<f64>, [Vector3<f64>; N]),
-) -> [PointRows<N>; MAX_WHEELS] {
-    Level::Scalar.run_any(EveryPoint { wheels: chain.wheels().len(), placed, at })
+    wheel: usize,
+    point: Vector3<f64>,
+    directions: [Vector3<f64>; N],
+) -> ([Row; N], [f64; N]) {
+    Level::Scalar.run_any(PointRows { placed, wheel, point, directions })
 }
 
 /// [`point_rows`] as a kernel.
-struct EveryPoint<'a, F> {
-    wheels: usize,
+struct PointRows<'a, const N: usize> {
     placed: &'a Placed<'a>,
-    at: F,
+    wheel: usize,
+    point: Vector3<f64>,
+    directions: [Vector3<f64>; N],
 }
 
-impl<const N: usize, F: FnMut(usize) -> (Vector3<f64>, [Vector3<f64>; N])> Kernel for EveryPoint<'_, F> {
-    type Output = [PointRows<N>; MAX_WHEELS];
+impl<const N: usize> Kernel for PointRows<'_, N> {
+    type Output = ([Row; N], [f64; N]);
 
     #[inline(always)]
-    fn run<S: Vector>(mut self, simd: S) -> Self::Output {
-        let links = self.placed.links(simd);
-        let mut found = [PointRows { along: [[0.0; COLUMNS]; N], swivel: [0.0; N] }; MAX_WHEELS];
-        for (wheel, found) in found.iter_mut().enumerate().take(self.wheels) {
-            let (point, directions) = (self.at)(wheel);
-            let (point, directions) = (splat(simd, point.into()), directions.map(|one| splat(simd, one.into())));
-            let mut rows = [[all(simd, 0.0); COLUMNS]; N];
-            velocity_rows(&links, wheel, point, directions, &mut rows);
-            found.along = rows.map(|row| row.map(|part| part.last(simd)));
-            if let Some(link) = links.steering_link(wheel) {
-                found.swivel = link.slopes(point, &directions).map(|part| part.last(simd));
-            }
+    fn run<S: Vector>(self, simd: S) -> Self::Output {
+        let Self { placed, wheel, point, directions } = self;
+        let lanes = |vector: Vector3<f64>| splat(simd, vector.into());
+        let link = |axis, origin| MatrixPose::on_axis(lanes(axis), lanes(origin));
+        let (point, directions) = (lanes(point), directions.map(lanes));
+        let (mut rows, mut swivel) = ([[all(simd, 0.0); COLUMNS]; N], [0.0; N]);
+        let movers = placed.free_axes(wheel).map(|(joint, axis, origin)| (link(axis, origin), joint));
+        velocity_rows(movers, point, directions, &mut rows);
+        if let Some((_, axis, origin)) = placed.steering_axes(wheel).next() {
+            swivel = link(axis, origin).slopes(point, &directions).map(|part| part.last(simd));
         }
-        found
+        (rows.map(|row| row.map(|part| part.last(simd))), swivel)
     }
 }
 

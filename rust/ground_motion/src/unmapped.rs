@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use super::contact::{COLUMNS, Contact, ContactPlane, Contacts, Row, carried, in_body, point_rows};
 use six_wheel_kinematics::geometry::Direction;
-use six_wheel_terrain::suspension::{Chain, MAX_WHEELS, Placed};
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, Placed};
 
 /// Rounds in which the plane and the contacts on it are found; each leaves less than a hundredth of the error.
 const ROUNDS: usize = 6;
@@ -67,30 +67,41 @@ impl<'a> Unmapped<'a> {
     pub fn new(chain: &'a Chain, joints: &[f64], steering: &[f64]) -> Option<Self> {
         let placed = in_body(chain, joints, steering)?;
         let normal = plane(chain, &placed)?;
-        let rows = point_rows(chain, &placed, |wheel| (placed.wheel(wheel).centre, [normal]));
-        let together = mean(rows[..chain.wheels().len()].iter().map(|point| &point.along[0]));
+        let mut together = [0.0; COLUMNS];
+        let count = chain.wheels().len();
+        for wheel in 0..count {
+            let ([row], _) = point_rows(&placed, wheel, placed.wheel(wheel).centre, [normal]);
+            for (sum, part) in together.iter_mut().zip(row) {
+                *sum += part / count as f64;
+            }
+        }
         Some(Self { placed, normal, together })
     }
 
     /// Their contacts.
     pub fn contacts(&self, chain: &Chain, climb: &Climb<'_>) -> Found {
-        let (mut at, mut slopes) = ([Direction::from(0.0); MAX_WHEELS], *climb.slopes);
-        let mut contacts = Contacts::on_planes(chain, &self.placed, |wheel| {
-            let (frame, radius) = (self.placed.wheel(wheel), chain.wheels()[wheel].radius);
-            let mut plane = ContactPlane::new(frame, self.normal, radius);
+        let mut found = Found {
+            contacts: Contacts::none(chain, [false; MAX_FREE]),
+            at: [Direction::from(0.0); MAX_WHEELS],
+            slopes: *climb.slopes,
+        };
+        for (wheel, mount) in chain.wheels().iter().enumerate() {
+            let frame = self.placed.wheel(wheel);
+            let mut plane = ContactPlane::new(frame, self.normal, mount.radius);
+            let slope = &mut found.slopes[wheel];
             if let Some(motion) = climb.motion {
                 let (way, turn) = carried(&self.placed, wheel, motion);
-                let rolled = radius * (climb.turned[wheel] + turn.dot(&plane.frame.axle));
-                slopes[wheel] = plane.slope(way, rolled, slopes[wheel], climb.doubt);
+                let rolled = mount.radius * (climb.turned[wheel] + turn.dot(&plane.frame.axle));
+                *slope = plane.slope(way, rolled, *slope, climb.doubt);
             }
-            plane.climb(slopes[wheel]);
-            at[wheel] = plane.at;
-            plane
-        });
-        for contact in &mut contacts.wheels {
-            (contact.rows[0], contact.swivel[0]) = (self.together, 0.0);
+            plane.climb(*slope);
+            found.at[wheel] = plane.at;
+            let mut contact = Contact::new(&self.placed, wheel, &plane, true);
+            contact.rows[0] = self.together;
+            contact.swivel[0] = 0.0;
+            found.contacts.wheels[wheel] = contact;
         }
-        Found { contacts, at, slopes }
+        found
     }
 }
 
@@ -100,25 +111,19 @@ impl Contacts {
     #[must_use]
     pub fn sharing_sides(mut self) -> Self {
         let alike = |contact: &Contact| contact.touching && contact.steering.is_none();
-        let rows = self.wheels[..self.count].iter().filter(|contact| alike(contact)).map(|contact| &contact.rows[2]);
-        let mean = mean(rows);
+        let wheels = &self.wheels[..self.count];
+        let count = wheels.iter().filter(|contact| alike(contact)).count() as f64;
+        let mut mean = [0.0; COLUMNS];
+        for contact in wheels.iter().filter(|contact| alike(contact)) {
+            for (sum, part) in mean.iter_mut().zip(contact.rows[2]) {
+                *sum += part / count;
+            }
+        }
         for contact in self.wheels[..self.count].iter_mut().filter(|one| alike(one)) {
             contact.rows[2] = mean;
         }
         self
     }
-}
-
-/// The mean of some rows.
-fn mean<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> Row {
-    let count = rows.clone().count() as f64;
-    let mut mean = [0.0; COLUMNS];
-    for row in rows {
-        for (sum, part) in mean.iter_mut().zip(row) {
-            *sum += part / count;
-        }
-    }
-    mean
 }
 
 impl ContactPlane {

@@ -109,8 +109,10 @@ impl MotionConstants {
         let level = in_body(chain, &[], &[])?;
         let joints = self.order().iter().map(|joint| 6 + joint);
         let columns: Vec<usize> = joints.chain(FOLLOWING.into_iter().take(3)).collect();
-        let rows = point_rows(chain, &level, |wheel| (level.wheel(wheel).centre, [Vector3::z()]));
-        let rise = |wheel: usize| std::array::from_fn(|k| rows[wheel].along[0][columns[k]]);
+        let rise = |wheel: usize| {
+            let ([row], _) = point_rows(&level, wheel, level.wheel(wheel).centre, [Vector3::z()]);
+            std::array::from_fn(|k| row[columns[k]])
+        };
         let bits = |wheel: usize| {
             let moved = columns.iter().enumerate().filter(|(_, column)| self.moves(**column, wheel));
             moved.fold(0, |bits, (k, _)| bits | 1 << k)

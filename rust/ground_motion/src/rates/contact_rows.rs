@@ -5,7 +5,7 @@ use crate::lanes::columns::inverse_length;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::MAX_WHEELS;
-use six_wheel_terrain::suspension::kinematics::{LinkPose, LinkPoses, PlanarLink, slopes_about};
+use six_wheel_terrain::suspension::kinematics::{LinkPose, PlanarLink, slopes_about};
 use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, along, cross, less, splat};
 
 /// Derivatives of a velocity by the rates, in lanes.
@@ -59,11 +59,10 @@ impl<S: Vector> RimPoint<S> {
 }
 
 /// Derivatives by the rates of the velocities of a point of a wheel's carrier along some directions: the direction d for
-/// the velocity of the body, `p x d` for its rotation, `(axis x arm) . d` for each free angle.
+/// the velocity of the body, `p x d` for its rotation, `(axis x arm) . d` for the joint of each link that carries the wheel.
 #[inline(always)]
 pub(crate) fn velocity_rows<S: Vector, const N: usize>(
-    links: &LinkPoses<'_, S, impl LinkPose<S>>,
-    wheel: usize,
+    movers: impl Iterator<Item = (impl LinkPose<S>, usize)>,
     point: Vectors<S>,
     directions: [Vectors<S>; N],
     rows: &mut [Row<S>; N],
@@ -73,7 +72,7 @@ pub(crate) fn velocity_rows<S: Vector, const N: usize>(
         row[3..6].copy_from_slice(&cross(point, direction));
     }
     let mut filled = 0_u32;
-    for (link, joint) in links.movers(wheel) {
+    for (link, joint) in movers {
         let again = filled >> joint & 1 == 1;
         filled |= 1 << joint;
         let slopes = link.slopes(point, &directions);

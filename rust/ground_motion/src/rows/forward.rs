@@ -189,7 +189,7 @@ impl InLanes<'_, ForwardRange<'_>> {
             let radius = all(simd, self.motion.radii[wheel]);
             let touch = RimPoint::new(link, centre, radius, turned, at);
             let directions = [normal, touch.tangent, cross(normal, touch.tangent)];
-            velocity_rows(links, wheel, touch.point, directions, &mut contact.rows);
+            velocity_rows(links.movers(wheel), touch.point, directions, &mut contact.rows);
             if let (Some(joint), Some(rates)) = (joint, &rates) {
                 contact.swivel = steering_velocity(link, links.pivot(simd, wheel), touch.point, directions);
                 for part in &mut contact.swivel {

@@ -156,7 +156,7 @@ impl InLanes<'_, InverseRange<'_>> {
             let radius = all(simd, self.motion.radii[wheel]);
             let touch = RimPoint::new(links.wheel_link(wheel), centre, radius, direction, poses.at[wheel]);
             let [normal, ..] = contact.rows.each_mut();
-            velocity_rows(links, wheel, touch.point, [poses.normals[wheel]], std::array::from_mut(normal));
+            velocity_rows(links.movers(wheel), touch.point, [poses.normals[wheel]], std::array::from_mut(normal));
             (standing.directions[wheel], standing.centres[wheel]) = (direction, centre);
         }
         standing

@@ -99,7 +99,7 @@ pub(crate) struct WheelPose<S: Vector> {
 /// Poses of the links of a chain.
 pub struct LinkPoses<'a, S: Vector, P> {
     chain: &'a Chain,
-    pub(super) is_steered: bool,
+    is_steered: bool,
     pub(crate) body: P,
     pub(crate) links: [P; MAX_PARTS],
     /// True where every differential reaches.
@@ -164,16 +164,9 @@ impl<'a, S: Vector, P: LinkPose<S>> LinkPoses<'a, S, P> {
     }
 
     /// The links with free angles that carry a wheel, innermost first, and their joints.
-    pub fn movers(&self, wheel: usize) -> impl Iterator<Item = (&P, usize)> {
+    pub fn movers(&self, wheel: usize) -> impl Iterator<Item = (P, usize)> {
         let movers = self.chain.mount(wheel).movers.iter();
-        movers.map(|&(link, joint)| (&self.links[link], joint))
-    }
-
-    /// The link that steers a wheel, where links that steer are placed.
-    pub fn steering_link(&self, wheel: usize) -> Option<&P> {
-        let mut carriers = self.chain.carriers(wheel).filter(|_| self.is_steered);
-        let steering = carriers.find(|&link| matches!(self.chain.parts()[link].turning, Turning::Steering(_)));
-        steering.map(|link| &self.links[link])
+        movers.map(|&(link, joint)| (self.links[link], joint))
     }
 }
 

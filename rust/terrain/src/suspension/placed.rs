@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::chain::{Chain, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, PlanPose, State, Turning};
-use super::kinematics::{JointAngles, LinkPoses, MatrixPose, WorldPoses};
-use super::lanes::{Turned, Vectors, splat};
+use super::kinematics::{JointAngles, MatrixPose, WorldPoses};
+use super::lanes::{Turned, Vectors};
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
@@ -112,21 +112,6 @@ impl Placed<'_> {
     #[inline]
     pub fn part(&self, part: usize) -> (Matrix3<f64>, Vector3<f64>) {
         self.carrier(Some(part))
-    }
-
-    /// Its links in lanes, from the origin of the body.
-    #[inline(always)]
-    pub fn links<S: Vector>(&self, simd: S) -> LinkPoses<'_, S, MatrixPose<S>> {
-        let mut links = LinkPoses::<S, MatrixPose<S>>::in_body(simd, self.chain);
-        links.is_steered = true;
-        for (link, part) in links.links.iter_mut().zip(&self.parts).take(self.chain.parts().len()) {
-            for (column, of_part) in link.columns.iter_mut().zip(part.rotation.column_iter()) {
-                *column = splat(simd, of_part.into());
-            }
-            link.origin = splat(simd, (part.origin - self.origin).into());
-            link.axis = splat(simd, part.axis.into());
-        }
-        links
     }
 
     /// Derivatives of a point that is fixed to a wheel's carrier, steering held: by x, y, yaw, z, roll, pitch and

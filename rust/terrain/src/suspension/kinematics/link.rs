@@ -49,6 +49,11 @@ pub struct MatrixPose<S: Vector> {
 
 #[inline_always]
 impl<S: Vector> MatrixPose<S> {
+    /// A link of which the axis of its joint and a point of that are known: the rest is that of the frame.
+    pub fn on_axis(axis: Vectors<S>, origin: Vectors<S>) -> Self {
+        Self { axis, origin, ..Self::frame(origin[0].simd()) }
+    }
+
     /// A sum of the columns, added to a vector.
     fn combined(&self, factors: Vectors<S>, to: Vectors<S>) -> Vectors<S> {
         let [x, y, z] = self.columns;
