@@ -2,6 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
+pub use crate::rates::contact_rows::COLUMNS;
 use crate::rates::contact_rows::velocity_rows;
 use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::level::{Kernel, Level};
@@ -9,9 +10,6 @@ use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::kinematics::{LinkPose, MatrixPose};
 use six_wheel_terrain::suspension::lanes::{all, splat};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, WheelFrame};
-
-/// Rates: the body's `vx, vy, vz, wx, wy, wz` and those of the free angles.
-pub const COLUMNS: usize = 6 + MAX_FREE;
 
 /// One settled pose: attitude, angles and contacts.
 #[derive(Clone, Copy, Debug)]

@@ -1,12 +1,14 @@
 //! Contacts in lanes: velocities of the touching points as functions of the rates.
 
-use crate::contact::COLUMNS;
 use crate::lanes::columns::inverse_length;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::MAX_WHEELS;
 use six_wheel_terrain::suspension::kinematics::{LinkPose, PlanarLink, slopes_about};
 use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, along, cross, less, splat};
+use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
+
+/// Rates: the body's `vx, vy, vz, wx, wy, wz` and those of the free angles.
+pub const COLUMNS: usize = 6 + MAX_FREE;
 
 /// Derivatives of a velocity by the rates, in lanes.
 pub(crate) type Row<S> = [Lanes<S>; COLUMNS];
