@@ -27,10 +27,12 @@ pub mod spatial;
 mod steering;
 mod unmapped;
 
-pub use contact::{COLUMNS, Contacts, Footing, Row, rest_offset};
+pub use contact::{Contacts, Footing, rest_offset};
 pub use driving::{Drives, Driving, Lift, Turns};
 pub use lanes::settled_poses::{SettledPoseInput, SettledPoses};
 pub use motion::{Command, Moving, Readings, View};
+pub use rates::contact_rows::COLUMNS;
+pub use rates::point_rows::Row;
 pub use response::Response;
 pub use rows::{
     Commands, Movings, Prepared, ReadingRows, SlipInput, Slips, forward_rows, inverse_rows, slip_rows, traction_rows,

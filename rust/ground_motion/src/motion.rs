@@ -1,11 +1,13 @@
 //! Motion of one settled pose, and the settings of motions.
 
-use super::contact::{COLUMNS, Contacts, Row, rest_offset};
+use super::contact::{Contacts, rest_offset};
 use crate::lanes::pose_lanes::Touching;
 use crate::rates::constants::{MotionConstants, PLAN};
+use crate::rates::contact_rows::COLUMNS;
 use crate::rates::contact_rows::{Contact as LaneContact, Contacts as LaneContacts};
 use crate::rates::fit::{FitInput, fit};
 use crate::rates::least_squares::DenseLeastSquares;
+use crate::rates::point_rows::Row;
 use crate::rates::suspension_rates::{KnownRate, KnownRates, SuspensionRates};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Mask;

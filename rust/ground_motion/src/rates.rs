@@ -4,4 +4,5 @@ pub(crate) mod constants;
 pub(crate) mod contact_rows;
 pub(crate) mod fit;
 pub(crate) mod least_squares;
+pub(crate) mod point_rows;
 pub(crate) mod suspension_rates;

@@ -2,9 +2,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::contact::{COLUMNS, Contact, Contacts, Row};
+use super::contact::{Contact, Contacts};
 use super::motion::{Readings, SuspensionJacobian};
+use crate::rates::contact_rows::COLUMNS;
 use crate::rates::fit::weights;
+use crate::rates::point_rows::Row;
 use six_wheel_numerics::jacobi::Jacobi;
 use six_wheel_numerics::least_squares::DEPENDENT;
 use six_wheel_terrain::suspension::MAX_WHEELS;

@@ -7,7 +7,9 @@
 
 use nalgebra::Vector3;
 
-use super::contact::{COLUMNS, Contact, ContactPlane, Contacts, Row, carried, in_body, point_rows};
+use super::contact::{Contact, ContactPlane, Contacts, carried};
+use crate::rates::contact_rows::COLUMNS;
+use crate::rates::point_rows::{Row, in_body, point_rows};
 use six_wheel_kinematics::geometry::Direction;
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, Placed};
 

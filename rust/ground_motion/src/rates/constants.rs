@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::contact::{in_body, point_rows};
+use super::point_rows::{in_body, point_rows};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Columns of the planar motion: `vx, vy, wz`.

@@ -1,9 +1,9 @@
 //! Rates of the suspension that follow the ground, for any planar motion: `rates = offset + spread . planar rates`.
 
 use super::constants::{FOLLOWING, MotionConstants, PLAN, UNKNOWNS};
+use super::contact_rows::COLUMNS;
 use super::contact_rows::{Contact, Contacts, Row};
 use super::least_squares::{DenseLeastSquares, Equation, Solution};
-use crate::contact::COLUMNS;
 use crate::lanes::pose_lanes::Touching;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;

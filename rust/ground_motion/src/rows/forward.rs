@@ -2,11 +2,11 @@
 
 use super::prepared::Prepared;
 use super::run::{BodyPoses, InLanes, MotionScratch, Rows, run_rows, take};
-use crate::contact::COLUMNS;
 use crate::lanes::columns::{Span, direction_of, is_number};
 use crate::lanes::pose_lanes::PoseLanes;
 use crate::lanes::settled_poses::SettledPoses;
 use crate::rates::constants::MotionConstants;
+use crate::rates::contact_rows::COLUMNS;
 use crate::rates::contact_rows::{Contacts, RimPoint, angle_on_plane, rim_side, steering_velocity, velocity_rows};
 use crate::rates::fit::{FitInput, FittedMotion, fit};
 use crate::rates::suspension_rates::{KnownRate, KnownRates};

@@ -2,12 +2,12 @@
 
 use super::prepared::Prepared;
 use super::run::{BodyPoses, InLanes, MotionScratch, Rows, run_rows, take};
-use crate::contact::COLUMNS;
 use crate::lanes::columns::{Span, direction_of, is_number};
 use crate::lanes::pose_lanes::PoseLanes;
 use crate::lanes::settled_poses::SettledPoses;
 use crate::motion::{Command, View};
 use crate::rates::constants::PLAN;
+use crate::rates::contact_rows::COLUMNS;
 use crate::rates::contact_rows::{Contacts, RimPoint, Row, angle_on_plane, rim_side, velocity_rows};
 use crate::rates::least_squares::DenseLeastSquares;
 use crate::rates::suspension_rates::{KnownRate, SuspensionRates};
