@@ -14,6 +14,7 @@ from six_wheel.control_loop import Settings
 from six_wheel.control_loop.replay.run_summary import OUT, Collected, Replayed
 from six_wheel.logs.headers.columns import TIME
 from six_wheel.logs.mcap import Record, RecordError, rover_record
+from six_wheel.logs.mcap.reader import Message
 from six_wheel.logs.tables import Chunk, RowError
 from six_wheel.simulation.drive.closed_loop import ControlledDrive, DriveLoop
 from six_wheel.simulation.drive.feedforward import Drive
@@ -35,7 +36,9 @@ def replay_drive(
     """
     if "drive" not in record.settings:
         raise RecordError(f"{record.path}: the record must hold the table of commands, got none")
-    told = json.loads(record.settings["drive"])
+    with record.reading("what it says of the drive"):
+        told = json.loads(record.settings["drive"])
+        _engine(before, told)
     engine = _engine(after, told)
     with contextlib.ExitStack() as stack:
         if output is None:
@@ -70,7 +73,7 @@ def _again(
 ) -> list[list[float]]:
     """Drives through the rows; what they are: times [ns] and twists."""
     scale, wanted, row = 1e9 * engine.time_unit.scale, [], 1
-    rows = (json.loads(record.parsed(each).data) for each in record.messages([rover_record.GIVEN]))
+    rows = (_row(record, each) for each in record.messages([rover_record.GIVEN]))
     try:
         for chunk in _chunks(rows):
             writer.given(chunk)
@@ -85,6 +88,15 @@ def _again(
     except RowError as error:
         raise RecordError(f"{record.path}: command {error.row}: {error.message}") from None
     return wanted
+
+
+def _row(record: Record, message: Message) -> list[float]:
+    """A command: its time and twist; nothing at the end of a part of the table."""
+    with record.reading("a command"):
+        row: list[float] = json.loads(record.parsed(message).data)
+        if row and (len(row) != 4 or not all(isinstance(each, int | float) for each in row)):
+            raise ValueError(f"a command must be a time and three numbers, got {row}")
+    return row
 
 
 def _write(writer: DriveRecord, blocks: Iterable[list[Any]]) -> None:

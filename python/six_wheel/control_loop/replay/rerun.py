@@ -135,12 +135,14 @@ class _Again:
         """One event; the command, if it is one."""
         loop, recorder, now, step, given = self.loop, self._recorder, message.time, None, None
         if message.topic == rover_record.JOINTS:
-            stamp, names, positions, velocities = self._states.parse(message.data)
+            with record.reading(f"a message of {message.topic}"):
+                stamp, names, positions, velocities = self._states.parse(message.data)
             step = loop.joints(names, positions, velocities, stamp, now)
             if recorder is not None:
                 recorder.joint_message(now, stamp, message.data)
         elif message.topic == rover_record.IMU:
-            stamp, _, rates, _ = angular_velocity(message.data)
+            with record.reading(f"a message of {message.topic}"):
+                stamp, _, rates, _ = angular_velocity(message.data)
             step = loop.imu(rates, stamp, now)
             if recorder is not None:
                 recorder.imu_message(now, stamp, message.data)
@@ -154,8 +156,9 @@ class _Again:
             if recorder is not None:
                 recorder.wanted(now, message.stamp, given)
         else:
-            what = json.loads(record.parsed(message).data)
-            step = self._change(what, now)
+            with record.reading("a change"):
+                what = json.loads(record.parsed(message).data)
+                step = self._change(what, now)
             if recorder is not None:
                 recorder.change(now, what)
         if step is not None:
@@ -200,6 +203,7 @@ def settings_of(record: Record) -> Settings:
     text = record.files.get(rover_record.PARAMETERS)
     if text is None:
         raise RecordError(f"{record.path}: the record must hold the parameter file, got none")
-    options = Options.of(json.loads(record.settings.get("options", "{}")))
-    node = json.loads(record.settings.get("node", "null"))
+    with record.reading("a setting"):
+        options = Options.of(json.loads(record.settings.get("options", "{}")))
+        node = json.loads(record.settings.get("node", "null"))
     return Settings.of_text(text, node=node, path=record.path, options=options)

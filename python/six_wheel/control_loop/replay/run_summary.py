@@ -129,10 +129,15 @@ class Collected:
 
     def read(self, record: Record, message: Message) -> None:
         """Add a message of a record, of a topic in `OUT`."""
-        content = record.parsed(message)
+        with record.reading(f"a message of {message.topic}"):
+            self._add(record.parsed(message), message)
+
+    def _add(self, content: Any, message: Message) -> None:
         if message.topic == rover_record.COMMANDS:
             steered = self._widths[0]
             self.times.append(message.time)
+            if not len(content.position) == len(content.velocity) == sum(self._widths):
+                raise ValueError("it must have a position and a velocity for every joint")
             self.joints.append([*content.position[:steered], *content.velocity[steered:]])
         elif message.topic == rover_record.LIMITED:
             self.twists.append(planar(content.twist))

@@ -3,6 +3,7 @@
 By order and not by time: time may have jumped back. A file that was cut off is read up to there.
 """
 
+import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,6 +12,7 @@ from six_wheel.kinematics.errors import FileError, one_line
 from six_wheel.logs.mcap.writer import FORMAT, SETTINGS, libraries
 
 MAGIC = b"\x89MCAP0\r\n"
+LATEST = 2**63  # [ns], before which all times are
 
 
 class RecordError(FileError):
@@ -40,7 +42,7 @@ class Record:
     count : int
         Messages that there are, or 0 if the file does not say.
     cut_off : bool
-        True if the file ends before its end; known once the messages have been read.
+        True if the file ends too soon, or is damaged from a message on; known once these have been read.
 
     Raises
     ------
@@ -78,13 +80,16 @@ class Record:
         channels: dict[int, tuple[str, str]] = {}
         for record in self._records():
             if isinstance(record, records.Message):
+                if record.channel_id not in channels or max(record.log_time, record.publish_time) >= LATEST:
+                    self.cut_off = True  # what comes from here on is damaged
+                    return
                 topic, kind = channels[record.channel_id]
                 if topics is None or topic in topics:
                     yield Message(topic, kind, record.log_time, record.publish_time, record.data)
             elif isinstance(record, records.Schema):
                 schemas[record.id] = record.name
             elif isinstance(record, records.Channel):
-                channels[record.id] = record.topic, schemas[record.schema_id]
+                channels[record.id] = record.topic, schemas.get(record.schema_id, "")
             elif isinstance(record, records.DataEnd):
                 return
 
@@ -100,11 +105,24 @@ class Record:
         RecordError
             If its bytes are damaged.
         """
-        try:
+        with self.reading(f"a message of {message.topic}"):
             return self._libraries.store.deserialize_cdr(message.data, message.kind)
-        except Exception as error:  # of NumPy, of text and of rosbags, by the place of the damage
-            told = one_line(error)
-            raise RecordError(f"{self.path}: a message of {message.topic} is damaged: {told}") from None
+
+    @contextlib.contextmanager
+    def reading(self, what: str) -> Iterator[None]:
+        """Context in which a part of the record is read: what fails there is damaged.
+
+        Raises
+        ------
+        RecordError
+            With the path, the part and the reason.
+        """
+        try:
+            yield
+        except RecordError:
+            raise
+        except Exception as error:  # of NumPy, JSON, rosbags, missing names, by the place of the damage
+            raise RecordError(f"{self.path}: {what} is damaged: {one_line(error)}") from None
 
     def _records(self) -> Iterator[Any]:
         with self.path.open("rb") as file:
