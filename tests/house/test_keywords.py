@@ -276,3 +276,31 @@ def test_functions_of_inner_packages_suggest_keywords(name: str) -> None:
         call(**{longest[:-1] + "q": 1})
     # By the name of its package, where processes find it again.
     assert pickle.loads(pickle.dumps(call)) is call
+
+
+def python_functions() -> dict[str, Callable[..., Any]]:
+    """The calls written in Python, of the first page, of `FINE` and of inner packages, by their names."""
+    found = {name: call for name, call in CALLS.items() if inspect.isfunction(call)}
+    found |= {name: call for name, (call, _) in FINE.items()}
+    for name in functions_of_rooms():
+        room, _, last = name.rpartition(".")
+        found[name] = getattr(importlib.import_module(f"six_wheel.{room}"), last)
+    return found
+
+
+@pytest.mark.parametrize("name", python_functions())
+def test_arguments_that_are_missing_are_named_as_those_of_the_core(name: str) -> None:
+    """`read_log(path)` said that 1 required positional argument was missing, in words of the interpreter."""
+    call = python_functions()[name]
+    required = [
+        each.name for each in inspect.signature(call).parameters.values() if each.default is each.empty
+    ]
+    required = [each for each in required if each in parameters(call)]
+    plural = "s" * (len(required) > 1)
+    if not required:
+        return
+    with pytest.raises(TypeError, match=rf"\(\) needs the argument{plural} {', '.join(required)}$"):
+        call()
+    if len(required) > 1:
+        with pytest.raises(TypeError, match=rf"\(\) needs the argument {required[-1]}$"):
+            call(**dict.fromkeys(required[:-1]))

@@ -122,6 +122,22 @@ def test_a_log_comes_back_from_its_frame():
     np.testing.assert_allclose(again.truth.poses, log.truth.at(log.stamps), atol=0)
 
 
+def test_a_log_that_came_with_a_rover_has_the_names_of_its_joints(tmp_path):
+    """A simulated log was not found again in its own table: its columns had numbers."""
+    drive = sw.simulate(ROVER, [(0.0, 0.04, 0.0, 0.02), (5.0, 0.04, 0.0, 0.02)], rate=10.0)
+    drive.save(tmp_path / "log.csv")
+    for log in (drive, sw.read_log(tmp_path / "log.csv", ROVER)):
+        for table in (log.to_pandas(), log.to_arrow(), log.to_arrays()):
+            again = sw.WheelLog.from_pandas(table, ROVER)
+            np.testing.assert_array_equal(again.wheel_angles, drive.wheel_angles)
+            np.testing.assert_array_equal(again.steering, drive.steering)
+            assert list(again.to_arrays()) == list(log.to_arrays())
+    bare = sw.WheelLog(drive.stamps, drive.steering, drive.wheel_angles)
+    assert list(bare.to_arrays())[1] == "steering_0"
+    with pytest.raises(TypeError, match="^rover must be a Rover, got 3"):
+        sw.WheelLog(drive.stamps, drive.steering, drive.wheel_angles, rover=3)
+
+
 @pytest.mark.parametrize(
     ("frame", "message"),
     [

@@ -101,6 +101,23 @@ def test_what_has_no_meaning_is_refused():
         pose @ (1.0, 2.0)
 
 
+def test_a_pose_is_not_added_to_a_twist():
+    """``pose + twist`` was refused, ``twist + pose`` was a twist."""
+    for call in (lambda: sw.Twist(1.0) + sw.Pose(1, 2, 3), lambda: sw.Twist(1.0) - sw.Pose(1, 2, 3)):
+        with pytest.raises(TypeError, match="^poses do not add or scale: pose @ other composes"):
+            call()
+
+
+def test_numbers_that_are_none_are_refused_by_their_names():
+    for wrong in (math.nan, math.inf):
+        with pytest.raises(ValueError, match=f"^yaw must be finite, got {wrong}$"):
+            sw.Twist(1.0).to_body(wrong)
+        with pytest.raises(ValueError, match=f"^share must be finite, got {wrong}$"):
+            sw.Pose(1, 2, 3).interpolate((0, 0, 0), wrong)
+        with pytest.raises(ValueError, match=f"^share must be finite, got {wrong}$"):
+            sw.se2.interpolate((1, 2, 3), (0, 0, 0), [0.0, wrong])
+
+
 def test_wheel_speeds_are_slowed_down_together():
     rover = sw.Rover.preset("perseverance")
     steering, speeds = rover.inverse([(0.5, 0.0, 0.1), (0.01, 0.0, 0.0)])

@@ -311,5 +311,5 @@ def test_paths_against_the_truth_and_what_a_calibration_leaves():
 
 
 def test_a_picture_of_nothing_is_named_as_it_was_called():
-    with pytest.raises(TypeError, match=r"^plot\(\) missing 1 required positional argument: 'result'"):
+    with pytest.raises(TypeError, match=r"^sw\.plot\(\) needs the argument result$"):
         plot()

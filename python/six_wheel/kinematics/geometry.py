@@ -50,8 +50,11 @@ class Twist(NamedTuple):
     def to_body(self, yaw: float) -> Self:
         """A twist with `vx` and `vy` along axes of the world, in body axes of a rover with this yaw [rad].
 
-        Field-relative driving: ``rover.inverse(stick.to_body(odometry.state.yaw))``.
+        Field-relative driving: ``rover.inverse(stick.to_body(odometry.state.yaw))``. Raises
+        ValueError if `yaw` is not finite.
         """
+        if not math.isfinite(yaw):
+            raise ValueError(f"yaw must be finite, got {yaw}")
         sin, cos = math.sin(yaw), math.cos(yaw)
         return type(self)._make((cos * self.vx + sin * self.vy, cos * self.vy - sin * self.vx, self.omega))
 
@@ -80,16 +83,16 @@ class Twist(NamedTuple):
         return type(self)._make(log([self.vx * dt, self.vy * dt, self.omega * dt], dt).tolist())
 
     def __add__(self, other: Sequence[float]) -> Self:  # type: ignore[override]
-        return type(self)._make(a + b for a, b in zip(self, _three("+", other), strict=True))
+        return type(self)._make(a + b for a, b in zip(self, _twist("+", other), strict=True))
 
     def __radd__(self, other: Sequence[float]) -> Self:
         return self + other
 
     def __sub__(self, other: Sequence[float]) -> Self:
-        return type(self)._make(a - b for a, b in zip(self, _three("-", other), strict=True))
+        return type(self)._make(a - b for a, b in zip(self, _twist("-", other), strict=True))
 
     def __rsub__(self, other: Sequence[float]) -> Self:
-        return type(self)._make(b - a for a, b in zip(self, _three("-", other), strict=True))
+        return type(self)._make(b - a for a, b in zip(self, _twist("-", other), strict=True))
 
     def __mul__(self, factor: float) -> Self:  # type: ignore[override]
         if not is_number(factor):
@@ -217,6 +220,13 @@ class Pose(NamedTuple):
 def _refuse() -> NoReturn:
     rule = "pose @ other composes, as se2.compose does, pose.inverse() is the way back"
     raise TypeError(f"poses do not add or scale: {rule}")
+
+
+def _twist(operator: str, value: object) -> tuple[float, float, float]:
+    """Three numbers beside an operator of twists, which are not those of a pose."""
+    if isinstance(value, Pose):
+        _refuse()
+    return _three(operator, value)
 
 
 def _three(operator: str, value: object) -> tuple[float, float, float]:

@@ -93,6 +93,22 @@ def _too_many(call: str, placed: Collection[str], by_name: Collection[str], got:
     return f"{call}() takes {count} without names{listed}, got {got}{rest}"
 
 
+def _absent(
+    signature: inspect.Signature, arguments: tuple[Any, ...], keywords: Mapping[str, Any]
+) -> list[str]:
+    """The parameters without a default that a call has not given."""
+    kinds = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+    without = signature.parameters.values()
+    required = [each.name for each in without if each.default is each.empty and each.kind not in kinds]
+    placed = list(signature.parameters)[: len(arguments)]
+    return [name for name in required if name not in placed and name not in keywords]
+
+
+def _needs(call: str, absent: Collection[str]) -> str:
+    """The message for arguments that are missing, in the words of the core."""
+    return f"{call}() needs the argument{'s' * (len(absent) > 1)} {', '.join(absent)}"
+
+
 def unknown_of(method: Callable[..., Any], given: Iterable[str]) -> str | None:
     """The message for the first keyword that a method of the core does not have; None if it has them all."""
     names = [name for name in inspect.signature(method).parameters if name != "self"]
@@ -143,6 +159,8 @@ def checked(*others: Callable[..., Any], call: str = "") -> Callable[[_F], _F]:
             try:
                 return function(*arguments, **keywords)
             except (AttributeError, TypeError, ValueError) as error:
+                if absent := _absent(signatures[function], arguments, keywords):
+                    raise TypeError(_needs(name, absent)) from None
                 if (message := _mistyped(signatures, arguments, keywords, error)) is None:
                     raise
                 raise ArgumentTypeError(message) from error

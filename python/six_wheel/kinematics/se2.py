@@ -102,13 +102,15 @@ def interpolate(first: ArrayLike, second: ArrayLike, share: ArrayLike) -> Floats
     Raises
     ------
     ValueError
-        If a shape does not fit.
+        If a shape does not fit, or a share is not finite.
     """
     import numpy as np
 
     from six_wheel.kinematics import poses
 
     start, shares = _rows("first", first), np.asarray(share, dtype=np.float64)
+    if not np.isfinite(shares).all():
+        raise ValueError(f"share must be finite, got {shares[~np.isfinite(shares)][0]}")
     step = log(poses.between(start, _rows("second", second)))
     return poses.joined(start, exp(shares[..., None] * step))
 

@@ -281,7 +281,8 @@ def read_log(
     gains, scale = corrections(rover, options.wheel_keys)
     steering = None if whole.steering is None else whole.steering * gains
     known = None if whole.truth is None else options.of_body(whole.truth)
-    return replace(whole, steering=steering, wheel_angles=whole.wheel_angles * scale, truth=known), log
+    angles = whole.wheel_angles * scale
+    return replace(whole, steering=steering, wheel_angles=angles, truth=known, rover=rover), log
 
 
 class WholeLog(Closing):

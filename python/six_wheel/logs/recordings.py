@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from six_wheel._core import Rover, wrap_angle
+from six_wheel._core import Rover, check_kind, wrap_angle
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.tables import (
@@ -188,14 +188,14 @@ class WheelLog(Tabular):
         Options of `Odometry` for a log that is not in radians: `readings`, `increments`,
         `wheel_encoders`, `steering_encoders`. `dead_reckon` and `calibrate` mind them.
     plausibility : bool
-        True if `dead_reckon` and `calibrate` refuse readings that no rover has; False for those that were
-        checked when they were read.
+        True if `dead_reckon` and `calibrate` refuse readings that no rover has; False if they were checked.
+    rover : Rover, optional
+        Whose joints name the columns of tables; that of `read_log` and `simulate`.
 
     Raises
     ------
     ValueError
-        If the shapes do not fit each other, a stamp is not finite or before the one above it, or an option is
-        none of these.
+        If shapes do not fit, a stamp is not finite or before the one above it, or an option is none of these.
     """
 
     stamps: Floats | Any  # an array, made of what is given
@@ -208,6 +208,7 @@ class WheelLog(Tabular):
     yaw: Floats | Any = None
     options: Mapping[str, Any] = field(default_factory=dict)
     plausibility: bool = field(default=True, repr=False)
+    rover: Rover | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         stamps = _numbers("stamps", self.stamps)
@@ -218,10 +219,10 @@ class WheelLog(Tabular):
         if angles.ndim != 2 or len(angles) != len(stamps):
             raise ValueError(f"wheel_angles must have shape ({len(stamps)}, wheels), got {angles.shape}")
         steering = None if self.steering is None else _numbers("steering", self.steering)
-        if steering is not None and (steering.ndim != 2 or len(steering) != len(stamps)):
-            raise ValueError(
-                f"steering must have shape ({len(stamps)}, steered wheels), got {steering.shape}"
-            )
+        rows = len(stamps)
+        if steering is not None and (steering.ndim != 2 or len(steering) != rows):
+            raise ValueError(f"steering must have shape ({rows}, steered wheels), got {steering.shape}")
+        check_kind("rover", self.rover) if self.rover is not None else None
         truth = self.truth
         if truth is not None and not isinstance(truth, GroundTruth):
             truth = GroundTruth(stamps, truth)
@@ -253,8 +254,7 @@ class WheelLog(Tabular):
         steps = np.asarray(increments, dtype=np.float64)
         for number, column in enumerate(steps.T if steps.ndim == 2 else ()):
             check_increments(column, Column(f"increments of wheel {number}", ""), 0)
-        angles = np.cumsum(steps, axis=0)
-        return cls(stamps, steering, angles, truth, name, session)
+        return cls(stamps, steering, np.cumsum(steps, axis=0), truth, name, session)
 
     @classmethod
     def from_pandas(cls, frame: Any, rover: Rover, *, name: str = "", **options: Any) -> Self:
@@ -286,11 +286,12 @@ class WheelLog(Tabular):
             known = np.isfinite(places).all(axis=1)
             truth = GroundTruth(log.stamps[known], places[known])
         rate = rows_of(frame, ("yaw_rate",))[:, 0] if "yaw_rate" in headers else None
-        return cls(log.stamps, log.steering, log.wheels, truth, name, yaw_rate=rate, options=options)
+        named: dict[str, Any] = {"name": name, "yaw_rate": rate, "options": options, "rover": rover}
+        return cls(log.stamps, log.steering, log.wheels, truth, **named)
 
     def _columns(self, rover: Rover | None = None) -> Columns:
-        """Columns by the joints of a rover; without one by number, ``steering_0``, ``wheel_0`` and so on."""
-        columns: Columns = {"time": ("s", self.stamps)}
+        """Columns by the joints of a rover, by default its own; without by number, as ``steering_0``."""
+        rover, columns = self.rover if rover is None else rover, {"time": ("s", self.stamps)}
         unit = "ticks" if {"wheel_encoders", "steering_encoders"} & set(self.options) else "rad"
         if self.steering is not None:
             columns |= joint_columns(rover, "steering", self.steering, unit)
@@ -315,9 +316,8 @@ class WheelLog(Tabular):
         if not (known := self.options):
             return self
         wheels = encoder_of_each("wheel_encoders", known.get("wheel_encoders"), rover.wheel_names)
-        joints = encoder_of_each(
-            "steering_encoders", known.get("steering_encoders"), rover.steered_wheel_names
-        )
+        steered = rover.steered_wheel_names
+        joints = encoder_of_each("steering_encoders", known.get("steering_encoders"), steered)
         readings = known.get("readings", "angles")
         if readings not in ("angles", "speeds", "ticks"):
             raise ValueError(f"readings must be 'angles', 'speeds' or 'ticks', got {readings!r}")

@@ -17,6 +17,7 @@ try:
 except ImportError as missing:
     raise ImportError('pictures need matplotlib: pip install "six-wheel[plot]"') from missing
 
+from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
@@ -91,6 +92,7 @@ __getattr__, __dir__ = attach(
 class _Pictures(ModuleType):
     """This package, which can be called: ``six_wheel.plot(track)`` is ``six_wheel.plot.figure(track)``."""
 
+    @checked(call="sw.plot")
     def __call__(self, result: Any, **options: Any) -> "Figure":
         from six_wheel.plotting.results import figure
 
@@ -98,5 +100,4 @@ class _Pictures(ModuleType):
 
 
 plot: _Pictures = cast(_Pictures, sys.modules[__name__])  # `six_wheel.plot`
-_Pictures.__call__.__qualname__ = "plot"  # as messages about its arguments call it
 sys.modules[__name__].__class__ = _Pictures

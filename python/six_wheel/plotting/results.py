@@ -18,6 +18,7 @@ from six_wheel.logs.recordings import GroundTruth, Reference
 HINTS = {
     "ndarray": "; poses are drawn by six_wheel.plotting.path_figure(rover, poses, steering)",
     "DataFrame": "; Track.from_pandas and WheelLog.from_pandas read a table",
+    "type": "; give an object of the class",
     "str": "; read the file first: six_wheel.load, six_wheel.logs.read_log, Terrain.read, Costmap.read",
     "PurePath": "; read the file first: six_wheel.load, six_wheel.logs.read_log, Terrain.read, Costmap.read",
 }
@@ -49,7 +50,7 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
     Raises
     ------
     TypeError
-        If there is no picture of such a thing, or no such option; the message lists those there are.
+        If there is no picture of such a thing, or no such option; the message lists the options there are.
     """
     if type(result) is tuple:
         result = list(result)
@@ -63,9 +64,9 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
                     raise TypeError(unknown_keyword("sw.plot", name, ["title", *known]))
             made: Figure = checked(call="sw.plot")(draw)(result, title=title, **options)
             return made
-    drawn = ", ".join(sorted(PICTURES))
+    rule = "a Rover, Track, Terrain or another result that help(six_wheel.plot.figure) names"
     hint = next((words for name, words in HINTS.items() if name in map(_name, type(result).__mro__)), "")
-    raise TypeError(f"result must be one of {drawn}, got {type(result).__name__}{hint}")
+    raise TypeError(f"result must be {rule}, got {type(result).__name__}{hint}")
 
 
 def _name(kind: type) -> str:

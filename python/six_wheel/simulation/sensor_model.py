@@ -54,6 +54,7 @@ class Sensors:
             "wheel_angles": wheels,
             "yaw_rate": self._rates(motion.yaw_rate, dt, random),
             "options": {key: value for key, value in encoders.items() if value is not None},
+            "rover": rover,
         }
 
     def _rates(self, rates: Floats, dt: Floats, random: np.random.Generator) -> Floats | None:
