@@ -7,10 +7,10 @@ from six_wheel._core import Rover
 from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
 from six_wheel.kinematics.poses import Floats
-from six_wheel.kinematics.rover_edit import reading_joints
 from six_wheel.logs.joint_totals import JointRows
 from six_wheel.logs.mcap import RoverRecord
 from six_wheel.logs.mcap.writer import record_stamps
+from six_wheel.robot_description.joints_of_wheels import reading_joints
 
 
 class TrackRecord(Closing):

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.mcap import frames
+from six_wheel.robot_description.joints_of_wheels import joints_as_given
 
 STATES = "joint_commands"
 STEERING_GROUP = "forward_position_controller/commands"

@@ -18,7 +18,6 @@ from six_wheel._core import Odometry, Rover
 from six_wheel.kinematics.errors import ArgumentTypeError, needed, one_line
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
-from six_wheel.kinematics.rover_edit import joints_by_wheel
 from six_wheel.logs.columnar import ColumnarFile
 from six_wheel.logs.frames.table_headers import STAMPS, Meaning, Sensors, meaning_of, names
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
@@ -29,6 +28,7 @@ from six_wheel.logs.headers.time_columns import in_seconds
 from six_wheel.logs.plausibility.arrays import FEW, array_checks
 from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.proposals import encoders
+from six_wheel.robot_description.joints_of_wheels import joints_by_wheel
 from six_wheel.robot_description.missing_files import no_file
 
 LONGEST_RUN = 1e6  # [s] beyond which stamps count from the first

@@ -16,7 +16,7 @@ import yaml
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.poses import Floats
-from six_wheel.kinematics.rover_edit import joints_as_given
+from six_wheel.robot_description.joints_of_wheels import joints_as_given
 from six_wheel.robot_description.parameters import file as config
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import form_of, section_of

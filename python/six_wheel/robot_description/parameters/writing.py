@@ -5,9 +5,10 @@ from typing import Any
 
 from six_wheel._core import Limits, Rover, Wheel
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.rover_edit import joints_as_given, limits_given
+from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.joint_names import wheel_said_by
+from six_wheel.robot_description.joints_of_wheels import joints_as_given
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.file import parse_parameters
 from six_wheel.robot_description.parameters.key_types import NONE_WORDS, Values

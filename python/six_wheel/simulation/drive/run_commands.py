@@ -12,10 +12,10 @@ from six_wheel._core import Rover, integrate
 from six_wheel.kinematics.errors import InfeasibleMotionError
 from six_wheel.kinematics.objects.notebooks import Shown
 from six_wheel.kinematics.poses import Floats
-from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.frames.thinning import Trace
 from six_wheel.logs.headers.columns import Unit
 from six_wheel.logs.tables import Chunk, RowError
+from six_wheel.robot_description.joints_of_wheels import joints_as_given
 
 KEEP = ("curvature", "speed", "yaw_rate", "nearest")
 

@@ -12,10 +12,10 @@ from six_wheel.control_loop.replay.rerun import settings_of
 from six_wheel.control_loop.replay.run_summary import OUT, Collected
 from six_wheel.kinematics.controller import Reason
 from six_wheel.kinematics.poses import Floats
-from six_wheel.kinematics.rover_edit import joints_as_given
 from six_wheel.logs.mcap import Record as Bag
 from six_wheel.logs.mcap import RecordError, rover_record
 from six_wheel.logs.recordings import GroundTruth
+from six_wheel.robot_description.joints_of_wheels import joints_as_given
 from six_wheel.view.records.record import Record
 
 
