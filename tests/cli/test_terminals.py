@@ -151,9 +151,12 @@ def test_streams_that_are_closed(run: Any, closed: str, arguments: list[str]) ->
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no full device here")
 @pytest.mark.parametrize("arguments", [["--help"], ["check", "perseverance"]])
-def test_the_standard_output_is_on_a_full_disk(arguments: list[str]) -> None:
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_the_standard_output_is_on_a_full_disk(arguments: list[str], unbuffered: str) -> None:
+    """With a buffer `check` once said it twice."""
+    variables = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
     with open("/dev/full", "wb") as full:
-        done = child(["-m", "six_wheel", *arguments], stdout=full, stderr=subprocess.PIPE)
+        done = child(["-m", "six_wheel", *arguments], stdout=full, stderr=subprocess.PIPE, env=variables)
     assert done.returncode == 2
     assert done.stderr.count(b"\n") == 1
     assert done.stderr.endswith(b"No space left on device\n")

@@ -121,6 +121,8 @@ def run(arguments: Sequence[str]) -> int:
     except BrokenPipeError:
         raise
     except Exception as error:
+        if isinstance(error, OSError):
+            sys.stdout.flush()  # fails where it is the standard output that cannot be written: `main` says so
         message = _explain(error)
         if message is None:
             raise

@@ -171,6 +171,8 @@ def test_a_range_without_straight_ahead_is_kept(axis: str, kept: tuple[float, fl
     ("limit", "says"),
     [
         ('lower="-inf" upper="0.5"', ":3: the range of s must have two ends or none, got -inf to 0.5 rad"),
+        # Once read as a wheel that goes straight on.
+        ('lower="0.2" upper="0.2"', ":3: s, above a wheel, must have a range or none, got 0.2 rad alone"),
         ('lower="0" upper="0.5" velocity="-1"', ":3: velocity of s must be positive, got -1 rad/s"),
     ],
 )  # fmt: skip

@@ -18,7 +18,7 @@ import numpy as np
 from six_wheel.kinematics.poses import Floats
 from six_wheel.robot_description.urdf.elements import Notes, number
 from six_wheel.robot_description.urdf.shapes import Radius
-from six_wheel.robot_description.urdf.tree import Joint, Tree
+from six_wheel.robot_description.urdf.tree import TURNING, Joint, Tree
 
 LEVEL = 0.5  # largest upward part of a horizontal axis, 30 degrees: a wheel may have camber
 UPRIGHT = 0.7  # least upward part of an upright one, 45 degrees
@@ -164,6 +164,11 @@ def _by_geometry(
 def _steering(tree: Tree, joint: Joint, holds: Mapping[str, int], notes: Notes) -> Joint | None:
     """The lowest upright hinge above a wheel that holds no other wheel."""
     for above in reversed(tree.chain(joint)[:-1]):
+        lower, upper = above.limits or (0.0, 0.0)
+        if above.type in TURNING and lower == upper != 0.0:
+            message = f"{above.name}, above a wheel, must have a range or none, got {lower:g} rad alone"
+            remedy = "make it fixed, with the angle in its origin"
+            notes.fail(message, remedy, line=above.line, key=above.name)
         if not above.turns or abs(tree.axis(above)[2]) < UPRIGHT:
             continue
         if holds[above.name] == 1:
