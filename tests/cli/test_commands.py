@@ -6,8 +6,10 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 
 from six_wheel import __main__, __version__
 from six_wheel.cli import app as cli
@@ -92,10 +94,27 @@ def test_other_missing_packages_name_the_install_line(
         (["drive", "rover.yaml", "commands.csv", "--chunk-rows", "0"], "chunk_rows must be positive, got 0"),
         (["show", "rover.yaml", "--twist", "1", "2"], "--twist"),
         (["show", "rover.yaml", "--twist", "1", "2", "fast"], "--twist"),
+        (["node", "rover.yaml", "a:=1"], "arguments of ROS must follow --ros-args, got a:=1"),
+        (
+            ["node", "-p", "a:=1"],
+            "No such option: -p; arguments of ROS must follow --ros-args; see six-wheel",
+        ),
     ],
 )
 def test_wrong_usage_is_one_line(refused: Callable[..., str], arguments: list[str], words: str) -> None:
     assert words in refused(*arguments)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_misspelt_option_is_told_with_the_nearest(refused: Callable[..., str], command: str) -> None:
+    """A node took a misspelt option for its ROVER."""
+    group: Any = typer.main.get_command(cli.app)
+    for parameter in group.commands[command].params:
+        option = parameter.opts[-1]
+        if option.startswith("--") and len(option) > 5:
+            words = refused(command, f"{option[:-1]}q", "1")
+            assert f"No such option: {option[:-1]}q (Possible options: " in words
+            assert option in words
 
 
 # --- check -----------------------------------------------------------------------------------------------

@@ -68,7 +68,6 @@ ORDER = (
 )
 for command in ORDER:
     app.command(help=COMMANDS[command.__name__])(with_options(command))
-# Arguments after --ros-args are for ROS to read.
 app.command("node", help=COMMANDS["node"], context_settings=PASSING)(with_options(node))
 app.command("filter", help=COMMANDS["filter"], context_settings=PASSING)(with_options(command_filter))
 
@@ -92,6 +91,14 @@ def with_pictures(arguments: Sequence[str]) -> list[str]:
     return given
 
 
+def before_ros(arguments: Sequence[str]) -> list[str]:
+    """The arguments, of a node with ``--`` before ``--ros-args``: from there on they are for ROS to read."""
+    given = list(arguments)
+    if given and given[0] in ("node", "filter") and "--ros-args" in given and "--" not in given:
+        given.insert(given.index("--ros-args"), "--")
+    return given
+
+
 def run(arguments: Sequence[str]) -> int:
     """Run a command; whatever is wrong with its input becomes one line on stderr. Returns the exit code.
 
@@ -110,7 +117,7 @@ def run(arguments: Sequence[str]) -> int:
             return 0
         if "" in arguments or any(re.fullmatch(r"--[a-z-]+=", argument) for argument in arguments):
             raise ValueError("an argument must not be empty, got one that is")
-        arguments = with_pictures(arguments)
+        arguments = before_ros(with_pictures(arguments))
         with ended_by_signals():
             # The core would load NumPy by itself, and panic at a Ctrl-C meanwhile: here it is one.
             import numpy  # noqa: F401
@@ -150,6 +157,8 @@ def _explain(error: Exception) -> str | None:
     if hasattr(error, "format_message"):  # typer's own, whichever class it has in this version
         context = getattr(error, "ctx", None)
         usage = f"; see {context.command_path} --help" if context else ""
+        if context and context.allow_extra_args:  # of a node
+            usage = f"; arguments of ROS must follow --ros-args{usage}"
         return (_odd_value(error) or str(error.format_message()).rstrip(".")) + usage
     if isinstance(error, ModuleNotFoundError) and (error.name or "").split(".")[0] in EXTRA_MODULES:
         return f"this needs {error.name}, which is not installed: {INSTALL}"

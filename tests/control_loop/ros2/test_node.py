@@ -330,7 +330,10 @@ def test_a_killed_node_leaves_a_record(start, peer, rover_file, tmp_path):
 
 def test_wrong_arguments_are_one_line(start, rover_file, tmp_path):
     for arguments, word in (
-        (["node", str(rover_file), "-p", "a:=1"], "arguments of ROS must follow --ros-args, got -p"),
+        (
+            ["node", str(rover_file), "-p", "a:=1"],
+            "No such option: -p; arguments of ROS must follow --ros-args",
+        ),
         (["node", str(rover_file), "--ros-args", "-p", "nonsense"], "ROS arguments cannot be used"),
         (["node", str(rover_file), "--ros-args", "-p", "limits.speed:=fast"], "limits.speed"),
         (["node", str(rover_file), "--ros-args", "-p", "d1:=-1.0"], "d1 must be finite and positive, got -1"),

@@ -31,7 +31,7 @@ OptionalRover = Annotated[
         "robot_description says it, or the topic robot_description. --ros-args and what follows is for ROS.",
     ),
 ]
-PASSING = {"allow_extra_args": True, "ignore_unknown_options": True}
+PASSING = {"allow_extra_args": True}  # those after --ros-args
 
 
 def node(
