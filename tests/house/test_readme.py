@@ -33,3 +33,13 @@ def test_what_it_links_to_is_there():
     assert links
     for link in links:
         assert (ROOT / link).exists(), link
+
+
+def test_figures_are_those_of_the_page_they_link_to():
+    """A goal that is missed is marked as missed in both."""
+    page = (ROOT / "docs/explanation/performance.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| .* \| ([\d.]+) ns \| ([\d.,]+) ns(, missed)? \|$", README, re.MULTILINE)
+    assert len(rows) == 5
+    for time, goal, missed in rows:
+        stated = f"{goal} (missed)" if missed else goal
+        assert re.search(rf"^\|.* {time}[ ,].*\| {re.escape(stated)} \|", page, re.MULTILINE), (time, stated)
