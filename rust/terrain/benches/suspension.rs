@@ -1,4 +1,4 @@
-//! Times of the rocker-bogie chain, one posture and batch, without Python.
+//! Times of the rocker-bogie chain, one row and batch, without Python.
 
 use std::hint::black_box;
 
@@ -10,19 +10,22 @@ use six_wheel_terrain::suspension::{FRAMES, WHEELS, frames, jacobians};
 
 const ROWS: usize = 10_000;
 
-fn one_posture(criterion: &mut Criterion) {
+fn one_row(criterion: &mut Criterion) {
     let Ok(rover) = RockerBogie::rocky7() else {
         return;
     };
     let joints = [0.1, 0.2, -0.1, 0.3, -0.3];
-    criterion.bench_function("posture", |bencher| {
-        bencher.iter(|| rover.posture(black_box(&joints)).map(|p| *p.wheel(5)));
+    criterion.bench_function("place", |bencher| {
+        bencher.iter(|| rover.place(black_box(&joints)).map(|placed| placed.wheel(5)));
     });
-    let Ok(posture) = rover.posture(&joints) else {
+    let Ok(placed) = rover.place(&joints) else {
         return;
     };
-    criterion.bench_function("jacobians of six wheels", |bencher| {
-        bencher.iter(|| [0, 1, 2, 3, 4, 5].map(|wheel| black_box(&posture).jacobian(wheel)));
+    criterion.bench_function("slopes of six wheels", |bencher| {
+        bencher.iter(|| {
+            let placed = black_box(&placed);
+            [0, 1, 2, 3, 4, 5].map(|wheel| placed.point_slopes(wheel, placed.wheel(wheel).centre))
+        });
     });
     criterion.bench_function("steer", |bencher| {
         bencher.iter(|| rover.steer(black_box(0.1), 0.05, 0.1, [0.2, -0.1], Inputs::default()));
@@ -51,6 +54,6 @@ fn batches(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(30);
-    targets = one_posture, batches
+    targets = one_row, batches
 }
 criterion_main!(benches);

@@ -1,10 +1,9 @@
 //! Rocker-bogie suspension: where three passive joints put six wheels.
 //!
 //! A differential couples the rockers, so one angle `rho` turns the left one and `-rho` the right one; each
-//! carries a wheel and a bogie, which turns by `beta` and carries two. The chain is a Denavit-Hartenberg table
-//! ([`Link`]), composed in one loop; joint angles count about +y, so nose-down is positive. What the wheels
-//! then do is for the wheel equation of [`Rover`] to say. In the world, on the ground, it is one of the
-//! vehicles of [`Chain`], which are data.
+//! carries a wheel and a bogie, which turns by `beta` and carries two. It is one of the vehicles of [`Chain`], which are
+//! data; the papers give it as a Denavit-Hartenberg table ([`Link`]). Joint angles count about +y, so nose-down is
+//! positive. The wheel equation of [`Rover`] gives the motion of its wheels seen from above.
 //!
 //! (M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover, ICRA 1999.)
 
@@ -31,7 +30,7 @@ pub use chain::{
 pub use dimensions::{Bogie, Differential, Dimensions, JointRange, Steered};
 pub use placed::{Placed, PointSlopes, WheelFrame};
 use table::FIRST_PSI;
-pub use table::{FRAMES, Link, MAX_JOINTS, Posture, Turn};
+pub use table::{FRAMES, Frame, Link, MAX_JOINTS, Turn};
 
 pub use vehicles::TripleBogie;
 
@@ -224,31 +223,38 @@ impl RockerBogie {
         FIRST_PSI + self.dimensions.steered.wheels().len()
     }
 
-    /// Poses of all frames at these joint angles [rad]. Fails unless there is a finite angle for every joint.
-    pub fn posture(&self, joints: &[f64]) -> Result<Posture<'_>, Error> {
+    /// The chain at these joint angles [rad], its body at the origin. Fails unless there is a finite angle for every joint, and
+    /// one of the left rocker at which the differential reaches the right one.
+    pub fn place(&self, joints: &[f64]) -> Result<Placed<'_>, Error> {
         if joints.len() != self.joint_count() {
             let rule = format!("hold {} angles", self.joint_count());
             return Err(Error::value("joints", rule, joints.len().to_string()));
         }
-        let (suspension, psi) = joints.split_at(FIRST_PSI);
+        let (suspension, steering) = joints.split_at(FIRST_PSI);
         finite("joints", suspension)?;
-        finite("steering", psi)?;
-        let right = self.dimensions.differential.right(suspension[0]);
-        let right = right.ok_or_else(|| {
+        finite("steering", steering)?;
+        let mut state = [0.0; MAX_STATE];
+        state[3..].copy_from_slice(suspension);
+        self.chain.place([0.0; 3].into(), &state, steering).ok_or_else(|| {
             let rule = "be within reach of the differential bar";
             Error::value("joints", rule, number(suspension[0]))
-        })?;
-        Ok(Posture::new(&self.links, joints, right))
+        })
+    }
+
+    /// All frames of the table at these joint angles [rad], in its order. Fails as [`Self::place`].
+    pub fn frames(&self, joints: &[f64]) -> Result<[Frame; FRAMES], Error> {
+        let placed = self.place(joints)?;
+        Ok(table::frames(&self.links, &self.chain, &placed))
     }
 
     /// The rover seen from above: its wheels where the suspension puts their centres.
     pub fn planar(&self, rho: f64, beta: [f64; 2]) -> Result<Rover, Error> {
         let mut joints = [0.0; MAX_JOINTS];
         joints[..FIRST_PSI].copy_from_slice(&[rho, beta[0], beta[1]]);
-        let posture = self.posture(&joints[..self.joint_count()])?;
+        let placed = self.place(&joints[..self.joint_count()])?;
         let Dimensions { wheel_radius, steered, steering, .. } = self.dimensions;
         let wheel = |(i, name): (usize, &&str)| {
-            let centre = posture.wheel_centre(i);
+            let centre = placed.wheel(i).centre;
             let wheel = Wheel::new(*name, centre.x, centre.y, wheel_radius);
             if steered.wheels().contains(&i) { wheel.steered(steering) } else { wheel }
         };
@@ -289,38 +295,39 @@ impl RockerBogie {
     }
 }
 
-/// The homogeneous transforms of [`Posture::frames`] for every row of joint angles: frame after frame, in
+/// The homogeneous transforms of [`RockerBogie::frames`] for every row of joint angles: frame after frame, in
 /// each row after row, row-major.
 pub fn frames(rover: &RockerBogie, joints: &[f64], transforms: &mut [f64], workers: Workers) -> Result<(), Error> {
     let width = rover.joint_count();
     let count = joints.len() / width;
     let blocks = blocks::<FRAMES>(transforms, count, 16);
     workers.rows(count, blocks, |row, matrices| {
-        let posture = rover.posture(&joints[row * width..][..width]);
-        let posture = posture.map_err(|error| error.at_row(row))?;
-        for (matrix, frame) in matrices.into_iter().zip(posture.frames()) {
-            let transform = frame.to_homogeneous();
-            for (i, value) in matrix.iter_mut().enumerate() {
-                *value = transform[(i / 4, i % 4)];
+        let frames = rover.frames(&joints[row * width..][..width]).map_err(|error| error.at_row(row))?;
+        for (matrix, (rotation, origin)) in matrices.into_iter().zip(frames) {
+            for (i, row) in matrix.chunks_exact_mut(4).enumerate() {
+                row.copy_from_slice(&match i {
+                    3 => [0.0, 0.0, 0.0, 1.0],
+                    _ => [rotation[(i, 0)], rotation[(i, 1)], rotation[(i, 2)], origin[i]],
+                });
             }
         }
         Ok(())
     })
 }
 
-/// [`Posture::jacobian`] for every row of joint angles: wheel after wheel, in each row after row, each three
-/// rows of joints.
+/// Derivatives of the wheels' centres by the joint angles [m/rad] for every row of them: wheel after wheel, in each row after
+/// row, each three rows of joints. Steering turns a wheel about its centre.
 pub fn jacobians(rover: &RockerBogie, joints: &[f64], derivatives: &mut [f64], workers: Workers) -> Result<(), Error> {
     let width = rover.joint_count();
     let count = joints.len() / width;
     let blocks = blocks::<{ WHEELS.len() }>(derivatives, count, 3 * width);
     workers.rows(count, blocks, |row, matrices| {
-        let posture = rover.posture(&joints[row * width..][..width]);
-        let posture = posture.map_err(|error| error.at_row(row))?;
+        let placed = rover.place(&joints[row * width..][..width]).map_err(|error| error.at_row(row))?;
         for (wheel, matrix) in matrices.into_iter().enumerate() {
-            let columns = posture.jacobian(wheel);
-            for (i, value) in matrix.iter_mut().enumerate() {
-                *value = columns[i % width][i / width];
+            let slopes = placed.point_slopes(wheel, placed.wheel(wheel).centre);
+            matrix.fill(0.0);
+            for (joint, slope) in slopes[6..].iter().enumerate() {
+                (0..3).for_each(|k| matrix[k * width + joint] = slope[k]);
             }
         }
         Ok(())

@@ -1,8 +1,11 @@
-//! The chain of frames: the Denavit-Hartenberg table that dimensions make, and where joint angles put it.
+//! The Denavit-Hartenberg table that dimensions make, and the frames of its rows.
 
-use nalgebra::{IsometryMatrix3, Matrix3, Point3, Rotation3, Translation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
+use super::WHEELS;
+use super::chain::Chain;
 use super::dimensions::Dimensions;
+use super::placed::{Placed, WheelFrame};
 use six_wheel_kinematics::geometry::Direction;
 
 /// Number of frames of the chain.
@@ -56,34 +59,6 @@ pub struct Link {
     pub alpha: Direction,
 }
 
-impl Link {
-    /// `parent_from_frame` at these joint angles and this one of the right rocker.
-    fn parent_from_frame(&self, joints: &[f64], right: f64) -> IsometryMatrix3<f64> {
-        let turned = match self.joint {
-            None => 0.0,
-            MINUS_RHO => right,
-            Some((joint, _)) => joints[joint],
-        };
-        let gamma = Direction::from(self.gamma + turned);
-        let (alpha, a) = (self.alpha, self.a);
-        let rotation = Matrix3::new(
-            gamma.cos,
-            -gamma.sin * alpha.cos,
-            gamma.sin * alpha.sin,
-            gamma.sin,
-            gamma.cos * alpha.cos,
-            -gamma.cos * alpha.sin,
-            0.0,
-            alpha.sin,
-            alpha.cos,
-        );
-        IsometryMatrix3::from_parts(
-            Translation3::new(a * gamma.cos, a * gamma.sin, self.d),
-            Rotation3::from_matrix_unchecked(rotation),
-        )
-    }
-}
-
 impl Dimensions {
     /// The chain. Comments give the symbols of Tarokh et al. for Rocky 7.
     pub(super) fn links(&self) -> [Link; FRAMES] {
@@ -119,100 +94,67 @@ impl Dimensions {
     }
 }
 
-/// Poses of all frames at some joint angles.
-#[derive(Clone, Debug)]
-pub struct Posture<'a> {
-    links: &'a [Link; FRAMES],
-    frames: [IsometryMatrix3<f64>; FRAMES],
-    /// Derivative of the right rocker's angle by rho.
-    right: f64,
-}
+/// `rover_from_frame`: rotation, and origin [m].
+pub type Frame = (Matrix3<f64>, Vector3<f64>);
 
-impl<'a> Posture<'a> {
-    /// Composes the chain at finite joint angles and this one of the right rocker, with its derivative by rho.
-    pub(super) fn new(links: &'a [Link; FRAMES], joints: &[f64], right: [f64; 2]) -> Self {
-        let mut frames = [IsometryMatrix3::identity(); FRAMES];
-        for (k, link) in links.iter().enumerate() {
-            let local = link.parent_from_frame(joints, right[0]);
-            frames[k] = link.parent.map_or(local, |parent| frames[parent] * local);
-        }
-        Self { links, frames, right: right[1] }
+/// All frames of a table where its chain is placed with the body at the origin. They are fixed to links and wheels of the chain;
+/// each has its z axis along the joint of the next.
+pub(super) fn frames(links: &[Link; FRAMES], chain: &Chain, placed: &Placed<'_>) -> [Frame; FRAMES] {
+    let down = Matrix3::from_columns(&[Vector3::x(), -Vector3::z(), Vector3::y()]);
+    let mut frames = [(down, Vector3::new(links[D].a, 0.0, links[D].d)); FRAMES];
+    let bogie = down * Rotation3::from_axis_angle(&Vector3::z_axis(), links[B1].gamma);
+    for (side, frame) in [B1, B2].into_iter().enumerate() {
+        let ((rocker, _), (_, origin)) = (placed.part(side), placed.part(2 + side));
+        frames[frame] = (rocker * bogie, origin);
     }
-
-    /// `rover_from_frame` of every frame, in the order of the table.
-    pub fn frames(&self) -> &[IsometryMatrix3<f64>; FRAMES] {
-        &self.frames
+    for wheel in 0..WHEELS.len() {
+        let mount = chain.mount(wheel);
+        let WheelFrame { centre, forward, axle, up } = placed.wheel(wheel);
+        let carrier = mount.link.map_or(placed.rotation, |link| placed.part(link).0);
+        frames[S1 + wheel] = (carrier, centre - up * mount.centre[2]);
+        frames[A1 + wheel] = (Matrix3::from_columns(&[forward, axle, up]), centre);
     }
-
-    /// `rover_from_wheel`: origin in the wheel's centre, x where it rolls, y along its axle.
-    #[inline]
-    pub fn wheel(&self, wheel: usize) -> &IsometryMatrix3<f64> {
-        &self.frames[A1 + wheel]
-    }
-
-    /// Centre of a wheel in the rover's frame [m].
-    pub fn wheel_centre(&self, wheel: usize) -> Point3<f64> {
-        Point3::from(self.wheel(wheel).translation.vector)
-    }
-
-    /// The joints between the rover and a wheel, outermost first: index, axis in the sense of the joint
-    /// angle, and a point of the axis, in the rover's frame. A direction fixed to the wheel changes with the
-    /// angle by `axis x direction`, a point by `axis x (point - origin)`.
-    pub fn axes(&self, wheel: usize) -> impl Iterator<Item = (usize, Vector3<f64>, Point3<f64>)> {
-        let links =
-            std::iter::successors(Some(&self.links[A1 + wheel]), |link| link.parent.map(|parent| &self.links[parent]));
-        links.filter_map(|link| {
-            let (joint, _) = link.joint?;
-            let sign = if link.joint == MINUS_RHO { self.right } else { 1.0 };
-            let parent = &self.frames[link.parent?];
-            let axis = parent.rotation * Vector3::z() * sign;
-            Some((joint, axis, Point3::from(parent.translation.vector)))
-        })
-    }
-
-    /// Derivative of a wheel's centre in the rover's frame by every joint angle [m/rad].
-    #[inline]
-    pub fn jacobian(&self, wheel: usize) -> [Vector3<f64>; MAX_JOINTS] {
-        let centre = self.wheel_centre(wheel);
-        let mut columns = [Vector3::zeros(); MAX_JOINTS];
-        for (joint, axis, origin) in self.axes(wheel) {
-            columns[joint] += axis.cross(&(centre - origin));
-        }
-        columns
-    }
+    frames
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::suspension::RockerBogie;
+    use super::*;
+    use crate::suspension::{Bogie, Differential, RockerBogie};
     use six_wheel_numerics::error::Error;
 
-    use super::*;
+    /// The rows of the table multiplied, parents before children.
+    fn multiplied(links: &[Link; FRAMES], joints: &[f64], right_rocker: f64) -> [Frame; FRAMES] {
+        let mut frames = [(Matrix3::identity(), Vector3::zeros()); FRAMES];
+        for (k, link) in links.iter().enumerate() {
+            let (rotation, origin) = link.parent.map_or(frames[FRAMES - 1], |parent| frames[parent]);
+            let turned = match link.joint {
+                MINUS_RHO => right_rocker,
+                other => other.map_or(0.0, |(joint, _)| joints[joint]),
+            };
+            let gamma = Rotation3::from_axis_angle(&Vector3::z_axis(), link.gamma + turned).into_inner();
+            let Direction { sin, cos } = link.alpha;
+            let alpha = Matrix3::new(1.0, 0.0, 0.0, 0.0, cos, -sin, 0.0, sin, cos);
+            frames[k] = (rotation * gamma * alpha, origin + rotation * gamma * Vector3::new(link.a, 0.0, link.d));
+        }
+        frames
+    }
 
     #[test]
-    fn axes_move_the_points_and_directions_of_a_wheel() -> Result<(), Error> {
-        let rover = RockerBogie::perseverance()?;
-        let joints = [0.2, -0.3, 0.1, 0.4, -0.5, 0.6, -0.7];
-        let (step, posture) = (1e-5, rover.posture(&joints)?);
-        let rim = Point3::new(0.1, 0.05, -0.2);
-        for wheel in 0..6 {
-            let (mut point, mut axle) = ([Vector3::zeros(); MAX_JOINTS], [Vector3::zeros(); MAX_JOINTS]);
-            for (joint, axis, origin) in posture.axes(wheel) {
-                point[joint] += axis.cross(&(posture.wheel(wheel) * rim - origin));
-                axle[joint] += axis.cross(&(posture.wheel(wheel) * Vector3::y()));
-            }
-            for joint in 0..7 {
-                let moved = |step| {
-                    let mut joints = joints;
-                    joints[joint] += step;
-                    rover.posture(&joints).map(|posture| *posture.wheel(wheel))
-                };
-                let (ahead, behind) = (moved(step)?, moved(-step)?);
-                let slope = (ahead * rim - behind * rim) / (2.0 * step);
-                // Truncation, arm step^2 / 6, and rounding, eps arm / step: 6e-11 together.
-                assert!((point[joint] - slope).amax() < 5e-10, "{wheel} {joint}");
-                let slope = (ahead * Vector3::y() - behind * Vector3::y()) / (2.0 * step);
-                assert!((axle[joint] - slope).amax() < 5e-10, "{wheel} {joint}");
+    fn a_rocker_bogie_is_its_table() -> Result<(), Error> {
+        let mut rovers = vec![RockerBogie::rocky7()?, RockerBogie::open_source_rover()?];
+        let mut bar = *RockerBogie::perseverance()?.dimensions();
+        bar.differential = Differential::Bar { half_length: 0.6, lever: 0.2, rod: 0.3 };
+        rovers.push(RockerBogie::new(bar)?);
+        assert_eq!(rovers[1].dimensions().bogie, Bogie::InFront);
+        for rover in rovers {
+            let joints = [0.2, -0.3, 0.1, 0.4, -0.5, 0.6, -0.7];
+            let joints = &joints[..rover.joint_count()];
+            let [right, _] = rover.dimensions().differential.right(joints[0]).unwrap_or([f64::NAN; 2]);
+            let table = multiplied(rover.links(), joints, right);
+            for ((rotation, origin), expected) in rover.frames(joints)?.into_iter().zip(table) {
+                assert!((origin - expected.1).amax() < 1e-15);
+                assert!((rotation - expected.0).amax() < 1e-15);
             }
         }
         Ok(())
@@ -221,7 +163,7 @@ mod tests {
     #[test]
     fn the_number_of_joints_is_checked() -> Result<(), Error> {
         let rover = RockerBogie::rocky7()?;
-        let Err(error) = rover.posture(&[0.0; 4]) else {
+        let Err(error) = rover.place(&[0.0; 4]) else {
             return Err(Error::value("joints", "be refused", "4"));
         };
         assert_eq!(error.to_string(), "joints must hold 5 angles, got 4");

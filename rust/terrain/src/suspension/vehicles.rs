@@ -224,11 +224,9 @@ fn mount(
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Matrix3;
-
     use super::*;
     use crate::ground::{Settler, Stand, Status, settle};
-    use crate::suspension::{Bogie, Differential, PlanPose, RockerBogie, Steered};
+    use crate::suspension::{Differential, PlanPose, RockerBogie, Steered};
     use crate::terrain::{Heights, Terrain};
     use six_wheel_numerics::simd::level::Level;
     use six_wheel_numerics::threads::workers::Workers;
@@ -350,30 +348,6 @@ mod tests {
                     // Rounding: 1 m / 1e-6 of 2e-16.
                     assert!((slopes[k] - difference).amax() < 1e-9, "{wheel} {k}");
                 }
-            }
-        }
-        Ok(())
-    }
-
-    #[test]
-    fn a_rocker_bogie_is_its_table() -> Result<(), Error> {
-        let mut rovers = vec![RockerBogie::rocky7()?, RockerBogie::open_source_rover()?];
-        let mut bar = *RockerBogie::perseverance()?.dimensions();
-        bar.differential = Differential::Bar { half_length: 0.6, lever: 0.2, rod: 0.3 };
-        rovers.push(RockerBogie::new(bar)?);
-        assert_eq!(rovers[1].dimensions().bogie, Bogie::InFront);
-        for rover in rovers {
-            let joints = [0.2, -0.3, 0.1, 0.4, -0.5, 0.6, -0.7];
-            let joints = &joints[..rover.joint_count()];
-            let posture = rover.posture(joints)?;
-            let state = [0.0, 0.0, 0.0, joints[0], joints[1], joints[2]];
-            let placed = rover.chain().place([0.0; 3].into(), &state, &joints[3..]);
-            let placed = placed.ok_or_else(|| Error::value("rho", "be within reach", "more"))?;
-            for wheel in 0..6 {
-                let (frame, link) = (placed.wheel(wheel), posture.wheel(wheel));
-                assert!((frame.centre - link.translation.vector).amax() < 1e-15);
-                let axes = [frame.forward, frame.axle, frame.up];
-                assert!((Matrix3::from_columns(&axes) - link.rotation.matrix()).amax() < 1e-15);
             }
         }
         Ok(())
