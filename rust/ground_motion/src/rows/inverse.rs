@@ -121,8 +121,9 @@ impl InLanes<'_, InverseRange<'_>> {
         }
         let known = determined & is_number(total) & !poses.touching.nowhere;
         let [vx, vy, vz, wx, wy, wz, joints @ ..] = rates;
-        links.set_rates(LinkVelocity { linear: [vx, vy, vz], angular: [wx, wy, wz] }, &joints);
-        let axes = self.wheel_axes(simd, poses, links, &standing);
+        links.set_rates(&joints);
+        let body = LinkVelocity { linear: [vx, vy, vz], angular: [wx, wy, wz] };
+        let axes = self.wheel_axes(simd, poses, (links, &body), &standing);
         let angles = self.steering_angles(simd, given, poses, &axes, known);
         check(simd, chain, given, &angles, &poses.touching.wheels, known)?;
         let (speeds, scale) = self.rolling_speeds(simd, poses, &axes, &angles);
@@ -209,7 +210,7 @@ impl InLanes<'_, InverseRange<'_>> {
         &self,
         simd: S,
         poses: &PoseLanes<S>,
-        links: &BodyPoses<'_, S>,
+        (links, body): (&BodyPoses<'_, S>, &LinkVelocity<S>),
         standing: &StandingWheels<S>,
     ) -> [WheelAxes<S>; MAX_WHEELS] {
         let straight = (all(simd, 0.0), all(simd, 1.0));
@@ -220,8 +221,8 @@ impl InLanes<'_, InverseRange<'_>> {
             let normal = from_turned(turned, link.in_own_axes(poses.normals[wheel]));
             *axes = WheelAxes {
                 normal,
-                velocity: from_turned(turned, link.in_own_axes(link.velocity.at(standing.centres[wheel]))),
-                turn: from_turned(turned, link.in_own_axes(link.velocity.angular)),
+                velocity: from_turned(turned, link.in_own_axes(link.velocity(body, standing.centres[wheel]))),
+                turn: from_turned(turned, link.in_own_axes(link.angular_velocity(body))),
                 side: rim_side([normal[0], normal[2]], poses.at[wheel]),
                 offset: self.chain.mount(wheel).offset,
                 radius: self.motion.radii[wheel],

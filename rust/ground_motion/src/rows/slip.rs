@@ -85,7 +85,8 @@ impl InLanes<'_, SlipRange<'_>> {
         let speeds = given.read::<S, MAX_WHEELS>(simd, range.input.speeds, wheels);
         let [vx, vy, vz, wx, wy, wz] = given.read::<S, 6>(simd, range.input.twists.as_flattened(), 6);
         let rates = given.read::<S, MAX_FREE>(simd, range.input.joint_rates, self.motion.joints);
-        links.set_rates(LinkVelocity { linear: [vx, vy, vz], angular: [wx, wy, wz] }, &rates);
+        let body = LinkVelocity { linear: [vx, vy, vz], angular: [wx, wy, wz] };
+        links.set_rates(&rates);
         let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
         let (mut ratios, mut angles) = ([nan; MAX_WHEELS], [nan; MAX_WHEELS]);
         // NaN where a differential does not reach.
@@ -100,13 +101,13 @@ impl InLanes<'_, SlipRange<'_>> {
             }
             let radius = all(simd, self.motion.radii[wheel]);
             let touch = RimPoint::new(link, centre, radius, turned, poses.at[wheel]);
-            let slide = link.velocity.at(touch.point);
+            let slide = link.velocity(&body, touch.point);
             let (sin, cos) = turned.unwrap_or((zero, one));
             let axle = link.rotated([-sin, cos, zero]);
-            let ahead = dot(link.velocity.at(centre), touch.tangent);
+            let ahead = dot(link.velocity(&body, centre), touch.tangent);
             let aside = dot(slide, cross(poses.normals[wheel], touch.tangent));
             // The rim turns with the encoder and with the link.
-            let rim = radius * (speeds[wheel] + dot(link.velocity.angular, axle));
+            let rim = radius * (speeds[wheel] + dot(link.angular_velocity(&body), axle));
             let touches = zero.lt(poses.touching.wheels[wheel]);
             let turns = touches & zero.lt(rim.abs());
             ratios[wheel] = turns.select(one - (ahead / rim), nan);

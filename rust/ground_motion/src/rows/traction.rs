@@ -21,7 +21,7 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_terrain::suspension::kinematics::LinkVelocity;
+use six_wheel_terrain::suspension::kinematics::{LinkVelocity, PlanarLink};
 use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
@@ -79,6 +79,14 @@ impl Rows for TractionRange<'_> {
     }
 }
 
+/// A wheel at its link.
+#[derive(Clone, Copy)]
+struct PlacedWheel<'a, S: Vector> {
+    link: &'a PlanarLink<S>,
+    /// Straight ahead, then as the wheel is steered [m].
+    centre: Vectors<S>,
+}
+
 /// Commanded velocities of the body, and rates of the body and the free angles.
 struct DesiredRates<S: Vector> {
     body: LinkVelocity<S>,
@@ -107,15 +115,17 @@ impl InLanes<'_, TractionRange<'_>> {
         let joints = given.read::<S, MAX_FREE>(simd, range.driving.joints, self.motion.joints);
         let desired = self.desired_rates(simd, given);
         self.place(simd, links, wrap_far(simd, joints));
-        let mut places = [[zero; 3]; MAX_WHEELS];
-        for (wheel, centre) in places.iter_mut().enumerate().take(wheels) {
-            *centre = links.centre(simd, wheel);
+        links.set_rates(&desired.joints);
+        let links = &*links;
+        let mut placed = [PlacedWheel { link: links.wheel_link(0), centre: [zero; 3] }; MAX_WHEELS];
+        for (wheel, placed) in placed[..wheels].iter_mut().enumerate() {
+            *placed = PlacedWheel { link: links.wheel_link(wheel), centre: links.centre(simd, wheel) };
         }
+        let placed = &mut placed[..wheels];
         let reach = links.reaches;
-        let angles = self.steering_angles(simd, given, links, &places, &desired, reach);
+        let angles = self.steering_angles(simd, given, placed, &desired, reach);
         check(simd, self.chain, given, &angles, &[zero; MAX_WHEELS], reach)?;
-        links.set_rates(desired.body, &desired.joints);
-        let centres = self.centre_velocities(simd, links, &mut places, &angles);
+        let centres = self.centre_velocities(simd, links, &desired.body, placed, &angles);
         let centres = &centres[..wheels];
         let mut vertical = median_closing_speed(simd, centres);
         if let Some(measured) = range.driving.wheel_speeds {
@@ -125,7 +135,7 @@ impl InLanes<'_, TractionRange<'_>> {
         let (mut speeds, mut contact_angles) = ([zero; MAX_WHEELS], [zero; MAX_WHEELS]);
         let mut lifted = zero;
         for (wheel, centre) in centres.iter().enumerate() {
-            let in_plan = desired.in_plan(places[wheel]);
+            let in_plan = desired.in_plan(placed[wheel].centre);
             let command = centre.command(simd, vertical, in_plan, range.lift);
             (speeds[wheel], contact_angles[wheel]) = (command.speed, command.contact_angle);
             lifted = lifted + command.lifted.select(all(simd, f64::from(1_u32 << wheel)), zero);
@@ -170,8 +180,7 @@ impl InLanes<'_, TractionRange<'_>> {
         &self,
         simd: S,
         given: Span,
-        links: &BodyPoses<'_, S>,
-        places: &[Vectors<S>; MAX_WHEELS],
+        wheels: &[PlacedWheel<'_, S>],
         desired: &DesiredRates<S>,
         known: Mask<S>,
     ) -> [Option<JointAngle<S>>; MAX_WHEELS] {
@@ -179,18 +188,18 @@ impl InLanes<'_, TractionRange<'_>> {
         let ranges = self.chain.steering();
         let mut velocities = [[zero; 2]; MAX_WHEELS];
         let mut is_centred = true;
-        for (wheel, place) in places.iter().enumerate().take(self.motion.wheels) {
+        for (wheel, PlacedWheel { link, centre }) in wheels.iter().enumerate() {
             let Some(joint) = self.chain.steering_joint(wheel) else {
                 continue;
             };
             is_centred &= self.motion.is_centred(joint);
-            let [x, y] = desired.in_plan(*place);
-            let [ahead, aside, _] = links.wheel_link(wheel).in_own_axes([x, y, zero]);
+            let [x, y] = desired.in_plan(*centre);
+            let [ahead, aside, _] = link.in_own_axes([x, y, zero]);
             let velocity = &mut velocities[joint % MAX_WHEELS];
             *velocity = [velocity[0] + ahead, velocity[1] + aside];
         }
         if !is_centred {
-            return self.offset_steering_angles(simd, given, links, places, desired, known);
+            return self.offset_steering_angles(simd, given, wheels, desired, known);
         }
         let mut angles = [None; MAX_WHEELS];
         for (joint, (angle, range)) in angles.iter_mut().zip(ranges).enumerate() {
@@ -212,17 +221,15 @@ impl InLanes<'_, TractionRange<'_>> {
         &self,
         simd: S,
         given: Span,
-        links: &BodyPoses<'_, S>,
-        places: &[Vectors<S>; MAX_WHEELS],
+        wheels: &[PlacedWheel<'_, S>],
         desired: &DesiredRates<S>,
         known: Mask<S>,
     ) -> [Option<JointAngle<S>>; MAX_WHEELS] {
         let zero = all(simd, 0.0);
         let turn = [zero, zero, desired.body.angular[2]];
         let mut axes = [WheelAxes::at_rest(simd); MAX_WHEELS];
-        for (wheel, axes) in axes.iter_mut().enumerate().take(self.motion.wheels) {
-            let link = links.wheel_link(wheel);
-            let [x, y] = desired.in_plan(places[wheel]);
+        for (wheel, (axes, PlacedWheel { link, centre })) in axes.iter_mut().zip(wheels).enumerate() {
+            let [x, y] = desired.in_plan(*centre);
             axes.velocity = link.in_own_axes([x, y, zero]);
             axes.turn = link.in_own_axes(turn);
             axes.offset = self.chain.mount(wheel).offset;
@@ -232,7 +239,7 @@ impl InLanes<'_, TractionRange<'_>> {
         let input = SteeringInput {
             chain: self.chain,
             ranges: self.chain.steering(),
-            axes: &axes[..self.motion.wheels.min(MAX_WHEELS)],
+            axes: &axes[..wheels.len()],
             from: &[zero; MAX_WHEELS],
             held: &self.held_angles(simd, given),
             touching: &[zero; MAX_WHEELS],
@@ -254,22 +261,23 @@ impl InLanes<'_, TractionRange<'_>> {
         &self,
         simd: S,
         links: &BodyPoses<'_, S>,
-        places: &mut [Vectors<S>; MAX_WHEELS],
+        body: &LinkVelocity<S>,
+        wheels: &mut [PlacedWheel<'_, S>],
         angles: &[Option<JointAngle<S>>; MAX_WHEELS],
     ) -> [CentreVelocity<S>; MAX_WHEELS] {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let none = CentreVelocity { along: zero, across: zero, vertical: [zero; 2], turn: zero, inverse_radius: one };
         let mut centres = [none; MAX_WHEELS];
-        for (wheel, centre) in centres.iter_mut().enumerate().take(self.motion.wheels) {
+        for (wheel, (velocity, PlacedWheel { link, centre })) in centres.iter_mut().zip(wheels).enumerate() {
             let mut to: Turned<S> = (zero, one);
             if let Some(joint) = self.chain.steering_joint(wheel)
                 && let Some(angle) = &angles[joint % MAX_WHEELS]
             {
                 to = angle.turned;
-                places[wheel] = links.steered_centre(simd, wheel, to, places[wheel]);
+                *centre = links.steered_centre(simd, wheel, to, *centre);
             }
             let inverse_radius = all(simd, 1.0 / self.motion.radii[wheel]);
-            *centre = CentreVelocity::new(links.wheel_link(wheel), places[wheel], to, inverse_radius);
+            *velocity = CentreVelocity::new(body, link, *centre, to, inverse_radius);
         }
         centres
     }

@@ -231,7 +231,7 @@ impl OneRow<'_, '_> {
         let [roll, pitch, yaw] = [all(simd, roll), all(simd, pitch), all(simd, input.yaw_rate)];
         let [speed, sideways] = [all(simd, input.speed), all(simd, input.yaw_rate) * all(simd, self.offset)];
         let mut pose = PlanarLink::frame(simd);
-        pose.velocity = LinkVelocity { linear: [speed, sideways, zero], angular: [roll, pitch, yaw] };
+        let body = LinkVelocity { linear: [speed, sideways, zero], angular: [roll, pitch, yaw] };
         for (shares, origin) in chain.links.iter().zip(&chain.origins) {
             let (mut angle, mut rate) = (zero, zero);
             for (share, (turn, swing)) in shares.iter().zip(input.angles.iter().zip(input.rates)) {
@@ -248,7 +248,7 @@ impl OneRow<'_, '_> {
             };
             let mut link = PlanarLink::frame(simd);
             pose.carry(&hinge, &mut link);
-            pose.carry_velocity(rate, &mut link);
+            pose.carry_rate(rate, &mut link);
             pose = link;
         }
         let centre = pose.point(registers(simd, &chain.origins[2], k));
@@ -261,7 +261,7 @@ impl OneRow<'_, '_> {
         let turned = (steered.select(steering.turned.0, zero), steered.select(steering.turned.1, one));
         let inverse_radius = register(simd, &chain.inverse_radius, k);
         WheelLanes {
-            centre: CentreVelocity::new(&pose, centre, turned, inverse_radius),
+            centre: CentreVelocity::new(&body, &pose, centre, turned, inverse_radius),
             in_plan,
             steering,
             refused: (steered & (to.is_zero | steering.failed())).select(one, zero),

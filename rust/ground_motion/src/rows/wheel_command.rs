@@ -6,7 +6,7 @@ use crate::rates::constants::MotionConstants;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::MAX_WHEELS;
-use six_wheel_terrain::suspension::kinematics::PlanarLink;
+use six_wheel_terrain::suspension::kinematics::{LinkVelocity, PlanarLink};
 use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, from_turned};
 
 /// Velocities across the link above which a wheel is off the ground.
@@ -50,10 +50,16 @@ pub(crate) struct WheelCommand<S: Vector> {
 
 #[inline_always]
 impl<S: Vector> CentreVelocity<S> {
-    /// Of a wheel on a link that moves like this, turned about its steering axis.
-    pub fn new(link: &PlanarLink<S>, centre: Vectors<S>, turned: Turned<S>, inverse_radius: Lanes<S>) -> Self {
-        let [along, _, across] = from_turned(turned, link.in_own_axes(link.velocity.at(centre)));
-        let [_, turn, _] = from_turned(turned, link.in_own_axes(link.velocity.angular));
+    /// Of a wheel on a link of a body that moves like this, turned about its steering axis.
+    pub fn new(
+        body: &LinkVelocity<S>,
+        link: &PlanarLink<S>,
+        centre: Vectors<S>,
+        turned: Turned<S>,
+        inverse_radius: Lanes<S>,
+    ) -> Self {
+        let [along, _, across] = from_turned(turned, link.in_own_axes(link.velocity(body, centre)));
+        let [_, turn, _] = from_turned(turned, link.in_own_axes(link.angular_velocity(body)));
         let (zero, one) = (all(along.simd(), 0.0), all(along.simd(), 1.0));
         let [ahead, _, up] = from_turned(turned, link.in_own_axes([zero, zero, one]));
         Self { along, across, vertical: [ahead, up], turn, inverse_radius }

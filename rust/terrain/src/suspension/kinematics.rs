@@ -172,15 +172,14 @@ impl<'a, S: Vector, P: LinkPose<S>> LinkPoses<'a, S, P> {
 
 #[inline_always]
 impl<S: Vector> LinkPoses<'_, S, PlanarLink<S>> {
-    /// Moves the links at these rates of the body and the free angles [rad/s].
-    pub fn set_rates(&mut self, body: LinkVelocity<S>, rates: &[Lanes<S>; MAX_FREE]) {
-        self.body.velocity = body;
+    /// Moves the links at these rates of the free angles [rad/s].
+    pub fn set_rates(&mut self, rates: &[Lanes<S>; MAX_FREE]) {
         for &k in self.chain.placed_links(false) {
             let link = &self.chain.parts()[k];
             let (before, rest) = self.links.split_at_mut(k);
             let carrier = link.parent.map_or(&self.body, |parent| &before[parent]);
             if let Turning::Free(joint) | Turning::Across(joint, _) = link.turning {
-                carrier.carry_velocity(rates[joint % MAX_FREE], &mut rest[0]);
+                carrier.carry_rate(rates[joint % MAX_FREE], &mut rest[0]);
             }
         }
     }

@@ -134,7 +134,7 @@ pub fn slopes_about<S: Vector, const N: usize>(
     slopes
 }
 
-/// Motion of a link.
+/// Motion of a body.
 #[derive(Clone, Copy)]
 pub struct LinkVelocity<S: Vector> {
     /// Of its point at the origin of the frame [m/s].
@@ -145,23 +145,33 @@ pub struct LinkVelocity<S: Vector> {
 
 #[inline_always]
 impl<S: Vector> LinkVelocity<S> {
-    /// The velocity of a point that the link carries [m/s]: `v + w x p`.
+    /// The velocity of a point that the body carries [m/s]: `v + w x p`.
     pub fn at(&self, point: Vectors<S>) -> Vectors<S> {
         sum(self.linear, cross(self.angular, point))
     }
 }
 
-/// A link that is turned about the x or y axis of the frame, or the frame itself, with its motion.
+/// The axis of the frame about which a link is turned.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum LinkAxis {
+    /// None: the link is the frame itself.
+    Fixed,
+    X,
+    Y,
+}
+
+/// A link that is turned about the x or y axis of the frame, or the frame itself, with its motion against the frame.
 #[derive(Clone, Copy)]
 pub struct PlanarLink<S: Vector> {
-    /// The axis; None for the frame itself.
-    about: Option<usize>,
+    axis: LinkAxis,
     turned: Turned<S>,
     origin: Vectors<S>,
-    /// Derivative of the angle of the link by that of its joint.
+    /// Derivative, by the angle of its joint, of the angle by which the link turns z towards x or y.
     slope: Lanes<S>,
-    /// Its motion, steering held.
-    pub velocity: LinkVelocity<S>,
+    /// Rate of that angle, the sum of those of the joints [rad/s].
+    rate: Lanes<S>,
+    /// Sums of the rates of the joints times the coordinates of their axes: z, and x or y [m/s].
+    moments: [Lanes<S>; 2],
 }
 
 #[inline_always]
@@ -177,44 +187,47 @@ impl<S: Vector> PlanarLink<S> {
     }
 
     fn turn(&self, turned: Turned<S>, vector: Vectors<S>) -> Vectors<S> {
-        match self.about {
-            None => vector,
-            Some(0) => turn_about::<0, S>(turned, vector),
-            Some(_) => turn_about::<1, S>(turned, vector),
+        match self.axis {
+            LinkAxis::X => turn_about::<0, S>(turned, vector),
+            // By no angle, if it is the frame itself.
+            _ => turn_about::<1, S>(turned, vector),
         }
     }
 
-    /// Moves a link on this one at a rate of its joint [rad/s]: `w' = w + a q`, `v' = v + o x a q`.
-    pub fn carry_velocity(&self, rate: Lanes<S>, link: &mut Self) {
-        match link.about {
-            Some(0) => self.carry_velocity_about::<0>(rate, link),
-            _ => self.carry_velocity_about::<1>(rate, link),
+    /// The coordinate towards which the link turns z: x about the y axis, y against the x axis.
+    fn ahead(&self, vector: Vectors<S>) -> Lanes<S> {
+        if self.axis == LinkAxis::X { vector[1] } else { vector[0] }
+    }
+
+    /// Moves a link on this one at a rate of its joint [rad/s].
+    pub fn carry_rate(&self, rate: Lanes<S>, link: &mut Self) {
+        let rate = link.slope * rate;
+        link.rate = self.rate + rate;
+        link.moments =
+            [rate.mul_add(link.origin[2], self.moments[0]), rate.mul_add(link.ahead(link.origin), self.moments[1])];
+    }
+
+    /// The velocity of a point of the link where the frame moves like this, steering held [m/s]: `v + w x p + sum of
+    /// q a x (p - o)` over the joints.
+    pub fn velocity(&self, frame: &LinkVelocity<S>, point: Vectors<S>) -> Vectors<S> {
+        let [x, y, z] = frame.at(point);
+        let ahead = self.rate.mul_add(point[2], -self.moments[0]);
+        let up = self.moments[1] - self.rate * self.ahead(point);
+        match self.axis {
+            LinkAxis::Fixed => [x, y, z],
+            LinkAxis::X => [x, y + ahead, z + up],
+            LinkAxis::Y => [x + ahead, y, z + up],
         }
     }
 
-    fn carry_velocity_about<const K: usize>(&self, rate: Lanes<S>, link: &mut Self) {
-        let (first, second) = ((K + 1) % 3, (K + 2) % 3);
-        let turn = link.slope * rate;
-        link.velocity = self.velocity;
-        let LinkVelocity { linear, angular } = &mut link.velocity;
-        angular[K] = angular[K] + turn;
-        linear[first] = turn.mul_add(link.origin[second], linear[first]);
-        linear[second] = (-turn).mul_add(link.origin[first], linear[second]);
-    }
-
-    fn slopes_about<const K: usize, const N: usize>(
-        &self,
-        point: Vectors<S>,
-        directions: &[Vectors<S>; N],
-    ) -> [Lanes<S>; N] {
-        let (first, second) = ((K + 1) % 3, (K + 2) % 3);
-        let ahead = (point[first] - self.origin[first]) * self.slope;
-        let aside = (point[second] - self.origin[second]) * self.slope;
-        let mut slopes = [ahead; N];
-        for (slope, direction) in slopes.iter_mut().zip(directions) {
-            *slope = ahead.mul_add(direction[second], -(aside * direction[first]));
+    /// Angular velocity of the link where the frame moves like this [rad/s].
+    pub fn angular_velocity(&self, frame: &LinkVelocity<S>) -> Vectors<S> {
+        let [x, y, z] = frame.angular;
+        match self.axis {
+            LinkAxis::Fixed => [x, y, z],
+            LinkAxis::X => [x - self.rate, y, z],
+            LinkAxis::Y => [x, y + self.rate, z],
         }
-        slopes
     }
 }
 
@@ -222,8 +235,8 @@ impl<S: Vector> PlanarLink<S> {
 impl<S: Vector> LinkPose<S> for PlanarLink<S> {
     fn frame(simd: S) -> Self {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        let still = LinkVelocity { linear: [zero; 3], angular: [zero; 3] };
-        Self { about: None, turned: (zero, one), origin: [zero; 3], slope: one, velocity: still }
+        let turned = (zero, one);
+        Self { axis: LinkAxis::Fixed, turned, origin: [zero; 3], slope: one, rate: zero, moments: [zero; 2] }
     }
 
     fn point(&self, local: Vectors<S>) -> Vectors<S> {
@@ -233,23 +246,27 @@ impl<S: Vector> LinkPose<S> for PlanarLink<S> {
     /// The angles of links on one another add up.
     fn carry(&self, hinge: &Hinge<S>, pose: &mut Self) {
         let (sin, cos) = hinge.turned;
-        pose.about = hinge.main_axis;
+        let slope = hinge.slope.unwrap_or(Lanes::splat(sin.simd(), 1.0));
+        (pose.axis, pose.slope) = match hinge.main_axis {
+            Some(0) => (LinkAxis::X, -slope),
+            _ => (LinkAxis::Y, slope),
+        };
         pose.turned = hinge.turned;
         pose.origin = hinge.origin;
-        if self.about.is_some() {
+        if self.axis != LinkAxis::Fixed {
             let (s, c) = self.turned;
             pose.origin = self.point(hinge.origin);
             pose.turned = (s.mul_add(cos, c * sin), c.mul_add(cos, -(s * sin)));
         }
-        if let Some(slope) = hinge.slope {
-            pose.slope = slope;
-        }
     }
 
     fn slopes<const N: usize>(&self, point: Vectors<S>, directions: &[Vectors<S>; N]) -> [Lanes<S>; N] {
-        match self.about {
-            Some(0) => self.slopes_about::<0, N>(point, directions),
-            _ => self.slopes_about::<1, N>(point, directions),
+        let arm = less(point, self.origin);
+        let (ahead, down) = (arm[2] * self.slope, self.ahead(arm) * self.slope);
+        let mut slopes = [ahead; N];
+        for (slope, direction) in slopes.iter_mut().zip(directions) {
+            *slope = ahead.mul_add(self.ahead(*direction), -(down * direction[2]));
         }
+        slopes
     }
 }
