@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::WHEELS;
 use super::chain::Chain;
 use super::dimensions::Dimensions;
 use super::placed::{Placed, WheelFrame};
@@ -107,7 +106,7 @@ pub(super) fn frames(links: &[Link; FRAMES], chain: &Chain, placed: &Placed<'_>)
         let ((rocker, _), (_, origin)) = (placed.part(side), placed.part(2 + side));
         frames[frame] = (rocker * bogie, origin);
     }
-    for wheel in 0..WHEELS.len() {
+    for wheel in 0..AXLES.len() {
         let mount = chain.mount(wheel);
         let WheelFrame { centre, forward, axle, up } = placed.wheel(wheel);
         let carrier = mount.link.map_or(placed.rotation, |link| placed.part(link).0);
