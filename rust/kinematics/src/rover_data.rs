@@ -3,9 +3,9 @@
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::geometry::Direction;
-use crate::steering::SteeringRange;
+use crate::steering::{MEASURED_SLACK, SteeringRange};
 use crate::wheels::{Pivot, Rows, Wheel};
-use six_wheel_numerics::error::{Error, finite};
+use six_wheel_numerics::error::{Error, finite, numbers};
 
 /// Largest number of wheels of one rover.
 pub const MAX_WHEELS: usize = 64;
@@ -111,6 +111,33 @@ impl RoverData {
     #[inline]
     pub fn steered(&self) -> &[usize] {
         &self.steered
+    }
+
+    /// Fails unless there is a finite angle [rad] for every steered wheel, near its range at least
+    /// ([`SteeringRange::is_near`]).
+    pub fn check_measured(&self, argument: &'static str, angles: &[f64]) -> Result<(), Error> {
+        if angles.len() != self.steered.len() {
+            let rule = format!("have {} angles, one per steered wheel", self.steered.len());
+            return Err(Error::value(argument, rule, angles.len().to_string()));
+        }
+        finite(argument, angles)?;
+        for (angle, &i) in angles.iter().zip(&self.steered) {
+            let range = self.wheels[i].steering().unwrap_or_default();
+            if !range.is_near(*angle) {
+                let name = &self.wheels[i].name;
+                let rule =
+                    format!("be inside the steering range, {range}, of wheel {name:?} (to {MEASURED_SLACK} rad)");
+                return Err(Error::value(argument, rule, numbers(angles)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings angles of the steered wheels into their ranges.
+    pub fn clip_steering(&self, angles: &mut [f64]) {
+        for (angle, &i) in angles.iter_mut().zip(&self.steered) {
+            *angle = self.wheels[i].steering().unwrap_or_default().clip(*angle);
+        }
     }
 
     /// The lines on which the fixed wheels allow the centre of rotation.

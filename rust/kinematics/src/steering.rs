@@ -7,6 +7,9 @@ use six_wheel_numerics::error::{Error, positive, short};
 /// Overshoot of a steering angle that is rounding, not a request [rad].
 pub const ANGLE_TOLERANCE: f64 = 1e-9;
 
+/// Play and noise of a measured steering angle beyond its range [rad]; an angle farther off is an error of wiring or units.
+pub const MEASURED_SLACK: f64 = 0.05;
+
 /// Angles a steered wheel can take, counted from its heading [rad].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteeringRange {
@@ -57,6 +60,12 @@ impl SteeringRange {
     #[inline]
     pub fn is_full(self) -> bool {
         self.upper - self.lower >= PI
+    }
+
+    /// True if the angle is inside the range, or beyond it by [`MEASURED_SLACK`] at most.
+    pub fn is_near(self, angle: f64) -> bool {
+        let inside = self.clip(angle);
+        (inside - MEASURED_SLACK..=inside + MEASURED_SLACK).contains(&angle)
     }
 
     /// The angle, or the end of the range that is nearer.

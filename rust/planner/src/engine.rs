@@ -17,6 +17,9 @@ use six_wheel_numerics::threads::workers::Workers;
 /// Parts the new mean is added up in, whatever the number of threads.
 const STRIPES: usize = 4;
 
+/// Most steps of rollouts in one task: signals are taken between two of them.
+const TASK: usize = 1 << 18;
+
 /// Constants of all cycles.
 #[derive(Clone, Debug)]
 pub(crate) struct MppiConstants {
@@ -118,7 +121,7 @@ impl<R: Float, const M: usize> RolloutEngine for SampledRollouts<R, M> {
         let kept = if input.record { blocks } else { 0 };
         self.motions.resize(kept * row, R::default());
         self.tracks.resize(kept * track, R::default());
-        let share = blocks.div_ceil(workers.threads.clamp(1, blocks));
+        let share = blocks.div_ceil(workers.threads.clamp(1, blocks)).min((TASK / (BLOCK * self.steps)).max(1));
         let scratch = || ThreadScratch { noise: vec![0.0; row], track: vec![R::default(); track] };
         self.scratch.resize_with(self.scratch.len().max(blocks.div_ceil(share)), scratch);
         self.costs.fill(R::default());

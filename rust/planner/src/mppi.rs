@@ -103,12 +103,8 @@ impl Mppi {
             let rule = format!("have {} rows", self.options.horizon);
             return Err(Error::value("controls", rule, state.controls.len().to_string()));
         }
-        if state.steering.len() != self.rover.steered().len() {
-            let rule = format!("have {} angles", self.rover.steered().len());
-            return Err(Error::value("steering", rule, state.steering.len().to_string()));
-        }
         finite("controls", state.controls.as_flattened())?;
-        finite("steering", &state.steering)?;
+        self.rover.check_measured("steering", &state.steering)?;
         not_negative("progress", state.progress)?;
         self.state = state;
         Ok(())
@@ -148,7 +144,9 @@ impl Mppi {
     pub fn roll(&mut self, situation: CycleInput<'_>, workers: Workers) -> Result<(), Error> {
         finite("state.pose", &situation.pose)?;
         finite("state.twist", &situation.twist)?;
-        finite("state.steering", situation.steering.unwrap_or_default())?;
+        if let Some(steering) = situation.steering {
+            self.rover.check_measured("state.steering", steering)?;
+        }
         finite("path", situation.path.unwrap_or_default().as_flattened())?;
         finite("goal", &situation.goal.unwrap_or_default())?;
         finite("goal", situation.goal_yaw.as_slice())?;
@@ -170,6 +168,7 @@ impl Mppi {
         self.situation.0 = situation.pose;
         self.situation.1.clear();
         self.situation.1.extend_from_slice(steering);
+        self.rover.clip_steering(&mut self.situation.1);
         if self.bounds.stuck.is_some() {
             return Ok(());
         }

@@ -162,7 +162,7 @@ def test_a_callback_must_not_step_its_planner():
 @pytest.mark.parametrize("goal", [(5, 5), None])
 def test_a_rover_that_cannot_move_stays_and_says_why(rover, limits, reason, goal):
     plan = sw.Mppi(rover, sw.Limits(**limits), samples=20, horizon=5)
-    steering = np.full(len(rover.steered_wheel_names), 0.25)
+    steering = np.full(len(rover.steered_wheel_names), 0.75)  # inside their ranges
     found = plan.step((1, 2, 3), steering=steering, goal=goal)
     assert found.reason == reason
     assert not found.twist.any()

@@ -1,14 +1,9 @@
-//! Joint commands of a motion: steering angles and wheel speeds, and checks of angles that are handed over.
+//! Joint commands of a motion: steering angles and wheel speeds.
 
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS};
-use six_wheel_kinematics::wheels::Wheel;
-use six_wheel_numerics::error::{Error, finite, numbers};
 
 use super::Controller;
-
-/// Play and noise of a measured steering angle beyond its range [rad]; an angle farther off is an error of wiring or units.
-const MEASURED_SLACK: f64 = 0.05;
 
 /// The angles to write.
 #[derive(Clone, Copy)]
@@ -18,34 +13,10 @@ pub(super) enum Into {
 }
 
 impl Controller {
-    /// Fails unless there is an angle for every joint, near its range at least.
-    pub(super) fn check_angles(&self, argument: &'static str, angles: &[f64]) -> Result<(), Error> {
-        self.check_numbers(argument, angles)?;
-        let mut joints = self.joints.iter().zip(self.rover.steered());
-        joints.try_for_each(|(&joint, &i)| check_angle(argument, &self.rover.wheels()[i], angles, joint))
-    }
-
-    /// Fails unless there is an angle for every joint, near the rover's own range at least.
-    pub(super) fn check_measured(&self, measured: &[f64]) -> Result<(), Error> {
-        self.check_numbers("measured", measured)?;
-        let mut joints = self.given.steered().iter().enumerate();
-        joints.try_for_each(|(joint, &i)| check_angle("measured", &self.given.wheels()[i], measured, joint))
-    }
-
-    /// The joints start at the measured angles, or at the end of the rover's own range that is nearer.
-    pub(super) fn start_at(&mut self, measured: &[f64]) {
-        for ((angle, &measured), &i) in self.steering.iter_mut().zip(measured).zip(self.given.steered()) {
-            *angle = self.given.wheels()[i].steering().unwrap_or_default().clip(measured);
-        }
-    }
-
-    /// Fails unless there is a finite angle for every joint.
-    fn check_numbers(&self, argument: &'static str, angles: &[f64]) -> Result<(), Error> {
-        if angles.len() != self.steering.len() {
-            let rule = format!("have {} angles, one per steered wheel", self.steering.len());
-            return Err(Error::value(argument, rule, angles.len().to_string()));
-        }
-        finite(argument, angles)
+    /// The joints start at these angles, or at the ends of the rover's own ranges that are nearer.
+    pub(super) fn start_at(&mut self, angles: &[f64]) {
+        self.steering.copy_from_slice(angles);
+        self.given.clip_steering(&mut self.steering);
     }
 
     /// Brings the angles into the ranges of their joints.
@@ -89,14 +60,4 @@ impl Controller {
             }
         }
     }
-}
-
-/// Fails unless the angle of this joint is near the range of its wheel at least.
-fn check_angle(argument: &'static str, wheel: &Wheel, angles: &[f64], joint: usize) -> Result<(), Error> {
-    let range = wheel.steering().unwrap_or_default();
-    if (angles[joint] - range.clip(angles[joint])).abs() <= MEASURED_SLACK {
-        return Ok(());
-    }
-    let rule = format!("be inside the steering range, {range}, of wheel {:?} (to {MEASURED_SLACK} rad)", wheel.name);
-    Err(Error::value(argument, rule, numbers(angles)))
 }

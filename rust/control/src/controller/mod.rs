@@ -214,12 +214,11 @@ impl Controller {
     /// Forgets command, clock, halt and fault. The body rests; the joints stay where they were last commanded, or start
     /// at the angles of the next step's measurement, or of `steering` [rad].
     ///
-    /// Fails, without effect, unless there is an angle near its range for every joint.
+    /// Fails, without effect, unless there is an angle near the rover's own range for every joint.
     pub fn reset(&mut self, steering: Option<&[f64]>) -> Result<(), Error> {
         if let Some(steering) = steering {
-            self.check_angles("steering", steering)?;
-            self.steering.copy_from_slice(steering);
-            self.set_angles_in_range();
+            self.given.check_measured("steering", steering)?;
+            self.start_at(steering);
         }
         self.placed = steering.is_some();
         self.clock = None;

@@ -19,7 +19,7 @@ impl Controller {
     pub fn step(&mut self, now: f64, measured: Option<&[f64]>) -> Result<(), Error> {
         self.check_time(now)?;
         if let Some(measured) = measured {
-            self.check_measured(measured)?;
+            self.given.check_measured("measured", measured)?;
         }
         let mut reasons = self.ignored;
         self.ignored &= !reason::OUT_OF_ORDER;
