@@ -18,9 +18,9 @@ import numpy as np
 import six_wheel as sw
 from six_wheel.calibration import Calibration
 from six_wheel.kinematics.poses import Floats, between
-from six_wheel.kinematics.rover_edit import with_wheels
 from six_wheel.log_odometry.evaluation import absolute_error
 from six_wheel.logs import WheelLog, optiodom
+from six_wheel.robot_description.wheels_of_rover import with_wheels
 
 TRUTH = np.array([1e-3, 1e-3, 1e-3])  # errors of motion capture [m, m, rad]
 BOUND = 7.8147  # of chi-squared with three degrees of freedom, 95 %

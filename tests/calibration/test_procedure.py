@@ -8,9 +8,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 import six_wheel as sw
-from six_wheel.kinematics.rover_edit import with_wheels
 from six_wheel.log_odometry import evaluation
 from six_wheel.logs import GroundTruth, WheelLog, optiodom
+from six_wheel.robot_description.wheels_of_rover import with_wheels
 from tests.calibration.drives import drive
 from tests.optiodom_data import REQUIRED, ROBOTS, RUNS, read, reckon
 

@@ -5,7 +5,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.calibration import deviations
-from six_wheel.kinematics.rover_edit import with_wheels
+from six_wheel.robot_description.wheels_of_rover import with_wheels
 from tests.kinematics.odometry.test_preintegrated import DIMENSIONS, ROVERS, drive
 
 NUMBERS = len(DIMENSIONS) + 2

@@ -12,7 +12,6 @@ import numpy as np
 from six_wheel._core import Rover, integrate, wrap_angle
 from six_wheel.calibration.drives import Drive
 from six_wheel.kinematics.poses import Floats, between, inverse, joined
-from six_wheel.kinematics.rover_edit import with_wheels
 from six_wheel.logs import WheelLog
 from six_wheel.robot_description.dimensions import (
     FRAME,
@@ -25,6 +24,7 @@ from six_wheel.robot_description.dimensions import (
     prior,
     size,
 )
+from six_wheel.robot_description.wheels_of_rover import with_wheels
 
 # Below this half-turn per step the derivative of sin(x)/x is its series, good to 1e-16 there.
 SMALL_TURN = 1e-2

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from six_wheel._core import Rover
 from six_wheel.control_loop.faults import ERROR, WARN, Faults
-from six_wheel.robot_description.joints_of_wheels import reading_joints
+from six_wheel.robot_description.wheels_of_rover import reading_joints
 
 Numbers = Sequence[float]
 NAMED = 12  # strangers that are remembered, for a "did you mean"

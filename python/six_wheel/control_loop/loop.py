@@ -26,7 +26,7 @@ from six_wheel.control_loop.starting import StartMotion
 from six_wheel.control_loop.steps import Send, Step
 from six_wheel.kinematics.controller import Reason
 from six_wheel.kinematics.keywords import checked_class
-from six_wheel.robot_description.joints_of_wheels import joints_as_given
+from six_wheel.robot_description.wheels_of_rover import joints_as_given
 
 AHEAD = SECOND // 10  # of a stamp, that is not just another clock's rounding
 STALE, STUCK = int(Reason.STALE), int(Reason.JOINT_STUCK)

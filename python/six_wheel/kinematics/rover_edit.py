@@ -108,22 +108,6 @@ def _check_names(value: object, changes: Iterable[str], names: Collection[str]) 
             raise TypeError(unknown_keyword(f"{type(value).__name__}.replace", name, names))
 
 
-def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
-    """The rover whose wheel i has the values of the i-th dictionary, under the names `Wheel` gives them.
-
-    Raises
-    ------
-    ValueError
-        If a wheel may not have such a value.
-    """
-
-    def made() -> Rover:
-        pairs = zip(rover.wheels, changes, strict=True)
-        return rover.replace(wheels=[wheel.replace(**change) for wheel, change in pairs])
-
-    return without_questions(made)  # those of the rover itself were asked for
-
-
 def limits_given(limits: Limits) -> dict[str, float]:
     """The limits that were given, by name; infinite ones among them."""
     return _call(limits)[1]

@@ -10,7 +10,7 @@ from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.joint_totals import JointRows
 from six_wheel.logs.mcap import RoverRecord
 from six_wheel.logs.mcap.writer import record_stamps
-from six_wheel.robot_description.joints_of_wheels import reading_joints
+from six_wheel.robot_description.wheels_of_rover import reading_joints
 
 
 class TrackRecord(Closing):

@@ -23,9 +23,9 @@ import numpy as np
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.poses import Floats
-from six_wheel.kinematics.rover_edit import with_wheels
 from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.recordings import WheelLog
+from six_wheel.robot_description.wheels_of_rover import with_wheels
 
 Metadata = Mapping[str, list[float]]
 

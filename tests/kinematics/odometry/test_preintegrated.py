@@ -99,7 +99,7 @@ def test_a_shared_reading_errs_in_both_motions():
 
 
 def changed(rover, wheel, name, by):
-    from six_wheel.kinematics.rover_edit import with_wheels
+    from six_wheel.robot_description.wheels_of_rover import with_wheels
 
     changes = [{} for _ in rover.wheels]
     changes[wheel] = {name: (getattr(rover.wheels[wheel], name) or 0.0) + by}

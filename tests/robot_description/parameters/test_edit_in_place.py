@@ -9,9 +9,9 @@ pytest.importorskip("yaml")
 pytest.importorskip("pydantic")
 
 import six_wheel as sw
-from six_wheel.kinematics.rover_edit import with_wheels
 from six_wheel.robot_description.parameters import ParameterFileError, parse_parameters, read_parameters
 from six_wheel.robot_description.parameters.edit_in_place import text_for
+from six_wheel.robot_description.wheels_of_rover import with_wheels
 
 ROOT = Path(__file__).parents[3]
 MISTAKEN = ("five_mistakes",)

@@ -162,7 +162,7 @@ def _written(value: Any) -> str:
 
 def abilities(chosen: NamedRover) -> list[tuple[str, object]]:
     """Abilities of a rover, as rows for `grid`."""
-    from six_wheel.robot_description.joints_of_wheels import joints_as_given
+    from six_wheel.robot_description.wheels_of_rover import joints_as_given
 
     rover, parameters = chosen.rover, chosen.parameters
     steering, traction = joints_as_given(rover)

@@ -13,7 +13,7 @@ from six_wheel.cli.demo.motion import REST_SPEED, SMOOTHING, SUSTAINED, DemoMoti
 from six_wheel.logs.writing import replacing
 from six_wheel.plotting.drawing import INK, SOFT, new_figure, tidy
 from six_wheel.plotting.path import draw_path
-from six_wheel.robot_description.joints_of_wheels import joints_by_wheel
+from six_wheel.robot_description.wheels_of_rover import joints_by_wheel
 
 # One colour per axle, from front to rear; the left wheel is drawn full, the right one lighter.
 REST = "#e3e6e9"  # opaque: a palette of few colours keeps it

@@ -6,7 +6,7 @@ from typing import Any
 
 from six_wheel._core import Rover
 from six_wheel.logs.mcap import frames
-from six_wheel.robot_description.joints_of_wheels import joints_as_given
+from six_wheel.robot_description.wheels_of_rover import joints_as_given
 
 STATES = "joint_commands"
 STEERING_GROUP = "forward_position_controller/commands"

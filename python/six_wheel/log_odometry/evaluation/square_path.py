@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from six_wheel._core import Rover, Wheel
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.poses import Floats
-from six_wheel.kinematics.rover_edit import with_wheels
+from six_wheel.robot_description.wheels_of_rover import with_wheels
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from six_wheel._core import Rover
 from six_wheel.logs.headers.joint_columns import JointColumns, Reading, joint_columns
 from six_wheel.logs.headers.renamed import Columns, renamed
 from six_wheel.logs.headers.time_columns import scale_of
-from six_wheel.robot_description.joints_of_wheels import joints_by_wheel
+from six_wheel.robot_description.wheels_of_rover import joints_by_wheel
 
 STAMPS = ("stamp", "stamps", "time", "timestamp", "t")
 ENDINGS = {"angles": ("", ".position"), "ticks": ("", ".position"), "speeds": ("", ".velocity")}

@@ -28,8 +28,8 @@ from six_wheel.logs.headers.time_columns import in_seconds
 from six_wheel.logs.plausibility.arrays import FEW, array_checks
 from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.proposals import encoders
-from six_wheel.robot_description.joints_of_wheels import joints_by_wheel
 from six_wheel.robot_description.missing_files import no_file
+from six_wheel.robot_description.wheels_of_rover import joints_by_wheel
 
 LONGEST_RUN = 1e6  # [s] beyond which stamps count from the first
 CHUNK_ROWS = 65_536  # a few megabytes, and so many that a call costs nothing

@@ -13,7 +13,7 @@ from six_wheel.kinematics.errors import needed
 from six_wheel.kinematics.objects.whole_files import replacing
 from six_wheel.logs.mcap import rover_record as topics
 from six_wheel.logs.mcap.reader import Record
-from six_wheel.robot_description.joints_of_wheels import joints_as_given
+from six_wheel.robot_description.wheels_of_rover import joints_as_given
 
 ENDINGS = {
     ".json": "Foxglove's layout",

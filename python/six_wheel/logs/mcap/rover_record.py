@@ -12,7 +12,7 @@ from six_wheel.kinematics.controller import reason_names
 from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.writer import RecordWriter
-from six_wheel.robot_description.joints_of_wheels import joints_as_given
+from six_wheel.robot_description.wheels_of_rover import joints_as_given
 
 # In: what decides what a loop does, written as it comes.
 WANTED = "/cmd_vel"

@@ -16,7 +16,6 @@ import yaml
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.poses import Floats
-from six_wheel.robot_description.joints_of_wheels import joints_as_given
 from six_wheel.robot_description.parameters import file as config
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import form_of, section_of
@@ -26,6 +25,7 @@ from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETER
 from six_wheel.robot_description.parameters.ros_yaml import Path, Tree
 from six_wheel.robot_description.parameters.schema import GROUPS, Form, check_values
 from six_wheel.robot_description.parameters.writing import dump
+from six_wheel.robot_description.wheels_of_rover import joints_as_given
 
 QUANTITIES = ("x", "y", "heading", "radius", "scrub", "trail", "roller_angle")
 SAME = 1e-12  # [m or rad], and of the value: what rounding leaves of a key that is a product of two

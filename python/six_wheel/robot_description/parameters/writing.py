@@ -8,11 +8,11 @@ from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.joint_names import wheel_said_by
-from six_wheel.robot_description.joints_of_wheels import joints_as_given
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.file import parse_parameters
 from six_wheel.robot_description.parameters.key_types import NONE_WORDS, Values
 from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS
+from six_wheel.robot_description.wheels_of_rover import joints_as_given
 
 _SIX = Rover.six_wheel(front_to_middle=1.0, middle_to_rear=1.0, track_width=2.0, wheel_radius=1.0)
 

@@ -15,7 +15,7 @@ from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.frames.thinning import Trace
 from six_wheel.logs.headers.columns import Unit
 from six_wheel.logs.tables import Chunk, RowError
-from six_wheel.robot_description.joints_of_wheels import joints_as_given
+from six_wheel.robot_description.wheels_of_rover import joints_as_given
 
 KEEP = ("curvature", "speed", "yaw_rate", "nearest")
 

@@ -15,7 +15,7 @@ from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.mcap import Record as Bag
 from six_wheel.logs.mcap import RecordError, rover_record
 from six_wheel.logs.recordings import GroundTruth
-from six_wheel.robot_description.joints_of_wheels import joints_as_given
+from six_wheel.robot_description.wheels_of_rover import joints_as_given
 from six_wheel.view.records.record import Record
 
 

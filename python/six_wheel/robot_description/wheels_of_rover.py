@@ -1,6 +1,9 @@
-"""Joints of a rover, and the wheels that they steer and turn."""
+"""Wheels of a rover: their joints, and a rover whose wheels have other values."""
 
-from six_wheel._core import Rover
+from collections.abc import Iterable
+from typing import Any
+
+from six_wheel._core import Rover, without_questions
 
 
 def joints_as_given(rover: Rover) -> tuple[dict[str, str], dict[str, str]]:
@@ -30,3 +33,19 @@ def reading_joints(rover: Rover) -> tuple[list[str], list[float]]:
     joints = [steering[wheel] for wheel in rover.steered_wheel_names]
     joints += [traction.get(wheel, wheel) for wheel in rover.wheel_names]
     return joints, [-1.0 if joint in rover.reversed_joints else 1.0 for joint in joints]
+
+
+def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
+    """The rover whose wheel i has the values of the i-th dictionary, under the names `Wheel` gives them.
+
+    Raises
+    ------
+    ValueError
+        If a wheel may not have such a value.
+    """
+
+    def made() -> Rover:
+        pairs = zip(rover.wheels, changes, strict=True)
+        return rover.replace(wheels=[wheel.replace(**change) for wheel, change in pairs])
+
+    return without_questions(made)  # those of the rover itself were asked for
