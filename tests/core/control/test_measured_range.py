@@ -108,3 +108,17 @@ def test_a_narrower_limit_by_choice_is_come_back_to_at_the_rate() -> None:
     controller = sw.Controller(ROVER, sw.Limits(steering_limit=0.5, steering_rate=0.5))
     angles = controller.step(0.0, [1.0, 1.0, -1.0, -1.0]).steering
     np.testing.assert_allclose(np.abs(angles), 1.0, atol=0.5 * 0.02)
+
+
+def test_wheels_as_good_as_in_one_place_are_refused() -> None:
+    """Two wheels 1e-149 m apart, one with scrub: their speeds were infinite, and NaN at rest."""
+    rover = sw.Rover(
+        [
+            sw.Wheel("a", 0.0, 4e-149, radius=0.1, steered=True),
+            sw.Wheel("b", 0.0, 0.0, radius=0.1, steered=True, scrub=0.5),
+        ]
+    )
+    with pytest.raises(
+        ValueError, match=r"^rover must have its wheels in one place, or 1e-60 m apart at least"
+    ):
+        sw.Controller(rover)

@@ -38,7 +38,7 @@ pub use crate::motion::reason;
 use six_wheel_kinematics::admissible::Keep;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::Rover;
-use six_wheel_numerics::error::{Error, HUGE, bounded, finite, number};
+use six_wheel_numerics::error::{Error, HUGE, TINY, bounded, finite, number};
 
 /// Largest turn of a joint in one step [rad]: less than a quarter turn, so that a wheel does not go the other way round.
 const LARGEST_TURN: f64 = 1.2;
@@ -133,6 +133,10 @@ impl Controller {
     /// Fails if an option or limit makes no sense, by itself or for this rover.
     pub fn new(rover: &Rover, limits: Limits, options: Options, steering: Option<&[f64]>) -> Result<Self, Error> {
         options.check()?;
+        if rover.size < TINY {
+            let rule = format!("have its wheels in one place, or {TINY:e} m apart at least");
+            return Err(Error::value("rover", rule, number(rover.size)));
+        }
         let (model, joints) = options.model(rover, &limits)?;
         let count = rover.steered().len();
         let along = Vector3::x() / model.metric[(0, 0)].sqrt();
