@@ -102,9 +102,9 @@ def test_picture_and_report_go_together(run: Run, cart: None) -> None:
 def test_without_truth_there_is_a_picture_too(run: Run, cart: None) -> None:
     pytest.importorskip("matplotlib")
     Path("bare.csv").write_text("".join(f"{line.rsplit(',', 3)[0]}\n" for line in table().splitlines()))
-    assert run("odometry", "cart.yaml", "bare.csv", "--plot", "p.png", "--report", "bare.md")[0] == 0
+    assert run("odometry", "cart.yaml", "bare.csv", "--plot", "p.png", "--report", "p.md")[0] == 0
     assert Path("p.png").read_bytes().startswith(b"\x89PNG")
-    assert "## Against the truth" not in Path("bare.md").read_text()
+    assert "## Against the truth" not in Path("p.md").read_text()
 
 
 # --- what is said of bad rows and slip -------------------------------------------------------------------

@@ -76,7 +76,8 @@ def reporting(
     if report is not None:
         if report.suffix.lower() not in ENDINGS:
             raise TableError(f'{report}: the ending must be {" or ".join(ENDINGS)}, got "{report.suffix}"')
-        wanted += [report, *(beside(report, ending) for ending in endings)]
+        first, *others = (beside(report, ending) for ending in endings)
+        wanted += [report, *([] if plot == first else [first]), *others]  # the first one is what `plot` shows
     taken = [source for source in sources if source is not None]
     with contextlib.ExitStack() as stack:
         targets = {path: stack.enter_context(replacing(path, taken)) for path in wanted}
