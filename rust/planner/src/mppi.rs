@@ -90,6 +90,7 @@ impl Mppi {
             progress: 0.0,
         };
         self.state.steering.resize(self.rover.steered().len(), 0.0);
+        self.rover.clip_steering(&mut self.state.steering);
     }
 
     /// State kept from cycle to cycle.

@@ -1,5 +1,6 @@
 """No commanded angle is outside the rover's own range, whatever was measured."""
 
+import pickle
 from collections.abc import Sequence
 
 import numpy as np
@@ -95,6 +96,20 @@ def planned(rover: sw.Rover, measured: Sequence[float]) -> np.ndarray:
 def test_a_plan_stays_inside_the_ranges(measured: list[float]) -> None:
     """A planner took any angle, 3 rad at a range of 1 rad, and its plan began there."""
     assert np.abs(planned(ROVER, measured)).max() <= LIMIT
+
+
+@pytest.mark.parametrize("limit", [0.3, 0.7, None])
+@pytest.mark.parametrize("own", [(0.5, 1.0), (-0.4, 1.0), (-1.0, -0.2)])
+def test_a_planner_begins_inside_the_ranges(own: tuple[float, float], limit: float | None) -> None:
+    """One that has no angle within the limit began at 0, outside the range: its copy was refused."""
+    rover = sw.Rover.six_wheel(
+        front_to_middle=0.5, middle_to_rear=0.5, track_width=0.8, wheel_radius=0.15, steering_limit=own
+    )
+    planner = sw.Mppi(rover, sw.Limits(steering_limit=limit), samples=20, horizon=5)
+    for each in (planner, pickle.loads(pickle.dumps(planner))):
+        angles = each.step((0.0, 0.0, 0.0), goal=(3.0, 1.0)).steering
+        assert np.all((own[0] <= angles) & (angles <= own[1]))
+        assert pickle.loads(pickle.dumps(each)).step((0.0, 0.0, 0.0), goal=(3.0, 1.0)).steering.shape == (4,)
 
 
 def test_a_plan_from_far_outside_is_refused() -> None:
