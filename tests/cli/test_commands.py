@@ -254,3 +254,11 @@ def test_drive_says_what_is_over_a_limit(run: Run) -> None:
     code, out, err = run("drive", "limited.yaml", "commands.csv", "--direct")
     assert (code, err) == (0, "")
     assert re.search(r"largest wheel speed .* of 2 allowed, .*, over the limit\s", out)
+
+
+def test_only_a_node_speaks_of_ros(refused: Callable[..., str]) -> None:
+    """A misspelt command was told that arguments of ROS must follow --ros-args."""
+    assert (
+        refused("odometri", "a")
+        == "No such command 'odometri'. Did you mean 'odometry'?; see six-wheel --help"
+    )

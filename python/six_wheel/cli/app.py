@@ -157,7 +157,7 @@ def _explain(error: Exception) -> str | None:
     if hasattr(error, "format_message"):  # typer's own, whichever class it has in this version
         context = getattr(error, "ctx", None)
         usage = f"; see {context.command_path} --help" if context else ""
-        if context and context.allow_extra_args:  # of a node
+        if context and context.info_name in ("node", "filter"):
             usage = f"; arguments of ROS must follow --ros-args{usage}"
         return (_odd_value(error) or str(error.format_message()).rstrip(".")) + usage
     if isinstance(error, ModuleNotFoundError) and (error.name or "").split(".")[0] in EXTRA_MODULES:
