@@ -1,7 +1,7 @@
 """Angles of joints from the readings of their encoders, chunk after chunk."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -12,7 +12,6 @@ from six_wheel._core import Encoder
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.poses import Floats
 
-Rows: TypeAlias = NDArray[np.int64]
 Encoders: TypeAlias = "Encoder | Mapping[str, Encoder] | None"
 
 
@@ -145,29 +144,11 @@ class Integral:
         return totals
 
 
-def where_there(made: Sequence[Callable[[Floats, Rows], Floats]], columns: Floats) -> Floats:
-    """Apply to every column its function of the finite numbers and their rows; missing readings stay NaN."""
+def whole_columns(totals: Sequence[Total | Integral], columns: Floats, stamps: Floats) -> Floats:
+    """Angles (n, joints) [rad] of a whole log, of each column by its total; missing readings stay NaN."""
     found = np.full_like(columns, math.nan)
-    for column, read, make in zip(found.T, columns.T, made, strict=True):
-        rows = np.flatnonzero(np.isfinite(read))
+    for place, total in enumerate(totals):
+        rows = np.flatnonzero(np.isfinite(columns[:, place]))
         if len(rows):
-            column[rows] = make(read[rows], rows)
+            found[rows, place] = total.advance(columns[rows, place], stamps[rows])
     return found
-
-
-def summed(stamps: Floats, rates: Floats, rows: Rows) -> Floats:
-    """Running totals of rates that change evenly from row to row."""
-    steps = (rates[1:] + rates[:-1]) / 2.0 * np.diff(stamps[rows])
-    return np.concatenate(([0.0], np.cumsum(steps)))
-
-
-def angles_of(encoder: Encoder, absolute: bool, counts: Floats, rows: Rows) -> Floats:
-    """Angles [rad] of encoder counts, a counter that starts over unrolled; an absolute one starts near 0."""
-    steps = np.diff(counts)
-    if encoder.wraps_at is not None:
-        steps -= encoder.wraps_at * np.round(steps / encoder.wraps_at)
-    first = counts[0] * encoder.angle_per_tick + encoder.offset if absolute else 0.0
-    if absolute and encoder.wraps_at is not None:
-        around = abs(encoder.wraps_at * encoder.angle_per_tick)
-        first -= around * np.round(first / around)
-    return np.concatenate(([first], first + np.cumsum(steps) * encoder.angle_per_tick))

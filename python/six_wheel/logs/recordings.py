@@ -6,7 +6,6 @@ import math
 import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
 from numbers import Real
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
@@ -26,7 +25,7 @@ from six_wheel.kinematics.objects.tables import (
     rows_of,
 )  # fmt: skip
 from six_wheel.kinematics.poses import Floats, as_poses
-from six_wheel.logs.joint_totals import angles_of, encoder_of_each, summed, where_there
+from six_wheel.logs.joint_totals import Integral, Total, encoder_of_each, whole_columns
 from six_wheel.logs.plausibility.proposals import Column
 from six_wheel.logs.plausibility.whole_numbers import check_increments
 
@@ -326,12 +325,12 @@ class WheelLog(Tabular):
             if columns is not None and columns.shape[1] != len(one_each):
                 raise ValueError(f"{name} must have shape (n, {len(one_each)}), got {columns.shape}")
         if readings == "speeds":
-            turned = where_there([partial(summed, self.stamps)] * len(wheels), turned)
-        elif known.get("increments"):
-            turned = where_there([lambda steps, rows: np.cumsum(steps)] * len(wheels), turned)
-        angles = where_there([partial(angles_of, one, False) for one in wheels], turned)
+            turned = whole_columns([Integral() for _ in wheels], turned, self.stamps)
+        increments = readings != "speeds" and bool(known.get("increments"))
+        angles = whole_columns([Total(one, increments) for one in wheels], turned, self.stamps)
         if steering is not None:
-            steering = where_there([partial(angles_of, one, True) for one in joints], steering)
+            totals = [Total(one, increments=False, absolute=True) for one in joints]
+            steering = whole_columns(totals, steering, self.stamps)
         return replace(self, steering=steering, wheel_angles=angles, options={})
 
     @property
