@@ -153,17 +153,7 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     The headers tell counts from radians: encoders with ticks per turn are for counts, others for radians.
     Messages have no units: there `ticks_per_turn` says that they are counts.
     """
-    columns, topics = options.columns or None, options.topics or None
-    source = JointSource(
-        path,
-        rover,
-        options.readings,
-        columns,
-        topics,
-        options.gyroscope,
-        options.frame,
-        options.stamp_unit,
-    )
+    source = JointSource(path, rover, options)
     counts = {"wheel": source.readings == "ticks", "steering": bool(source.counted)}
     found: dict[str, Encoders] = {}
     try:
@@ -173,7 +163,7 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
                 continue
             counted = "ticks_per_turn" in keys
             if counts[part] and not counted:
-                refuse_counts(source, part, keys, options.max_speed)
+                refuse_counts(source, part, keys)
             # Speeds are those of the joints: of wheels there is nothing to count, nor are angles turned.
             meant = counts[part] or source.bagged if counted else source.readings != "speeds"
             if meant and not (part == "wheel" and source.readings == "speeds"):
@@ -183,9 +173,7 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
         raise
     increments = options.wheel_keys.get("increments")
     increments = increments if found["wheel"] or source.readings == "angles" else None
-    bounds = {"max_speed": options.max_speed, "max_gap": options.max_gap}
-    wheels, steering = found["wheel"] or None, found["steering"] or None
-    return JointLog.of_source(source, wheels, steering, increments, options.plausibility, bounds)
+    return JointLog.of_source(source, found["wheel"] or None, found["steering"] or None, increments)
 
 
 def as_logs(source: Any, rover: Rover, options: LogOptions | None = None) -> list[WheelLog]:

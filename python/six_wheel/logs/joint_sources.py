@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from six_wheel._core import Rover
-from six_wheel.logs.bags.bag_files import Topics, is_bag
+from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.ground_truth import TRUTH
 from six_wheel.logs.gyroscope.rates import RATES, upward
 from six_wheel.logs.gyroscope.sources import rate_table
@@ -21,8 +21,8 @@ from six_wheel.logs.headers.joint_columns import (
     joint_columns,
     unsaid_units,
 )
-from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.joint_totals import Encoders
+from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.proposals import Column as Label
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, encoders
@@ -33,65 +33,25 @@ CHUNK = 200_000  # rows
 
 
 class JointSource:
-    """Rows of a table or messages of a bag, before encoders make angles of them.
+    """Rows of a table or messages of a bag, before encoders make angles of them."""
 
-    Parameters are those of `JointLog`.
-
-    Attributes
-    ----------
-    rows : Source
-        Of the joints, and of the truth and the gyroscope if a table has them.
-    rates : Source or None
-        Of a gyroscope whose readings have other stamps than the rows.
-    readings : {"angles", "speeds", "ticks"}
-        Kind of the readings of the wheels.
-    names : sequence of str
-        Values of a row: ``"wheel NAME"``, ``"steering NAME"`` and others.
-    counted : set of str
-        Steered wheels whose angle is read in ticks.
-    turned : frozenset of str
-        Names whose column has the sign of a reversed joint.
-    columns : mapping
-        Column by name, of a table.
-    directions : mapping
-        Wheel to the header of its direction, of a table.
-    stated : bool
-        True if the log states the unit of its times.
-    has_rates : bool
-        True if the rows have a gyroscope's readings.
-    warnings : list of str
-    """
-
-    def __init__(
-        self,
-        path: Path,
-        rover: Rover,
-        readings: Reading | None = None,
-        columns: Columns | None = None,
-        topics: Topics | None = None,
-        gyroscope: Mapping[str, Any] | None = None,
-        frame: str = "",
-        stamp_unit: str | None = None,
-    ) -> None:
-        self.path, self.rover, self._stamp_unit = path, rover, stamp_unit
-        self.gyroscope = dict(gyroscope or {})
-        self.up = upward(*(self.gyroscope.get(turn, 0.0) for turn in ("roll", "pitch")))
+    def __init__(self, path: Path, rover: Rover, options: LogOptions) -> None:
+        self.path, self.rover, self.options = path, rover, options
+        self.up = upward(*(options.gyroscope.get(turn, 0.0) for turn in ("roll", "pitch")))
         self.warnings: list[str] = []
-        self.stated, self.has_rates = True, False
-        self.counted: set[str] = set()
-        self.columns: Mapping[str, Column] = {}
-        self.turned: frozenset[str] = frozenset()
-        self.directions: Mapping[str, str] = {}
-        self.rows: Source
-        self.rates: Source | None = None
-        self.names: Sequence[str]
+        self.stated = True  # the unit of the times
+        self.has_rates = False  # of a gyroscope, in the rows
+        self.readings: Reading
+        self.counted: set[str] = set()  # steered wheels whose angle is read in ticks
+        self.columns: Mapping[str, Column] = {}  # of a table
+        self.turned: frozenset[str] = frozenset()  # names whose column has the sign of a reversed joint
+        self.directions: Mapping[str, str] = {}  # wheel to the header of its direction, of a table
+        self.rows: Source  # of the joints, and of the truth and the gyroscope if a table has them
+        self.rates: Source | None = None  # of a gyroscope with other stamps than the rows
+        self.names: Sequence[str]  # values of a row: "wheel NAME", "steering NAME" and others
         self.bagged = is_bag(path)
         with contextlib.ExitStack() as self._files:
-            silent = (
-                self._open_bag(readings, topics, frame)
-                if self.bagged
-                else self._open_table(readings, columns)
-            )
+            silent = self._open_bag() if self.bagged else self._open_table()
             self._files = self._files.pop_all()  # they stay open
         if silent:
             self.warnings.append(f"{path}: no readings of {', '.join(silent)}: taken as without encoder")
@@ -101,9 +61,7 @@ class JointSource:
         """Unit of the stamps."""
         return self.rows.time_unit
 
-    def describe(
-        self, wheels: Encoders, steering: Encoders, increments: bool | None, **bounds: Any
-    ) -> Readings:
+    def describe(self, wheels: Encoders, steering: Encoders, increments: bool | None) -> Readings:
         """The readings as the checks of their plausibility have to know them."""
 
         def columns_of(part: str, wheels: Sequence[str]) -> list[Label]:
@@ -137,20 +95,22 @@ class JointSource:
             turn=each[0].ticks_per_turn if each and each[0] is not None else None,
             increments_stated=increments is not None,
             directions=self.directions,
-            **bounds,
+            max_speed=self.options.max_speed,
+            max_gap=self.options.max_gap,
         )
 
     def close(self) -> None:
         """Close the file."""
         self._files.close()
 
-    def _open_table(self, readings: Reading | None, columns: Columns | None) -> list[str]:
+    def _open_table(self) -> list[str]:
         """Wheels with a motor but without a column, once the table is open."""
         found: list[JointColumns] = []
+        columns, clock = self.options.columns, self.options.stamp_unit
 
         def find(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
             self.directions = direction_columns(headers, self.rover)
-            found.append(joint_columns(headers, self.rover, readings, field_units, self._stamp_unit))
+            found.append(joint_columns(headers, self.rover, self.options.readings, field_units, clock))
             return dict(found[-1].columns)
 
         table = self._files.enter_context(TolerantTable(self.path, find, columns, (*TRUTH, *RATES)))
@@ -163,38 +123,40 @@ class JointSource:
         columns_of = {w: joints.columns[f"steering {w}"] for w in self.rover.steered_wheel_names}
         self.counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
         self.has_rates = any(name in joints.columns for name in RATES)
-        if self.has_rates and self.gyroscope.get("time_offset"):
-            rates = rate_table(self.path, columns, self._stamp_unit)
+        if self.has_rates and self.options.gyroscope.get("time_offset"):
+            rates = rate_table(self.path, columns, clock)
             self.rates, self.has_rates = self._files.enter_context(rates), False
         return list(joints.silent)
 
-    def _open_bag(self, readings: Reading | None, topics: Topics | None, frame: str) -> list[str]:
+    def _open_bag(self) -> list[str]:
         """Wheels with a motor but without a joint state, once the bag is open."""
         from six_wheel.logs.bags.imu_bag import RateBag
         from six_wheel.logs.bags.joint_bag import JointBag
 
         bag: JointBag
+        readings, topics = self.options.readings, self.options.topics
         if isinstance(topics, Mapping) and topics:
             from six_wheel.logs.bags.topic_bag import TopicBag
 
             bag = mapped = TopicBag(self.path, self.rover, topics, readings)
             self.columns, self.counted = mapped.columns, mapped.counted
         else:
-            bag = JointBag(self.path, self.rover, readings, topics)  # type: ignore[arg-type]
+            bag = JointBag(self.path, self.rover, readings, list(topics) or None)
         self._files.callback(bag.close)
         self.rows, self.readings, self.names = bag, bag.readings, bag.names
         if any(one.msgtype == RateBag.IMU and one.msgcount for one in bag.connections):
-            self.rates = self._rates_of_bag(frame)
+            self.rates = self._rates_of_bag()
         return [w for w in self.rover.traction_joints.values() if f"wheel {w}" not in bag.names]
 
-    def _rates_of_bag(self, frame: str) -> Source | None:
+    def _rates_of_bag(self) -> Source | None:
         """The gyroscope of a bag, if there is one; what is not known of it is said."""
         from six_wheel.logs.bags.imu_bag import RateBag
         from six_wheel.logs.bags.messages import OWN_FRAMES, Bag
 
-        keys, bag = self.gyroscope, Bag(self.path)
+        keys, bag = self.options.gyroscope, Bag(self.path)
         self._files.callback(bag.close)
-        rates = RateBag(bag, keys.get("topic"), [name for name in (frame, *OWN_FRAMES) if name])
+        own = [name for name in (self.options.frame, *OWN_FRAMES) if name]
+        rates = RateBag(bag, keys.get("topic"), own)
         if rates.topic is None:
             if rates.others:
                 rule = f"{len(rates.others)} topics have angular velocities, {', '.join(rates.others)}"
@@ -212,17 +174,12 @@ class JointSource:
         return rates
 
 
-def refuse_counts(
-    source: JointSource, part: str, keys: Mapping[str, Any], max_speed: float | None = None
-) -> NoReturn:
+def refuse_counts(source: JointSource, part: str, keys: Mapping[str, Any]) -> NoReturn:
     """Counts of which nobody says how many a turn has; where they wrap is said with it."""
     of_steering = part == "steering"
     what = "the steering is" if of_steering else "the wheels are"
-    known = replace(
-        source.describe(None, None, keys.get("increments"), max_speed=max_speed),
-        clock_stated=True,
-        wraps="wraps_at" in keys,
-    )
+    known = source.describe(None, None, keys.get("increments"))
+    known = replace(known, clock_stated=True, wraps="wraps_at" in keys)
     known = replace(known, wheels=()) if of_steering else known
     checks = ReadingChecks(known, lambda line: None)
     wheels = source.rover.steered_wheel_names if of_steering else source.rover.wheel_names

@@ -27,6 +27,7 @@ from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.headers.time_columns import seconds_since, whole_second
 from six_wheel.logs.joint_sources import JointSource
 from six_wheel.logs.joint_totals import Encoders, Integral, JointRows, Total, encoder_of
+from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.findings import Finding, Findings
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError
@@ -113,23 +114,27 @@ class JointLog(Closing):
         max_speed: float | None = None,
         max_gap: float | None = None,
     ) -> None:
-        source = JointSource(Path(path), rover, readings, columns, topics, gyroscope, frame, stamp_unit)
-        bounds = {"max_speed": max_speed, "max_gap": max_gap}
-        self._count(source, wheel_encoders, steering_encoders, increments, plausibility, bounds)
+        options = LogOptions(
+            readings=readings,
+            columns=columns or {},
+            topics=topics or (),
+            gyroscope=gyroscope or {},
+            frame=frame,
+            stamp_unit=stamp_unit,
+            plausibility=plausibility,
+            max_speed=max_speed,
+            max_gap=max_gap,
+        )
+        source = JointSource(Path(path), rover, options)
+        self._count(source, wheel_encoders, steering_encoders, increments)
 
     @classmethod
     def of_source(
-        cls,
-        source: JointSource,
-        wheel_encoders: Encoders,
-        steering_encoders: Encoders,
-        increments: bool | None,
-        plausibility: bool,
-        bounds: Mapping[str, float | None],
+        cls, source: JointSource, wheels: Encoders, steering: Encoders, increments: bool | None
     ) -> Self:
-        """The log of an open source, whose readings the encoders make angles."""
+        """The log of an open source, whose readings these encoders make angles."""
         log = cls.__new__(cls)
-        log._count(source, wheel_encoders, steering_encoders, increments, plausibility, bounds)
+        log._count(source, wheels, steering, increments)
         return log
 
     def _count(
@@ -138,29 +143,26 @@ class JointLog(Closing):
         wheel_encoders: Encoders,
         steering_encoders: Encoders,
         increments: bool | None,
-        plausibility: bool,
-        bounds: Mapping[str, float | None],
     ) -> None:
         self._source, self.path, self.rover = source, source.path, source.rover
-        self._bounds = bounds
         self.readings, self.findings, self.warnings = source.readings, source.rows.findings, source.warnings
         speeds, ticks, counted = self.readings == "speeds", self.readings == "ticks", source.counted
+        fastest = source.options.max_speed
         try:
-            known = source.describe(wheel_encoders, steering_encoders, increments, **bounds)
-            self._checks = ReadingChecks(known, self._warn) if plausibility else None
+            known = source.describe(wheel_encoders, steering_encoders, increments)
+            self._checks = ReadingChecks(known, self._warn) if source.options.plausibility else None
             if speeds and (wheel_encoders is not None or increments):
                 rule = "wheel_encoders and increments must be left out where wheels are read as speeds"
                 raise ValueError(rule)
-            untouched = (speeds, increments, wheel_encoders, steering_encoders, bounds.get("max_speed"))
+            untouched = (speeds, increments, wheel_encoders, steering_encoders, fastest)
             self._as_read = not any(untouched)  # readings are angles already
-            self._wheels = {
-                wheel: Integral()
-                if speeds
-                else Total(encoder, bool(increments), longest=self._longest(wheel))
-                for wheel in self.rover.wheel_names
-                if f"wheel {wheel}" in source.names
-                for encoder in [encoder_of("wheel_encoders", wheel_encoders, wheel, ticks)]
-            }
+            self._wheels: dict[str, Total | Integral] = {}
+            for wheel in self.rover.wheels:
+                if f"wheel {wheel.name}" in source.names:
+                    encoder = encoder_of("wheel_encoders", wheel_encoders, wheel.name, ticks)
+                    longest = None if fastest is None else fastest / wheel.radius
+                    total = Total(encoder, bool(increments), longest=longest)
+                    self._wheels[wheel.name] = Integral() if speeds else total
             self._steering = {
                 wheel: Total(encoder, increments=False, absolute=True)
                 for wheel in self.rover.steered_wheel_names
@@ -171,14 +173,8 @@ class JointLog(Closing):
             raise
         # Messages have no units, but counts are whole numbers; those of other wheels may be interpolated.
         first = next((name for name in source.names if name.startswith("wheel ")), "")
-        total = self._wheels.get(first.removeprefix("wheel "))
-        self._counter = first if source.bagged and isinstance(total, Total) and total.counts else ""
-
-    def _longest(self, wheel: str) -> float | None:
-        """Rate of a wheel beyond which a step is none [rad/s]."""
-        bound = self._bounds.get("max_speed")
-        radius = next(each.radius for each in self.rover.wheels if each.name == wheel)
-        return None if bound is None else bound / radius
+        pivot = self._wheels.get(first.removeprefix("wheel "))
+        self._counter = first if source.bagged and isinstance(pivot, Total) and pivot.counts else ""
 
     def _warn(self, line: str) -> None:
         self.warnings.append(f"{self.path}: {line}")
@@ -336,7 +332,7 @@ class JointLog(Closing):
         rates = None
         if self._source.has_rates:
             try:
-                scale = self._source.gyroscope.get("scale", 1.0)
+                scale = self._source.options.gyroscope.get("scale", 1.0)
                 rates = scale * about_z(batch.values, self._source.up)
             except ValueError as error:
                 raise TableError(f"{self.path}: {error}") from None
@@ -365,7 +361,7 @@ class JointLog(Closing):
         if rates is None:
             return None
         seconds = partial(seconds_since, self.origin, unit=rates.time_unit)
-        return Turning(readings_of(rates, source.stated, seconds, source.up, source.gyroscope))
+        return Turning(readings_of(rates, source.stated, seconds, source.up, source.options.gyroscope))
 
 
 def _with_rates(rows: JointRows, turning: Turning, before: float | None, after: float | None) -> JointRows:
