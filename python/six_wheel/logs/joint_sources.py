@@ -151,13 +151,13 @@ class JointSource:
     def _rates_of_bag(self) -> Source | None:
         """The gyroscope of a bag, if there is one; what is not known of it is said."""
         from six_wheel.logs.bags.imu_bag import RateBag
-        from six_wheel.logs.bags.messages import OWN_FRAMES, Bag
+        from six_wheel.logs.bags.messages import OWN_FRAMES
 
-        keys, bag = self.options.gyroscope, Bag(self.path)
-        self._files.callback(bag.close)
+        keys = self.options.gyroscope
         own = [name for name in (self.options.frame, *OWN_FRAMES) if name]
-        rates = RateBag(bag, keys.get("topic"), own)
-        if rates.topic is None:
+        rates = RateBag(self.path, keys.get("topic"), own)
+        self._files.callback(rates.close)
+        if rates.rate_topic is None:
             if rates.others:
                 rule = f"{len(rates.others)} topics have angular velocities, {', '.join(rates.others)}"
                 self.warnings.append(f"{self.path}: {rule}: none is read unless gyroscope.topic names it")
@@ -166,7 +166,7 @@ class JointSource:
             if rates.up is not None:
                 self.up = rates.up
             else:
-                rule = f"no transform tells how {rates.frame} of {rates.topic} sits in the rover"
+                rule = f"no transform tells how {rates.frame} of {rates.rate_topic} sits in the rover"
                 remedy = (
                     "its z is taken for the rover's; gyroscope.roll and gyroscope.pitch can say otherwise"
                 )

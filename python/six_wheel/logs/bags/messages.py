@@ -3,15 +3,18 @@
 import itertools
 import re
 import tempfile
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from six_wheel.kinematics.errors import one_line
 from six_wheel.logs.bags.bag_files import files_of, rosbags_names, whole_part
 from six_wheel.logs.headers.columns import TIME_UNITS, TableError
 from six_wheel.logs.plausibility.findings import Findings
 from six_wheel.logs.plausibility.proposals import Option
+from six_wheel.logs.skip_bad_rows import Batch
 from six_wheel.robot_description.missing_files import no_file
 
 if TYPE_CHECKING:
@@ -171,6 +174,17 @@ class Bag:
             for _, _, message in itertools.islice(self.messages(), LOOK_AHEAD):
                 yield from message.transforms
         self._topics = kept
+
+    def batched(
+        self, rows: Iterable[tuple[int, int, Sequence[float]]], names: Sequence[str], chunk_rows: int
+    ) -> Iterator[Batch]:
+        """Batches of rows: the number of the message, a stamp and the values of these names."""
+        waiting = iter(rows)
+        while piece := list(itertools.islice(waiting, chunk_rows)):
+            numbers, stamps, values = (np.array(column) for column in zip(*piece, strict=True))
+            columns = dict(zip(names, values.astype(float).T, strict=True))
+            self.position = int(numbers[-1])
+            yield Batch(numbers, np.full(len(piece), LINE), stamps, columns)
 
     def messages(self) -> Iterator[tuple[int, int, Any]]:
         """Number from 1, stamp [ns] and content of every message; its own stamp, or when it was received."""

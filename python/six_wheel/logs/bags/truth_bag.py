@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from six_wheel.logs.bags.messages import LINE, OWN_FRAMES, POSES, Bag
+from six_wheel.logs.bags.messages import OWN_FRAMES, POSES, Bag
 from six_wheel.logs.skip_bad_rows import Batch
 
 MAX_FRAMES = 16  # between a rover and the top of its chain, which might be a circle
@@ -31,36 +31,17 @@ class TruthBag(Bag):
 
     def batches(self, chunk_rows: int) -> Iterator[Batch]:
         """A row for every message."""
-        names = ("x", "y", "z", "qx", "qy", "qz", "qw")
-        numbers: list[int] = []
-        stamps: list[int] = []
-        rows: list[tuple[float, ...]] = []
-
-        def batch() -> Batch:
-            columns = np.array(rows, dtype=float).reshape(-1, len(names)).T
-            values = dict(zip(names, columns, strict=True))
-            made = Batch(
-                np.array(numbers), np.full(len(rows), LINE), np.array(stamps, dtype=np.int64), values
+        rows = (
+            (number, when, pose)
+            for number, stamp, message in self.messages()
+            for when, pose in (
+                self._moved(message) if hasattr(message, "transforms") else [(stamp, _pose(message))]
             )
-            for each in (numbers, stamps, rows):
-                each.clear()
-            return made
+        )
+        return self.batched(rows, ("x", "y", "z", "qx", "qy", "qz", "qw"), chunk_rows)
 
-        for number, stamp, message in self.messages():
-            self.position = number
-            found = [(stamp, _pose(message))] if not hasattr(message, "transforms") else self._moved(message)
-            for when, pose in found:
-                numbers.append(number)
-                stamps.append(when)
-                rows.append(pose)
-            if len(rows) >= chunk_rows:
-                yield batch()
-        if rows:
-            yield batch()
-
-    def _moved(self, message: Any) -> list[tuple[int, tuple[float, ...]]]:
+    def _moved(self, message: Any) -> Iterator[tuple[int, tuple[float, ...]]]:
         """Stamps and poses of the rover that transforms tell, through the frames known so far."""
-        found = []
         for each in message.transforms:
             frame, parent = (str(name).lstrip("/") for name in (each.child_frame_id, each.header.frame_id))
             self._tree[frame] = (parent, each.transform)
@@ -71,8 +52,7 @@ class TruthBag(Bag):
                 frame, transform = self._tree[frame]
                 poses.append(_row(transform.translation, transform.rotation))
             stamp = each.header.stamp
-            found.append((stamp.sec * 1_000_000_000 + stamp.nanosec, _composed(poses)))
-        return found
+            yield stamp.sec * 1_000_000_000 + stamp.nanosec, _composed(poses)
 
 
 def _row(p: Any, q: Any) -> tuple[float, ...]:
