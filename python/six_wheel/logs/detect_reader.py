@@ -43,21 +43,14 @@ AnyLog: TypeAlias = "JointLog | WholeLog"
 
 @dataclass(frozen=True)
 class Reader:
-    """A log format that is read whole.
+    """A log format that is read whole."""
 
-    Attributes
-    ----------
-    claims : callable
-        True if a path is such a log; asked before tables and bags are thought of.
-    read : callable
-        From the path and the rover to a `WheelLog` in the rover's order, with its truth if it has one. Its
-        `ValueError` or `OSError` becomes the one line of the command, its warnings those of the log.
-    belongs : callable
-        True if a path in a folder belongs to such a log, and is none by itself.
-    """
-
+    # A path is such a log; asked before tables and bags are thought of.
     claims: Callable[[Path], bool]
+    # From the path and the rover to a `WheelLog` in the rover's order, with its truth if it has one. Its
+    # `ValueError` or `OSError` becomes the one line of the command, its warnings those of the log.
     read: Callable[[Path, Rover], WheelLog]
+    # A path in a folder belongs to such a log, and is none by itself.
     belongs: Callable[[Path], bool] = lambda path: False
 
 

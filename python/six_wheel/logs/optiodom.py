@@ -32,24 +32,12 @@ Metadata = Mapping[str, list[float]]
 
 @dataclass(frozen=True)
 class Robot:
-    """Interpretation of the files of one robot of the data set.
+    """Interpretation of the files of one robot of the data set."""
 
-    Attributes
-    ----------
-    rover : callable
-        From the numbers of the metadata to the nominal rover.
-    wheels : tuple of str
-        The wheel of every reading; a steered robot's steering angle [rad] follows them.
-    signs : tuple of float
-        +1 where a reading counts forward, or else -1.
-    steered : bool
-        True if there is a steering angle.
-    """
-
-    rover: Callable[[Metadata], Rover]
-    wheels: tuple[str, ...]
-    signs: tuple[float, ...]
-    steered: bool = False
+    rover: Callable[[Metadata], Rover]  # from the numbers of the metadata to the nominal rover
+    wheels: tuple[str, ...]  # the wheel of every reading; a steered robot's steering angle [rad] follows them
+    signs: tuple[float, ...]  # +1 where a reading counts forward, or else -1
+    steered: bool = False  # there is a steering angle
 
 
 def _differential(metadata: Metadata) -> Rover:

@@ -89,24 +89,12 @@ _WHEEL_FORMS = ("{0}", "{0}_wheel", "{0}_wheel_joint", "wheel_{0}", "wheel_{0}_j
 
 @dataclass(frozen=True)
 class JointColumns:
-    """Columns by what they hold.
+    """Columns by what they hold."""
 
-    Attributes
-    ----------
-    columns : dict
-        ``"time"``, ``"steering NAME"`` and ``"wheel NAME"`` of the rover's wheels, those of the truth and of
-        a gyroscope.
-    readings : {"angles", "speeds", "ticks"}
-        Kind of the wheels' columns.
-    silent : tuple of str
-        Wheels with a motor but without a column.
-    reversed : frozenset of str
-        Keys of `columns` that go by the name of a joint which counts the other way.
-    """
-
-    columns: dict[str, Column]
-    readings: Reading
-    silent: tuple[str, ...]
+    columns: dict[str, Column]  # "time", "steering NAME", "wheel NAME", those of the truth and a gyroscope
+    readings: Reading  # kind of the wheels' columns
+    silent: tuple[str, ...]  # wheels with a motor but without a column
+    # Keys of `columns` that go by the name of a joint which counts the other way.
     reversed: frozenset[str] = frozenset()
 
 

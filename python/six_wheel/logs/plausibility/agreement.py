@@ -30,21 +30,11 @@ COARSE = 5.0  # times its shortest step, that a wheel turns in a row
 
 @dataclass
 class WheelAgreement:
-    """Rates of the wheels in some stretches of a log.
+    """Rates of the wheels in some stretches of a log."""
 
-    Attributes
-    ----------
-    rates : array, shape (n, wheels)
-        [rad/s].
-    steering : array, shape (n, steered wheels)
-        [rad].
-    judged_later : bool
-        True if a calibration tells by the truth which wheels turn the other way.
-    """
-
-    rates: Floats = field(default_factory=lambda: np.zeros((0, 0)))
-    steering: Floats = field(default_factory=lambda: np.zeros((0, 0)))
-    judged_later: bool = False
+    rates: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # (n, wheels): [rad/s]
+    steering: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # (n, steered wheels): [rad]
+    judged_later: bool = False  # a calibration tells by the truth which wheels turn the other way
     _share: int = 1
 
     def add(self, rates: Floats, steering: Floats | None) -> None:

@@ -71,16 +71,11 @@ class ReadingChecks:
     ----------
     warn : callable
         Called with a line for what can be read but not be trusted.
-
-    Attributes
-    ----------
-    rows : int
-        That were checked so far.
     """
 
     readings: Readings
     warn: Callable[[str], None]
-    rows: int = 0
+    rows: int = 0  # that were checked so far
     _last: tuple[float, Floats, Floats, Floats | None] | None = None
     turns: WheelTurns = field(default_factory=WheelTurns)
     agreement: WheelAgreement = field(default_factory=WheelAgreement)

@@ -24,30 +24,17 @@ STEADY = 10.0  # times the usual step of a truth, that it moves
 
 @dataclass
 class WheelTurns:
-    """Rotation of the wheels in a log, by some of its rows as they come.
+    """Rotation of the wheels in a log, by some of its rows as they come."""
 
-    Attributes
-    ----------
-    low, high : array, shape (wheels,)
-        Least and largest totals [rad].
-    stopped : array, shape (wheels, wheels)
-        Totals of all wheels when each one moved last [rad].
-    least : float
-        Least distance from 0 of a wheel that counts as away [rad].
-    way : array, shape (wheels,)
-        Sums of all turns, to and fro [rad].
-    levels : array
-        Some different totals of the first wheel that moves [rad].
-    returned : float
-        Distance of the farthest wheel before all rested at 0 again and went on, 0 if they never did [rad].
-    """
-
-    least: float = AWAY
-    low: Floats = field(default_factory=lambda: np.zeros(0))
+    least: float = AWAY  # least distance from 0 of a wheel that counts as away [rad]
+    low: Floats = field(default_factory=lambda: np.zeros(0))  # (wheels,): least and largest totals [rad]
     high: Floats = field(default_factory=lambda: np.zeros(0))
+    # (wheels, wheels): totals of all wheels when each one moved last [rad].
     stopped: Floats = field(default_factory=lambda: np.zeros((0, 0)))
-    way: Floats = field(default_factory=lambda: np.zeros(0))
+    way: Floats = field(default_factory=lambda: np.zeros(0))  # (wheels,): sums of all turns, to and fro [rad]
+    # Some different totals of the first wheel that moves [rad].
     levels: Floats = field(default_factory=lambda: np.zeros(0))
+    # Distance of the farthest wheel before all rested at 0 again and went on, 0 if they never did [rad].
     returned: float = 0.0
     _last: Floats = field(default_factory=lambda: np.zeros(0))
     _away: float = 0.0

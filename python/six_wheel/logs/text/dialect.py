@@ -33,32 +33,15 @@ UNIT_WORDS |= {"bool", "int", "float", "none", "unit", "units"}
 
 @dataclass
 class Dialect:
-    """Form of a text table.
+    """Form of a text table."""
 
-    Attributes
-    ----------
-    delimiter : str
-        Between cells; a space stands for any number of spaces and tabs.
-    decimal : str
-        Point or comma.
-    headers : list of str
-        Empty texts where the file has none.
-    skip_lines, header_bytes : int
-        Lines and bytes before the first row.
-    units : dict of int to str
-        Of columns, from a row below the header.
-    first : list of list of str
-        Cells of the first rows.
-    has_header : bool
-    """
-
-    delimiter: str
-    decimal: str = "."
-    headers: list[str] = field(default_factory=list)
-    skip_lines: int = 0
+    delimiter: str  # between cells; a space stands for any number of spaces and tabs
+    decimal: str = "."  # point or comma
+    headers: list[str] = field(default_factory=list)  # empty texts where the file has none
+    skip_lines: int = 0  # lines and bytes before the first row
     header_bytes: int = 0
-    units: dict[int, str] = field(default_factory=dict)
-    first: list[list[str]] = field(default_factory=list)
+    units: dict[int, str] = field(default_factory=dict)  # of columns, from a row below the header
+    first: list[list[str]] = field(default_factory=list)  # cells of the first rows
     has_header: bool = True
 
 

@@ -23,20 +23,11 @@ PLACES = ("front", "middle", "rear")
 
 @dataclass(frozen=True)
 class Suspension:
-    """A rocker-bogie in a tree: the model of it, and its joints by name.
-
-    Attributes
-    ----------
-    model : RockerBogie
-    joints : dict of str to str
-        ``rocker_left`` and so on to the joint in the file.
-    reversed : tuple of str
-        Those joints whose axis points to the right, so that they count the other way.
-    """
+    """A rocker-bogie in a tree: the model of it, and its joints by name."""
 
     model: RockerBogie
-    joints: dict[str, str]
-    reversed: tuple[str, ...]
+    joints: dict[str, str]  # "rocker_left" and so on to the joint in the file
+    reversed: tuple[str, ...]  # those joints whose axis points to the right, so that they count the other way
 
 
 @dataclass(frozen=True)

@@ -36,32 +36,18 @@ class Link:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint between two links, with `parent_from_child` at joint angle 0.
-
-    Attributes
-    ----------
-    rotation, origin : array, shapes (3, 3) and (3,)
-        Of the child in the parent [m].
-    axis : array, shape (3,)
-        Of unit length, in the child.
-    limits : (float, float) or None
-        Smallest and largest angle [rad]; None without any.
-    velocity : float or None
-        Largest rate [rad/s].
-    has_axis, locked : bool
-        True if the file states an axis; True if a fixed joint has axis and limits, as one that turned.
-    """
+    """A joint between two links, with `parent_from_child` at joint angle 0."""
 
     name: str
     type: str
     parent: str
     child: str
-    rotation: Floats
-    origin: Floats
-    axis: Floats
-    limits: tuple[float, float] | None = None
-    velocity: float | None = None
-    locked: bool = False
+    rotation: Floats  # (3, 3), of the child in the parent
+    origin: Floats  # (3,), likewise [m]
+    axis: Floats  # (3,), of unit length, in the child
+    limits: tuple[float, float] | None = None  # smallest and largest angle [rad]; None without any
+    velocity: float | None = None  # largest rate [rad/s]
+    locked: bool = False  # fixed, with axis and limits as one that turned
     mimic: str | None = None
     line: int | None = None
 

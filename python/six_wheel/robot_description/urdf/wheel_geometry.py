@@ -31,53 +31,24 @@ NUMBERS = ("x", "y", "heading", "scrub", "trail", "roller_angle")
 
 @dataclass(frozen=True)
 class FoundWheel:
-    """A wheel of a tree; lengths in metres, angles in radians, in the root's frame with z up.
+    """A wheel of a tree; lengths in metres, angles in radians, in the root's frame with z up."""
 
-    Attributes
-    ----------
-    joint : Joint
-        The one that turns it.
-    centre : array, shape (3,)
-    radius : float
-    radius_from : str
-        The element or key that states the radius.
-    heading : float
-        Direction in which it rolls, with its steering at 0.
-    reversed : bool
-        True if a positive speed of the joint rolls it backwards.
-    steering : Joint or None
-        The joint that turns it about an upright axis.
-    steering_reversed : bool
-        True if that axis points down.
-    pivot : array, shape (2,)
-        Place of the steering axis at the height of the centre; the centre without one.
-    scrub, trail : float
-    castor : bool
-        True if nothing commands that joint.
-    driven : bool
-    roller_angle : float or None
-    noted_name : str or None
-        Of a wheel whose name and numbers `write` noted.
-    noted_index : int
-        Its place among the wheels.
-    """
-
-    joint: Joint
-    centre: Floats
+    joint: Joint  # the one that turns it
+    centre: Floats  # (3,)
     radius: float
-    radius_from: str
-    heading: float
-    reversed: bool
-    steering: Joint | None
-    steering_reversed: bool
-    pivot: Floats
+    radius_from: str  # the element or key that states the radius
+    heading: float  # direction in which it rolls, with its steering at 0
+    reversed: bool  # a positive speed of the joint rolls it backwards
+    steering: Joint | None  # the joint that turns it about an upright axis
+    steering_reversed: bool  # that axis points down
+    pivot: Floats  # (2,): place of the steering axis at the height of the centre; the centre without one
     scrub: float
     trail: float
-    castor: bool
+    castor: bool  # nothing commands that joint
     driven: bool
     roller_angle: float | None
-    noted_name: str | None = None
-    noted_index: int = 0
+    noted_name: str | None = None  # of a wheel whose name and numbers `write` noted
+    noted_index: int = 0  # its place among the wheels
 
     @property
     def steering_limit(self) -> tuple[float, float] | None:
