@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
+from six_wheel.kinematics.errors import TableError
 from six_wheel.log_odometry.run_log import reckon
-from six_wheel.logs.headers.columns import TableError
 
 ROVER = sw.Rover.preset("perseverance")
 

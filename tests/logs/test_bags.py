@@ -15,10 +15,10 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 import six_wheel as sw
+from six_wheel.kinematics.errors import TableError
 from six_wheel.logs import JointLog, read_truth
 from six_wheel.logs.bags.joint_bag import JOINT_STATE
 from six_wheel.logs.bags.messages import POSES
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.robot_description.parameters import dump
 from six_wheel.simulation.drive import drive
 from tests.logs.bag_messages import START, motion

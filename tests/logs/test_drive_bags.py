@@ -12,7 +12,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 import six_wheel as sw
-from six_wheel.logs.headers.columns import TableError
+from six_wheel.kinematics.errors import TableError
 from six_wheel.simulation.drive import DriveLoop, drive
 from tests.rovers import SIX_WHEELS as ROVER
 

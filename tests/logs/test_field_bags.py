@@ -15,10 +15,10 @@ pytest.importorskip("pyarrow")
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from six_wheel.kinematics.errors import TableError
 from six_wheel.kinematics.poses import quaternions
 from six_wheel.logs import JointLog, read_truth
 from six_wheel.logs.detect_reader import read_log
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.log_options import LogOptions
 from tests.logs.test_bags import CART, START, STORE, TYPES, header, joints, states, write
 

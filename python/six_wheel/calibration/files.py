@@ -14,16 +14,16 @@ from six_wheel.calibration.drives import heard, moving
 from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.run_calibration import calibrate
+from six_wheel.kinematics.errors import TableError
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.whole_files import replacing
 from six_wheel.kinematics.poses import Floats, joined
 from six_wheel.log_odometry.copies import without_copies
 from six_wheel.log_odometry.dead_reckoning import dead_reckon
 from six_wheel.log_odometry.evaluation.paths import align
 from six_wheel.logs.detect_reader import AnyLog, logs_in, read_log
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.recordings import WheelLog
-from six_wheel.logs.writing import replacing
 from six_wheel.parallel import Journal
 from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.dimensions import FRAME

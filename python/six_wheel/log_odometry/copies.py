@@ -68,7 +68,7 @@ def rest_without(log: WheelLog, other: WheelLog) -> tuple[WheelLog | None, str] 
 
 @dataclass
 class Sketch:
-    """The smallest hashes of steps of the wheels, by which logs that share readings are found (Broder 1997)."""
+    """Smallest hashes of steps of the wheels, by which logs that share readings are found (Broder 1997)."""
 
     # (n,): of `STEPS` steps in a row each, ascending, at most `KEPT`.
     hashes: NDArray[np.uint64] = field(default_factory=lambda: np.zeros(0, dtype=np.uint64))

@@ -19,17 +19,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover, __version__
-from six_wheel.kinematics.errors import SuspiciousReadingsWarning
+from six_wheel.kinematics.errors import SuspiciousReadingsWarning, TableError
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.whole_files import remove_leftovers, together
 from six_wheel.log_odometry.copies import COMMON, rest_without
 from six_wheel.log_odometry.results import ReckonSettings
 from six_wheel.log_odometry.run_log import reckon
 from six_wheel.logs.detect_reader import logs_in, read_log
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.tables import table_format
-from six_wheel.logs.writing import remove_leftovers, together
 from six_wheel.parallel import Failure, Journal, spread
 
 JOURNAL = ".done"  # folder beside the tracks

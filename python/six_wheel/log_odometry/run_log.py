@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Odometry, Rover
+from six_wheel.kinematics.errors import TableError
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.odometry.tracks import ROUNDING, OdometryHealth, Track
+from six_wheel.kinematics.objects.whole_files import replacing
+from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
 from six_wheel.kinematics.poses import Floats, joined
 from six_wheel.log_odometry.evaluation.paths import absolute_error, align, evaluate
 from six_wheel.log_odometry.evaluation.slip import lost_stretches, reach
@@ -24,15 +26,12 @@ from six_wheel.log_odometry.slip import SlipSum
 from six_wheel.logs.detect_reader import AnyLog, open_log
 from six_wheel.logs.frames.tabular_input import concatenate
 from six_wheel.logs.ground_truth import read_truth
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.joint_totals import JointRows
 from six_wheel.logs.log_options import LogOptions, corrections
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.logs.tables import FORMATS, RowError, table_format
-from six_wheel.logs.writing import TableWriter, replacing
+from six_wheel.logs.writing import TableWriter
 from six_wheel.robot_description.parameters.writing import text_of
-
-__all__ = ["ROUNDING", "reckon"]
 
 UPPER = tuple(zip(*np.triu_indices(3), strict=True))  # of a covariance, which is symmetric
 RECORD = ".mcap"

@@ -12,15 +12,16 @@ from typing import TYPE_CHECKING
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
+    from six_wheel.kinematics.errors import TableError
+    from six_wheel.kinematics.objects.whole_files import replacing
     from six_wheel.logs.detect_reader import open_log, read_log
     from six_wheel.logs.ground_truth import read_truth
-    from six_wheel.logs.headers.columns import TableError
     from six_wheel.logs.joint_totals import JointRows
     from six_wheel.logs.joints import JointLog
     from six_wheel.logs.log_options import LogOptions
     from six_wheel.logs.recordings import GroundTruth, WheelLog
     from six_wheel.logs.tables import Chunk, CommandTable, RowError
-    from six_wheel.logs.writing import TableWriter, replacing
+    from six_wheel.logs.writing import TableWriter
 
 __all__ = [
     "Chunk",

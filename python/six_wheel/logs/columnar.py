@@ -5,7 +5,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from six_wheel.logs.headers.columns import TIME_UNITS, TableError, Unit
+from six_wheel.kinematics.errors import TableError
+from six_wheel.logs.headers.columns import TIME_UNITS, Unit
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.errors import SuspiciousReadingsWarning, as_path
+from six_wheel.kinematics.errors import SuspiciousReadingsWarning, TableError, as_path
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.logs import optiodom
@@ -22,7 +22,6 @@ from six_wheel.logs.bags.bag_files import BAGS, is_bag
 from six_wheel.logs.datasets import katwijk, rose_lab
 from six_wheel.logs.frames.tabular_input import is_table, table, whole
 from six_wheel.logs.ground_truth import read_truth
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.headers.joint_columns import Reading
 from six_wheel.logs.headers.time_columns import in_seconds, scale_of
 from six_wheel.logs.joint_sources import JointSource, refuse_counts

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from six_wheel.kinematics.errors import TableError
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import is_bag
-from six_wheel.logs.headers.columns import TIME, Column, TableError, find_columns
+from six_wheel.logs.headers.columns import TIME, Column, find_columns
 from six_wheel.logs.headers.time_columns import seconds_since
 from six_wheel.logs.headers.truth_columns import columns_in_space, position_columns, truth_columns
 from six_wheel.logs.plausibility.findings import Findings

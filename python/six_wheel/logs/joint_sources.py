@@ -9,11 +9,12 @@ from typing import Any, NoReturn
 import numpy as np
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.errors import TableError
 from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.ground_truth import TRUTH
-from six_wheel.logs.gyroscope.rates import RATES, upward
+from six_wheel.logs.gyroscope.rates import upward
 from six_wheel.logs.gyroscope.sources import rate_table
-from six_wheel.logs.headers.columns import Column, TableError, Unit
+from six_wheel.logs.headers.columns import Column, Unit
 from six_wheel.logs.headers.joint_columns import (
     JointColumns,
     Reading,
@@ -21,6 +22,7 @@ from six_wheel.logs.headers.joint_columns import (
     joint_columns,
     unsaid_units,
 )
+from six_wheel.logs.headers.rate_columns import RATES
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.plausibility.checks import ReadingChecks

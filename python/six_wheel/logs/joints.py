@@ -14,27 +14,26 @@ from typing import Any, Self
 import numpy as np
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.errors import TableError
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import Topics
 from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
-from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of
+from six_wheel.logs.gyroscope.rates import Turning, about_z, edges_of
 from six_wheel.logs.gyroscope.sources import readings_of
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.headers.joint_columns import Reading
+from six_wheel.logs.headers.rate_columns import RATES
 from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.headers.time_columns import seconds_since, whole_second
 from six_wheel.logs.joint_sources import JointSource
 from six_wheel.logs.joint_totals import Encoders, Integral, JointRows, Total, encoder_of
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.plausibility.checks import ReadingChecks
-from six_wheel.logs.plausibility.findings import Finding, Findings
+from six_wheel.logs.plausibility.findings import Findings
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Batch, Sieve
-
-__all__ = ["Finding", "JointLog", "Reading"]
 
 
 @checked_class

@@ -22,8 +22,8 @@ from pathlib import Path
 import numpy as np
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.errors import TableError
 from six_wheel.kinematics.poses import Floats
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.robot_description.wheels_of_rover import with_wheels
 

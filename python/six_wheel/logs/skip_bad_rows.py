@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.errors import one_line
+from six_wheel.kinematics.errors import TableError, one_line
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
-from six_wheel.logs.headers.columns import Column, TableError, Unit, is_number
+from six_wheel.logs.headers.columns import Column, Unit, is_number
 from six_wheel.logs.headers.renamed import Columns, renamed, without_header
 from six_wheel.logs.plausibility.findings import Findings, Kind
 from six_wheel.logs.plausibility.stamps import out_of_order, rows_behind, since_1970

@@ -17,17 +17,11 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.errors import FileError, one_line
+from six_wheel.kinematics.errors import FileError, TableError, one_line
 from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.logs.columnar import ColumnarFile, time_unit_of, units_of
 from six_wheel.logs.headers.clock_times import is_clock_time
-from six_wheel.logs.headers.columns import (
-    TIME_UNITS,
-    Column,
-    TableError,
-    find_columns,
-    is_number,
-)
+from six_wheel.logs.headers.columns import TIME_UNITS, Column, find_columns, is_number
 from six_wheel.logs.text.dialect import LONGEST_LINE, SPACES, cells_of, open_text, read_dialect
 from six_wheel.robot_description.missing_files import no_file
 

@@ -7,10 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
 
-from six_wheel.kinematics.objects.whole_files import remove_leftovers, replacing, together
+from six_wheel.kinematics.objects.whole_files import replacing
 from six_wheel.logs.tables import table_format
-
-__all__ = ["TableWriter", "remove_leftovers", "replacing", "together"]
 
 
 class TableWriter:

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
+    from six_wheel.maps.files import TerrainFileError
     from six_wheel.maps.readers.placement import TerrainFileWarning
-    from six_wheel.maps.reading import TerrainFileError, read
+    from six_wheel.maps.reading import read
     from six_wheel.maps.synthetic import yard
     from six_wheel.maps.tiles import Tile, judge
     from six_wheel.maps.traversability import Layers, Traversed, traverse

@@ -23,7 +23,6 @@ from six_wheel.robot_description.missing_files import near_file
 if TYPE_CHECKING:
     from six_wheel.maps.readers.rasters import GridImage, Raster
 
-__all__ = ["TerrainFileError", "describe", "open_raster", "read", "read_with"]
 
 BAGS = (".bag", ".db3", ".mcap")
 TEXTS = (".asc", ".csv", ".grd", ".txt", ".xyz", ".dat", ".tsv", ".pts", ".agr")

@@ -5,9 +5,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from six_wheel.kinematics.errors import ArgumentTypeError, as_path, one_line
-from six_wheel.logs.headers.columns import TableError
-from six_wheel.logs.writing import replacing
+from six_wheel.kinematics.errors import ArgumentTypeError, TableError, as_path, one_line
+from six_wheel.kinematics.objects.whole_files import replacing
 
 PICTURES = (".png", ".svg", ".pdf")
 

@@ -7,13 +7,13 @@ import numpy as np
 
 from six_wheel._core import RockerBogie
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.whole_files import replacing
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.rover_record import IMU, JOINTS, ODOMETRY, TRANSFORMS, TRUTH
 from six_wheel.logs.mcap.writer import record_stamps
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.tables import FORMATS, table_format
-from six_wheel.logs.writing import replacing
 from six_wheel.simulation.on_terrain import GroundSimulation
 from six_wheel.simulation.writing import (
     BAG,

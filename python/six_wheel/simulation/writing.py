@@ -8,12 +8,13 @@ import numpy as np
 
 from six_wheel._core import Odometry, Rover
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.whole_files import replacing
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.mcap import frames
 from six_wheel.logs.mcap.rover_record import IMU, JOINTS, ODOMETRY, PARAMETERS, TRANSFORMS, TRUTH
 from six_wheel.logs.mcap.writer import RecordWriter, record_stamps
 from six_wheel.logs.recordings import WheelLog
-from six_wheel.logs.writing import TableWriter, replacing
+from six_wheel.logs.writing import TableWriter
 from six_wheel.robot_description.parameters.writing import text_of
 
 BAG = ".mcap"

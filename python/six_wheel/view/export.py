@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from six_wheel.logs.writing import replacing
+from six_wheel.kinematics.objects.whole_files import replacing
 
 if TYPE_CHECKING:
     import viser

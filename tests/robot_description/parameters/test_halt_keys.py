@@ -9,8 +9,9 @@ pytest.importorskip("pydantic", reason='needs pip install "six-wheel[cli]"')
 
 import six_wheel as sw
 from six_wheel.kinematics.rover_edit import limits_given
+from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.parameters import dump, read_parameters
-from six_wheel.robot_description.parameters.file import ParameterFileError, parse_parameters
+from six_wheel.robot_description.parameters.file import parse_parameters
 
 ROVER = "kind: six_wheel\nd1: 0.4\nd2: 0.5\nd3: 0.5\nd4: 0.45\nwheel_radius: 0.15\n"
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel.logs.headers.columns import TableError
+from six_wheel.kinematics.errors import TableError
 from six_wheel.simulation.drive import (
     ControlledDrive,
     DriveLoop,

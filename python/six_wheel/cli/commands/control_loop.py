@@ -102,7 +102,7 @@ def replay(
     changes = _changes(several(change, "="))
     from six_wheel.control_loop.replay import compare
     from six_wheel.control_loop.replay import replay as run_again
-    from six_wheel.logs.writing import replacing
+    from six_wheel.kinematics.objects.whole_files import replacing
 
     if not record.is_file():
         raise ValueError(no_file(record))

@@ -41,7 +41,7 @@ def _write_rover(chosen: NamedRover, target: Path) -> Path:
         chosen.rover.save(target, limits=chosen.limits)
     else:
         from six_wheel.control_loop.settings import own_text
-        from six_wheel.logs.writing import replacing
+        from six_wheel.kinematics.objects.whole_files import replacing
 
         with replacing(target) as temporary:
             temporary.write_text(own_text(chosen.parameters), encoding="utf-8")

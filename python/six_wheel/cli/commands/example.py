@@ -27,7 +27,7 @@ def example(
     target = output or Path(name)
     if target.exists():  # it may be the user's own
         raise ValueError(f"{target}: the file is there already; --output says where else")
-    from six_wheel.logs.writing import replacing
+    from six_wheel.kinematics.objects.whole_files import replacing
 
     with replacing(target) as temporary:
         temporary.write_bytes((folder / name).read_bytes())

@@ -133,8 +133,8 @@ class Way(NamedTuple):
 def _way(commands: Path, start: tuple[float, float, float] | None, speed: float) -> Way:
     import numpy as np
 
+    from six_wheel.kinematics.errors import TableError
     from six_wheel.logs.ground_truth import read_truth
-    from six_wheel.logs.headers.columns import TableError
     from six_wheel.logs.tables import CommandTable
 
     try:

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from six_wheel.cli.demo.motion import REST_SPEED, SMOOTHING, SUSTAINED, DemoMotion, DemoResult
-from six_wheel.logs.writing import replacing
+from six_wheel.kinematics.objects.whole_files import replacing
 from six_wheel.plotting.drawing import INK, SOFT, new_figure, tidy
 from six_wheel.plotting.path import draw_path
 from six_wheel.robot_description.wheels_of_rover import joints_by_wheel

@@ -9,10 +9,11 @@ from typing import TypeAlias
 import numpy as np
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.errors import TableError
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.detect_reader import log_format, open_log
-from six_wheel.logs.headers.columns import Column, TableError, Unit
+from six_wheel.logs.headers.columns import Column, Unit
 from six_wheel.logs.headers.joint_columns import joint_columns
 from six_wheel.logs.headers.rate_columns import rate_columns
 from six_wheel.logs.headers.time_columns import time_columns

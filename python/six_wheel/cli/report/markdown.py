@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from six_wheel.logs.headers.columns import TableError
-from six_wheel.logs.writing import replacing
+from six_wheel.kinematics.errors import TableError
+from six_wheel.kinematics.objects.whole_files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

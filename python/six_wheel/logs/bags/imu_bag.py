@@ -3,10 +3,10 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from six_wheel.kinematics.errors import TableError
 from six_wheel.logs.bags.messages import Bag
 from six_wheel.logs.gyroscope.links import Links
-from six_wheel.logs.gyroscope.rates import RATES
-from six_wheel.logs.headers.columns import TableError
+from six_wheel.logs.headers.rate_columns import RATES
 from six_wheel.logs.skip_bad_rows import Batch
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.errors import TableError
 from six_wheel.logs.bags.messages import JOINT_STATE, LINE, LOOK_AHEAD, Bag
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.headers.joint_columns import Reading, did_you_mean
 from six_wheel.logs.plausibility.findings import Findings
 from six_wheel.logs.skip_bad_rows import Batch

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from six_wheel.kinematics.errors import one_line
+from six_wheel.kinematics.errors import TableError, one_line
 from six_wheel.logs.bags.bag_files import files_of, rosbags_names, whole_part
-from six_wheel.logs.headers.columns import TIME_UNITS, TableError
+from six_wheel.logs.headers.columns import TIME_UNITS
 from six_wheel.logs.plausibility.findings import Findings
-from six_wheel.logs.plausibility.proposals import Option
 from six_wheel.logs.skip_bad_rows import Batch
+from six_wheel.robot_description.doubts import Option
 from six_wheel.robot_description.missing_files import no_file
 
 if TYPE_CHECKING:

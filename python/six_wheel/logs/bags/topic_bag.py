@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.errors import TableError
 from six_wheel.logs.bags.joint_bag import JointBag
 from six_wheel.logs.bags.messages import Bag
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.headers.joint_columns import Reading, joint_columns
 
 _KEY = re.compile(r"(?P<topic>[^.\[]+)(?:\.(?P<field>[\w.]+))?(?:\[(?P<index>\d+)\])?")

@@ -17,11 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.errors import SuspiciousReadingsWarning
+from six_wheel.kinematics.errors import SuspiciousReadingsWarning, TableError
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.gyroscope.rates import Turning, edges_of
 from six_wheel.logs.headers.clock_times import ClockTimes, is_clock_time
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.logs.recordings import GroundTruth, WheelLog
 
 ODOMETRY, PLACES, IMU = "odometry.txt", "gps-utm31.txt", "imu.txt"

@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Odometry, Rover
-from six_wheel.kinematics.errors import ArgumentTypeError, needed, one_line
+from six_wheel.kinematics.errors import ArgumentTypeError, TableError, needed, one_line
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.columnar import ColumnarFile
 from six_wheel.logs.frames.table_headers import STAMPS, Meaning, Sensors, meaning_of, names
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
-from six_wheel.logs.headers.columns import TIME, TableError, means
+from six_wheel.logs.headers.columns import TIME, means
 from six_wheel.logs.headers.joint_columns import direction_columns
 from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.headers.time_columns import in_seconds

@@ -12,10 +12,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from six_wheel.kinematics.poses import Floats
-from six_wheel.logs.headers.rate_columns import ABOUT_Z, AXES, RATES
-
-__all__ = ["AXES", "LONGEST_GAP", "RATES", "Passing", "Turning", "about_z", "edges_of", "upward"]
-
+from six_wheel.logs.headers.rate_columns import ABOUT_Z, AXES
 
 LONGEST_GAP = 0.5  # [s] between two readings, across which nothing is known
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.kinematics.poses import Floats
-from six_wheel.logs.gyroscope.rates import RATES, about_z
+from six_wheel.logs.gyroscope.rates import about_z
 from six_wheel.logs.headers.columns import Column
-from six_wheel.logs.headers.rate_columns import rate_columns
+from six_wheel.logs.headers.rate_columns import RATES, rate_columns
 from six_wheel.logs.headers.renamed import Columns
 from six_wheel.logs.headers.time_columns import time_columns
 from six_wheel.logs.skip_bad_rows import Sieve, Source, TolerantTable

@@ -9,23 +9,6 @@ from functools import cache
 
 from six_wheel.kinematics.errors import TableError
 
-__all__ = [
-    "BRACKETS",
-    "QUANTITIES",
-    "TIME",
-    "TIME_UNITS",
-    "Column",
-    "Quantity",
-    "TableError",
-    "Unit",
-    "find_columns",
-    "is_number",
-    "listed",
-    "means",
-    "unit",
-    "words",
-]
-
 
 @dataclass(frozen=True)
 class Unit:

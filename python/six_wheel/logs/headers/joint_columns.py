@@ -13,21 +13,14 @@ from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, get_args
 
 from six_wheel._core import Rover
-from six_wheel.logs.headers.columns import (
-    BRACKETS,
-    TIME,
-    Column,
-    TableError,
-    Unit,
-    listed,
-    unit,
-    words,
-)
+from six_wheel.kinematics.errors import TableError
+from six_wheel.logs.headers.columns import BRACKETS, TIME, Column, Unit, listed, unit, words
 from six_wheel.logs.headers.rate_columns import rate_columns
 from six_wheel.logs.headers.renamed import all_names
 from six_wheel.logs.headers.time_columns import time_columns
 from six_wheel.logs.headers.truth_columns import ANGLES, truth_columns
-from six_wheel.logs.plausibility.proposals import Proposal, columns
+from six_wheel.logs.plausibility.proposals import columns
+from six_wheel.robot_description.doubts import Proposal
 
 Reading: TypeAlias = Literal["angles", "speeds", "ticks"]
 READINGS: tuple[Reading, ...] = get_args(Reading)

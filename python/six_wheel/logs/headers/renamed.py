@@ -3,8 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
-from six_wheel.logs.headers.columns import TableError, listed
-from six_wheel.logs.plausibility.proposals import Option
+from six_wheel.kinematics.errors import TableError
+from six_wheel.logs.headers.columns import listed
+from six_wheel.robot_description.doubts import Option
 
 Columns: TypeAlias = Mapping[str, str] | Sequence[str]
 SHOWN = 40  # letters of a row

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.kinematics.errors import TableError
 from six_wheel.logs.headers.columns import (
     BRACKETS,
     TIME,
     TIME_UNITS,
     Column,
-    TableError,
     Unit,
     find_columns,
     is_number,

@@ -8,8 +8,9 @@ import numpy as np
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.poses import Floats
-from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, Proposal, at_its_word
+from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, at_its_word
 from six_wheel.logs.plausibility.readings import Readings
+from six_wheel.robot_description.doubts import Proposal
 
 Units: TypeAlias = Mapping[str, Proposal]
 

@@ -10,14 +10,13 @@ from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
     Column,
     ImplausibleReadingError,
-    Option,
-    Proposal,
     at_its_word,
     columns,
     encoders,
     stamp_unit,
 )
 from six_wheel.logs.plausibility.readings import Readings
+from six_wheel.robot_description.doubts import Option, Proposal
 
 STRETCH = 0.5  # [s] over which rates are taken
 FASTEST_RIM = 100.0  # [m/s]

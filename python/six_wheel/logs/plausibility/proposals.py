@@ -4,21 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from six_wheel.kinematics.errors import FileError
-from six_wheel.robot_description.doubts import Option, Proposal
-
-__all__ = [
-    "Column",
-    "ImplausibleReadingError",
-    "Option",
-    "Proposal",
-    "at_its_word",
-    "columns",
-    "encoders",
-    "max_speed",
-    "number",
-    "rows",
-    "stamp_unit",
-]
+from six_wheel.robot_description.doubts import Proposal
 
 FIRST = 3  # rows that are named
 

@@ -7,12 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.kinematics.poses import Floats
-from six_wheel.logs.plausibility.proposals import (
-    ImplausibleReadingError,
-    Proposal,
-    at_its_word,
-    stamp_unit,
-)
+from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, at_its_word, stamp_unit
+from six_wheel.robot_description.doubts import Proposal
 
 # A second later than this (the year 5138) is a count of something shorter.
 LATEST_SECOND = 1e11

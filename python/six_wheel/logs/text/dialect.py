@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
 
-from six_wheel.kinematics.errors import one_line
+from six_wheel.kinematics.errors import TableError, one_line
 from six_wheel.logs.headers.clock_times import is_clock_time
-from six_wheel.logs.headers.columns import BRACKETS, TIME, TableError, is_number, means, words
+from six_wheel.logs.headers.columns import BRACKETS, TIME, is_number, means, words
 from six_wheel.logs.headers.joint_columns import unit_words
 from six_wheel.logs.text.foreign import FOREIGN, PACKED
 

@@ -14,12 +14,10 @@ from six_wheel.maps import doubts
 from six_wheel.maps.files import Grid, Options, TerrainFileError, Window, bracketed_unit, length, unit_in_name
 from six_wheel.maps.plausibility import find_fill, find_unit, is_fill, is_in_degrees
 from six_wheel.maps.readers.netcdf import check_length
-from six_wheel.maps.readers.placement import Placement, TerrainFileWarning, apply, place
+from six_wheel.maps.readers.placement import Placement, apply, place
 from six_wheel.maps.readers.points import OTHERS, is_height
 from six_wheel.maps.readers.reference import UNKNOWN, image_unit, read_reference
 from six_wheel.maps.readers.sources import Source
-
-__all__ = ["GridImage", "Raster", "TerrainFileWarning", "rasterio"]
 
 SAMPLE = (256, 256)  # rows and columns of a part that stands for the image
 GLANCE = (8, 256)  # the same where only a window is read: few strips, which are as wide as the image

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
+    from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
     from six_wheel.robot_description.parameters.edit_in_place import text_for
     from six_wheel.robot_description.parameters.file import (
-        Finding,
-        ParameterFileError,
         Parameters,
         load,
         parse_parameters,

@@ -16,7 +16,7 @@ import yaml
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.poses import Floats
-from six_wheel.robot_description.parameters import file as config
+from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import form_of, section_of
 from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
@@ -140,7 +140,7 @@ def _mended(parameters: Parameters, rover: Rover, beside: Values) -> str | None:
             found = None if text is None else parse_parameters(text, node=node, kind=kind)
             if found is not None and _same(found.rover, rover) and _holds(found, beside):
                 return text
-        except config.ParameterFileError:
+        except ParameterFileError:
             continue
     return None
 

@@ -31,7 +31,7 @@ from typing import Any, NoReturn
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
 from six_wheel.kinematics.errors import as_path, printable
 from six_wheel.kinematics.keywords import checked, did_you_mean
-from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
+from six_wheel.robot_description.diagnostics import Finding
 from six_wheel.robot_description.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.missing_files import near_file
 from six_wheel.robot_description.parameters import ros_yaml
@@ -49,8 +49,6 @@ from six_wheel.robot_description.parameters.ros_node_parameters import (
 )
 from six_wheel.robot_description.parameters.schema import GROUPS, PLAIN, Form, check_values
 from six_wheel.robot_description.parameters.units import question_settings, question_units
-
-__all__ = ["Finding", "ParameterFileError", "Parameters", "load", "read_parameters"]
 
 # A parameter file has a few kilobytes. What is larger is a log or a mesh, and would take PyYAML long.
 MAX_BYTES = 1 << 18

@@ -16,8 +16,9 @@ from typing import Any
 from six_wheel._core import Rover
 from six_wheel.kinematics.errors import as_path
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.whole_files import replacing
 from six_wheel.logs.tables import FORMATS, CommandTable, RowError, table_format
-from six_wheel.logs.writing import TableWriter, replacing
+from six_wheel.logs.writing import TableWriter
 from six_wheel.robot_description.parameters.writing import text_of
 from six_wheel.simulation.drive.closed_loop import REASONS_METADATA, ControlledDrive, DriveLoop
 from six_wheel.simulation.drive.feedforward import Drive

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.errors import TableError
 from six_wheel.kinematics.poses import Floats
-from six_wheel.logs.headers.columns import TableError
 from six_wheel.view.records.record import Record
 
 POSE, TWIST = ("x", "y", "yaw"), ("vx", "vy", "omega")
