@@ -1,11 +1,8 @@
-"""Files of ROS 2 bags: which there are, what is whole of one that was cut off, and how rosbags is loaded."""
+"""Files of ROS 2 bags: which there are, and what is whole of one that was cut off."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, TypeAlias
-
-from six_wheel.kinematics.errors import needed
+from typing import TypeAlias
 
 Topics: TypeAlias = Sequence[str] | Mapping[str, str]
 BAGS = (".mcap", ".db3", ".bag")
@@ -47,18 +44,3 @@ def whole_part(file: Path, folder: Path) -> Path:
             target.write(bytes([kind]) + length.to_bytes(8, "little") + bytes(length))
         target.write(MAGIC)
     return whole
-
-
-def rosbags_names() -> Any:
-    """The names of rosbags that are used here."""
-    with needed("six-wheel[bags]", "bags need"):
-        import rosbags.highlevel
-        import rosbags.rosbag2
-        import rosbags.typesys
-    return SimpleNamespace(
-        AnyReader=rosbags.highlevel.AnyReader,
-        Stores=rosbags.typesys.Stores,
-        get_typestore=rosbags.typesys.get_typestore,
-        Writer=rosbags.rosbag2.Writer,
-        StoragePlugin=rosbags.rosbag2.StoragePlugin,
-    )

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from six_wheel.kinematics.errors import TableError, one_line
-from six_wheel.logs.bags.bag_files import files_of, rosbags_names, whole_part
+from six_wheel.kinematics.errors import TableError, needed, one_line
+from six_wheel.logs.bags.bag_files import files_of, whole_part
 from six_wheel.logs.headers.columns import TIME_UNITS
 from six_wheel.logs.plausibility.findings import Findings
 from six_wheel.logs.skip_bad_rows import Batch
@@ -73,19 +73,20 @@ class Bag:
         self.topic = ""  # of the message that was read last
         self._topics: list[Any] = []
         self._whole: tempfile.TemporaryDirectory[str] | None = None
-        rosbags = rosbags_names()
         try:
-            self._reader = self._open(rosbags)
+            self._reader = self._open()
         except BaseException:
             self._forget()
             raise
 
-    def _open(self, rosbags: Any) -> "AnyReader":
+    def _open(self) -> "AnyReader":
         """A reader of the bag, or of what is whole of it."""
-        store = rosbags.get_typestore(rosbags.Stores.LATEST)
+        with needed("six-wheel[bags]", "bags need"):
+            from rosbags.highlevel import AnyReader
+            from rosbags.typesys import Stores, get_typestore
 
-        def reader(paths: Sequence[Path]) -> "AnyReader":
-            opened: AnyReader = rosbags.AnyReader(paths, default_typestore=store)
+        def reader(paths: Sequence[Path]) -> AnyReader:
+            opened = AnyReader(paths, default_typestore=get_typestore(Stores.LATEST))
             opened.open()
             return opened
 

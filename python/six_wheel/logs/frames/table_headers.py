@@ -31,12 +31,17 @@ class Meaning:
     units_stated: bool = False
 
 
+def steering_keys(rover: Rover) -> dict[str, str]:
+    """Steered wheels to the keys of `names` for their angles."""
+    steering, _ = joints_by_wheel(rover)
+    return {wheel: steering.get(wheel, f"{wheel}_steering_joint") for wheel in rover.steered_wheel_names}
+
+
 def names(rover: Rover, readings: str = "angles") -> dict[str, tuple[str, ...]]:
     """Accepted names of the columns: by joint for steering, by wheel, and the stamp."""
-    steering, traction = joints_by_wheel(rover)
+    _, traction = joints_by_wheel(rover)
     known: dict[str, tuple[str, ...]] = {"stamp": STAMPS}
-    for wheel in rover.steered_wheel_names:
-        joint = steering.get(wheel, f"{wheel}_steering_joint")
+    for joint in steering_keys(rover).values():
         known[joint] = tuple(joint + ending for ending in ENDINGS["angles"])
     for wheel in rover.wheel_names:
         stems = (traction.get(wheel, wheel), wheel)
@@ -78,7 +83,6 @@ def meaning_of(
 
 def _of_columns(rover: Rover, headers: Sequence[str], by_name: JointColumns, sensors: Sensors) -> Meaning:
     """The meaning of a table whose headers say what is in them."""
-    steering, _ = joints_by_wheel(rover)
     known = by_name.columns
     found, scales = {"stamp": headers[known["time"].index]}, {}
     if "nanoseconds" in known:
@@ -87,30 +91,27 @@ def _of_columns(rover: Rover, headers: Sequence[str], by_name: JointColumns, sen
         scales[found["nanoseconds"]] = 1e9 * known["nanoseconds"].unit.scale
     elif known["time"].stated:
         scales[found["stamp"]] = known["time"].unit.scale
-    backwards = set()
-    for part, wheels in (("steering", rover.steered_wheel_names), ("wheel", rover.wheel_names)):
-        for wheel in wheels:
-            name = wheel if part == "wheel" else steering.get(wheel, f"{wheel}_steering_joint")
-            column = known.get(f"{part} {wheel}")
-            found[name] = "" if column is None else headers[column.index]
-            if column is not None:
-                scales[found[name]] = column.unit.scale
-                backwards |= {found[name]} if f"{part} {wheel}" in by_name.reversed else set()
-    for name, header in sensors.items():
-        if header is not None:
-            if header not in headers:
-                raise ValueError(f"{name} must name a column, got {header!r} of {', '.join(headers)}")
-            found[name] = str(header)
+    keys = {f"steering {wheel}": key for wheel, key in steering_keys(rover).items()}
+    keys |= {f"wheel {wheel}": wheel for wheel in rover.wheel_names}
+    for name, key in keys.items():
+        column = known.get(name)
+        found[key] = "" if column is None else headers[column.index]
+        if column is not None:
+            scales[found[key]] = column.unit.scale
     wheels_of = [column for name, column in known.items() if name.startswith("wheel ")]
-    kind = by_name.readings
-    return Meaning(
-        found,
-        scales,
-        kind,
-        frozenset(backwards),
-        known["time"].stated,
-        all(column.stated for column in wheels_of) and any("[" in column.header for column in wheels_of),
-    )
+    stated = all(column.stated for column in wheels_of) and any("[" in column.header for column in wheels_of)
+    backwards = frozenset(found[key] for name, key in keys.items() if name in by_name.reversed)
+    found |= _of_sensors(sensors, headers)
+    return Meaning(found, scales, by_name.readings, backwards, known["time"].stated, stated)
+
+
+def _of_sensors(sensors: Sensors, headers: Sequence[str]) -> dict[str, str]:
+    """Columns of sensors that the call names. Raises `ValueError` if one is not there."""
+    named = {name: header for name, header in sensors.items() if header is not None}
+    for name, header in named.items():
+        if header not in headers:
+            raise ValueError(f"{name} must name a column, got {header!r} of {', '.join(headers)}")
+    return named
 
 
 def _find(
@@ -139,9 +140,4 @@ def _find(
             found[name] = ""
         else:
             raise ValueError(f"table must have a column {' or '.join(wanted)}, got {', '.join(headers)}")
-    for name, header in sensors.items():
-        if header is not None:
-            if header not in headers:
-                raise ValueError(f"{name} must name a column, got {header!r} of {', '.join(headers)}")
-            found[name] = header
-    return found
+    return found | _of_sensors(sensors, headers)

@@ -18,8 +18,8 @@ from six_wheel._core import Odometry, Rover
 from six_wheel.kinematics.errors import ArgumentTypeError, TableError, needed, one_line
 from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
-from six_wheel.logs.columnar import ColumnarFile
-from six_wheel.logs.frames.table_headers import STAMPS, Meaning, Sensors, meaning_of, names
+from six_wheel.logs.columnar import ColumnarFile, units_of
+from six_wheel.logs.frames.table_headers import STAMPS, Meaning, Sensors, meaning_of, steering_keys
 from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
 from six_wheel.logs.headers.columns import TIME, means
 from six_wheel.logs.headers.joint_columns import direction_columns
@@ -29,7 +29,6 @@ from six_wheel.logs.plausibility.arrays import FEW, array_checks
 from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.proposals import encoders
 from six_wheel.robot_description.missing_files import no_file
-from six_wheel.robot_description.wheels_of_rover import joints_by_wheel
 
 LONGEST_RUN = 1e6  # [s] beyond which stamps count from the first
 CHUNK_ROWS = 65_536  # a few megabytes, and so many that a call costs nothing
@@ -142,7 +141,8 @@ def table(
     opened = _parquet(Path(source)) if of_file else None
     schema: Any = opened.schema if opened is not None else getattr(source, "schema", None)
     headers = opened.headers if opened is not None else list(map(str, _headers(source)))
-    meaning = meaning_of(rover, headers, columns, sensors, options, _units(schema), stamp_unit)
+    units = units_of(schema) if hasattr(schema, "field") else {}
+    meaning = meaning_of(rover, headers, columns, sensors, options, units, stamp_unit)
     if meaning.readings == "ticks" and options.get("wheel_encoders") is None:
         raise ValueError(
             f"the wheels are in ticks, and how many a turn has must be said: give {encoders(counts=True)}"
@@ -200,11 +200,8 @@ def _checked(pieces: Iterator[Piece], checks: ReadingChecks | None) -> Iterator[
 def _checks(
     rover: Rover, options: Mapping[str, Any], meaning: Meaning, directions: Mapping[str, str]
 ) -> ReadingChecks:
-    steering, _ = joints_by_wheel(rover)
-    named = {"stamp": meaning.found["stamp"]}
-    named |= {wheel: meaning.found[wheel] for wheel in rover.wheel_names}
-    for wheel in rover.steered_wheel_names:
-        named[f"{wheel} steering"] = meaning.found[steering.get(wheel, f"{wheel}_steering_joint")]
+    named = {name: meaning.found[name] for name in ("stamp", *rover.wheel_names)}
+    named |= {f"{wheel} steering": meaning.found[key] for wheel, key in steering_keys(rover).items()}
     return array_checks(
         rover, options, named, meaning.clock_stated, meaning.units_stated, directions=directions
     )
@@ -218,16 +215,6 @@ def _parquet(path: Path) -> ColumnarFile:
             return ColumnarFile(path, "parquet")
     except TableError:
         raise ValueError(f"{path}: must be a Parquet file; read_log makes a WheelLog of others") from None
-
-
-def _units(schema: Any) -> dict[int, str]:
-    """Units that the fields of a schema of Arrow's state."""
-    units = {}
-    for index, field in enumerate(schema if hasattr(schema, "field") else ()):
-        stated = (field.metadata or {}).get(b"unit")
-        if stated:
-            units[index] = stated.decode("utf-8", "replace")
-    return units
 
 
 def _with_times(source: Any) -> Any:
@@ -382,15 +369,10 @@ def _piece(rover: Rover, meaning: Meaning, read: Mapping[str, NDArray[Any]], ori
         seconds = np.asarray(stamps, dtype=np.float64)
     nothing = np.full(len(stamps), np.nan)
     wheels = [read[found[name]] if found[name] else nothing for name in rover.wheel_names]
-    steered = [read[header] for name, header in found.items() if name in _steering(rover)]
+    steered = [read[found[key]] for key in steering_keys(rover).values()]
     return Piece(
         np.stack(steered, axis=-1) if steered else None,
         np.stack(wheels, axis=-1),
         seconds,
         {name: read[found[name]] for name in ("yaw", "yaw_rate") if name in found},
     )
-
-
-def _steering(rover: Rover) -> set[str]:
-    """The keys of `names` that stand for steering joints."""
-    return set(names(rover)) - {"stamp", *rover.wheel_names}
