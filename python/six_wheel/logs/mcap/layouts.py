@@ -33,22 +33,21 @@ class Seen(NamedTuple):
     topics: frozenset[str]
     joints: tuple[str, ...] = ()
 
+    @property
+    def commands(self) -> list[tuple[str, str]]:
+        """Topics of commands, each with its name in a plot."""
+        every = ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded"))
+        return [each for each in every if each[0] in self.topics]
 
-ALL = Seen(
-    frozenset(
-        {topics.WANTED, topics.LIMITED, topics.COMMANDS, topics.ODOMETRY, topics.REASONS, topics.SLIP}
-        | {topics.DIAGNOSTICS}
-    )
-)
+
+_OF_NODE = "WANTED LIMITED COMMANDS ODOMETRY REASONS SLIP DIAGNOSTICS"
+ALL = Seen(frozenset(getattr(topics, name) for name in _OF_NODE.split()))
 """The topics of a node."""
 
 
 def _seen(record: Record) -> Seen:
-    joints: tuple[str, ...] = ()
-    for message in record.messages([topics.JOINTS]):
-        joints = tuple(record.parsed(message).name)
-        break
-    return Seen(frozenset(record.topics()), joints)
+    first = next(record.messages([topics.JOINTS]), None)
+    return Seen(frozenset(record.topics()), () if first is None else tuple(record.parsed(first).name))
 
 
 def write(path: Path, rover: Rover, record: Path | None = None) -> None:
@@ -157,13 +156,10 @@ def foxglove(rover: Rover, seen: Seen = ALL) -> dict[str, Any]:
 
 def _motion_lines(seen: Seen) -> tuple[str, list[tuple[str, str]]]:
     """Title and lines of the motion plot: wanted and commanded motion; without commands the odometry's."""
-    told = [
-        each for each in ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded")) if each[0] in seen.topics
-    ]
     lines = [
         (f"{topic}.twist.{field}", f"{label}, {name}")
         for field, name in WANTED_AND_LIMITED
-        for topic, label in told
+        for topic, label in seen.commands
     ]
     if lines:
         return "wanted and commanded motion", lines
@@ -176,12 +172,9 @@ def _joint_lines(rover: Rover, seen: Seen, *, steering: bool) -> tuple[str, list
     steered, driving = map(list, joints_as_given(rover))
     names = steered if steering else driving
     if topics.COMMANDS in seen.topics:
-        if steering:
-            lines = [(f"{topics.COMMANDS}.position[{k}]", joint) for k, joint in enumerate(names)]
-            return "steering angles [rad]", lines
-        first = len(steered)
-        lines = [(f"{topics.COMMANDS}.velocity[{first + k}]", joint) for k, joint in enumerate(names)]
-        return "wheel speeds [rad/s]", lines
+        field, first = ("position", 0) if steering else ("velocity", len(steered))
+        lines = [(f"{topics.COMMANDS}.{field}[{k}]", joint) for k, joint in enumerate(names, first)]
+        return "steering angles [rad]" if steering else "wheel speeds [rad/s]", lines
     read = [
         (f"{topics.JOINTS}.position[{k}]", joint) for k, joint in enumerate(seen.joints) if joint in names
     ]
@@ -267,10 +260,7 @@ def _motion(seen: Seen, field: str, name: str) -> Any:
     import rerun.blueprint as rrb
     from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 
-    told = [
-        each for each in ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded")) if each[0] in seen.topics
-    ]
-    kind, inner = "geometry_msgs.msg.TwistStamped", ".twist"
+    told, kind, inner = seen.commands, "geometry_msgs.msg.TwistStamped", ".twist"
     if not told:
         told, kind, inner = [(topics.ODOMETRY, "by odometry")], "nav_msgs.msg.Odometry", ".twist.twist"
     overrides: Any = {}

@@ -56,16 +56,16 @@ class Record:
         self.files: dict[str, str] = {}
         self.cut_off = False
         self.count = 0
-        self._libraries = libraries()
+        self._mcap, self._store = libraries()
         with path.open("rb") as file:
             if file.read(len(MAGIC)) != MAGIC:
                 raise RecordError(f"{path}: the record must be an MCAP file")
         for record in self._records():
-            if isinstance(record, self._libraries.records.Metadata) and record.name == SETTINGS:
+            if isinstance(record, self._mcap.records.Metadata) and record.name == SETTINGS:
                 self.settings = dict(record.metadata)
-            elif isinstance(record, self._libraries.records.Attachment):
+            elif isinstance(record, self._mcap.records.Attachment):
                 self.files[record.name] = record.data.decode(errors="replace")
-            elif isinstance(record, self._libraries.records.Message):
+            elif isinstance(record, self._mcap.records.Message):
                 break
         if not self.settings:
             raise RecordError(f"{path}: the record must be one of drive, odometry, simulate or node")
@@ -75,7 +75,7 @@ class Record:
 
     def messages(self, topics: Sequence[str] | None = None) -> Iterator[Message]:
         """The messages of some topics, or of all, as they were written."""
-        records = self._libraries.records
+        records = self._mcap.records
         schemas: dict[int, str] = {}
         channels: dict[int, tuple[str, str]] = {}
         for record in self._records():
@@ -106,7 +106,7 @@ class Record:
             If its bytes are damaged.
         """
         with self.reading(f"a message of {message.topic}"):
-            return self._libraries.store.deserialize_cdr(message.data, message.kind)
+            return self._store.deserialize_cdr(message.data, message.kind)
 
     @contextlib.contextmanager
     def reading(self, what: str) -> Iterator[None]:
@@ -126,7 +126,7 @@ class Record:
 
     def _records(self) -> Iterator[Any]:
         with self.path.open("rb") as file:
-            records = self._libraries.StreamReader(file).records
+            records = self._mcap.stream_reader.StreamReader(file).records
             while True:
                 try:
                     record = next(records)

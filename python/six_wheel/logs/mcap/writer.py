@@ -3,7 +3,6 @@
 import io
 from collections.abc import Mapping
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,20 +19,13 @@ LATEST = 2**31 * 1_000_000_000  # [ns] that a stamp of ROS can say
 CHUNK = 1 << 18  # [bytes] half a second of a loop at 200 Hz: what is lost at most when the power goes
 
 
-def libraries() -> Any:
-    """The parts of the packages `mcap` and `rosbags` that write and read records."""
+def libraries() -> tuple[Any, Any]:
+    """The package `mcap`, which writes and reads records, and the types of messages that `rosbags` has."""
     with needed("six-wheel[bags]", "records need"):
-        import mcap.records
         import mcap.stream_reader
         import mcap.writer
-        import rosbags.typesys
-    return SimpleNamespace(
-        Writer=mcap.writer.Writer,
-        CompressionType=mcap.writer.CompressionType,
-        StreamReader=mcap.stream_reader.StreamReader,
-        records=mcap.records,
-        store=rosbags.typesys.get_typestore(rosbags.typesys.Stores.LATEST),
-    )
+        from rosbags.typesys import Stores, get_typestore
+    return mcap, get_typestore(Stores.LATEST)
 
 
 def record_stamps(
@@ -79,10 +71,10 @@ class RecordWriter(Closing):
     def __init__(
         self, path: Path, settings: Mapping[str, str] | None = None, files: Mapping[str, str] | None = None
     ) -> None:
-        self._libraries = libraries()
+        mcap, self._store = libraries()
         self._stream: io.BufferedWriter = path.open("wb")
-        compression = self._libraries.CompressionType.LZ4
-        self._writer = self._libraries.Writer(self._stream, chunk_size=CHUNK, compression=compression)
+        compression = mcap.writer.CompressionType.LZ4
+        self._writer = mcap.writer.Writer(self._stream, chunk_size=CHUNK, compression=compression)
         self._writer.start("ros2", f"six_wheel {__version__}")
         self._writer.add_metadata(SETTINGS, {"format": FORMAT, "version": __version__, **(settings or {})})
         for name, content in (files or {}).items():
@@ -95,7 +87,7 @@ class RecordWriter(Closing):
         if name in self._channels:
             return self._channels[name]
         if kind not in self._schemas:
-            definition, _ = self._libraries.store.generate_msgdef(kind, ros_version=2)
+            definition, _ = self._store.generate_msgdef(kind, ros_version=2)
             self._schemas[kind] = self._writer.register_schema(kind, "ros2msg", definition.encode())
         self._channels[name] = self._writer.register_channel(name, "cdr", self._schemas[kind])
         return self._channels[name]
@@ -106,8 +98,7 @@ class RecordWriter(Closing):
 
     def write_object(self, topic: str, kind: str, time: int, build: Any) -> None:
         """Append a message that `build` makes of the types by their names: for those of changing shape."""
-        store = self._libraries.store
-        message = store.serialize_cdr(build(store.types), kind)
+        message = self._store.serialize_cdr(build(self._store.types), kind)
         self.write(self.topic(topic, kind), time, bytes(message))
 
     def close(self) -> None:
