@@ -13,7 +13,7 @@ from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.headers.columns import TIME, Column, find_columns
-from six_wheel.logs.headers.time_columns import seconds_since
+from six_wheel.logs.headers.time_columns import in_seconds
 from six_wheel.logs.headers.truth_columns import columns_in_space, position_columns, truth_columns
 from six_wheel.logs.plausibility.findings import Findings
 from six_wheel.logs.skip_bad_rows import Sieve, Source, TolerantTable
@@ -72,8 +72,8 @@ def read_truth(
 
         source = TruthBag(path, topic)
     else:
-        source = _TruthTable(path, _find_truth, columns)
-        stated = source.stated
+        source = table = TolerantTable(path, _find_truth, columns, unnamed=TUM)
+        stated = table.stated
     parts: list[tuple[Floats, Floats]] = []
     with contextlib.closing(source):
         for batch in Sieve(source.findings, TILTED, stated).pass_on(source.batches(200_000)):
@@ -82,8 +82,9 @@ def read_truth(
             good = np.isfinite(wanted).all(axis=1)
             for k in np.flatnonzero(~good):  # numbers that are none together
                 flaw = "the quaternion of a pose must not be zero"
-                source.findings.add(int(batch.rows[k]), flaw, line=int(batch.lines[k]) or None)
-            parts.append((seconds_since(origin, batch.time[good], source.time_unit), poses[good]))
+                source.findings.add(int(batch.rows[k]), flaw, line=int(batch.lines[k]))
+            seconds = in_seconds(batch.time[good], source.time_unit.scale, origin)
+            parts.append((seconds, poses[good]))
             if progress is not None:
                 progress(source.position, source.size)
     if not parts:
@@ -94,16 +95,6 @@ def read_truth(
     if not np.isfinite(poses[:, 2:-1]).all():  # heights that are not known everywhere
         poses = poses[:, [0, 1, -1]]
     return stamps, poses, source.findings
-
-
-class _TruthTable(TolerantTable):
-    """A table of poses; eight columns without a header line are `TUM`."""
-
-    def _find(self, headers: Sequence[str]) -> dict[str, Column]:
-        nameless = self.format == "csv" and not self._dialect.has_header
-        if nameless and not self._renamed and len(headers) == len(TUM):
-            self._renamed = TUM
-        return super()._find(headers)
 
 
 def _find_truth(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:

@@ -25,7 +25,7 @@ from six_wheel.logs.gyroscope.sources import readings_of
 from six_wheel.logs.headers.joint_columns import Reading
 from six_wheel.logs.headers.rate_columns import RATES
 from six_wheel.logs.headers.renamed import Columns
-from six_wheel.logs.headers.time_columns import seconds_since, whole_second
+from six_wheel.logs.headers.time_columns import in_seconds, whole_second
 from six_wheel.logs.joint_sources import JointSource
 from six_wheel.logs.joint_totals import Encoders, Integral, JointRows, Total, encoder_of
 from six_wheel.logs.log_options import LogOptions
@@ -302,7 +302,7 @@ class JointLog(Closing):
             raise TableError(f"{self.path}: ", error) from None
 
     def _rows(self, batch: Batch) -> JointRows:
-        stamps = seconds_since(self.origin, batch.time, self._source.time_unit)
+        stamps = in_seconds(batch.time, self._source.time_unit.scale, self.origin)
         for name in self._source.turned:
             np.negative(batch.values[name], out=batch.values[name])
         if self._counter and np.any(batch.values[self._counter] % 1.0 != 0.0):
@@ -359,7 +359,7 @@ class JointLog(Closing):
         source, rates = self._source, self._source.rates
         if rates is None:
             return None
-        seconds = partial(seconds_since, self.origin, unit=rates.time_unit)
+        seconds = partial(in_seconds, scale=rates.time_unit.scale, origin=self.origin)
         return Turning(readings_of(rates, source.stated, seconds, source.up, source.options.gyroscope))
 
 

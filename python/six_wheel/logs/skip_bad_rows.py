@@ -79,15 +79,22 @@ class TolerantTable(Table):
         Header to the header it should be read as, or the other way round; or the names of all columns.
     spare : collection of str
         Columns that may lack a value in any row.
+    unnamed : sequence of str
+        Names of as many columns without a header line.
     """
 
     text_stamps = True
     formats = READ
 
     def __init__(
-        self, path: Path, find: Find, renamed: Columns | None = None, spare: Collection[str] = ()
+        self,
+        path: Path,
+        find: Find,
+        renamed: Columns | None = None,
+        spare: Collection[str] = (),
+        unnamed: Sequence[str] = (),
     ) -> None:
-        self._find_in, self._renamed, self._spare = find, renamed or {}, spare
+        self._find_in, self._renamed, self._spare, self._unnamed = find, renamed or {}, spare, unnamed
         self._clock = ClockTimes()
         super().__init__(path)
         self.findings = Findings(path)
@@ -98,6 +105,8 @@ class TolerantTable(Table):
 
     def _find(self, headers: Sequence[str]) -> dict[str, Column]:
         nameless = self.format == "csv" and not self._dialect.has_header
+        if nameless and not self._renamed and len(headers) == len(self._unnamed):
+            self._renamed = self._unnamed
         if nameless and not self._renamed:
             raise TableError(*without_header(headers))
         return self._find_in(renamed(headers, self._renamed, nameless), self._field_units)
@@ -172,26 +181,23 @@ class TolerantTable(Table):
         return first + np.flatnonzero(held)
 
     def _columns_of(self, batch: "pa.RecordBatch", row: int, lines: NDArray[np.int64]) -> Batch:
+        import pyarrow.compute as pc
+
         columns = dict(zip(self._columns, batch.columns, strict=True))
         rows = np.arange(row, row + batch.num_rows)
         time = columns.pop("time")
-        if self._types["time"] == "string":
-            return self._with_clock(rows, lines, time.to_pylist(), columns)
-        if "nanoseconds" in columns:
-            time = self._with_nanoseconds(time, columns.pop("nanoseconds"))
-        void = time.is_null().to_numpy(zero_copy_only=False)
+        fraction = columns.pop("nanoseconds", None)
         values = {name: column.to_numpy(zero_copy_only=False) for name, column in columns.items()}
+        if self._types["time"] == "string":
+            return self._with_clock(rows, lines, time.to_pylist(), values)
+        if fraction is not None:
+            time = pc.add(pc.multiply(time, 1_000_000_000), pc.multiply(fraction, self._finer))
+        void = time.is_null().to_numpy(zero_copy_only=False)
         result = self._scaled(rows, lines, time.fill_null(0).to_numpy(zero_copy_only=False), values)
-        for k in np.flatnonzero(void):
-            line = self._line(lines[k])
-            self.findings.add(int(rows[k]), "time must be a number", ", got an empty cell", line, "no number")
+        for k in np.flatnonzero(void).tolist():
+            rule, got = "time must be a number", ", got an empty cell"
+            self.findings.add(int(rows[k]), rule, got, int(lines[k]), "no number")
         return result[~void] if void.any() else result
-
-    def _with_nanoseconds(self, seconds: Any, fraction: Any) -> Any:
-        """Nanoseconds of stamps in two columns."""
-        import pyarrow.compute as pc
-
-        return pc.add(pc.multiply(seconds, 1_000_000_000), pc.multiply(fraction, self._finer))
 
     @property
     def _finer(self) -> int:
@@ -199,17 +205,17 @@ class TolerantTable(Table):
         return round(1e9 * self._columns["nanoseconds"].unit.scale)
 
     def _with_clock(
-        self, rows: NDArray[np.int64], lines: NDArray[np.int64], texts: Sequence[str | None], columns: Any
+        self,
+        rows: NDArray[np.int64],
+        lines: NDArray[np.int64],
+        texts: Sequence[str | None],
+        values: Mapping[str, NDArray[Any]],
     ) -> Batch:
         """Rows whose times are texts; those that are no times are reported."""
         time, good = self._clock.read(texts)
         for k in np.flatnonzero(~good).tolist():
             rule = f"time must be such as {KNOWN}"
-            self.findings.add(int(rows[k]), rule, f', got "{texts[k] or ""}"', self._line(lines[k]))
-        values = {
-            name: column.to_numpy(zero_copy_only=False) if hasattr(column, "to_numpy") else column
-            for name, column in columns.items()
-        }
+            self.findings.add(int(rows[k]), rule, f', got "{texts[k] or ""}"', int(lines[k]))
         result = self._scaled(rows, lines, time, values)
         return result if good.all() else result[good]
 
@@ -277,10 +283,6 @@ class TolerantTable(Table):
                 raise CellError(f"{name} must be a number{such}", f'"{cell}" in column "{column.header}"')
         return numbers
 
-    @staticmethod
-    def _line(number: Any) -> int | None:
-        return int(number) or None
-
 
 class Sieve:
     """Lets the rows through that hold numbers and whose times increase; the others are reported.
@@ -308,8 +310,8 @@ class Sieve:
         strict: bool = False,
         warn: Callable[[str], None] | None = None,
     ) -> None:
-        self._findings, self._spare, self._stated, self._strict = findings, spare, stated, strict
-        self._warn = warn
+        self._findings, self._spare, self._stated = findings, spare, stated
+        self._strict, self._warn = strict, warn
         self._held: Batch | None = None
         self._last: Any = None
 
@@ -375,4 +377,4 @@ class Sieve:
             raise TableError(f"{self._findings.path}: {line}")
 
     def _report(self, batch: Batch, k: int, rule: str, got: str, kind: Kind = "other") -> None:
-        self._findings.add(int(batch.rows[k]), rule, got, int(batch.lines[k]) or None, kind)
+        self._findings.add(int(batch.rows[k]), rule, got, int(batch.lines[k]), kind)

@@ -160,15 +160,10 @@ def whole_second(time: Any, unit: Unit) -> int:
     return 0 if abs(seconds) < LONGEST_RUN else math.floor(seconds)
 
 
-def seconds_since(origin: int, time: NDArray[Any], unit: Unit) -> NDArray[np.float64]:
-    """`time` in seconds since `origin`: differences first, or 1.7e18 ns would lose 256 ns as a double."""
-    if unit.scale > 1.0:
-        return np.asarray(time * unit.scale - origin, dtype=float)
-    per_second = round(1 / unit.scale)
-    return np.asarray((time - origin * per_second) / per_second, dtype=float)
-
-
-def in_seconds(times: NDArray[Any], scale: float) -> NDArray[np.float64]:
-    """Times in a unit of so many seconds, by division where a second has a whole number of them."""
-    seconds: NDArray[np.float64] = times * scale if scale > 1.0 else times / round(1.0 / scale)
-    return seconds
+def in_seconds(times: NDArray[Any], scale: float, origin: int = 0) -> NDArray[np.float64]:
+    """Times in a unit of so many seconds, as seconds since the second `origin`: by division where a second
+    has a whole number of them, and differences first, or 1.7e18 ns would lose 256 ns as a double."""
+    if scale > 1.0:
+        return np.asarray(times * scale - origin, dtype=float)
+    per_second = round(1.0 / scale)
+    return np.asarray((times - origin * per_second) / per_second, dtype=float)

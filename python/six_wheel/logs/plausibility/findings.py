@@ -49,9 +49,9 @@ class Findings:
     _flaw: tuple[str, Kind] = "", "other"
     _last: int = 0
 
-    def add(self, row: int, rule: str, got: str = "", line: int | None = None, kind: Kind = "other") -> None:
-        """Report a row, as a `Finding` has it."""
-        finding = Finding(self.path, row, rule, got, kind, line)
+    def add(self, row: int, rule: str, got: str = "", line: int = 0, kind: Kind = "other") -> None:
+        """Report a row, as a `Finding` has it, with a `line` of 0 where it has none."""
+        finding = Finding(self.path, row, rule, got, kind, line or None)
         self.rows += 1
         if kind in ("no number", "nan"):
             self._no_numbers += 1
