@@ -37,8 +37,8 @@ from six_wheel.cli.demo.motion import ROVERS, drive_path, load_path
 from six_wheel.cli.report.calibration import before_and_after
 from six_wheel.log_odometry import ReckonSettings, reckon
 from six_wheel.logs import Chunk, optiodom
-from six_wheel.logs.detect_reader import example_run
 from six_wheel.logs.headers.columns import TIME
+from six_wheel.logs.optiodom import example_run
 from six_wheel.plotting.drawing import new_figure
 from six_wheel.plotting.log_odometry import draw_key, draw_path
 from six_wheel.simulation.drive import ControlledDrive, DriveLoop

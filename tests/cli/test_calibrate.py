@@ -11,9 +11,8 @@ import pytest
 import six_wheel as sw
 from six_wheel.calibration import Estimate
 from six_wheel.calibration.files import calibrate_files, interval
-from six_wheel.logs.detect_reader import example_run
 from six_wheel.logs.log_options import LogOptions
-from six_wheel.logs.optiodom import example
+from six_wheel.logs.optiodom import example, example_run
 from six_wheel.robot_description.parameters import read_parameters
 from tests.calibration.drives import drive as wandering
 from tests.cli.calibrate_drives import NOMINAL, TRUE, write

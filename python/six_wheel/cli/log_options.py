@@ -156,7 +156,7 @@ def choose_with_logs(
         return choose(rover, reading), logs
     if logs:
         raise ValueError(f"LOG must be left out with --example, got {logs[0]}")
-    from six_wheel.logs.detect_reader import example_run, metadata_of
+    from six_wheel.logs.optiodom import example_run, metadata_of
 
     run = example_run()
     return choose(str(metadata_of(run)) if rover is None else rover, reading), [run]

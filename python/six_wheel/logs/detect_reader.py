@@ -7,7 +7,6 @@ import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from importlib import resources
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -54,9 +53,7 @@ class Reader:
 
 
 READERS: dict[str, Reader] = {
-    "optiodom": Reader(
-        lambda path: metadata_of(path) is not None, optiodom.read_for, lambda path: "_metadata" in path.stem
-    ),
+    "optiodom": Reader(optiodom.claims, optiodom.read_for, lambda path: "_metadata" in path.stem),
     "katwijk": Reader(katwijk.claims, katwijk.read, katwijk.belongs),
     "rose_lab": Reader(rose_lab.claims, rose_lab.read, rose_lab.belongs),
 }
@@ -65,17 +62,6 @@ READERS: dict[str, Reader] = {
 def log_formats() -> tuple[str, ...]:
     """Names of all formats."""
     return ("table", "bag", *READERS)
-
-
-def metadata_of(path: Path) -> Path | None:
-    """The metadata beside an OptiOdom run, or the path itself if it is one; None for other files."""
-    if path.stem.endswith("_metadata"):
-        return path
-    session, run, _ = path.stem.rpartition("_run-")
-    if not run:
-        return None
-    metadata = path.with_name(f"{session}_metadata.csv")
-    return metadata if metadata.is_file() else None
 
 
 def log_format(path: Path) -> str:
@@ -329,8 +315,3 @@ class WholeLog(Closing):
             stamps, poses, self.truth_findings = read_truth(truth, topic=truth_topic)
             log = replace(log, truth=GroundTruth(stamps, poses))
         return log
-
-
-def example_run() -> Path:
-    """The run that comes with this package; see logs/data/README.md."""
-    return optiodom.runs(Path(str(resources.files("six_wheel.logs") / "data" / "optiodom")))[0]

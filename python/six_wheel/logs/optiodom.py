@@ -23,7 +23,6 @@ import numpy as np
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.errors import TableError
-from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.robot_description.wheels_of_rover import with_wheels
 
@@ -76,15 +75,10 @@ ROBOTS: Mapping[str, Robot] = {
 
 
 def read_rover(path: str | Path) -> Rover:
-    """The nominal robot of a session.
+    """The nominal robot of a session, by a ``_metadata.csv`` or a run beside it.
 
     Raises `ValueError` if the robot is not one of `ROBOTS` or a dimension is missing. Raises `OSError` if
     there is no such file.
-
-    Parameters
-    ----------
-    path : str or Path
-        A ``_metadata.csv``, or a run beside it.
     """
     return _read_metadata(Path(path))[2]
 
@@ -108,7 +102,22 @@ def read(path: str | Path) -> WheelLog:
     path = Path(path)
     robot, metadata, rover = _read_metadata(path)
     with _named(path):
-        return _read_run(path, robot, metadata, rover)
+        columns = 4 + len(robot.wheels) + robot.steered
+        with open(path, encoding="utf-8", errors="replace") as file:
+            rows = [row for number, line in enumerate(file, 1) for row in _numbers(number, line, columns)]
+        table = np.array(rows).reshape(-1, columns)
+        per_turn = metadata["ngear"][0] * metadata["encRes"][0]
+        turned = table[:, 4 : 4 + len(robot.wheels)] * np.array(robot.signs) * (2.0 * math.pi / per_turn)
+        increments = np.full((len(table), len(rover.wheels)), math.nan)  # NaN: a wheel without encoder
+        increments[:, [rover.wheel_names.index(name) for name in robot.wheels]] = turned
+        return WheelLog.from_increments(
+            table[:, 0],
+            table[:, -1:] if robot.steered else None,
+            increments,
+            table[:, 1:4],
+            name=path.stem,
+            session=path.stem.rpartition("_run-")[0],
+        )
 
 
 @contextlib.contextmanager
@@ -119,22 +128,6 @@ def _named(path: Path) -> Iterator[None]:
     except (csv.Error, IndexError, ValueError) as error:
         told = "a number of the robot is missing" if isinstance(error, IndexError) else str(error)
         raise ValueError(f"{path.name}: {told}") from None
-
-
-def _read_run(path: Path, robot: Robot, metadata: Metadata, rover: Rover) -> WheelLog:
-    table = _read_table(path, 4 + len(robot.wheels) + robot.steered)
-    per_turn = metadata["ngear"][0] * metadata["encRes"][0]
-    turned = table[:, 4 : 4 + len(robot.wheels)] * np.array(robot.signs) * (2.0 * math.pi / per_turn)
-    increments = np.full((len(table), len(rover.wheels)), math.nan)  # NaN: a wheel without encoder
-    increments[:, [rover.wheel_names.index(name) for name in robot.wheels]] = turned
-    return WheelLog.from_increments(
-        table[:, 0],
-        table[:, -1:] if robot.steered else None,
-        increments,
-        table[:, 1:4],
-        name=path.stem,
-        session=path.stem.rpartition("_run-")[0],
-    )
 
 
 def read_for(path: Path, rover: Rover) -> WheelLog:
@@ -148,25 +141,33 @@ def read_for(path: Path, rover: Rover) -> WheelLog:
 
 def runs(folder: str | Path) -> list[Path]:
     """All runs under a folder, by name: those that have their metadata beside them."""
-    return sorted(path for path in Path(folder).rglob("*_run-*.csv") if _metadata_of(path).exists())
+    return sorted(path for path in Path(folder).rglob("*_run-*.csv") if metadata_of(path).exists())
+
+
+def example_run() -> Path:
+    """The run that comes with this package; see logs/data/README.md."""
+    return runs(Path(str(resources.files("six_wheel.logs") / "data" / "optiodom")))[0]
 
 
 def example() -> tuple[Rover, WheelLog]:
     """The nominal robot and the run that come with this package: a tricycle driven freely."""
-    folder = resources.files("six_wheel.logs") / "data" / "optiodom"
-    with resources.as_file(folder) as real:
-        (path,) = runs(real)
-        return read_rover(path), read(path)
+    return read_rover(example_run()), read(example_run())
 
 
-def _metadata_of(path: Path) -> Path:
+def claims(path: Path) -> bool:
+    """True for a run with its metadata beside it, and for metadata."""
+    return path.stem.endswith("_metadata") or ("_run-" in path.stem and metadata_of(path).is_file())
+
+
+def metadata_of(path: Path) -> Path:
+    """The metadata beside a run, or the path itself if it is that."""
     if path.stem.endswith("_metadata"):
         return path
     return path.with_name(path.stem.rpartition("_run-")[0] + "_metadata.csv")
 
 
 def _read_metadata(path: Path) -> tuple[Robot, Metadata, Rover]:
-    with _named(path := _metadata_of(path)):
+    with _named(path := metadata_of(path)):
         with open(path, newline="", encoding="utf-8", errors="replace") as file:
             rows = [row for row in csv.reader(file) if row and row[0]]
         fields = {name: [value for value in values if value] for name, *values in rows}
@@ -178,12 +179,6 @@ def _read_metadata(path: Path) -> tuple[Robot, Metadata, Rover]:
             if not metadata.get(name):
                 raise ValueError(f"{name} must be given")
         return ROBOTS[kind], metadata, ROBOTS[kind].rover(metadata)
-
-
-def _read_table(path: Path, columns: int) -> Floats:
-    with open(path, encoding="utf-8", errors="replace") as file:
-        rows = [row for number, line in enumerate(file, 1) for row in _numbers(number, line, columns)]
-    return np.array(rows).reshape(-1, columns)
 
 
 def _numbers(number: int, line: str, columns: int) -> Iterator[list[float]]:

@@ -16,7 +16,7 @@ from six_wheel.logs.headers.renamed import Columns, renamed, without_header
 from six_wheel.logs.plausibility.findings import Findings, Kind
 from six_wheel.logs.plausibility.stamps import out_of_order, rows_behind, since_1970
 from six_wheel.logs.tables import LATEST_SECOND, READ, RowError, Table
-from six_wheel.logs.text.dialect import has_groups, without_groups
+from six_wheel.logs.text.dialect import cells_of, has_groups, without_groups
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -257,7 +257,7 @@ class TolerantTable(Table):
 
     def _numbers(self, text: str) -> list[Any]:
         try:
-            cells = self._cells(text)
+            cells = cells_of(text, self._delimiter)
         except TableError:
             raise CellError("a row must be a line of cells", f"{text!r:.60}") from None
         if len(cells) != len(self._headers):

@@ -7,6 +7,7 @@ pyarrow.
 """
 
 import io
+import itertools
 import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -137,8 +138,8 @@ class Table(Closing):
 
     def error(self, row: int, message: str) -> TableError:
         """The error for a row, with the file, the row and, in a CSV file, the line."""
-        line = "" if self.format != "csv" else f" (line {self._line_of(row)})"
-        return TableError(f"{self.path}: row {row}{line}: {message}")
+        number = next(itertools.islice(self._rows(), row - 1, None))[0] if self.format == "csv" else 0
+        return TableError(f"{self.path}: row {row}{f' (line {number})' if number else ''}: {message}")
 
     def _find(self, headers: Sequence[str]) -> dict[str, Column]:
         """The columns to read, ``"time"`` among them."""
@@ -177,9 +178,6 @@ class Table(Closing):
     def _known_headers(self) -> Collection[str]:
         """Headers that the owner of the table named."""
         return ()
-
-    def _cells(self, line: str) -> list[str]:
-        return cells_of(line, self._delimiter)
 
     def _csv_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
         for lines in self._blocks(min(max(chunk_rows * self._line_bytes, LONGEST_LINE), LARGEST_BLOCK)):
@@ -235,9 +233,6 @@ class Table(Closing):
             for number, line in enumerate(text, start=1):
                 if number > self._skip_lines and line.strip("\r\n"):
                     yield number, line
-
-    def _line_of(self, row: int) -> int:
-        return next(number for k, (number, _) in enumerate(self._rows(), start=1) if k == row)
 
     # Parquet and Arrow
 
@@ -363,7 +358,7 @@ class CommandTable(Table):
 
     def _bad_record(self, line: str) -> str | None:
         try:
-            cells = self._cells(line)
+            cells = cells_of(line, self._delimiter)
         except TableError:
             return f"a row must be a line of cells, got {line!r:.60}"
         if len(cells) != len(self._headers):
