@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 pa = pytest.importorskip("pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from six_wheel.kinematics.errors import TableError  # noqa: E402
-from six_wheel.logs import Chunk, CommandTable, RowError  # noqa: E402
+from six_wheel.logs import Chunk, CommandTable, RowError, TableError  # noqa: E402
 from six_wheel.logs.headers.columns import QUANTITIES, find_columns  # noqa: E402
 from six_wheel.logs.tables import table_format  # noqa: E402
 
