@@ -112,9 +112,8 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others
 	$(BIN)/python benches/run.py $(BENCH)
 
-bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark, criterion for the crates
+bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q
-	cargo bench --package six-wheel-kinematics --package six-wheel-terrain --locked
 
 instructions: ## callgrind's count of a dozen calls beside benches/instructions.csv: 3 % more fails; COUNT=--write makes it anew
 	$(PYTHON) benches/instructions.py $(COUNT)
