@@ -6,7 +6,6 @@ anew. They belong to one compiler: with another, or without valgrind, it says so
 
 import argparse
 import csv
-import os
 import re
 import shutil
 import subprocess
@@ -18,8 +17,6 @@ FIGURES = Path(__file__).with_suffix(".csv")
 ROOT = FIGURES.parents[1]
 SOURCE = ROOT / "rust/planner/benches/instructions.rs"
 MORE = 0.03  # of instructions: what a change of the compiler's mind may take
-# With names, but built as it is released.
-BUILD = {"CARGO_PROFILE_BENCH_STRIP": "none", "CARGO_PROFILE_BENCH_DEBUG": "0"}
 
 
 def compiler() -> str:
@@ -38,12 +35,12 @@ def build() -> Path:
         "six-wheel-planner",
         "--bench",
         "instructions",
+        "--features",
+        "six-wheel-numerics/all-levels",  # the crates as in the wheel: they are not built again
         "--locked",
         "--no-run",
     ]
-    done = subprocess.run(
-        command, cwd=ROOT, env=os.environ | BUILD, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     found = re.search(r"\((\S*/instructions-\w+)\)", done.stderr)
     if done.returncode or found is None:
         raise SystemExit(done.stderr)
