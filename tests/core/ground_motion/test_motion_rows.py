@@ -224,6 +224,21 @@ def test_one_row_of_traction_is_the_same_at_every_level(name: str, level: str) -
 
 
 @pytest.mark.parametrize("level", sw.simd_levels())
+def test_the_vertical_speed_fits_measured_speeds_best_however_wrong_they_are(level: str) -> None:
+    """A centre's speed changes with the vertical one by the sine of its contact angle, where no link pitches.
+
+    Steps of Gauss and Newton swung about the minimum in every second row, and nothing said so.
+    """
+    arm, rng, still, count = VEHICLES["perseverance"], np.random.default_rng(3), np.zeros(3), 3000
+    rolling = rng.uniform(-1, 1, (count, 3)) * [1, 0, 0]
+    speed, measured = rng.uniform(-1, 1, count), rng.uniform(-1, 1, (count, 6))
+    told = arm.traction(speed, 0, rolling, still, still, wheel_speeds=measured, level=level)
+    growth = np.sign(told.wheel_speeds) * np.sin(told.contact_angles)
+    slope = np.sum(growth * (np.abs(measured) - np.abs(told.wheel_speeds)), axis=1)
+    assert np.abs(slope).max() < 1e-14  # the rounding of a sum of six terms of about 1 rad/s
+
+
+@pytest.mark.parametrize("level", sw.simd_levels())
 def test_contacts_stay_on_their_side_of_the_rim(level: str) -> None:
     """Wheels that lean far may touch with the far side: a little steering changes little there."""
     arm, rng = VEHICLES["perseverance"], np.random.default_rng(8)

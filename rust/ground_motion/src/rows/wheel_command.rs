@@ -118,17 +118,22 @@ pub(super) fn median_closing_speed<S: Vector>(simd: S, centres: &[CentreVelocity
     is_number(sum).select(median, sum)
 }
 
-/// Steps of Gauss and Newton.
+/// Newton steps at most: speeds at random take seven in the mean.
 const STEPS: usize = 20;
 
 /// Step below which the vertical speed is found [m/s].
 const FOUND: f64 = 1e-15;
 
-/// Added to the sum of squared derivatives: on level ground the rolling speeds do not depend on the vertical one.
+/// Added to the second derivative: on level ground the rolling speeds do not depend on the vertical one.
 const DAMPING: f64 = 1e-3;
 
-/// The vertical speed that fits the measured speeds of the wheels best, by damped Gauss-Newton steps from a start [m/s];
-/// lanes that have found theirs wait for the others.
+/// Least second derivative, as a share of its value without the terms that make it smaller: every step goes downhill.
+const LEAST_SECOND: f64 = 0.2;
+
+/// The vertical speed z that fits the measured speeds of the wheels best, by Newton steps from a start [m/s]; lanes that
+/// have found theirs wait for the others. With s(z) the speed of a centre, m = measured - s and n the derivative of the
+/// velocity of the centre by z: minimum of sum m^2 / 2, s' = velocity . n / s, s'' = (n . n - s'^2) / s.
+/// Without m s'' the steps do not converge where measured speeds are far from those that the ground allows.
 #[inline(always)]
 pub(super) fn fitted_vertical_speed<S: Vector>(
     simd: S,
@@ -141,7 +146,7 @@ pub(super) fn fitted_vertical_speed<S: Vector>(
     let mut vertical = start;
     let mut open = Mask::splat(simd, true);
     for _ in 0..STEPS {
-        let (mut slope, mut square) = (zero, all(simd, DAMPING));
+        let (mut slope, mut second, mut bound) = (zero, zero, zero);
         for ((centre, measured), radius) in centres.iter().zip(measured).zip(constants.radii) {
             let [along, across] = centre.at(vertical);
             let speed = along.mul_add(along, across * across).sqrt();
@@ -151,10 +156,13 @@ pub(super) fn fitted_vertical_speed<S: Vector>(
             let derivative = along.mul_add(ahead, across * up) * inverse;
             let rolled = (all(simd, radius) * (*measured + centre.turn)).abs();
             let missing = moves.select(rolled - speed, zero);
+            let square = moves.select(derivative * derivative, zero);
+            let bend = missing * inverse * (ahead.mul_add(ahead, up * up) - square);
             slope = derivative.mul_add(missing, slope);
-            square = moves.select(derivative, zero).mul_add(derivative, square);
+            second = second + (square - bend);
+            bound = bound + (square - bend.min(zero));
         }
-        let step = slope / square;
+        let step = slope / (second.max(all(simd, LEAST_SECOND) * bound) + all(simd, DAMPING));
         vertical = open.select(vertical + step, vertical);
         open = open & all(simd, FOUND).le(step.abs());
         if !open.any() {
