@@ -212,8 +212,9 @@ def drive_figure(
     return figure
 
 
-def engine_figure(engine: Drive | ControlledDrive, *, title: str) -> Figure:
+def engine_figure(engine: Drive | ControlledDrive, *, title: str | None) -> Figure:
     """Picture of a drive at its end: its path, and what the controller did where one was driven through."""
+    title = title or "drive"
     path = engine.trace.path()
     if not isinstance(engine, ControlledDrive):
         return path_figure(engine.rover, *path, title=title)

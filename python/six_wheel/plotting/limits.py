@@ -86,8 +86,12 @@ def limits_figure(rover: Rover, limits: Limits, *, title: str | None = None) -> 
     return figure
 
 
-def box_figure(limits: Limits, *, title: str | None) -> Figure:
-    """Speeds and yaw rates within the limits, the ramps to the largest, and the other limits in words."""
+def given_limits_figure(limits: Limits, *, title: str | None, rover: Rover | None = None) -> Figure:
+    """`Limits`: those of a `rover`, or the speeds and yaw rates within them, the ramps to the largest, and
+    the other limits in words.
+    """
+    if rover is not None:
+        return limits_figure(rover, limits, title=title)
     given = {name: value for name, value in limits_given(limits).items() if math.isfinite(value)}
     figure = new_figure(PAGE_WIDTH, 3.8)
     box, ramps = figure.subplots(1, 2)

@@ -7,12 +7,8 @@ from importlib import import_module
 from typing import Any
 
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
 
-from six_wheel._core import Limits, Rover
 from six_wheel.kinematics.keywords import checked, unknown_keyword
-from six_wheel.kinematics.odometry.tracks import Track
-from six_wheel.logs.recordings import GroundTruth, Reference
 
 # Ways to a picture for what is none of this package's results.
 HINTS = {
@@ -22,7 +18,6 @@ HINTS = {
     "str": "; read the file first: six_wheel.load, six_wheel.logs.read_log, Terrain.read, Costmap.read",
     "PurePath": "; read the file first: six_wheel.load, six_wheel.logs.read_log, Terrain.read, Costmap.read",
 }
-MOST = 6  # pictures below each other
 
 
 def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
@@ -65,115 +60,27 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
             made: Figure = checked(call="sw.plot")(draw)(result, title=title, **options)
             return made
     rule = "a Rover, Track, Terrain or another result that help(six_wheel.plot.figure) names"
-    hint = next((words for name, words in HINTS.items() if name in map(_name, type(result).__mro__)), "")
+    hint = next((words for name, words in HINTS.items() if name in (kind.__name__ for kind in type(result).__mro__)), "")
     raise TypeError(f"result must be {rule}, got {type(result).__name__}{hint}")
-
-
-def _name(kind: type) -> str:
-    return kind.__name__
-
-
-def _track(track: Track, *, title: str | None, truth: Reference | None = None) -> Figure:
-    from six_wheel.log_odometry.tracks import of_track
-    from six_wheel.plotting.log_odometry import reckoning_figure
-
-    if track.covariances is None or track.residuals is None or len(track) < 2:
-        path: Figure = _pictures("paths").truth_figure(GroundTruth(track.stamps, track.poses), title=title)
-        return path
-    return reckoning_figure(of_track(track, truth), title=title)
-
-
-def _rover(
-    rover: Rover, *, title: str | None, twist: ArrayLike | None = None, limits: Limits | None = None
-) -> Figure:
-    from six_wheel.plotting.limits import limits_figure
-    from six_wheel.plotting.twist import show_figure
-
-    if twist is not None and limits is not None:
-        raise TypeError("a rover's picture takes twist= or limits=, got both")
-    if limits is not None:
-        return limits_figure(rover, limits, title=title)
-    if twist is not None:
-        return show_figure(rover, twist, title=title)
-    made: Figure = _pictures("above").rover_figure(rover, title=title)
-    return made
-
-
-def _limits(limits: Limits, *, title: str | None, rover: Rover | None = None) -> Figure:
-    from six_wheel.plotting.limits import box_figure, limits_figure
-
-    return box_figure(limits, title=title) if rover is None else limits_figure(rover, limits, title=title)
-
-
-def _traversed(done: Any, *, title: str | None) -> Figure:
-    from six_wheel.plotting.ground.safety import traverse_figure
-
-    return traverse_figure(done.picture.safe, done.picture.tilt, done.extent, title)
-
-
-def _four_axle_rover(car: Any, *, title: str | None) -> Figure:
-    return _rover(car.rover, title=title)
-
-
-def _axle_state(state: Any, *, title: str | None) -> Figure:
-    names = ("front left", "front right", "rear left", "rear right")
-    angles = dict(zip(names, state.steering, strict=True))
-    words = f"front {state.front_brake}, rear {state.rear_brake}"
-    made: Figure = _pictures("bars").named_bars(angles, title=title, below=words, unit="axle angle [rad]")
-    return made
-
-
-def _sequence(sequence: Any, *, title: str | None) -> Figure:
-    steps = sequence.steps if hasattr(sequence, "steps") else (sequence,)
-    bars = {f"{k + 1}. {step.action}": step.duration for k, step in enumerate(steps)}
-    words = getattr(sequence, "reason", "") or "steps and their durations"
-    made: Figure = _pictures("bars").named_bars(bars, title=title, below=words, unit="duration [s]")
-    return made
-
-
-def _drive(engine: Any, *, title: str | None) -> Figure:
-    from six_wheel.plotting.drive import engine_figure
-
-    return engine_figure(engine, title=title or "drive")
-
-
-def _several(results: Any, *, title: str | None) -> Figure:
-    """Paths in one picture; other results one below the other, those of one kind at the same scales."""
-    if not results:
-        raise TypeError("a list must hold results that have pictures, got an empty one")
-    several = _pictures("several")
-    made: Figure
-    if all(several.path_of(one) is not None for one in results):
-        made = several.paths_figure(results, title=title)
-    elif len(results) > MOST:
-        raise TypeError(f"a list must hold at most {MOST} results, or paths, got {len(results)}")
-    else:
-        kinds = [type(one) for one in results]
-        made = several.stacked([figure(one) for one in results], kinds, title=title)
-    return made
-
-
-def _pictures(name: str) -> Any:
-    return import_module(f".pictures.{name}", __package__)
 
 
 # Module and function by the name of the class: most of these need what a picture of another does not.
 PICTURES: dict[str, tuple[str, str]] = {
-    "Track": (".results", "_track"),
-    "Rover": (".results", "_rover"),
-    "Limits": (".results", "_limits"),
+    "Track": (".pictures.paths", "track_figure"),
+    "Rover": (".pictures.above", "rover_figure"),
+    "Limits": (".limits", "given_limits_figure"),
     "Calibration": (".pictures.calibrated", "calibration_figure"),
-    "Traversed": (".results", "_traversed"),
+    "Traversed": (".ground.safety", "traversed_figure"),
     "Replayed": (".replay", "replay_figure"),
-    "FourAxle": (".results", "_four_axle_rover"),
-    "FourAxleState": (".results", "_axle_state"),
-    "FourAxleStep": (".results", "_sequence"),
-    "TurnSequence": (".results", "_sequence"),
+    "FourAxle": (".pictures.above", "four_axle_figure"),
+    "FourAxleState": (".pictures.bars", "axle_bars"),
+    "FourAxleStep": (".pictures.bars", "sequence_bars"),
+    "TurnSequence": (".pictures.bars", "sequence_bars"),
     "FourAxleSimulation": (".four_axle", "four_axle_figure"),
-    "Drive": (".results", "_drive"),
-    "ControlledDrive": (".results", "_drive"),
+    "Drive": (".drive", "engine_figure"),
+    "ControlledDrive": (".drive", "engine_figure"),
     "Reckoned": (".log_odometry", "reckoning_figure"),
-    "list": (".results", "_several"),
+    "list": (".pictures.several", "list_figure"),
     "Wheel": (".pictures.above", "wheel_figure"),
     "TwistFit": (".pictures.above", "fit_figure"),
     "Mobility": (".pictures.above", "mobility_figure"),

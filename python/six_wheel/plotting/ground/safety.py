@@ -1,6 +1,7 @@
 """Picture of the poses in which a rover can stand, from above."""
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -44,3 +45,8 @@ def traverse_figure(
     found = 100 * float(known.mean()) if known.size else math.nan
     write_title(panels[0], title, f"{found:.1f} % of poses safe; grey: not known")
     return figure
+
+
+def traversed_figure(done: Any, *, title: str | None) -> Figure:
+    """A `Traversed` map."""
+    return traverse_figure(done.picture.safe, done.picture.tilt, done.extent, title)

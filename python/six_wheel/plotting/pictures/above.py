@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
+from numpy.typing import ArrayLike
 
-from six_wheel._core import Rover, exp
+from six_wheel._core import Limits, Rover, exp
 from six_wheel.kinematics.geometry import Twist
 from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
@@ -31,6 +32,7 @@ from six_wheel.plotting.drawing import (
     tidy,
     write_title,
 )  # fmt: skip
+from six_wheel.plotting.limits import limits_figure
 from six_wheel.plotting.twist import show_figure
 
 SIGMAS = 2.4477  # of the ellipse of 95 % in the plane
@@ -44,9 +46,20 @@ def typical_twist(rover: Rover) -> Twist:
     return Twist(*np.asarray(rover.project(wanted)).tolist())
 
 
-def rover_figure(rover: Rover, *, title: str | None) -> Figure:
-    """A rover on a left turn."""
-    return show_figure(rover, typical_twist(rover), title=title)
+def rover_figure(
+    rover: Rover, *, title: str | None, twist: ArrayLike | None = None, limits: Limits | None = None
+) -> Figure:
+    """A `Rover`: at a twist, that of a left turn without one; or its limits."""
+    if limits is None:
+        return show_figure(rover, typical_twist(rover) if twist is None else twist, title=title)
+    if twist is not None:
+        raise TypeError("a rover's picture takes twist= or limits=, got both")
+    return limits_figure(rover, limits, title=title)
+
+
+def four_axle_figure(car: Any, *, title: str | None) -> Figure:
+    """A `FourAxle`: its rover on a left turn."""
+    return rover_figure(car.rover, title=title)
 
 
 def _axes(rover: Rover, steering: Floats | None) -> tuple[Figure, Axes, float]:

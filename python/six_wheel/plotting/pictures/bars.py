@@ -23,6 +23,7 @@ from six_wheel.plotting.drawing import (
     tidy,
     write_title,
 )
+from six_wheel.plotting.four_axle import NAMES
 
 TWIST, COMPONENTS = ("vx", "vy", "omega"), ("vx", "vy", "vz", "wx", "wy", "wz")
 # Units of the quantities by which a twist is differentiated.
@@ -91,6 +92,21 @@ def named_bars(
     axes.tick_params(axis="y", labelsize=LABEL, labelcolor=INK)
     write_title(axes, title, below)
     return figure
+
+
+def axle_bars(state: Any, *, title: str | None) -> Figure:
+    """A `FourAxleState`: the angles of its axles, the brakes in words."""
+    angles = dict(zip(NAMES, state.steering, strict=True))
+    words = f"front {state.front_brake}, rear {state.rear_brake}"
+    return named_bars(angles, title=title, below=words, unit="axle angle [rad]")
+
+
+def sequence_bars(sequence: Any, *, title: str | None) -> Figure:
+    """A `TurnSequence` or `FourAxleStep`: the durations of its steps."""
+    steps = getattr(sequence, "steps", (sequence,))
+    bars = {f"{k + 1}. {step.action}": step.duration for k, step in enumerate(steps)}
+    words = getattr(sequence, "reason", "") or "steps and their durations"
+    return named_bars(bars, title=title, below=words, unit="duration [s]")
 
 
 def bounds_bars(found: Any, *, title: str | None) -> Figure:

@@ -8,6 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from six_wheel._core import integrate
+from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.logs.recordings import GroundTruth, Reference
 from six_wheel.plotting.drawing import (
     AXLE,
     CENTRE,
@@ -44,6 +46,16 @@ def truth_figure(truth: Any, *, title: str | None) -> Figure:
         axes, title, f"{len(truth)} poses in {truth.stamps[-1] - truth.stamps[0]:.1f} s; dark: the end"
     )
     return figure
+
+
+def track_figure(track: Track, *, title: str | None, truth: Reference | None = None) -> Figure:
+    """A `Track`: against its `truth` and with its uncertainty, as far as it has them."""
+    from six_wheel.log_odometry.tracks import of_track
+    from six_wheel.plotting.log_odometry import reckoning_figure
+
+    if track.covariances is None or track.residuals is None or len(track) < 2:
+        return truth_figure(GroundTruth(track.stamps, track.poses), title=title)
+    return reckoning_figure(of_track(track, truth), title=title)
 
 
 def log_figure(log: Any, *, title: str | None) -> Figure:

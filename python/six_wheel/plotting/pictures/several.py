@@ -21,7 +21,21 @@ from six_wheel.plotting.drawing import (
 )
 from six_wheel.plotting.pictures.fields import LEAST
 
+MOST = 6  # pictures below each other
 DENSITY = 200  # pixels an inch of a picture inside another
+
+
+def list_figure(results: Sequence[Any], *, title: str | None) -> Figure:
+    """Paths in one picture; other results one below the other, those of one kind at the same scales."""
+    from six_wheel.plotting.results import figure
+
+    if not results:
+        raise TypeError("a list must hold results that have pictures, got an empty one")
+    if all(path_of(one) is not None for one in results):
+        return paths_figure(results, title=title)
+    if len(results) > MOST:
+        raise TypeError(f"a list must hold at most {MOST} results, or paths, got {len(results)}")
+    return stacked([figure(one) for one in results], [type(one) for one in results], title=title)
 
 
 def path_of(result: Any) -> Any:
